@@ -20,7 +20,9 @@ pub fn built(atlas: &Atlas) -> Result<Vec<(&PlannedPart, PathBuf)>> {
     let paths: Vec<_> =
         atlas.plan.parts.iter().zip(archives).filter_map(|(part, path)| Some((part, path?.clone()))).collect();
     match paths.is_empty() {
-        true => Err(Error::input(&atlas.shown(), None, "has no part that is built", "build them: {part} all")),
+        true => {
+            Err(Error::input(&atlas.shown(), None, "has no part that is built", "{command:build} ATLAS {part} all"))
+        }
         false => Ok(paths),
     }
 }
@@ -63,7 +65,7 @@ pub fn info(atlas: &Atlas) -> Result<String> {
     if let Some(first) = missing.first() {
         let more = if missing.len() > NAMED { ", ..." } else { "" };
         let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
-        line("to build", format!("{}: {named}{more} ({{part}} {first})", missing.len()));
+        line("to build", format!("{}: {named}{more} ({{command:build}} ATLAS {{part}} {first})", missing.len()));
     }
     if let Some(seams) = &plan.seams {
         line("seams", seams.words());

@@ -40,7 +40,7 @@ pub fn check_square(archive: &Archive, part: &str, (low, high): (DVec2, DVec2), 
         return Ok(());
     }
     let what = format!("holds receivers that do not stand in the square of {part}");
-    let hint = format!("it is another part's: build this one again ({{part}} {part} {{fresh}})");
+    let hint = format!("it is another part's: {{command:build}} ATLAS {{part}} {part} {{fresh}}");
     Err(Error::input(archive.path(), None, what, hint))
 }
 
@@ -139,7 +139,7 @@ impl Atlas {
             let archive = |(_, state)| if let PartState::Built(archive) = state { Some(archive) } else { None };
             return Ok(parts.into_iter().filter_map(archive).collect());
         };
-        let hint = format!("build {first} first ({{part}} {first}), or take other parts with {{bbox}}");
+        let hint = format!("{{command:build}} {} {{part}} {first}, or others with {{bbox}}", self.shown().display());
         let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
         let verb = if missing.len() == 1 { "is" } else { "are" };
         let what = format!("{} of its parts {verb} not built yet: {named}", missing.len());

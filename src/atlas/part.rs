@@ -44,7 +44,7 @@ pub struct PartRequest<'a> {
 pub fn build_parts(place: &Path, request: &PartRequest, observer: &dyn Observer) -> Result<()> {
     if !is_address(place) && !is_atlas(place) {
         let what = format!("is no folder of an atlas: it holds no {FILE}");
-        return Err(Error::input(place, None, what, "make one with `heliotile partition`"));
+        return Err(Error::input(place, None, what, "make one with `{command:partition}`"));
     }
     let atlas = Atlas::open(place)?;
     let build = |part| PartBuild { request, atlas: &atlas, part, observer }.run();
@@ -116,7 +116,7 @@ impl PartBuild<'_> {
         if let Some(file) = plan.changed(&site)? {
             let what = "is another file than when the region was cut: other parts are of that one, or will be";
             if !request.fresh {
-                let hint = "make another atlas with `heliotile partition`, put the file of then back, or build the part all the same with {fresh}";
+                let hint = "make another atlas with `{command:partition}`, put the file of then back, or build the part all the same with {fresh}";
                 return Err(Error::input(&file, None, what, hint));
             }
             observer.warn(&format!("{}: {what}", file.display()));

@@ -42,7 +42,7 @@ pub fn partition(request: &PartitionRequest, observer: &dyn Observer) -> Result<
     let mut plan = AtlasPlan::new(CutRequest { scene, ..cut.clone() }, &surveyed)?;
     if plan.parts.is_empty() {
         let hint = "cover what there is with {on} ground, or {types} all";
-        return Err(Error::argument("SCENE", "no file has an object that receivers go on", hint));
+        return Err(Error::argument("on", "no file has an object that receivers go on", hint));
     }
     if cut.halo_m < NARROW_M {
         observer.warn(&format!("a halo of {} m leaves out neighbours that matter: 300 m is usual", cut.halo_m));

@@ -28,7 +28,7 @@ pub use heliotile_remote::places::ATLAS as FILE;
 const LAYOUT: u32 = 4;
 
 /// What to do about a plan that cannot be used.
-const AGAIN: &str = "make it again with `heliotile partition`";
+const AGAIN: &str = "make it again with `{command:partition}`";
 
 /// A region cut into parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -172,7 +172,7 @@ impl AtlasPlan {
         let folder = Directory::at(atlas);
         let found = if folder.is_remote() { folder.read(FILE, true)? } else { Some(input::read(&folder.join(FILE))?) };
         let nothing = || {
-            let hint = "give the folder that atlas.json lies in; `heliotile copy ATLAS ADDRESS` puts an atlas there";
+            let hint = "give the folder that atlas.json lies in; `{command:copy} ATLAS ADDRESS` puts an atlas there";
             Error::input(&shown(atlas), None, "holds no atlas.json: no atlas is there", hint)
         };
         AtlasPlan::of_file(&shown(&folder.join(FILE)), &found.ok_or_else(nothing)?)
@@ -191,7 +191,7 @@ impl AtlasPlan {
             return Err(Error::Unsupported {
                 what: format!("layout of {}", path.display()),
                 found: stated.heliotile_atlas.to_string(),
-                supported: format!("{LAYOUT} only: cut the region again with `heliotile partition`"),
+                supported: format!("{LAYOUT} only: cut the region again with `{{command:partition}}`"),
             });
         }
         let plan: AtlasPlan = serde_json::from_slice(bytes).map_err(|error| refuse(error.to_string()))?;

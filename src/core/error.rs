@@ -1,10 +1,11 @@
-//! The one error type of the crate: every message says what was being done, to which file, what was found, what to do.
+//! The one error type of the crate: every message says what was being done, to which file, what was found, what to do. It names fields of
+//! requests and commands in braces, as in `{every}` and `{command:verify}`; who shows it puts it into a user's words first ([`Error::in_words`]).
 
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::text::with_fields;
+use crate::text::{Named, Words, with_fields};
 
 /// Result of everything that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -58,6 +59,8 @@ pub enum Error {
         got: String,
         /// What stands there in a good archive.
         expected: String,
+        /// What to do.
+        hint: Box<str>,
     },
     /// What is read is another one than when it was opened; nothing of both was mixed.
     SourceChanged {
@@ -76,10 +79,12 @@ pub enum Error {
         field: &'static str,
         /// What does not hold.
         what: String,
+        /// What to do.
+        hint: Box<str>,
     },
-    /// An option or an argument has a value that cannot be used.
+    /// A field of a request has a value that cannot be used.
     Argument {
-        /// As the user writes it: `--set`.
+        /// The field, `set`, or several: `latitude, longitude`.
         argument: String,
         /// What is wrong with it.
         what: String,
@@ -117,37 +122,66 @@ impl Error {
         Error::Input { file: file.to_path_buf(), line: line.into(), what: what.into(), hint: hint.into() }
     }
 
-    /// A broken invariant of a block.
-    pub fn defect(path: &Path, block: impl Into<String>, field: &'static str, what: impl Into<String>) -> Self {
-        Error::Defect { path: path.to_path_buf(), block: block.into(), field, what: what.into() }
+    /// Bytes of a block, or of another part of an archive, that are not those that were written.
+    pub fn corrupt(
+        path: &Path,
+        block: impl Into<String>,
+        offset: u64,
+        got: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        let hint = format!(
+            "run `{{command:verify}} {}` for the full list, `{{command:repair}}`, or restore a copy",
+            path.display()
+        );
+        let (path, block, hint) = (path.to_path_buf(), block.into(), hint.into());
+        Error::Corrupt { path, block, offset, got: got.into(), expected: expected.into(), hint }
     }
 
-    /// A wrong value of an option or of an argument.
+    /// A broken invariant of a block.
+    pub fn defect(path: &Path, block: impl Into<String>, field: &'static str, what: impl Into<String>) -> Self {
+        let hint = format!(
+            "run `{{command:verify_deep}} {}`; if it finds nothing, report this defect with the archive's root",
+            path.display()
+        );
+        Error::Defect { path: path.to_path_buf(), block: block.into(), field, what: what.into(), hint: hint.into() }
+    }
+
+    /// A wrong value of a field of a request.
     pub fn argument(argument: impl Into<String>, what: impl Into<String>, hint: impl Into<String>) -> Self {
         Error::Argument { argument: argument.into(), what: what.into(), hint: hint.into() }
     }
 
-    /// The error with the names that a user knows: `name` gives that of each field of a request which its texts hold, as in `{every}`.
-    pub fn in_words(self, name: &dyn Fn(&str) -> String) -> Self {
-        let text = |text: String| with_fields(&text, name);
+    /// The error with the names that a user knows, of fields of requests and of commands, which its texts hold in braces, as in `{every}`.
+    pub fn in_words(self, words: &Words) -> Self {
+        let text = |text: String| with_fields(&text, words);
+        let field = |field: &str| words(Named::Field(field)).unwrap_or_else(|| field.to_owned());
         match self {
             Error::Input { file, line, what, hint } => Error::Input { file, line, what: text(what), hint: text(hint) },
             Error::Incomplete { partial, what, hint } => {
                 Error::Incomplete { partial, what: text(what), hint: text(hint) }
             }
             Error::Argument { argument, what, hint } => {
-                let argument = argument.split(", ").map(name).collect::<Vec<_>>().join(", ");
+                let argument = argument.split(", ").map(field).collect::<Vec<_>>().join(", ");
                 Error::Argument { argument, what: text(what), hint: text(hint) }
             }
             Error::Unsupported { what, found, supported } => {
                 Error::Unsupported { what: text(what), found, supported: text(supported) }
             }
             Error::Limit { what, value, max } => Error::Limit { what: text(what), value, max },
-            error @ (Error::Stopped { .. }
-            | Error::Io { .. }
-            | Error::Corrupt { .. }
-            | Error::SourceChanged { .. }
-            | Error::Defect { .. }) => error,
+            Error::Corrupt { path, block, offset, got, expected, hint } => {
+                Error::Corrupt { path, block, offset, got, expected, hint: with_fields(&hint, words).into() }
+            }
+            Error::Defect { path, block, field, what, hint } => {
+                Error::Defect { path, block, field, what, hint: with_fields(&hint, words).into() }
+            }
+            Error::Io { path, action, source } => {
+                let kind = source.kind();
+                // Who holds bytes from afar says more of them.
+                let source = source.downcast::<Error>().map(|inner| io::Error::new(kind, inner.in_words(words)));
+                Error::Io { path, action, source: source.unwrap_or_else(|source| source) }
+            }
+            error @ (Error::Stopped { .. } | Error::SourceChanged { .. }) => error,
         }
     }
 
@@ -187,23 +221,19 @@ impl fmt::Display for Error {
             Error::Incomplete { partial, what, hint } => write!(f, "{}: {what}\n  to fix: {hint}", partial.display()),
             Error::Stopped { what } => write!(f, "stopped {what}"),
             Error::Io { path, action, source } => write!(f, "cannot {action} {}: {source}", path.display()),
-            Error::Corrupt { path, block, offset, got, expected } => write!(
+            Error::Corrupt { path, block, offset, got, expected, hint } => write!(
                 f,
-                "{}: block {block} at byte {offset} is damaged: found {got}, expected {expected}\n  \
-                 to fix: run `heliotile verify {}` for the full list, `heliotile repair`, or restore a copy",
-                path.display(),
+                "{}: block {block} at byte {offset} is damaged: found {got}, expected {expected}\n  to fix: {hint}",
                 path.display()
             ),
             Error::SourceChanged { path, what } => write!(
                 f,
-                "{}: has changed while it was read: {what}\n  to fix: run the command again, it then reads the new one",
+                "{}: has changed while it was read: {what}\n  to fix: do it again, then the new one is read",
                 path.display()
             ),
-            Error::Defect { path, block, field, what } => write!(
+            Error::Defect { path, block, field, what, hint } => write!(
                 f,
-                "{}: block {block}, {field}: {what}: a fault of the program, or a file that was forged\n  \
-                 to fix: run `heliotile verify --deep {}`; if it finds nothing, report this defect with the archive's root",
-                path.display(),
+                "{}: block {block}, {field}: {what}: a fault of the program, or a file that was forged\n  to fix: {hint}",
                 path.display()
             ),
             Error::Argument { argument, what, hint } => write!(f, "{argument}: {what}\n  to fix: {hint}"),
@@ -230,13 +260,20 @@ impl std::error::Error for Error {
 mod tests {
     use super::*;
 
-    /// Both messages of two lines name what is wrong and what to do: a defect its file, block and field, an argument the option.
+    /// Both messages of two lines name what is wrong and what to do: a defect its file, block and field, an argument the field of the request;
+    /// the 3 names in them are said in the words of a face.
     #[test]
     fn messages() {
         let text = Error::defect(Path::new("a.helio"), "probes/3", "seen", "names no cell").to_string();
         assert!(text.starts_with("a.helio: block probes/3, seen: names no cell: a fault of the program"), "{text}");
-        assert_eq!((text.lines().count(), text.contains("verify --deep a.helio")), (2, true));
-        let text = Error::argument("--set", "hit is 3", "give a power of two from 8 to 256").to_string();
-        assert_eq!(text, "--set: hit is 3\n  to fix: give a power of two from 8 to 256");
+        assert_eq!((text.lines().count(), text.contains("{command:verify_deep} a.helio")), (2, true));
+        let error = Error::argument("set, sky", "hit is 3", "leave {set} out, see `{command:info}`");
+        let words = |named: Named| match named {
+            Named::Field("sky") => None,
+            Named::Field(field) => Some(format!("--{field}")),
+            Named::Command(command) => Some(format!("heliotile {command}")),
+        };
+        let text = error.in_words(&words).to_string();
+        assert_eq!(text, "--set, sky: hit is 3\n  to fix: leave --set out, see `heliotile info`");
     }
 }

@@ -2,6 +2,7 @@
 //! never prints.
 
 use crate::error::{Error, Result};
+use crate::text::{Named, with_fields};
 
 /// Who is told. All methods may be called from any thread.
 pub trait Observer: Sync {
@@ -22,6 +23,13 @@ pub trait Observer: Sync {
 
     /// What was done or is about to be done, in lines that end with a line break.
     fn report(&self, _text: &str) {}
+
+    /// A text that names fields of requests, as in `{every}`, in the words of whoever is told.
+    fn in_words(&self, text: &str) -> String {
+        with_fields(text, &|named| match named {
+            Named::Field(name) | Named::Command(name) => Some(name.to_owned()),
+        })
+    }
 
     /// Whether the work is to stop at the next place where it can go on later.
     fn cancelled(&self) -> bool {

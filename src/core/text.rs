@@ -54,16 +54,40 @@ pub fn separator_hint(header: &str) -> Option<&'static str> {
     }
 }
 
-/// A text that names fields of requests, as in `{every} month`, with the names that a user knows them by.
-pub fn with_fields(text: &str, name: &dyn Fn(&str) -> String) -> String {
+/// What a text names in braces, for each face to say in its own words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Named<'a> {
+    /// A field of a request, as in `{every} month`.
+    Field(&'a str),
+    /// A command on files, as in `{command:verify} site.helio`; behind an underscore stands what it is to do besides: `{command:verify_deep}`.
+    Command(&'a str),
+}
+
+impl<'a> Named<'a> {
+    fn of(text: &'a str) -> Option<Self> {
+        let is_name =
+            |name: &str| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'_');
+        match text.strip_prefix("command:") {
+            Some(command) => is_name(command).then_some(Named::Command(command)),
+            None => is_name(text).then_some(Named::Field(text)),
+        }
+    }
+}
+
+/// What a user knows a thing by; none if there is no such thing.
+pub type Words<'a> = dyn Fn(Named) -> Option<String> + 'a;
+
+/// A text that names fields of requests and commands, as in `{every} month`, with the names that a user knows them by. Braces around
+/// anything else stay.
+pub fn with_fields(text: &str, words: &Words) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
     while let Some((before, behind)) = rest.split_once('{') {
         out += before;
-        let field = behind.split_once('}').filter(|(field, _)| is_field(field));
-        match field {
-            Some((field, behind)) => {
-                out += &name(field);
+        let known = behind.split_once('}').and_then(|(named, behind)| Some((words(Named::of(named)?)?, behind)));
+        match known {
+            Some((words, behind)) => {
+                out += &words;
                 rest = behind;
             }
             None => {
@@ -73,10 +97,6 @@ pub fn with_fields(text: &str, name: &dyn Fn(&str) -> String) -> String {
         }
     }
     out + rest
-}
-
-fn is_field(text: &str) -> bool {
-    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'_')
 }
 
 #[cfg(test)]
@@ -123,11 +143,18 @@ mod tests {
         }
     }
 
-    /// Fields get the names of a user, 2 of 2; braces around anything else stay.
+    /// Fields and commands get the names of a user, 3 of 3; braces around what is no name, and around what nobody knows, stay.
     #[test]
     fn fields_in_texts() {
-        let option = |field: &str| format!("--{}", field.replace('_', "-"));
-        assert_eq!(with_fields("give {min_area} 0, or {every} month", &option), "give --min-area 0, or --every month");
-        assert_eq!(with_fields("found {\"a\": 1} and {", &option), "found {\"a\": 1} and {");
+        let words = |named: Named| match named {
+            Named::Field("nothing") => None,
+            Named::Field(field) => Some(format!("--{}", field.replace('_', "-"))),
+            Named::Command(command) => Some(format!("heliotile {command}")),
+        };
+        assert_eq!(with_fields("give {min_area} 0, or {every} month", &words), "give --min-area 0, or --every month");
+        assert_eq!(with_fields("run `{command:verify} a.helio`", &words), "run `heliotile verify a.helio`");
+        for text in ["found {\"a\": 1} and {", "a{nothing}.csv", "{command:} {a:b} {}"] {
+            assert_eq!(with_fields(text, &words), text);
+        }
     }
 }

@@ -103,7 +103,7 @@ fn how_to_bring(form: Form, version: &str) -> String {
              takes IDF only"
         ),
     };
-    format!("{way}; if EnergyPlus {VERSION} runs it as it is, give --assume-version {VERSION}")
+    format!("{way}; if EnergyPlus {VERSION} runs it as it is, give {{assume_version}} {VERSION}")
 }
 
 fn check_names(document: &Document) -> Result<()> {

@@ -3,6 +3,8 @@
 mod cli;
 mod commands;
 
+pub use cli::{command_of, option_of};
+
 use std::ffi::OsString;
 
 use heliotile_core::error::Error;

@@ -22,8 +22,8 @@ pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
         return Archive::of(shown(place), stored::hold(place, true)?);
     }
     if place.join(ATLAS).is_file() {
-        let hint = "name the site.helio of a part; Atlas.open in Python, query, replay, buildings, places, factors, info, verify, view, find and \
-                    catalogue (which makes a page) take all of it";
+        let hint = "name the site.helio of a part; a query, a replay, factors, buildings, places and a check are had of all of it, opened as an \
+                    atlas, and a page by `{command:catalogue}`";
         return Err(Error::input(place, None, "is an atlas, and one archive is taken here", hint));
     }
     let Some(pointer) = pointer_at(place) else { return Archive::open_with(place, access) };
@@ -72,7 +72,7 @@ pub fn require_file(place: &Path, why: &str) -> Result<()> {
     if !is_address(place) {
         return Ok(());
     }
-    let hint = format!("fetch it first: heliotile copy {} FILE", shown(place).display());
+    let hint = format!("fetch it first: {{command:copy}} {} FILE", shown(place).display());
     Err(Error::input(&shown(place), None, format!("is an address: {why}"), hint))
 }
 

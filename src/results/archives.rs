@@ -90,5 +90,5 @@ fn check_fit(first: &Archive, other: &Archive) -> Result<()> {
         () => return Ok(()),
     };
     let what = format!("was built with {what} than {}", first.path().display());
-    Err(Error::input(other.path(), None, what, "build the part again, with `heliotile build ATLAS --part K --fresh`"))
+    Err(Error::input(other.path(), None, what, "build the part again, with {part} K and {fresh}"))
 }

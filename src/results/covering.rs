@@ -207,14 +207,14 @@ pub fn cover_scene(scene: &Scene, soup: Soup, asked: &CoverRequest, observer: &d
         let what = format!("no receiver: {}", summary(&covered, scene));
         let hint = match (covered.chosen.is_empty(), covered.count(Lying::Inside)) {
             (true, _) => {
-                "lower --min-area, cover other surfaces with --on, or see with `heliotile info` whether the scene is in metres"
+                "lower {min_area}, cover other surfaces with {on}, or see with `{command:info}` whether the scene is in metres"
             }
-            (_, 0) => "cover other surfaces with --on: these all touch one another, or the ground",
+            (_, 0) => "cover other surfaces with {on}: these all touch one another, or the ground",
             _ => {
-                "see where the parts of the scene lie (`heliotile info` of each): one may be below the terrain, or in another unit"
+                "see where the parts of the scene lie (`{command:info}` of each): one may be below the terrain, or in another unit"
             }
         };
-        return Err(Error::argument("--on", what.trim_end(), hint));
+        return Err(Error::argument("on", what.trim_end(), hint));
     }
     Ok(covered)
 }
@@ -247,26 +247,26 @@ pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<String> {
 fn too_many(density: Density, points: f64, area_m2: f64, of: impl Fn(Density) -> f64) -> Error {
     let area = if area_m2 < 1e6 { format!("{area_m2:.0} m2") } else { format!("{:.1} km2", area_m2 / 1e6) };
     let limit = format!("on {area} of surfaces, and the limit is {:.0} million", MOST_POINTS / 1e6);
-    let unit = "; if the area is too large, the unit is not the metre: --scale 0.001 for millimetres";
+    let unit = "; if the area is too large, the unit is not the metre: {scale} 0.001 for millimetres";
     let spacing_m = match density {
         Density::Spacing(metres) => metres,
         Density::PerSurface(count) => {
             // At least one for each surface.
             let fewer = (f64::from(count) * MOST_POINTS / points).floor().max(1.0);
             let what = format!("{count} for each surface are {:.0} million receivers {limit}", points / 1e6);
-            let hint = format!("--per-surface {fewer:.0}, or fewer surfaces with --on{unit}");
-            return Error::argument("--per-surface", what, hint);
+            let hint = format!("{{per_surface}} {fewer:.0}, or fewer surfaces with {{on}}{unit}");
+            return Error::argument("per_surface", what, hint);
         }
     };
     let wider = wide_enough(spacing_m, points, |metres| of(Density::Spacing(metres)));
     let hint = match wider {
         Some((metres, count)) => {
-            format!("--spacing {metres}m would give {}, or cover less with --on{unit}", millions(count))
+            format!("{{spacing}} {metres}m would give {}, or cover less with {{on}}{unit}", millions(count))
         }
-        None => format!("cover fewer surfaces with --on{unit}"),
+        None => format!("cover fewer surfaces with {{on}}{unit}"),
     };
     let what = format!("{spacing_m} m would give {} receivers {limit}", millions(points));
-    Error::argument("--spacing", what, hint)
+    Error::argument("spacing", what, hint)
 }
 
 fn millions(count: f64) -> String {
@@ -325,7 +325,7 @@ impl Wanted {
                 (_, None, None) if is_part => wanted.missing = true,
                 (_, None, None) => {
                     let what = format!("there is no kind of surface and no material `{name}`");
-                    return Err(Error::argument("--on", what, choice(materials, surfaces)));
+                    return Err(Error::argument("on", what, choice(materials, surfaces)));
                 }
             }
         }
@@ -340,14 +340,14 @@ impl Wanted {
         if let Some(at) = wanted.types.iter().position(|name| unknown(&name)) {
             let what =
                 format!("the scene has no object of type `{}`", asked.types.get(at).map_or("", |name| name.trim()));
-            return Err(Error::argument("--types", what, choice(materials, surfaces)));
+            return Err(Error::argument("types", what, choice(materials, surfaces)));
         }
         if !of_type.any(|(surface, note)| wanted.asks(surface) && wanted.takes_object(surface, note)) {
             let what = match asked.on.as_slice() {
                 [] => "the scene has no roof, wall or window of a building".to_owned(),
                 names => format!("the scene has no surface of {}", names.join(", ")),
             };
-            return Err(Error::argument("--on", what, choice(materials, surfaces)));
+            return Err(Error::argument("on", what, choice(materials, surfaces)));
         }
         Ok(wanted)
     }
@@ -393,8 +393,11 @@ fn choice(materials: &[Material], surfaces: &Surfaces) -> String {
     let types: BTreeSet<&str> = surfaces.objects.iter().map(|(_, note)| note.object_type.as_str()).collect();
     let types: Vec<&str> = types.into_iter().filter(|name| !name.is_empty()).take(20).collect();
     let names: Vec<&str> = materials.iter().take(20).map(|material| material.name.as_str()).collect();
-    let types =
-        if types.is_empty() { String::new() } else { format!("types of objects (--types) are {}; ", types.join(", ")) };
+    let types = if types.is_empty() {
+        String::new()
+    } else {
+        format!("types of objects ({{types}}) are {}; ", types.join(", "))
+    };
     format!("there are surfaces of {}; {types}materials are {}", kinds.join(", "), names.join(", "))
 }
 
@@ -489,7 +492,7 @@ pub fn summary(covered: &Covered, scene: &Scene) -> String {
     }
     if covered.small.0 > 0 {
         line(format!(
-            "left out: {} of less than --min-area, {:.1} m2",
+            "left out: {} of less than {{min_area}}, {:.1} m2",
             counted(covered.small.0 as u64, "surface"),
             covered.small.1
         ));
@@ -497,7 +500,7 @@ pub fn summary(covered: &Covered, scene: &Scene) -> String {
     if !covered.beside.is_empty() {
         let types: Vec<&str> = covered.beside.keys().map(String::as_str).collect();
         let area: f64 = covered.beside.values().sum();
-        line(format!("left out: {area:.1} m2 of objects that are no buildings (--types {})", types.join(",")));
+        line(format!("left out: {area:.1} m2 of objects that are no buildings ({{types}} {})", types.join(",")));
     }
     if !scene.report.warnings.is_empty() {
         line(format!("{} above", counted(scene.report.warnings.len() as u64, "warning")));

@@ -21,8 +21,8 @@ pub fn no_longwave(columns: &ComponentList) -> Result<()> {
     }
     Err(Error::Unsupported {
         what: "column `longwave`".into(),
-        found: "`query`, whose conditions have no infrared radiation and no temperatures".into(),
-        supported: "it in `replay`, from a weather file".into(),
+        found: "conditions, which have no infrared radiation and no temperatures".into(),
+        supported: "it from a weather file".into(),
     })
 }
 
@@ -50,7 +50,7 @@ pub fn mean_ground(archive: &Archive, changes: &Changes) -> Result<Option<String
     }
     Ok(Some(format!(
         "`{}` reflects another share each month, and conditions have no date: the mean of the year counts, {} (or \
-         --reflectance ground=...)",
+         {{reflectance}} ground=...)",
         ground.material,
         rounded(ground.mean())
     )))
@@ -79,7 +79,7 @@ pub fn dated_rows(
     let years = || dated.dates.iter().map(|date| date.year);
     let (first, last) = (years().min().unwrap_or_default(), years().max().unwrap_or_default());
     let note = format!(
-        "{}: its months come from different years, {first} to {last}, and {labels}; --year, as in --year 2019, puts them into one",
+        "{}: its months come from different years, {first} to {last}, and {labels}; {{year}}, as in {{year}} 2019, puts them into one",
         file.display()
     );
     Ok((dated, Some(note)))

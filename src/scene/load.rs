@@ -260,7 +260,7 @@ impl Pile {
             snow_modifier: ground.snow_modifier,
         };
         report.notes.push(format!(
-            "ground: a plane at {lowest:.2} m that {}, {} (--no-ground: none)",
+            "ground: a plane at {lowest:.2} m that {}, {} ({{no_ground}}: none)",
             ground.words(),
             if ground.stated { format!("as {} says", file.display()) } else { "as EnergyPlus assumes".to_owned() }
         ));

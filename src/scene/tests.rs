@@ -163,7 +163,7 @@ fn assumed_material() {
     let scene = Scene::load(&folder.write("town.obj", &format!("{VERTICES}f 1 2 3 4\n")), None).expect("assumed");
     assert_eq!((scene.materials[0].diffuse, scene.report.warnings.len()), (0.2, 1));
     let found = &scene.report.warnings[0];
-    assert!(found.contains("`default` diffuse 0.2") && found.contains("--materials"), "{found}");
+    assert!(found.contains("`default` diffuse 0.2") && found.contains("{materials}"), "{found}");
 }
 
 /// Scenes of nothing but degenerate faces and files that are not there are refused by name.

@@ -338,7 +338,7 @@ fn refusals() {
         ("build atlas --part x0_y0 -o site.helio".into(), ["--part", "cannot be used with"]),
         ("build atlas --part 0 --quality fine".into(), ["--quality", "cannot be used with"]),
         (format!("build {model} --part 0"), ["no folder of an atlas", "partition"]),
-        (format!("replay atlas --weather {weather}"), ["4 of its parts are not built", "--part x1749_y10176"]),
+        (format!("replay atlas --weather {weather}"), ["4 of its parts are not built", "heliotile build atlas --part"]),
         (
             format!("replay atlas --weather {weather} --bbox 1,2,3,4"),
             ["no part of it", "coordinates of the scene files"],
@@ -368,14 +368,14 @@ fn refusals() {
     assert!(verified.status.code() == Some(1) && stdout(&verified).contains(beside), "{}", stdout(&verified));
     let plan = fs::read_to_string(folder.path("atlas/atlas.json")).expect("a plan");
     for (from, to, quoted) in [
-        ("\"heliotile_atlas\": 3", "\"heliotile_atlas\": 7", "found 7"),
+        ("\"heliotile_atlas\": 4", "\"heliotile_atlas\": 7", "found 7"),
         (
+            "\"heliotile_atlas\": 4",
             "\"heliotile_atlas\": 3",
-            "\"heliotile_atlas\": 2",
-            "found 2, this release supports 3 only: cut the region again",
+            "found 3, this release supports 4 only: cut the region again",
         ),
         ("\"part_size_m\": 45.0", "\"part_size_m\": -1", "a part of -1 m"),
-        ("\"quality\": \"draft\"", "\"quality\": \"best\"", "`best` is no rung"),
+        ("\"quality\": \"draft\"", "\"quality\": \"best\"", "unknown variant `best`"),
         ("\"name\": \"x1749_y10176\"", "\"name\": \"../x\"", "`../x` is no name"),
         ("\"parts\": [", "\"parts\": 5, \"x\": [", "atlas.json"),
     ] {

@@ -173,7 +173,7 @@ fn wrong_options() {
         folder.refused(&format!("{build} --memory={memory}"), &["--memory", found, "MiB, GiB, MB or GB, as in 512MiB"]);
     }
     for command in ["ls", "verify", "gc --keep 1GiB"] {
-        folder.refused(&format!("store {command} ."), &["is no store", "build --store"]);
+        folder.refused(&format!("store {command} ."), &["is no store", "a build with --store"]);
     }
     assert!(!folder.path("site.helio").exists());
 }

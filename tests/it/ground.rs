@@ -60,7 +60,8 @@ fn months_and_snow() {
     for name in ["down", "wall"] {
         folder.write(&format!("{name}.csv"), &format!("receiver\n{name}\n"));
     }
-    let days = std::fs::read_to_string(std::path::Path::new(crate::ROOT).join("tests/data/weather/golden_3_days.epw")).expect("weather");
+    let days = std::fs::read_to_string(std::path::Path::new(crate::ROOT).join("tests/data/weather/golden_3_days.epw"))
+        .expect("weather");
     let (mut snowy, mut expected) = (Vec::new(), 0.0);
     for line in days.lines() {
         let mut cells: Vec<&str> = line.split(',').collect();
@@ -86,7 +87,7 @@ fn months_and_snow() {
         lines.sort_unstable();
         lines.into_iter().map(row).collect()
     };
-    let built = stdout(&run("build m.idf -r r.csv -o m.helio"));
+    let built = stderr(&run("build m.idf -r r.csv -o m.helio"));
     assert!(built.contains("reflects 0 to 0.6 by month, times 0.5 under snow, as m.idf says"), "{built}");
     let found = totals("m.helio");
     let off = [(found[0] / expected - 1.0).abs(), (found[1] / (0.5 * expected) - 1.0).abs()];

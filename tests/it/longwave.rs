@@ -297,8 +297,10 @@ fn refusals() {
     let given = folder.run(&format!("{cold} --temperature ground=5 --temperature obstruction=5"));
     assert_eq!(given.status.code(), Some(0));
 
-    folder
-        .refused("query site.helio -c conditions.csv --columns longwave", &["`longwave`", "`replay`", "weather file"]);
+    folder.refused(
+        "query site.helio -c conditions.csv --columns longwave",
+        &["`longwave`", "found conditions", "weather file"],
+    );
     folder.write("short.csv", "temperature_c\n5\n");
     folder.write("kelvin.csv", &format!("temperature_c\n{}", "285.65\n".repeat(12)));
     folder.write("other.csv", &format!("reflectance\n{}", "0.5\n".repeat(12)));

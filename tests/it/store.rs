@@ -261,7 +261,7 @@ fn repairs_go_on() {
             command.args(["--surface", "roof"]);
         }
         let said = String::from_utf8_lossy(&command.output().expect("the program").stderr).into_owned();
-        assert!(said.contains("finish it with the `heliotile build`") && !said.contains("--fresh"), "{said}");
+        assert!(said.contains("finish it with the build that began it") && !said.contains("--fresh"), "{said}");
         fs::remove_file(site.path("other.helio.partial")).expect("removed");
     }
     interrupt("a.helio.repaired");

@@ -11,7 +11,8 @@ const ROWS: usize = 168;
 
 /// Samples of the reference, a float32 TIFF of whole strips, little-endian: its heights begin after the directory, one after the other.
 fn reference() -> Vec<f32> {
-    let bytes = std::fs::read(Path::new(crate::ROOT).join("tests/data/terrain/lakes_basin_sky_view.tif")).expect("the reference");
+    let bytes = std::fs::read(Path::new(crate::ROOT).join("tests/data/terrain/lakes_basin_sky_view.tif"))
+        .expect("the reference");
     let first = 483;
     bytes[first..first + 4 * COLUMNS * ROWS]
         .chunks_exact(4)

@@ -159,6 +159,145 @@ fn public_types_have_names_of_their_own() {
     assert!(homes.len() > 150, "only {} types found", homes.len());
 }
 
+/// Rooms whose messages the program, Python and the page show, each in its own words.
+const OF_ALL_FACES: [&str; 7] =
+    ["src/core", "src/scene", "src/builder", "src/remote", "src/results", "src/atlas", "src/energyplus"];
+
+/// A text in the code.
+struct Literal<'a> {
+    line: usize,
+    text: &'a str,
+    /// What stands before it.
+    before: &'a str,
+}
+
+impl Literal<'_> {
+    /// Whether braces in it are places of values, and doubled ones mean braces.
+    fn is_format(&self) -> bool {
+        let to = |c: char| c.is_alphanumeric() || "_.&*".contains(c);
+        let before = self.before.trim_end();
+        let start = before.strip_suffix(',').map_or(before, |written| written.trim_end_matches(to).trim_end());
+        start.ends_with("!(")
+    }
+
+    /// Names in braces, for each face to say in its own words: fields of requests, and `command:` with the name of one.
+    fn named(&self) -> impl Iterator<Item = &str> {
+        let (open, close) = if self.is_format() { ("{{", "}}") } else { ("{", "}") };
+        let names = self.text.split(open).skip(1).filter_map(move |behind| Some(behind.split_once(close)?.0));
+        names.filter(|name| !name.is_empty() && name.chars().all(|c| c.is_ascii_lowercase() || "_:".contains(c)))
+    }
+}
+
+/// The texts of a file, without those in comments.
+fn literals(code: &str) -> Vec<Literal<'_>> {
+    let (mut found, mut at) = (Vec::new(), 0);
+    let bytes = code.as_bytes();
+    while at < code.len() {
+        let rest = &code[at..];
+        let hashes = rest.strip_prefix('r').map_or(0, |raw| raw.len() - raw.trim_start_matches('#').len());
+        let end = if rest.starts_with("//") {
+            rest.find('\n')
+        } else if rest.starts_with("/*") {
+            rest.find("*/")
+        } else if hashes > 0 && rest[1 + hashes..].starts_with('"') {
+            rest[2 + hashes..].find(&format!("\"{}", "#".repeat(hashes))).map(|length| 2 + hashes + length + hashes)
+        } else if let Some(inside) = rest.strip_prefix('"') {
+            let mut escaped = false;
+            let ends = |c: char| {
+                let ends = c == '"' && !escaped;
+                escaped = c == '\\' && !escaped;
+                ends
+            };
+            inside.find(ends).map(|length| 1 + length)
+        } else if rest.starts_with('\'') && bytes.get(at + 1) == Some(&b'\\') {
+            rest[3..].find('\'').map(|length| 3 + length)
+        } else if rest.starts_with('\'') && rest.chars().nth(2) == Some('\'') {
+            Some(rest.chars().take(2).map(char::len_utf8).sum())
+        } else {
+            at += rest.chars().next().map_or(1, char::len_utf8);
+            continue;
+        };
+        let end = at + end.unwrap_or(rest.len() - 1) + 1;
+        let text = &code[at..end.min(code.len())];
+        if text.starts_with(['"', 'r']) {
+            found.push(Literal { line: code[..at].matches('\n').count() + 1, text, before: &code[..at] });
+        }
+        at = end;
+    }
+    found
+}
+
+/// Whether a text holds an option, as in `give --every month`.
+fn names_option(text: &str) -> bool {
+    let starts = text.match_indices("--").filter(|(at, _)| {
+        let apart = text[..*at].chars().next_back().is_none_or(|c| !c.is_alphanumeric() && c != '-');
+        apart && text[at + 2..].starts_with(|c: char| c.is_ascii_lowercase())
+    });
+    starts.count() > 0
+}
+
+/// Whether a text holds a command, as in `see heliotile info`; names of formats begin with the program's name.
+fn names_command(text: &str) -> bool {
+    let after = text.split("heliotile ").skip(1).zip(text.match_indices("heliotile "));
+    let mut words = after
+        .filter(|(_, (at, _))| *at > 1)
+        .map(|(behind, _)| behind.chars().take_while(char::is_ascii_lowercase).collect::<String>());
+    words.any(|word| heliotile_program::command_of(&word).is_some())
+}
+
+/// Messages of the library name fields of requests, and each face says what fills them: of over 3000 texts none holds an option or a command
+/// of the program, over 100 names in braces are those of options or commands, and over 10 refused arguments are fields.
+#[test]
+fn the_library_names_no_option() {
+    let (mut checked, mut names, mut arguments) = (0, 0, 0);
+    let root = Path::new(crate::ROOT);
+    for (path, text) in sources() {
+        let of_tests = path.file_stem().is_some_and(|name| name.to_string_lossy().contains("test"));
+        if of_tests || !OF_ALL_FACES.iter().any(|room| path.starts_with(root.join(room))) {
+            continue;
+        }
+        let shipped = text.split("mod tests {").next().unwrap_or_default();
+        for literal in literals(shipped) {
+            let at = || format!("{}:{}: {}", path.display(), literal.line, literal.text);
+            // Command lines of others.
+            let of_others =
+                ["cargo build", "`aws ", "\"--version\""].iter().any(|program| literal.text.contains(program));
+            assert!(of_others || !names_option(literal.text), "an option, name the field in braces: {}", at());
+            assert!(!names_command(literal.text), "a command, write {{command:name}}: {}", at());
+            for name in literal.named() {
+                let known = match name.strip_prefix("command:") {
+                    Some(command) => heliotile_program::command_of(command).is_some(),
+                    None => heliotile_program::option_of(name).is_some(),
+                };
+                assert!(known, "no option and no command is {name}: {}", at());
+                names += 1;
+            }
+            if literal.before.trim_end().ends_with("Error::argument(") {
+                let fields = literal.text.trim_matches('"').split(", ");
+                fields.for_each(|field| {
+                    assert!(heliotile_program::option_of(field).is_some(), "no option fills {field}: {}", at())
+                });
+                arguments += 1;
+            }
+            checked += 1;
+        }
+    }
+    assert!((checked, names, arguments) > (3000, 0, 0), "{checked} texts");
+    assert!(names > 100 && arguments > 10, "{names} names, {arguments} arguments");
+}
+
+/// The scanner of texts finds 4 of 4 among comments, quotes and letters, and tells an option and a command from what looks like them.
+#[test]
+fn texts_are_found() {
+    let code = "// \"no\"\nlet c = '\"'; /* \"no\" */ f('\\'', \"a \\\" b\");\nformat!(\"{a} {{every}}\");\nwrite!(f, \"{{on}}\"); &'a r#\"{year} \"x\"#";
+    let found = literals(code);
+    let texts: Vec<(usize, &str)> = found.iter().map(|literal| (literal.line, literal.text)).collect();
+    assert_eq!(texts, [(2, "\"a \\\" b\""), (3, "\"{a} {{every}}\""), (4, "\"{{on}}\""), (4, "r#\"{year} \"x\"#")]);
+    assert_eq!(found.iter().flat_map(Literal::named).collect::<Vec<_>>(), ["every", "on", "year"]);
+    assert!(names_option("\"give --every month\"") && names_option("\"--set\"") && !names_option("\"a -- b---c\""));
+    assert!(names_command("\"see `heliotile info`\"") && !names_command("\"heliotile receivers 1\""));
+}
+
 /// No file is longer than 600 lines, and the median is below 300.
 #[test]
 fn files_are_short() {

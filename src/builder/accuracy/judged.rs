@@ -147,7 +147,8 @@ impl<'a> JudgedSample<'a> {
             difference * difference - judged.error[TOTAL].powi(2)
         };
         let squares: f64 = self.means.iter().enumerate().map(yearly).sum();
-        let yearly = (squares / self.means.len().max(1) as f64).max(0.0).sqrt();
+        // Its noise is taken off, and may hide it; it is never below the bias, which has less noise.
+        let yearly = (squares / self.means.len().max(1) as f64).max(0.0).sqrt().max(found[TOTAL].bias_w_m2.value.abs());
         Accuracy {
             rmse_percent: in_percent(found[TOTAL].rmse_w_m2.value),
             bias_percent: in_percent(found[TOTAL].bias_w_m2.value),

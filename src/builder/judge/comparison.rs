@@ -128,7 +128,7 @@ pub fn deviation(pairs: &[Pair], suns: &[SunErrors], part: usize) -> Deviation {
 }
 
 /// RMSE of any difference of pairs, W/m2, from each pair's difference and the standard error of what the judge says. With `suns`, as
-/// [`deviation`] has them, it is one of light that holds all of [`OF_SUN`].
+/// [`deviation`] has them, it is one of light that holds all of `OF_SUN`.
 pub fn rmse_known(pairs: &[Pair], suns: &[SunErrors], difference: impl Fn(&Pair) -> (f64, f64)) -> Known {
     bias_and_rmse(pairs, suns, [true; OF_SUN.len()], difference, PARTS as u64)[1]
 }

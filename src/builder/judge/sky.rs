@@ -136,7 +136,7 @@ impl JudgedSky {
 fn check(model: SkyModel) -> Result<()> {
     if model.brightens() {
         let hint = "judge by perez, uniform or cie:N";
-        return Err(Error::argument("--sky", "has a band at the horizon that is infinitely narrow", hint));
+        return Err(Error::argument("sky", "has a band at the horizon that is infinitely narrow", hint));
     }
     Ok(())
 }

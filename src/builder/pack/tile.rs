@@ -41,7 +41,7 @@ pub fn responses(number: u32, responses: &[Response]) -> Result<EncodedBlock> {
     let raw = response::pack(responses).ok_or_else(|| Error::Unsupported {
         what: "writing responses".into(),
         found: "textures whose side is no multiple of 8".into(),
-        supported: "sides of 8, 16, ... texels: `--set probe=16`".into(),
+        supported: "sides of 8, 16, ... texels: {set} probe=16".into(),
     })?;
     layer(format::RESPONSE, number, responses.len(), &raw)
 }

@@ -115,14 +115,14 @@ impl Default for BuildSettings {
 
 /// A wrong value of a setting.
 fn wrong(what: String, hint: impl Into<String>) -> Error {
-    Error::argument("--set", what, hint)
+    Error::argument("set", what, hint)
 }
 
 impl BuildSettings {
     /// Sets one number by `name=value`, named as in the manifest.
     pub fn set(&mut self, text: &str) -> Result<()> {
         let Some((name, value)) = text.split_once('=') else {
-            return Err(wrong(format!("`{text}` is not NAME=VALUE"), "write it as in --set hit=16"));
+            return Err(wrong(format!("`{text}` is not NAME=VALUE"), "write it as in {set} hit=16"));
         };
         let name = name.trim();
         let number = value.trim().parse::<f64>().ok().filter(|v| v.is_finite() && *v >= 0.0);
@@ -220,7 +220,7 @@ mod tests {
         ] {
             let mut wrong = settings;
             let error = wrong.set(text).and_then(|()| wrong.check()).expect_err(text).to_string();
-            assert!(error.starts_with("--set: "), "{text}: {error}");
+            assert!(error.starts_with("set: "), "{text}: {error}");
         }
     }
 }

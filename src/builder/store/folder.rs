@@ -19,7 +19,7 @@ pub struct Folder {
 impl Folder {
     /// A folder that is a store: an empty one, or one with a folder of a scene.
     pub fn open(path: &Path) -> Result<Self> {
-        let refuse = |what: &str| Err(Error::input(path, None, what, "name a folder that `build --store` made"));
+        let refuse = |what: &str| Err(Error::input(path, None, what, "name a folder that a build with {store} made"));
         if !path.is_dir() {
             return refuse("is not a folder");
         }

@@ -64,7 +64,7 @@ impl<'a> ArchiveAssembly<'a> {
         };
         // It is written in one go, without checkpoints: the job only tells it from an interrupted build.
         let job = Job { scene: hash(b"scene"), receivers: hash(b"receivers"), settings: hash(b"settings") };
-        let advice = "finish it with the `heliotile build` that began it, remove it, or give the archive another name";
+        let advice = "finish it with the build that began it, remove it, or give the archive another name";
         let writer = Writer::create(path, &job).map_err(|error| error.advise(advice))?;
         Ok(ArchiveAssembly { observer, writer, receivers: 0, tiles: 0, cells: manifest::CellCounts::default() })
     }

@@ -182,7 +182,7 @@ fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Re
         listed(missing.len() as u64, thing, &names)
     );
     let hint =
-        format!("name {thing}s as `receivers.csv` does; `--surface` takes surfaces, `--object` objects and buildings");
+        format!("name {thing}s as `receivers.csv` does; {{surface}} takes surfaces, {{object}} objects and buildings");
     Err(Error::input(first(sites), None, found, hint))
 }
 

@@ -99,11 +99,11 @@ fn check_numbers(slot: &Slot, length: u64) -> std::result::Result<(), (String, S
 }
 
 fn not_an_archive(path: &Path, why: String) -> Error {
-    Error::input(path, None, format!("is not a heliotile archive: {why}"), "name a file that `heliotile build` wrote")
+    Error::input(path, None, format!("is not a heliotile archive: {why}"), "name a file that a build wrote")
 }
 
 fn corrupt(path: &Path, got: String, expected: String) -> Error {
-    Error::Corrupt { path: path.to_path_buf(), block: "header".to_string(), offset: 0, got, expected }
+    Error::corrupt(path, "header", 0, got, expected)
 }
 
 #[cfg(test)]

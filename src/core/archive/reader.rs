@@ -51,13 +51,8 @@ impl Archive {
         let slot = &header.slot;
         let directory = source.read(slot.directory_offset, slot.directory_length)?;
         let json = source.read(slot.manifest_offset, slot.manifest_length)?;
-        let corrupt = |part: &str, offset: u64, got: String, expected: String| Error::Corrupt {
-            path: path.to_path_buf(),
-            block: part.to_string(),
-            offset,
-            got,
-            expected,
-        };
+        let corrupt =
+            |part: &str, offset: u64, got: String, expected: String| Error::corrupt(path, part, offset, got, expected);
         let root = format::root_hash(&directory, &json);
         if root != slot.root {
             let (got, expected) = (format::hex(&root), format::hex(&slot.root));

@@ -1,7 +1,6 @@
 //! An archive's bytes with the name that messages give them. In: a path, or any [`ReadAt`]. Out: owned copies of ranges.
 
 #[cfg(any(unix, windows))]
-use crate::named::NamedValues;
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -14,6 +13,7 @@ use crate::archive::mapping::MappedFile;
 use crate::archive::read_at::OpenFile;
 use crate::archive::read_at::ReadAt;
 use crate::error::{Error, Result};
+use crate::named::NamedValues;
 
 /// How an archive is read from a file system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

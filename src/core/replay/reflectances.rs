@@ -161,12 +161,12 @@ impl Changes {
             if covers.iter().all(Option::is_none) {
                 warnings.push(match snow {
                     Snow::Depth if rows.iter().all(|row| row.snow_depth_cm.is_none()) => {
-                        "the weather file states no snow depth (TMY3 has none): --snow depth changes nothing".into()
+                        "the weather file states no snow depth (TMY3 has none): {snow} depth changes nothing".into()
                     }
                     Snow::Depth => {
-                        format!("the weather file never has {COVER_CM} cm of snow: --snow depth changes nothing")
+                        format!("the weather file never has {COVER_CM} cm of snow: {{snow}} depth changes nothing")
                     }
-                    Snow::Albedo => "the weather file has no albedo: --snow albedo changes nothing".into(),
+                    Snow::Albedo => "the weather file has no albedo: {snow} albedo changes nothing".into(),
                 });
             }
             let before = schedules.clone();
@@ -205,7 +205,7 @@ impl Changeable<'_> {
     fn opaque(&self, name: &str) -> Result<Vec<usize>> {
         let mut members = members(self.site, self.materials, name)?;
         members.retain(|&material| !self.is_canopy(material));
-        self.some(members, name, "is a canopy, which reflects nothing", "change its --transmittance")
+        self.some(members, name, "is a canopy, which reflects nothing", "change its {transmittance}")
     }
 
     /// Those of the materials of a name that let light through.

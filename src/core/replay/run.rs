@@ -151,7 +151,7 @@ impl<'a> Replay<'a> {
         let leaves = canopies::stored(site.materials());
         if !schedules.is_empty() && !site.settings().diffuse && leaves.is_empty() {
             let what = "was built without diffuse reflections: there is nothing whose reflectance could change";
-            return Err(Error::input(site.path(), None, what, "build it with `--effects all`"));
+            return Err(Error::input(site.path(), None, what, "build it with {effects} all"));
         }
         let behind = |forcing: Forcing, ways| match leaves.is_empty() {
             true => forcing,

@@ -128,7 +128,7 @@ impl Closure {
             };
             format!(
                 "GHI = DHI + DNI cos(z) fits best with the sun {} min {} mid-interval ({best_rmse_w_m2:.1} W/m2 RMSE against \
-                 {rmse_w_m2:.1} at mid-interval): {suspects} or time stamps look wrong. {done}; --shift {whole_shift}min puts \
+                 {rmse_w_m2:.1} at mid-interval): {suspects} or time stamps look wrong. {done}; {{shift}} {whole_shift}min puts \
                  the sun there, and so does{so_does} a longitude of {longitude:.1}",
                 shift_min.abs(),
                 if shift_min < 0.0 { "before" } else { "after" },

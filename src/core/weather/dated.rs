@@ -43,7 +43,7 @@ impl DatedRows {
         let taken = || rows.iter().zip(&chosen).filter_map(|(row, chosen)| chosen.then_some(row.date));
         if Years::of(taken()) == Years::Several {
             let what = format!("months of several years cannot all be put into {year}");
-            let hint = "choose the months of one year with --from and --to, or leave --year out";
+            let hint = "choose the months of one year with {from} and {to}, or leave {year} out";
             return Err(Error::input(file, None, what, hint));
         }
         let lost = taken().filter(|date| at(*date).is_none()).count();
@@ -66,7 +66,7 @@ impl DatedRows {
         chosen.iter_mut().zip(rows).for_each(|(chosen, row)| *chosen &= at(row.date).is_some());
         if !chosen.contains(&true) {
             let what = format!("nothing is left: it is all of 29 February, which {year} has not");
-            return Err(Error::input(file, None, what, "choose a leap year, or leave --year out"));
+            return Err(Error::input(file, None, what, "choose a leap year, or leave {year} out"));
         }
         let dates = moved.into_iter().map(|row| row.date).collect();
         Ok(DatedRows { chosen, dates, years: Years::One, warnings })

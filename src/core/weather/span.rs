@@ -106,7 +106,7 @@ impl Span {
         let has_year = [self.from, self.to].into_iter().flatten().any(|moment| moment.year.is_some());
         if has_year && Years::of(rows.iter().map(|row| row.date)) == Years::Typical {
             let what = format!("its months come from different years, {self} would take some of them only");
-            let hint = "give month and day alone, such as 03-01, or put them into one year with --year";
+            let hint = "give month and day alone, such as 03-01, or put them into one year with {year}";
             return Err(Error::input(file, None, what, hint));
         }
         let chosen: Vec<bool> = rows.iter().map(|row| self.contains(row)).collect();

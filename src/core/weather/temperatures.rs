@@ -90,15 +90,15 @@ pub fn emissions(
             let what = format!("horizontal infrared radiation is missing and cannot be computed without {}", {
                 air.lacks().join(" and ")
             });
-            let hint = "fill the column in (13; or 7, 8 and 24, from which it is computed), leave such rows out with --from and \
-                        --to, or leave out the column `longwave`";
+            let hint = "fill the column in (13; or 7, 8 and 24, from which it is computed), leave such rows out with {from} and \
+                        {to}, or leave out the column `longwave`";
             Error::input(file, row.line, what, hint)
         })?;
         let of_surface = |given: &Option<Vec<f64>>, name: &str| {
             let given = given.as_ref().and_then(|values| values.get(i)).copied();
             let celsius = given.or(air.dry_bulb_c).ok_or_else(|| {
                 let what = format!("dry bulb temperature is missing, which `longwave` takes for that of the {name}");
-                let hint = format!("fill in the column (7), or give a temperature, as in --temperature {name}=12.5");
+                let hint = format!("fill in the column (7), or give a temperature, as in {{temperature}} {name}=12.5");
                 Error::input(file, row.line, what, hint)
             })?;
             Ok(black_body_w_m2(celsius))

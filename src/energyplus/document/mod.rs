@@ -108,7 +108,7 @@ impl Document {
                     file,
                     None,
                     what,
-                    "give the model first, and what stands around it with --scene",
+                    "give the model first, and what stands around it with {scene}",
                 ));
             }
         };

@@ -75,7 +75,7 @@ impl Around {
 /// Surroundings far from the origin are in coordinates that the model does not share.
 fn refuse_far(task: &Task, scene: &Scene) -> Result<()> {
     let first = task.request.scene.first().cloned().unwrap_or_default();
-    let hint = "say where the model's origin lies in these coordinates, metres: --at E,N or --at E,N,Z";
+    let hint = "say where the model's origin lies in these coordinates, metres: {at} E,N or {at} E,N,Z";
     let middle = scene.mesh.origin;
     if let Some(place) = scene.place.filter(|place| place.epsg.is_some()) {
         let epsg = place.epsg.unwrap_or_default();
@@ -99,7 +99,7 @@ const OFF_THE_GROUND_M: f64 = 1.0;
 fn how_it_stands(origin: DVec3, soup: &Soup, materials: &[Material]) -> Option<String> {
     let (low, high) = soup.bounds();
     let (at, hint) =
-        (format!("the model's origin, {:.1} {:.1}", origin.x, origin.y), "--at E,N,Z says where it stands");
+        (format!("the model's origin, {:.1} {:.1}", origin.x, origin.y), "{at} E,N,Z says where it stands");
     let place = origin.truncate();
     if place.cmplt(low.truncate()).any() || place.cmpgt(high.truncate()).any() {
         return Some(format!(

@@ -216,6 +216,11 @@ impl Task<'_> {
         self.resources.observer.warn(text);
     }
 
+    /// Sentences of a report in the words of whoever is told.
+    fn worded(&self, sentences: &[String]) -> Vec<String> {
+        sentences.iter().map(|text| self.resources.observer.in_words(text)).collect()
+    }
+
     fn report(&self, text: &str) {
         self.resources.observer.report(text);
     }

@@ -28,7 +28,7 @@ pub fn report(told: &Told) -> Report {
             ("What was done".into(), vec![Block::List(done(told))]),
             ("Surfaces".into(), surfaces(told)),
             ("Not injected".into(), vec![left_out(told.targets)]),
-            ("What to know".into(), vec![Block::List(told.warnings.to_vec())]),
+            ("What to know".into(), vec![Block::List(told.task.worded(told.warnings))]),
         ],
     }
 }
@@ -39,12 +39,12 @@ pub fn physics_lines(physics: Physics) -> Vec<String> {
         Physics::Full => "all diffuse reflections, mirrors, the sky of Perez 1990",
         Physics::EnergyPlus => "one diffuse reflection and the mirrored sun of a uniform sky, as EnergyPlus has them",
     };
-    vec![format!("light: `--physics {}`: {light}", physics_name(physics))]
+    vec![format!("light: `{{physics}} {}`: {light}", physics_name(physics))]
 }
 
 fn done(told: &Told) -> Vec<String> {
     let grid = SunGrid::USUAL;
-    let mut list = physics_lines(told.task.request.physics);
+    let mut list = told.task.worded(&physics_lines(told.task.request.physics));
     list.extend([
         format!(
             "tables over the sun's azimuth in steps of {} and altitude in steps of {} degrees, for any weather, design day and time step",
@@ -70,7 +70,7 @@ fn done(told: &Told) -> Vec<String> {
             fine.azimuth_step_deg, fine.altitude_step_deg
         ));
     }
-    list.extend(told.changed.notes.iter().cloned());
+    list.extend(told.task.worded(&told.changed.notes));
     list
 }
 

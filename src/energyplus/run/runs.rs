@@ -30,23 +30,23 @@ impl Engine {
     /// Finds it, and asks it for its version.
     pub fn find(folder: Option<&Path>) -> Result<Engine> {
         let name = format!("energyplus{}", env::consts::EXE_SUFFIX);
-        let hint = "name the folder of EnergyPlus 25.2 with --energyplus DIR, or leave --run out";
+        let hint = "name the folder of EnergyPlus 25.2 with {energyplus} DIR, or leave {run} out";
         let program = match folder {
             Some(path) if path.is_file() => path.to_owned(),
             Some(folder) => folder.join(&name),
             None => {
                 let all = env::var_os("PATH").unwrap_or_default();
                 let found = env::split_paths(&all).map(|folder| folder.join(&name)).find(|path| path.is_file());
-                found.ok_or_else(|| Error::argument("--run", "there is no `energyplus` on the search path", hint))?
+                found.ok_or_else(|| Error::argument("run", "there is no `energyplus` on the search path", hint))?
             }
         };
         let asked = Command::new(&program).arg("--version").output();
         let asked = asked
-            .map_err(|error| Error::argument("--run", format!("{} does not run: {error}", program.display()), hint))?;
+            .map_err(|error| Error::argument("run", format!("{} does not run: {error}", program.display()), hint))?;
         let version = String::from_utf8_lossy(&asked.stdout).trim().to_owned();
         if !version.contains("25.2") {
             let what = format!("{} is not EnergyPlus 25.2 but `{version}`", program.display());
-            return Err(Error::argument("--run", what, hint));
+            return Err(Error::argument("run", what, hint));
         }
         Ok(Engine { program, version })
     }

@@ -128,6 +128,7 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
     let mut done = physics_lines(task.request.physics);
     done.extend(told(task, &deleted, steps, full.archive, &alone));
     done.extend(notes);
+    let done = task.worded(&done);
     let mut report = Report {
         title: format!(
             "{} without its surroundings",
@@ -137,7 +138,7 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
             ("What was done".into(), vec![Block::List(done)]),
             ("Surfaces".into(), surfaces(&lit)),
             ("Not injected".into(), vec![left_out(&targets)]),
-            ("What to know".into(), vec![Block::List(warnings)]),
+            ("What to know".into(), vec![Block::List(task.worded(&warnings))]),
         ],
     };
     if let (Some(engine), Some(weather_file)) = (&full.engine, &task.request.weather) {
@@ -317,7 +318,7 @@ fn told(task: &Task, deleted: &Deleted, steps: &Steps, archive: &Archive, alone:
         task.request.weather.as_deref().and_then(|path| path.file_name()).unwrap_or_default().to_string_lossy();
     let mut list = vec![
         format!(
-            "{} of the surroundings left the model, and what --scene names was traced and not added",
+            "{} of the surroundings left the model, and what {{scene}} names was traced and not added",
             counted(deleted.shades as u64, "shading surface")
         ),
         format!(

@@ -19,7 +19,9 @@ use clap::{Parser, Subcommand};
 
 pub use self::archives::{DiffArgs, ExtractArgs, InfoArgs, MergeArgs, RepairArgs, StoreArgs, StoreCommand, VerifyArgs};
 pub use self::copy::CopyArgs;
-pub use self::line::{CompletionsArgs, EverywhereArgs, ManArgs, again, parse, quoted, worded, worded_text};
+pub use self::line::{
+    CompletionsArgs, EverywhereArgs, ManArgs, again, command_of, option_of, parse, quoted, worded, worded_text,
+};
 pub use self::results::{
     BuildingsArgs, EnergyplusArgs, ExportArgs, FactorsArgs, PlacesArgs, PvArgs, QueryArgs, RecombineArgs, ReplayArgs,
     SiteArgs, TableArgs, ViewArgs, YearArgs,

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::{Outcome, say, scene, warn};
-use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs};
+use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs, worded, worded_text};
 use heliotile_atlas::{Atlas, about};
 use heliotile_builder::planning::tables::in_hours;
 use heliotile_builder::writing::guards::is_archive;
@@ -196,7 +196,7 @@ pub fn verify(args: &VerifyArgs) -> Result<Outcome> {
         if verify_one(&path, args)? == Outcome::ProblemFound {
             outcome = Outcome::ProblemFound;
         } else if let Err(error) = atlas.check_place(part, &open_archive(&path, args.io)?) {
-            say(&format!("{error}\n"))?;
+            say(&format!("{}\n", worded(error)))?;
             outcome = Outcome::ProblemFound;
         }
     }
@@ -207,7 +207,7 @@ fn verify_one(path: &Path, args: &VerifyArgs) -> Result<Outcome> {
     let report = verify_archive(path, args.io, args.deep)?;
     let mut out = String::new();
     for problem in &report.problems {
-        line!(out, "{} at byte {}: {}", problem.part, problem.offset, problem.reason);
+        line!(out, "{} at byte {}: {}", problem.part, problem.offset, worded_text(&problem.reason));
     }
     let (path, bad) = (shown(path), report.problems.len());
     let path = path.display();

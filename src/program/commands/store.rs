@@ -1,7 +1,7 @@
 //! The trace cache that `build --store` fills (`store ls|gc|verify`).
 
 use super::{Outcome, say};
-use crate::cli::{StoreArgs, StoreCommand};
+use crate::cli::{StoreArgs, StoreCommand, worded_text};
 use heliotile_builder::store::{Folder, Store};
 use heliotile_core::archive::{self, Access, Archive};
 use heliotile_core::error::Result;
@@ -65,7 +65,7 @@ fn verify(store: &dyn Store) -> Result<Outcome> {
             Err(error) => error.to_string(),
         };
         bad += 1;
-        text += &format!("{}: {found}\n", stored.path.display());
+        text += &format!("{}: {}\n", stored.path.display(), worded_text(&found));
     }
     say(&format!("{text}{} checked, {bad} bad\n", counted(all.len() as u64, "archive")))?;
     Ok(if bad == 0 { Outcome::Fine } else { Outcome::ProblemFound })

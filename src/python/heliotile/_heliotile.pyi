@@ -93,8 +93,7 @@ class ArchiveHandle:
     def write(
         self,
         light: dict[str, Any],
-        replay: dict[str, Any] | None,
-        conditions: dict[str, Any] | None,
+        forcing: dict[str, Any],
         receivers: Any,
         files: str,
         progress: Progress | None,

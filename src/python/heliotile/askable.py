@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from . import _heliotile
+from .given import wrong
 from .options import MEMORY, Progress, QueryOptions, ReplayOptions, Wanted, WantedArgs, check, conditions_source, light_args, replay_args, wanted_args
 from .results import Results
 
@@ -168,10 +169,10 @@ class Askable(ABC):
         files = {"output": os.fspath(output), "by": by, "geo": geo, "plots": [os.fspath(plot) for plot in plots]}
         files |= {name: os.fspath(path) for name, path in (("model", model), ("honeybee", honeybee)) if path is not None}
         wanted = wanted_args(options.get("receivers"))
-        replay = None if weather is None else replay_args(weather, options)
-        source = None if conditions is None else conditions_source(conditions)
-        opened = self._open(wanted)
-        return opened.write(light_args(options), replay, source, wanted, json.dumps(files), options.get("progress"))
+        if (weather is None) == (conditions is None):
+            raise wrong("weather, conditions", "one of them has to be given", "give weather, or conditions")
+        forcing = conditions_source(conditions) if weather is None else replay_args(weather, options)
+        return self._open(wanted).write(light_args(options), forcing, wanted, json.dumps(files), options.get("progress"))
 
     def buildings(
         self,

@@ -230,27 +230,18 @@ impl ArchiveHandle {
     }
 
     /// Irradiance into files: tables, maps, charts, a city model. What was done, where that is worth a sentence.
-    #[pyo3(signature = (light, replay, conditions, receivers, files, progress))]
+    #[pyo3(signature = (light, forcing, receivers, files, progress))]
     fn write(
         &self,
         py: Python<'_>,
         light: LightArgs,
-        replay: Option<ReplayArgs>,
-        conditions: Option<Source>,
+        forcing: Bound<'_, PyAny>,
         receivers: Option<Wanted>,
         files: &str,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Option<String>> {
         let files: FileRequest = request(files).map_err(|error| raised(py, error))?;
-        let forcing = match (replay, conditions) {
-            (Some(replay), None) => Forcing::Weather(Box::new(replay)),
-            (None, Some(conditions)) => Forcing::Conditions(conditions),
-            _ => {
-                let hint = "give weather, or conditions";
-                return Err(raised(py, Error::argument("weather, conditions", "one of them has to be given", hint)));
-            }
-        };
-        self.streamed(py, light, forcing, receivers, progress, |stream, asked| {
+        self.streamed(py, light, Forcing::of(&forcing)?, receivers, progress, |stream, asked| {
             files.check(asked.light().columns.as_ref(), stream.series.every, &[&self.place])?;
             files.write(stream, self.sources.borrowed(), &self.place)
         })

@@ -83,6 +83,16 @@ pub enum Forcing {
     Conditions(Source),
 }
 
+impl Forcing {
+    /// Choices of a replay, or a table of conditions.
+    pub fn of(given: &Bound<'_, PyAny>) -> PyResult<Self> {
+        match given.extract::<ReplayArgs>() {
+            Ok(replay) => Ok(Forcing::Weather(Box::new(replay))),
+            Err(_) => given.extract().map(Forcing::Conditions),
+        }
+    }
+}
+
 /// What is asked for.
 pub enum Request {
     Replay(Box<ReplayRequest>),

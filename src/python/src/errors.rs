@@ -3,10 +3,41 @@
 use pyo3::prelude::*;
 
 use heliotile_core::error::Error;
+use heliotile_core::text::{Named, with_fields};
+use heliotile_program::{command_of, option_of};
 
 /// The exception of an error.
 pub fn raised(py: Python<'_>, error: Error) -> PyErr {
-    exception(py, &error.in_words(&str::to_owned)).unwrap_or_else(|failed| failed)
+    exception(py, &error.in_words(&in_python)).unwrap_or_else(|failed| failed)
+}
+
+/// A text in the words of Python.
+pub fn worded_text(text: &str) -> String {
+    with_fields(text, &in_python)
+}
+
+/// Keywords of fields of requests, and the program where Python starts it.
+fn in_python(named: Named) -> Option<String> {
+    match named {
+        Named::Field(field) => option_of(field).map(|_| keyword(field).to_owned()),
+        Named::Command(command) => Some(format!("python -m heliotile {}", command_of(command)?)),
+    }
+}
+
+/// What Python calls a field of a request: as the command line does, but for these.
+fn keyword(field: &str) -> &str {
+    match field {
+        "from" => "start",
+        "to" => "end",
+        "weather_stamp" => "stamp",
+        "set" => "settings",
+        "surface" => "surfaces",
+        "object" => "objects",
+        "no_ground" => "ground=False",
+        "no_scene" => "with_scene=False",
+        "io" => "access",
+        field => field,
+    }
 }
 
 fn exception(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
@@ -41,14 +72,17 @@ fn exception(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
             made.setattr("hint", hint)?;
         }
         Error::Io { path, .. } | Error::SourceChanged { path, .. } => made.setattr("file", path)?,
-        Error::Corrupt { path, block, offset, .. } => {
+        Error::Corrupt { path, block, offset, hint, .. } => {
             made.setattr("file", path)?;
             made.setattr("block", block)?;
             made.setattr("offset", offset)?;
+            made.setattr("hint", &**hint)?;
         }
-        Error::Defect { path, block, .. } => {
+        Error::Defect { path, block, what, hint, .. } => {
             made.setattr("file", path)?;
             made.setattr("block", block)?;
+            made.setattr("what", what)?;
+            made.setattr("hint", &**hint)?;
         }
         Error::Stopped { .. } | Error::Unsupported { .. } | Error::Limit { .. } => {}
     }

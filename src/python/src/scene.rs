@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 
 use crate::archive::ArchiveHandle;
-use crate::errors::{raised, wrong};
+use crate::errors::{raised, worded_text, wrong};
 use crate::work;
 use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start, Workspace};
 use heliotile_builder::planning::{AccuracyRequest, BuildRequest};
@@ -156,7 +156,7 @@ impl SceneHandle {
     /// What was decided that nobody asked for.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.scene.report.notes.clone()
+        self.scene.report.notes.iter().map(|note| worded_text(note)).collect()
     }
 
     /// Writes the table of receivers on surfaces: their number, and what was covered in words.
@@ -174,7 +174,7 @@ impl SceneHandle {
             let (scene, soup) = Scene::load_with_objects(&self.site)?;
             let covered = cover_scene(&scene, soup, &request, watch)?;
             save(&output, &covered, request.offset_m)?;
-            Ok((covered.count(Lying::Free), summary(&covered, &scene)))
+            Ok((covered.count(Lying::Free), worded_text(&summary(&covered, &scene))))
         })
     }
 
@@ -193,7 +193,7 @@ impl SceneHandle {
             let given = Given::of(&receivers)?;
             let inputs = [given.user_file(), args.error_weather.as_deref()];
             if is_address(&args.output) {
-                let hint = "write a file, and then: heliotile copy FILE ADDRESS";
+                let hint = "write a file, and then: {command:copy} FILE ADDRESS";
                 return Err(Error::input(
                     &shown(&args.output),
                     None,

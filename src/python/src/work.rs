@@ -9,10 +9,9 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use crate::errors::raised;
+use crate::errors::{raised, worded_text};
 use heliotile_core::error::Result;
 use heliotile_core::observer::Observer;
-use heliotile_core::text::with_fields;
 
 /// How often signals and progress are looked at.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -83,11 +82,15 @@ impl Observer for Watch {
     }
 
     fn warn(&self, text: &str) {
-        locked(&self.told).warnings.push(with_fields(text, &str::to_owned));
+        locked(&self.told).warnings.push(worded_text(text));
     }
 
     fn note(&self, text: &str) {
         self.warn(text);
+    }
+
+    fn in_words(&self, text: &str) -> String {
+        worded_text(text)
     }
 
     fn cancelled(&self) -> bool {

@@ -127,7 +127,7 @@ def test_weather(site: heliotile.Archive) -> None:
         ({"temperature": {"ground": 10.0}}, "no column depends on it"),
         ({"receivers": ["nobody"]}, "does not hold 1 receiver: nobody"),
         ({"receivers": []}, "the list is empty"),
-        ({"receivers": "no.csv"}, "No such file"),
+        ({"receivers": Path("no.csv")}, "No such file"),
     ],
 )
 def test_choices(site: heliotile.Archive, choice: dict, text: str) -> None:
@@ -237,7 +237,7 @@ def test_builds(scene: heliotile.Scene, site: heliotile.Archive, tmp_path: Path)
 def test_scenes() -> None:
     """One coordinate without the other, and a system in degrees, are refused."""
     scene = DATA / "hague" / "scene.obj"
-    with pytest.raises(heliotile.ArgumentError, match="give both"):
+    with pytest.raises(heliotile.ArgumentError, match="belong together"):
         heliotile.Scene(scene, latitude=52)
     with pytest.raises(heliotile.ArgumentError, match="degrees"):
         heliotile.Scene(scene, crs=4326)

@@ -91,12 +91,12 @@ class Interrupted:
 
 def test_ctrl_c_stops_a_replay(block: heliotile.Archive) -> None:
     """Ctrl-C during a year of hours, 60 suns in each, is a KeyboardInterrupt with some of 20 tiles undone; the archive works afterwards."""
-    before = heliotile.tiles_computed()
+    before = heliotile._heliotile.tiles_computed()
     interrupted = Interrupted()
     with pytest.raises(KeyboardInterrupt):
         block.replay(YEAR, steps=60, columns=SPLIT, progress=interrupted)
     interrupted.thread.join()
-    assert heliotile.tiles_computed() - before < 20
+    assert heliotile._heliotile.tiles_computed() - before < 20
     assert (block.replay(DAYS, every="total")["total"] > 0).any()
 
 

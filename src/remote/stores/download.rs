@@ -41,7 +41,7 @@ pub fn download(file: &RemoteFile, to: &Path, replace: bool, came: impl Fn(u64))
                 file.name(),
                 None,
                 what,
-                "copy it again; if that finds the same, `heliotile verify` lists all",
+                "copy it again; if that finds the same, `{command:verify}` lists all",
             ));
         }
     }
@@ -49,7 +49,7 @@ pub fn download(file: &RemoteFile, to: &Path, replace: bool, came: impl Fn(u64))
     let persisted = if replace { partial.persist(to) } else { partial.persist_noclobber(to) };
     persisted.map(drop).map_err(|error| match error.error.kind() {
         std::io::ErrorKind::AlreadyExists => {
-            Error::input(to, None, "is there already", "give it another name, or replace it with --replace")
+            Error::input(to, None, "is there already", "give it another name, or replace it with {replace}")
         }
         _ => Error::io(to, "rename a copy to")(error.error),
     })

@@ -113,7 +113,7 @@ impl Failure {
             Cause::Missing => {
                 "is the address right? capitals count; that of an atlas is the folder that atlas.json lies in".into()
             }
-            Cause::Exists => "give it another name, or replace it with --replace".into(),
+            Cause::Exists => "give it another name, or replace it with {replace}".into(),
             Cause::Denied | Cause::Settings => format!("give the right to it: {variables}"),
             Cause::Elsewhere if address.scheme() == Scheme::S3 => "is AWS_REGION the region of the bucket?".into(),
             Cause::Elsewhere => "open the address in a browser: it may have moved, or want you to log in".into(),

@@ -201,7 +201,7 @@ pub fn runtime() -> Result<&'static Runtime> {
             .build()
             .map_err(|error| error.to_string())
     });
-    begun.as_ref().map_err(|error| {
-        Error::argument("--threads", format!("no thread can be started: {error}"), "end other programs")
-    })
+    begun
+        .as_ref()
+        .map_err(|error| Error::argument("threads", format!("no thread can be started: {error}"), "end other programs"))
 }

@@ -94,7 +94,7 @@ impl Groups {
             let column = by.name();
             let what = format!("{count} receivers have no {column}: {}{more}", homeless.join(", "));
             let hint =
-                format!("choose those that have one with --receivers, or build with names in the column `{column}`");
+                format!("choose those that have one with {{receivers}}, or build with names in the column `{column}`");
             return Err(Error::input(file, None, what, hint));
         }
         if let Some((name, some)) = found.iter().find(|(_, s)| s.with_area != 0 && s.with_area != s.receivers) {
@@ -196,8 +196,8 @@ impl GroupMeans {
             let (s, c) = (groups.names.len(), components.len());
             return Err(Error::Limit {
                 what: format!(
-                    "the memory of sums, in bytes, for {s} rows of names, {labels} rows of each and {c} columns (raise --memory, \
-                     take fewer --columns or a longer --every)"
+                    "the memory of sums, in bytes, for {s} rows of names, {labels} rows of each and {c} columns (raise {{memory}}, \
+                     take fewer {{columns}} or a longer {{every}})"
                 ),
                 value: bytes,
                 max: memory_bytes,

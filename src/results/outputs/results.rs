@@ -26,7 +26,7 @@ impl ResultFormat {
             (None, Some(Format::Parquet)) if geo => Ok(ResultFormat::Map(MapFormat::GeoParquet)),
             (None, Some(format)) if !geo => Ok(ResultFormat::Table(format)),
             (None, Some(_)) => Err(Error::argument(
-                "--geo",
+                "geo",
                 format!("`{}` is no map", path.display()),
                 "give it with a name that ends with .parquet",
             )),
@@ -36,7 +36,7 @@ impl ResultFormat {
                     what: "ending of the output file".into(),
                     found: format!("`{}`", path.display()),
                     supported: format!(
-                        "tables: {}; maps: {} and, with --geo, .parquet; pictures, with --plot: .png, .svg",
+                        "tables: {}; maps: {} and, with {{geo}}, .parquet; pictures, with {{plot}}: .png, .svg",
                         Format::listed(),
                         maps.join(", ")
                     ),

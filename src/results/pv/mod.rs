@@ -105,7 +105,9 @@ enum Wanted {
 
 impl Default for PvRequest {
     fn default() -> Self {
-        PvRequest { points: None, ..PvRequest::of(SceneRequest::default(), "", "", "") }
+        let mut request = PvRequest::of(SceneRequest::default(), "", "", "");
+        request.points = None;
+        request
     }
 }
 

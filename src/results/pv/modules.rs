@@ -49,7 +49,7 @@ impl LaidRows {
                     Ok(surface) => Outline::of_surface(surface),
                     Err(near) => {
                         let what = format!("the scene has no surface `{name}`");
-                        let hint = format!("name one that `heliotile receivers` lists, such as {}", near.join(", "));
+                        let hint = format!("name one that `{{command:receivers}}` lists, such as {}", near.join(", "));
                         return Err(Error::input(file, None, what, hint));
                     }
                 },

@@ -154,7 +154,7 @@ impl GeoKeys {
         if self.get(PROJECTED_SYSTEM) == Some(USER_DEFINED) && self.system().is_none() {
             warnings.push(format!(
                 "{file}: defines a coordinate system of its own, whose number in the EPSG register is not known here; the place stays \
-                 unknown: give --crs"
+                 unknown: give {{crs}}"
             ));
         }
         for (key, known, what) in

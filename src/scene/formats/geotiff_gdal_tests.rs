@@ -117,7 +117,7 @@ fn feet_meet_in_new_york() {
         let scene = load(&["dem_2263_ft_nounit.tif"], SiteFrame { epsg, ..SiteFrame::default() }).expect("a scene");
         assert!((scene.place.expect("New York").latitude_deg - 40.743).abs() < 0.001);
         let said = scene.report.warnings.iter().find(|said| said.contains("states no unit of its heights"));
-        assert!(said.is_some_and(|said| said.contains("give --scale 0.3048006")), "{:?}", scene.report.warnings);
+        assert!(said.is_some_and(|said| said.contains("give {scale} 0.3048006")), "{:?}", scene.report.warnings);
     }
 }
 

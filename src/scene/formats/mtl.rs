@@ -167,7 +167,7 @@ fn mean_of_channels(file: &Path, line: usize, keyword: &str, text: &[u8]) -> Res
         [Some(r), Some(g), Some(b), ..] if [r, g, b].iter().all(|c| (0.0..=1.0).contains(*c)) => (r + g + b, 3.0),
         _ => {
             let what = format!("`{keyword}` is `{}`, not three numbers from 0 to 1", excerpt(text));
-            let hint = format!("write `{keyword} r g b`, or give reflectances in materials.toml (--materials)");
+            let hint = format!("write `{keyword} r g b`, or give reflectances in materials.toml ({{materials}})");
             return Err(Error::input(file, line, what, hint));
         }
     };

@@ -97,7 +97,7 @@ pub(super) fn complete(
         Some(Axes::Degrees) => return Err(degrees(raster, &why)),
         Some(Axes::Geocentric) => return Err(geocentric(raster, &why)),
         Some(Axes::Plane) if system.epsg.is_none() => warnings.push(format!(
-            "{shown}: the number of `{}` in the EPSG register is not known here; the place stays unknown: give --crs",
+            "{shown}: the number of `{}` in the EPSG register is not known here; the place stays unknown: give {{crs}}",
             system.name
         )),
         _ => {}

@@ -57,8 +57,8 @@ pub(crate) fn warning(positions: &[DVec3], triangles: &[RawTriangle], objects: &
         _ => String::new(),
     };
     format!(
-        "the scene has no ground: a plane that reflects {USUAL} is assumed at its lowest point, {:.2} m{slope} (--no-ground: none; \
-         [endless_ground] in --materials: another)",
+        "the scene has no ground: a plane that reflects {USUAL} is assumed at its lowest point, {:.2} m{slope} ({{no_ground}}: none; \
+         [endless_ground] in {{materials}}: another)",
         plane_m + BELOW_M
     )
 }
@@ -87,6 +87,6 @@ mod tests {
             "{}",
             town(1.0)
         );
-        assert!(town(0.5).contains("0.00 m (--no-ground: none; "), "{}", town(0.5));
+        assert!(town(0.5).contains("0.00 m ({no_ground}: none; "), "{}", town(0.5));
     }
 }

@@ -53,7 +53,7 @@ fn scenes_without_ground() {
         said[0]
             .starts_with("the scene has no ground: a plane that reflects 0.2 is assumed at its lowest point, 2.00 m")
     );
-    assert!(said[0].contains("--no-ground") && said[0].contains("[endless_ground]"), "{}", said[0]);
+    assert!(said[0].contains("{no_ground}") && said[0].contains("[endless_ground]"), "{}", said[0]);
     assert!(scene.report.assumed.contains(&"endless_ground".to_owned()));
 
     let around = folder.write("lawn.obj", &format!("{BOX}{LAWN}"));

@@ -32,7 +32,7 @@ pub(crate) fn is_white(mean: f64) -> bool {
 pub(crate) fn undescribed(file: &Path, names: &[String], why: &str) -> Option<String> {
     let (first, file) = (excerpt(names.first()?.as_bytes()), file.display());
     Some(format!(
-        "{file}: {} (`{first}` is the first) {why}: the usual reflectance of the name counts; --materials materials.toml states another",
+        "{file}: {} (`{first}` is the first) {why}: the usual reflectance of the name counts; a materials.toml ({{materials}}) states another",
         counted(names.len() as u64, "material")
     ))
 }

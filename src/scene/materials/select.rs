@@ -56,7 +56,7 @@ pub(crate) fn select(
             what += &format!("; {} more are missing: {}{more}", others.len(), names.join(", "));
         }
         let mut hint = format!(
-            "add to materials.toml, given with --materials: {} and below it: diffuse = 0.2",
+            "add to materials.toml, given with {{materials}}: {} and below it: diffuse = 0.2",
             table_header(&first.name)
         );
         let alike = first.name.to_lowercase();

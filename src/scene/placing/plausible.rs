@@ -84,7 +84,7 @@ fn unit(extents: &[Extent]) -> Option<String> {
     let tall = solid().find_map(|extent| Some((extent, extent.walls.median_m().filter(|tall| *tall > most)?)));
     if let Some((extent, tall)) = tall {
         let (unit, scale) = if tall > MILLIMETRES_FROM { ("millimetres", 0.001) } else { ("centimetres", 0.01) };
-        let give = if several { "scale = ".to_owned() } else { "--scale ".to_owned() };
+        let give = if several { "scale = ".to_owned() } else { "{scale} ".to_owned() };
         let whose = if several { " in its [[scene]] of a site.toml" } else { "" };
         return Some(format!(
             "{}: walls are about {tall:.0} m high{}, {:.1} m if the file is in {unit}: then give {give}{}{whose} ({} for inches)",
@@ -105,7 +105,7 @@ fn unit(extents: &[Extent]) -> Option<String> {
             "{}: walls are about {tall:.0} m high and wider than that{}: if it is centimetres, give {}{}{}",
             extent.file.display(),
             told(extent),
-            if several { "scale = " } else { "--scale " },
+            if several { "scale = " } else { "{scale} " },
             0.01 * extent.scale,
             if several { " in its [[scene]] of a site.toml" } else { "" }
         ));
@@ -113,13 +113,13 @@ fn unit(extents: &[Extent]) -> Option<String> {
     let told = told(first);
     if high > TALLEST_M && high > STEEPEST * wide {
         return Some(format!(
-            "{file}: the geometry is {high:.0} m high and {wide:.0} m wide{told}: if the file is in millimetres give --scale {}",
+            "{file}: the geometry is {high:.0} m high and {wide:.0} m wide{told}: if the file is in millimetres give {{scale}} {}",
             0.001 * first.scale
         ));
     }
     (size.max_element() < SMALLEST_M).then(|| {
         format!(
-            "{file}: the geometry is {:.4} m wide and {high:.4} m high{told}: if the file is in kilometres give --scale {}, or leave the \
+            "{file}: the geometry is {:.4} m wide and {high:.4} m high{told}: if the file is in kilometres give {{scale}} {}, or leave the \
              scale out",
             wide,
             1000.0 * first.scale
@@ -218,7 +218,7 @@ fn above_or_below(extents: &[Extent]) -> Option<String> {
             };
             Some(format!(
                 "{} ({:.0} to {:.0} m high) lies wholly {words} point of {} ({lifts:.0} m): if its heights are not above sea level say \
-                 where its z = 0 is with --elevation, or elevation_m in site.toml",
+                 where its z = 0 is with {{elevation}}, or elevation_m in site.toml",
                 extent.file.display(),
                 low.z,
                 high.z,

@@ -65,9 +65,9 @@ fn units() {
     assert_eq!(folder.said(&["m.obj"], &plain), [""; 0]);
     one(
         &folder.said(&["mm.obj"], &plain),
-        &["mm.obj: walls are", "millimetres: then give --scale 0.001 (0.0254 for inches)"],
+        &["mm.obj: walls are", "millimetres: then give {scale} 0.001 (0.0254 for inches)"],
     );
-    one(&folder.said(&["cm.obj"], &plain), &["cm.obj: walls are", "centimetres: then give --scale 0.01 "]);
+    one(&folder.said(&["cm.obj"], &plain), &["cm.obj: walls are", "centimetres: then give {scale} 0.01 "]);
     for (name, scale) in [("mm.obj", 0.001), ("cm.obj", 0.01)] {
         let scene = folder.load(&[name], &SiteFrame { scale: Some(scale), ..plain }).expect("a scene");
         let (low, high) = scene.mesh.bounds();
@@ -111,7 +111,7 @@ fn one_storey_in_centimetres() {
     ]);
     let plain = SiteFrame::default();
     for name in ["storey.obj", "low.obj"] {
-        one(&folder.said(&[name], &plain), &[name, "if it is centimetres, give --scale 0.01"]);
+        one(&folder.said(&[name], &plain), &[name, "if it is centimetres, give {scale} 0.01"]);
     }
     for name in ["towers.obj", "hall.obj", "dam.obj"] {
         assert_eq!(folder.said(&[name], &plain), [""; 0], "{name}");
@@ -161,7 +161,7 @@ fn far_parts() {
     .expect("written");
     one(
         &folder.said(&["site.toml"], &plain),
-        &["(0 to 6 m high) lies wholly below the lowest point of", "--elevation"],
+        &["(0 to 6 m high) lies wholly below the lowest point of", "{elevation}"],
     );
     let lifted = SiteFrame { elevation_m: Some(525.0), ..plain };
     assert_eq!(folder.said(&["site.toml"], &lifted), [""; 0]);
@@ -221,12 +221,12 @@ fn frames() {
     assert_eq!(place(&["a.obj"], &there).convergence_deg, 0.0);
     let nowhere = SiteFrame { rotate_deg: Some(10.0), ..plain };
     let error = folder.load(&["a.obj"], &nowhere).expect_err("no place").to_string();
-    assert!(error.contains("--rotate-deg") && error.contains("give --latitude and --longitude as well"), "{error}");
+    assert!(error.contains("rotate_deg") && error.contains("give {latitude} and {longitude} as well"), "{error}");
     let york = Folder::with(&[("york.obj", house(3.28, [998_114.0, 194_309.3, 0.0]))]);
     let feet = SiteFrame { epsg: Some(2263), ..plain };
     one(
         &york.said(&["york.obj"], &feet),
-        &["coordinates of EPSG:2263 are in units of 0.3048006 m", "give --scale 0.3048006"],
+        &["coordinates of EPSG:2263 are in units of 0.3048006 m", "give {scale} 0.3048006"],
     );
     let scaled = SiteFrame { scale: Some(0.3048006), ..feet };
     assert_eq!(york.said(&["york.obj"], &scaled), [""; 0]);

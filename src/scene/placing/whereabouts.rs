@@ -40,8 +40,8 @@ pub(crate) fn place_of(extents: &[Extent], frame: &SiteFrame, report: &mut LoadR
     if let Some(turn_deg) = frame.rotate_deg.filter(|turn| *turn != 0.0) {
         let Some(place) = &mut place else {
             let what = format!("the model is turned by {turn_deg} degrees, and nothing says where it lies");
-            let hint = "give --latitude and --longitude as well (those of the weather file do), or --crs";
-            return Err(Error::argument("--rotate-deg", what, hint));
+            let hint = "give {latitude} and {longitude} as well (those of the weather file do), or {crs}";
+            return Err(Error::argument("rotate_deg", what, hint));
         };
         let y_deg = place.convergence_deg + turn_deg;
         // Into -180..180, and as it stands where it is there.
@@ -80,7 +80,7 @@ fn of_system(extents: &[Extent], system: Reference, report: &mut LoadReport) -> 
             return Ok(place);
         }
         let what = format!("the coordinates are metres, and the unit of {system} is {:.7} m", system.unit_m());
-        return Err(Error::argument("--crs", what, "give the system that the coordinates of the scene are in"));
+        return Err(Error::argument("crs", what, "give the system that the coordinates of the scene are in"));
     };
     let unit = first.unit_of(system);
     let in_system = |extent: &Extent| extent.bounds.map(|corner| corner / extent.unit_of(system));
@@ -93,7 +93,7 @@ fn of_system(extents: &[Extent], system: Reference, report: &mut LoadReport) -> 
         Err(_) => {
             let what = format!("{system} has no point {:.1} {:.1}, the middle of the scene", at.x, at.y);
             Err(Error::argument(
-                "--crs",
+                "crs",
                 what,
                 "give the system that the coordinates of the scene are in, and their unit",
             ))
@@ -131,7 +131,7 @@ fn of_files(extents: &[Extent], report: &mut LoadReport) -> Option<Place> {
         Err(_) => {
             report.warnings.push(format!(
                 "{first_file}: where {reference} lies is not known here, so weather is not compared with the scene's place and y \
-                 is taken for north: give --crs with a system in metres, or --latitude and --longitude"
+                 is taken for north: give {{crs}} with a system in metres, or {{latitude}} and {{longitude}}"
             ));
             None
         }
@@ -147,7 +147,7 @@ fn stretched(system: Reference, unit: f64, length: f64, place: &Place) -> Option
     let foot = system.unit_m();
     if foot != 1.0 && unit == 1.0 {
         return Some(format!(
-            "coordinates of {system} are in units of {foot:.7} m, and scenes are read in metres: give --scale {foot:.7} (in site.toml \
+            "coordinates of {system} are in units of {foot:.7} m, and scenes are read in metres: give {{scale}} {foot:.7} (in site.toml \
              scale = {foot:.7})"
         ));
     }

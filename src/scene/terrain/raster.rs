@@ -234,7 +234,7 @@ impl Raster {
             self.warnings.push(match scale {
                 Some(scale) => format!("{file}: states no unit of its heights; read in units of {scale:.7} m, as the scale says"),
                 None => format!(
-                    "{file}: states no unit of its heights, read in metres: if they are feet as its coordinates, give --scale {unit:.7}"
+                    "{file}: states no unit of its heights, read in metres: if they are feet as its coordinates, give {{scale}} {unit:.7}"
                 ),
             });
         }

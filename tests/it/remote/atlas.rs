@@ -117,7 +117,7 @@ fn built_in_a_store() {
     let there = || store.names().into_iter().filter(|name| name.starts_with("bucket/atlas/")).collect::<Vec<_>>();
     assert_eq!(there(), ["bucket/atlas/atlas.json"]);
     let replay = "replay s3://bucket/atlas --weather w.epw --every total";
-    said(replay, 2, &["4 of its parts are not built yet", "--part x1749_y10176"]);
+    said(replay, 2, &["4 of its parts are not built yet", "heliotile build s3://bucket/atlas --part x1749_y10176"]);
     said("build s3://bucket/atlas --part 9", 2, &["s3://bucket/atlas has no part `9`"]);
     said("build s3://bucket/atlas --part x1749_y10176", 0, &["atlas/parts/x1749_y10176/site.helio: 0."]);
     said("build s3://bucket/atlas --part all", 0, &["x1749_y10176: is there, nothing is traced again (--fresh"]);
@@ -246,10 +246,7 @@ fn what_cannot_be_asked() {
     store.remove(site);
     refused(
         &replay("s3://bucket/atlas"),
-        &[
-            "s3://bucket/atlas: 1 of its parts is not built yet: x1749_y10177",
-            "--part x1749_y10177",
-        ],
+        &["s3://bucket/atlas: 1 of its parts is not built yet: x1749_y10177", "--part x1749_y10177"],
     );
     let boxed = run(&folder, &store, &(replay("s3://bucket/atlas") + &format!(" --bbox {BOX}")));
     assert!(boxed.status.success(), "{}", stderr(&boxed));
@@ -274,7 +271,7 @@ fn what_cannot_be_asked() {
     let plan = store.get("bucket/atlas/atlas.json").expect("a plan");
     let text = String::from_utf8(plan.clone()).expect("text");
     for (from, to, part) in [
-        ("\"heliotile_atlas\": 3", "\"heliotile_atlas\": 9", "layout of s3://bucket/atlas/atlas.json: found 9"),
+        ("\"heliotile_atlas\": 4", "\"heliotile_atlas\": 9", "layout of s3://bucket/atlas/atlas.json: found 9"),
         ("{", "<html>", "s3://bucket/atlas/atlas.json: is no plan of an atlas"),
     ] {
         store.put("bucket/atlas/atlas.json", text.replacen(from, to, 1).into_bytes());

@@ -165,13 +165,7 @@ fn check_frame(stored: &[u8], length: usize) -> std::result::Result<(), (String,
 
 /// Damage of one block.
 pub fn corrupt(path: &Path, entry: &Entry, got: impl Into<String>, expected: impl Into<String>) -> Error {
-    Error::Corrupt {
-        path: path.to_path_buf(),
-        block: entry.name(),
-        offset: entry.offset,
-        got: got.into(),
-        expected: expected.into(),
-    }
+    Error::corrupt(path, entry.name(), entry.offset, got, expected)
 }
 
 #[cfg(all(test, feature = "zstd"))]

@@ -51,7 +51,7 @@ impl<'a> Moments<'a> {
         let mut powers = stored(site.materials());
         if !schedules.is_empty() && !diffuse && powers.is_empty() {
             let what = "was built without diffuse reflections: there is nothing whose reflectance could change";
-            return Err(Error::input(site.path(), None, what, "build it with `--effects all`"));
+            return Err(Error::input(site.path(), None, what, "build it with {effects} all"));
         }
         let mirrors = (!site.orientations().is_empty()).then(|| MirrorTable::of(site));
         let mut responder = None;

@@ -113,7 +113,7 @@ impl StampedRows {
                         path,
                         None,
                         what,
-                        "leave --time-zone out: days are then those of the file, such as UTC",
+                        "leave {time_zone} out: days are then those of the file, such as UTC",
                     ));
                 }
                 continue;

@@ -52,7 +52,7 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
         report.closure = closure(&site, &rows, &done);
         let after = report.closure.map_or(before.best_rmse_w_m2, |closure| closure.rmse_w_m2);
         report.warnings.push(format!(
-            "{}: time stamps are moved by {moved_min} min, which --shift auto found: GHI = DHI + DNI cos(z) then holds to {after:.1} \
+            "{}: time stamps are moved by {moved_min} min, which {{shift}} auto found: GHI = DHI + DNI cos(z) then holds to {after:.1} \
              W/m2 RMSE, before to {:.1}",
             path.display(),
             before.rmse_w_m2

@@ -65,18 +65,18 @@ impl Station {
                 _ => "latitude and longitude",
             };
             let what = format!("does not say where it is from: {missing} unknown");
-            let hint = "give --latitude and --longitude in degrees, north and east positive";
+            let hint = "give {latitude} and {longitude} in degrees, north and east positive";
             return Err(Error::input(path, None, what, hint));
         };
         let Some(zone) = options.zone_hours.or(self.zone_hours) else {
             let hint = format!(
-                "give --time-zone, hours ahead of UTC in standard time, such as --time-zone {:+03.0}:00, or --time-zone UTC",
+                "give {{time_zone}}, hours ahead of UTC in standard time, such as {{time_zone}} {:+03.0}:00, or {{time_zone}} UTC",
                 longitude / 15.0
             );
             return Err(Error::input(path, None, "does not say what time zone its time stamps are in", hint));
         };
         let site = Location::new(latitude, longitude, zone, self.elevation_m).map_err(|what| {
-            Error::input(path, None, what, "correct --latitude, --longitude or --time-zone, or what the file says")
+            Error::input(path, None, what, "correct {latitude}, {longitude} or {time_zone}, or what the file says")
         })?;
         Ok((site, note))
     }

@@ -12,4 +12,4 @@ pub use invocation::again;
 pub use misplaced::parse;
 pub use shell_words::quoted;
 pub use shells::{CompletionsArgs, ManArgs};
-pub use wording::{worded, worded_text};
+pub use wording::{command_of, option_of, worded, worded_text};

@@ -1,35 +1,62 @@
-//! Errors of the library in the words of the command line. In: an error that names a field of a request. Out: the same with the name of the
-//! option that fills the field.
+//! Texts of the library in the words of the command line. In: errors and sentences that name fields of requests and commands. Out: the same
+//! with the options that fill the fields, and with the commands as they are typed.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use clap::CommandFactory;
 
 use crate::cli::Cli;
 use heliotile_core::error::Error;
-use heliotile_core::text::with_fields;
+use heliotile_core::text::{Named, with_fields};
+
+/// Fields of requests by name, and the options that fill them: the fields of the structs behind commands, without the commands of `study`
+/// and `store`.
+static OPTIONS: LazyLock<BTreeMap<String, String>> = LazyLock::new(|| {
+    let cli = Cli::command();
+    let commands = [&cli].into_iter().chain(cli.get_subcommands());
+    let options = commands.flat_map(|command| command.get_arguments());
+    options.filter_map(|arg| Some((arg.get_id().to_string(), format!("--{}", arg.get_long()?)))).collect()
+});
 
 /// An error in the words of the command line.
 pub fn worded(error: Error) -> Error {
-    error.in_words(&option)
+    error.in_words(&in_line)
 }
 
 /// A text in the words of the command line.
 pub fn worded_text(text: &str) -> String {
-    with_fields(text, &option)
+    with_fields(text, &in_line)
 }
 
-/// The option that fills a field; the field itself if no option does.
-fn option(field: &str) -> String {
+/// The option that fills a field of a request, `--every` for `every`; none if no option does.
+pub fn option_of(field: &str) -> Option<&'static str> {
+    OPTIONS.get(field).map(String::as_str)
+}
+
+/// The words of a command that a text names, behind what the program is started by: `verify --deep` for `verify_deep`; none if there is no such
+/// command.
+pub fn command_of(named: &str) -> Option<String> {
+    let (name, option) = named.split_once('_').map_or((named, None), |(name, option)| (name, Some(option)));
     let cli = Cli::command();
-    let mut commands = cli.get_subcommands();
-    let long = commands.find_map(|command| command.get_arguments().find(|arg| arg.get_id() == field)?.get_long());
-    long.map_or_else(|| field.to_owned(), |long| format!("--{long}"))
+    let command = cli.find_subcommand(name)?;
+    let Some(option) = option else { return Some(name.to_owned()) };
+    let long = command.get_arguments().find(|arg| arg.get_id() == option)?.get_long()?;
+    Some(format!("{name} --{long}"))
+}
+
+fn in_line(named: Named) -> Option<String> {
+    match named {
+        Named::Field(field) => option_of(field).map(str::to_owned),
+        Named::Command(command) => Some(format!("heliotile {}", command_of(command)?)),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Fields of 2 requests become 4 options, in texts too; what no option fills stays.
+    /// Fields of 2 requests and of all commands become 4 options, in texts too; what no option fills stays.
     #[test]
     fn fields_become_options() {
         let named = |argument: &str| match worded(Error::argument(argument, "is 0", "give more")) {
@@ -37,7 +64,31 @@ mod tests {
             _ => String::new(),
         };
         assert_eq!(named("azimuth_step, altitude_step"), "--azimuth-step, --altitude-step");
-        assert_eq!(worded_text("take {every} month"), "take --every month");
-        assert_eq!((named("bounces").as_str(), named("SCENE").as_str()), ("--bounces", "SCENE"));
+        assert_eq!(worded_text("take {every} month of {nothing}"), "take --every month of {nothing}");
+        assert_eq!((named("threads").as_str(), named("SCENE").as_str()), ("--threads", "SCENE"));
+    }
+
+    /// A command with and without an option is named as it is typed; 2 that do not exist stay.
+    #[test]
+    fn commands_are_typed() {
+        assert_eq!(worded_text("`{command:verify_deep} a.helio`"), "`heliotile verify --deep a.helio`");
+        assert_eq!(worded_text("`{command:repair}`"), "`heliotile repair`");
+        assert_eq!(worded_text("{command:mend} {command:verify_on}"), "{command:mend} {command:verify_on}");
+    }
+
+    /// A field has one option, whichever command takes it.
+    #[test]
+    fn options_have_one_name() {
+        for command in Cli::command().get_subcommands() {
+            for arg in command.get_arguments() {
+                let Some(long) = arg.get_long() else { continue };
+                assert_eq!(
+                    option_of(arg.get_id().as_str()),
+                    Some(format!("--{long}").as_str()),
+                    "{}",
+                    command.get_name()
+                );
+            }
+        }
     }
 }

@@ -12,6 +12,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use super::interrupt::{self, Watch};
 use super::progress_lines::{FIRST_LINE, ProgressLines};
 use super::voice::{aside, is_quiet, note, remark, warn};
+use crate::cli::worded_text;
 use heliotile_core::observer::Observer;
 
 /// The observer of every command.
@@ -91,6 +92,10 @@ impl Observer for Terminal {
 
     fn note(&self, text: &str) {
         note(text);
+    }
+
+    fn in_words(&self, text: &str) -> String {
+        worded_text(text)
     }
 
     fn report(&self, text: &str) {

@@ -48,13 +48,13 @@ pub fn remark(text: &str) -> Result<()> {
 /// The same where standard output may be a table.
 pub fn remark_aside(text: &str) {
     if !is_quiet() {
-        aside(text);
+        aside(&worded_text(text));
     }
 }
 
 /// Says what a user may want to know and what nothing is wrong with, beside a table.
 pub fn note(text: &str) {
-    remark_aside(&format!("note: {}\n", worded_text(text)));
+    remark_aside(&format!("note: {text}\n"));
 }
 
 /// Prints a warning of a command that goes on: its first line, and the list behind that if it is wanted.

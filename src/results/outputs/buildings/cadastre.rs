@@ -127,18 +127,18 @@ impl Cadastre {
             }
             targets.push(Target::Face(number));
         }
-        let hint = "build with names in a column `building` or `object`, as `heliotile receivers` writes them";
+        let hint = "build with names in a column `building` or `object`, as `{command:receivers}` writes them";
         homeless.check(file, "without a building or an object", hint)?;
         without_area.check(
             file,
             "without an area",
-            "build with a column `area`, as `heliotile receivers` writes it",
+            "build with a column `area`, as `{command:receivers}` writes it",
         )?;
         if faces.is_empty() {
             let found: Vec<String> =
                 kinds.iter().map(|(kind, count)| format!("{} on `{kind}`", counted(*count, "receiver"))).collect();
             let what = format!("has no receivers on roofs, only {}", found.join(", "));
-            let hint = "cover roofs too: `heliotile run` does, and `heliotile receivers --on roof,wall`";
+            let hint = "cover roofs too, with {on} roof,wall or without {on}";
             return Err(Error::input(file, None, what, hint));
         }
         // Numbers in order of appearance become places in the order of names.

@@ -36,7 +36,7 @@ impl LitHours {
         for stamp in stamps() {
             let Date { month, day, .. } = stamp.date;
             let Some(date) = Date::new(PLAIN_YEAR, month, day) else {
-                return Err(("29 February".into(), "put the rows into a year without it: --year 2019"));
+                return Err(("29 February".into(), "put the rows into a year without it: {year} 2019"));
             };
             let steps = f64::from(timestep) * (24.0 * f64::from(date.day_of_year() - 1) + stamp.start_min / 60.0);
             if (steps - steps.round()).abs() > 1e-6 {
@@ -48,7 +48,7 @@ impl LitHours {
             all.push(steps.round() / f64::from(timestep));
         }
         if all.windows(2).any(|pair| pair[0] >= pair[1]) {
-            return Err(("rows that are not one year in order".into(), "choose a year with --from and --to"));
+            return Err(("rows that are not one year in order".into(), "choose a year with {from} and {to}"));
         }
         let has_light = |condition: &Condition| condition.dni_w_m2 > 0.0 || condition.dhi_w_m2 > 0.0;
         let lit =

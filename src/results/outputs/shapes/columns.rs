@@ -56,9 +56,9 @@ impl MapColumns {
             (Some(Every::Hour | Every::Day), 1) => Wide::One,
             (Some(Every::Hour | Every::Day), count) => {
                 return Err(Error::argument(
-                    "--output",
+                    "output",
                     format!("a map has a row for each place, and {count} columns of each component are too many"),
-                    "give --every total, year or month, or a time series for ParaView: a name that ends with .pvd",
+                    "give {every} total, year or month, or a time series for ParaView: a name that ends with .pvd",
                 ));
             }
             (Some(Every::Month), _) => Wide::Sums,
@@ -81,7 +81,7 @@ impl MapColumns {
         }
         if values.len() > MOST_COLUMNS {
             let what = format!(
-                "columns of values of a map, {} of {} components (take fewer with --columns total, or write a table)",
+                "columns of values of a map, {} of {} components (take fewer with {{columns}} total, or write a table)",
                 labels.len(),
                 components.len()
             );

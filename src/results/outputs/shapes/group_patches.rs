@@ -62,8 +62,7 @@ impl Shapeless {
         let more = if self.count > NAMED as u64 { ", ..." } else { "" };
         let what =
             format!("{} receivers have neither a patch nor an area: {}{more}", self.count, self.first.join(", "));
-        let hint = "a map draws surfaces: build with receivers that `heliotile receivers` made, or with a column `area`, or choose others \
-                    with --receivers";
+        let hint = "a map draws surfaces: build with receivers that cover a scene, or with a column `area`, or choose others with {receivers}";
         Err(Error::input(file, None, what, hint))
     }
 }

@@ -37,7 +37,7 @@ pub struct Series {
 impl Series {
     pub fn new(layout: &Layout, labels: &RowLabels, storage: &dyn ScratchSpace) -> Result<Self> {
         if labels.len() as u64 > MOST_FILES {
-            let what = "moments of a time series, each a file (take fewer with --from and --to, or a longer --every)";
+            let what = "moments of a time series, each a file (take fewer with {from} and {to}, or a longer {every})";
             return Err(Error::Limit { what: what.into(), value: labels.len() as u64, max: MOST_FILES });
         }
         let components = layout.components().to_vec();
@@ -117,7 +117,7 @@ pub fn write(
     let labels = series.labels.len() as u64;
     if each * labels > MOST_BYTES {
         let what = format!(
-            "bytes of a time series of {labels} files (take fewer with --from and --to, a longer --every, --by building or --receivers)"
+            "bytes of a time series of {labels} files (take fewer with {{from}} and {{to}}, a longer {{every}}, {{by}} building or {{receivers}})"
         );
         return Err(Error::Limit { what, value: each * labels, max: MOST_BYTES });
     }

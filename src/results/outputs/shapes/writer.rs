@@ -64,8 +64,8 @@ impl MapFormat {
             }
             None => "GeoJSON has latitudes, and nothing says which coordinate system the scene is in".into(),
         };
-        let hint = "write .fgb, .glb or .vtu, or build the archive with --crs, as in --crs 28992";
-        Err(Error::argument(".geojson", what, hint))
+        let hint = "write .fgb, .glb or .vtu, or build the archive with {crs}, as in {crs} 28992";
+        Err(Error::argument("output", what, hint))
     }
 
     /// Whether the scene is drawn around.

@@ -87,7 +87,7 @@ impl<'r> Materials<'r> {
         let Some(metal) = surface.metallic_factor else { return Ok(None) };
         if ![red, green, blue, metal].iter().all(|share| (0.0..=1.0).contains(share)) {
             let what = format!("material `{}` has a factor beyond 0 to 1", excerpt(name.as_bytes()));
-            return Err(Error::input(self.file, None, what, "give reflectances in materials.toml (--materials)"));
+            return Err(Error::input(self.file, None, what, "give reflectances in materials.toml ({materials})"));
         }
         // White is the value of a factor that is left out, too.
         if is_white((red + green + blue) / 3.0) {
@@ -112,7 +112,7 @@ impl<'r> Materials<'r> {
             if let Some(first) = names.first() {
                 let (file, count, first) = (self.file.display(), names.len(), excerpt(first.as_bytes()));
                 geometry.warnings.push(format!(
-                    "{file}: {count} materials (`{first}` is the first) {what}; --materials materials.toml describes them"
+                    "{file}: {count} materials (`{first}` is the first) {what}; a materials.toml ({{materials}}) describes them"
                 ));
             }
         }

@@ -1,6 +1,7 @@
 //! Why a request could not be answered. In: errors of the core. Out: what the page needs to say so: a kind, a message, what to do.
 
 use heliotile_core::error::Error;
+use heliotile_core::text::{Named, with_fields};
 use serde::Serialize;
 
 /// What stands between a message of the core and its hint.
@@ -47,10 +48,23 @@ impl From<Error> for Failure {
             Error::Io { .. } => Kind::Source,
             _ => Kind::Other,
         };
-        let text = error.to_string();
+        let text = error.in_words(&in_page).to_string();
         match text.split_once(TO_FIX) {
             Some((message, hint)) => Failure::new(kind, message, hint),
             None => Failure::new(kind, text, ""),
         }
     }
+}
+
+/// A text in the words of the page.
+pub fn worded_text(text: &str) -> String {
+    with_fields(text, &in_page)
+}
+
+/// Names as people say them, and the program for what the page cannot do.
+fn in_page(named: Named) -> Option<String> {
+    Some(match named {
+        Named::Field(field) => field.replace('_', " "),
+        Named::Command(command) => format!("heliotile {}", command.replace('_', " --")),
+    })
 }

@@ -20,6 +20,7 @@ use serde_json::json;
 
 use crate::answer::{Answer, Numbers};
 use crate::asked::Span;
+use crate::failure::worded_text;
 
 /// Minutes of a day.
 const DAY_MIN: f64 = 1440.0;
@@ -102,7 +103,7 @@ impl LoadedWeather {
             "name": name,
             "rows": rows.len(),
             "labels": rows.iter().map(|row| row.interval.label()).collect::<Vec<_>>(),
-            "warnings": report.warnings,
+            "warnings": report.warnings.iter().map(|text| worded_text(text)).collect::<Vec<_>>(),
             "latitude": site.latitude_deg,
             "longitude": site.longitude_deg,
             "zone": site.zone_hours,

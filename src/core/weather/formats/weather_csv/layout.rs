@@ -93,7 +93,7 @@ impl Head {
             self.kind = Kind::OpenMeteo;
             self.warnings.push(format!(
                 "{}: has Open-Meteo's names, whose radiation is the mean before each stamp: stamps are taken as the end of intervals; \
-                 --weather-stamp says otherwise",
+                 {{weather_stamp}} says otherwise",
                 path.display()
             ));
         }
@@ -321,7 +321,7 @@ impl Head {
     /// Where a stamp stands by the kind of a file, `has_minutes` where it has a column of them.
     pub fn usual_stamp(&self, path: &Path, has_minutes: bool, instants: bool) -> Result<StampedAt> {
         let unclear = |what: &str| {
-            let hint = "say it with --weather-stamp start, middle or end (stamp in Python)";
+            let hint = "say it with {weather_stamp} start, middle or end";
             Err(Error::input(path, None, what, hint))
         };
         Ok(match (self.stamped_at, self.kind) {

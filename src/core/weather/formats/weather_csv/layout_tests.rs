@@ -70,7 +70,7 @@ fn sixteen_refusals_name_the_cause() {
         (in_unit("time,ghi_umol_m2_s,dni,dhi", 1.0), AT_PLACE, "of column `ghi_umol_m2_s` is not known"),
         (in_unit("time,ghi,dni,dhi\n,furlongs,W/m2,W/m2", 1.0), AT_PLACE, "the unit `furlongs` of column `ghi`"),
         (in_unit("time,ghi (W/m2),ghi (kW/m2),dhi", 1.0), AT_PLACE, "are both GHI"),
-        (one_day, AT_PLACE, "--date-order dmy or mdy"),
+        (one_day, AT_PLACE, "{date_order} dmy or mdy"),
         (nsrdb("", -7, true), SILENT, "does not say what time zone"),
         (no_statement, SILENT, "does not say what time zone"),
         (cams("True solar time (TST)"), SILENT, "true solar time"),
@@ -145,7 +145,7 @@ fn stamps_to_midnight_are_told() {
         let text = table("time,ghi", |hour| format!("{},{:.1}", hour.iso(-7, minutes), hour.ghi));
         let warnings = read("w.csv", text.as_bytes(), &AT_PLACE).expect("valid").report.warnings;
         let found =
-            warnings.iter().filter(|warning| warning.contains("--weather-stamp end takes them as ends")).count();
+            warnings.iter().filter(|warning| warning.contains("{weather_stamp} end takes them as ends")).count();
         assert_eq!(found, told, "{warnings:?}");
     }
 }

@@ -259,7 +259,7 @@ impl<'a> Rows<'a> {
         warnings.extend(columns.odd_numbers(path, &odd));
         if self.no_year > 0 {
             warnings.push(format!(
-                "{}: {} rows name no year and are taken as of {}; --year puts results into another",
+                "{}: {} rows name no year and are taken as of {}; {{year}} puts results into another",
                 path.display(),
                 self.no_year,
                 Date::NO_YEAR
@@ -270,7 +270,7 @@ impl<'a> Rows<'a> {
         if is_default && !named && !columns.has_all_light() && runs_to_midnight(first_s, last_s, step_min) {
             warnings.push(format!(
                 "{}: stamps run from the end of the first interval of a day to midnight, as ends of intervals do, and are taken as \
-                 starts; --weather-stamp end takes them as ends, --weather-stamp start says that they are starts",
+                 starts; {{weather_stamp}} end takes them as ends, {{weather_stamp}} start says that they are starts",
                 path.display()
             ));
         }

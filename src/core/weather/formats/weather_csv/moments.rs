@@ -170,7 +170,7 @@ impl MomentReader<'_> {
             excerpt(self.names.name(date), SHOWN),
             excerpt(&cells.text(date), SHOWN)
         );
-        let hint = "say their order with --date-order dmy or mdy (date_order in Python), or write 2021-06-01";
+        let hint = "say their order with {date_order} dmy or mdy, or write 2021-06-01";
         Error::input(cells.path, cells.line, what, hint)
     }
 }

@@ -149,7 +149,7 @@ fn found_shift() {
         text
     };
     let late = at_nice(&sky(27.5)).expect("valid").report;
-    assert!(late.warnings.iter().any(|w| w.contains("--shift 20min")), "{:?}", late.warnings);
+    assert!(late.warnings.iter().any(|w| w.contains("{shift} 20min")), "{:?}", late.warnings);
     assert!(late.closure.expect("rows").rmse_w_m2 > 15.0);
     // A longitude 5 degrees on, or a clock 20 minutes back; the second is no way out where stamps say their zone.
     let ways = |text: &str| {
@@ -315,7 +315,7 @@ fn missing_rows() {
     let utc = read(&typical, &WeatherOptions { zone_hours: None, ..AT_NICE }).expect("valid");
     assert!(utc.rows[2].interval.date.year == 2007 && utc.report.warnings.iter().all(|w| !w.contains("missing")));
     let moved = at_nice(&typical).expect_err("another clock").to_string();
-    assert!(moved.contains("typical year") && moved.contains("leave --time-zone out"), "{moved}");
+    assert!(moved.contains("typical year") && moved.contains("leave {time_zone} out"), "{moved}");
 }
 
 /// Thirty-one wrong files are refused with the line, what it holds and what to do.
@@ -390,10 +390,10 @@ fn places_and_zones() {
     let text = "time,dni,dhi\n2021-06-01T12:00,1,1\n2021-06-01T13:00,1,1\n";
     let nowhere = WeatherOptions { latitude_deg: None, longitude_deg: None, ..AT_NICE };
     for (options, said) in [
-        (nowhere, "give --latitude and --longitude"),
+        (nowhere, "give {latitude} and {longitude}"),
         (WeatherOptions { latitude_deg: Some(43.7), ..nowhere }, "longitude unknown"),
-        (WeatherOptions { zone_hours: None, ..AT_NICE }, "such as --time-zone +00:00"),
-        (WeatherOptions { zone_hours: None, longitude_deg: Some(-105.0), ..AT_NICE }, "such as --time-zone -07:00"),
+        (WeatherOptions { zone_hours: None, ..AT_NICE }, "such as {time_zone} +00:00"),
+        (WeatherOptions { zone_hours: None, longitude_deg: Some(-105.0), ..AT_NICE }, "such as {time_zone} -07:00"),
         (WeatherOptions { latitude_deg: Some(95.0), ..AT_NICE }, "latitude is 95"),
     ] {
         let message = read(text, &options).map(drop).expect_err(said).to_string();
