@@ -2,7 +2,7 @@
 //! folder of its own, from nothing but the plan and the scene files near the part. A part that is there is not traced again, and two processes
 //! that build one part do so one after the other. Below an address, the archive is published when it is whole, unless one is there.
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::path::Path;
 use std::thread;
 use std::time::Duration;
@@ -12,6 +12,7 @@ use crate::plan::{FILE, PlannedPart, is_atlas};
 use crate::state::{ARCHIVE, FOLDER, NOTHING};
 use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::trace::placement::Lying;
+use heliotile_builder::writing::file_lock::FileLock;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
@@ -69,7 +70,7 @@ impl PartBuild<'_> {
         }
         let folder = self.atlas.folder.join(FOLDER).join(&self.part.name);
         fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
-        let _alone = alone(&folder, self.observer)?;
+        let _lock = lock_part(&folder, self.observer)?;
         self.trace(&folder)
     }
 
@@ -154,21 +155,20 @@ impl PartBuild<'_> {
     }
 }
 
-/// Waits until nobody else builds there; a builder that was killed holds nothing.
-fn alone(folder: &Path, observer: &dyn Observer) -> Result<File> {
+/// Locks the folder of a part, and waits while another process builds there. The lock of a process that was killed is free.
+fn lock_part(folder: &Path, observer: &dyn Observer) -> Result<FileLock> {
     let path = folder.join(LOCK);
-    let file = File::create(&path).map_err(Error::io(&path, "create"))?;
-    for turn in 0_u64.. {
-        match file.try_lock() {
-            Ok(()) => break,
-            Err(TryLockError::Error(source)) => return Err(Error::io(&path, "lock")(source)),
-            Err(TryLockError::WouldBlock) if turn == 0 => {
-                observer.report(&format!("{}: another process builds it, waiting\n", folder.display()));
-            }
-            Err(TryLockError::WouldBlock) => {}
+    let mut is_waiting = false;
+    loop {
+        let file = File::create(&path).map_err(Error::io(&path, "create"))?;
+        if let Some(lock) = FileLock::try_new(file).map_err(Error::io(&path, "lock"))? {
+            return Ok(lock);
+        }
+        if !is_waiting {
+            observer.report(&format!("{}: another process builds it, waiting\n", folder.display()));
+            is_waiting = true;
         }
         observer.stop_if_cancelled("while another process built the part")?;
         thread::sleep(LOOK_EVERY);
     }
-    Ok(file)
 }

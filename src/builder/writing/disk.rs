@@ -2,13 +2,15 @@
 //! behind a trait so that tests can make any of them fail and cut the power between any two.
 
 use std::fmt::Debug;
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
 use heliotile_core::archive::read_at::read_exact_at;
 use heliotile_core::error::{Error, Result};
+
+use super::file_lock::FileLock;
 
 /// Where files lie.
 pub trait Disk: Debug + Send + Sync {
@@ -92,13 +94,10 @@ impl Disk for SystemDisk {
                 .truncate(false)
                 .open(path)
                 .map_err(Error::io(path, "create"))?;
-            match file.try_lock() {
-                Ok(()) if is_named(&file, path)? => return Ok(Box::new(file)),
-                Ok(()) => {}
-                Err(TryLockError::WouldBlock) => break,
-                Err(TryLockError::Error(source)) => {
-                    return Err(Error::Io { path: path.to_path_buf(), action: "lock", source });
-                }
+            match FileLock::try_new(file).map_err(Error::io(path, "lock"))? {
+                Some(file) if is_named(&file, path)? => return Ok(Box::new(file)),
+                Some(_) => {}
+                None => break,
             }
         }
         let hint = "wait for it to end, or write to another file";
@@ -149,6 +148,28 @@ impl DiskFile for File {
 
     fn sync(&self) -> io::Result<()> {
         self.sync_all()
+    }
+}
+
+impl DiskFile for FileLock {
+    fn length(&self) -> io::Result<u64> {
+        DiskFile::length(&**self)
+    }
+
+    fn read_at(&self, bytes: &mut [u8], offset: u64) -> io::Result<()> {
+        DiskFile::read_at(&**self, bytes, offset)
+    }
+
+    fn write_at(&self, bytes: &[u8], offset: u64) -> io::Result<()> {
+        DiskFile::write_at(&**self, bytes, offset)
+    }
+
+    fn set_len(&self, length: u64) -> io::Result<()> {
+        DiskFile::set_len(&**self, length)
+    }
+
+    fn sync(&self) -> io::Result<()> {
+        DiskFile::sync(&**self)
     }
 }
 

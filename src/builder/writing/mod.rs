@@ -23,6 +23,7 @@
 
 pub mod copy;
 pub(crate) mod disk;
+pub mod file_lock;
 pub mod guards;
 pub(crate) mod journal;
 pub(crate) mod writer;
