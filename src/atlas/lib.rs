@@ -11,6 +11,7 @@
 //! | [`opened`], [`listed`] | the place of an atlas | its plan, the state of its parts, their archives |
 //! | [`sources`] | the place of an archive or of an atlas, a box | the archives that results are made of |
 //! | `site_request` | the place of an archive or of an atlas, requests | files of results |
+//! | `verify` | the place of an archive or of an atlas | what is damaged |
 //! | [`catalogue`] | an atlas | a static STAC catalogue with pictures and a page |
 //! | [`copied`] | an atlas, a place | the same atlas there |
 //! | [`about`] | an atlas | what it holds, as text |
@@ -37,9 +38,11 @@ mod site_request;
 pub mod sources;
 pub mod state;
 mod thumbnails;
+mod verify;
 
 pub use listed::{ListedPart, parts};
 pub use opened::Atlas;
 pub use plan::AtlasPlan;
 pub use site_request::{ReceiverTotal, SiteRequest};
 pub use state::PartState;
+pub use verify::{CheckedArchive, VerifyRequest};

@@ -11,10 +11,12 @@
 //! | `stream` | [`TileStream`], the one place where a replay is set up, and [`TileSink`], what takes its tiles |
 //! | `files` | [`FileRequest`]: tables, maps, charts, city models and folders of Honeybee as sinks |
 //! | `buildings`, `places`, `factors` | further questions |
+//! | `checks` | whether archives are what they say: [`AuditRequest`]; how they are made so again: [`RepairRequest`] |
 //! | [`covering`] | a scene's surfaces with receivers on them, and the table of these |
 //! | [`site_archive`] | the archive of a scene's receivers in a folder: the one that is there, or a new one |
 //! | [`pv`] | light on solar modules, their best turns |
 //! | [`run`] | from scene files to a folder of a year's results in one go |
+//! | `tradeoff` | what accuracy costs on a site: [`TradeoffRequest`] |
 //! | [`horizon`], `doubts` | what a user should know before results are used |
 //! | [`outputs`] | writers: one model of columns for all tables, maps, pictures, models of others |
 //!
@@ -26,6 +28,7 @@
 
 mod archives;
 mod buildings;
+mod checks;
 pub mod covering;
 mod doubts;
 mod factors;
@@ -41,9 +44,14 @@ pub mod run;
 mod series;
 pub mod site_archive;
 mod stream;
+mod tradeoff;
 
 pub use archives::{Archives, Sources};
 pub use buildings::{BuildingsRequest, BuildingsSummary};
+pub use checks::{
+    AuditReport, AuditRequest, ComponentErrors, HourKindErrors, RepairDone, RepairRequest, SkyViewErrors, Verdict,
+    WorstPair, is_time,
+};
 pub use covering::CoverRequest;
 pub use factors::{FactorRows, FactorsRequest};
 pub use files::{
@@ -57,6 +65,7 @@ pub use run::{RunDone, RunMap, RunRequest};
 pub use series::Series;
 pub use site_archive::SiteArchiveRequest;
 pub use stream::{CoarseSinks, Sinks, Tile, TileFn, TileSink, TileStream, replay_of};
+pub use tradeoff::{LadderStep, LadderTable, SettingPoint, TradeoffDone, TradeoffRequest};
 
 pub use crate::outputs::periods::Every;
 pub use crate::outputs::provenance::Provenance;

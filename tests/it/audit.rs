@@ -4,7 +4,7 @@ use std::fs;
 
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::judge::comparison::{Pair, deviation, mean_w_m2};
-use heliotile_builder::judge::{AuditRequest, Audited, audit};
+use heliotile_builder::judge::{AuditInputs, Audited, audit};
 use heliotile_builder::pipeline::{Plan, PreparedScene};
 use heliotile_builder::settings::{Quality, Rungs};
 use heliotile_builder::spill::TempFiles;
@@ -27,7 +27,7 @@ fn mirrors_and_glass() {
     let (prepared, built) = (PreparedScene::new(&scene).expect("a tree"), site(&scene, &many(), &fine()));
     let conditions = ErrorConditions::Spread.some(64);
     let archive = Archive::open(&built.path).expect("an archive");
-    let audited = audit(&AuditRequest {
+    let audited = audit(&AuditInputs {
         archive: &archive,
         scene: &prepared,
         conditions: &conditions,

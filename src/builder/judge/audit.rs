@@ -35,7 +35,7 @@ const SUN_PAIRS: usize = 32_768;
 const SUN_CONDITIONS: usize = 256;
 
 /// What is to be audited, and how long.
-pub struct AuditRequest<'a> {
+pub struct AuditInputs<'a> {
     /// The archive.
     pub archive: &'a Archive,
     /// The scene that it was built from.
@@ -75,7 +75,7 @@ pub struct Audited {
 }
 
 /// Compares results of an archive with the judge's. An error: blocks that cannot be read, a sky that the judge does not know.
-pub fn audit(request: &AuditRequest) -> Result<Audited> {
+pub fn audit(request: &AuditInputs) -> Result<Audited> {
     let started = Instant::now();
     let site = OpenSite::of(request.archive)?;
     let all: Vec<(u32, usize)> = request

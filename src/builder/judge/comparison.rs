@@ -6,6 +6,8 @@
 //! and Handscomb 1964, "Monte Carlo Methods", section 5.5). The mean square of T is mean(T^2 - S^2) over pairs plus mean(S^2) over all of these hours.
 //! T^2 - S^2 holds twice S times what else is off, so that the two may depend on each other.
 
+use serde::Serialize;
+
 use super::estimate::{Judged, PARTS};
 use super::random::Random;
 use heliotile_core::replay::components::Component;
@@ -33,7 +35,7 @@ pub struct Pair {
 }
 
 /// A number that is known so well: an interval of 95 %.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Known {
     /// The best guess.
     pub value: f64,

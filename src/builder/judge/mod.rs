@@ -18,7 +18,7 @@ mod sky;
 mod sun;
 mod walk;
 
-pub use audit::{AuditRequest, Audited, audit, judge_pairs, spread};
+pub use audit::{AuditInputs, Audited, audit, judge_pairs, spread};
 pub use estimate::{BATCHES, Judged, PARTS};
 pub use sky::JudgedSky;
 pub use walk::Judge;

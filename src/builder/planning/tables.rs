@@ -9,6 +9,7 @@ use crate::planning::losses::YearLosses;
 use crate::settings::Effect;
 use heliotile_core::archive::accuracy::HoursError;
 use heliotile_core::archive::format;
+use heliotile_core::archive::settings::Ladder;
 use heliotile_core::site::chain::MOST_MIRRORS;
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
@@ -89,31 +90,28 @@ fn rounded(rays: f64) -> String {
 
 /// What was chosen and why, before the build.
 pub fn choice(choice: &SettingsChoice) -> String {
-    let (s, a, [sky, seen, bounced, patches]) = (&choice.settings, &choice.accuracy, choice.sources_percent);
+    let (stated, a, [sky, seen, bounced, patches]) =
+        (choice.settings.stated(), &choice.accuracy, choice.sources_percent);
     let missed = match a.predicted_percent > a.target_percent {
         true => " (the finest settings are not enough)",
         false => "",
     };
+    let of = |ladder: Ladder| {
+        let numbers = stated.numbers().filter(|(setting, _)| setting.ladder == ladder);
+        numbers.map(|(setting, number)| format!("{}={number}", setting.name)).collect::<Vec<_>>().join(" ")
+    };
     format!(
         "error wanted: at most {} %, expected: {:.2} %{missed}, RMSE of hourly totals in percent of their mean\n  \
-         sun and sky, direct   {sky:.2} %  sky_base={} sky_fine={} steps={}\n  \
-         one reflection        {seen:.2} %  hit={} cell_factor={} cell_floor_m={} probe={}\n  \
-         further reflections   {bounced:.2} %  probe_hits={} closed_m={} bounce_sky={} bounce_hits={}\n  \
-         sky patches           {patches:.2} %  patches={}\n",
+         sun and sky, direct   {sky:.2} %  {}\n  \
+         one reflection        {seen:.2} %  {}\n  \
+         further reflections   {bounced:.2} %  {}\n  \
+         sky patches           {patches:.2} %  {}\n",
         a.target_percent,
         a.predicted_percent,
-        s.sky_base,
-        s.sky_fine,
-        s.steps,
-        s.hit,
-        s.cell_factor,
-        s.cell_floor_m,
-        s.probe,
-        s.probe_hits,
-        s.closed_m,
-        s.bounce_sky,
-        s.bounce_hits,
-        s.patches
+        of(Ladder::Sky),
+        of(Ladder::Seen),
+        of(Ladder::Bounced),
+        of(Ladder::Patches)
     )
 }
 

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
+
 /// A kind of light path. Sun and sky that are seen directly are always there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
@@ -66,7 +68,8 @@ impl Effects {
 }
 
 /// What the user wants to be traced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub enum EffectChoice {
     /// What the scene calls for.
     Auto,
@@ -82,6 +85,20 @@ impl fmt::Display for EffectChoice {
             EffectChoice::These(effects) if *effects == Effects::NONE => write!(f, "none"),
             EffectChoice::These(effects) => write!(f, "{}", effects.names().join(",")),
         }
+    }
+}
+
+impl From<EffectChoice> for String {
+    fn from(choice: EffectChoice) -> String {
+        choice.to_string()
+    }
+}
+
+impl TryFrom<String> for EffectChoice {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
     }
 }
 

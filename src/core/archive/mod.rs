@@ -54,4 +54,4 @@ pub use reader::Archive;
 pub use source::Access;
 #[cfg(any(unix, windows))]
 pub use verify::verify;
-pub use verify::{VerifyReport, verify_bytes};
+pub use verify::{Problem, VerifyReport, verify_bytes};

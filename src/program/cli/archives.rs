@@ -6,7 +6,9 @@ use clap::{ArgGroup, Args, Subcommand};
 
 use super::values::{Bytes, SelectionArgs, choice, parse_memory};
 use super::{MaterialsArgs, PlaceArgs, SceneArgs};
+use heliotile_atlas::VerifyRequest;
 use heliotile_core::archive::Access;
+use heliotile_results::RepairRequest;
 
 #[derive(Args, Debug)]
 pub struct VerifyArgs {
@@ -18,6 +20,13 @@ pub struct VerifyArgs {
     /// How the archive is read
     #[arg(long, value_parser = choice::<Access>(), default_value = "pread")]
     pub io: Access,
+}
+
+impl VerifyArgs {
+    /// What is asked for.
+    pub fn request(&self) -> VerifyRequest {
+        VerifyRequest { place: self.archive.clone(), deep: self.deep, access: self.io }
+    }
 }
 
 #[derive(Args, Debug)]
@@ -35,6 +44,18 @@ pub struct RepairArgs {
     /// Memory to work in, such as 512MiB or 2GiB
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
+}
+
+impl RepairArgs {
+    /// What is asked for.
+    pub fn request(&self) -> RepairRequest {
+        RepairRequest {
+            archive: self.archive.clone(),
+            scene: self.scene.request(),
+            receivers: self.receivers.clone(),
+            output: self.output.clone(),
+        }
+    }
 }
 
 #[derive(Args, Debug)]

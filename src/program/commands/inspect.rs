@@ -1,10 +1,9 @@
 //! What an archive holds (`info`) and whether it is whole (`verify`).
 
 use std::fmt::Write;
-use std::path::Path;
 
 use super::{Outcome, say, scene, warn};
-use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs, worded, worded_text};
+use crate::cli::{InfoArgs, MaterialsArgs, VerifyArgs, worded_text};
 use heliotile_atlas::{Atlas, about};
 use heliotile_builder::planning::tables::in_hours;
 use heliotile_builder::writing::guards::is_archive;
@@ -14,8 +13,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::material::rounded;
 use heliotile_core::text::counted;
-use heliotile_remote::naming::shown;
-use heliotile_remote::places::{open_archive, verify_archive};
+use heliotile_remote::places::open_archive;
 use heliotile_results::horizon::nothing_seen;
 use heliotile_scene::placing::frame::SiteFrame;
 
@@ -190,36 +188,14 @@ fn say_accuracy(out: &mut String, a: &Accuracy) {
 
 /// `heliotile verify`: a damaged block is a finding (exit 1), not a failure of the program.
 pub fn verify(args: &VerifyArgs) -> Result<Outcome> {
-    let Some(atlas) = Atlas::find(&args.archive)? else { return verify_one(&args.archive, args) };
     let mut outcome = Outcome::Fine;
-    for (part, path) in about::built(&atlas)? {
-        if verify_one(&path, args)? == Outcome::ProblemFound {
-            outcome = Outcome::ProblemFound;
-        } else if let Err(error) = atlas.check_place(part, &open_archive(&path, args.io)?) {
-            say(&format!("{}\n", worded(error)))?;
+    args.request().each(|checked| {
+        say(&worded_text(&checked.text()))?;
+        checked.warning().iter().for_each(|text| warn(text));
+        if !checked.is_good() {
             outcome = Outcome::ProblemFound;
         }
-    }
+        Ok(())
+    })?;
     Ok(outcome)
-}
-
-fn verify_one(path: &Path, args: &VerifyArgs) -> Result<Outcome> {
-    let report = verify_archive(path, args.io, args.deep)?;
-    let mut out = String::new();
-    for problem in &report.problems {
-        line!(out, "{} at byte {}: {}", problem.part, problem.offset, worded_text(&problem.reason));
-    }
-    let (path, bad) = (shown(path), report.problems.len());
-    let path = path.display();
-    let blocks = counted(report.blocks, "block");
-    line!(out, "{path}: {blocks}, {} bytes checked, {bad} bad", report.stored_bytes);
-    say(&out)?;
-    let trailing = report.trailing_bytes;
-    if trailing > 0 {
-        warn(&format!(
-            "{path}: ignored {} behind the archive's end; harmless, `truncate -s -{trailing}` cuts off what is too much",
-            counted(trailing, "byte")
-        ));
-    }
-    Ok(if bad == 0 { Outcome::Fine } else { Outcome::ProblemFound })
 }

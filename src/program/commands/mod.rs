@@ -8,7 +8,6 @@ pub mod copy;
 pub mod energyplus;
 pub mod export;
 pub mod inspect;
-mod original;
 mod preflight;
 pub mod pv;
 pub mod receivers;

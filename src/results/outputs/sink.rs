@@ -24,10 +24,10 @@ enum Target {
 }
 
 /// Writes texts, by name, into a folder that is there: all of them get their names once all are written.
-pub fn write_texts(folder: &Path, texts: &[(&str, String)]) -> Result<()> {
+pub fn write_texts<N: AsRef<str>>(folder: &Path, texts: &[(N, String)]) -> Result<()> {
     let mut sinks = Vec::new();
     for (name, text) in texts {
-        let path = folder.join(name);
+        let path = folder.join(name.as_ref());
         let mut sink = Sink::file(&path)?;
         sink.write_all(text.as_bytes()).map_err(Error::io(&path, "write to"))?;
         sinks.push(sink);

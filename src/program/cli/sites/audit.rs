@@ -8,6 +8,7 @@ use super::clock_of;
 use crate::cli::values::{Bytes, parse_memory};
 use crate::cli::{ClockArgs, SceneArgs};
 use heliotile_core::sky::model::SkyModel;
+use heliotile_results::{AuditRequest, is_time};
 
 #[derive(Args, Debug)]
 #[command(group(clock_of("weather")))]
@@ -33,7 +34,7 @@ pub struct AuditArgs {
     #[arg(long, value_name = "S", value_parser = parse_seconds)]
     pub seconds: Option<f64>,
     /// Paths of light that the judge follows from each receiver
-    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(16..=1 << 24))]
+    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(AuditRequest::PATHS))]
     pub paths: u32,
     /// Another number asks about other receivers and hours, along other paths
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -51,7 +52,26 @@ pub struct AuditArgs {
     pub about_weather: ClockArgs,
 }
 
+impl AuditArgs {
+    /// What is asked for.
+    pub fn request(&self) -> AuditRequest {
+        AuditRequest {
+            archive: self.archive.clone(),
+            scene: self.scene.request(),
+            weather: self.weather.clone(),
+            about_weather: self.about_weather.options(false),
+            conditions: self.conditions.clone(),
+            samples: self.samples,
+            hours: self.hours,
+            seconds: self.seconds,
+            paths: self.paths,
+            seed: self.seed,
+            sky: self.sky,
+        }
+    }
+}
+
 fn parse_seconds(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|s: &f64| s.is_finite() && *s > 0.0 && *s < 1e9);
+    let seconds = text.parse().ok().filter(|seconds| is_time(*seconds));
     seconds.ok_or_else(|| "give a number of seconds above 0".into())
 }

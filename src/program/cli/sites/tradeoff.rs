@@ -8,6 +8,7 @@ use super::clock_of;
 use crate::cli::values::{Bytes, parse_memory};
 use crate::cli::{ClockArgs, SceneArgs};
 use heliotile_builder::settings::EffectChoice;
+use heliotile_results::TradeoffRequest;
 
 #[derive(Args, Debug)]
 #[command(group(clock_of("weather")))]
@@ -21,7 +22,7 @@ pub struct TradeoffArgs {
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
     /// Receivers to try settings on, spread over the site
-    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u16).range(TradeoffRequest::SAMPLES))]
     pub sample: u16,
     /// Weather file to estimate errors and to time replays under [default: suns from all sides]
     #[arg(long, short)]
@@ -37,4 +38,20 @@ pub struct TradeoffArgs {
     pub memory: Bytes,
     #[command(flatten)]
     pub about_weather: ClockArgs,
+}
+
+impl TradeoffArgs {
+    /// What is asked for.
+    pub fn request(&self) -> TradeoffRequest {
+        TradeoffRequest {
+            scene: self.scene.request(),
+            receivers: self.receivers.clone(),
+            folder: self.output.clone(),
+            sample: self.sample,
+            weather: self.weather.clone(),
+            about_weather: self.about_weather.options(false),
+            sources: self.sources,
+            effects: self.effects,
+        }
+    }
 }

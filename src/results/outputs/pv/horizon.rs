@@ -26,7 +26,7 @@ pub fn write_lists(folder: &Path, horizons: &[PointHorizon]) -> Result<()> {
     let text = |horizon: &PointHorizon| horizon.altitudes_deg.iter().map(|height| format!("{height:.2}\n")).collect();
     let files: Vec<(String, String)> =
         horizons.iter().map(|horizon| (file_of(&horizon.point), text(horizon))).collect();
-    write_texts(folder, &files.iter().map(|(name, text)| (name.as_str(), text.clone())).collect::<Vec<_>>())
+    write_texts(folder, &files)
 }
 
 /// Writes `point,horizon_azimuth,horizon_elevation`, degrees.

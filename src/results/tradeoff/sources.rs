@@ -1,5 +1,7 @@
 //! Each source of error alone. In: a bench. Out: how fast its error falls when its setting is made finer, all others staying as they are.
 
+use serde::Serialize;
+
 use heliotile_builder::accuracy::conditions::{ErrorConditions, is_lit};
 use heliotile_builder::accuracy::estimate::percent;
 use heliotile_builder::accuracy::trial::{Bench, ErrorMeasures, ErrorSource, Irradiances};
@@ -9,20 +11,26 @@ use heliotile_builder::settings::{Effects, Quality, Share};
 use heliotile_core::error::Result;
 use heliotile_core::observer::Stage;
 
-/// A setting at one value.
-pub struct Point {
-    /// The setting, as `--set` names it.
+/// A setting at one value. Errors are those of its source in hourly values.
+#[derive(Clone, Debug, Serialize)]
+pub struct SettingPoint {
+    /// Name of the setting.
     pub setting: &'static str,
+    /// Its value.
     pub value: f64,
     /// What it is compared with.
-    pub truth: &'static str,
-    /// Of hourly values, in percent of the mean total.
-    pub rmse: f64,
-    pub mean_absolute: f64,
-    pub bias: f64,
+    pub truth: String,
+    /// RMSE, percent of the mean total.
+    pub rmse_percent: f64,
+    /// Mean absolute error, percent of the mean total.
+    pub mean_absolute_percent: f64,
+    /// Mean difference, percent of the mean total.
+    pub bias_percent: f64,
     /// How often the mean absolute error halves when the setting becomes twice as fine; none at the first value.
     pub order: Option<f64>,
+    /// Rays that were traced.
     pub rays: u64,
+    /// CPU seconds to build.
     pub build_s: f64,
 }
 
@@ -58,7 +66,7 @@ const ROWS: [Row; 5] = [
     Row {
         setting: "cell_factor",
         source: ErrorSource::Seen,
-        truth: "a hemisphere for every hit (--share none)",
+        truth: "a hemisphere for every hit ({share} none)",
         values: &[16.0, 8.0, 4.0, 2.0, 1.0],
         set: |s, v| (s.cell_factor, s.cell_floor_m) = (v, v / 8.0),
         finest: |s| s.share = Share::None,
@@ -86,7 +94,7 @@ const STEPS: [usize; 6] = [1, 2, 4, 6, 12, 30];
 const MOST_STEPS: usize = 60;
 
 /// All settings, one after the other, at the quality `fine` otherwise. Sun positions need a weather file.
-pub fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> Result<Vec<Point>> {
+pub(super) fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> Result<Vec<SettingPoint>> {
     let base = BuildSettings { left_out, ..Rungs::of(Quality::Fine).settings() };
     let progress = Stage::begin(bench.observer, "settings", None);
     let mut points = Vec::new();
@@ -102,14 +110,14 @@ pub fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> R
         let base = if of_sky { BuildSettings { left_out: Effects::ALL, ..base } } else { base };
         let mut finest = base;
         (row.finest)(&mut finest);
-        let truth = trial(finest)?;
+        let (truth, named) = (trial(finest)?, bench.observer.in_words(row.truth));
         let from = points.len();
         for &value in row.values {
             let mut settings = base;
             (row.set)(&mut settings, value);
             let tried = trial(settings)?;
             let error = tried.light.source_error(&truth.light, row.source);
-            points.push(point(row.setting, value, row.truth, error, mean, (tried.rays.total(), tried.build_s)));
+            points.push(point(row.setting, value, &named, error, mean, (tried.rays.total(), tried.build_s)));
         }
         orders(&mut points[from..], row.setting == "cell_factor" || row.setting == "closed_m");
     }
@@ -143,28 +151,39 @@ pub fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> R
 fn point(
     setting: &'static str,
     value: f64,
-    truth: &'static str,
+    truth: &str,
     error: ErrorMeasures,
     mean: f64,
     cost: (u64, f64),
-) -> Point {
-    let [rmse, mean_absolute, bias] = [error.rmse, error.mean_absolute, error.bias].map(|error| percent(error, mean));
+) -> SettingPoint {
+    let [rmse_percent, mean_absolute_percent, bias_percent] =
+        [error.rmse, error.mean_absolute, error.bias].map(|error| percent(error, mean));
     let (rays, build_s) = cost;
-    Point { setting, value, truth, rmse, mean_absolute, bias, order: None, rays, build_s }
+    SettingPoint {
+        setting,
+        value,
+        truth: truth.to_owned(),
+        rmse_percent,
+        mean_absolute_percent,
+        bias_percent,
+        order: None,
+        rays,
+        build_s,
+    }
 }
 
 /// Fills the orders of neighbouring values; `falling` where small values are the fine ones.
-fn orders(points: &mut [Point], falling: bool) {
+fn orders(points: &mut [SettingPoint], falling: bool) {
     for i in 1..points.len() {
         let ratio = points[i].value / points[i - 1].value;
         let finer = if falling { 1.0 / ratio } else { ratio };
-        let (before, now) = (points[i - 1].mean_absolute, points[i].mean_absolute);
+        let (before, now) = (points[i - 1].mean_absolute_percent, points[i].mean_absolute_percent);
         points[i].order = (before > 0.0 && now > 0.0 && finer > 1.0).then(|| (before / now).ln() / finer.ln());
     }
 }
 
 /// For the terminal.
-pub fn table(points: &[Point]) -> String {
+pub(super) fn table(points: &[SettingPoint]) -> String {
     let mut out = format!(
         "\n{:<13}{:>7}{:>10}{:>13}{:>9}{:>8}  against\n",
         "setting", "value", "RMSE %", "mean abs. %", "bias %", "order"
@@ -174,7 +193,7 @@ pub fn table(points: &[Point]) -> String {
         let (setting, value) = (p.setting, p.value);
         out += &format!(
             "{setting:<13}{value:>7}{:>10.3}{:>13.4}{:>9.3}{order:>8}  {}\n",
-            p.rmse, p.mean_absolute, p.bias, p.truth
+            p.rmse_percent, p.mean_absolute_percent, p.bias_percent, p.truth
         );
     }
     out += "order: the mean absolute error of that source falls by 2^order when the setting becomes twice as fine\n";
@@ -193,7 +212,7 @@ mod tests {
                 let error = ErrorMeasures { rmse: 0.0, bias: 0.0, mean_absolute };
                 point("hit", value, "", error, 100.0, (0, 0.0))
             };
-            let mut points: Vec<Point> = values.into_iter().zip(errors).map(at).collect();
+            let mut points: Vec<SettingPoint> = values.into_iter().zip(errors).map(at).collect();
             orders(&mut points, falling);
             points.iter().map(|p| p.order).collect()
         };

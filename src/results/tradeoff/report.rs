@@ -1,38 +1,23 @@
-//! The folder of a report. In: what was measured. Out: its files, name and text: tables for programs, pictures, a page for people.
+//! What a trade-off tells people and programs. In: what was measured. Out: a folder with tables, pictures, a page for people.
 
-use std::path::Path;
-
-use super::ladder::{LadderTable, Step};
-use super::sources::Point;
+use super::SiteSummary;
+use super::ladder::{LadderStep, LadderTable};
+use super::sources::SettingPoint;
+use crate::outputs::page::{CsvTable, PICTURE_PX, ReportFolder, escaped};
+use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
+use heliotile_core::archive::settings::SETTINGS;
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
-use heliotile_results::outputs::page::{escaped, page};
-use heliotile_results::outputs::pictures::plot::{Axis, Plot, Series, Style};
-use heliotile_results::outputs::provenance::Provenance;
-use heliotile_results::outputs::tables::{column::Column, csvw};
 
-/// The page that shows everything.
-pub const PAGE: &str = "index.html";
-
-/// What was looked at.
-pub struct SiteSummary<'a> {
-    pub scene: &'a Path,
-    pub receivers: usize,
-    pub sample: usize,
-    /// What errors were estimated under.
-    pub weather: &'a str,
-}
-
-/// Pixels of a picture.
-const SIZE: (u32, u32) = (760, 460);
+/// Columns that hold no numbers.
+const LABELS: &[&str] = &["rung", "setting", "against", "frontier"];
 
 /// All files.
-pub fn files(
+pub(super) fn folder(
     site: &SiteSummary,
     ladder: &LadderTable,
-    sources: Option<&[Point]>,
-    about: &Provenance,
-) -> Result<Vec<(&'static str, String)>> {
+    sources: Option<&[SettingPoint]>,
+) -> Result<ReportFolder> {
     let time = picture(ladder, "Error against time", "CPU seconds a receiver: build and a year's replay", |step| {
         step.seconds() / ladder.receivers as f64
     })?;
@@ -40,42 +25,25 @@ pub fn files(
         step.bytes as f64 / 1e3 / ladder.receivers as f64
     })?;
     let mut pictures = vec![("error_time.svg", time), ("error_bytes.svg", size)];
-    let table = ladder_csv(ladder);
-    let mut files =
-        vec![("tradeoff.csv-metadata.json", columns("tradeoff.csv", &table, about)), ("tradeoff.csv", table)];
+    let mut csv = vec![CsvTable { name: "tradeoff.csv", text: ladder_csv(ladder), labels: LABELS }];
     if let Some(points) = sources {
         pictures.push(("sources.svg", sources_picture(points)?));
-        let table = sources_csv(points);
-        files.push(("sources.csv-metadata.json", columns("sources.csv", &table, about)));
-        files.push(("sources.csv", table));
+        csv.push(CsvTable { name: "sources.csv", text: sources_csv(points), labels: LABELS });
     }
-    pictures.iter_mut().for_each(|(_, svg)| *svg = about.in_svg(svg));
     let title = format!("What accuracy costs: {}", site.scene.display());
-    files.push((PAGE, page(&title, &words(site, ladder), &pictures, &ladder.table())));
-    files.extend(pictures);
-    Ok(files)
+    Ok(ReportFolder { title, words: words(site, ladder), table: ladder.table(), csv, pictures })
 }
 
-/// What the columns of a table are.
-fn columns(name: &str, table: &str, about: &Provenance) -> String {
-    let header = table.lines().next().unwrap_or_default().split(',');
-    let column = |name: &str| match name {
-        "rung" | "setting" | "against" | "frontier" => Column::text(name),
-        _ => Column::number(name, 4),
-    };
-    csvw::text(name, &header.map(column).collect::<Vec<_>>(), about)
-}
-
-fn picture(ladder: &LadderTable, title: &str, x: &str, at: impl Fn(&Step) -> f64) -> Result<String> {
+fn picture(ladder: &LadderTable, title: &str, x: &str, at: impl Fn(&LadderStep) -> f64) -> Result<String> {
     // Rungs that some other one beats in time stand apart.
     let some = |frontier: bool| {
-        let mut steps: Vec<&Step> = ladder.steps.iter().filter(|s| s.frontier == frontier).collect();
+        let mut steps: Vec<&LadderStep> = ladder.steps.iter().filter(|s| s.frontier == frontier).collect();
         steps.sort_by(|a, b| at(a).total_cmp(&at(b)));
         steps
     };
-    let series = |name: &str, steps: Vec<&Step>, style: Style| Series {
+    let series = |name: &str, steps: Vec<&LadderStep>, style: Style| Series {
         name: name.into(),
-        points: steps.iter().map(|step| (at(step), step.error)).collect(),
+        points: steps.iter().map(|step| (at(step), step.error_percent)).collect(),
         labels: steps.iter().map(|step| step.name.clone()).collect(),
         style,
     };
@@ -91,10 +59,10 @@ fn picture(ladder: &LadderTable, title: &str, x: &str, at: impl Fn(&Step) -> f64
         .filter(|series| !series.points.is_empty())
         .collect(),
     };
-    plot.svg(SIZE.0, SIZE.1)
+    plot.svg(PICTURE_PX.0, PICTURE_PX.1)
 }
 
-fn sources_picture(points: &[Point]) -> Result<String> {
+fn sources_picture(points: &[SettingPoint]) -> Result<String> {
     let mut series: Vec<Series> = Vec::new();
     for point in points {
         if series.last().is_none_or(|last| last.name != point.setting) {
@@ -102,7 +70,7 @@ fn sources_picture(points: &[Point]) -> Result<String> {
             series.push(Series { name, points: Vec::new(), labels: Vec::new(), style: Style::Both });
         }
         if let Some(last) = series.last_mut() {
-            last.points.push((point.value, point.mean_absolute));
+            last.points.push((point.value, point.mean_absolute_percent));
         }
     }
     let plot = Plot {
@@ -111,58 +79,40 @@ fn sources_picture(points: &[Point]) -> Result<String> {
         y: Axis { label: "mean absolute error, % of the mean total".into(), log: true },
         series,
     };
-    plot.svg(SIZE.0, SIZE.1)
+    plot.svg(PICTURE_PX.0, PICTURE_PX.1)
 }
 
 fn ladder_csv(ladder: &LadderTable) -> String {
-    let mut out = String::from(
-        "rung,sky_base,sky_fine,hit,cell_factor,cell_floor_m,probe,probe_hits,closed_m,bounce_sky,bounce_hits,patches,steps,\
-         error_percent,bias_percent,yearly_percent,",
-    );
     let parts = Component::ALL.into_iter().filter(|component| *component != Component::Total);
-    parts.for_each(|component| out += &format!("{}_percent,", component.name()));
-    out += "trace_cpu_s,compress_cpu_s,replay_cpu_s,rays,bytes,receivers,frontier\n";
+    let names = SETTINGS.iter().map(|setting| setting.name.to_owned());
+    let errors = ["error", "bias", "yearly"].into_iter().chain(parts.clone().map(Component::name));
+    let errors = errors.map(|name| format!("{name}_percent"));
+    let mut out = format!(
+        "rung,{},trace_cpu_s,compress_cpu_s,replay_cpu_s,rays,bytes,receivers,frontier\n",
+        names.chain(errors).collect::<Vec<_>>().join(",")
+    );
     for step in &ladder.steps {
-        let s = &step.settings;
-        let components: String = step.components.iter().map(|percent| format!("{percent:.4},")).collect();
-        out += &format!(
-            "\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{:.4},{:.4},{:.4},{components}{:.4},{:.4},{:.4},{},{},{},{}\n",
-            step.name,
-            s.sky_base,
-            s.sky_fine,
-            s.hit,
-            s.cell_factor,
-            s.cell_floor_m,
-            s.probe,
-            s.probe_hits,
-            s.closed_m,
-            s.bounce_sky,
-            s.bounce_hits,
-            s.patches,
-            s.steps,
-            step.error,
-            step.bias,
-            step.yearly,
-            step.trace_s,
-            step.compress_s,
-            step.replay_s,
-            step.rays,
-            step.bytes,
-            ladder.receivers,
-            step.frontier
-        );
+        let of = |part: Component| step.components_percent.get(part.name()).copied().unwrap_or_default();
+        let errors =
+            [step.error_percent, step.bias_percent, step.yearly_percent].into_iter().chain(parts.clone().map(of));
+        let seconds = [step.trace_s, step.compress_s, step.replay_s];
+        let settings = step.settings.stated();
+        let settings = settings.numbers().map(|(_, number)| number.to_string());
+        let numbers = settings.chain(errors.chain(seconds).map(|number| format!("{number:.4}"))).collect::<Vec<_>>();
+        let LadderStep { name, rays, bytes, frontier, .. } = step;
+        out += &format!("\"{name}\",{},{rays},{bytes},{},{frontier}\n", numbers.join(","), ladder.receivers);
     }
     out
 }
 
-fn sources_csv(points: &[Point]) -> String {
+fn sources_csv(points: &[SettingPoint]) -> String {
     let mut out =
         String::from("setting,value,against,rmse_percent,mean_absolute_percent,bias_percent,order,rays,build_cpu_s\n");
     for p in points {
         let order = p.order.map_or(String::new(), |order| format!("{order:.3}"));
         out += &format!(
             "{},{},\"{}\",{:.5},{:.5},{:.5},{order},{},{:.4}\n",
-            p.setting, p.value, p.truth, p.rmse, p.mean_absolute, p.bias, p.rays, p.build_s
+            p.setting, p.value, p.truth, p.rmse_percent, p.mean_absolute_percent, p.bias_percent, p.rays, p.build_s
         );
     }
     out
@@ -170,7 +120,7 @@ fn sources_csv(points: &[Point]) -> String {
 
 /// What a person should know, in words.
 fn words(site: &SiteSummary, ladder: &LadderTable) -> String {
-    let watts = |step: &Step| step.error / 100.0 * ladder.mean_w_m2;
+    let watts = |step: &LadderStep| step.error_percent / 100.0 * ladder.mean_w_m2;
     let named = |name: &str| ladder.steps.iter().find(|step| step.name == name);
     let mut text = format!(
         "{} of {} places of this site were calculated with {} different settings, from rough to very fine, under the same suns and skies ({}). \
@@ -187,10 +137,10 @@ fn words(site: &SiteSummary, ladder: &LadderTable) -> String {
              hours by {:.1} %: too much in one hour makes up for too little in another. With <b>fine</b> it is {:.1} W/m2 ({:.1} %), \
              for {:.1} times the computing time and {:.1} times the file. ",
             watts(standard),
-            standard.error,
-            standard.yearly,
+            standard.error_percent,
+            standard.yearly_percent,
             watts(fine),
-            fine.error,
+            fine.error_percent,
             fine.seconds() / standard.seconds().max(1e-9),
             fine.bytes as f64 / standard.bytes.max(1) as f64
         );
@@ -199,10 +149,10 @@ fn words(site: &SiteSummary, ladder: &LadderTable) -> String {
         text += &format!(
             "The best bargain here is <b>{}</b> ({:.1} %): finer settings cost more and more time for less and less gain. ",
             escaped(&knee.name),
-            knee.error
+            knee.error_percent
         );
     }
-    text +=
-        "To ask for an error instead of a setting, build with <code>--error 2%</code>, or the number that you need.";
-    text
+    text + &site.observer.in_words(
+        "To ask for an error instead of a setting, build with <code>{error} 2%</code>, or the number that you need.",
+    )
 }

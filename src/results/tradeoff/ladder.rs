@@ -1,6 +1,9 @@
 //! The ladder of settings, climbed. In: a bench. Out: errors, seconds and bytes of every rung.
 
+use std::collections::BTreeMap;
+
 use cpu_time::ProcessTime;
+use serde::{Serialize, Serializer};
 
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::accuracy::judged::JudgedSample;
@@ -15,41 +18,53 @@ use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Stage;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::components::Component;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::weather::time::bins::Bins;
 
-/// One rung and what it is worth. Errors are RMSE of hourly totals in percent of their mean.
-pub struct Step {
+/// One rung and what it is worth.
+#[derive(Clone, Debug, Serialize)]
+pub struct LadderStep {
+    /// Name of the quality, or what it is made of.
     pub name: String,
+    /// Settings by their names.
+    #[serde(serialize_with = "by_name")]
     pub settings: BuildSettings,
-    pub error: f64,
-    pub bias: f64,
-    /// Of means over all conditions.
-    pub yearly: f64,
-    /// RMSE of each component, in the order of results.
-    pub components: [f64; 6],
-    /// CPU seconds.
+    /// RMSE of hourly totals, percent of their mean.
+    pub error_percent: f64,
+    /// Mean difference of hourly totals, percent of their mean.
+    pub bias_percent: f64,
+    /// RMSE of means over all conditions, percent of the mean.
+    pub yearly_percent: f64,
+    /// RMSE of each component and of the total, by column, percent of the mean total.
+    pub components_percent: BTreeMap<String, f64>,
+    /// CPU seconds to trace.
     pub trace_s: f64,
+    /// CPU seconds to compress.
     pub compress_s: f64,
+    /// CPU seconds to replay a year of hours into sums.
     pub replay_s: f64,
+    /// Rays that were traced.
     pub rays: u64,
+    /// Length of the archive.
     pub bytes: u64,
     /// Whether no other rung is both faster and better.
     pub frontier: bool,
 }
 
-impl Step {
+fn by_name<S: Serializer>(settings: &BuildSettings, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    serializer.collect_map(settings.stated().numbers().map(|(setting, number)| (setting.name, number)))
+}
+
+impl LadderStep {
     fn of(name: String, trial: &Trial, judged: &JudgedSample, (compress_s, replay_s): (f64, f64)) -> Self {
         let found = judged.accuracy(&trial.light, |_| 0);
-        let of = |component: Component| found.components_percent.get(component.name()).copied().unwrap_or_default();
-        Step {
+        LadderStep {
             name,
             settings: trial.settings,
-            error: found.rmse_percent,
-            bias: found.bias_percent,
-            yearly: found.yearly_percent,
-            components: std::array::from_fn(|part| of(Component::ALL[part])),
+            error_percent: found.rmse_percent,
+            bias_percent: found.bias_percent,
+            yearly_percent: found.yearly_percent,
+            components_percent: found.components_percent,
             trace_s: (trial.build_s - compress_s).max(0.0),
             compress_s,
             replay_s,
@@ -59,16 +74,20 @@ impl Step {
         }
     }
 
+    /// CPU seconds of all of it.
     pub fn seconds(&self) -> f64 {
         self.trace_s + self.compress_s + self.replay_s
     }
 }
 
-/// All rungs, from coarse to fine.
+/// What all rungs are worth.
+#[derive(Clone, Debug, Serialize)]
 pub struct LadderTable {
-    pub steps: Vec<Step>,
+    /// From coarse to fine.
+    pub steps: Vec<LadderStep>,
+    /// Receivers that they were tried on.
     pub receivers: usize,
-    /// Mean total, W/m2.
+    /// Mean of hourly totals.
     pub mean_w_m2: f64,
 }
 
@@ -94,7 +113,8 @@ fn rungs() -> Vec<(String, Rungs)> {
 }
 
 impl LadderTable {
-    pub fn climb(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> Result<Self> {
+    /// Tries all rungs on a bench.
+    pub(super) fn climb(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> Result<Self> {
         let rungs = rungs();
         let progress = Stage::begin(bench.observer, "ladder", Some(rungs.len() as u64 + 1));
         let settings = |rungs: Rungs| BuildSettings { left_out, ..rungs.settings() };
@@ -106,24 +126,24 @@ impl LadderTable {
             progress.advance(1);
             let costs = (compression_s(&trial)?, replay_s(bench, &trial, suns)?);
             std::fs::remove_file(&trial.archive).map_err(Error::io(&trial.archive, "remove"))?;
-            steps.push(Step::of(name, &trial, &judged, costs));
+            steps.push(LadderStep::of(name, &trial, &judged, costs));
         }
         drop(progress);
         for i in 0..steps.len() {
-            let here = (steps[i].seconds(), steps[i].error);
-            steps[i].frontier = !steps.iter().any(|other| other.seconds() < here.0 && other.error < here.1);
+            let here = (steps[i].seconds(), steps[i].error_percent);
+            steps[i].frontier = !steps.iter().any(|other| other.seconds() < here.0 && other.error_percent < here.1);
         }
         Ok(LadderTable { steps, receivers: bench.receivers.len(), mean_w_m2: judged.mean_w_m2() })
     }
 
     /// The rung of the frontier that lies farthest below the line from its first to its last one, both axes logarithmic: where another
     /// second starts to buy less.
-    pub fn knee(&self) -> Option<&Step> {
-        let frontier: Vec<&Step> =
-            self.steps.iter().filter(|s| s.frontier && s.error > 0.0 && s.seconds() > 0.0).collect();
-        let at = |step: &Step| (step.seconds().ln(), step.error.ln());
+    pub fn knee(&self) -> Option<&LadderStep> {
+        let frontier: Vec<&LadderStep> =
+            self.steps.iter().filter(|s| s.frontier && s.error_percent > 0.0 && s.seconds() > 0.0).collect();
+        let at = |step: &LadderStep| (step.seconds().ln(), step.error_percent.ln());
         let ((x0, y0), (x1, y1)) = (at(frontier.first()?), at(frontier.last()?));
-        let below = |step: &&Step| {
+        let below = |step: &&LadderStep| {
             let (x, y) = at(step);
             (x1 - x0) * (y0 - y) - (y0 - y1) * (x - x0)
         };
@@ -140,9 +160,9 @@ impl LadderTable {
             let name = format!("{}{}", step.name, if step.frontier { " *" } else { "" });
             out += &format!(
                 "{name:<28}{:>8.2}{:>8.2}{:>8.2}{:>10.2}{:>10.2}{:>9.2}{:>11.2}{:>10.1}\n",
-                step.error,
-                step.bias,
-                step.yearly,
+                step.error_percent,
+                step.bias_percent,
+                step.yearly_percent,
                 step.trace_s,
                 step.compress_s,
                 step.replay_s,

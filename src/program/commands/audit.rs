@@ -1,0 +1,25 @@
+//! `heliotile audit`: whether an archive is as exact as it says.
+
+use super::console::terminal::Terminal;
+use super::{Outcome, say};
+use crate::cli::AuditArgs;
+use heliotile_builder::spill::SystemTemp;
+use heliotile_core::error::Result;
+use heliotile_results::{Provenance, Resources, Verdict};
+use heliotile_scene::input;
+
+/// `heliotile audit`: an error that is larger than what is stated is a finding (exit 1).
+pub fn run(args: &AuditArgs, about: Provenance) -> Result<Outcome> {
+    let terminal = Terminal::default();
+    let memory = args.memory.into();
+    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    let report = args.request().run(&resources)?;
+    say(&report.text())?;
+    if let Some(folder) = &args.output {
+        say(&format!("{}: read it with a browser\n", report.write(folder, about)?.display()))?;
+    }
+    Ok(match report.verdict {
+        Verdict::Refuted => Outcome::ProblemFound,
+        Verdict::Holds | Verdict::NothingStated => Outcome::Fine,
+    })
+}

@@ -1,0 +1,19 @@
+//! `heliotile tradeoff`: what accuracy costs on the user's own site.
+
+use super::console::terminal::Terminal;
+use super::{Outcome, say};
+use crate::cli::TradeoffArgs;
+use heliotile_builder::spill::SystemTemp;
+use heliotile_core::error::Result;
+use heliotile_results::{Provenance, Resources};
+use heliotile_scene::input;
+
+/// `heliotile tradeoff`.
+pub fn run(args: &TradeoffArgs, about: Provenance) -> Result<Outcome> {
+    let terminal = Terminal::default();
+    let memory = args.memory.into();
+    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    let done = args.request().write(about, &resources, say)?;
+    say(&format!("{}: read it with a browser\n", done.page.display()))?;
+    Ok(Outcome::Fine)
+}

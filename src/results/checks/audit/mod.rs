@@ -1,0 +1,164 @@
+//! Whether an archive is as exact as it says. In: an archive, its scene, weather or conditions. Out: a report of what an independent judge finds.
+
+mod report;
+mod texts;
+
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use super::original;
+use crate::resources::Resources;
+use heliotile_builder::accuracy::CONDITIONS;
+use heliotile_builder::accuracy::conditions::ErrorConditions;
+use heliotile_builder::judge::{AuditInputs, audit};
+use heliotile_builder::pipeline::PreparedScene;
+use heliotile_core::archive::Access;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::place::Place;
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::conditions::Condition;
+use heliotile_core::weather::options::WeatherOptions;
+use heliotile_remote::places::open_archive;
+use heliotile_scene::input::weather::read_conditions;
+use heliotile_scene::request::SceneRequest;
+
+pub use report::{AuditReport, ComponentErrors, HourKindErrors, SkyViewErrors, Verdict, WorstPair};
+
+/// Receivers that are looked at, if neither their number nor a time is given.
+const SAMPLES: u32 = 256;
+
+/// Hours that each of them is looked at in, and how many conditions of a table are few enough to take all.
+const HOURS: usize = 8;
+const FEW: usize = 64;
+
+/// What is asked of an audit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AuditRequest {
+    /// Path or address of the archive.
+    pub archive: PathBuf,
+    /// The scene that it was built from; where that lies the archive says.
+    pub scene: SceneRequest,
+    /// Weather file whose hours count;
+    pub weather: Option<PathBuf>,
+    /// what is known of that file that it does not state;
+    pub about_weather: WeatherOptions,
+    /// or a table of suns and skies. Neither: suns from all sides.
+    pub conditions: Option<PathBuf>,
+    /// Receivers at most; none: 256, or as many as the time allows.
+    pub samples: Option<u32>,
+    /// Hours of each receiver at most; none: 8, or all of a table of up to 64 conditions.
+    pub hours: Option<u32>,
+    /// Seconds after which no further receiver is begun.
+    pub seconds: Option<f64>,
+    /// Paths of light that the judge follows from each receiver.
+    pub paths: u32,
+    /// Another number takes other receivers, hours and paths.
+    pub seed: u64,
+    /// How the sky's radiance is spread.
+    pub sky: SkyModel,
+}
+
+/// Suns and skies that the archive and the judge are compared under.
+struct AuditConditions {
+    all: Vec<Condition>,
+    /// Name of their file, or what they are in words.
+    name: String,
+    /// How many of them a receiver is looked at under.
+    hours: usize,
+}
+
+impl Default for AuditRequest {
+    fn default() -> Self {
+        AuditRequest {
+            archive: PathBuf::new(),
+            scene: SceneRequest::default(),
+            weather: None,
+            about_weather: WeatherOptions::default(),
+            conditions: None,
+            samples: None,
+            hours: None,
+            seconds: None,
+            paths: 4096,
+            seed: 1,
+            sky: SkyModel::default(),
+        }
+    }
+}
+
+impl AuditRequest {
+    /// Numbers of paths that the judge may follow.
+    pub const PATHS: RangeInclusive<i64> = 16..=1 << 24;
+
+    /// Refuses numbers that are not in range and choices that exclude each other, before any file is read.
+    pub fn check(&self) -> Result<()> {
+        if !Self::PATHS.contains(&self.paths.into()) {
+            let hint = format!("give a number from {} to {}", Self::PATHS.start(), Self::PATHS.end());
+            return Err(Error::argument("paths", format!("is {}", self.paths), hint));
+        }
+        for (name, number) in [("samples", self.samples), ("hours", self.hours)] {
+            if number == Some(0) {
+                return Err(Error::argument(name, "is 0", "give a number from 1, or leave it out"));
+            }
+        }
+        if self.seconds.is_some_and(|seconds| !is_time(seconds)) {
+            return Err(Error::argument("seconds", "is no time", "give a number of seconds above 0"));
+        }
+        if self.weather.is_some() && self.conditions.is_some() {
+            return Err(Error::argument("weather, conditions", "are both given", "give one of them"));
+        }
+        Ok(())
+    }
+
+    /// Compares the archive with the judge.
+    pub fn run(&self, resources: &Resources) -> Result<AuditReport> {
+        self.check()?;
+        let observer = resources.observer;
+        let archive = open_archive(&self.archive, Access::Read)?;
+        let site = original::site_of(&self.archive, &self.scene)?;
+        let scene = original::scene_of(&archive, &site, self.scene.first(), observer)?;
+        let conditions = self.conditions(scene.place, resources)?;
+        let left_out = &archive.manifest().settings.left_out;
+        if !left_out.is_empty() {
+            let left_out = left_out.join(", ");
+            observer.report(&format!("{} leaves out {left_out}, and so does the judge\n", archive.path().display()));
+        }
+        let samples = self.samples.unwrap_or(if self.seconds.is_some() { u32::MAX } else { SAMPLES });
+        let audited = audit(&AuditInputs {
+            archive: &archive,
+            scene: &PreparedScene::new(&scene)?,
+            conditions: &conditions.all,
+            hours: self.hours.map_or(conditions.hours, |hours| hours as usize),
+            sky: self.sky,
+            samples: samples as usize,
+            time: self.seconds.map(Duration::from_secs_f64),
+            paths: self.paths as usize,
+            seed: self.seed,
+            memory: resources.memory,
+            storage: resources.storage,
+            observer,
+        })?;
+        Ok(AuditReport::new(&archive, audited, conditions.all, conditions.name, observer))
+    }
+
+    /// Reads weather or conditions; tells what is doubtful in them.
+    fn conditions(&self, place: Option<Place>, resources: &Resources) -> Result<AuditConditions> {
+        let Some(path) = &self.conditions else {
+            let suns = ErrorConditions::read(self.weather.as_deref(), &self.about_weather, place, resources.observer)?;
+            return Ok(AuditConditions { all: suns.some(CONDITIONS), name: suns.name().to_owned(), hours: HOURS });
+        };
+        let read = read_conditions(path)?;
+        read.warnings.iter().for_each(|text| resources.observer.warn(text));
+        let count = read.conditions.len();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(AuditConditions { all: read.conditions, name, hours: if count <= FEW { count } else { HOURS } })
+    }
+}
+
+/// Whether a clock can count so many seconds.
+pub fn is_time(seconds: f64) -> bool {
+    seconds.is_finite() && seconds > 0.0 && seconds < 1e9
+}

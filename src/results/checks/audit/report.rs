@@ -1,0 +1,229 @@
+//! What an audit found. In: pairs of results and judgements, what the archive states of its error. Out: errors by component, by sky view and by
+//! kind of hours, and the verdict.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use heliotile_builder::accuracy::estimate::percent;
+use heliotile_builder::judge::comparison::{Deviation, Known, Pair, deviation, mean_w_m2, off};
+use heliotile_builder::judge::groups::by_sky_view;
+use heliotile_builder::judge::hours::{HoursFound, mix_of};
+use heliotile_builder::judge::{Audited, PARTS};
+use heliotile_core::archive::Archive;
+use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::observer::Observer;
+use heliotile_core::replay::components::Component;
+use heliotile_core::weather::conditions::Condition;
+
+/// What is stated is an estimate: it is refuted by more than this factor.
+const STATED_WITHIN: f64 = 1.5;
+
+/// What came out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The archive states no error.
+    NothingStated,
+    /// The error that was found may be what is stated.
+    Holds,
+    /// The error that was found is larger.
+    Refuted,
+}
+
+/// All that was found.
+#[derive(Serialize)]
+pub struct AuditReport {
+    /// The archive.
+    pub archive: PathBuf,
+    /// The file of weather or conditions, or what suns and skies are in words.
+    pub weather: String,
+    /// Number of receivers that were looked at.
+    pub receivers: usize,
+    /// Number of their hours, all receivers together.
+    pub hours: usize,
+    /// Mean of the totals that the judge found.
+    pub mean_w_m2: f64,
+    /// Whether what the archive states of its error may be right.
+    pub verdict: Verdict,
+    /// The verdict in words.
+    pub sentence: String,
+    /// What the archive states of the RMSE of the totals in these hours, percent of their mean.
+    pub stated_percent: Option<f64>,
+    /// The six components and the total.
+    pub components: Vec<ComponentErrors>,
+    /// Groups of receivers that see about as much of the sky.
+    pub sky_views: Vec<SkyViewErrors>,
+    /// Hours in which errors of reflected light show.
+    pub hour_kinds: Vec<HourKindErrors>,
+    #[serde(skip)]
+    pub(super) audited: Audited,
+    #[serde(skip)]
+    pub(super) conditions: Vec<Condition>,
+}
+
+/// Errors of a component or of the total, each with its interval of 95 %.
+#[derive(Clone, Debug, Serialize)]
+pub struct ComponentErrors {
+    /// Name of its column.
+    pub component: &'static str,
+    /// Mean difference, above 0 if the archive's results are too large.
+    pub bias_w_m2: Known,
+    /// Root of the mean squared difference.
+    pub rmse_w_m2: Known,
+    /// The bias in percent of the mean total.
+    pub bias_percent: Known,
+    /// The RMSE in percent of the mean total.
+    pub rmse_percent: Known,
+    /// The hour of a receiver that is farthest off, the judge's noise aside.
+    pub worst: Option<WorstPair>,
+}
+
+/// An hour of a receiver.
+#[derive(Clone, Debug, Serialize)]
+pub struct WorstPair {
+    /// Name of the receiver.
+    pub receiver: String,
+    /// Label of the condition.
+    pub condition: String,
+    /// What the archive gives less what the judge found.
+    pub off_w_m2: f64,
+    /// What the judge found.
+    pub judged_w_m2: f64,
+    /// Standard error of what the judge found.
+    pub standard_error_w_m2: f64,
+}
+
+/// Errors of the totals of receivers that see about as much of the sky.
+#[derive(Clone, Debug, Serialize)]
+pub struct SkyViewErrors {
+    /// Smallest, mean and largest share of their hemispheres that is sky.
+    pub sky_view: [f64; 3],
+    /// Mean of the totals that the judge found.
+    pub mean_w_m2: f64,
+    /// RMSE of the totals.
+    pub rmse_w_m2: Known,
+}
+
+/// Errors of the totals in hours of one kind.
+#[derive(Clone, Debug, Serialize)]
+pub struct HourKindErrors {
+    /// Name of the kind.
+    pub kind: &'static str,
+    /// Share of all hours of all receivers.
+    pub share: f64,
+    /// Mean of the totals that the judge found.
+    pub mean_w_m2: f64,
+    /// RMSE of the totals.
+    pub rmse_w_m2: Known,
+    /// What the archive states of that RMSE, percent of the mean of these hours.
+    pub stated_percent: Option<f64>,
+}
+
+impl HourKindErrors {
+    fn of(found: &HoursFound, stated: Option<&Accuracy>) -> Self {
+        let (kind, mean_w_m2) = (found.kind.name(), found.mean_w_m2);
+        let stated = stated.filter(|stated| stated.hours.iter().any(|hours| hours.hours == kind));
+        let stated_percent = stated.map(|stated| percent(stated.expected_w_m2(&found.mix, mean_w_m2), mean_w_m2));
+        HourKindErrors { kind, share: found.share, mean_w_m2, rmse_w_m2: found.rmse_w_m2, stated_percent }
+    }
+
+    /// Whether the error is larger than what is stated.
+    fn is_refuted(&self) -> bool {
+        let low = percent(self.rmse_w_m2.low, self.mean_w_m2);
+        self.stated_percent.is_some_and(|stated| low > STATED_WITHIN * stated)
+    }
+}
+
+impl AuditReport {
+    pub(super) fn new(
+        archive: &Archive,
+        audited: Audited,
+        conditions: Vec<Condition>,
+        weather: String,
+        observer: &dyn Observer,
+    ) -> Self {
+        let (stated, mean_w_m2) = (archive.manifest().accuracy.as_ref(), mean_w_m2(&audited.pairs));
+        let component = |part: Component| {
+            let Deviation { bias_w_m2, rmse_w_m2, worst } = deviation(&audited.pairs, &audited.suns, part as usize);
+            let of_mean = |known: Known| in_percent(known, mean_w_m2);
+            let worst = worst.map(|pair| WorstPair {
+                receiver: audited.receivers[pair.receiver].0.id.clone(),
+                condition: conditions[pair.condition].label.clone(),
+                off_w_m2: off(&pair, part as usize),
+                judged_w_m2: pair.judged.mean[part as usize],
+                standard_error_w_m2: pair.judged.error[part as usize],
+            });
+            let (bias_percent, rmse_percent) = (of_mean(bias_w_m2), of_mean(rmse_w_m2));
+            ComponentErrors { component: part.name(), bias_w_m2, rmse_w_m2, bias_percent, rmse_percent, worst }
+        };
+        let stated_percent =
+            stated.map(|stated| percent(stated.expected_w_m2(&mix_of(&audited.pairs), mean_w_m2), mean_w_m2));
+        let hour_kinds: Vec<HourKindErrors> =
+            audited.hours.found().iter().map(|found| HourKindErrors::of(found, stated)).collect();
+        let mut report = AuditReport {
+            archive: archive.path().to_path_buf(),
+            weather,
+            receivers: audited.receivers.len(),
+            hours: audited.pairs.len(),
+            mean_w_m2,
+            verdict: Verdict::Holds,
+            sentence: String::new(),
+            stated_percent,
+            components: Component::ALL[..PARTS].iter().copied().map(component).collect(),
+            sky_views: sky_views(&audited),
+            hour_kinds,
+            audited,
+            conditions,
+        };
+        report.judge(observer);
+        report
+    }
+
+    /// Errors of the total.
+    pub fn total(&self) -> &ComponentErrors {
+        &self.components[PARTS - 1]
+    }
+
+    /// Fills the verdict, and its sentence in the words of whoever is told.
+    fn judge(&mut self, observer: &dyn Observer) {
+        let refuted: Vec<&str> = self.hour_kinds.iter().filter(|of| of.is_refuted()).map(|of| of.kind).collect();
+        let is_exceeded = |stated: f64| self.total().rmse_percent.low > STATED_WITHIN * stated;
+        (self.verdict, self.sentence) = match self.stated_percent {
+            None => {
+                let sentence = observer.in_words("nothing is stated: `build {error} 2%` would state an error");
+                (Verdict::NothingStated, sentence)
+            }
+            Some(stated) if !is_exceeded(stated) && refuted.is_empty() => {
+                (Verdict::Holds, format!("stated: {stated:.2} %: not refuted"))
+            }
+            Some(stated) => {
+                let hours = match refuted.is_empty() {
+                    true => String::new(),
+                    false => format!(" in hours of: {}", refuted.join(", ")),
+                };
+                let sentence = format!(
+                    "stated: {stated:.2} %: REFUTED, the error is more than {STATED_WITHIN} times as large{hours}"
+                );
+                (Verdict::Refuted, sentence)
+            }
+        };
+    }
+}
+
+/// A number in percent of a mean.
+pub(super) fn in_percent(known: Known, mean_w_m2: f64) -> Known {
+    known.times(if mean_w_m2 > 0.0 { 100.0 / mean_w_m2 } else { 0.0 })
+}
+
+fn sky_views(audited: &Audited) -> Vec<SkyViewErrors> {
+    let views: Vec<f64> = audited.receivers.iter().map(|receiver| receiver.1).collect();
+    let of_group = |group: &Vec<usize>| {
+        let [low, high] = [group.first()?, group.last()?].map(|&i| views[i]);
+        let middle = group.iter().map(|&i| views[i]).sum::<f64>() / group.len() as f64;
+        let inside: Vec<Pair> = audited.pairs.iter().filter(|pair| group.contains(&pair.receiver)).copied().collect();
+        let rmse_w_m2 = deviation(&inside, &audited.suns, PARTS - 1).rmse_w_m2;
+        Some(SkyViewErrors { sky_view: [low, middle, high], mean_w_m2: mean_w_m2(&inside), rmse_w_m2 })
+    };
+    by_sky_view(&views).iter().filter_map(of_group).collect()
+}

@@ -1,0 +1,169 @@
+//! What an audit tells people and programs. In: a report. Out: a table as text, a table of all pairs, pictures, a folder of these.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use super::report::{AuditReport, WorstPair, in_percent};
+use crate::outputs::page::{CsvTable, PICTURE_PX, ReportFolder, escaped};
+use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
+use crate::outputs::provenance::Provenance;
+use heliotile_builder::accuracy::estimate::percent;
+use heliotile_builder::judge::PARTS;
+use heliotile_builder::judge::comparison::{Known, Pair, off};
+use heliotile_core::error::Result;
+use heliotile_core::replay::components::Component;
+
+impl AuditReport {
+    /// For the terminal.
+    pub fn text(&self) -> String {
+        let mut out = format!(
+            "{}: {} receivers, {} hours of {} in all, mean total {:.1} W/m2\n\
+             {:13} {:>28} {:>26}   worst: W/m2 off, of, receiver, hour\n",
+            self.archive.display(),
+            self.receivers,
+            self.hours,
+            self.weather,
+            self.mean_w_m2,
+            "% of mean",
+            "bias (95 %)",
+            "RMSE (95 %)"
+        );
+        for found in &self.components {
+            let (bias, rmse) = (found.bias_percent, found.rmse_percent);
+            let worst = found.worst.as_ref().map_or(String::new(), worst);
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                out,
+                "{:13} {:>+8.3} ({:>+7.3} to {:>+7.3}) {:>7.3} ({:>5.3} to {:>6.3})   {worst}",
+                found.component, bias.value, bias.low, bias.high, rmse.value, rmse.low, rmse.high
+            );
+        }
+        let _ = writeln!(out, "sky view        mean W/m2        RMSE, W/m2 (95 %)     % of its mean");
+        for group in &self.sky_views {
+            let ([low, _, high], mean, rmse) = (group.sky_view, group.mean_w_m2, group.rmse_w_m2);
+            let percent = percent(rmse.value, mean);
+            let (value, from, to) = (rmse.value, rmse.low, rmse.high);
+            let _ =
+                writeln!(out, "{low:.2} to {high:.2} {mean:>12.1} {value:>9.2} ({from:.2} to {to:.2}) {percent:>13.2}");
+        }
+        if !self.hour_kinds.is_empty() {
+            let _ = writeln!(
+                out,
+                "hours             share % mean W/m2        RMSE, W/m2 (95 %)     % of its mean  stated %"
+            );
+        }
+        for found in &self.hour_kinds {
+            let (rmse, mean) = (found.rmse_w_m2, found.mean_w_m2);
+            let stated = found.stated_percent.map_or("-".into(), |stated| format!("{stated:.2}"));
+            let _ = writeln!(
+                out,
+                "{:16} {:>8.1} {mean:>9.1} {:>9.2} ({:.2} to {:.2}) {:>13.2} {stated:>9}",
+                found.kind,
+                100.0 * found.share,
+                rmse.value,
+                rmse.low,
+                rmse.high,
+                percent(rmse.value, mean)
+            );
+        }
+        let _ = writeln!(out, "RMSE of totals: {:.2} W/m2; {}", self.total().rmse_w_m2.value, self.sentence);
+        out
+    }
+
+    /// Writes audit.csv, pictures and a page into a folder, and gives the path of the page; `about` is what files say of how they were made.
+    pub fn write(&self, folder: &Path, about: Provenance) -> Result<PathBuf> {
+        let report = ReportFolder {
+            title: format!("Audit of {}", self.archive.display()),
+            words: self.words(),
+            table: self.text(),
+            csv: vec![CsvTable { name: "audit.csv", text: self.csv(), labels: &["receiver", "condition"] }],
+            pictures: vec![("totals.svg", self.totals_picture()?), ("sky_view.svg", self.sky_views_picture()?)],
+        };
+        report.write(folder, &about.with("weather", &self.weather))
+    }
+
+    /// What a person should know, in words.
+    fn words(&self) -> String {
+        let total = self.total();
+        let percent = total.rmse_percent;
+        format!(
+            "{} places of this site were looked at, each under some hours of {}. For each, an independent calculation that follows single paths \
+             of light, and has nothing of the archive's textures, was compared with the archive. Over all hours the archive is off by \
+             <b>{:.2} %</b> of the mean ({:.2} to {:.2} %, 95 % confidence), which is {:.1} W/m2. {}. What is not yet settled of the judge's \
+             own paths is taken off.",
+            self.receivers,
+            escaped(&self.weather),
+            percent.value,
+            percent.low,
+            percent.high,
+            total.rmse_w_m2.value,
+            escaped(&self.sentence)
+        )
+    }
+
+    /// Every pair with its results and what the judge found, as CSV.
+    pub fn csv(&self) -> String {
+        let mut out = String::from("receiver,condition,sky_view");
+        for part in Component::ALL {
+            let name = part.name();
+            let _ = write!(out, ",{name}_w_m2,{name}_judged_w_m2,{name}_standard_error_w_m2");
+        }
+        out.push('\n');
+        for pair in &self.audited.pairs {
+            let (receiver, sky_view) = &self.audited.receivers[pair.receiver];
+            let label = &self.conditions[pair.condition].label;
+            let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+            let _ = write!(out, "{},{},{sky_view:.4}", quoted(&receiver.id), quoted(label));
+            for part in 0..PARTS {
+                let (result, judged) = (pair.result[part], pair.judged);
+                let _ = write!(out, ",{result:.4},{:.4},{:.4}", judged.mean[part], judged.error[part]);
+            }
+            out.push('\n');
+        }
+        out
+    }
+
+    fn totals_picture(&self) -> Result<String> {
+        let at = |pair: &Pair| (pair.judged.mean[PARTS - 1], off(pair, PARTS - 1));
+        let most = self.audited.pairs.iter().map(|pair| at(pair).0).fold(1.0, f64::max);
+        let series = |name: &str, points, style| Series { name: name.into(), points, labels: Vec::new(), style };
+        let plot = Plot {
+            title: "How far the archive is off".into(),
+            x: Axis { label: "total by the judge, W/m2".into(), log: false },
+            y: Axis { label: "archive less judge, W/m2".into(), log: false },
+            series: vec![
+                series("a receiver in an hour", self.audited.pairs.iter().map(at).collect(), Style::Marks),
+                series("no difference", vec![(0.0, 0.0), (most, 0.0)], Style::Line),
+            ],
+        };
+        plot.svg(PICTURE_PX.0, PICTURE_PX.1)
+    }
+
+    fn sky_views_picture(&self) -> Result<String> {
+        let points = |end: fn(&Known) -> f64| -> Vec<(f64, f64)> {
+            let of_mean = |rmse: Known| end(&in_percent(rmse, self.mean_w_m2));
+            self.sky_views.iter().map(|group| (100.0 * group.sky_view[1], of_mean(group.rmse_w_m2))).collect()
+        };
+        let series = |name: &str, points, style| Series { name: name.into(), points, labels: Vec::new(), style };
+        let plot = Plot {
+            title: "Error by what receivers see of the sky".into(),
+            x: Axis { label: "sky view of a tenth of the receivers, %".into(), log: false },
+            y: Axis { label: "RMSE of totals, % of the mean of all".into(), log: false },
+            series: vec![
+                series("found", points(|rmse| rmse.value), Style::Both),
+                series("95 % of cases lie above", points(|rmse| rmse.low), Style::Line),
+                series("and below", points(|rmse| rmse.high), Style::Line),
+            ],
+        };
+        plot.svg(PICTURE_PX.0, PICTURE_PX.1)
+    }
+}
+
+/// How far off a result is, in words.
+fn worst(pair: &WorstPair) -> String {
+    let WorstPair { receiver, condition, off_w_m2, judged_w_m2, standard_error_w_m2 } = pair;
+    match *off_w_m2 == 0.0 {
+        true => "-".into(),
+        false => format!("{off_w_m2:+.1} +- {standard_error_w_m2:.1}, {judged_w_m2:.0}, {receiver}, {condition}"),
+    }
+}

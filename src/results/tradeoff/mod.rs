@@ -1,0 +1,155 @@
+//! What accuracy costs on the user's own site. In: a scene, receivers. Out: a folder with the ladder of settings as a table, as pictures, and as a page
+//! for people.
+
+mod ladder;
+mod report;
+mod sources;
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::outputs::provenance::Provenance;
+use crate::resources::Resources;
+use heliotile_builder::accuracy::conditions::ErrorConditions;
+use heliotile_builder::accuracy::trial::Bench;
+use heliotile_builder::accuracy::{CONDITIONS, sample};
+use heliotile_builder::pipeline::{Build, PreparedScene, Workspace};
+use heliotile_builder::settings::{BuildSettings, EffectChoice};
+use heliotile_builder::writing::copy::folder_of;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::weather::options::WeatherOptions;
+use heliotile_scene::Scene;
+use heliotile_scene::request::SceneRequest;
+
+pub use ladder::{LadderStep, LadderTable};
+pub use sources::SettingPoint;
+
+/// What is asked of a trade-off.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TradeoffRequest {
+    /// The scene.
+    pub scene: SceneRequest,
+    /// Table of receivers.
+    pub receivers: PathBuf,
+    /// Folder of all that is written.
+    pub folder: PathBuf,
+    /// Receivers that settings are tried on, spread over the site.
+    pub sample: u16,
+    /// Weather file that errors are estimated under and replays are timed with; none: suns from all sides.
+    pub weather: Option<PathBuf>,
+    /// What is known of that file that it does not state.
+    pub about_weather: WeatherOptions,
+    /// Whether each setting is tried alone, too.
+    pub sources: bool,
+    /// Light paths to trace.
+    pub effects: EffectChoice,
+}
+
+/// What settings cost and bring.
+#[derive(Clone, Debug, Serialize)]
+pub struct TradeoffDone {
+    /// The page that shows all of it.
+    pub page: PathBuf,
+    /// What was found as text.
+    pub table: String,
+    /// Rungs of the accuracy ladder and some between them.
+    pub ladder: LadderTable,
+    /// Each setting alone, if that was asked for.
+    pub sources: Option<Vec<SettingPoint>>,
+}
+
+/// What was looked at.
+struct SiteSummary<'a> {
+    scene: &'a Path,
+    receivers: usize,
+    sample: usize,
+    /// What errors were estimated under.
+    weather: &'a str,
+    /// Whose words are used.
+    observer: &'a dyn Observer,
+}
+
+impl Default for TradeoffRequest {
+    fn default() -> Self {
+        TradeoffRequest {
+            scene: SceneRequest::default(),
+            receivers: PathBuf::new(),
+            folder: PathBuf::new(),
+            sample: 32,
+            weather: None,
+            about_weather: WeatherOptions::default(),
+            sources: false,
+            effects: EffectChoice::Auto,
+        }
+    }
+}
+
+impl TradeoffRequest {
+    /// Numbers of receivers that settings may be tried on.
+    pub const SAMPLES: std::ops::RangeInclusive<i64> = 1..=4096;
+
+    /// Refuses a sample that is not in range, before any file is read.
+    pub fn check(&self) -> Result<()> {
+        if Self::SAMPLES.contains(&self.sample.into()) {
+            return Ok(());
+        }
+        let hint = format!("give a number from {} to {}", Self::SAMPLES.start(), Self::SAMPLES.end());
+        Err(Error::argument("sample", format!("is {}", self.sample), hint))
+    }
+
+    /// Tries the settings and writes the folder; `about` is what files say of how they were made. A table is told through `tell` as soon as it
+    /// is known.
+    pub fn write(
+        &self,
+        about: Provenance,
+        resources: &Resources,
+        tell: impl Fn(&str) -> Result<()>,
+    ) -> Result<TradeoffDone> {
+        self.check()?;
+        let (observer, folder, memory) = (resources.observer, &self.folder, resources.memory);
+        let scene = Scene::load_site(&self.scene.site()?)?;
+        scene.report.tell(observer);
+        let weather = self.weather.as_deref();
+        let suns = ErrorConditions::read(weather, &self.about_weather, scene.place, observer)?;
+        let beside = Workspace { folder: folder_of(folder).into(), memory };
+        let mut receivers = beside.read_receivers(&self.receivers, &scene, observer)?;
+        let prepared = PreparedScene::new(&scene)?;
+        let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &beside, observer };
+        let left_out = build.forecast(&BuildSettings::default(), self.effects, None)?.left_out;
+        let some: Vec<Receiver> = sample(&mut receivers, self.sample.into())?.into_iter().map(|some| some.1).collect();
+        // Not before the inputs are known to be good.
+        std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
+        let trials = tempfile::Builder::new().prefix("trials").tempdir_in(folder);
+        let trials = trials.map_err(Error::io(folder, "make a folder in"))?;
+        let bench = Bench {
+            scene: &prepared,
+            receivers: &some,
+            conditions: &suns.some(CONDITIONS),
+            workspace: &Workspace { folder: trials.path().into(), memory },
+            observer,
+        };
+        let ladder = LadderTable::climb(&bench, left_out, &suns)?;
+        let mut table = ladder.table();
+        tell(&table)?;
+        let sources = self.sources.then(|| sources::each_alone(&bench, left_out, &suns)).transpose()?;
+        if let Some(sources) = &sources {
+            let of_sources = sources::table(sources);
+            tell(&of_sources)?;
+            table += &of_sources;
+        }
+        let site = SiteSummary {
+            scene: self.scene.first(),
+            receivers: receivers.count(),
+            sample: some.len(),
+            weather: suns.name(),
+            observer,
+        };
+        let about = if weather.is_some() { about.with("weather", suns.name()) } else { about };
+        let page = report::folder(&site, &ladder, sources.as_deref())?.write(folder, &about)?;
+        Ok(TradeoffDone { page, table, ladder, sources })
+    }
+}
