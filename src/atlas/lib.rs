@@ -12,6 +12,7 @@
 //! | [`sources`] | the place of an archive or of an atlas, a box | the archives that results are made of |
 //! | `site_request` | the place of an archive or of an atlas, requests | files of results |
 //! | `verify` | the place of an archive or of an atlas | what is damaged |
+//! | `export` | a receiver, or all of them | pictures and values of its layers; view factors |
 //! | [`catalogue`] | an atlas | a static STAC catalogue with pictures and a page |
 //! | [`copied`] | an atlas, a place | the same atlas there |
 //! | [`about`] | an atlas | what it holds, as text |
@@ -26,6 +27,7 @@
 pub mod about;
 pub mod catalogue;
 pub mod copied;
+mod export;
 pub mod listed;
 pub mod opened;
 pub mod page;
@@ -40,6 +42,7 @@ pub mod state;
 mod thumbnails;
 mod verify;
 
+pub use export::{ExportRequest, SunPosition};
 pub use listed::{ListedPart, parts};
 pub use opened::Atlas;
 pub use plan::AtlasPlan;

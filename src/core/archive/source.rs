@@ -103,6 +103,8 @@ impl NamedValues for Access {
     ];
 }
 
+crate::serde_by_name!(Access);
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,10 +6,11 @@
 //! are solved together, by a fixed number of Jacobi steps. Finer cells see coarser ones only and follow once, level by level. So the result for a cell
 //! depends on the cells reachable from it, not on which others are in the table.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
 use crate::hemisphere::{bit, texel_centres};
@@ -23,13 +24,40 @@ use crate::light::scratch::ScratchSpace;
 use crate::light::tables::Tables;
 use crate::site::cells::{CellKey, CellMap};
 
-/// How many times light may be reflected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How many times light may be reflected; as JSON a number, or null for all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "Option<u32>", try_from = "Option<u32>")]
 pub enum MaxBounces {
     /// Until less than [`TOLERANCE`] of the light is left.
     All,
     /// At most this many diffuse reflections; 1 is the paper's model.
     Count(u32),
+}
+
+impl MaxBounces {
+    /// Numbers of diffuse reflections that can be asked for.
+    pub const COUNTS: RangeInclusive<u32> = 1..=64;
+}
+
+impl From<MaxBounces> for Option<u32> {
+    fn from(bounces: MaxBounces) -> Option<u32> {
+        match bounces {
+            MaxBounces::All => None,
+            MaxBounces::Count(count) => Some(count),
+        }
+    }
+}
+
+impl TryFrom<Option<u32>> for MaxBounces {
+    type Error = String;
+
+    fn try_from(count: Option<u32>) -> std::result::Result<Self, String> {
+        match count {
+            None => Ok(MaxBounces::All),
+            Some(count) if Self::COUNTS.contains(&count) => Ok(MaxBounces::Count(count)),
+            Some(count) => Err(format!("is {count}, not a number of reflections from 1 to {}", Self::COUNTS.end())),
+        }
+    }
 }
 
 /// Share of the reflected light that `MaxBounces::All` may leave out.

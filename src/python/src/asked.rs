@@ -113,9 +113,6 @@ pub struct Filled {
 #[derive(Default)]
 struct Given(HashMap<PathBuf, PyBackedBytes>);
 
-/// Largest number of diffuse reflections, as on the command line.
-const MOST_BOUNCES: u32 = 64;
-
 impl Given {
     /// The name of bytes that were given in place of a file.
     fn stand_in(&mut self, what: &str, name: &str, bytes: PyBackedBytes) -> PathBuf {
@@ -142,14 +139,8 @@ impl LightArgs {
         let columns = self.columns.as_deref().map(str::parse::<ComponentList>).transpose();
         let columns = columns.map_err(wrong("columns", "name some of them, as in [\"total\", \"sun_direct\"]"))?;
         let paths = self.paths.parse::<LightPaths>().map_err(wrong("paths", "give \"all\", \"none\" or some names"))?;
-        let depth = match self.bounces {
-            None => MaxBounces::All,
-            Some(count @ 1..=MOST_BOUNCES) => MaxBounces::Count(count),
-            Some(count) => {
-                let hint = "give a number of reflections from 1 to 64, or leave it out for all";
-                return Err(Error::argument("bounces", format!("is {count}"), hint));
-            }
-        };
+        let hint = "give a number of reflections from 1 to 64, or leave it out for all";
+        let depth = MaxBounces::try_from(self.bounces).map_err(wrong("bounces", hint))?;
         let paths = paths.with_depth(depth).map_err(wrong("bounces", "name `bounces` among paths, or leave it out"))?;
         let mut changes = Changes::default();
         for (name, follow) in self.reflectance {

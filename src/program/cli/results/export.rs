@@ -1,17 +1,17 @@
 //! The command line of `export`.
 
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use clap::{ArgGroup, Args};
-use glam::DVec3;
 
 use crate::cli::sites::{parse_latitude, parse_time_zone};
 use crate::cli::values::{Bytes, choice, parse_depth, parse_memory, table_help};
+use heliotile_atlas::{ExportRequest, SunPosition};
 use heliotile_core::archive::Access;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::sky::model::SkyModel;
-use heliotile_core::units::direction_from_degrees;
+use heliotile_core::weather::options::WeatherOptions;
+use heliotile_results::PageRequest;
 
 /// What `export --help` says of the images.
 const IMAGES: &str = "\
@@ -93,46 +93,42 @@ impl ExportArgs {
     pub fn output(&self) -> &Path {
         self.output.as_deref().or(self.html.as_deref()).unwrap_or(Path::new("-"))
     }
-}
 
-/// A sun above the horizon: `azimuth,altitude` in degrees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SunPosition {
-    pub azimuth_deg: f64,
-    pub altitude_deg: f64,
-}
-
-impl SunPosition {
-    pub fn direction(self) -> DVec3 {
-        direction_from_degrees(self.azimuth_deg, self.altitude_deg)
+    /// The page that is asked for, if it is one.
+    pub fn page(&self) -> Option<PageRequest> {
+        Some(PageRequest {
+            archive: self.archive.clone(),
+            access: self.io,
+            weather: self.weather.clone(),
+            about_weather: WeatherOptions::default(),
+            output: self.html.clone().filter(|_| self.receiver.is_none())?,
+        })
     }
-}
 
-impl FromStr for SunPosition {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let hint = "give azimuth,altitude in degrees, as in 180,45";
-        let (azimuth, altitude) = text.split_once(',').ok_or(hint)?;
-        let number = |part: &str| part.trim().parse::<f64>().map_err(|_| format!("`{part}` is not a number: {hint}"));
-        let (azimuth_deg, altitude_deg) = (number(azimuth)?, number(altitude)?);
-        if !(-360.0..=360.0).contains(&azimuth_deg) {
-            return Err(format!("the azimuth is {azimuth_deg}, it must be from -360 to 360"));
+    /// What is asked for otherwise.
+    pub fn request(&self) -> ExportRequest {
+        ExportRequest {
+            place: self.archive.clone(),
+            access: self.io,
+            output: self.output().into(),
+            receiver: self.receiver.clone(),
+            panel: self.panel,
+            sun: self.sun,
+            dni_w_m2: self.dni,
+            dhi_w_m2: self.dhi,
+            sky: self.sky,
+            patches: self.patches,
+            bounces: self.bounces,
+            weather: self.weather.clone(),
+            about_weather: WeatherOptions { zone_hours: self.time_zone, ..WeatherOptions::default() },
+            latitude_deg: self.latitude,
         }
-        if altitude_deg <= 0.0 {
-            return Err(format!("the sun is at {altitude_deg} degrees, not above the horizon: it lights nothing"));
-        }
-        // False for NaN.
-        if !(0.0..=90.0).contains(&altitude_deg) {
-            return Err(format!("the altitude is {altitude_deg}, it must be above 0 and at most 90"));
-        }
-        Ok(SunPosition { azimuth_deg, altitude_deg })
     }
 }
 
 fn parse_irradiance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(value) if (0.0..=1e6).contains(&value) => Ok(value),
+        Ok(value) if (0.0..=ExportRequest::MOST_W_M2).contains(&value) => Ok(value),
         _ => Err("give a number from 0 to 1000000, W/m2".into()),
     }
 }

@@ -28,7 +28,7 @@ pub fn parse_depth(text: &str) -> Result<heliotile_core::light::radiosity::MaxBo
     use heliotile_core::light::radiosity::MaxBounces;
     match (text, text.parse::<u32>()) {
         ("all", _) => Ok(MaxBounces::All),
-        (_, Ok(count @ 1..=64)) => Ok(MaxBounces::Count(count)),
+        (_, Ok(count)) if MaxBounces::COUNTS.contains(&count) => Ok(MaxBounces::Count(count)),
         _ => Err("give `all` or a number of reflections from 1 to 64".into()),
     }
 }

@@ -1,0 +1,155 @@
+//! What an archive holds, for people and programs to look at. In: the place of an archive or of an atlas, a receiver or none. Out: the receiver's
+//! layers as a picture or as values; without one a table of the view factors of all receivers.
+
+mod layers;
+mod sun_position;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::sources;
+use heliotile_builder::transfer::ArchiveReceivers;
+use heliotile_builder::writing::guards::guard_output;
+use heliotile_core::archive::{Access, Archive};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::light::radiosity::MaxBounces;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::options::WeatherOptions;
+use heliotile_results::outputs::sink::Sink;
+use heliotile_results::outputs::tables::format::files_of;
+use heliotile_results::outputs::view_factors::ViewFactorTable;
+use heliotile_results::{Provenance, Resources};
+use layers::{Image, layers_of};
+
+pub use sun_position::SunPosition;
+
+/// What is asked of an export.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ExportRequest {
+    /// Path or address of an archive or of an atlas.
+    pub place: PathBuf,
+    /// How files are read.
+    pub access: Access,
+    /// The file to write: `.exr` or `.png` of a receiver; a table of view factors, `-` for standard output.
+    pub output: PathBuf,
+    /// Receiver whose layers are exported; none: view factors of all receivers.
+    pub receiver: Option<String>,
+    /// Whether six pictures of the light of the sun are drawn in place of one.
+    pub panel: bool,
+    /// A sun whose light goes into values, and whose place goes into a picture.
+    pub sun: Option<SunPosition>,
+    /// Direct normal irradiance of that sun.
+    pub dni_w_m2: f64,
+    /// Diffuse horizontal irradiance of the sky around it.
+    pub dhi_w_m2: f64,
+    /// How the sky's radiance is spread.
+    pub sky: SkyModel,
+    /// Number of sky patches; none: what the archive was built for.
+    pub patches: Option<usize>,
+    /// How many times light may be reflected diffusely.
+    pub bounces: MaxBounces,
+    /// Weather file over whose place the sun's paths are drawn, by its clock.
+    pub weather: Option<PathBuf>,
+    /// What is known of that file that it does not state.
+    pub about_weather: WeatherOptions,
+    /// Latitude that the sun's paths are drawn over in place of that of a weather file, degrees, north positive.
+    pub latitude_deg: Option<f64>,
+}
+
+impl Default for ExportRequest {
+    fn default() -> Self {
+        ExportRequest {
+            place: PathBuf::new(),
+            access: Access::default(),
+            output: "-".into(),
+            receiver: None,
+            panel: false,
+            sun: None,
+            dni_w_m2: 0.0,
+            dhi_w_m2: 0.0,
+            sky: SkyModel::default(),
+            patches: None,
+            bounces: MaxBounces::All,
+            weather: None,
+            about_weather: WeatherOptions::default(),
+            latitude_deg: None,
+        }
+    }
+}
+
+impl ExportRequest {
+    /// Largest irradiance of a sun or a sky, W/m2.
+    pub const MOST_W_M2: f64 = 1e6;
+
+    /// Refuses numbers that are not in range and choices that exclude each other, before any file is read.
+    pub fn check(&self) -> Result<()> {
+        for (name, irradiance) in [("dni", self.dni_w_m2), ("dhi", self.dhi_w_m2)] {
+            if !(0.0..=Self::MOST_W_M2).contains(&irradiance) {
+                let hint = format!("give a number from 0 to {}, W/m2", Self::MOST_W_M2);
+                return Err(Error::argument(name, format!("is {irradiance}"), hint));
+            }
+        }
+        let excluded = |names: &str, hint: &str| Err(Error::argument(names, "do not go together", hint));
+        match self {
+            _ if self.weather.is_some() && self.latitude_deg.is_some() => {
+                excluded("weather, latitude", "give one of them")
+            }
+            _ if self.panel && self.sun.is_none() => {
+                Err(Error::argument("panel", "has no light", "give a {sun}, and {dni} or {dhi}"))
+            }
+            _ if self.panel && (self.weather.is_some() || self.latitude_deg.is_some()) => {
+                excluded("panel, weather, latitude", "give a panel, or the paths of the sun")
+            }
+            _ if self.receiver.is_none()
+                && (self.sun.is_some() || self.weather.is_some() || self.latitude_deg.is_some()) =>
+            {
+                let hint = "leave {sun}, {weather} and {latitude} out, or give a {receiver}";
+                Err(Error::argument("view_factors", "depend on no light", hint))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes the file; `about` is what it says of how it was made.
+    pub fn write(&self, about: Provenance, resources: &Resources) -> Result<()> {
+        self.check()?;
+        if self.output != Path::new("-") {
+            let inputs: Vec<&Path> =
+                [Some(self.place.as_path()), self.weather.as_deref()].into_iter().flatten().collect();
+            files_of(&self.output).iter().try_for_each(|file| guard_output(file, &inputs))?;
+        }
+        let Some(receiver) = &self.receiver else { return self.view_factors(about) };
+        let bytes = layers_of(self, receiver, Image::of(&self.output)?, about, resources)?;
+        let mut sink = Sink::file(&self.output)?;
+        sink.write_all(&bytes).map_err(Error::io(&self.output, "write to"))?;
+        sink.finish().map(|_| ())
+    }
+
+    /// Writes the view factors of all receivers.
+    fn view_factors(&self, about: Provenance) -> Result<()> {
+        let sources = sources::open(&self.place, self.access)?;
+        let archives = sources.borrowed();
+        let count = archives.iter().map(|archive| archive.manifest().receivers.count).sum();
+        let mut table = ViewFactorTable::create(&self.output, count, &archives.told_in(about, &self.place))?;
+        for archive in archives.iter() {
+            add_rows(&mut table, archive)?;
+        }
+        table.finish().map(drop)
+    }
+}
+
+/// Adds the receivers of an archive, until nobody reads the table any more.
+fn add_rows(table: &mut ViewFactorTable, archive: &Archive) -> Result<()> {
+    for row in ArchiveReceivers::<()>::new(&OpenSite::of(archive)?) {
+        if table.is_closed() {
+            break;
+        }
+        let row = row?;
+        table.row(&row.receiver.id, row.views)?;
+    }
+    Ok(())
+}
