@@ -52,9 +52,9 @@ pub fn info(atlas: &Atlas) -> Result<String> {
         format!(
             "{} of {} m; {} m around them count, and what rises by {} degrees",
             plan.parts.len(),
-            plan.part_size_m,
-            plan.halo_m,
-            plan.skyline_deg
+            plan.cut.part_size_m,
+            plan.cut.halo_m,
+            plan.cut.skyline_deg
         ),
     );
     line("scene", counted(plan.files.len() as u64, "file"));

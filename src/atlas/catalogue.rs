@@ -111,7 +111,7 @@ fn item(part: &ListedPart, path: &Path, atlas: &Atlas, name: &str) -> Result<(St
         "settings",
         manifest.settings.numbers().map(|(setting, value)| (setting.name.to_owned(), json!(value))).collect(),
     );
-    state("halo_m", plan.halo_m.into());
+    state("halo_m", plan.cut.halo_m.into());
     if let Some(seams) = &plan.seams {
         state("seams_rmse_percent", seams.rmse_percent.into());
         state("seams_at_most_percent", seams.at_most_percent.into());

@@ -69,7 +69,7 @@ impl Atlas {
 
     /// How far beyond the square of its part a receiver may stand, metres: the point of the surface below it lies in the square.
     pub fn reach_m(&self) -> f64 {
-        self.plan.cover.offset_m.abs() + ROUNDING_M
+        self.plan.cut.cover.offset_m.abs() + ROUNDING_M
     }
 
     /// Parts of which receivers may stand in a box, all without one.

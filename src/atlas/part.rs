@@ -122,7 +122,7 @@ impl PartBuild<'_> {
             }
             observer.warn(&format!("{}: {what}", file.display()));
         }
-        let (scene, covered) = cover_site(&site, &plan.cover, observer)?;
+        let (scene, covered) = cover_site(&site, &plan.cut.cover, observer)?;
         if covered.count(Lying::Free) == 0 {
             let archive = folder.join(ARCHIVE);
             if archive.exists() {
@@ -140,10 +140,10 @@ impl PartBuild<'_> {
             folder,
             receivers: &folder.join("receivers.csv"),
             archive: &folder.join(ARCHIVE),
-            accuracy: &plan.accuracy,
+            accuracy: &plan.cut.accuracy,
             effects: EffectChoice::Auto,
-            with_scene: !plan.no_scene,
-            offset_m: plan.cover.offset_m,
+            with_scene: !plan.cut.no_scene,
+            offset_m: plan.cut.cover.offset_m,
             replace: request.fresh,
             ways_out: WaysOut { results: FRESH, started: FRESH },
             memory: request.memory,

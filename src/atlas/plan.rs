@@ -35,20 +35,9 @@ const AGAIN: &str = "make it again with `{command:partition}`";
 #[serde(deny_unknown_fields)]
 pub struct AtlasPlan {
     heliotile_atlas: u32,
-    /// Side of a part, metres.
-    pub part_size_m: f64,
-    /// How far around a part everything counts, metres.
-    pub halo_m: f64,
-    /// What rises further above the horizon counts beyond the halo, degrees.
-    pub skyline_deg: f64,
-    /// Scene files and what is said of them.
-    pub scene: SceneRequest,
-    /// Where receivers go.
-    pub cover: CoverRequest,
-    /// How exact all parts are.
-    pub accuracy: AccuracyRequest,
-    /// Whether archives leave out the triangles of the scene.
-    pub no_scene: bool,
+    /// How the region was cut.
+    #[serde(flatten)]
+    pub cut: CutRequest,
     /// What the halo costs, if that was looked at.
     pub seams: Option<Seams>,
     /// All files of the site, in its order.
@@ -85,7 +74,7 @@ pub struct PlannedPart {
 
 /// How a region is to be cut: what all parts have in common.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(deny_unknown_fields)]
 pub struct CutRequest {
     /// Side of a part, metres.
     pub part_size_m: f64,
@@ -151,19 +140,14 @@ impl AtlasPlan {
         let site = cut.scene.site()?;
         let all = site.files().map(Path::to_path_buf).chain(said_in(&cut.scene));
         let checksums = all.map(|path| Ok((path.clone(), checksum(&path)?))).collect::<Result<_>>()?;
+        let parts = touched.into_iter().map(part).collect();
         Ok(AtlasPlan {
             heliotile_atlas: LAYOUT,
             checksums,
-            part_size_m: cut.part_size_m,
-            halo_m: cut.halo_m,
-            skyline_deg: cut.skyline_deg,
-            scene: cut.scene,
-            cover: cut.cover,
-            accuracy: cut.accuracy,
-            no_scene: cut.no_scene,
+            cut,
             seams: None,
             files: surveyed.iter().map(file).collect(),
-            parts: touched.into_iter().map(part).collect(),
+            parts,
         })
     }
 
@@ -201,7 +185,7 @@ impl AtlasPlan {
 
     /// What is wrong with its numbers.
     fn check(&self) -> std::result::Result<(), String> {
-        let numbers = [self.part_size_m, self.halo_m, self.skyline_deg];
+        let numbers = [self.cut.part_size_m, self.cut.halo_m, self.cut.skyline_deg];
         if !numbers.iter().all(|number| number.is_finite() && *number > 0.0) {
             return Err(format!("a part of {} m, a halo of {} m, {} degrees", numbers[0], numbers[1], numbers[2]));
         }
@@ -236,13 +220,13 @@ impl AtlasPlan {
     /// Where a part lies, and what around it counts.
     pub fn region_part(&self, part: &PlannedPart) -> RegionPart {
         let low = DVec2::from(part.low);
-        let high = low + DVec2::splat(self.part_size_m);
-        RegionPart { low, high, halo_m: self.halo_m, skyline_deg: self.skyline_deg }
+        let high = low + DVec2::splat(self.cut.part_size_m);
+        RegionPart { low, high, halo_m: self.cut.halo_m, skyline_deg: self.cut.skyline_deg }
     }
 
     /// The site of a part: those files in which something may count.
     pub fn site(&self, within: RegionPart, atlas: &Path) -> Result<Site> {
-        let mut site = self.scene.site()?;
+        let mut site = self.cut.scene.site()?;
         if !site.parts.iter().map(|part| &part.file).eq(self.files.iter().map(|planned| &planned.file)) {
             let what = "the site lists other files than when it was cut";
             return Err(Error::input(&atlas.join(FILE), None, what, AGAIN));
@@ -265,7 +249,7 @@ impl AtlasPlan {
     /// The first of the files of a part that is another one than when the region was cut.
     pub fn changed(&self, site: &Site) -> Result<Option<PathBuf>> {
         let is_far = |path: &PathBuf| self.files.iter().any(|planned| planned.file == *path);
-        let lists = said_in(&self.scene).filter(|path| !is_far(path));
+        let lists = said_in(&self.cut.scene).filter(|path| !is_far(path));
         for path in site.files().map(Path::to_path_buf).chain(lists) {
             if self.checksums.get(&path) != Some(&checksum(&path)?) {
                 return Ok(Some(path));
@@ -352,13 +336,14 @@ mod tests {
         };
         AtlasPlan {
             heliotile_atlas: LAYOUT,
-            part_size_m: 250.0,
-            halo_m: 300.0,
-            skyline_deg: 5.0,
-            scene,
-            cover: CoverRequest { density: Density::PerSurface(3), ..CoverRequest::default() },
-            accuracy: AccuracyRequest { set: vec!["hit=16".into()], ..AccuracyRequest::default() },
-            no_scene: true,
+            cut: CutRequest {
+                part_size_m: 250.0,
+                scene,
+                cover: CoverRequest { density: Density::PerSurface(3), ..CoverRequest::default() },
+                accuracy: AccuracyRequest { set: vec!["hit=16".into()], ..AccuracyRequest::default() },
+                no_scene: true,
+                ..CutRequest::default()
+            },
             seams: Some(Seams {
                 receivers: 32,
                 parts: 2,
@@ -373,7 +358,8 @@ mod tests {
         }
     }
 
-    /// A plan is read again as it was written; of layout 3 is said to cut the region again; a key that is not known is refused.
+    /// A plan is read again as it was written; of layout 3 is said to cut the region again; a key that is not known is refused, beside those of a
+    /// plan and in the place of one, and so is a plan without a key.
     #[test]
     fn plans_are_kept() {
         let text = full().to_json().expect("JSON");
@@ -383,6 +369,9 @@ mod tests {
             read(&text.replace("\"heliotile_atlas\": 4", "\"heliotile_atlas\": 3")).expect_err("older").to_string();
         assert!(older.contains("cut the region again"), "{older}");
         assert!(read(&text.replace("\"no_scene\"", "\"no_scenes\"")).is_err());
+        assert!(read(&text.replace("\"no_scene\"", "\"no_scenes\": true, \"no_scene\"")).is_err());
+        let without = text.lines().filter(|line| !line.contains("skyline_deg")).collect::<String>();
+        assert!(read(&without).expect_err("no skyline").to_string().contains("skyline_deg"));
     }
 
     /// The text of the format names every key that a plan has, and no key of its tables is none of a plan's.

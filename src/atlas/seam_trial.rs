@@ -48,14 +48,14 @@ pub fn measure(
     for (part, wanted) in drawn(&plan.parts, sample) {
         let near = plan.region_part(part);
         let wide = RegionPart { halo_m: WIDER * near.halo_m, skyline_deg: near.skyline_deg / WIDER, ..near };
-        let (scene, covered) = cover_site(&plan.site(near, atlas)?, &plan.cover, &Silent)?;
+        let (scene, covered) = cover_site(&plan.site(near, atlas)?, &plan.cut.cover, &Silent)?;
         if found.parts == 0 {
             scene.report.tell(observer);
         }
         let all: Vec<Receiver> = covered
             .free()
             .map(|(name, piece, ..)| {
-                Receiver::new(name, piece.position + piece.normal * plan.cover.offset_m, piece.normal)
+                Receiver::new(name, piece.position + piece.normal * plan.cut.cover.offset_m, piece.normal)
             })
             .collect();
         let receivers: Vec<Receiver> = every(all, wanted);
@@ -109,7 +109,7 @@ fn light(
     let conditions = ErrorConditions::Spread.some(CONDITIONS);
     let scene = &PreparedScene::new(scene)?;
     let bench = Bench { scene, receivers, conditions: &conditions, workspace, observer };
-    Ok(bench.trial(plan.accuracy.settings()?)?.light)
+    Ok(bench.trial(plan.cut.accuracy.settings()?)?.light)
 }
 
 impl Differences {

@@ -31,8 +31,12 @@ pub struct AccuracyRequest {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_weather: Option<PathBuf>,
     /// How that file is read.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "says_nothing")]
     pub weather_options: WeatherOptions,
+}
+
+fn says_nothing(options: &WeatherOptions) -> bool {
+    *options == WeatherOptions::default()
 }
 
 impl AccuracyRequest {
@@ -122,5 +126,23 @@ impl Build<'_> {
             observer.report(&tables::outcome(choice, planned.forecast.seconds(), taken));
         }
         Ok(BuildDone { plan: planned.plan, report })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How weather is read stands in JSON where something is said of it, and not otherwise: 1 of 2.
+    #[test]
+    fn what_is_said_of_weather_is_kept() {
+        let plain = AccuracyRequest { error_percent: Some(2.0), ..AccuracyRequest::default() };
+        let weather_options = WeatherOptions { zone_hours: Some(1.0), ..WeatherOptions::default() };
+        let clocked = AccuracyRequest { weather_options, ..plain.clone() };
+        for (request, says) in [(plain, false), (clocked, true)] {
+            let text = serde_json::to_string(&request).expect("JSON");
+            assert_eq!(text.contains("weather_options"), says, "{text}");
+            assert_eq!(serde_json::from_str::<AccuracyRequest>(&text).expect("a request"), request);
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! What a user says about a weather file that the file does not say, or says wrongly. In: options as text. Out: checked values.
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::named::NamedValues;
 use std::str::FromStr;
@@ -13,7 +14,8 @@ pub struct WeatherOptions {
     pub latitude_deg: Option<f64>,
     /// East positive, in place of the file's.
     pub longitude_deg: Option<f64>,
-    /// Hours that the clock is ahead of UTC, in place of the file's.
+    /// Hours that the clock is ahead of UTC, in place of the file's; in JSON a number, or a text such as `+01:00`.
+    #[serde(deserialize_with = "zone_of")]
     pub zone_hours: Option<f64>,
     /// How far time stamps are moved.
     pub shift: TimeShift,
@@ -23,6 +25,27 @@ pub struct WeatherOptions {
     pub date_order: Option<DateOrder>,
     /// Whether the air of every row is read too, which longwave irradiance is made of.
     pub with_air: bool,
+}
+
+/// A zone as requests state it.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum StatedZone {
+    Hours(f64),
+    Text(String),
+}
+
+fn zone_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    match Option::<StatedZone>::deserialize(deserializer)? {
+        None => Ok(None),
+        Some(StatedZone::Hours(hours)) => Ok(Some(hours)),
+        Some(StatedZone::Text(text)) => {
+            let hours = parse_zone(&text).map(Some);
+            hours.ok_or_else(|| {
+                D::Error::custom(format!("`{text}` is no time zone: hours ahead of UTC, such as +01:00"))
+            })
+        }
+    }
 }
 
 /// Where in its interval the time stamp of a row stands, in weather files and in results.
@@ -218,6 +241,19 @@ mod tests {
         for text in ["", "+", "CET", "15", "+01:60", "nan", "inf", "--1", "UTC1", "GMT+"] {
             assert_eq!(parse_zone(text), None, "{text}");
         }
+    }
+
+    /// Options are read again as they were written, whose zone is a number, a text or none, 3 of 3; a zone that is none is refused.
+    #[test]
+    fn options_are_kept() {
+        let read = |zone: &str| serde_json::from_str::<WeatherOptions>(&format!("{{\"zone_hours\": {zone}}}"));
+        for (text, hours) in [("5.5", Some(5.5)), ("\"-03:30\"", Some(-3.5)), ("null", None)] {
+            let options = read(text).expect(text);
+            assert_eq!(options.zone_hours, hours);
+            let again = serde_json::to_string(&options).expect("JSON");
+            assert_eq!(serde_json::from_str::<WeatherOptions>(&again).expect("options"), options);
+        }
+        assert!(read("\"CET\"").expect_err("no zone").to_string().contains("`CET` is no time zone"));
     }
 
     /// 41min, -30min, 0.5h, 1h and 90s are 41, -30, 30, 60 and 1.5 minutes; 7 others are refused with what to write.

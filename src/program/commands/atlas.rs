@@ -41,8 +41,8 @@ fn summary(plan: &AtlasPlan, args: &PartitionArgs) -> String {
         "{}: {} of {} m with {} m around them, of {}\n",
         atlas.join(FILE).display(),
         counted(plan.parts.len() as u64, "part"),
-        plan.part_size_m,
-        plan.halo_m,
+        plan.cut.part_size_m,
+        plan.cut.halo_m,
         counted(plan.files.len() as u64, "file")
     );
     if let Some(seams) = &plan.seams {
