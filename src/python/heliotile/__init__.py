@@ -12,6 +12,7 @@ from ._heliotile import __version__
 from .archive import Archive
 from .askable import Factors, Material, Place
 from .atlas import Atlas, AtlasPart
+from .checks import AuditReport, CheckedArchive, RepairDone, repair, verify
 from .errors import (
     ArgumentError,
     ChangedError,
@@ -28,7 +29,7 @@ from .errors import (
 )
 from .results import Results
 from .scene import BuildReport, Scene, build
-from .studies import Study, diff, energyplus, merge, partition, pv, run
+from .studies import LadderStep, Study, Tradeoff, diff, energyplus, merge, partition, pv, run, tradeoff
 from .weather import Weather
 
 __all__ = [
@@ -36,7 +37,9 @@ __all__ = [
     "ArgumentError",
     "Atlas",
     "AtlasPart",
+    "AuditReport",
     "BuildReport",
+    "CheckedArchive",
     "ChangedError",
     "CorruptError",
     "Error",
@@ -45,14 +48,17 @@ __all__ = [
     "HeliotileWarning",
     "IncompleteError",
     "InputError",
+    "LadderStep",
     "LimitError",
     "Material",
     "MissingFileError",
     "Place",
+    "RepairDone",
     "Results",
     "Scene",
     "StoppedError",
     "Study",
+    "Tradeoff",
     "UnsupportedError",
     "Weather",
     "__version__",
@@ -63,5 +69,8 @@ __all__ = [
     "merge",
     "partition",
     "pv",
+    "repair",
     "run",
+    "tradeoff",
+    "verify",
 ]

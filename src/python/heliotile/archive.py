@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from typing import TYPE_CHECKING, Any
 
@@ -9,10 +10,13 @@ import numpy as np
 
 from . import _heliotile
 from .askable import Askable
-from .options import MEMORY, Progress, Wanted, WantedArgs, wanted_args
 from .errors import InputError
+from .given import number, whole
+from .options import MEMORY, Progress, Wanted, WantedArgs, wanted_args
+from .weather import weather_request
 
 if TYPE_CHECKING:
+    from .checks import AuditReport, CheckedArchive
     from .scene import BuildReport
 
 
@@ -62,6 +66,113 @@ class Archive(Askable):
         """Writes an archive of some receivers, named as in `replay`, and opens it: `heliotile extract`, byte by byte."""
         handle = self._handle.extract(os.fspath(output), wanted_args(receivers), with_scene, memory, progress)
         return Archive(handle, os.fspath(output))
+
+    def audit(
+        self,
+        scene: Any,
+        *,
+        weather: Any = None,
+        conditions: str | os.PathLike[str] | None = None,
+        samples: int | None = None,
+        hours: int | None = None,
+        seconds: float | None = None,
+        paths: int = 4096,
+        seed: int = 1,
+        sky: str = "perez",
+        output: str | os.PathLike[str] | None = None,
+        memory: int = MEMORY,
+        progress: Progress | None = None,
+    ) -> AuditReport:
+        """Whether the archive is as exact as it says, by an independent judge that follows single paths of light: `heliotile audit`, value by value.
+
+        Parameters
+        ----------
+        scene
+            The `Scene` that it was built from, or its files.
+        weather, conditions
+            A weather file, or a `Weather` of one, whose hours count; or the CSV file of a table of suns and skies, as `query` takes it. Default: suns
+            from all sides.
+        samples, hours
+            Receivers to look at, default 256, or as many as `seconds` allow; hours of each, default 8, or all of a table of up to 64 conditions.
+        seconds
+            No further receiver is begun after these.
+        paths, seed
+            Paths of light from each receiver; another seed takes other receivers, hours and paths.
+        output
+            A folder for `audit.csv`, pictures and a page.
+        """
+        from . import checks
+
+        return checks.audit(
+            self.path,
+            scene,
+            weather=weather,
+            conditions=conditions,
+            samples=samples,
+            hours=hours,
+            seconds=seconds,
+            paths=paths,
+            seed=seed,
+            sky=sky,
+            output=output,
+            memory=memory,
+            progress=progress,
+        )
+
+    def verify(self, *, deep: bool = False) -> CheckedArchive:
+        """Checks every block: `heliotile verify`, finding by finding. `heliotile.verify` takes a path that need not open."""
+        from . import checks
+
+        return checks.verify(self.path, deep=deep)[0]
+
+    def export(
+        self,
+        output: str | os.PathLike[str],
+        receiver: str | None = None,
+        *,
+        sun: tuple[float, float] | None = None,
+        dni: float = 0.0,
+        dhi: float = 0.0,
+        panel: bool = False,
+        sky: str = "perez",
+        patches: int | None = None,
+        bounces: int | None = None,
+        weather: Any = None,
+        latitude: float | None = None,
+        memory: int = MEMORY,
+    ) -> None:
+        """Writes the layers of a receiver, as values (`.exr`) or as a picture (`.png`), or without one a table of the view factors of all: `heliotile
+        export`.
+
+        `sun`: azimuth, clockwise from true north, and altitude in degrees, with `dni` and `dhi` in W/m2: its light goes into values, its place into a
+        picture, and its ways into six pictures with `panel`. `weather`, a file or a `Weather` of one, or `latitude`: where the sun's paths in a picture
+        are those of.
+        """
+        request = {
+            "place": self.path,
+            "access": self.access,
+            "output": os.fspath(output),
+            "receiver": receiver,
+            "panel": panel,
+            "sun": None if sun is None else [number("sun", one) for one in sun],
+            "dni_w_m2": number("dni", dni),
+            "dhi_w_m2": number("dhi", dhi),
+            "sky": sky,
+            "patches": whole("patches", patches),
+            "bounces": whole("bounces", bounces),
+            **weather_request(weather),
+            "latitude_deg": number("latitude", latitude),
+        }
+        _heliotile.export(json.dumps(request), memory)
+
+    def view(self, output: str | os.PathLike[str], *, weather: Any = None, memory: int = MEMORY) -> None:
+        """Writes a page that shows the archive in a browser, also from a disk: `heliotile export --html`, byte by byte.
+
+        An archive of up to 50 MB is inside the page, with the weather if there is some, a file or a `Weather` of one; of a larger one the page asks for
+        the file.
+        """
+        request = {"archive": self.path, "access": self.access, "output": os.fspath(output), **weather_request(weather)}
+        _heliotile.view(json.dumps(request), memory)
 
     def _open(self, wanted: WantedArgs) -> _heliotile.ArchiveHandle:
         return self._handle

@@ -19,6 +19,8 @@ from .given import wrong
 if TYPE_CHECKING:
     import xarray as xr
 
+    from .checks import CheckedArchive
+
 #: xmin, ymin, xmax, ymax in the coordinates of the scene files, metres; zmin, zmax behind them if heights count.
 Box: TypeAlias = Sequence[float]
 
@@ -68,6 +70,12 @@ class Atlas(Askable):
                 archive = Archive.open(part.archive, grid_north=self.grid_north)
                 archive._handle.check_square(part.name, part.low, part.high, part.reach_m)
                 yield part, archive
+
+    def verify(self, *, deep: bool = False) -> list[CheckedArchive]:
+        """Checks every block of the archives that are built: `heliotile verify`, finding by finding."""
+        from . import checks
+
+        return checks.verify(self.path, deep=deep)
 
     def _built(self, bbox: Box | None = None) -> list[AtlasPart]:
         """Its parts; one that is not built is an error."""

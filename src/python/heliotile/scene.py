@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from . import _heliotile, given
 from .archive import Archive, absolute
 from .options import MEMORY, Progress
 from .tables import columns_of, csv_of
+from .weather import Weather
 
 
 class Scene:
@@ -132,6 +134,14 @@ class Scene:
         return f"Scene({', '.join(self.files)}: {self.triangles} triangles)"
 
 
+def scene_request(scene: Any) -> dict[str, Any]:
+    """A `Scene` or its files as requests have it."""
+    if isinstance(scene, Scene):
+        return scene.request()
+    files = [scene] if isinstance(scene, (str, os.PathLike)) else scene
+    return {"files": [os.fspath(file) for file in files], "frame": {}}
+
+
 def _reload(cls: type[Scene], args: dict[str, Any]) -> Scene:
     """What a pickle becomes: the files, read again."""
     args = dict(args)
@@ -158,7 +168,7 @@ def build(
     *,
     quality: str = "standard",
     error: float | str | None = None,
-    error_weather: str | os.PathLike[str] | None = None,
+    error_weather: Any = None,
     settings: Mapping[str, object] | None = None,
     effects: str = "auto",
     with_scene: bool = True,
@@ -181,7 +191,7 @@ def build(
     quality
         `"draft"`, `"standard"`, `"fine"` or `"reference"`.
     error, error_weather
-        Largest RMSE of hourly totals in percent of their mean, in place of a quality; estimated under this weather file.
+        Largest RMSE of hourly totals in percent of their mean, in place of a quality; estimated under this weather file, or `Weather` of a file.
     settings
         Single settings by name, as in `{"hit": 16}`.
     effects
@@ -211,11 +221,13 @@ def build(
     if not isinstance(scene, Scene):
         scene = Scene(scene)
     path = os.fspath(output)
+    weather, about_weather = (None, {}) if error_weather is None else Weather.of(error_weather).request()
     args: dict[str, Any] = {
         "output": path,
         "quality": quality,
         "error": given.percent("error", error),
-        "error_weather": None if error_weather is None else os.fspath(error_weather),
+        "error_weather": weather,
+        "about_error_weather": json.dumps(about_weather),
         "settings": [f"{name}={value}" for name, value in (settings or {}).items()],
         "effects": effects,
         "with_scene": with_scene,

@@ -1,4 +1,4 @@
-"""Work that writes folders and archives: the program's `run`, `pv`, `energyplus`, `merge` and `diff`. In: keyword arguments. Out: files, and what
+"""Work that writes folders and archives: the program's `run`, `pv`, `energyplus`, `tradeoff`, `merge` and `diff`. In: keyword arguments. Out: files, and what
 was done. Arguments fill the requests that the program fills."""
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from . import _heliotile, given
 from .archive import Archive
 from .atlas import Atlas
 from .options import MEMORY, Progress
-from .scene import Scene
+from .scene import scene_request
+from .weather import Weather, weather_request
 
 #: Files of a scene, or a `Scene`.
 Files = Any
@@ -37,13 +38,14 @@ class Study:
 
 def run(
     scene: Files,
-    weather: str | os.PathLike[str],
+    weather: Any,
     output: str | os.PathLike[str] | None = None,
     *,
     cover: Mapping[str, Any] | None = None,
     receivers: str | os.PathLike[str] | None = None,
     quality: str = "standard",
     error: float | str | None = None,
+    error_weather: Any = None,
     every: Sequence[str] = (),
     by: str = "receiver",
     year: int | None = None,
@@ -59,10 +61,10 @@ def run(
     Parameters
     ----------
     scene, weather, output
-        A `Scene` or its files; a weather file; the folder, by default the name of the first scene file with `.sun`.
+        A `Scene` or its files; a weather file, or a `Weather` of one; the folder, by default the name of the first scene file with `.sun`.
     cover, receivers
         Where receivers are put, as in `Scene.cover` (`{"on": ["roof"], "spacing": 1.0}`), or the path of their table.
-    quality, error
+    quality, error, error_weather
         As in `build`.
     every, by, year, format
         Tables of these periods, what their rows are about, the year they are put into, the ending of their names.
@@ -72,10 +74,10 @@ def run(
         Whether what the folder holds of other inputs goes.
     """
     request: dict[str, Any] = {
-        "scene": _scene(scene),
-        "weather": os.fspath(weather),
+        "scene": scene_request(scene),
+        **weather_request(weather),
         "cover": _cover(cover),
-        "accuracy": _accuracy(quality, error),
+        "accuracy": _accuracy(quality, error, error_weather),
         "with_scene": with_scene,
         "every": [every] if isinstance(every, str) else list(every),
         "by": by,
@@ -90,7 +92,7 @@ def run(
 
 def pv(
     scene: Files,
-    weather: str | os.PathLike[str],
+    weather: Any,
     output: str | os.PathLike[str],
     *,
     points: str | os.PathLike[str] | None = None,
@@ -110,8 +112,8 @@ def pv(
 ) -> Study:
     """Light on solar modules: `heliotile pv`, file by file. Give a table of `points`, or `rows` of modules; the book's page of pv has their layouts."""
     request: dict[str, Any] = {
-        "scene": _scene(scene),
-        "weather": os.fspath(weather),
+        "scene": scene_request(scene),
+        **weather_request(weather),
         "folder": os.fspath(output),
         "search": search,
         "tilts_deg": list(tilts),
@@ -190,10 +192,83 @@ def partition(
 
     `sample` receivers are traced with three times the halo, too, to say what the halo costs; 0 leaves that out.
     """
-    cut = {"part_size_m": part_size, "halo_m": halo, "skyline_deg": skyline, "scene": _scene(scene), "cover": _cover(cover)}
+    cut = {"part_size_m": part_size, "halo_m": halo, "skyline_deg": skyline, "scene": scene_request(scene), "cover": _cover(cover)}
     cut |= {"accuracy": _accuracy(quality, None), "no_scene": not with_scene}
     _heliotile.partition(json.dumps(cut), os.fspath(output), replace, sample, memory, progress)
     return Atlas.open(output)
+
+
+@dataclass(frozen=True)
+class LadderStep:
+    """Settings, and what they cost and bring. Errors are percent of the mean of hourly totals."""
+
+    name: str
+    """Of the quality, or what the settings are made of."""
+    settings: dict[str, float]
+    error_percent: float
+    """RMSE of hourly totals."""
+    bias_percent: float
+    yearly_percent: float
+    """RMSE of means over all conditions."""
+    components_percent: dict[str, float]
+    """RMSE by column."""
+    trace_s: float
+    compress_s: float
+    replay_s: float
+    """CPU seconds, of a year of hours into sums."""
+    rays: int
+    bytes: int
+    frontier: bool
+    """Whether no other step is both faster and better."""
+
+
+@dataclass(frozen=True)
+class Tradeoff:
+    """What accuracy costs on a site."""
+
+    page: str
+    """Path of the page that shows all of it; tables and pictures are beside it."""
+    table: str
+    """All of it as text for people."""
+    steps: list[LadderStep]
+    """From coarse to fine."""
+    receivers: int
+    """Receivers that settings were tried on."""
+    mean_w_m2: float
+    sources: list[dict[str, Any]] | None
+    """Each setting alone, by the columns of `sources.csv`, if that was asked for."""
+
+
+def tradeoff(
+    scene: Files,
+    receivers: str | os.PathLike[str],
+    output: str | os.PathLike[str],
+    *,
+    sample: int = 32,
+    weather: Any = None,
+    sources: bool = False,
+    effects: str = "auto",
+    memory: int = MEMORY,
+    progress: Progress | None = None,
+) -> Tradeoff:
+    """What accuracy costs on a site: `heliotile tradeoff`. Writes a folder with tables, pictures and a page.
+
+    `sample`: receivers to try settings on. `weather`: a file, or a `Weather` of one, that errors are estimated under; default: suns from all sides.
+    `sources` tries each setting alone, too. `effects`: as in `build`.
+    """
+    request = {
+        "scene": scene_request(scene),
+        "receivers": os.fspath(receivers),
+        "folder": os.fspath(output),
+        "sample": given.whole("sample", sample),
+        **weather_request(weather),
+        "sources": sources,
+        "effects": effects,
+    }
+    found = json.loads(_heliotile.tradeoff(json.dumps(request), memory, progress))
+    ladder = found["ladder"]
+    steps = [LadderStep(**step) for step in ladder["steps"]]
+    return Tradeoff(found["page"], found["table"], steps, ladder["receivers"], ladder["mean_w_m2"], found["sources"])
 
 
 def merge(
@@ -219,14 +294,6 @@ def _study(done: tuple[str, str, list[str], str]) -> Study:
     return Study(os.fspath(folder), os.fspath(archive), files, table)
 
 
-def _scene(scene: Files) -> dict[str, Any]:
-    """A scene as requests have it."""
-    if isinstance(scene, Scene):
-        return scene.request()
-    files = [scene] if isinstance(scene, (str, os.PathLike)) else scene
-    return {"files": [os.fspath(file) for file in files]}
-
-
 def _cover(cover: Mapping[str, Any] | None) -> dict[str, Any]:
     """Where receivers are put, as requests have it, by the names of `Scene.cover`."""
     names = {"on": "on", "types": "types", "offset": "offset_m", "min_area": "min_area_m2", "spacing": "density", "per_surface": "density"}
@@ -238,7 +305,12 @@ def _cover(cover: Mapping[str, Any] | None) -> dict[str, Any]:
     return request
 
 
-def _accuracy(quality: str, error: float | str | None) -> dict[str, Any]:
+def _accuracy(quality: str, error: float | str | None, error_weather: Any = None) -> dict[str, Any]:
     """How exact an archive is to be, as requests have it."""
-    percent = given.percent("error", error)
-    return {"quality": quality} | ({} if percent is None else {"error_percent": percent})
+    request: dict[str, Any] = {"quality": quality}
+    if (percent := given.percent("error", error)) is not None:
+        request["error_percent"] = percent
+    if error_weather is not None:
+        request["error_weather"], about_weather = Weather.of(error_weather).request()
+        request |= {"weather_options": about_weather} if about_weather else {}
+    return request

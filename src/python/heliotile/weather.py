@@ -101,8 +101,23 @@ class Weather:
             "date_order": date_order,
         }
 
+    def request(self) -> tuple[str, dict[str, Any]]:
+        """The path of its file, and what is said about it, as requests have them."""
+        if self._bytes is not None:
+            raise given.wrong(self.name, "is a table, and a file is read here", "write the table to a CSV file")
+        names = ("latitude_deg", "longitude_deg", "zone_hours", "shift", "stamped_at", "date_order")
+        return self.name, {name: said for name, said in zip(names, self._said, strict=True) if said is not None}
+
     def __repr__(self) -> str:
         return f"Weather({self.name!r})"
+
+
+def weather_request(weather: Any) -> dict[str, Any]:
+    """The path of a weather file, or a `Weather` of one, as requests have it; None says nothing."""
+    if weather is None:
+        return {}
+    path, about = Weather.of(weather).request()
+    return {"weather": path} | ({"about_weather": about} if about else {})
 
 
 #: Names of times, without case, blanks and underscores, as the engine's reader knows them; the usual ones first.

@@ -12,11 +12,13 @@
 //! | `lazy` | an archive and conditions | rows of single receivers, a tile at a time |
 //! | `atlas` | a folder of parts, words | parts; the program |
 //! | `studies` | requests as JSON | folders of results, archives |
+//! | `checks` | requests as JSON | what is wrong with archives, and what accuracy costs |
 //! | `scene` | files, receivers | a scene; an archive |
 
 mod archive;
 mod asked;
 mod atlas;
+mod checks;
 mod errors;
 mod lazy;
 mod memory;
@@ -38,6 +40,18 @@ mod _heliotile {
     use super::atlas::program;
     #[pymodule_export]
     use super::atlas::shown;
+    #[pymodule_export]
+    use super::checks::audit;
+    #[pymodule_export]
+    use super::checks::export;
+    #[pymodule_export]
+    use super::checks::repair;
+    #[pymodule_export]
+    use super::checks::tradeoff;
+    #[pymodule_export]
+    use super::checks::verify;
+    #[pymodule_export]
+    use super::checks::view;
     #[pymodule_export]
     use super::lazy::LazyReplay;
     #[pymodule_export]

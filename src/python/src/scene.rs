@@ -10,6 +10,7 @@ use pyo3::pybacked::PyBackedBytes;
 
 use crate::archive::ArchiveHandle;
 use crate::errors::{raised, worded_text, wrong};
+use crate::studies::request;
 use crate::work;
 use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start, Workspace};
 use heliotile_builder::planning::{AccuracyRequest, BuildRequest};
@@ -21,7 +22,6 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::named::by_name;
 use heliotile_core::observer::Observer;
-use heliotile_core::weather::options::WeatherOptions;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_results::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
 use heliotile_results::horizon::nothing_seen;
@@ -69,6 +69,8 @@ pub struct BuildArgs {
     quality: String,
     error: Option<f64>,
     error_weather: Option<PathBuf>,
+    /// What is known of that file, as JSON.
+    about_error_weather: String,
     settings: Vec<String>,
     effects: String,
     with_scene: bool,
@@ -243,7 +245,7 @@ impl BuildArgs {
             set: self.settings.clone(),
             error_percent: self.error,
             error_weather: self.error_weather.clone(),
-            weather_options: WeatherOptions::default(),
+            weather_options: request(&self.about_error_weather)?,
         };
         accuracy.settings().map(|_| accuracy)
     }

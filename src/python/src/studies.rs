@@ -37,12 +37,13 @@ pub fn request<T: DeserializeOwned>(text: &str) -> Result<T> {
 }
 
 /// What results say of how they were made: the function and its arguments.
-fn about(function: &str, text: &str) -> Provenance {
+pub fn about(function: &str, text: &str) -> Provenance {
     let options: Map<String, Value> = serde_json::from_str(text).unwrap_or_default();
     Provenance::new(format!("heliotile.{function}"), options)
 }
 
-fn resources<'a>(memory: u64, observer: &'a dyn Observer) -> Resources<'a> {
+/// What work may use, and whom it tells.
+pub fn resources<'a>(memory: u64, observer: &'a dyn Observer) -> Resources<'a> {
     Resources { memory: MemoryBudget::new(memory), storage: &SystemTemp, files: &input::read, observer }
 }
 

@@ -27,6 +27,13 @@ def program(*words: object) -> None:
     subprocess.run([PROGRAM, "--quiet", *map(str, words)], check=True, capture_output=True, text=True)
 
 
+def printed(*words: object) -> str:
+    """Runs the program, which may find a problem: what it printed."""
+    done = subprocess.run([PROGRAM, "--quiet", *map(str, words)], capture_output=True, text=True)
+    assert done.returncode in (0, 1), done.stderr
+    return done.stdout
+
+
 @pytest.fixture(scope="session")
 def scene() -> heliotile.Scene:
     return heliotile.Scene(DATA / "hague" / "scene.obj", materials=DATA / "hague" / "materials.toml")

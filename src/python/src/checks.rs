@@ -1,0 +1,102 @@
+//! Whether archives are what they say, and what accuracy costs. In: requests as JSON, which `heliotile/checks.py` and `heliotile/studies.py` make of
+//! keyword arguments. Out: what was found as JSON, and as text for people.
+
+use std::path::{Path, PathBuf};
+
+use pyo3::prelude::*;
+use serde::Serialize;
+
+use crate::errors::worded_text;
+use crate::studies::{about, request, resources};
+use crate::work;
+use heliotile_atlas::{ExportRequest, VerifyRequest};
+use heliotile_core::archive::{Access, Problem};
+use heliotile_core::error::{Error, Result};
+use heliotile_results::{AuditRequest, PageRequest, RepairRequest, TradeoffRequest};
+
+/// Part, offset and reason of a problem.
+type ProblemRow = (String, u64, String);
+
+/// The archive, its blocks and their bytes, bytes behind its end, problems, why it is not that of its part, and all of it as text.
+type CheckedRow = (PathBuf, u64, u64, u64, Vec<ProblemRow>, Option<String>, String);
+
+/// What was found, as JSON.
+fn json(found: &impl Serialize) -> Result<String> {
+    serde_json::to_string(found).map_err(|error| Error::io(Path::new("what was found"), "write")(error.into()))
+}
+
+fn rows(problems: Vec<Problem>) -> Vec<ProblemRow> {
+    problems.into_iter().map(|problem| (problem.part, problem.offset, worded_text(&problem.reason))).collect()
+}
+
+/// Compares an archive with the judge: what was found, and a table for people. A folder gets the table of pairs, pictures and a page.
+#[pyfunction]
+pub fn audit(
+    py: Python<'_>,
+    text: String,
+    folder: Option<PathBuf>,
+    memory: u64,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(String, String)> {
+    work::run(py, progress.as_ref(), |watch| {
+        let report = request::<AuditRequest>(&text)?.run(&resources(memory, watch))?;
+        if let Some(folder) = &folder {
+            report.write(folder, about("Archive.audit", &text))?;
+        }
+        Ok((json(&report)?, report.text()))
+    })
+}
+
+/// Checks every block of the archive at a place, or of those of an atlas.
+#[pyfunction]
+pub fn verify(py: Python<'_>, place: PathBuf, deep: bool) -> PyResult<Vec<CheckedRow>> {
+    work::run(py, None, |_| {
+        let mut found = Vec::new();
+        VerifyRequest { place, deep, access: Access::Read }.each(|checked| {
+            let text = worded_text(&checked.text());
+            let (misplaced, report) = (checked.misplaced.map(|error| worded_text(&error.to_string())), checked.report);
+            let sizes = (report.blocks, report.stored_bytes, report.trailing_bytes);
+            found.push((checked.archive, sizes.0, sizes.1, sizes.2, rows(report.problems), misplaced, text));
+            Ok(())
+        })?;
+        Ok(found)
+    })
+}
+
+/// Makes a damaged archive whole: the archive, what was wrong, rays that were traced, and these as text.
+#[pyfunction]
+pub fn repair(
+    py: Python<'_>,
+    text: &str,
+    memory: u64,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(PathBuf, Vec<ProblemRow>, u64, String)> {
+    work::run(py, progress.as_ref(), |watch| {
+        let done = request::<RepairRequest>(text)?.write(&resources(memory, watch))?;
+        let said = done.text();
+        Ok((done.archive, rows(done.problems), done.rays, said))
+    })
+}
+
+/// Tries settings on a site: what they cost and bring.
+#[pyfunction]
+pub fn tradeoff(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<String> {
+    work::run(py, progress.as_ref(), |watch| {
+        let request = request::<TradeoffRequest>(&text)?;
+        json(&request.write(about("tradeoff", &text), &resources(memory, watch), |_| Ok(()))?)
+    })
+}
+
+/// Writes layers of a receiver, or view factors of all.
+#[pyfunction]
+pub fn export(py: Python<'_>, text: String, memory: u64) -> PyResult<()> {
+    work::run(py, None, |watch| {
+        request::<ExportRequest>(&text)?.write(about("Archive.export", &text), &resources(memory, watch))
+    })
+}
+
+/// Writes the page that shows an archive.
+#[pyfunction]
+pub fn view(py: Python<'_>, text: &str, memory: u64) -> PyResult<()> {
+    work::run(py, None, |watch| request::<PageRequest>(text)?.write(&resources(memory, watch)))
+}

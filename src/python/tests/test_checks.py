@@ -1,0 +1,161 @@
+"""What archives are worth is told as the program tells it: audits, checks, repairs, trade-offs, exports, pages."""
+
+from __future__ import annotations
+
+import csv
+import re
+import struct
+from pathlib import Path
+
+import heliotile
+import pytest
+from conftest import DATA, DAYS, ROOT, YEAR, printed, program
+
+SCENE = [DATA / "hague" / "scene.obj", "-m", DATA / "hague" / "materials.toml"]
+RECEIVERS = DATA / "hague" / "receivers.csv"
+
+
+@pytest.fixture
+def damaged(site: heliotile.Archive, tmp_path: Path) -> Path:
+    """A copy of which a byte of `sky/0` is another one."""
+    copy = tmp_path / "damaged.helio"
+    copy.write_bytes(Path(site.path).read_bytes())
+    with copy.open("r+b") as file:
+        file.seek(copy.stat().st_size // 2)
+        byte = file.read(1)
+        file.seek(-1, 1)
+        file.write(bytes([byte[0] ^ 0xFF]))
+    return copy
+
+
+def test_audit_is_the_programs(site: heliotile.Archive, scene: heliotile.Scene, tmp_path: Path) -> None:
+    """Of 12 receivers the table of pairs is the program's, byte by byte, and so is what is told, but for the name of an option."""
+    words = ["--samples", 12, "--paths", 256, "--weather", DAYS, "--time-zone", "+02:00"]
+    said = printed("audit", site.path, *SCENE, *words, "-o", tmp_path / "program").splitlines(keepends=True)
+    weather = heliotile.Weather(DAYS, time_zone="+02:00")
+    report = site.audit(scene, weather=weather, samples=12, paths=256, output=tmp_path / "python")
+    assert report.table.replace("build error", "build --error") == "".join(said[:-1])
+    assert (tmp_path / "python" / "audit.csv").read_bytes() == (tmp_path / "program" / "audit.csv").read_bytes()
+    assert sorted(path.name for path in (tmp_path / "python").iterdir()) == sorted(path.name for path in (tmp_path / "program").iterdir())
+    assert (report.receivers, report.hours, report.verdict, report.stated_percent) == (12, 96, "nothing_stated", None)
+    assert list(report.components)[-1] == "total" and len(report.components) == 7 and len(report.sky_views) == 3
+    total = report.components["total"]
+    assert total.rmse_percent.low <= total.rmse_percent.value <= total.rmse_percent.high
+    assert total.rmse_percent.value == pytest.approx(100.0 * total.rmse_w_m2.value / report.mean_w_m2)
+    assert total.worst is not None and total.worst.receiver in site.receivers()["receiver"]
+
+
+def test_audit_of_an_error(scene: heliotile.Scene, tmp_path: Path) -> None:
+    """An archive that was built for an error under the weather of another clock is the program's, byte by byte, states that error, and is audited
+    under a table of 2 conditions."""
+    words = ["--error", "20%", "--error-weather", DAYS, "--time-zone", "+03:00"]
+    program("build", *SCENE, "-r", RECEIVERS, *words, "-o", tmp_path / "program.helio")
+    weather = heliotile.Weather(DAYS, time_zone="+03:00")
+    site = heliotile.build(scene, RECEIVERS, tmp_path / "python.helio", error=20, error_weather=weather)
+    assert (tmp_path / "program.helio").read_bytes() == (tmp_path / "python.helio").read_bytes()
+    (tmp_path / "two.csv").write_text("condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\na,180,40,800,90\nb,90,10,300,50\n")
+    report = site.audit([SCENE[0]], conditions=tmp_path / "two.csv", samples=5, paths=64)
+    assert (report.hours, report.verdict) == (10, "holds") and report.stated_percent is not None
+    with pytest.raises(heliotile.ArgumentError, match="weather, conditions: are both given"):
+        site.audit(scene, weather=DAYS, conditions=tmp_path / "two.csv")
+    with pytest.raises(heliotile.ArgumentError, match="paths: is 3"):
+        site.audit(scene, paths=3)
+    with pytest.raises(heliotile.InputError, match="not the scene of the archive"):
+        site.audit(DATA / "cityjson" / "hague.city.json")
+
+
+def test_verify_and_repair_are_the_programs(site: heliotile.Archive, damaged: Path, scene: heliotile.Scene, tmp_path: Path) -> None:
+    """A whole archive has no problem, also below the surface; a damaged one has 1, which the program words alike, and is made whole byte by byte."""
+    assert site.verify().is_good and site.verify(deep=True).problems == []
+    assert site.verify().text == printed("verify", site.path)
+    [found] = heliotile.verify(damaged)
+    assert not found.is_good and len(found.problems) == 1 and found.text == printed("verify", damaged)
+    done = heliotile.repair(damaged, scene, tmp_path / "python.helio")
+    program("repair", damaged, *SCENE, "-o", tmp_path / "program.helio")
+    whole = Path(site.path).read_bytes()
+    assert (tmp_path / "python.helio").read_bytes() == (tmp_path / "program.helio").read_bytes() == whole
+    assert done.problems == found.problems and "1 problem repaired" in done.text and done.open().root == site.root
+    assert heliotile.repair(damaged, scene).archive == str(damaged) and damaged.read_bytes() == whole
+    assert heliotile.repair(damaged, scene).problems == []
+
+
+def test_tradeoff_is_the_programs(scene: heliotile.Scene, tmp_path: Path) -> None:
+    """Errors of 8 steps on 4 receivers are the program's, digit by digit; seconds differ."""
+    program("tradeoff", *SCENE, "-r", RECEIVERS, "--sample", 4, "-o", tmp_path / "program")
+    found = heliotile.tradeoff(scene, RECEIVERS, tmp_path / "python", sample=4)
+
+    def rows(name: str) -> list[dict[str, str]]:
+        with (tmp_path / name / "tradeoff.csv").open() as file:
+            return [{key: value for key, value in row.items() if not key.endswith("_s") and key != "frontier"} for row in csv.DictReader(file)]
+
+    assert rows("program") == rows("python") and len(found.steps) == 8
+    assert [f"{step.error_percent:.4f}" for step in found.steps] == [row["error_percent"] for row in rows("python")]
+    assert found.steps[1].name == "draft" and found.steps[1].settings["sky_base"] == 64.0 and found.sources is None
+    assert Path(found.page).read_text().startswith("<!DOCTYPE html>") and "rung" in found.table
+    with pytest.raises(heliotile.ArgumentError, match="sample: is 0"):
+        heliotile.tradeoff(scene, RECEIVERS, tmp_path / "none", sample=0)
+
+
+def pixels(png: Path) -> bytes:
+    """The packed pixels of a picture, without how it was made."""
+    data, at, found = png.read_bytes(), 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        found += data[at + 8 : at + 8 + length] if kind == b"IDAT" else b""
+        at += 12 + length
+    return found
+
+
+def test_exports_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
+    """View factors are the program's byte by byte, 3 pictures pixel by pixel, and values but for how they were made; 3 wrong choices are refused."""
+    program("export", site.path, "--view-factors", "-o", tmp_path / "program.csv")
+    site.export(tmp_path / "python.csv")
+    assert (tmp_path / "program.csv").read_bytes() == (tmp_path / "python.csv").read_bytes()
+    receiver = str(site.receivers()["receiver"][0])
+    light = ["--sun", "180,45", "--dni", 800, "--dhi", 100]
+    pictures = [
+        (["--latitude", 52], {"latitude": 52}),
+        (["--weather", YEAR, "--time-zone", "+02:00"], {"weather": heliotile.Weather(YEAR, time_zone="+02:00")}),
+        ([*light, "--panel"], {"sun": (180, 45), "dni": 800, "dhi": 100, "panel": True}),
+    ]
+    for number, (words, choices) in enumerate(pictures):
+        program("export", site.path, "-r", receiver, *words, "-o", tmp_path / f"program{number}.png")
+        site.export(tmp_path / f"python{number}.png", receiver, **choices)
+        assert pixels(tmp_path / f"program{number}.png") == pixels(tmp_path / f"python{number}.png")
+    program("export", site.path, "-r", receiver, *light, "--bounces", 1, "-o", tmp_path / "program.exr")
+    site.export(tmp_path / "python.exr", receiver, sun=(180, 45), dni=800, dhi=100, bounces=1)
+    values = [(tmp_path / f"{name}.exr").read_bytes() for name in ("program", "python")]
+    half = min(map(len, values)) // 2
+    assert values[0][-half:] == values[1][-half:]
+    for choices, text in [
+        ({"receiver": receiver, "sun": (180, -5)}, "not above the horizon"),
+        ({"receiver": receiver, "panel": True}, "panel: has no light"),
+        ({"sun": (180, 45)}, "depend on no light"),
+    ]:
+        with pytest.raises(heliotile.ArgumentError, match=text):
+            site.export(tmp_path / "none.png", **choices)
+
+
+def test_pages_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
+    """A page with weather is the program's byte by byte; one in place of the archive is refused."""
+    program("export", site.path, "--weather", DAYS, "--html", tmp_path / "program.html")
+    site.view(tmp_path / "python.html", weather=DAYS)
+    assert (tmp_path / "program.html").read_bytes() == (tmp_path / "python.html").read_bytes()
+    with pytest.raises(heliotile.InputError, match="is also an input"):
+        site.view(site.path)
+
+
+def test_the_book_names_every_command() -> None:
+    """The table of the book has a line for each of the program's 29 commands, and all that it calls exists."""
+    lines = (ROOT / "src" / "book" / "python.md").read_text().splitlines()
+    start = lines.index("| program | Python |") + 2
+    table = [line.strip("| ").split(" | ", 1) for line in lines[start : lines.index("", start)]]
+    commands = {word.split()[0] for left, _ in table for word in re.findall(r"`([^`]+)`", left)}
+    listed = printed("--help").split("Commands:")[1].split("\n\n")[0]
+    known = {line.split()[0] for line in listed.splitlines() if re.match(r"  [a-z]", line)} - {"help"}
+    assert commands == known and len(known) == 29, commands ^ known
+    owners = {"site": heliotile.Archive, "Scene(files)": heliotile.Scene, 'Archive.open("site.helio")': heliotile.Archive, 'Atlas.open("atlas")': heliotile.Atlas}
+    for call in (call for _, right in table for call in re.findall(r"`([^`]+)`", right) if not call.startswith("python ")):
+        owner = next((owner for owner in owners if call.startswith(owner + ".")), None)
+        name = re.match(r"\w+", call.removeprefix(f"{owner}."))
+        assert name is not None and hasattr(owners[owner] if owner else heliotile, name.group()), call
