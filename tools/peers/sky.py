@@ -117,7 +117,7 @@ def grid(z, azimuth):
 
 
 def level(c):
-    """W/m2 sr of a relative radiance of 1: the horizontal integral over 1200 x 1440 directions is DHI."""
+    """W/(m2 sr) of a relative radiance of 1: the horizontal integral over 1200 x 1440 directions is DHI."""
     z = (np.arange(1200) + 0.5) / 1200
     azimuth = (np.arange(1440) + 0.5) * 2 * math.pi / 1440
     integral = (relative(c, grid(z, azimuth)).mean(axis=1) * z).mean() * 2 * math.pi

@@ -84,6 +84,32 @@ impl Component {
             Component::SkyDiffuseObstruction => "sky_diffuse_obstruction",
         }
     }
+
+    /// The light path in words.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Component::SunDirect => "irradiance on the receiver from the sun's disc",
+            Component::SkyDirect => "irradiance on the receiver from the sky",
+            Component::SunDiffuse => "irradiance on the receiver from the sun by diffuse reflection",
+            Component::SkyDiffuse => "irradiance on the receiver from the sky by diffuse reflection",
+            Component::SunSpecular => "irradiance on the receiver from the sun by mirrors",
+            Component::SkySpecular => "irradiance on the receiver from the sky by mirrors",
+            Component::Total => "solar irradiance on the receiver",
+            Component::Longwave => "infrared irradiance on the receiver",
+            Component::SunDiffuseGround => {
+                "irradiance on the receiver from the sun by diffuse reflection, ground seen first"
+            }
+            Component::SunDiffuseObstruction => {
+                "irradiance on the receiver from the sun by diffuse reflection, obstructions seen first"
+            }
+            Component::SkyDiffuseGround => {
+                "irradiance on the receiver from the sky by diffuse reflection, ground seen first"
+            }
+            Component::SkyDiffuseObstruction => {
+                "irradiance on the receiver from the sky by diffuse reflection, obstructions seen first"
+            }
+        }
+    }
 }
 
 /// Which components results hold, whatever their order.

@@ -8,6 +8,9 @@ Progress = Callable[[str, int, int | None], object]
 
 __version__: str
 
+#: Light paths in words, by the names of columns.
+MEANINGS: dict[str, str]
+
 def use_threads(count: int) -> int:
     """Makes all work of this process run on so many threads, if none has begun; how many they are."""
 

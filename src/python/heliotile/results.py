@@ -66,25 +66,9 @@ class Frame:
         """Of a variable."""
         units = {"W/m2": "W m-2", "kWh/m2": "kW h m-2"}[self.unit]
         method = {"W/m2": "time: mean", "kWh/m2": "time: sum"}[self.unit] if self.label == "time" else ""
-        about = {"long_name": LONG_NAMES[column], "units": units}
+        about = {"long_name": _heliotile.MEANINGS[column], "units": units}
         return about | ({"cell_methods": method} if method else {})
 
-
-#: Light paths in words.
-LONG_NAMES = {
-    "sun_direct": "irradiance on the receiver from the sun's disc",
-    "sky_direct": "irradiance on the receiver from the sky",
-    "sun_diffuse": "irradiance on the receiver from the sun by diffuse reflection",
-    "sky_diffuse": "irradiance on the receiver from the sky by diffuse reflection",
-    "sun_specular": "irradiance on the receiver from the sun by mirrors",
-    "sky_specular": "irradiance on the receiver from the sky by mirrors",
-    "total": "solar irradiance on the receiver",
-    "longwave": "infrared irradiance on the receiver",
-    "sun_diffuse_ground": "irradiance on the receiver from the sun by diffuse reflection, ground seen first",
-    "sun_diffuse_obstruction": "irradiance on the receiver from the sun by diffuse reflection, obstructions seen first",
-    "sky_diffuse_ground": "irradiance on the receiver from the sky by diffuse reflection, ground seen first",
-    "sky_diffuse_obstruction": "irradiance on the receiver from the sky by diffuse reflection, obstructions seen first",
-}
 
 #: What is known of receivers.
 COORDINATES: dict[str, dict[str, str]] = {

@@ -1,7 +1,7 @@
 //! What results were made from. In: an archive, weather. Out: a small file beside the results, by which a later run knows them.
 
 use std::fs;
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -11,6 +11,7 @@ use crate::site_archive::KEEP_OR_REPLACE;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::series::Weather;
+use heliotile_core::weather::time::sun::Interval;
 
 /// Its name.
 const FILE: &str = "made-from.json";
@@ -143,12 +144,20 @@ fn path_of(folder: &Path, name: &str) -> Option<PathBuf> {
     (is_ours && Path::new(file).file_name() == Some(file.as_ref())).then(|| inside.join(file))
 }
 
-/// BLAKE3 of the place and all rows; numbers are written so that they read back to the bit.
+/// BLAKE3 of the place, and of what results depend on in each row: all numbers to the bit, NaN where one is missing.
 fn hash(weather: &Weather) -> String {
     let mut hasher = blake3::Hasher::new();
-    // Writing to a hash cannot fail.
-    let _ = writeln!(hasher, "{:?}", weather.site);
-    weather.rows.iter().for_each(|row| drop(writeln!(hasher, "{row:?}")));
+    let mut add = |numbers: &[f64]| {
+        numbers.iter().for_each(|number| drop(hasher.update(&number.to_le_bytes())));
+    };
+    let site = &weather.site;
+    add(&[site.latitude_deg, site.longitude_deg, site.zone_hours, site.elevation_m]);
+    for row in &weather.rows {
+        let Interval { date, start_min, end_min } = row.interval;
+        add(&[date.year.into(), date.month.into(), date.day.into(), start_min, end_min]);
+        add(&[row.sun.x, row.sun.y, row.sun.z, row.dni_w_m2, row.dhi_w_m2]);
+        add(&[row.ghi_w_m2, row.albedo, row.snow_depth_cm].map(|number| number.unwrap_or(f64::NAN)));
+    }
     format::hex(hasher.finalize().as_bytes())
 }
 

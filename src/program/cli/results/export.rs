@@ -24,7 +24,7 @@ hold, as JSON):
             with --sun weight_sr, sky_diffuse: the radiance of the sky there
   mirror    world's upper hemisphere, by the direction that light has in the sky: weight_sr;
             with --sun sky_specular, sun_specular
-Behind canopies `sky` also has `through`, the share of light that comes through. Channels named like a column of `query` are radiances, W/m2 sr: their sum over the texels of a part, each times weight_sr, is that
+Behind canopies `sky` also has `through`, the share of light that comes through. Channels named like a column of `query` are radiances, W/(m2 sr): their sum over the texels of a part, each times weight_sr, is that
 column.
 
 A .png is a picture for people: the upper hemisphere, equidistant, zenith in the middle, y up, x right as on a map, N in true north; with

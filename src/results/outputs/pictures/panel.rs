@@ -35,7 +35,7 @@ const MIDDLE: (f64, f64) = (170.0, 208.0);
 const HEAD: f64 = 60.0;
 const FOOT: f64 = 70.0;
 
-/// Ends of the scale, W/m2 sr: from the ground on a dark day to the sky round the sun.
+/// Ends of the scale, W/(m2 sr): from the ground on a dark day to the sky round the sun.
 const DARKEST: f64 = 0.1;
 const BRIGHTEST: f64 = 1000.0;
 
@@ -51,7 +51,7 @@ pub struct PanelSun {
 const TITLES: [&str; 6] =
     ["what is seen", "sky, direct", "sun, diffuse", "sun and sky in mirrors", "sky, diffuse", "all together"];
 
-/// The ways of light of a direction, W/m2 sr: sky direct, sun diffuse, sky in mirrors, sky diffuse.
+/// The ways of light of a direction, W/(m2 sr): sky direct, sun diffuse, sky in mirrors, sky diffuse.
 struct Radiances<'v> {
     view: &'v ReceiverView,
     maps: &'v [Map],
@@ -239,7 +239,7 @@ fn draw_words(canvas: &mut Canvas, view: &ReceiverView, sun: &PanelSun, (width, 
         canvas.line(&[(x, top + 16.0), (x, top + 21.0)], 1.0, INK);
         canvas.word(&format!("{value}"), (x, top + 30.0), Side::Center, INK);
     }
-    canvas.word("W/m2 sr", (left + wide + 30.0, top + 8.0), Side::Left, INK);
+    canvas.word("W/(m2 sr)", (left + wide + 30.0, top + 8.0), Side::Left, INK);
 }
 
 #[cfg(test)]
