@@ -3,7 +3,6 @@
 
 use super::eso::HourlySeries;
 use super::report::Block;
-use heliotile_core::error::Result;
 use heliotile_results::outputs::pictures::plot::{Axis, Plot, Series, Style};
 
 /// Variables that are asked for, with their unit and what is told of them.
@@ -27,7 +26,7 @@ const DAY: usize = 24;
 const LEAST: f64 = 1e-6;
 
 /// Tables of all variables, then pictures.
-pub fn compare(runs: &[HourlySeries; 3]) -> Result<Vec<(String, Vec<Block>)>> {
+pub fn compare(runs: &[HourlySeries; 3]) -> Vec<(String, Vec<Block>)> {
     let mut sections = Vec::new();
     for (variable, unit, title) in VARIABLES {
         let rows = rows(runs, variable);
@@ -47,8 +46,8 @@ pub fn compare(runs: &[HourlySeries; 3]) -> Result<Vec<(String, Vec<Block>)>> {
             ],
         ));
     }
-    sections.push(("Pictures".into(), vec![day(runs)?, surfaces(runs)?]));
-    Ok(sections)
+    sections.push(("Pictures".into(), vec![day(runs), surfaces(runs)]));
+    sections
 }
 
 /// One key of a variable: means of the three runs, and RMS of two against EnergyPlus's own.
@@ -116,41 +115,32 @@ fn by_hour(run: &HourlySeries, variable: &str) -> Vec<(f64, f64)> {
 }
 
 /// Cooling, or where there is none what windows let through, by hour of the day.
-fn day(runs: &[HourlySeries; 3]) -> Result<Block> {
+fn day(runs: &[HourlySeries; 3]) -> Block {
     let cooled = runs.iter().any(|run| run.0.keys().any(|(name, _)| name == VARIABLES[1].0));
     let (variable, _, title) = if cooled { VARIABLES[1] } else { VARIABLES[3] };
-    let series = |(run, name): (&HourlySeries, &str)| Series {
-        name: name.into(),
-        points: by_hour(run, variable),
-        labels: Vec::new(),
-        style: Style::Line,
-    };
+    let series = |(run, name): (&HourlySeries, &str)| Series::new(name, by_hour(run, variable), Style::Line);
     let plot = Plot {
         title: format!("{title}: mean day"),
         x: Axis { label: "hour of the day".into(), log: false },
         y: Axis { label: "kW".into(), log: false },
         series: runs.iter().zip(["without reflections", "EnergyPlus's own", "ours"]).map(series).collect(),
     };
-    Ok(Block::Picture("day.svg".into(), plot.svg(SIZE.0, SIZE.1)?))
+    Block::Picture("day.svg".into(), plot.svg(SIZE.0, SIZE.1))
 }
 
 /// Sun absorbed by each surface against EnergyPlus's own.
-fn surfaces(runs: &[HourlySeries; 3]) -> Result<Block> {
+fn surfaces(runs: &[HourlySeries; 3]) -> Block {
     let rows = rows(runs, VARIABLES[2].0);
     let each = rows.split_last().map_or(&[][..], |(_, each)| each);
-    let marks = |name: &str, of: usize| Series {
-        name: name.into(),
-        points: each.iter().map(|row| (row.means[1], row.means[of])).collect(),
-        labels: Vec::new(),
-        style: Style::Marks,
-    };
+    let points = |of: usize| each.iter().map(|row| (row.means[1], row.means[of])).collect();
+    let marks = |name: &str, of: usize| Series::new(name, points(of), Style::Marks);
     let plot = Plot {
         title: "Sun absorbed by each opaque surface".into(),
         x: Axis { label: "with EnergyPlus's own reflections, W/m2".into(), log: false },
         y: Axis { label: "W/m2".into(), log: false },
         series: vec![marks("without reflections", 0), marks("ours", 2)],
     };
-    Ok(Block::Picture("surfaces.svg".into(), plot.svg(SIZE.0, SIZE.1)?))
+    Block::Picture("surfaces.svg".into(), plot.svg(SIZE.0, SIZE.1))
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! What was done to a model, for people. In: sections of text, tables and pictures. Out: the same as Markdown and as a page.
 
+use heliotile_results::outputs::page::escaped;
+
 /// A part of a report.
 pub enum Block {
     Text(String),
@@ -86,10 +88,6 @@ impl Report {
             _ => None,
         })
     }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]

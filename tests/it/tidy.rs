@@ -360,7 +360,7 @@ fn the_engine_is_small() {
     let barred = [
         "clap",
         "parquet",
-        "plotters",
+        "embedded-graphics",
         "tiff",
         "exr",
         "png",

@@ -129,7 +129,7 @@ pub fn run_all(
     )];
     let series: Vec<HourlySeries> = results.into_iter().map(|(_, series)| series).collect();
     if let Ok(series) = <[HourlySeries; 3]>::try_from(series) {
-        sections.extend(compare(&series)?);
+        sections.extend(compare(&series));
     }
     Ok(sections)
 }

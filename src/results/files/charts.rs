@@ -122,8 +122,8 @@ impl<'a> AreaChart<'a> {
         let AreaChart { path, plot, series, layout, means, .. } = self;
         let called = format!("{called}; {}", means.called());
         let svg = match plot {
-            Plot::Hours => carpet(&means, series, &layout, called).svg()?,
-            Plot::Bars | Plot::Map => bars(&means, series, &layout, called).svg()?,
+            Plot::Hours => carpet(&means, series, &layout, called).svg(),
+            Plot::Bars | Plot::Map => bars(&means, series, &layout, called).svg(),
         };
         let mut sink = Sink::file(path)?;
         sink.write_all(about.in_svg(&svg).as_bytes()).map_err(Error::io(path, "write to"))?;

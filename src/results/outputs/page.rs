@@ -79,7 +79,7 @@ impl ReportFolder {
     }
 }
 
-/// Text as HTML has it.
+/// Text inside an element of XML or HTML.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value};
 
+use super::page::escaped;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::text::without_secrets;
 use heliotile_core::weather::series::Weather;
@@ -106,11 +107,6 @@ fn file_name(path: &Path) -> String {
     let shown = without_secrets(&path.to_string_lossy());
     let name = Path::new(&shown).file_name();
     name.map_or_else(|| shown.clone(), |name| name.to_string_lossy().into_owned())
-}
-
-/// Text inside an element of XML or HTML.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]

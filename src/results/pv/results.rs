@@ -63,7 +63,7 @@ impl Results<'_, '_> {
         write_best(&files.best, searched, about)?;
         fs::create_dir_all(&files.turns).map_err(Error::io(&files.turns, "create"))?;
         searched.iter().try_for_each(|search| {
-            write_texts(&files.folder, &[(&PvFolder::picture_of(&search.point), polar::svg(search, about)?)])
+            write_texts(&files.folder, &[(&PvFolder::picture_of(&search.point), polar::svg(search, about))])
         })
     }
 

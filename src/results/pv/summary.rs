@@ -46,14 +46,15 @@ pub fn table(sides: &[SideSums], searched: &[PointSearch], weather: &Path) -> St
     }
     for search in searched.iter().take(MOST_ROWS) {
         let (best, open) = (search.best, search.open_best);
-        let given = search.given.map_or_else(|| "-".to_owned(), |given| format!("{:.2}", search.loss_percent(&given)));
+        let given =
+            search.given.map_or_else(|| "-".to_owned(), |given| format!("{:.2}", search.loss_percent(given.value)));
         out += &format!(
             "{:<20}{:>6.1}{:>7.1}{:>10.1}{:>14.2}{given:>15}{:>20}\n",
             search.point,
             best.turn.tilt_deg,
             best.turn.azimuth_deg,
             best.value,
-            search.loss_percent(&search.flat),
+            search.loss_percent(search.flat.value),
             format!("{:.1} / {:.1}", open.turn.tilt_deg, open.turn.azimuth_deg)
         );
     }

@@ -148,7 +148,9 @@ fn path_of(folder: &Path, name: &str) -> Option<PathBuf> {
 fn hash(weather: &Weather) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut add = |numbers: &[f64]| {
-        numbers.iter().for_each(|number| drop(hasher.update(&number.to_le_bytes())));
+        for number in numbers {
+            hasher.update(&number.to_le_bytes());
+        }
     };
     let site = &weather.site;
     add(&[site.latitude_deg, site.longitude_deg, site.zone_hours, site.elevation_m]);

@@ -149,7 +149,7 @@ impl TradeoffRequest {
             observer,
         };
         let about = if weather.is_some() { about.with("weather", suns.name()) } else { about };
-        let page = report::folder(&site, &ladder, sources.as_deref())?.write(folder, &about)?;
+        let page = report::folder(&site, &ladder, sources.as_deref()).write(folder, &about)?;
         Ok(TradeoffDone { page, table, ladder, sources })
     }
 }

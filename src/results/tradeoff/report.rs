@@ -6,35 +6,30 @@ use super::sources::SettingPoint;
 use crate::outputs::page::{CsvTable, PICTURE_PX, ReportFolder, escaped};
 use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use heliotile_core::archive::settings::SETTINGS;
-use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
 
 /// Columns that hold no numbers.
 const LABELS: &[&str] = &["rung", "setting", "against", "frontier"];
 
 /// All files.
-pub(super) fn folder(
-    site: &SiteSummary,
-    ladder: &LadderTable,
-    sources: Option<&[SettingPoint]>,
-) -> Result<ReportFolder> {
+pub(super) fn folder(site: &SiteSummary, ladder: &LadderTable, sources: Option<&[SettingPoint]>) -> ReportFolder {
     let time = picture(ladder, "Error against time", "CPU seconds a receiver: build and a year's replay", |step| {
         step.seconds() / ladder.receivers as f64
-    })?;
+    });
     let size = picture(ladder, "Error against size", "archive, kB a receiver", |step| {
         step.bytes as f64 / 1e3 / ladder.receivers as f64
-    })?;
+    });
     let mut pictures = vec![("error_time.svg", time), ("error_bytes.svg", size)];
     let mut csv = vec![CsvTable { name: "tradeoff.csv", text: ladder_csv(ladder), labels: LABELS }];
     if let Some(points) = sources {
-        pictures.push(("sources.svg", sources_picture(points)?));
+        pictures.push(("sources.svg", sources_picture(points)));
         csv.push(CsvTable { name: "sources.csv", text: sources_csv(points), labels: LABELS });
     }
     let title = format!("What accuracy costs: {}", site.scene.display());
-    Ok(ReportFolder { title, words: words(site, ladder), table: ladder.table(), csv, pictures })
+    ReportFolder { title, words: words(site, ladder), table: ladder.table(), csv, pictures }
 }
 
-fn picture(ladder: &LadderTable, title: &str, x: &str, at: impl Fn(&LadderStep) -> f64) -> Result<String> {
+fn picture(ladder: &LadderTable, title: &str, x: &str, at: impl Fn(&LadderStep) -> f64) -> String {
     // Rungs that some other one beats in time stand apart.
     let some = |frontier: bool| {
         let mut steps: Vec<&LadderStep> = ladder.steps.iter().filter(|s| s.frontier == frontier).collect();
@@ -42,10 +37,8 @@ fn picture(ladder: &LadderTable, title: &str, x: &str, at: impl Fn(&LadderStep) 
         steps
     };
     let series = |name: &str, steps: Vec<&LadderStep>, style: Style| Series {
-        name: name.into(),
-        points: steps.iter().map(|step| (at(step), step.error_percent)).collect(),
         labels: steps.iter().map(|step| step.name.clone()).collect(),
-        style,
+        ..Series::new(name, steps.iter().map(|step| (at(step), step.error_percent)).collect(), style)
     };
     let plot = Plot {
         title: title.into(),
@@ -62,12 +55,11 @@ fn picture(ladder: &LadderTable, title: &str, x: &str, at: impl Fn(&LadderStep) 
     plot.svg(PICTURE_PX.0, PICTURE_PX.1)
 }
 
-fn sources_picture(points: &[SettingPoint]) -> Result<String> {
+fn sources_picture(points: &[SettingPoint]) -> String {
     let mut series: Vec<Series> = Vec::new();
     for point in points {
         if series.last().is_none_or(|last| last.name != point.setting) {
-            let name = point.setting.to_string();
-            series.push(Series { name, points: Vec::new(), labels: Vec::new(), style: Style::Both });
+            series.push(Series::new(point.setting, Vec::new(), Style::Both));
         }
         if let Some(last) = series.last_mut() {
             last.points.push((point.value, point.mean_absolute_percent));

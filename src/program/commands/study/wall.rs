@@ -51,7 +51,7 @@ pub fn run(args: &WallArgs) -> Result<Outcome> {
     NAMES.iter().try_for_each(|name| guard_output(&args.output.join(name), &[]))?;
     let rows = rows(args)?;
     let picture = |plot: Plot| plot.svg(PICTURE.0, PICTURE.1);
-    let texts = [table(&rows, args.points), picture(curves(&rows, args))?, picture(errors(&rows, args))?];
+    let texts = [table(&rows, args.points), picture(curves(&rows, args)), picture(errors(&rows, args))];
     write_texts(&args.output, &NAMES.into_iter().zip(texts).collect::<Vec<_>>())?;
     say(&report(&rows, args))?;
     Ok(Outcome::Fine)
@@ -130,16 +130,14 @@ fn table(rows: &[Row], points: u32) -> String {
 fn curves(rows: &[Row], args: &WallArgs) -> Plot {
     let sorted = sorted(args);
     let rays = sorted[sorted.len() / 2];
-    let line =
-        |name: &str, points: Vec<(f64, f64)>, style| Series { name: name.into(), points, labels: Vec::new(), style };
     let by_map = |mapping: HemisphereMapping| {
         let points = of(rows, mapping, rays).map(|row| (row.distance_m, row.form_factor)).collect();
-        line(mapping.name(), points, Style::Marks)
+        Series::new(mapping.name(), points, Style::Marks)
     };
     let mut series: Vec<Series> = maps(args).into_iter().map(by_map).collect();
     let one = maps(args).into_iter().take(1).flat_map(|mapping| of(rows, mapping, rays));
     let analytic = one.map(|row| (row.distance_m, row.analytic)).collect();
-    series.push(line("analytic", analytic, Style::Line));
+    series.push(Series::new("analytic", analytic, Style::Line));
     Plot {
         title: format!(
             "A wall of {WALL_M} m x {WALL_M} m, {} rays, {}",
@@ -154,14 +152,9 @@ fn curves(rows: &[Row], args: &WallArgs) -> Plot {
 
 /// Mean error against rays, one line a map.
 fn errors(rows: &[Row], args: &WallArgs) -> Plot {
-    let by_map = |mapping: HemisphereMapping| Series {
-        name: mapping.to_string(),
-        points: sorted(args)
-            .into_iter()
-            .map(|rays| (rays.count() as f64, mean_error(rows, mapping, rays, f64::abs)))
-            .collect(),
-        labels: Vec::new(),
-        style: Style::Both,
+    let by_map = |mapping: HemisphereMapping| {
+        let point = |rays: RaySquare| (rays.count() as f64, mean_error(rows, mapping, rays, f64::abs));
+        Series::new(mapping.name(), sorted(args).into_iter().map(point).collect(), Style::Both)
     };
     Plot {
         title: format!("Mean error of its form factor, {}", counted(args.points.into(), "point")),

@@ -77,7 +77,7 @@ impl AuditReport {
             words: self.words(),
             table: self.text(),
             csv: vec![CsvTable { name: "audit.csv", text: self.csv(), labels: &["receiver", "condition"] }],
-            pictures: vec![("totals.svg", self.totals_picture()?), ("sky_view.svg", self.sky_views_picture()?)],
+            pictures: vec![("totals.svg", self.totals_picture()), ("sky_view.svg", self.sky_views_picture())],
         };
         report.write(folder, &about.with("weather", &self.weather))
     }
@@ -123,36 +123,34 @@ impl AuditReport {
         out
     }
 
-    fn totals_picture(&self) -> Result<String> {
+    fn totals_picture(&self) -> String {
         let at = |pair: &Pair| (pair.judged.mean[PARTS - 1], off(pair, PARTS - 1));
         let most = self.audited.pairs.iter().map(|pair| at(pair).0).fold(1.0, f64::max);
-        let series = |name: &str, points, style| Series { name: name.into(), points, labels: Vec::new(), style };
         let plot = Plot {
             title: "How far the archive is off".into(),
             x: Axis { label: "total by the judge, W/m2".into(), log: false },
             y: Axis { label: "archive less judge, W/m2".into(), log: false },
             series: vec![
-                series("a receiver in an hour", self.audited.pairs.iter().map(at).collect(), Style::Marks),
-                series("no difference", vec![(0.0, 0.0), (most, 0.0)], Style::Line),
+                Series::new("a receiver in an hour", self.audited.pairs.iter().map(at).collect(), Style::Marks),
+                Series::new("no difference", vec![(0.0, 0.0), (most, 0.0)], Style::Line),
             ],
         };
         plot.svg(PICTURE_PX.0, PICTURE_PX.1)
     }
 
-    fn sky_views_picture(&self) -> Result<String> {
+    fn sky_views_picture(&self) -> String {
         let points = |end: fn(&Known) -> f64| -> Vec<(f64, f64)> {
             let of_mean = |rmse: Known| end(&in_percent(rmse, self.mean_w_m2));
             self.sky_views.iter().map(|group| (100.0 * group.sky_view[1], of_mean(group.rmse_w_m2))).collect()
         };
-        let series = |name: &str, points, style| Series { name: name.into(), points, labels: Vec::new(), style };
         let plot = Plot {
             title: "Error by what receivers see of the sky".into(),
             x: Axis { label: "sky view of a tenth of the receivers, %".into(), log: false },
             y: Axis { label: "RMSE of totals, % of the mean of all".into(), log: false },
             series: vec![
-                series("found", points(|rmse| rmse.value), Style::Both),
-                series("95 % of cases lie above", points(|rmse| rmse.low), Style::Line),
-                series("and below", points(|rmse| rmse.high), Style::Line),
+                Series::new("found", points(|rmse| rmse.value), Style::Both),
+                Series::new("95 % of cases lie above", points(|rmse| rmse.low), Style::Line),
+                Series::new("and below", points(|rmse| rmse.high), Style::Line),
             ],
         };
         plot.svg(PICTURE_PX.0, PICTURE_PX.1)

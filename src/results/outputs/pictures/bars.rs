@@ -1,12 +1,8 @@
 //! Bars that are stacked: sums of periods by component. In: names, values. Out: SVG, a rectangle for each value above zero.
 
-use plotters::prelude::{BLACK, Color, PathElement, RGBColor, Rectangle, Text};
-use plotters::style::text_anchor::HPos;
-
-use super::canvas::Rgb;
-use super::plot_scale::round_steps;
-use super::sheet::{Drawn, Sheet, clean, heading, letters, place, rgb, svg};
-use heliotile_core::error::Result;
+use super::canvas::{Rgb, Side};
+use super::scale::{round_steps, words};
+use super::svg::{Axis, BLACK, Frame, LETTERS, SWATCH, Svg, wide};
 
 /// A picture of bars.
 pub struct Bars {
@@ -29,74 +25,52 @@ pub struct Stack {
 }
 
 /// Of the page, pixels.
-const SIZE: (u32, u32) = (900, 500);
-/// Where bars stand: left, right, top, bottom.
-const AREA: (f64, f64, f64, f64) = (72.0, 880.0, 92.0, 452.0);
-const GRID: RGBColor = RGBColor(225, 230, 234);
-/// Labels that have room below the bars.
-const MOST_LABELS: usize = 16;
+const SIZE: (f64, f64) = (900.0, 500.0);
+/// Where bars stand.
+const FRAME: Frame = Frame { left: 72.0, right: 880.0, top: 92.0, bottom: 452.0 };
 
 impl Bars {
     /// The picture.
-    pub fn svg(&self) -> Result<String> {
-        svg(SIZE.0, SIZE.1, |page| self.draw(page))
-    }
-
-    /// Value at the top of the axis.
-    fn ticks(&self) -> Vec<f64> {
-        let sum = |bar: usize| self.stacks.iter().map(|stack| stack.height(bar)).sum::<f64>();
-        round_steps((0..self.labels.len()).map(sum).fold(0.0, f64::max), 5)
-    }
-
-    fn draw(&self, page: &Sheet) -> Drawn {
-        let (left, right, upper, lower) = AREA;
-        heading(page, &self.title, &self.called)?;
-        let ticks = self.ticks();
+    pub fn svg(&self) -> String {
+        let count = self.labels.len().max(1) as f64;
+        let total = |bar: usize| self.stacks.iter().map(|stack| stack.height(bar)).sum::<f64>();
+        let ticks = round_steps((0..self.labels.len()).map(total).fold(0.0, f64::max), 5);
         let top = ticks.last().copied().unwrap_or(1.0);
-        let y = |value: f64| lower - (lower - upper) * value / top;
-        for tick in &ticks {
-            let line = vec![place((left, y(*tick))), place((right, y(*tick)))];
-            page.draw(&PathElement::new(line, GRID.stroke_width(8)))?;
-            page.draw(&Text::new(tick.to_string(), place((left - 8.0, y(*tick))), letters(13, BLACK, HPos::Right)))?;
-        }
-        page.draw(&Text::new(clean(&self.unit), place((16.0, upper - 18.0)), letters(13, BLACK, HPos::Left)))?;
-        let count = self.labels.len().max(1);
-        let wide = (right - left) / count as f64;
-        let gap = if count > 60 { 0.0 } else { 0.14 * wide };
-        let every = count.div_ceil(MOST_LABELS);
-        for (bar, label) in self.labels.iter().enumerate() {
-            let (from, to) = (left + wide * bar as f64 + gap, left + wide * (bar + 1) as f64 - gap);
+        let ticks: Vec<(f64, String)> = ticks.into_iter().map(|tick| (tick / top, words(tick))).collect();
+        let middle = |(bar, label): (usize, &String)| ((bar as f64 + 0.5) / count, label.clone());
+        let labels: Vec<(f64, String)> = self.labels.iter().enumerate().map(middle).collect();
+
+        let mut page = Svg::new(SIZE.0, SIZE.1);
+        page.heading(&self.title, &self.called);
+        page.axis(&FRAME, Axis::Left, &ticks, true);
+        page.axis(&FRAME, Axis::Below, &labels, false);
+        let gap = if count > 60.0 { 0.0 } else { 0.14 };
+        for bar in 0..self.labels.len() {
+            let [from, to] = [bar as f64 + gap, (bar + 1) as f64 - gap].map(|at| at / count);
             let mut below = 0.0;
             for stack in &self.stacks {
-                let value = stack.height(bar);
-                if value > 0.0 {
-                    let corners = [place((from, y(below + value))), place((to, y(below)))];
-                    page.draw(&Rectangle::new(corners, rgb(stack.colour).filled()))?;
-                    below += value;
+                let share = stack.height(bar) / top;
+                if share > 0.0 {
+                    page.rectangle([FRAME.at(from, below + share), FRAME.at(to, below)], stack.colour);
+                    below += share;
                 }
             }
-            if bar % every == 0 {
-                let at = place((0.5 * (from + to), lower + 18.0));
-                page.draw(&Text::new(clean(label), at, letters(13, BLACK, HPos::Center)))?;
-            }
         }
-        let floor = vec![place((left, lower)), place((right, lower))];
-        page.draw(&PathElement::new(floor, BLACK.stroke_width(8)))?;
-        self.legend(page)
+        page.line(&[FRAME.at(0.0, 0.0), FRAME.at(1.0, 0.0)], 1.0, BLACK);
+        self.legend(&mut page);
+        page.finish()
     }
 
-    /// Names of the parts that are there, in a row above the bars.
-    fn legend(&self, page: &Sheet) -> Drawn {
-        let there = self.stacks.iter().filter(|stack| stack.values.iter().any(|value| *value > 0.0));
-        let mut x = AREA.0 + 60.0;
-        for stack in there {
-            let y = AREA.2 - 18.0;
-            let swatch = [place((x, y - 6.0)), place((x + 12.0, y + 6.0))];
-            page.draw(&Rectangle::new(swatch, rgb(stack.colour).filled()))?;
-            page.draw(&Text::new(clean(&stack.name), place((x + 18.0, y)), letters(13, BLACK, HPos::Left)))?;
-            x += 34.0 + 7.0 * stack.name.chars().count() as f64;
+    /// The unit, and names of the parts that are there, in a row above the bars.
+    fn legend(&self, page: &mut Svg) {
+        let y = FRAME.top - 18.0;
+        page.text(&self.unit, (16.0, y), LETTERS, Side::Left, BLACK);
+        let x = 36.0 + LETTERS * wide(&self.unit);
+        let there = || self.stacks.iter().filter(|stack| stack.values.iter().any(|value| *value > 0.0));
+        let names: Vec<&str> = there().map(|stack| stack.name.as_str()).collect();
+        for (stack, (x, y)) in there().zip(page.legend((x, y), &names)) {
+            page.rectangle([(x, y - 6.0), (x + SWATCH, y + 6.0)], stack.colour);
         }
-        Ok(())
     }
 }
 
@@ -124,18 +98,18 @@ mod tests {
             labels: vec![bad.into(), "b".into(), "c".into()],
             stacks: vec![stack([30.0, -5.0, 50.0]), stack([12.5, 40.0, f64::NAN])],
         };
-        let svg = bars.svg().expect("drawn");
+        let svg = bars.svg();
         assert!(!svg.contains("<script") && svg.matches("a&lt;script&gt;").count() == 6, "{svg}");
         let number = |line: &str, name: &str| -> f64 {
             let rest = line.split_once(&format!(" {name}=\"")).expect("an attribute").1;
             rest.split('"').next().and_then(|n| n.parse().ok()).expect("a number")
         };
-        // Behind those of the bars come two of the legend.
+        // Before those of the legend.
         let rects: Vec<&str> =
             svg.lines().filter(|line| line.starts_with("<rect") && line.contains("#010203")).collect();
         assert_eq!(rects.len(), 4 + 2);
-        // The axis ends at 50, 2880 units above its foot.
-        let heights: Vec<f64> = rects.iter().take(4).map(|line| number(line, "height") / 2880.0 * 50.0).collect();
+        // The axis ends at 50, 360 pixels above its foot.
+        let heights: Vec<f64> = rects.iter().take(4).map(|line| number(line, "height") / 360.0 * 50.0).collect();
         for (height, value) in heights.iter().zip([30.0, 12.5, 40.0, 50.0]) {
             assert!((height - value).abs() < 0.05, "{heights:?}");
         }

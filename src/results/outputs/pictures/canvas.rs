@@ -7,7 +7,7 @@ use embedded_graphics::mono_font::{MonoFont, MonoTextStyle};
 use embedded_graphics::pixelcolor::Rgb888;
 use embedded_graphics::prelude::*;
 use embedded_graphics::primitives::{Circle, Polyline, PrimitiveStyle, Rectangle};
-use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
+use embedded_graphics::text::{Baseline, Text, TextStyleBuilder};
 use rayon::prelude::*;
 
 use heliotile_core::error::{Error, Result};
@@ -33,7 +33,7 @@ struct Word {
     at: (f64, f64),
     colour: Rgb,
     large: bool,
-    alignment: Alignment,
+    side: Side,
 }
 
 /// Where a word stands beside its point.
@@ -49,6 +49,11 @@ impl Canvas {
         Canvas { width, height, pixels, words: Vec::new() }
     }
 
+    /// The fine pixels.
+    fn target(&mut self) -> Target<'_> {
+        Target { width: self.width * FINE, height: self.height * FINE, pixels: &mut self.pixels }
+    }
+
     /// Colours one fine pixel, if there is one.
     pub fn dab(&mut self, column: usize, row: usize, colour: Rgb) {
         let columns = self.width * FINE;
@@ -60,48 +65,49 @@ impl Canvas {
     /// A line through some points, `thick` points wide.
     pub fn line(&mut self, points: &[(f64, f64)], thick: f64, colour: Rgb) {
         let points: Vec<Point> = points.iter().map(|&p| fine(p)).collect();
-        let style = PrimitiveStyle::with_stroke(rgb(colour), (thick * FINE as f64).round().max(1.0) as u32);
+        let style = stroke(thick, colour);
         // Drawing into memory cannot fail.
-        let _ = Polyline::new(&points).into_styled(style).draw(&mut Fine(self));
+        let _ = Polyline::new(&points).into_styled(style).draw(&mut self.target());
     }
 
     /// A circle, not filled.
     pub fn ring(&mut self, centre: (f64, f64), radius: f64, thick: f64, colour: Rgb) {
-        let style = PrimitiveStyle::with_stroke(rgb(colour), (thick * FINE as f64).round().max(1.0) as u32);
+        let style = stroke(thick, colour);
         let diameter = (2.0 * radius * FINE as f64).round() as u32;
-        let _ = Circle::with_center(fine(centre), diameter).into_styled(style).draw(&mut Fine(self));
+        let _ = Circle::with_center(fine(centre), diameter).into_styled(style).draw(&mut self.target());
     }
 
     /// A filled circle.
     pub fn dot(&mut self, centre: (f64, f64), radius: f64, colour: Rgb) {
         let diameter = (2.0 * radius * FINE as f64).round() as u32;
         let style = PrimitiveStyle::with_fill(rgb(colour));
-        let _ = Circle::with_center(fine(centre), diameter).into_styled(style).draw(&mut Fine(self));
+        let _ = Circle::with_center(fine(centre), diameter).into_styled(style).draw(&mut self.target());
     }
 
     /// A filled square of some points a side, its top left corner given.
     pub fn square(&mut self, corner: (f64, f64), side: f64, colour: Rgb) {
         let size = Size::new_equal((side * FINE as f64).round() as u32);
         let style = PrimitiveStyle::with_fill(rgb(colour));
-        let _ = Rectangle::new(fine(corner), size).into_styled(style).draw(&mut Fine(self));
+        let _ = Rectangle::new(fine(corner), size).into_styled(style).draw(&mut self.target());
     }
 
     /// A word in the middle of a height; letters that Latin-1 lacks become question marks.
     pub fn word(&mut self, text: &str, at: (f64, f64), side: Side, colour: Rgb) {
-        self.words.push(Word { text: text.to_string(), at, colour, large: false, alignment: side });
+        self.words.push(Word { text: text.to_string(), at, colour, large: false, side });
     }
 
     /// The same in large letters.
     pub fn headline(&mut self, text: &str, at: (f64, f64), side: Side, colour: Rgb) {
-        self.words.push(Word { text: text.to_string(), at, colour, large: true, alignment: side });
+        self.words.push(Word { text: text.to_string(), at, colour, large: true, side });
     }
 
     /// The picture as PNG, with texts by their names.
     pub fn png(self, texts: Vec<(String, String)>) -> Result<Vec<u8>> {
-        let mut page = Page { width: self.width, height: self.height, pixels: self.means() };
+        let mut pixels = self.means();
+        let mut page = Target { width: self.width, height: self.height, pixels: &mut pixels };
         for word in &self.words {
             let font: &MonoFont = if word.large { &FONT_9X15_BOLD } else { &FONT_7X13 };
-            let style = TextStyleBuilder::new().alignment(word.alignment).baseline(Baseline::Middle).build();
+            let style = TextStyleBuilder::new().alignment(word.side).baseline(Baseline::Middle).build();
             let at = Point::new(word.at.0.round() as i32, word.at.1.round() as i32);
             let letters = MonoTextStyle::new(font, rgb(word.colour));
             let _ = Text::with_text_style(&word.text, at, letters, style).draw(&mut page);
@@ -121,7 +127,7 @@ impl Canvas {
             encoder.add_text_chunk(name, text).map_err(refuse)?;
         }
         let mut writer = encoder.write_header().map_err(refuse)?;
-        writer.write_image_data(page.pixels.as_flattened()).map_err(refuse)?;
+        writer.write_image_data(pixels.as_flattened()).map_err(refuse)?;
         writer.finish().map_err(refuse)?;
         Ok(bytes)
     }
@@ -141,6 +147,10 @@ impl Canvas {
     }
 }
 
+fn stroke(thick: f64, colour: Rgb) -> PrimitiveStyle<Rgb888> {
+    PrimitiveStyle::with_stroke(rgb(colour), (thick * FINE as f64).round().max(1.0) as u32)
+}
+
 fn rgb([r, g, b]: Rgb) -> Rgb888 {
     Rgb888::new(r, g, b)
 }
@@ -150,56 +160,32 @@ fn fine((x, y): (f64, f64)) -> Point {
     Point::new((x * FINE as f64).round() as i32, (y * FINE as f64).round() as i32)
 }
 
-/// Puts pixels where they lie within the picture.
-fn put(pixels: &mut [Rgb], width: usize, drawn: impl IntoIterator<Item = Pixel<Rgb888>>) {
-    for Pixel(at, colour) in drawn {
-        if let (Ok(x), Ok(y)) = (usize::try_from(at.x), usize::try_from(at.y))
-            && x < width
-            && let Some(pixel) = pixels.get_mut(y * width + x)
-        {
-            *pixel = [colour.r(), colour.g(), colour.b()];
-        }
-    }
-}
-
-/// The fine pixels as a target of shapes.
-struct Fine<'a>(&'a mut Canvas);
-
-impl OriginDimensions for Fine<'_> {
-    fn size(&self) -> Size {
-        Size::new((self.0.width * FINE) as u32, (self.0.height * FINE) as u32)
-    }
-}
-
-impl DrawTarget for Fine<'_> {
-    type Color = Rgb888;
-    type Error = Infallible;
-
-    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(&mut self, drawn: I) -> std::result::Result<(), Infallible> {
-        put(&mut self.0.pixels, self.0.width * FINE, drawn);
-        Ok(())
-    }
-}
-
-/// The picture's own pixels as a target of words.
-struct Page {
+/// Pixels that shapes and words are drawn on, where they lie within the picture.
+struct Target<'a> {
     width: usize,
     height: usize,
-    pixels: Vec<Rgb>,
+    pixels: &'a mut [Rgb],
 }
 
-impl OriginDimensions for Page {
+impl OriginDimensions for Target<'_> {
     fn size(&self) -> Size {
         Size::new(self.width as u32, self.height as u32)
     }
 }
 
-impl DrawTarget for Page {
+impl DrawTarget for Target<'_> {
     type Color = Rgb888;
     type Error = Infallible;
 
     fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(&mut self, drawn: I) -> std::result::Result<(), Infallible> {
-        put(&mut self.pixels, self.width, drawn);
+        for Pixel(at, colour) in drawn {
+            if let (Ok(x), Ok(y)) = (usize::try_from(at.x), usize::try_from(at.y))
+                && x < self.width
+                && let Some(pixel) = self.pixels.get_mut(y * self.width + x)
+            {
+                *pixel = [colour.r(), colour.g(), colour.b()];
+            }
+        }
         Ok(())
     }
 }

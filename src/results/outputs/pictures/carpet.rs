@@ -1,12 +1,9 @@
 //! Hours of the day by month or day, as a carpet of colours. In: a value for each hour of each column. Out: SVG in the page's colours.
 
-use plotters::prelude::{BLACK, Color, PathElement, Rectangle, Text};
-use plotters::style::text_anchor::HPos;
-
+use super::canvas::Side;
 use super::colours::{STEPS, viridis, viridis_step};
-use super::plot_scale::round_steps;
-use super::sheet::{Drawn, Sheet, clean, heading, letters, place, rgb, svg};
-use heliotile_core::error::Result;
+use super::scale::{round_steps, words};
+use super::svg::{Axis, BLACK, Frame, LETTERS, Svg};
 
 /// Hours of a day.
 pub const HOURS: usize = 24;
@@ -23,70 +20,42 @@ pub struct Carpet {
 }
 
 /// Of the page, pixels.
-const SIZE: (u32, u32) = (900, 540);
-/// Where hours stand: left, right, top, bottom.
-const AREA: (f64, f64, f64, f64) = (72.0, 880.0, 70.0, 430.0);
-/// Of the legend: left, right, top, bottom.
-const LEGEND: (f64, f64, f64, f64) = (72.0, 584.0, 478.0, 494.0);
-/// Labels that have room below the columns.
-const MOST_LABELS: usize = 16;
+const SIZE: (f64, f64) = (900.0, 540.0);
+/// Where hours stand.
+const FRAME: Frame = Frame { left: 72.0, right: 880.0, top: 70.0, bottom: 430.0 };
+const LEGEND: Frame = Frame { left: 72.0, right: 584.0, top: 478.0, bottom: 494.0 };
 
 impl Carpet {
     /// The picture.
-    pub fn svg(&self) -> Result<String> {
-        svg(SIZE.0, SIZE.1, |page| self.draw(page))
-    }
-
-    /// Round values from 0 to the end of the colours.
-    pub fn ticks(&self) -> Vec<f64> {
+    pub fn svg(&self) -> String {
         let values = self.columns.iter().flatten().flatten();
-        round_steps(values.copied().filter(|value| value.is_finite()).fold(0.0, f64::max), 5)
-    }
+        let ends = round_steps(values.copied().filter(|value| value.is_finite()).fold(0.0, f64::max), 5);
+        let top = ends.last().copied().unwrap_or(1.0);
+        let ends: Vec<(f64, String)> = ends.into_iter().map(|tick| (tick / top, words(tick))).collect();
+        let x = |column: f64| column / self.columns.len().max(1) as f64;
+        let y = |hour: usize| hour as f64 / HOURS as f64;
+        let hours: Vec<(f64, String)> = (0..=HOURS).step_by(6).map(|hour| (y(hour), format!("{hour}:00"))).collect();
+        let middle = |(column, label): (usize, &String)| (x(column as f64 + 0.5), label.clone());
+        let labels: Vec<(f64, String)> = self.labels.iter().enumerate().map(middle).collect();
 
-    fn draw(&self, page: &Sheet) -> Drawn {
-        let (left, right, upper, lower) = AREA;
-        heading(page, &self.title, &self.called)?;
-        let ticks = self.ticks();
-        let top = ticks.last().copied().unwrap_or(1.0);
-        let count = self.columns.len().max(1);
-        let x = |column: usize| left + (right - left) * column as f64 / count as f64;
-        let y = |hour: usize| lower - (lower - upper) * hour as f64 / HOURS as f64;
+        let mut page = Svg::new(SIZE.0, SIZE.1);
+        page.heading(&self.title, &self.called);
+        page.axis(&FRAME, Axis::Left, &hours, true);
+        page.axis(&FRAME, Axis::Below, &labels, false);
         for (column, hours) in self.columns.iter().enumerate() {
             for (hour, value) in hours.iter().enumerate() {
                 let Some(value) = value else { continue };
-                let corners = [place((x(column), y(hour + 1))), place((x(column + 1), y(hour)))];
-                let colour = rgb(viridis(viridis_step((value / top) as f32)));
-                page.draw(&Rectangle::new(corners, colour.filled()))?;
+                let colour = viridis(viridis_step((value / top) as f32));
+                let (left, right) = (x(column as f64), x((column + 1) as f64));
+                page.rectangle([FRAME.at(left, y(hour + 1)), FRAME.at(right, y(hour))], colour);
             }
         }
-        for hour in (0..=HOURS).step_by(6) {
-            let tick = vec![place((left - 5.0, y(hour))), place((left, y(hour)))];
-            page.draw(&PathElement::new(tick, BLACK.stroke_width(8)))?;
-            let words = format!("{hour}:00");
-            page.draw(&Text::new(words, place((left - 9.0, y(hour))), letters(13, BLACK, HPos::Right)))?;
-        }
-        let every = count.div_ceil(MOST_LABELS);
-        for (column, label) in self.labels.iter().enumerate().step_by(every) {
-            let at = place((0.5 * (x(column) + x(column + 1)), lower + 18.0));
-            page.draw(&Text::new(clean(label), at, letters(13, BLACK, HPos::Center)))?;
-        }
-        legend(page, &ticks, top)
+        page.colours(&LEGEND, STEPS, |step| viridis(step as u8));
+        page.axis(&LEGEND, Axis::Below, &ends, false);
+        let beside = LEGEND.at(1.0, 0.5);
+        page.text("W/m2", (beside.0 + 40.0, beside.1), LETTERS, Side::Left, BLACK);
+        page.finish()
     }
-}
-
-fn legend(page: &Sheet, ticks: &[f64], top: f64) -> Drawn {
-    let (left, right, upper, lower) = LEGEND;
-    let x = |share: f64| left + (right - left) * share;
-    for step in 0..STEPS {
-        let share = |step: usize| step as f64 / STEPS as f64;
-        let corners = [place((x(share(step)), upper)), place((x(share(step + 1)), lower))];
-        page.draw(&Rectangle::new(corners, rgb(viridis(step as u8)).filled()))?;
-    }
-    for tick in ticks {
-        let at = place((x(tick / top), lower + 14.0));
-        page.draw(&Text::new(tick.to_string(), at, letters(13, BLACK, HPos::Center)))?;
-    }
-    page.draw(&Text::new("W/m2", place((right + 40.0, 0.5 * (upper + lower))), letters(13, BLACK, HPos::Left)))
 }
 
 #[cfg(test)]
@@ -100,8 +69,8 @@ mod tests {
         let mut columns = vec![[None; HOURS]; 2];
         (columns[0][3], columns[1][12], columns[1][13]) = (Some(0.0), Some(250.0), Some(500.0));
         let carpet = Carpet { title: "<i>".into(), called: "x".into(), labels: vec!["a".into(), "b".into()], columns };
-        assert_eq!(carpet.ticks().last(), Some(&500.0));
-        let svg = carpet.svg().expect("drawn");
+        let svg = carpet.svg();
+        assert!(svg.contains(">500</text>") && !svg.contains(">600</text>"), "{svg}");
         let rects: Vec<&str> = svg.lines().filter(|line| line.starts_with("<rect")).collect();
         assert_eq!(rects.len(), 1 + 3 + STEPS);
         for (line, step) in rects[1..4].iter().zip([0, 128, 255]) {

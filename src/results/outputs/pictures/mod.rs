@@ -8,5 +8,5 @@ pub mod exr;
 pub mod fisheye;
 pub mod panel;
 pub mod plot;
-pub mod plot_scale;
-pub mod sheet;
+pub mod scale;
+pub mod svg;

@@ -29,9 +29,9 @@ pub struct PointSearch {
 }
 
 impl PointSearch {
-    /// What another turn loses beside the best, percent.
-    pub fn loss_percent(&self, other: &TurnValue) -> f64 {
-        100.0 * (1.0 - other.value / self.best.value)
+    /// What a turn of a value loses beside the best, percent; 0 where no turn gets any light.
+    pub fn loss_percent(&self, value: f64) -> f64 {
+        if self.best.value > 0.0 { 100.0 * (1.0 - value / self.best.value) } else { 0.0 }
     }
 
     /// All that was tried, each with its kind.
@@ -56,7 +56,7 @@ pub fn write_all(path: &Path, points: &[PointSearch], about: &Provenance) -> Res
     let columns = ["point", "kind"].map(Column::text).into_iter().chain(numbers).collect();
     let rows = points.iter().flat_map(|search| {
         search.rows().map(move |(kind, found)| {
-            let numbers = [found.turn.tilt_deg, found.turn.azimuth_deg, found.value, search.loss_percent(&found)];
+            let numbers = [found.turn.tilt_deg, found.turn.azimuth_deg, found.value, search.loss_percent(found.value)];
             [Cell::from(&search.point), kind.into()].into_iter().chain(numbers.map(Cell::from)).collect()
         })
     });
@@ -98,11 +98,11 @@ fn best_row(search: &PointSearch) -> Vec<Cell> {
         best.value.into(),
         search.scatter_percent.into(),
         flat.value.into(),
-        search.loss_percent(flat).into(),
+        search.loss_percent(flat.value).into(),
         given.map(|given| given.turn.tilt_deg).into(),
         given.map(|given| given.turn.azimuth_deg).into(),
         given.map(|given| given.value).into(),
-        given.map(|given| search.loss_percent(given)).into(),
+        given.map(|given| search.loss_percent(given.value)).into(),
         open.turn.tilt_deg.into(),
         open.turn.azimuth_deg.into(),
         open.value.into(),

@@ -15,7 +15,7 @@ use super::row::{MapPolygon, MapRow};
 use super::rows::MapRows;
 use crate::outputs::pictures::canvas::{Canvas, Rgb, Side};
 use crate::outputs::pictures::colours::{STEPS, label, viridis, viridis_step};
-use crate::outputs::pictures::plot_scale::round_steps;
+use crate::outputs::pictures::scale::round_steps;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use heliotile_core::archive::format;

@@ -7,7 +7,7 @@ use super::raster::Raster;
 use super::view::{Panel, View};
 use super::{PAPER, draw_row, draw_scene, padded};
 use crate::outputs::pictures::canvas::Canvas;
-use crate::outputs::pictures::plot_scale::round_steps;
+use crate::outputs::pictures::scale::round_steps;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::shapes::glb::Surroundings;
 use crate::outputs::shapes::row::{MapPolygon, MapRow};

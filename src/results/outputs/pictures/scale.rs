@@ -1,0 +1,166 @@
+//! An axis of a picture. In: the values along it. Out: a range that holds them all, round ticks, and where a value stands.
+
+/// Differences of larger numbers overflow, and parts of smaller ones vanish.
+const LARGEST: f64 = 1e300;
+const SMALLEST: f64 = 1e-300;
+
+/// Logarithmic ticks within a decade, the most first.
+const WITHIN: [&[f64]; 3] = [&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], &[1.0, 2.0, 5.0], &[1.0]];
+
+/// Round steps from 0 to a round number that is not below a length: at most `most` of them, each 1, 2, 2.5 or 5 times a power of ten. A length
+/// that is no positive number counts as 1.
+pub fn round_steps(length: f64, most: usize) -> Vec<f64> {
+    let length = if (SMALLEST..=LARGEST).contains(&length) { length } else { 1.0 };
+    let step = round_step(length, most);
+    let count = (length / step - 1e-9).ceil().max(1.0) as usize;
+    (0..=count).map(|i| tidy(step * i as f64)).collect()
+}
+
+/// The smallest round number of which a length has at most `most`.
+fn round_step(length: f64, most: usize) -> f64 {
+    let least = length / most.max(1) as f64;
+    let power = 10_f64.powf(least.log10().floor());
+    let steps = [1.0, 2.0, 2.5, 5.0].map(|step| step * power);
+    steps.into_iter().find(|step| *step >= least * (1.0 - 1e-9)).unwrap_or(10.0 * power)
+}
+
+/// A number by few figures: 3 times 0.1 is not 0.30000000000000004.
+fn tidy(value: f64) -> f64 {
+    format!("{value:.8e}").parse().unwrap_or(value)
+}
+
+/// A tick in plain figures: 0.1, 1, 10; powers of ten only where these would be long.
+pub fn words(tick: f64) -> String {
+    if tick == 0.0 || (1e-6..1e9).contains(&tick.abs()) { tick.to_string() } else { format!("{tick:e}") }
+}
+
+/// An axis from `low` to `high`: values, or their decimal logarithms.
+#[derive(Clone, Copy, Debug)]
+pub struct Scale {
+    low: f64,
+    high: f64,
+    log: bool,
+}
+
+impl Scale {
+    /// Whether an axis can hold a value.
+    pub fn holds(value: f64, log: bool) -> bool {
+        value.abs() <= LARGEST && (value >= SMALLEST || !log)
+    }
+
+    /// The axis of values that it [holds](Scale::holds); of none, 0 to 1 or 1 to 10.
+    pub fn of(values: impl Iterator<Item = f64>, log: bool) -> Self {
+        let along = values.map(|v| if log { v.log10() } else { v });
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+        let (spread, size) = (high - low, low.abs().max(high.abs()));
+        let (low, high) = if low > high {
+            (0.0, 1.0)
+        } else if spread <= (1e-7 * size).max(SMALLEST) {
+            // One value stands in the middle.
+            let around = if log { 0.3 } else { size * 0.1 };
+            let around = if around > SMALLEST { around } else { 1.0 };
+            (low - around, high + around)
+        } else if !log && low >= 0.0 && low <= spread {
+            // An axis that nearly begins at 0 does.
+            (0.0, high + 0.05 * spread)
+        } else {
+            (low - 0.05 * spread, high + 0.05 * spread)
+        };
+        Scale { low, high, log }
+    }
+
+    /// Share of the axis below a value.
+    pub fn share(&self, value: f64) -> f64 {
+        let along = if self.log { value.log10() } else { value };
+        (along - self.low) / (self.high - self.low)
+    }
+
+    /// At most so many round values, rising: where they stand on the axis, and their words.
+    pub fn ticks(&self, most: usize) -> Vec<(f64, String)> {
+        let sets = WITHIN.into_iter().map(|within| self.decades(1, within));
+        let sparse = (2..).map(|step| self.decades(step, WITHIN[2]));
+        let found = if self.log { sets.chain(sparse).find(|ticks| ticks.len() <= most.max(1)) } else { None };
+        // An axis of less than a decade has linear steps.
+        let ticks = found.filter(|ticks| ticks.len() > 1).unwrap_or_else(|| self.steps(most));
+        ticks.into_iter().map(|tick| (self.share(tick), words(tick))).collect()
+    }
+
+    /// Where lines without words stand: within decades.
+    pub fn minor_ticks(&self) -> Vec<f64> {
+        let few = self.log && self.high - self.low < 7.0;
+        let ticks = if few { self.decades(1, WITHIN[0]) } else { Vec::new() };
+        ticks.into_iter().map(|tick| self.share(tick)).collect()
+    }
+
+    /// Multiples of every power of ten that `step` divides.
+    fn decades(&self, step: i32, within: &[f64]) -> Vec<f64> {
+        let powers = (self.low.floor() as i32..=self.high.ceil() as i32).filter(|power| power % step == 0);
+        let all = powers.flat_map(|power| within.iter().map(move |m| tidy(m * 10_f64.powi(power))));
+        all.filter(|tick| (self.low..=self.high).contains(&tick.log10())).collect()
+    }
+
+    fn steps(&self, most: usize) -> Vec<f64> {
+        let [low, high] = [self.low, self.high].map(|end| if self.log { 10_f64.powf(end) } else { end });
+        let step = round_step(high - low, most.saturating_sub(1));
+        let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
+        (first..=last).map(|i| tidy(step * i as f64)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(values: &[f64], log: bool, most: usize) -> Vec<String> {
+        Scale::of(values.iter().copied(), log).ticks(most).into_iter().map(|(_, words)| words).collect()
+    }
+
+    /// Ticks of 7 ranges are plain and round: decades of a logarithmic axis, 1-2-5 of a short one, linear steps within a decade, 9 figures
+    /// of a narrow one.
+    #[test]
+    fn round_ticks() {
+        assert_eq!(words(&[0.02, 150.0], true, 6), ["0.1", "1", "10", "100"]);
+        assert_eq!(words(&[256.0, 4096.0], true, 6), ["500", "1000", "2000"]);
+        assert_eq!(words(&[3.1, 3.9], true, 6), ["3.2", "3.4", "3.6", "3.8"]);
+        assert_eq!(words(&[1e-5, 1e7], true, 5), ["0.001", "1", "1000", "1000000"]);
+        assert_eq!(words(&[-0.3, 0.3], false, 8), ["-0.3", "-0.2", "-0.1", "0", "0.1", "0.2", "0.3"]);
+        assert_eq!(words(&[1e8, 1e8 + 20.0], false, 4), ["100000000", "100000010", "100000020"]);
+        assert_eq!(words(&[7.0, 7.0], false, 4), ["6.5", "7", "7.5"]);
+    }
+
+    /// Steps to 5 lengths end at or above them, and 0, NaN, infinity and 5e-324 count as 1.
+    #[test]
+    fn round_tops() {
+        assert_eq!(round_steps(1876.0, 5), [0.0, 500.0, 1000.0, 1500.0, 2000.0]);
+        assert_eq!(round_steps(0.28, 5), [0.0, 0.1, 0.2, 0.3]);
+        assert_eq!(round_steps(10.0, 4), [0.0, 2.5, 5.0, 7.5, 10.0]);
+        assert_eq!(round_steps(1.0, 1), [0.0, 1.0]);
+        assert_eq!(round_steps(3e-9, 3), [0.0, 1e-9, 2e-9, 3e-9]);
+        for odd in [0.0, -5.0, f64::NAN, f64::INFINITY, 5e-324] {
+            assert_eq!(round_steps(odd, 2), [0.0, 0.5, 1.0]);
+        }
+    }
+
+    /// No values, one, and ranges from 5e-324 to 1e300 give 1 to 8 ticks, and each value and tick stands between 0 and 1.
+    #[test]
+    fn any_values() {
+        let sets: [&[f64]; 8] = [
+            &[],
+            &[5.0],
+            &[1e-300, 1e300],
+            &[-1e300, 1e300],
+            &[1e15, 1e15 + 1.0],
+            &[5e-324, 2e-300],
+            &[0.0, 5e-324],
+            &[7e300],
+        ];
+        for (values, log) in sets.into_iter().flat_map(|values| [(values, false), (values, true)]) {
+            let values: Vec<f64> = values.iter().copied().filter(|v| Scale::holds(*v, log)).collect();
+            let scale = Scale::of(values.iter().copied(), log);
+            let ticks = scale.ticks(8);
+            assert!((1..=8).contains(&ticks.len()), "{values:?}: {ticks:?}");
+            let shares = values.iter().map(|value| scale.share(*value)).chain(ticks.iter().map(|tick| tick.0));
+            assert!(shares.into_iter().all(|share| (-1e-6..1.000001).contains(&share)), "{values:?}: {scale:?}");
+        }
+    }
+}
