@@ -33,8 +33,8 @@ pub struct Atlas {
     pub plan: AtlasPlan,
 }
 
-/// Refuses an archive with receivers farther than so many metres from a square, that of a part of this name.
-pub fn check_square(archive: &Archive, part: &str, (low, high): (DVec2, DVec2), reach_m: f64) -> Result<()> {
+/// Refuses an archive with receivers farther than `reach_m` from the square between `low` and `high`, that of a part of this name.
+pub fn check_square(archive: &Archive, part: &str, low: DVec2, high: DVec2, reach_m: f64) -> Result<()> {
     let within = [(low - reach_m).extend(f64::NEG_INFINITY), (high + reach_m).extend(f64::INFINITY)];
     if tiles_within(&OpenSite::of(archive)?, within)?.len() == archive.tiles() as usize {
         return Ok(());
@@ -112,7 +112,7 @@ impl Atlas {
     /// Refuses an archive whose receivers do not stand in the square of its part: that of another part.
     pub fn check_place(&self, part: &PlannedPart, archive: &Archive) -> Result<()> {
         let square = self.plan.region_part(part);
-        check_square(archive, &part.name, (square.low, square.high), self.reach_m())
+        check_square(archive, &part.name, square.low, square.high, self.reach_m())
     }
 
     /// Archives of the parts that a box touches, by the names of the parts; what is read first of all of them is on its way. A part that is

@@ -187,7 +187,7 @@ impl SiteRequest {
         let opened = found.map_or_else(|| self.open(resources.memory), Ok)?;
         request.tell_misfits(opened.archives(), &weather, resources.observer);
         opened.tell_north(resources);
-        let series = request.series(opened.archives(), (&weather, &dated), about, resources)?;
+        let series = request.series(opened.archives(), &weather, &dated, about, resources)?;
         let receivers = opened.receivers(output, resources.memory)?;
         let stream =
             TileStream { receivers: &receivers, light: &request.light, series: &series, resources: *resources };

@@ -58,7 +58,8 @@ pub fn mean_ground(archive: &Archive, changes: &Changes) -> Result<Option<String
 
 /// The rows of weather that are asked for, with the dates that results give them, and a sentence if their labels are odd.
 pub fn dated_rows(
-    (weather, file): (&Weather, &Path),
+    weather: &Weather,
+    file: &Path,
     span: &Span,
     year: Option<i32>,
     every: Every,

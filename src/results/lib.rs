@@ -66,7 +66,7 @@ pub use resources::Resources;
 pub use run::{RunDone, RunMap, RunRequest};
 pub use series::Series;
 pub use site_archive::SiteArchiveRequest;
-pub use stream::{CoarseSinks, Sinks, Tile, TileFn, TileSink, TileStream, replay_of};
+pub use stream::{CoarseSinks, Sinks, Tile, TileFn, TileSink, TileStream};
 pub use tradeoff::{LadderStep, LadderTable, SettingPoint, TradeoffDone, TradeoffRequest};
 pub use viewer::PageRequest;
 

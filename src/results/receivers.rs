@@ -11,6 +11,7 @@ use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::reflectances::Changeable;
 use heliotile_core::replay::run::TileResult;
+use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 
@@ -162,7 +163,7 @@ impl<'a> PartReceivers<'a> {
     }
 
     /// The results of a tile that are asked for.
-    pub fn results(&self, tile: TileReceivers, (ids, values): TileResult) -> TileResult {
+    pub fn results(&self, tile: TileReceivers, ids: Vec<String>, values: TileValues) -> TileResult {
         let Some(kept) = &self.kept else { return (ids, values) };
         let kept = kept.get(tile.first..tile.first + tile.count).unwrap_or_default();
         if kept.iter().all(|kept| *kept) {

@@ -147,7 +147,7 @@ impl ReplayRequest {
     /// The rows that count, with the dates of results; tells what is odd about these.
     pub fn dated(&self, weather: &Weather, observer: &dyn Observer) -> Result<DatedRows> {
         let span = Span::new(self.span.0, self.span.1)?;
-        let (dated, years) = dated_rows((weather, &self.weather), &span, self.year, self.every)?;
+        let (dated, years) = dated_rows(weather, &self.weather, &span, self.year, self.every)?;
         dated.warnings.iter().for_each(|text| observer.warn(text));
         years.iter().for_each(|text| observer.note(text));
         Ok(dated)

@@ -108,7 +108,8 @@ impl<'a> Series<'a> {
     /// The chosen rows of weather that was read already, with its air if longwave is asked for.
     pub(super) fn of_weather(
         archive: &Archive,
-        (weather, dated): (&'a Weather, &'a DatedRows),
+        weather: &'a Weather,
+        dated: &'a DatedRows,
         request: &ReplayRequest,
         provenance: Provenance,
         resources: &Resources,
@@ -195,7 +196,8 @@ impl<'a> Series<'a> {
     /// says that another one of the same results knows it.
     pub(super) fn schedules(
         &self,
-        (archive, site): (&Archive, &OpenSite),
+        archive: &Archive,
+        site: &OpenSite,
         elsewhere: &dyn Fn(&str) -> bool,
         resources: &Resources,
     ) -> Result<Vec<Schedule>> {
@@ -250,11 +252,12 @@ impl ReplayRequest {
     pub fn series<'w>(
         &self,
         archives: Archives,
-        (weather, dated): (&'w Weather, &'w DatedRows),
+        weather: &'w Weather,
+        dated: &'w DatedRows,
         about: Provenance,
         resources: &Resources,
     ) -> Result<Series<'w>> {
-        let series = Series::of_weather(archives.first(), (weather, dated), self, about, resources)?;
+        let series = Series::of_weather(archives.first(), weather, dated, self, about, resources)?;
         Ok(series.called(called(&self.weather, dated)))
     }
 }

@@ -158,8 +158,7 @@ impl<'a> TileStream<'a> {
             if part.tiles().is_empty() && (number + 1 < parts.len() || started) {
                 continue;
             }
-            let place = (part.archive, &part.site);
-            let replay = replay_beside(place, &elsewhere, self.light, self.series, components, &self.resources)?;
+            let replay = self.replay_beside(part.archive, &part.site, components, &elsewhere)?;
             if !std::mem::replace(&mut started, true) {
                 sink.start()?;
             }
@@ -181,38 +180,37 @@ impl<'a> TileStream<'a> {
     pub fn each(&self, components: ComponentSet, take: impl FnMut(&Tile) -> Result<bool>) -> Result<()> {
         self.feed(&mut TileFn { components, take })
     }
-}
 
-/// The replay of a series on an archive, for those who ask for tiles by number.
-pub fn replay_of<'a>(
-    place: (&'a Archive, &OpenSite<'a>),
-    light: &LightChoice,
-    series: &Series,
-    components: ComponentSet,
-    resources: &Resources,
-) -> Result<Replay<'a>> {
-    replay_beside(place, &|_| false, light, series, components, resources)
-}
+    /// The replay of the series on an archive, for those who ask for tiles by number.
+    pub fn replay_of<'b>(
+        &self,
+        archive: &'b Archive,
+        site: &OpenSite<'b>,
+        components: ComponentSet,
+    ) -> Result<Replay<'b>> {
+        self.replay_beside(archive, site, components, &|_| false)
+    }
 
-/// The replay of one of several archives; `elsewhere` tells whether one of them knows a name.
-fn replay_beside<'a>(
-    (archive, site): (&'a Archive, &OpenSite<'a>),
-    elsewhere: &dyn Fn(&str) -> bool,
-    light: &LightChoice,
-    series: &Series,
-    components: ComponentSet,
-    resources: &Resources,
-) -> Result<Replay<'a>> {
-    let settings = ReplaySettings {
-        sky: light.sky,
-        patches: light.patches_of(archive),
-        paths: light.paths,
-        components,
-        memory: resources.memory,
-        storage: resources.storage,
-    };
-    let schedules = series.schedules((archive, site), elsewhere, resources)?;
-    Replay::scheduled(site, &series.conditions, settings, &series.bins, &schedules)
+    /// The replay of one of several archives; `elsewhere` tells whether one of them knows a name.
+    fn replay_beside<'b>(
+        &self,
+        archive: &'b Archive,
+        site: &OpenSite<'b>,
+        components: ComponentSet,
+        elsewhere: &dyn Fn(&str) -> bool,
+    ) -> Result<Replay<'b>> {
+        let TileStream { light, series, ref resources, .. } = *self;
+        let settings = ReplaySettings {
+            sky: light.sky,
+            patches: light.patches_of(archive),
+            paths: light.paths,
+            components,
+            memory: resources.memory,
+            storage: resources.storage,
+        };
+        let schedules = series.schedules(archive, site, elsewhere, resources)?;
+        Replay::scheduled(site, &series.conditions, settings, &series.bins, &schedules)
+    }
 }
 
 impl ReceiverSet<'_> {
@@ -234,7 +232,8 @@ impl PartReceivers<'_> {
     ) -> Result<bool> {
         let results = replay.results(self.tiles().iter().map(|tile| tile.number));
         for (tile, result) in self.tiles().iter().zip(results) {
-            let (ids, values) = self.results(*tile, result?);
+            let (ids, values) = result?;
+            let (ids, values) = self.results(*tile, ids, values);
             let goes_on = each(&Tile { ids: &ids, values: &values })?;
             progress.advance(ids.len() as u64);
             if !goes_on {

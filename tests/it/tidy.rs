@@ -298,6 +298,105 @@ fn texts_are_found() {
     assert!(names_command("\"see `heliotile info`\"") && !names_command("\"heliotile receivers 1\""));
 }
 
+/// What `text` begins with in brackets: the items between commas that lie in no other bracket, and the text behind.
+fn bracketed(text: &str) -> Option<(Vec<&str>, &str)> {
+    let (mut depth, mut start, mut items, mut before) = (0_usize, 1, Vec::new(), ' ');
+    for (at, c) in text.char_indices() {
+        match c {
+            '(' | '[' | '{' | '<' => depth += 1,
+            '>' if "-=".contains(before) => {}
+            ')' | ']' | '}' | '>' => depth = depth.checked_sub(1)?,
+            _ => {}
+        }
+        before = c;
+        if depth == 0 || depth == 1 && c == ',' {
+            items.push(text.get(start..at)?.trim());
+            start = at + 1;
+        }
+        if depth == 0 {
+            items.retain(|item| !item.is_empty());
+            return Some((items, &text[start..]));
+        }
+    }
+    None
+}
+
+/// The functions of a file, each with its parameters.
+fn functions(code: &str) -> Vec<(&str, Vec<&str>)> {
+    let is_of_name = |c: char| c.is_alphanumeric() || c == '_';
+    let function = |(at, _): (usize, &str)| {
+        let behind = &code[at + 3..];
+        let (name, behind) = behind.split_at(behind.find(|c| !is_of_name(c))?);
+        let behind = if behind.starts_with('<') { bracketed(behind)?.1 } else { behind };
+        let is_one = !name.is_empty() && !code[..at].ends_with(is_of_name) && behind.starts_with('(');
+        Some((name, bracketed(behind).filter(|_| is_one)?.0))
+    };
+    code.match_indices("fn ").filter_map(function).collect()
+}
+
+/// Whether a parameter is a tuple that its function takes apart, or one of unlike things; two numbers that make a point are alike.
+fn is_tuple(parameter: &str) -> bool {
+    let bare = |text: &str| {
+        let words = text.split(' ').skip_while(|word| *word == "mut" || word.starts_with("&'") || *word == "&mut");
+        words.collect::<Vec<_>>().join(" ").trim_start_matches('&').to_owned()
+    };
+    let (pattern, of_type) = parameter.split_once(": ").unwrap_or((parameter, ""));
+    let is_unlike = |items: Vec<&str>| items.iter().any(|item| *item != items[0]);
+    let of_type = bare(of_type);
+    bare(pattern).starts_with('(')
+        || of_type.starts_with('(') && bracketed(&of_type).is_some_and(|all| is_unlike(all.0))
+}
+
+/// Files that are being taken out or moved, for now with tuples.
+const LEAVING: [&str; 4] = [
+    "src/results/outputs/pictures",
+    "src/program/commands/export.rs",
+    "src/program/commands/tradeoff/ladder.rs",
+    "src/program/commands/tradeoff/sources.rs",
+];
+
+/// What travels together is a struct: of over 5000 functions none takes a tuple apart in its signature, and none takes one of unlike things.
+#[test]
+fn functions_take_no_tuples() {
+    let (root, mut checked) = (Path::new(crate::ROOT), 0);
+    for (path, text) in sources() {
+        if !path.starts_with(root.join("src")) || LEAVING.iter().any(|file| path.starts_with(root.join(file))) {
+            continue;
+        }
+        let code: String =
+            text.lines().filter(|line| !line.trim_start().starts_with("//")).map(|l| format!("{l}\n")).collect();
+        for (name, parameters) in functions(&code) {
+            let tuple = parameters.iter().find(|parameter| is_tuple(parameter));
+            assert!(tuple.is_none(), "{}: {name} takes {}", path.display(), tuple.unwrap_or(&""));
+            checked += 1;
+        }
+    }
+    assert!(checked > 5000, "only {checked} functions");
+}
+
+/// Of 9 parameters the 4 that are tuples are found: apart, unlike, by reference, behind generics.
+#[test]
+fn tuples_are_found() {
+    let code = concat!(
+        "f",
+        "n one<F: Fn(A, B) -> C>((a, mut b): (&A, &B), c: C) {} f",
+        "n two(&self, about: &mut (A, B),\n",
+        "point: (f64, f64), [a, b]: [A; 2],) {} f",
+        "n three<'a>(&(a, _): &'a Shard, d: &'a (Vec<(A, B)>, B), all: &[(A, B)]) {}",
+    );
+    let found = functions(code);
+    let tuples: Vec<(&str, &str)> =
+        found.iter().flat_map(|(name, all)| all.iter().filter(|all| is_tuple(all)).map(|one| (*name, *one))).collect();
+    assert_eq!(found.iter().map(|(_, all)| all.len()).sum::<usize>(), 9);
+    let expected = [
+        ("one", "(a, mut b): (&A, &B)"),
+        ("two", "about: &mut (A, B)"),
+        ("three", "&(a, _): &'a Shard"),
+        ("three", "d: &'a (Vec<(A, B)>, B)"),
+    ];
+    assert_eq!(tuples, expected);
+}
+
 /// No file is longer than 600 lines, and the median is below 300.
 #[test]
 fn files_are_short() {

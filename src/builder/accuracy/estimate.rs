@@ -102,15 +102,14 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// From trials with their rungs, the finest one, and what each number of patches is off by.
-    pub fn of(trials: &[(Rungs, Trial)], finest: &(Rungs, Trial), patches: [f64; PATCH_RUNGS]) -> Self {
-        let (finest, truth) = finest;
+    /// From trials with their rungs, the finest one of which is taken for the truth, and what each number of patches is off by.
+    pub fn of(trials: &[(Rungs, Trial)], finest: Rungs, truth: &Trial, patches: [f64; PATCH_RUNGS]) -> Self {
         let mean = truth.light.mean();
         let curves = ErrorSource::ALL.map(|source| {
             let distance = |(rungs, trial): &(Rungs, Trial)| {
                 (rung(*rungs, source), percent(trial.light.source_error(&truth.light, source).rmse, mean))
             };
-            Curve::through(source, &trials.iter().map(distance).collect::<Vec<_>>(), rung(*finest, source))
+            Curve::through(source, &trials.iter().map(distance).collect::<Vec<_>>(), rung(finest, source))
         });
         Errors { curves, patches, lit: 1.0 }
     }

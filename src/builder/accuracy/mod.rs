@@ -138,17 +138,18 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
 
     let first = [1, 2].map(|rung| Rungs { sky: rung, seen: rung, bounced: rung, patches: 1 });
     let mut trials = vec![try_out(0, first[0])?];
-    let mut finest = try_out(0, first[1])?;
-    let archive = &finest.1.archive;
+    let (mut finest, mut truth) = try_out(0, first[1])?;
+    let archive = &truth.archive;
     let [fewest, _, most] = ladder::patches();
-    let lights = [bench(0).light(archive, fewest)?, finest.1.light.clone(), bench(0).light(archive, most)?];
+    let lights = [bench(0).light(archive, fewest)?, truth.light.clone(), bench(0).light(archive, most)?];
     let patches = patch_errors(&lights);
-    let mut errors = Errors::of(&trials, &finest, patches);
+    let mut errors = Errors::of(&trials, finest, &truth, patches);
     let mut chosen = errors.cheapest(wish.target_percent, None);
     let mut finer = finer(chosen, &errors, wish.target_percent);
     for _ in 0..ROUNDS {
-        trials.push(std::mem::replace(&mut finest, try_out(0, finer)?));
-        errors = Errors::of(&trials, &finest, patches);
+        let (rungs, trial) = try_out(0, finer)?;
+        trials.push((std::mem::replace(&mut finest, rungs), std::mem::replace(&mut truth, trial)));
+        errors = Errors::of(&trials, finest, &truth, patches);
         let again = errors.cheapest(wish.target_percent, None);
         if again == chosen {
             break;

@@ -76,7 +76,7 @@ mod tests {
 
     use super::*;
     use heliotile_core::archive::codec::block;
-    use heliotile_core::archive::manifest::{ReceiverSummary, Settings};
+    use heliotile_core::archive::manifest::ReceiverSummary;
     use heliotile_core::archive::{Block, Blocks};
     use heliotile_core::opened::{Gazetteer, OpenSite, SiteFacts, tiles_within};
     use heliotile_core::site::model_part::ModelPart;
@@ -136,8 +136,8 @@ mod tests {
 
         let receivers = ReceiverSummary { count: 10_000, tiles: 5000, ..ReceiverSummary::default() };
         let settings = crate::settings::BuildSettings::default().stated();
-        let stated: (&Settings, _, _) = (&settings, DVec3::ZERO, &receivers);
-        let facts = SiteFacts::given(held.path(), stated, Vec::new(), Vec::new()).expect("facts");
+        let facts = SiteFacts::given(held.path(), &settings, DVec3::ZERO, &receivers, Vec::new(), Vec::new());
+        let facts = facts.expect("facts");
         let site = OpenSite::over(&held, facts.into());
         let mut gazetteer = Gazetteer::of(&site).expect("names");
         let mut tiles = |of, name: &str| gazetteer.tiles(of, name).expect("tiles");

@@ -13,7 +13,8 @@ use heliotile_core::layers::sky::SkyTexture;
 /// What is known of a tile before its cells are, in the order of writing.
 pub fn tile(
     number: u32,
-    (receivers, parts): (&tables::ReceiversTable, Option<&tables::PartsTable>),
+    receivers: &tables::ReceiversTable,
+    parts: Option<&tables::PartsTable>,
     sky: &[SkyTexture],
     hits: &HitTile,
     extras: &[ReceiverExtras],

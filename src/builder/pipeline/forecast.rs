@@ -91,7 +91,8 @@ impl SiteTracer<'_> {
         &self,
         receivers: &mut ReceiverTiles,
         mirrors: usize,
-        (wanted, negligible): (EffectChoice, Option<&Negligible>),
+        wanted: EffectChoice,
+        negligible: Option<&Negligible>,
     ) -> Result<Forecast> {
         let sample = self.sample(receivers)?;
         Ok(Decision { sample: &sample, reflectors: &self.reflectors, mirrors, wanted, negligible }.forecast())
@@ -107,6 +108,20 @@ struct Decision<'a> {
     wanted: EffectChoice,
     /// What is left out under some weather, where the scene decides.
     negligible: Option<&'a Negligible>,
+}
+
+/// What is known of an effect, and the words for why it is traced or not.
+struct EffectFacts<'a> {
+    name: &'static str,
+    effect: Effect,
+    on: bool,
+    bound_w_m2: f64,
+    rays: f64,
+    seconds: f64,
+    /// Why it is off where the scene has none of it.
+    nothing: &'a str,
+    /// Why it is on.
+    some: String,
 }
 
 /// The most that each effect can give a receiver, W/m2.
@@ -159,16 +174,11 @@ impl Decision<'_> {
         }
     }
 
-    /// The line of an effect: `nothing` says why it is off where the scene has none of it, `some` why it is on.
-    fn line(
-        &self,
-        name: &'static str,
-        (effect, on, bound): (Effect, bool, f64),
-        (rays, seconds): (f64, f64),
-        (nothing, some): (&str, String),
-    ) -> Line {
+    /// The line of an effect.
+    fn line(&self, facts: EffectFacts) -> Line {
+        let EffectFacts { name, effect, on, bound_w_m2, rays, seconds, nothing, some } = facts;
         let why = match (self.wanted, on) {
-            _ if bound <= 0.0 => nothing.to_string(),
+            _ if bound_w_m2 <= 0.0 => nothing.to_string(),
             (EffectChoice::Auto, true) => some,
             (EffectChoice::Auto, false) => {
                 match self.negligible.and_then(|known| Some((known, known.bound_percent.get(effect.name())?))) {
@@ -181,7 +191,7 @@ impl Decision<'_> {
             (EffectChoice::These(_), true) => "asked for".into(),
             (EffectChoice::These(_), false) => "not asked for".into(),
         };
-        Line { name, effect: Some(effect), on, rays, seconds, bound_w_m2: Some(bound), why }
+        Line { name, effect: Some(effect), on, rays, seconds, bound_w_m2: Some(bound_w_m2), why }
     }
 
     /// The line of what is always traced.
@@ -215,36 +225,46 @@ impl Decision<'_> {
                 0.0,
                 "always: view factors (seconds are in the line above)",
             ),
-            self.line(
-                "diffuse reflection",
-                (Effect::Diffuse, diffuse_on, bounds.diffuse),
-                (probes * probe_rays, probes * probe_s),
-                (
-                    "no receiver sees a surface that reflects",
-                    format!("surfaces of up to {brightest:.2} fill up to {filled:.0} % of a view"),
-                ),
-            ),
-            self.line(
-                "further bounces",
-                (Effect::Bounces, bounces_on, bounds.bounces),
-                (bounces * bounce_rays, bounces * bounce_s * (1.0 + SOLVING)),
-                (
-                    "no surface that is seen sees one that reflects",
-                    format!("what is seen gets up to {:.1} % of its light from surfaces", bounds.others * 100.0),
-                ),
-            ),
-            self.line(
-                "mirrors and glass",
-                (Effect::Mirrors, mirrors_on, bounds.mirrors),
-                (mirror_rays, sample.seconds[1] * count),
-                ("there are none", mirrors_seen),
-            ),
-            self.line(
-                "canopies",
-                (Effect::Canopies, leaves_on, bounds.canopies),
-                (sample.rays[3] * count, sample.seconds[2] * count),
-                ("there are none", "leaves or screens dim what shines through them".into()),
-            ),
+            self.line(EffectFacts {
+                name: "diffuse reflection",
+                effect: Effect::Diffuse,
+                on: diffuse_on,
+                bound_w_m2: bounds.diffuse,
+                rays: probes * probe_rays,
+                seconds: probes * probe_s,
+                nothing: "no receiver sees a surface that reflects",
+                some: format!("surfaces of up to {brightest:.2} fill up to {filled:.0} % of a view"),
+            }),
+            self.line(EffectFacts {
+                name: "further bounces",
+                effect: Effect::Bounces,
+                on: bounces_on,
+                bound_w_m2: bounds.bounces,
+                rays: bounces * bounce_rays,
+                seconds: bounces * bounce_s * (1.0 + SOLVING),
+                nothing: "no surface that is seen sees one that reflects",
+                some: format!("what is seen gets up to {:.1} % of its light from surfaces", bounds.others * 100.0),
+            }),
+            self.line(EffectFacts {
+                name: "mirrors and glass",
+                effect: Effect::Mirrors,
+                on: mirrors_on,
+                bound_w_m2: bounds.mirrors,
+                rays: mirror_rays,
+                seconds: sample.seconds[1] * count,
+                nothing: "there are none",
+                some: mirrors_seen,
+            }),
+            self.line(EffectFacts {
+                name: "canopies",
+                effect: Effect::Canopies,
+                on: leaves_on,
+                bound_w_m2: bounds.canopies,
+                rays: sample.rays[3] * count,
+                seconds: sample.seconds[2] * count,
+                nothing: "there are none",
+                some: "leaves or screens dim what shines through them".into(),
+            }),
         ];
         let present = |line: &&Line| !line.on && line.bound_w_m2.is_some_and(|b| b > 0.0);
         let names: Vec<String> =

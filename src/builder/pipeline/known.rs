@@ -50,9 +50,11 @@ impl<'a> Known<'a> {
                 return None;
             }
             let manifest = archive.manifest();
-            let stated = (&manifest.settings, manifest.scene.origin_m.into(), &manifest.receivers);
+            let (settings, origin) = (&manifest.settings, manifest.scene.origin_m.into());
             let (materials, orientations) = (scene.materials().to_vec(), scene.orientations().to_vec());
-            let facts = SiteFacts::given(archive.path(), stated, materials, orientations).ok()?;
+            let facts =
+                SiteFacts::given(archive.path(), settings, origin, &manifest.receivers, materials, orientations)
+                    .ok()?;
             let site = OpenSite::over(archive, Arc::new(facts));
             let places = |tile: u32| -> Vec<(u128, (u32, u32))> {
                 // A damaged tile is no known one.

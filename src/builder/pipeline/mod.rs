@@ -88,8 +88,8 @@ impl Build<'_> {
             ..ReceiverSummary::default()
         };
         let orientations = if self.scene.reflects(settings) { mirrors.orientations.clone() } else { Vec::new() };
-        let stated = (&settings.stated(), scene.mesh.origin, &receivers);
-        SiteFacts::given(path, stated, scene.materials.clone(), orientations)
+        let (stated, origin, materials) = (settings.stated(), scene.mesh.origin, scene.materials.clone());
+        SiteFacts::given(path, &stated, origin, &receivers, materials, orientations)
     }
 
     /// What a build with some settings would trace, from a sample of its receivers; writes no archive. `negligible` decides in place of the light
@@ -100,9 +100,9 @@ impl Build<'_> {
         effects: EffectChoice,
         negligible: Option<&Negligible>,
     ) -> Result<Forecast> {
-        let known = (self.facts(settings, &self.workspace.folder)?, Known::default());
-        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, known);
-        tracer.forecast(self.receivers, self.scene.mirrors.orientations.len(), (effects, negligible))
+        let (facts, known) = (self.facts(settings, &self.workspace.folder)?, Known::default());
+        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known);
+        tracer.forecast(self.receivers, self.scene.mirrors.orientations.len(), effects, negligible)
     }
 
     /// Traces the receivers and writes the archive; nothing is traced that earlier archives of the same scene and settings hold. Equal
@@ -122,7 +122,7 @@ impl Build<'_> {
         }
         let facts = self.facts(settings, &output.path)?;
         let known = Known::new(earlier, &facts);
-        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, (facts, known));
+        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known);
         let traced = trace(&tracer, plan, self.receivers, &mut writer, &mut clock);
         if matches!(traced, Err(Error::Io { .. })) {
             // Where another file failed, such as a temporary one, what was written can be kept.

@@ -47,7 +47,8 @@ impl<'a> SiteTracer<'a> {
         settings: &'a BuildSettings,
         workspace: &Workspace,
         observer: &'a dyn Observer,
-        (facts, known): (SiteFacts, Known<'a>),
+        facts: SiteFacts,
+        known: Known<'a>,
     ) -> Self {
         let scene = ready.scene;
         let reflections =

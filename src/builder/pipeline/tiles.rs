@@ -229,7 +229,7 @@ impl SiteTracer<'_> {
             hits = HitTile { palette: Vec::new(), texels: vec![0; hits.texels.len()] };
         }
         let parts = tables::PartsTable::of(receivers);
-        let blocks = pack::tile(number, (&table, parts.as_ref()), &sky, &hits, &extras)?;
+        let blocks = pack::tile(number, &table, parts.as_ref(), &sky, &hits, &extras)?;
         let in_mirrors = extras.iter().flat_map(|of| of.mirrors.cells());
         let cells = hits.palette.into_iter().chain(in_mirrors).collect();
         Ok(TracedTile { blocks, cells, rays, misplaced })

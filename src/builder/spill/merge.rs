@@ -61,8 +61,8 @@ impl Spilled {
             let mut runs = Vec::new();
             for group in self.runs.chunks(plan.fan_in) {
                 let mut merge = self.merge(group, plan.buffer)?;
-                while let Some(record) = merge.next()? {
-                    writer.append_record(&record)?;
+                while let Some((key, payload)) = merge.next()? {
+                    writer.append_record(&key, &payload)?;
                 }
                 runs.push(writer.end_run());
             }

@@ -62,7 +62,7 @@ impl RunWriter {
         Ok(())
     }
 
-    pub(super) fn append_record(&mut self, (key, payload): &Record) -> Result<()> {
+    pub(super) fn append_record(&mut self, key: &[u8], payload: &[u8]) -> Result<()> {
         self.append(&[&lengths(key, payload)?, key, payload])
     }
 
@@ -154,7 +154,7 @@ mod tests {
         let write = || {
             let mut writer = RunWriter::create(folder.path(), 16).expect("created");
             for i in 0..3_u8 {
-                writer.append_record(&(vec![i; 5], vec![i; 10])).expect("written");
+                writer.append_record(&[i; 5], &[i; 10]).expect("written");
             }
             let run = writer.end_run();
             (writer.finish().expect("written"), run)

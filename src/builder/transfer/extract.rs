@@ -63,8 +63,8 @@ pub fn extract(
     let (of_probes, of_bounces) = (CellSource::probes(&site)?, CellSource::bounces(&site)?);
     let manifest = archive.manifest();
     let (mut probes, mut bounces, mut seen) = (Marks::default(), Marks::default(), keys());
-    probes.add(&of_probes, ("hit", hits), |key| seen.push(key))?;
-    bounces.add_reachable(&of_bounces, ("probes", seen), keys)?;
+    probes.add(&of_probes, "hit", hits, |key| seen.push(key))?;
+    bounces.add_reachable(&of_bounces, "probes", seen, keys)?;
     let settings = &manifest.settings;
     output.probes(settings.probe_hits, cells(&of_probes, probes.chunks(), |chunk, row| probes.contains(chunk, row)))?;
     output.bounces(

@@ -77,7 +77,7 @@ impl<'a> ArchiveAssembly<'a> {
             let table = tables::ReceiversTable::new(rows.iter().map(|row| (&row.receiver, row.views)));
             let extras: Vec<ReceiverExtras> = rows.iter().map(|row| row.layers.extras.clone()).collect();
             let parts = tables::PartsTable::of(rows.iter().map(|row| &row.receiver));
-            pack::tile(number, (&table, parts.as_ref()), &sky, &HitTile::new(&hits), &extras)
+            pack::tile(number, &table, parts.as_ref(), &sky, &HitTile::new(&hits), &extras)
         })?;
         Ok(())
     }

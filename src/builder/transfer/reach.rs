@@ -56,7 +56,8 @@ impl Marks {
     pub fn add(
         &mut self,
         source: &CellSource,
-        (from, keys): (&str, Keys),
+        from: &str,
+        keys: Keys,
         mut see: impl FnMut(CellKey) -> Result<()>,
     ) -> Result<()> {
         self.0.resize(source.chunks(), Vec::new());
@@ -92,12 +93,13 @@ impl Marks {
     pub fn add_reachable(
         &mut self,
         source: &CellSource,
-        (mut from, mut keys): (&'static str, Keys),
+        mut from: &'static str,
+        mut keys: Keys,
         new: impl Fn() -> Keys,
     ) -> Result<()> {
         loop {
             let (mut next, mut any) = (new(), false);
-            self.add(source, (from, keys), |key| {
+            self.add(source, from, keys, |key| {
                 any = true;
                 next.push(key)
             })?;

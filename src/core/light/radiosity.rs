@@ -139,17 +139,11 @@ impl RadiosityOptions {
 
     /// Source term of cell `i` of a table in some columns: its reflectance times its normal where it sees the sky, times the share of
     /// the sky's light that comes through, if not all does; and what comes by mirrors.
-    pub fn source(
-        &self,
-        cells: &Cells,
-        i: usize,
-        (reflectance_of, shares, by_mirrors): (f32, Option<&[f32]>, &MirroredLight),
-        columns: Range<usize>,
-        out: &mut [f32],
-    ) {
+    pub fn source(&self, cells: &Cells, i: usize, light: CellLight, columns: Range<usize>, out: &mut [f32]) {
+        let CellLight { reflectance, shares, by_mirrors } = light;
         let (texels, bits) = (self.side * self.side, cells.bits_of(i));
         for (axis, n) in cells.normals[i].into_iter().enumerate() {
-            let (plane, lit) = (axis * texels..(axis + 1) * texels, reflectance_of * n);
+            let (plane, lit) = (axis * texels..(axis + 1) * texels, reflectance * n);
             let here = columns.start.max(plane.start)..columns.end.min(plane.end);
             for column in here {
                 out[column - columns.start] = if bit(bits, column - plane.start) { lit } else { 0.0 };
@@ -160,7 +154,7 @@ impl RadiosityOptions {
         }
         let first = by_mirrors.partition_point(|&(column, _)| (column as usize) < columns.start);
         let here = by_mirrors[first..].iter().take_while(|&&(column, _)| (column as usize) < columns.end);
-        here.for_each(|&(column, value)| out[column as usize - columns.start] += reflectance_of * value);
+        here.for_each(|&(column, value)| out[column as usize - columns.start] += reflectance * value);
     }
 
     /// Columns of a block.
@@ -342,14 +336,9 @@ impl<'a> System<'a> {
         source.clear();
         source.resize(self.cells.keys.len(), [0.0_f32; BLOCK]);
         for (i, (source, key)) in source.iter_mut().zip(&self.cells.keys).enumerate() {
-            let shares = self.shares[i].as_deref();
-            self.rules.source(
-                &self.cells,
-                i,
-                (reflectance_of(state, key), shares, &self.lit[i]),
-                columns.clone(),
-                source,
-            );
+            let (reflectance, shares) = (reflectance_of(state, key), self.shares[i].as_deref());
+            let light = CellLight { reflectance, shares, by_mirrors: &self.lit[i] };
+            self.rules.source(&self.cells, i, light, columns.clone(), source);
         }
         let mut now = source.clone();
         next.resize(source.len(), [0.0_f32; BLOCK]);
@@ -421,6 +410,17 @@ pub type Weighted<T> = Vec<(T, f32)>;
 
 /// Columns and what a cell gets in them per unit of reflectance; sorted by column, some come more than once.
 pub type MirroredLight = Vec<(u32, f32)>;
+
+/// What a cell reflects of the sky's light, and how that light reaches it.
+#[derive(Clone, Copy, Debug)]
+pub struct CellLight<'a> {
+    /// Of the cell's material.
+    pub reflectance: f32,
+    /// `[texel]`: shares of the sky's light that come through canopies; `None` if all of it does.
+    pub shares: Option<&'a [f32]>,
+    /// Light of the sky that mirrors send to the cell.
+    pub by_mirrors: &'a MirroredLight,
+}
 
 /// Share of a cell's hemisphere that each of its rays stands for: below the horizon, above it.
 pub fn each_ray(hits: &[u32], around: Surround) -> [f64; 2] {

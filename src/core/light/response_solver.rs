@@ -19,8 +19,8 @@ use crate::layers::response::{CLASSES, Response};
 use crate::light::canopies::{Shade, TransmittanceStates};
 use crate::light::mirrors::{Chains, Lookout, left};
 use crate::light::radiosity::{
-    BLOCK, ColumnBlock, MaxBounces, MirroredLight, RadiosityOptions, RadiositySolution, Surround, Weighted, add_block,
-    centres_f32, each_ray, in_mirrors_lit, reflectance_of, seen, surround,
+    BLOCK, CellLight, ColumnBlock, MaxBounces, MirroredLight, RadiosityOptions, RadiositySolution, Surround, Weighted,
+    add_block, centres_f32, each_ray, in_mirrors_lit, reflectance_of, seen, surround,
 };
 use crate::light::reflector::{Reflectance, Reflector};
 use crate::light::response::{Viewer, hit_weights, texel_weights};
@@ -114,7 +114,7 @@ impl ResponseSolver {
             let rows = group.rows(tables, leafage)?;
             let lights = |tile: &TileView| -> Result<Vec<Transport>> {
                 let viewers = tile.viewers.par_iter().enumerate();
-                viewers.map(|(index, viewer)| group.light(tables, tile, (index, viewer), leafage)).collect()
+                viewers.map(|(index, viewer)| group.light(tables, tile, index, viewer, leafage)).collect()
             };
             let lights: Vec<Vec<Transport>> = tiles.par_iter().map(lights).collect::<Result<_>>()?;
             for state in self.leafages.states(leafage) {
@@ -321,7 +321,8 @@ impl Group<'_> {
         &self,
         tables: &Tables,
         tile: &TileView,
-        (index, viewer): (usize, &Viewer),
+        index: usize,
+        viewer: &Viewer,
         leafage: usize,
     ) -> Result<Transport> {
         let ResponseSolver { settings, slots, reflectors, rules, leafages, .. } = self.responder;
@@ -467,11 +468,11 @@ impl WithSimd for Follow<'_> {
         let Group { responder, keys, fine, .. } = self.group;
         for row in self.rows {
             let (before, here) = self.values.split_at_mut(row.place);
-            let (out, reflectance_of) = (&mut here[0], reflectance_of(self.state, &keys[row.place]));
-            let lit = (reflectance_of, row.shares.as_deref(), &row.lit);
-            responder.rules.source(&fine[row.part], row.row, lit, self.columns.clone(), out);
+            let (out, reflectance) = (&mut here[0], reflectance_of(self.state, &keys[row.place]));
+            let light = CellLight { reflectance, shares: row.shares.as_deref(), by_mirrors: &row.lit };
+            responder.rules.source(&fine[row.part], row.row, light, self.columns.clone(), out);
             for &(place, weight) in &row.seen {
-                add_block(out, weight * reflectance_of, &before[place as usize]);
+                add_block(out, weight * reflectance, &before[place as usize]);
             }
         }
     }

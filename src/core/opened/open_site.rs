@@ -31,7 +31,9 @@ impl SiteFacts {
     /// named where a number is out of range.
     pub fn given(
         path: &Path,
-        (stated, origin, receivers): (&Settings, DVec3, &ReceiverSummary),
+        stated: &Settings,
+        origin: DVec3,
+        receivers: &ReceiverSummary,
         materials: Vec<Material>,
         orientations: Vec<Orientation>,
     ) -> Result<Self> {
@@ -82,8 +84,8 @@ impl<'a> OpenSite<'a> {
             let (block, what) = (format::kind_name(kind), "there is no table of mirrors that its chains could name");
             return Err(Error::defect(path, block, "chains", what));
         }
-        let stated = (&manifest.settings, origin, &manifest.receivers);
-        let mut facts = SiteFacts::given(path, stated, materials, orientations)?;
+        let mut facts =
+            SiteFacts::given(path, &manifest.settings, origin, &manifest.receivers, materials, orientations)?;
         facts.north = North::of(manifest.place.as_ref());
         Ok(OpenSite { blocks, facts: Arc::new(facts) })
     }

@@ -137,9 +137,9 @@ impl<'a> Replay<'a> {
     ) -> Result<Self> {
         let conditions = &*in_axes(conditions, site.north());
         let patches = Patches::new(settings.patches)?;
-        let asked = (settings.sky, settings.components);
         let forced = |ways: &[Bins]| -> Result<Forcing> {
-            let forcing = Forcing::new(conditions, bins, ways, asked, &patches, site.settings().sides());
+            let (sky, components, sides) = (settings.sky, settings.components, site.settings().sides());
+            let forcing = Forcing::new(conditions, bins, ways, sky, components, &patches, sides);
             let forcing = if settings.paths.mirror_sky { forcing } else { forcing.without_mirror_sky() };
             if !settings.components.contains(Component::Longwave) {
                 return Ok(forcing);

@@ -67,9 +67,9 @@ impl<'v> SkyDisc<'v> {
             return Seen::Behind;
         }
         // The sky's texture ends at the horizon.
-        let place = texel_of(direction, view.sky.side() * view.sky.block());
-        if direction.z > 0.0 && view.sky.get(place.0, place.1) {
-            let through = self.veil.as_ref().map_or(1.0, |veil| veil.at_fine(place));
+        let (column, row) = texel_of(direction, view.sky.side() * view.sky.block());
+        if direction.z > 0.0 && view.sky.get(column, row) {
+            let through = self.veil.as_ref().map_or(1.0, |veil| veil.at_fine(column, row));
             return if through < 1.0 { Seen::Canopy } else { Seen::Sky };
         }
         let texel = view.nearest_seen(local);

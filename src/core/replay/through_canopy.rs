@@ -41,7 +41,8 @@ impl DirectThroughCanopy {
     pub fn new(
         conditions: &[Condition],
         leafages: Vec<(Powers, Bins)>,
-        (model, components): (SkyModel, ComponentSet),
+        model: SkyModel,
+        components: ComponentSet,
         patches: &Patches,
         projection: &Projection,
         sides: TextureSides,
@@ -112,13 +113,13 @@ pub fn coefficients_behind(
     let half = half_texel(base);
     let mut sums = vec![0.0_f64; projection.patches()];
     let through = |texel: usize| -> Option<f64> {
-        let place = (texel % base, texel / base);
+        let (column, row) = (texel % base, texel / base);
         let all = 0..block * block;
         let seen = |bits: &[u64], i: usize| bits[i / 64] >> (i % 64) & 1 == 1;
-        let share = |i: usize| f64::from(veil.at(place, i));
-        match sky.texel(place.0, place.1) {
+        let share = |i: usize| f64::from(veil.at(column, row, i));
+        match sky.texel(column, row) {
             Texel::Closed => None,
-            Texel::Open => Some(veil.sum(place)),
+            Texel::Open => Some(veil.sum(column, row)),
             Texel::Mixed(bits) => Some(all.filter(|&i| seen(bits, i)).map(share).sum()),
         }
     };

@@ -91,7 +91,8 @@ impl Forcing {
         conditions: &[Condition],
         bins: &Bins,
         states: &[Bins],
-        (model, components): (SkyModel, ComponentSet),
+        model: SkyModel,
+        components: ComponentSet,
         patches: &Patches,
         sides: TextureSides,
     ) -> Self {
@@ -162,8 +163,8 @@ impl Forcing {
         model: SkyModel,
         patches: &Patches,
     ) -> Self {
-        let asked = (model, self.components);
-        let shaded = DirectThroughCanopy::new(conditions, leafages, asked, patches, &self.sky_projection, self.sides);
+        let (components, projection) = (self.components, &self.sky_projection);
+        let shaded = DirectThroughCanopy::new(conditions, leafages, model, components, patches, projection, self.sides);
         Forcing { shaded: Some(shaded), ..self }
     }
 

@@ -66,7 +66,7 @@ impl TileLayers {
         let rows = receivers.rows();
         let mirrors = if reads.mirrors.is_some() { site.tile_mirrors(tile, rows)? } else { Vec::new() };
         let canopies = if reads.sky { site.tile_canopies(tile, rows)? } else { Vec::new() };
-        TileLayers::of(site, tile, reads, (receivers, mirrors, canopies), responses)
+        TileLayers::of(site, tile, reads, receivers, mirrors, canopies, responses)
     }
 
     /// The same of a tile that responses were derived for: what was read for them is not read again.
@@ -78,14 +78,16 @@ impl TileLayers {
     ) -> Result<(Vec<String>, TileLayers)> {
         let mirrors = if reads.mirrors.is_some() { view.mirrors } else { Vec::new() };
         let canopies = if reads.sky { view.canopies } else { Vec::new() };
-        TileLayers::of(site, view.number, reads, (view.receivers, mirrors, canopies), responses)
+        TileLayers::of(site, view.number, reads, view.receivers, mirrors, canopies, responses)
     }
 
     fn of(
         site: &OpenSite,
         tile: u32,
         reads: Reads,
-        (receivers, mirrors, canopies): (tables::ReceiversTable, Vec<ReceiverMirrors>, Vec<Canopy>),
+        receivers: tables::ReceiversTable,
+        mirrors: Vec<ReceiverMirrors>,
+        canopies: Vec<Canopy>,
         responses: Vec<Vec<Response>>,
     ) -> Result<(Vec<String>, TileLayers)> {
         let rows = receivers.rows();

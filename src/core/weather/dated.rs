@@ -91,7 +91,7 @@ mod tests {
         Span::new(moment(from), moment(to)).expect("a span")
     }
 
-    fn in_year(days: &[(i32, u32, u32)], (from, to): (&str, &str), year: i32) -> Result<DatedRows> {
+    fn in_year(days: &[(i32, u32, u32)], from: &str, to: &str, year: i32) -> Result<DatedRows> {
         DatedRows::in_year(&halves(days), Path::new("w.epw"), &span(from, to), year)
     }
 
@@ -105,11 +105,11 @@ mod tests {
         let days = [(1999, 1, 31), (1996, 2, 1), (1996, 2, 28)];
         let kept = DatedRows::of_file(&halves(&days), Path::new("w.epw"), &span("", "")).expect("rows");
         assert_eq!((kept.years, kept.dates[0].year, kept.dates[5].year, count(&kept)), (Years::Typical, 1999, 1996, 6));
-        let put = in_year(&days, ("", ""), 2019).expect("rows");
+        let put = in_year(&days, "", "", 2019).expect("rows");
         assert_eq!((put.years, count(&put), put.warnings.len()), (Years::One, 6, 0));
         assert!(put.dates.iter().all(|date| date.year == 2019));
-        assert_eq!(count(&in_year(&days, ("2019-02-01", "2019-02-01"), 2019).expect("rows")), 2);
-        let text = in_year(&days, ("1996-02-01", "1996-02-01"), 2019).expect_err("of 2019").to_string();
+        assert_eq!(count(&in_year(&days, "2019-02-01", "2019-02-01", 2019).expect("rows")), 2);
+        let text = in_year(&days, "1996-02-01", "1996-02-01", 2019).expect_err("of 2019").to_string();
         assert!(text.contains("holds 2019-01-31T00:00 to 2019-02-28T24:00, nothing from 1996-02-01"), "{text}");
     }
 
@@ -118,26 +118,26 @@ mod tests {
     #[test]
     fn leap_days() {
         let leap = [(2020, 2, 28), (2020, 2, 29), (2020, 3, 1)];
-        let put = in_year(&leap, ("", ""), 2019).expect("rows");
+        let put = in_year(&leap, "", "", 2019).expect("rows");
         assert_eq!(put.chosen, [true, true, false, false, true, true]);
         assert_eq!(put.warnings, ["w.epw: 29 February is left out, as 2019 has none: 2 of 6 rows"]);
-        let kept = in_year(&leap, ("", ""), 2024).expect("rows");
+        let kept = in_year(&leap, "", "", 2024).expect("rows");
         assert_eq!((count(&kept), kept.warnings.len(), kept.dates[2].year), (6, 0, 2024));
-        let text = in_year(&leap, ("02-29", "02-29"), 2019).expect_err("nothing").to_string();
+        let text = in_year(&leap, "02-29", "02-29", 2019).expect_err("nothing").to_string();
         assert!(text.contains("all of 29 February, which 2019 has not"), "{text}");
-        let short = in_year(&[(2019, 2, 28), (2019, 3, 1)], ("", ""), 2020).expect("rows");
+        let short = in_year(&[(2019, 2, 28), (2019, 3, 1)], "", "", 2020).expect("rows");
         assert_eq!((count(&short), short.warnings.len()), (4, 1));
         assert!(short.warnings[0].contains("2020 has one and the file has not"), "{:?}", short.warnings);
-        assert_eq!(in_year(&[(2019, 3, 1)], ("", ""), 2020).expect("rows").warnings.len(), 0);
+        assert_eq!(in_year(&[(2019, 3, 1)], "", "", 2020).expect("rows").warnings.len(), 0);
     }
 
     /// Two Januaries do not go into one year; one of them, chosen by its own year, does: 2 of 4 rows.
     #[test]
     fn several_years() {
         let days = [(2007, 1, 1), (2008, 1, 1)];
-        let text = in_year(&days, ("", ""), 2019).expect_err("two").to_string();
+        let text = in_year(&days, "", "", 2019).expect_err("two").to_string();
         assert!(text.contains("several years cannot all be put into 2019"), "{text}");
-        let one = in_year(&days, ("2008-01-01", "2008-01-31"), 2019).expect("rows");
+        let one = in_year(&days, "2008-01-01", "2008-01-31", 2019).expect("rows");
         assert_eq!(one.chosen, [false, false, true, true]);
         assert!(one.dates.iter().all(|date| date.year == 2019));
     }

@@ -237,7 +237,7 @@ fn run(task: &Task) -> Result<()> {
     files.guard(task, &site)?;
     let (scene, covered) =
         cover_site(&site, &cover_of(task, types), task.resources.observer).map_err(|error| no_surface(task, error))?;
-    let archive = traced(task, (&scene, &covered), [&files.receivers, &files.archive], EffectChoice::Auto)?;
+    let archive = traced(task, &scene, &covered, &files.receivers, &files.archive, EffectChoice::Auto)?;
     let bare = || {
         let (mut model, _) = read_model(task)?;
         neighbours.add(&mut model, &materials, true);
@@ -289,11 +289,13 @@ fn run(task: &Task) -> Result<()> {
     write_report(task, &report)
 }
 
-/// The archive of receivers on a scene: table and archive to write.
+/// The archive of receivers on a scene; writes it to `archive`, and the table of receivers.
 fn traced(
     task: &Task,
-    (scene, covered): (&Scene, &Covered),
-    [receivers, archive]: [&Path; 2],
+    scene: &Scene,
+    covered: &Covered,
+    receivers: &Path,
+    archive: &Path,
     effects: EffectChoice,
 ) -> Result<Archive> {
     let asked = TraceRequest {

@@ -51,6 +51,12 @@ pub struct Full<'a> {
     pub named_files: NamedFiles,
 }
 
+/// The model without what stood around it.
+struct Alone {
+    archive: Archive,
+    covered: Covered,
+}
+
 /// Light of a surface with all that stands around it and of the model alone: sun, sky.
 #[derive(Default)]
 struct Lit {
@@ -79,9 +85,9 @@ pub fn steps(task: &Task, document: &Document) -> Result<Option<Steps>> {
 pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Result<()> {
     let stated = injection::ground_of(&document);
     let deleted = delete(&mut document);
-    let (alone, alone_covered) = alone(task, &document, &full)?;
+    let alone = alone(task, &document, &full)?;
     let ground: Vec<f64> = steps.grounds.iter().map(|(month, snow_cm)| stated.of(*month, *snow_cm)).collect();
-    let lit = lit(task, steps, &ground, [(full.archive, full.covered), (&alone, &alone_covered)])?;
+    let lit = lit(task, steps, &ground, &full, &alone)?;
     let targets = targets(&document, &lit, full.covered);
     let windows = windows(&document);
     let shaded: BTreeSet<String> =
@@ -126,7 +132,7 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
         full.files.model.with_file_name(REPORT[0]).display(),
     ));
     let mut done = physics_lines(task.request.physics);
-    done.extend(told(task, &deleted, steps, full.archive, &alone));
+    done.extend(told(task, &deleted, steps, full.archive, &alone.archive));
     done.extend(notes);
     let done = task.worded(&done);
     let mut report = Report {
@@ -178,21 +184,21 @@ fn steps_an_hour(document: &Document) -> usize {
 }
 
 /// The archive of the model without what stood around it.
-fn alone(task: &Task, document: &Document, full: &Full) -> Result<(Archive, Covered)> {
+fn alone(task: &Task, document: &Document, full: &Full) -> Result<Alone> {
     let model = full.files.model.with_file_name(format!("stripped.{}", document.ending()));
     write_document(&model, document)?;
     let site = task.request.site(std::slice::from_ref(&model))?;
     let (scene, covered) = cover_site(&site, &cover_of(task, Vec::new()), task.resources.observer)?;
-    let files = ["stripped.csv", "stripped.helio"].map(|name| model.with_file_name(name));
+    let [receivers, archive] = ["stripped.csv", "stripped.helio"].map(|name| model.with_file_name(name));
     // Only its direct light is asked for.
     let direct = EffectChoice::These(Effects::NONE.with(Effect::Canopies));
-    let archive = traced(task, (&scene, &covered), files.each_ref().map(|file| file.as_path()), direct)?;
-    Ok((archive, covered))
+    let archive = traced(task, &scene, &covered, &receivers, &archive, direct)?;
+    Ok(Alone { archive, covered })
 }
 
 /// All surfaces with what they get, sorted by name.
-fn lit(task: &Task, steps: &Steps, ground: &[f64], [full, alone]: [(&Archive, &Covered); 2]) -> Result<Vec<Lit>> {
-    let whole_m2 = [full.1, alone.1].map(areas);
+fn lit(task: &Task, steps: &Steps, ground: &[f64], full: &Full, alone: &Alone) -> Result<Vec<Lit>> {
+    let whole_m2 = [full.covered, &alone.covered].map(areas);
     let (paths, reflected_sky) = match task.request.physics {
         Physics::EnergyPlus => (LightPaths::FIRST, SkyModel::Uniform),
         Physics::Full => (LightPaths::ALL, SkyModel::Perez1990),
@@ -209,13 +215,13 @@ fn lit(task: &Task, steps: &Steps, ground: &[f64], [full, alone]: [(&Archive, &C
     };
     let reflected = SeriesRequest { sky: reflected_sky, sums: REFLECTED, ground: Some(ground), ..asked(0) };
     let mut found: BTreeMap<String, Lit> = BTreeMap::new();
-    for (name, series) in surface_series(full.0, &reflected)? {
+    for (name, series) in surface_series(full.archive, &reflected)? {
         found.entry(name).or_default().reflected = series;
     }
-    for (name, series) in surface_series(full.0, &asked(0))? {
+    for (name, series) in surface_series(full.archive, &asked(0))? {
         found.entry(name).or_default().direct = series;
     }
-    for (name, series) in surface_series(alone.0, &asked(1))? {
+    for (name, series) in surface_series(&alone.archive, &asked(1))? {
         found.entry(name).or_default().alone = series;
     }
     let named = |mut lit: Lit| {

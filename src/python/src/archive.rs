@@ -17,7 +17,6 @@ use crate::studies::{request, workspace_of};
 use crate::table::columns_of;
 use crate::work;
 
-use glam::DVec2;
 use heliotile_atlas::opened::check_square;
 use heliotile_atlas::sources::archives;
 use heliotile_builder::spill::SystemTemp;
@@ -126,8 +125,7 @@ impl ArchiveHandle {
         high: (f64, f64),
         reach_m: f64,
     ) -> PyResult<()> {
-        let square = (DVec2::from(low), DVec2::from(high));
-        work::run(py, None, |_| check_square(self.archive(), part, square, reach_m))
+        work::run(py, None, |_| check_square(self.archive(), part, low.into(), high.into(), reach_m))
     }
 
     /// Of each archive in turn the ids of what is chosen of it; none: all of it.
@@ -319,7 +317,7 @@ impl ArchiveHandle {
             asked.with_series(archives, &storage, watch, |series, resources| {
                 let receivers = self.choose(None, asked.memory)?;
                 let stream = TileStream { receivers: &receivers, light: asked.light(), series, resources };
-                let frame = Frame::new(&stream, self.count() as usize, (archives, self.place.as_path()));
+                let frame = Frame::new(&stream, self.count() as usize, archives, &self.place);
                 LazyReplay::new(&self.sources, &stream, self.grid_north, frame, cache)
             })
         })
@@ -414,7 +412,7 @@ impl ArchiveHandle {
     ) -> PyResult<Recombined> {
         self.streamed(py, light, forcing, receivers, progress, |stream, _| {
             let names = stream.receivers.names()?;
-            let frame = Frame::new(stream, names.len(), (self.sources.borrowed(), self.place.as_path()));
+            let frame = Frame::new(stream, names.len(), self.sources.borrowed(), &self.place);
             let mut gathered = Gathered::new(&frame);
             stream.feed(&mut gathered)?;
             let columns = gathered.columns();

@@ -264,7 +264,7 @@ impl Filled {
                 let weather = request.read_weather(&resources, &mut || Ok(archives.manifest().place))?;
                 let dated = request.dated(&weather, observer)?;
                 request.tell_misfits(archives, &weather, observer);
-                then(&request.series(archives, (&weather, &dated), about("replay"), &resources)?, resources)
+                then(&request.series(archives, &weather, &dated, about("replay"), &resources)?, resources)
             }
         }
     }

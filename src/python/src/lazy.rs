@@ -17,7 +17,7 @@ use heliotile_core::observer::Observer;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::run::Replay;
-use heliotile_results::{Sources, TileStream, replay_of};
+use heliotile_results::{Sources, TileStream};
 
 self_cell!(
     /// A replay beside the archive that it reads.
@@ -54,7 +54,6 @@ impl LazyReplay {
         frame: Frame,
         cache: usize,
     ) -> Result<Self> {
-        let TileStream { light, series, ref resources, .. } = *stream;
         let mut starts = vec![0];
         let mut count = 0;
         for entry in sources.borrowed().first().entries_of(format::RECEIVERS) {
@@ -66,10 +65,10 @@ impl LazyReplay {
             let archive = sources.borrowed().first();
             let site = OpenSite::of(archive)?;
             let site = if grid_north { site.with_y_for_north() } else { site };
-            replay_of((archive, &site), light, series, components, resources)
+            stream.replay_of(archive, &site, components)
         })?;
         let tile_bytes = 4 * 64 * frame.labels.len().max(1) * frame.components().len().max(1);
-        let half = usize::try_from(resources.memory.total() / 2).unwrap_or(usize::MAX);
+        let half = usize::try_from(stream.resources.memory.total() / 2).unwrap_or(usize::MAX);
         Ok(LazyReplay {
             held,
             frame: Arc::new(frame),

@@ -35,7 +35,7 @@ pub struct Frame {
 
 impl Frame {
     /// Of a stream of so many receivers of what is open at a place.
-    pub fn new(stream: &TileStream, receivers: usize, (archives, place): (Archives, &Path)) -> Self {
+    pub fn new(stream: &TileStream, receivers: usize, archives: Archives, place: &Path) -> Self {
         let (about, components) = (stream.about(archives, place), stream.light.columns());
         let layout = Layout { labels: stream.series.kind, by: By::Receiver, components, facts: Vec::new() };
         Frame { receivers, labels: stream.series.labels.clone(), layout, about }

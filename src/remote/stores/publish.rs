@@ -88,7 +88,7 @@ pub fn publish(
         Some(root) if length > AT_ONCE => {
             let pointer = Pointer::new(to.name(), &root, length);
             let beside = to.beside(&pointer.name);
-            upload(source, &root, &beside, (connection, replace), sent)?;
+            upload(source, &root, &beside, connection, replace, sent)?;
             let found = put(&place, pointer.to_bytes(), mode);
             if let Err(failure) = found {
                 if let Some(published) = was_there(source, to, connection)? {
@@ -188,7 +188,8 @@ fn upload(
     source: &Upload,
     root: &[u8; 32],
     to: &Address,
-    (connection, replace): (Connection, bool),
+    connection: Connection,
+    replace: bool,
     sent: impl Fn(u64),
 ) -> Result<()> {
     let (place, runtime, length) = (Locator::connect(to, connection)?, runtime()?, source.bytes.length());

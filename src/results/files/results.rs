@@ -111,7 +111,8 @@ impl<'a> ResultSink<'a> {
         mut self,
         maps: &'a [MapFile],
         stream: &TileStream<'a>,
-        (called, about): (&'a str, &'a Provenance),
+        called: &'a str,
+        about: &'a Provenance,
         place: &Path,
     ) -> Result<Self> {
         for MapFile { path, format } in maps {
@@ -178,7 +179,7 @@ pub fn write(request: &FileRequest, stream: &TileStream, about: &Provenance, pla
     }
     let drawn = plots.iter().filter(|(_, plot)| *plot == Plot::Map);
     maps.extend(drawn.map(|(path, _)| MapFile { path: path.to_path_buf(), format: MapFormat::Png }));
-    sink = sink.with_maps(&maps, stream, (&called, about), place)?;
+    sink = sink.with_maps(&maps, stream, &called, about, place)?;
     let charts = plots.iter().filter(|(_, plot)| *plot != Plot::Map);
     let mut charts = charts.map(|(path, _)| AreaChart::new(path, stream)).collect::<Result<Vec<_>>>()?;
     let mut sinks = Sinks(vec![&mut sink]);

@@ -126,8 +126,8 @@ impl<'a> Light<'a> {
         if let Some((_, series)) = kept.as_ref().filter(|(of, _)| *of == steps) {
             return Ok(Rc::clone(series));
         }
-        let rows = (self.weather, self.dated);
-        let series = self.request.series(Archives::one(archive), rows, Provenance::default(), &self.quietly())?;
+        let (archives, about) = (Archives::one(archive), Provenance::default());
+        let series = self.request.series(archives, self.weather, self.dated, about, &self.quietly())?;
         let series = Rc::new(series);
         *kept = Some((steps, Rc::clone(&series)));
         Ok(series)

@@ -91,7 +91,7 @@ impl Fans<'_, '_> {
             .collect();
         let fine = self.totals(prepared, &asked)?;
         let all = spots.iter().zip(&coarse).zip(peaks.iter().zip(&fine));
-        Ok(all.map(|((spot, coarse), (peaks, fine))| joined(spot, (&rings, limits), (coarse, peaks), fine)).collect())
+        Ok(all.map(|((spot, coarse), (peaks, fine))| joined(spot, &rings, limits, coarse, peaks, fine)).collect())
     }
 
     /// Totals of all turns at all places, in their order.
@@ -121,8 +121,10 @@ impl Fans<'_, '_> {
 /// What two fans of a place say together. `fine` is flat, the given turn if there is one, and a fan around each peak of the coarse one.
 fn joined(
     spot: &Spot,
-    (rings, limits): (&[Ring], &TurnLimits),
-    (coarse, peaks): (&[TurnValue], &[Turn]),
+    rings: &[Ring],
+    limits: &TurnLimits,
+    coarse: &[TurnValue],
+    peaks: &[Turn],
     fine: &[TurnValue],
 ) -> PointSearch {
     let flat = fine.first().copied().unwrap_or(TurnValue { turn: Turn::FLAT, value: 0.0 });

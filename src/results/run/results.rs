@@ -88,7 +88,7 @@ impl RunResults<'_> {
         let RunResults { request: asked, files, archive, .. } = *self;
         let (with_annual, with_periods) = (which != Which::OfPeriods, which != Which::Annual);
         let (archives, place) = (Archives::one(archive), files.archive.as_path());
-        let series = request.series(archives, (self.weather, rows), self.about.clone(), resources)?;
+        let series = request.series(archives, self.weather, rows, self.about.clone(), resources)?;
         let (receivers, light) = (ReceiverSet::all_of(archive)?, LightChoice::default());
         let stream = TileStream { receivers: &receivers, light: &light, series: &series, resources: *resources };
         let table_periods: &[Every] = if with_periods { &asked.every } else { &[] };
@@ -109,7 +109,7 @@ impl RunResults<'_> {
             })
         });
         let mut sums = sums.transpose()?;
-        let mut maps = ResultSink::new(&rows, None, &annual)?.with_maps(&paths, &annual, (&called, &about), place)?;
+        let mut maps = ResultSink::new(&rows, None, &annual)?.with_maps(&paths, &annual, &called, &about, place)?;
         let mut chart = AreaChart::new(&files.chart, &month)?;
         let model = self.city_model.filter(|_| with_periods);
         let model = model.map(|model| CityModelSink::new(&annual, model, &files.city_model, place));

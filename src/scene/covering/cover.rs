@@ -175,8 +175,9 @@ fn neck(shards: &[Shard], size: DVec2, frame: &Frame) -> Option<(DVec3, Neck)> {
     if shards.len() < 3 || area > 0.999 * size.element_product() {
         return None;
     }
-    let along =
-        |axis: DVec3| Some((axis, narrowest(&shards.iter().map(|shard| span(shard, axis)).collect::<Vec<_>>())?));
+    let along = |axis: DVec3| {
+        Some((axis, narrowest(&shards.iter().map(|(triangle, _)| span(triangle, axis)).collect::<Vec<_>>())?))
+    };
     let [first, second] = frame.along.map(along);
     match (first, second) {
         (Some(first), Some(second)) => Some(if second.1.width < first.1.width { second } else { first }),
@@ -184,7 +185,7 @@ fn neck(shards: &[Shard], size: DVec2, frame: &Frame) -> Option<(DVec3, Neck)> {
     }
 }
 
-fn span((triangle, _): &Shard, axis: DVec3) -> Span {
+fn span(triangle: &[DVec3; 3], axis: DVec3) -> Span {
     let mut places = triangle.map(|p| p.dot(axis));
     places.sort_unstable_by(f64::total_cmp);
     Span { places, area: area_vector(triangle).length() }
@@ -194,8 +195,8 @@ fn span((triangle, _): &Shard, axis: DVec3) -> Span {
 fn cut_place(shards: &[Shard], axis: DVec3, share: f64) -> f64 {
     let mut spans: Vec<Span> = Vec::with_capacity(shards.len());
     let (mut low, mut high, mut total) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
-    for shard in shards {
-        let span = span(shard, axis);
+    for (triangle, _) in shards {
+        let span = span(triangle, axis);
         (low, high, total) = (low.min(span.places[0]), high.max(span.places[2]), total + span.area);
         spans.push(span);
     }

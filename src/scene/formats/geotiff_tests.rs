@@ -23,13 +23,19 @@ struct Tags<'t> {
 
 const PLAIN: Tags = Tags { scale: &SCALE, tie: &TIE, transformation: &[], keys: &UTM, nodata: "" };
 
-fn encode<C: ColorType>(size: [u32; 2], data: &[C::Inner], tags: &Tags, packing: (Compression, Predictor)) -> Vec<u8>
+fn encode<C: ColorType>(
+    size: [u32; 2],
+    data: &[C::Inner],
+    tags: &Tags,
+    compression: Compression,
+    predictor: Predictor,
+) -> Vec<u8>
 where
     [C::Inner]: TiffValue,
 {
     let mut bytes = Cursor::new(Vec::new());
     let encoder = TiffEncoder::new(&mut bytes).expect("an encoder");
-    let mut encoder = encoder.with_compression(packing.0).with_predictor(packing.1);
+    let mut encoder = encoder.with_compression(compression).with_predictor(predictor);
     let mut image = encoder.new_image::<C>(size[0], size[1]).expect("an image");
     let directory = image.encoder();
     for (tag, numbers) in [
@@ -55,7 +61,7 @@ fn plain<C: ColorType>(data: &[C::Inner], tags: &Tags) -> Vec<u8>
 where
     [C::Inner]: TiffValue,
 {
-    encode::<C>([3, 2], data, tags, (Compression::Uncompressed, Predictor::None))
+    encode::<C>([3, 2], data, tags, Compression::Uncompressed, Predictor::None)
 }
 
 fn read(bytes: &[u8]) -> Result<Raster> {
@@ -75,9 +81,9 @@ fn formats() {
         plain::<GrayI32>(&[1, -2, 3, 4, 5, 6], &PLAIN),
         plain::<Gray32Float>(&[1., -2., 3., 4., 5., 6.], &PLAIN),
         plain::<Gray64Float>(&[1., -2., 3., 4., 5., 6.], &PLAIN),
-        encode::<GrayI16>([3, 2], &[1, -2, 3, 4, 5, 6], &PLAIN, (DEFLATE, Predictor::Horizontal)),
-        encode::<Gray32Float>([3, 2], &[1., -2., 3., 4., 5., 6.], &PLAIN, (Compression::Lzw, Predictor::None)),
-        encode::<Gray32Float>([3, 2], &[1., -2., 3., 4., 5., 6.], &PLAIN, (DEFLATE, Predictor::None)),
+        encode::<GrayI16>([3, 2], &[1, -2, 3, 4, 5, 6], &PLAIN, DEFLATE, Predictor::Horizontal),
+        encode::<Gray32Float>([3, 2], &[1., -2., 3., 4., 5., 6.], &PLAIN, Compression::Lzw, Predictor::None),
+        encode::<Gray32Float>([3, 2], &[1., -2., 3., 4., 5., 6.], &PLAIN, DEFLATE, Predictor::None),
     ];
     for bytes in &files {
         let raster = read(bytes).expect("a raster");
@@ -174,7 +180,7 @@ fn hostile() {
 /// A file cut off after any of its bytes, and one with any of its bytes inverted, is refused or read, and nothing panics.
 #[test]
 fn damaged() {
-    let good = encode::<GrayI16>([3, 2], &[1, 2, 3, 4, 5, 6], &PLAIN, (Compression::Lzw, Predictor::Horizontal));
+    let good = encode::<GrayI16>([3, 2], &[1, 2, 3, 4, 5, 6], &PLAIN, Compression::Lzw, Predictor::Horizontal);
     let mut refused = 0;
     for at in 0..good.len() {
         refused += usize::from(read(&good[..at]).is_err());

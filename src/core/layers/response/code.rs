@@ -190,7 +190,7 @@ impl<'a> TileDecoder<'a> {
                     return None;
                 }
                 if extent > 0 {
-                    add_block(&self.tables, &mut self.reader, (PLACE[across], extent), block)?;
+                    add_block(&self.tables, &mut self.reader, PLACE[across], extent, block)?;
                 }
             }
         }
@@ -209,7 +209,8 @@ impl<'a> TileDecoder<'a> {
 fn add_block(
     tables: &SymbolTables,
     reader: &mut Reader,
-    (place, extent): (usize, usize),
+    place: usize,
+    extent: usize,
     block: &mut [[i32; BLOCK]; BLOCK],
 ) -> Option<()> {
     let mut above = Above::default();

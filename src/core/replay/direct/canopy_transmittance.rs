@@ -32,24 +32,24 @@ impl CanopyTransmittance {
         self.shares.len() * size_of::<f32>()
     }
 
-    /// Share at a fine texel (column, row).
+    /// Share at a fine texel.
     #[inline]
-    pub fn at_fine(&self, (column, row): (usize, usize)) -> f32 {
+    pub fn at_fine(&self, column: usize, row: usize) -> f32 {
         self.shares[row / self.wide * self.side + column / self.wide]
     }
 
-    /// Share at fine texel `i` of the base texel (column, row).
+    /// Share at fine texel `i` of a base texel.
     #[inline]
-    pub fn at(&self, (column, row): (usize, usize), i: usize) -> f32 {
-        self.at_fine((column * self.block + i % self.block, row * self.block + i / self.block))
+    pub fn at(&self, column: usize, row: usize, i: usize) -> f32 {
+        self.at_fine(column * self.block + i % self.block, row * self.block + i / self.block)
     }
 
     /// Sum of the shares at all fine texels of a base texel.
-    pub fn sum(&self, (column, row): (usize, usize)) -> f64 {
+    pub fn sum(&self, column: usize, row: usize) -> f64 {
         let step = self.wide.min(self.block);
         let places = || (0..self.block).step_by(step);
-        let share = |(c, r): (usize, usize)| self.at_fine((column * self.block + c, row * self.block + r));
-        let sum: f64 = places().flat_map(|r| places().map(move |c| (c, r))).map(|p| f64::from(share(p))).sum();
+        let share = |c: usize, r: usize| f64::from(self.at_fine(column * self.block + c, row * self.block + r));
+        let sum: f64 = places().flat_map(|r| places().map(move |c| share(c, r))).sum();
         sum * (step * step) as f64
     }
 }
@@ -70,14 +70,14 @@ mod tests {
             let veil = CanopyTransmittance::new((0..side * side).map(share).collect(), sides);
             let block = fine / base;
             for texel in (0..base * base).step_by(base * base / 16) {
-                let place = (texel % base, texel / base);
+                let (column, row) = (texel % base, texel / base);
                 let each = |i: usize| {
-                    let (c, r) = (place.0 * block + i % block, place.1 * block + i / block);
-                    assert_eq!(veil.at(place, i), share(r * side / fine * side + c * side / fine));
-                    f64::from(veil.at(place, i))
+                    let (c, r) = (column * block + i % block, row * block + i / block);
+                    assert_eq!(veil.at(column, row, i), share(r * side / fine * side + c * side / fine));
+                    f64::from(veil.at(column, row, i))
                 };
                 let sum: f64 = (0..block * block).map(each).sum();
-                assert!((veil.sum(place) - sum).abs() < 1e-9);
+                assert!((veil.sum(column, row) - sum).abs() < 1e-9);
             }
         }
     }

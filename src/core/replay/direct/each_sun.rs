@@ -224,10 +224,10 @@ impl EachSun {
     }
 
     fn visible_behind(&self, part: &Part, sky: &mut impl BaseTexels, veil: &CanopyTransmittance) -> f32 {
-        let place = (part.column as usize, part.row as usize);
+        let (column, row) = (part.column as usize, part.row as usize);
         let fine = self.fine[part.fine.clone()].iter();
-        let through = |&(i, share): &(u32, f32)| share * veil.at(place, i as usize);
-        match sky.texel(place.0, place.1) {
+        let through = |&(i, share): &(u32, f32)| share * veil.at(column, row, i as usize);
+        match sky.texel(column, row) {
             Texel::Closed => 0.0,
             Texel::Open => fine.map(through).sum(),
             Texel::Mixed(bits) => fine.filter(|(i, _)| bits[*i as usize / 64] >> (i % 64) & 1 == 1).map(through).sum(),

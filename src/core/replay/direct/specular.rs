@@ -85,14 +85,14 @@ impl MirrorView {
         let image = self.reflection.image(normal);
         let of = |found: &BandTexel| {
             let cos = image.truncate().dot(found.flat);
-            let share = if cos > 0.0 { self.share((found.texel % side, found.texel / side)) } else { 0.0 };
+            let share = if cos > 0.0 { self.share(found.texel % side, found.texel / side) } else { 0.0 };
             if share > 0.0 { cos * share * self.reflection.share(found.direction) } else { 0.0 }
         };
         band.texels().iter().map(of).sum()
     }
 
     /// Share of a base texel of the whole sky that is seen.
-    fn share(&self, (column, row): (usize, usize)) -> f64 {
+    fn share(&self, column: usize, row: usize) -> f64 {
         let (column, row) = (column.wrapping_sub(self.column), row.wrapping_sub(self.row));
         let side = self.sky.side();
         if column < side && row < side { self.sky.share(row * side + column) } else { 0.0 }

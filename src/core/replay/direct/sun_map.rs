@@ -67,7 +67,7 @@ impl SunMap {
                 let discs: Vec<_> = part.par_iter().map(|sun| disc_texels(sun.direction, sides.sky_fine)).collect();
                 for (sun, disc) in part.iter().zip(&discs) {
                     let light = sun.direction * sun.strength;
-                    disc.iter().for_each(|t| sums.add((t.0 as usize, t.1 as usize), light * f64::from(t.2)));
+                    disc.iter().for_each(|t| sums.add(t.0 as usize, t.1 as usize, light * f64::from(t.2)));
                 }
             }
             map.take(of_bin[0].bin, &mut sums);
@@ -141,9 +141,9 @@ impl SunMap {
     pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
         let normal = normal.as_vec3();
         for lit in &self.texels {
-            let place = self.place(lit);
-            let through = |(i, v): (usize, Vec3)| normal.dot(v).max(0.0) * veil.at(place, i);
-            let sum: f32 = self.seen(lit, sky.texel(place.0, place.1)).map(through).sum();
+            let (column, row) = self.place(lit);
+            let through = |(i, v): (usize, Vec3)| normal.dot(v).max(0.0) * veil.at(column, row, i);
+            let sum: f32 = self.seen(lit, sky.texel(column, row)).map(through).sum();
             out[lit.bin as usize] += f64::from(sum);
         }
     }
@@ -206,7 +206,7 @@ impl TexelSums {
         TexelSums { side, block, places: vec![0; side * side], lit: Vec::new(), vectors: Vec::new() }
     }
 
-    fn add(&mut self, (column, row): (usize, usize), light: DVec3) {
+    fn add(&mut self, column: usize, row: usize, light: DVec3) {
         let texel = row / self.block * self.side + column / self.block;
         let Some(place) = self.places.get_mut(texel) else { return };
         let per_texel = self.block * self.block;

@@ -80,10 +80,10 @@ impl Outline {
         gap.cmple(DVec2::splat(TOUCH_MM)).all()
     }
 
-    fn edges(&self) -> impl Iterator<Item = (DVec2, DVec2)> {
+    fn edges(&self) -> impl Iterator<Item = [DVec2; 2]> {
         self.polygons.iter().flat_map(|polygon| {
             let next = polygon.iter().cycle().skip(1);
-            polygon.iter().copied().zip(next.copied())
+            polygon.iter().zip(next).map(|(from, to)| [*from, *to])
         })
     }
 
@@ -93,7 +93,7 @@ impl Outline {
 }
 
 /// Whether two edges run along each other for more than a corner.
-fn share((p, q): (DVec2, DVec2), (r, s): (DVec2, DVec2)) -> bool {
+fn share([p, q]: [DVec2; 2], [r, s]: [DVec2; 2]) -> bool {
     let length = (q - p).length();
     let along = (q - p) / length;
     let [(x, y), (z, w)] = [r, s].map(|corner| ((corner - p).dot(along), (corner - p).perp_dot(along)));

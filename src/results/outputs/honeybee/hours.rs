@@ -68,8 +68,11 @@ mod tests {
     use glam::DVec3;
     use heliotile_core::weather::conditions::Stamp;
 
-    fn condition(date: (i32, u32, u32), start_min: f64, hours: f64, dhi: f64) -> Condition {
-        let date = Date::new(date.0, date.1, date.2).expect("a date");
+    fn day(year: i32, month: u32, day: u32) -> Date {
+        Date::new(year, month, day).expect("a date")
+    }
+
+    fn condition(date: Date, start_min: f64, hours: f64, dhi: f64) -> Condition {
         let stamp = Some(Stamp { date, start_min, hours });
         Condition { stamp, ..Condition::new("c".into(), &[], DVec3::X, 0.0, dhi) }
     }
@@ -79,12 +82,12 @@ mod tests {
     fn hours_of_the_year() {
         for year in [2016, 2017] {
             let hours =
-                [(360.0, 0.0), (420.0, 5.0), (480.0, 9.0)].map(|(min, dhi)| condition((year, 3, 1), min, 1.0, dhi));
+                [(360.0, 0.0), (420.0, 5.0), (480.0, 9.0)].map(|(min, dhi)| condition(day(year, 3, 1), min, 1.0, dhi));
             let hours = LitHours::of(&hours).expect("hours");
             assert_eq!((hours.timestep, hours.all[0], hours.lit.as_slice()), (1, 1422.0, &[1, 2][..]));
             assert_eq!(hours.text(), "1423\n1424\n");
         }
-        let quarters = [0.0, 15.0].map(|min| condition((2017, 1, 1), min, 0.25, 1.0));
+        let quarters = [0.0, 15.0].map(|min| condition(day(2017, 1, 1), min, 0.25, 1.0));
         assert_eq!(LitHours::of(&quarters).expect("quarters").text(), "0\n0.25\n");
     }
 
@@ -92,10 +95,10 @@ mod tests {
     #[test]
     fn refusals() {
         let refused = |conditions: &[Condition]| LitHours::of(conditions).expect_err("refused").0;
-        assert_eq!(refused(&[condition((2016, 2, 29), 0.0, 1.0, 0.0)]), "29 February");
-        assert!(refused(&[condition((2017, 1, 1), 0.0, 7.0 / 60.0, 0.0)]).contains("7 minutes"));
-        assert!(refused(&[condition((2017, 1, 1), 370.0, 1.0, 0.0)]).contains("minute 370"));
-        let twice = [2017, 2018].map(|year| condition((year, 1, 1), 0.0, 1.0, 0.0));
+        assert_eq!(refused(&[condition(day(2016, 2, 29), 0.0, 1.0, 0.0)]), "29 February");
+        assert!(refused(&[condition(day(2017, 1, 1), 0.0, 7.0 / 60.0, 0.0)]).contains("7 minutes"));
+        assert!(refused(&[condition(day(2017, 1, 1), 370.0, 1.0, 0.0)]).contains("minute 370"));
+        let twice = [2017, 2018].map(|year| condition(day(year, 1, 1), 0.0, 1.0, 0.0));
         assert!(refused(&twice).contains("one year"));
     }
 }

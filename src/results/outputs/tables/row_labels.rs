@@ -19,6 +19,23 @@ pub enum Precision {
     Second,
 }
 
+impl Precision {
+    /// A moment of a local clock: a day, and seconds after its midnight.
+    fn text(self, day: Date, seconds: i64, zone: &str) -> String {
+        let Date { year, month, day } = day;
+        let (hour, minute) = (seconds / 3600, seconds / 60 % 60);
+        match self {
+            Precision::Year => format!("{year:04}"),
+            Precision::Month => format!("{year:04}-{month:02}"),
+            Precision::Day => format!("{year:04}-{month:02}-{day:02}"),
+            Precision::Minute => format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}{zone}"),
+            Precision::Second => {
+                format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{:02}{zone}", seconds % 60)
+            }
+        }
+    }
+}
+
 /// Labels as instants.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Instants {
@@ -51,25 +68,16 @@ impl RowLabels {
         let odd = moments.iter().any(|(_, minutes)| seconds(*minutes) % 60 != 0);
         let precision = if odd && precision == Precision::Minute { Precision::Second } else { precision };
         let zone = offset.to_string();
-        let text = |&(date, minutes): &(Date, f64)| {
-            let (Date { year, month, day }, minutes) = date.after(minutes);
-            let seconds = seconds(minutes);
-            let (hour, minute) = (seconds / 3600, seconds / 60 % 60);
-            match precision {
-                Precision::Year => format!("{year:04}"),
-                Precision::Month => format!("{year:04}-{month:02}"),
-                Precision::Day => format!("{year:04}-{month:02}-{day:02}"),
-                Precision::Minute => format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}{zone}"),
-                Precision::Second => {
-                    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{:02}{zone}", seconds % 60)
-                }
-            }
-        };
+        let text = moments.iter().map(|(date, minutes)| {
+            let (date, minutes) = date.after(*minutes);
+            precision.text(date, seconds(minutes), &zone)
+        });
+        let text = text.collect();
         let utc = |&(date, minutes): &(Date, f64)| {
             i64::from(date.day_number()) * DAY_S + seconds(minutes) - 60 * i64::from(offset.minutes())
         };
         let utc_s = moments.iter().map(utc).collect();
-        RowLabels { text: moments.iter().map(text).collect(), instants: Some(Instants { utc_s, offset, precision }) }
+        RowLabels { text, instants: Some(Instants { utc_s, offset, precision }) }
     }
 
     /// Whether there are none.

@@ -56,7 +56,7 @@ impl Engine {
             Request::Moment { ask, tile, next } => {
                 let columns = columns(&ask.components)?;
                 let force = || light::moment(opened, weather.as_ref(), ask.light, &ask.changes);
-                let values = moments.values(opened, &ask, (tile, &next), force)?;
+                let values = moments.values(opened, &ask, tile, &next, force)?;
                 of_tile(opened, tile, &columns, &values)
             }
             Request::Light { ask } => {
@@ -66,17 +66,17 @@ impl Engine {
             }
             Request::Textures { changes, tile, next } => {
                 let schedules = light::changed(opened, &changes)?;
-                moments.textures(opened, schedules, (tile, &next), |made| textures::tile(opened.first(tile), made))
+                moments.textures(opened, schedules, tile, &next, |made| textures::tile(opened.first(tile), made))
             }
             Request::Sums { ask, tile } => {
                 let SumAsk { span, changes, .. } = ask.clone();
-                let force = || light::span(opened, weather.as_mut(), (span, Every::Total), &changes);
+                let force = || light::span(opened, weather.as_mut(), span, Every::Total, &changes);
                 let key = Key::Sums(ask);
                 let values = recombinations.values(opened, &key, tile, force)?;
                 of_tile(opened, tile, &key.columns()?, &values)
             }
             Request::Months { tile, row, sky, changes } => {
-                let force = || light::span(opened, weather.as_mut(), (Span::Year, Every::Month), &changes);
+                let force = || light::span(opened, weather.as_mut(), Span::Year, Every::Month, &changes);
                 let key = Key::Months { sky, changes: changes.clone() };
                 let values = recombinations.values(opened, &key, tile, force)?;
                 let labels: Vec<String> = (1..=MONTHS).map(|month| format!("{month:02}")).collect();
@@ -85,12 +85,12 @@ impl Engine {
             Request::Day { tile, row, day_of_year, sky, changes } => {
                 let span = Span::Day { day_of_year };
                 let labels = weather.as_ref().map_or_else(Vec::new, |loaded| loaded.labels(span));
-                let force = || light::span(opened, weather.as_mut(), (span, Every::Hour), &changes);
+                let force = || light::span(opened, weather.as_mut(), span, Every::Hour, &changes);
                 let key = Key::Day { day_of_year, sky, changes: changes.clone() };
                 let values = recombinations.values(opened, &key, tile, force)?;
                 of_receiver(&labels, row, &values)
             }
-            Request::Fisheye { tile, row, side } => fisheye::fisheye(opened, weather.as_ref(), (tile, row), side),
+            Request::Fisheye { tile, row, side } => fisheye::fisheye(opened, weather.as_ref(), tile, row, side),
         }
     }
 

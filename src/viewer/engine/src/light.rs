@@ -74,7 +74,8 @@ pub fn changed(opened: &Opened, changes: &Changes) -> Result<Vec<Schedule>> {
 pub fn span(
     opened: &Opened,
     weather: Option<&mut LoadedWeather>,
-    (span, every): (Span, Every),
+    span: Span,
+    every: Every,
     changes: &Changes,
 ) -> Result<Forced> {
     let loaded = loaded(weather)?;

@@ -61,12 +61,13 @@ impl MomentTiles {
         &mut self,
         opened: &Opened,
         ask: &MomentAsk,
-        (tile, next): (u32, &[u32]),
+        tile: u32,
+        next: &[u32],
         force: impl FnOnce() -> Result<Forced>,
     ) -> std::result::Result<TileValues, Failure> {
         let tile = opened.tile(tile)?;
         self.light(opened, ask, force)?;
-        self.made(opened, (tile, next), |lit, made| lit.map(|lit| made.irradiance(&lit.light)))?.ok_or_else(none)
+        self.made(opened, tile, next, |lit, made| lit.map(|lit| made.irradiance(&lit.light)))?.ok_or_else(none)
     }
 
     /// What `of` makes of a tile with these reflectances, for whatever light.
@@ -74,7 +75,8 @@ impl MomentTiles {
         &mut self,
         opened: &Opened,
         schedules: Vec<Schedule>,
-        (tile, next): (u32, &[u32]),
+        tile: u32,
+        next: &[u32],
         of: impl Fn(Option<TileTextures<'_>>) -> T,
     ) -> std::result::Result<T, Failure> {
         let tile = opened.tile(tile)?;
@@ -82,14 +84,15 @@ impl MomentTiles {
             self.lit = None;
             self.reflecting(opened, schedules)?;
         }
-        self.made(opened, (tile, next), |_, made| of(made.textures()))
+        self.made(opened, tile, next, |_, made| of(made.textures()))
     }
 
     /// What `of` makes of a tile in the state in use, which is made ready where it is not.
     fn made<T>(
         &mut self,
         opened: &Opened,
-        (tile, next): (u32, &[u32]),
+        tile: u32,
+        next: &[u32],
         of: impl Fn(Option<&Lit>, &MomentTile) -> T,
     ) -> std::result::Result<T, Failure> {
         let state = self.states.first_mut().ok_or_else(none)?;

@@ -53,15 +53,27 @@ pub struct Columns {
 /// A number that is not one, counted by column.
 #[derive(Clone, Debug, Default)]
 pub struct OutOfRange {
-    /// Column, rows, line and text of the first.
-    columns: Vec<(usize, usize, usize, String)>,
+    columns: Vec<OddColumn>,
+}
+
+/// A column with numbers outside their limits.
+#[derive(Clone, Debug)]
+struct OddColumn {
+    place: usize,
+    rows: usize,
+    /// Of the first of them.
+    line: usize,
+    /// Of the first of them.
+    text: String,
 }
 
 impl OutOfRange {
     fn add(&mut self, place: usize, cells: &Cells) {
-        match self.columns.iter_mut().find(|(column, ..)| *column == place) {
-            Some((_, rows, ..)) => *rows += 1,
-            None => self.columns.push((place, 1, cells.line, cells.text(place).into_owned())),
+        match self.columns.iter_mut().find(|column| column.place == place) {
+            Some(column) => column.rows += 1,
+            None => {
+                self.columns.push(OddColumn { place, rows: 1, line: cells.line, text: cells.text(place).into_owned() })
+            }
         }
     }
 }
@@ -248,23 +260,25 @@ impl Columns {
 
     /// What is to be said of numbers outside their limits: one sentence a column.
     pub fn odd_numbers(&self, path: &Path, odd: &OutOfRange) -> Vec<String> {
-        let sentence = |(place, rows, line, text): &(usize, usize, usize, String)| {
-            let name = excerpt(self.name(*place), SHOWN);
-            let [quantity, range, example] = if self.albedo.is_some_and(|column| column.place == *place) {
-                ["albedo", "0 to 1", "(%)"]
-            } else if self.snow.is_some_and(|column| column.place == *place) {
-                ["snow depth", "0 to 998 cm", "(mm)"]
-            } else {
-                ["air", "-90 to 70 degrees Celsius", "(K)"]
-            };
-            format!(
-                "{}, line {line} and on: `{name}` of {rows} rows, the first `{}`, lies outside {range} and is left out; state its unit in \
-                 the name, such as `{quantity} {example}`",
-                path.display(),
-                excerpt(text, SHOWN)
-            )
+        odd.columns.iter().map(|column| self.odd_column(path, column)).collect()
+    }
+
+    fn odd_column(&self, path: &Path, odd: &OddColumn) -> String {
+        let OddColumn { place, rows, line, text } = odd;
+        let name = excerpt(self.name(*place), SHOWN);
+        let [quantity, range, example] = if self.albedo.is_some_and(|column| column.place == *place) {
+            ["albedo", "0 to 1", "(%)"]
+        } else if self.snow.is_some_and(|column| column.place == *place) {
+            ["snow depth", "0 to 998 cm", "(mm)"]
+        } else {
+            ["air", "-90 to 70 degrees Celsius", "(K)"]
         };
-        odd.columns.iter().map(sentence).collect()
+        format!(
+            "{}, line {line} and on: `{name}` of {rows} rows, the first `{}`, lies outside {range} and is left out; state its unit in \
+             the name, such as `{quantity} {example}`",
+            path.display(),
+            excerpt(text, SHOWN)
+        )
     }
 }
 

@@ -88,7 +88,7 @@ pub fn write(
         "name": "map", "doubleSided": true, "extensions": {"KHR_materials_unlit": {}},
         "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 1.0},
     }));
-    let primitive = map_mesh(rows, columns, (origin, raised_m), &mut binary, &mut scene)?;
+    let primitive = map_mesh(rows, columns, origin, raised_m, &mut binary, &mut scene)?;
     scene.node("map", vec![primitive]);
     let table = property_table(rows, columns, &mut binary)?;
     if let Some(around) = around {
@@ -133,7 +133,8 @@ fn too_large(path: &Path, bytes: u64) -> Error {
 fn map_mesh(
     rows: &mut MapRows,
     columns: &MapColumns,
-    (origin, raised_m): (DVec3, f64),
+    origin: DVec3,
+    raised_m: f64,
     binary: &mut Binary,
     scene: &mut Scene,
 ) -> Result<Value> {

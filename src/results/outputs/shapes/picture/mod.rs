@@ -83,7 +83,7 @@ pub fn write(
         })?;
     }
     let title = format!("{}, {}", label(columns.main()), drawn.unit);
-    draw_words(&mut canvas, panels, (width, height), (&title, drawn.called), drawn.around.is_some());
+    draw_words(&mut canvas, panels, DVec2::new(width, height), &title, drawn.called, drawn.around.is_some());
     draw_legend(&mut canvas, &ticks, width, height);
     let [low, high] = [0.0, top].map(|end| end.to_string());
     let about = about.clone().with("colours", "viridis").with("colours_from", low).with("colours_to", high);
@@ -186,8 +186,9 @@ fn draw_row(raster: &mut Raster, panel: Panel, row: &MapRow, colour: usize, top:
 fn draw_words(
     canvas: &mut Canvas,
     [above, oblique]: [Panel; 2],
-    (width, height): (f64, f64),
-    (title, called): (&str, &str),
+    size: DVec2,
+    title: &str,
+    called: &str,
     has_scene: bool,
 ) {
     canvas.headline(title, (MARGIN, 18.0), Side::Left, INK);
@@ -199,10 +200,10 @@ fn draw_words(
     let words = format!("from the south-west, {ALTITUDE_DEG}\u{b0} high");
     canvas.word(&words, (oblique.corner.x, caption), Side::Left, INK);
     // North, and lengths of the view from above.
-    let foot = height - FOOT;
+    let foot = size.y - FOOT;
     let steps = round_steps(0.25 * above.size_m.x.max(60.0 / above.scale), 1);
     let metres = steps.last().copied().unwrap_or(1.0);
-    let bar = if metres * above.scale > 0.5 * (width - 2.0 * MARGIN) { 0.5 * metres } else { metres };
+    let bar = if metres * above.scale > 0.5 * (size.x - 2.0 * MARGIN) { 0.5 * metres } else { metres };
     let (left, y, long) = (MARGIN + 26.0, foot + 20.0, bar * above.scale);
     canvas.line(&[(left, y - 4.0), (left, y), (left + long, y), (left + long, y - 4.0)], 1.3, INK);
     let named = if bar >= 1000.0 { format!("{} km", bar / 1000.0) } else { format!("{bar} m") };
@@ -212,7 +213,7 @@ fn draw_words(
     canvas.line(&[(arrow, y - 12.0), (arrow, y + 2.0)], 1.3, INK);
     canvas.word("N", (arrow, y + 10.0), Side::Center, INK);
     if has_scene {
-        canvas.word("grey: surroundings", (width - MARGIN, y - 2.0), Side::Right, INK);
+        canvas.word("grey: surroundings", (size.x - MARGIN, y - 2.0), Side::Right, INK);
     }
 }
 
