@@ -12,6 +12,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 
 /// Why an operation could not be done. None of these is a panic; all of them end the program with exit code 2.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum Error {
     /// A file given by the user holds something that cannot be used.
     Input {

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// A kind of light path. Sun and sky that are seen directly are always there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Effect {
     /// What surfaces reflect diffusely.
     Diffuse,

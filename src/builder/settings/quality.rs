@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 /// A named rung of the accuracy ladder; what it means in textures and cells follows from [`Rungs::of`](crate::settings::Rungs::of).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Quality {
     /// A quick look.
     Draft,

@@ -46,6 +46,7 @@ impl Bounds {
 
 /// Which receivers of an archive are meant.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Selection {
     /// Ids in a column `receiver` of a CSV file.
     Receivers(PathBuf),

@@ -17,6 +17,7 @@ use crate::named::NamedValues;
 
 /// How an archive is read from a file system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Access {
     /// Through a mapping: fastest once the file is in memory. Without the feature `mmap` the same as [`Access::Read`].
     #[default]

@@ -7,6 +7,7 @@ pub const SUM_SUFFIX: &str = "_kwh_m2";
 
 /// A value column, in the order of [`crate::replay::values::TileValues`]: W/m2 means; sums add [`SUM_SUFFIX`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Component {
     /// The sun's disc, seen directly or through canopies.
     SunDirect,

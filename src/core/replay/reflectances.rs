@@ -17,6 +17,7 @@ use crate::weather::row::WeatherRow;
 
 /// What the ground reflects under snow, from the weather file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Snow {
     /// The snow's reflectance wherever the snow depth is 1 cm or more
     Depth,

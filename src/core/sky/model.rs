@@ -15,6 +15,7 @@ use crate::weather::conditions::Condition;
 /// How the radiance of the sky is distributed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
+#[non_exhaustive]
 pub enum SkyModel {
     /// Perez all-weather 1993, from DNI and DHI.
     #[default]

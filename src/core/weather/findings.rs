@@ -4,6 +4,7 @@ use crate::units::kwh_from_w;
 
 /// Kinds of oddities. The first four are gaps: which of GHI, DNI and DHI a row lacks decides what is done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Finding {
     /// DNI is missing, computed from GHI and DHI.
     ComputedDni,

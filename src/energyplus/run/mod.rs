@@ -83,6 +83,7 @@ pub struct EnergyplusRequest {
 
 /// Which paths of light are injected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Physics {
     /// All of them.
     Full,

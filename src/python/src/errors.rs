@@ -52,6 +52,8 @@ fn exception(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
         Error::SourceChanged { .. } => "ChangedError",
         Error::Unsupported { .. } => "UnsupportedError",
         Error::Limit { .. } => "LimitError",
+        // What all others are, too.
+        _ => "Error",
     };
     let made = py.import("heliotile.errors")?.getattr(class)?.call1((error.to_string(),))?;
     match error {
@@ -84,7 +86,7 @@ fn exception(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
             made.setattr("what", what)?;
             made.setattr("hint", &**hint)?;
         }
-        Error::Stopped { .. } | Error::Unsupported { .. } | Error::Limit { .. } => {}
+        _ => {}
     }
     Ok(PyErr::from_value(made))
 }

@@ -8,6 +8,7 @@ use url::Url;
 
 /// What kind of store answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Scheme {
     /// `s3://bucket/name`
     S3,

@@ -18,6 +18,7 @@ pub struct Failure {
 
 /// Kinds of failures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Cause {
     /// There is no such object, or no such bucket.
     Missing,

@@ -28,6 +28,7 @@ const ONE_COLOUR: [u8; 3] = [0x5b, 0x67, 0x72];
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Plot {
     Map,
     /// Periods by component.

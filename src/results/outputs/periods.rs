@@ -14,6 +14,7 @@ use heliotile_core::weather::time::years::Years;
 
 /// What a row of a replay's results stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Every {
     /// One row per interval of the weather file: means, W/m2
     #[default]

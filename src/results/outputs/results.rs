@@ -11,6 +11,7 @@ use heliotile_core::replay::values::TileValues;
 
 /// The file format of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ResultFormat {
     Table(Format),
     Map(MapFormat),

@@ -14,6 +14,7 @@ use heliotile_scene::site::Site;
 
 /// A map beside `annual.ply`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum RunMap {
     /// A map of polygons.
     Map(MapFormat),

@@ -25,6 +25,7 @@ use heliotile_core::site::receiver::Receiver;
 
 /// The file format of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MapFormat {
     /// glTF 2.0, binary.
     Glb,

@@ -61,6 +61,7 @@ fn no_names() -> Result<Vec<String>> {
 
 /// The file format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Format {
     Csv,
     Parquet,

@@ -18,6 +18,7 @@ pub enum Labels {
 
 /// What the rows of a table are about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum By {
     /// One row for each receiver
     #[default]
@@ -47,6 +48,7 @@ impl By {
 
 /// What a group of receivers is besides the irradiance that it gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Fact {
     /// Area of its receivers.
     Area,
