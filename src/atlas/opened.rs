@@ -7,7 +7,7 @@ use glam::DVec2;
 use crate::plan::{AtlasPlan, FILE, PlannedPart};
 use crate::state::PartState;
 use heliotile_builder::transfer::Bounds;
-use heliotile_core::archive::format::Entry;
+use heliotile_core::archive::format::{BlockKind, Entry};
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::{OpenSite, tiles_within};
@@ -19,7 +19,7 @@ use heliotile_remote::places::find_archive;
 const NAMED: usize = 5;
 
 /// Blocks that whoever asks for results reads first.
-const READ_FIRST: [u32; 6] =
+const READ_FIRST: [BlockKind; 6] =
     [format::MATERIALS, format::OPTICS, format::MIRRORS, format::RECEIVERS, format::PARTS, format::EXTENTS];
 
 /// How far beyond its place rounding may put a receiver, metres.

@@ -1,5 +1,6 @@
 //! What is missing below the horizon. In: the shares of the hemisphere that an archive holds. Out: a sentence, if light is lost there.
 
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, Blocks, format, tables};
 use heliotile_core::error::Result;
 
@@ -46,7 +47,7 @@ pub fn nothing_seen(archive: &Archive) -> Result<Option<String>> {
     let mut lost = Lost::default();
     archive.expect_all(format::RECEIVERS);
     for tile in 0..archive.tiles() {
-        let table = tables::ReceiversTable::from_block(&Blocks::block(archive, format::RECEIVERS, tile)?)?;
+        let table = tables::ReceiversTable::from_block(&Blocks::block(archive, format::RECEIVERS, TileNumber(tile))?)?;
         for ((views, normal), area) in table.views().zip(&table.normal).zip(&table.area) {
             let nothing = (1.0 - views.into_iter().map(f64::from).sum::<f64>()).max(0.0);
             lost.all.add(nothing, *area);

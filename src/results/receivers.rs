@@ -129,7 +129,7 @@ impl<'a> PartReceivers<'a> {
             let count = entry.items as usize;
             let here = kept.as_ref().map(|kept| kept.get(first..first + count).unwrap_or_default());
             if here.is_none_or(|here| here.contains(&true)) {
-                tiles.push(TileReceivers { number: entry.tile, first, count });
+                tiles.push(TileReceivers { number: entry.tile.0, first, count });
             }
             first += count;
         }

@@ -14,6 +14,7 @@ use heliotile_builder::planning::{AccuracyRequest, BuildRequest, EffectsUnder};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::{BuildSettings, EffectChoice, Effects, Share};
 use heliotile_builder::writing::copy::folder_of;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
@@ -212,7 +213,7 @@ fn archive_of(
     }
     others.extend(other_accuracy(&archive, settings, asked.accuracy));
     others.extend(other_effects(&archive, asked.under));
-    if archive.has(format::SCENE, 0) != asked.with_scene {
+    if archive.has(format::SCENE, TileNumber::FIRST) != asked.with_scene {
         let there = if asked.with_scene { "leaves out" } else { "holds" };
         others.push(format!("site.helio {there} the triangles of the scene"));
     }

@@ -3,6 +3,7 @@
 use std::fs;
 
 use heliotile_builder::settings::BuildSettings;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::texel_centres;
 use heliotile_core::layers::response;
@@ -57,7 +58,7 @@ fn cached_response_is_the_derived_one() {
     let along = |v: [f32; 3], s: &glam::DVec3| s.dot(glam::DVec3::from(v.map(f64::from)));
     let (mut square, mut compared) = (0.0, 0);
     for (tile, states) in (0..).zip(&responder.derive(&tables, &views).expect("responses")) {
-        let block = archive.block(format::RESPONSE, tile).expect("a block");
+        let block = archive.block(format::RESPONSE, TileNumber(tile)).expect("a block");
         assert!(response::pack(&states[0]).as_deref() == Some(block.bytes()), "tile {tile}");
         for (derived, cached) in states[0].iter().zip(&open.tile_responses(tile).expect("responses")) {
             for ((a, b), s) in derived.vectors().into_iter().zip(cached.vectors()).zip(&centres) {

@@ -8,6 +8,7 @@ use heliotile_builder::pipeline::BuildReport;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::transfer::{Selection, extract, merge};
 use heliotile_builder::writing::{Job, Writer};
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, encode, format};
 use heliotile_core::hemisphere::mix;
 use heliotile_core::light::radiosity::MaxBounces;
@@ -279,8 +280,8 @@ fn built(scene: &Scene, receivers: &[Receiver], path: &Path) -> BuildReport {
 }
 
 /// Kinds of the blocks of an archive.
-fn kinds(path: &Path) -> Vec<u32> {
-    let mut kinds: Vec<u32> =
+fn kinds(path: &Path) -> Vec<format::BlockKind> {
+    let mut kinds: Vec<format::BlockKind> =
         Archive::open(path).expect("an archive").entries().iter().map(|entry| entry.kind).collect();
     kinds.dedup();
     kinds
@@ -305,7 +306,7 @@ fn only_where_leaves_are() {
     let floor: Vec<Receiver> = receivers.iter().filter(|r| r.position.z > 1.0).cloned().collect();
     built(&with_screens(&buried, materials), &floor[..1], &path("buried"));
     let trees = built(&grove(0.2, 0.5), receivers, &path("trees"));
-    let found = |name: &str| [9, 11, 14, 15].map(|kind| kinds(&path(name)).contains(&kind));
+    let found = |name: &str| [9, 11, 14, 15].map(|kind| kinds(&path(name)).contains(&format::BlockKind(kind)));
     assert_eq!(found("plain"), [false; 4]);
     assert_eq!(found("trees"), [true; 4]);
     assert!(found("buried")[1] && !found("buried")[0], "{:?}", found("buried"));
@@ -375,11 +376,11 @@ fn hostile_bytes() {
             let mut entries = archive.entries().to_vec();
             entries.sort_by_key(|entry| entry.offset);
             for entry in entries {
-                if entry.kind != kind || entry.tile != 0 {
+                if entry.kind != kind || entry.tile != TileNumber::FIRST {
                     writer.append(archive.copy(&entry).expect("a block")).expect("written");
                     continue;
                 }
-                let block = archive.block(kind, 0).expect("a block");
+                let block = archive.block(kind, TileNumber::FIRST).expect("a block");
                 let mut raw = block.bytes().to_vec();
                 let head = 4 * block.items() as usize;
                 let at = |k: u64, from: usize, to: usize| from + (mix(case, k) % (to - from).max(1) as u64) as usize;
@@ -399,7 +400,7 @@ fn hostile_bytes() {
                         raw[place] = mix(case, 7) as u8;
                     }
                 }
-                let block = encode(kind, 0, 1, block.items(), &raw, 9).expect("a block");
+                let block = encode(kind, TileNumber::FIRST, 1, block.items(), &raw, 9).expect("a block");
                 writer.append(block).expect("written");
             }
             let mut manifest = archive.manifest().clone();

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use exr::prelude::{FlatImage, FlatSamples, read_all_flat_layers_from_file};
 use glam::DVec3;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
@@ -471,7 +472,7 @@ fn damage_is_named() {
         let mut bad = good.clone();
         bad[entry.offset as usize + entry.stored as usize / 2] ^= 4;
         fs::write(folder.path("bad.helio"), bad).expect("a file");
-        let name = format!("block {}", format::block_name(kind, 0));
+        let name = format!("block {}", format::block_name(kind, TileNumber::FIRST));
         folder.refused("export bad.helio -r lawn --sun 90,45 --dni 500 -o r.exr", &[&name, "heliotile verify"]);
     }
     assert!(!folder.path("r.exr").exists());

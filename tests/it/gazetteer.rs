@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::transfer::{ArchiveReceivers, Bounds, Selection};
 use heliotile_builder::writing::{Job, Writer};
+use heliotile_core::archive::format::{BlockKind, TileNumber};
 use heliotile_core::archive::tables::{ExtentsTable, NamesTable};
 use heliotile_core::archive::{Access, Archive, Block, Blocks, EncodedBlock, format, verify};
 use heliotile_core::error::Result;
@@ -43,15 +44,15 @@ impl Blocks for Counted<'_> {
         self.archive.path()
     }
 
-    fn has(&self, kind: u32, tile: u32) -> bool {
+    fn has(&self, kind: BlockKind, tile: TileNumber) -> bool {
         self.archive.has(kind, tile)
     }
 
-    fn rows(&self, kind: u32, tile: u32) -> Option<u32> {
+    fn rows(&self, kind: BlockKind, tile: TileNumber) -> Option<u32> {
         Blocks::rows(self.archive, kind, tile)
     }
 
-    fn block(&self, kind: u32, tile: u32) -> Result<Block> {
+    fn block(&self, kind: BlockKind, tile: TileNumber) -> Result<Block> {
         self.read.fetch_add(usize::from(kind == format::RECEIVERS), Ordering::Relaxed);
         self.archive.block(kind, tile)
     }
@@ -87,7 +88,7 @@ fn some_receivers_are_found_by_reading_their_tiles_only() {
     let within = |x0: f64, x1: f64| Selection::Bounds(Bounds { low: v(x0, 2.0, 0.0), high: v(x1, 4.0, 2.0) });
     let tile_of = |id: &str| {
         let tile = |tile: &u32| {
-            let block = archive.block(format::RECEIVERS, *tile).expect("a table");
+            let block = archive.block(format::RECEIVERS, TileNumber(*tile)).expect("a table");
             let table = heliotile_core::archive::tables::ReceiversTable::from_block(&block).expect("receivers");
             table.ids.iter().any(|held| held == id)
         };
@@ -150,17 +151,17 @@ fn what_is_told_of_receivers_is_compared_with_them() {
     let archive = Archive::open(&path).expect("an archive");
     assert!(verify(&path, Access::Read, true).expect("checked").problems.is_empty());
     let names = |block: &Block, tile: u32, change: &dyn Fn(&mut NamesTable)| {
-        (block.entry().key() == (format::NAMES, tile)).then(|| {
+        (block.entry().key() == (format::NAMES, TileNumber(tile))).then(|| {
             let mut table = NamesTable::from_block(block).expect("names");
             change(&mut table);
-            table.encode(format::NAMES, tile, 3).expect("a block")
+            table.encode(format::NAMES, TileNumber(tile), 3).expect("a block")
         })
     };
     let boxes = |block: &Block, change: &dyn Fn(&mut ExtentsTable)| {
-        (block.entry().key() == (format::EXTENTS, 0)).then(|| {
+        (block.entry().key() == (format::EXTENTS, TileNumber::FIRST)).then(|| {
             let mut table = ExtentsTable::from_block(block).expect("boxes");
             change(&mut table);
-            table.encode(format::EXTENTS, 0, 3).expect("a block")
+            table.encode(format::EXTENTS, TileNumber::FIRST, 3).expect("a block")
         })
     };
     let fewer = |table: &mut NamesTable| *table = NamesTable::new(&table.names()[1..]);

@@ -7,6 +7,7 @@ use glam::DVec3;
 use heliotile_builder::pipeline::Plan;
 use heliotile_builder::settings::{Quality, Rungs};
 use heliotile_builder::transfer::{Bounds, Selection, diff, extract, merge};
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::tables::{GeometryTable, MAX_TRIANGLES, OverviewTable};
 use heliotile_core::archive::{Archive, format, verify};
 use heliotile_core::observer::Silent;
@@ -86,7 +87,7 @@ fn triangles_are_those_that_were_traced() {
     for both in [[&west, &dark], [&dark, &west]] {
         merge(both, &path("half.helio"), &place, &Silent).expect("a union");
         let half = Archive::open(&path("half.helio")).expect("an archive");
-        assert!(triangles(&half) == expected && !half.has(format::OVERVIEW, 0));
+        assert!(triangles(&half) == expected && !half.has(format::OVERVIEW, TileNumber::FIRST));
     }
     let found = diff(&whole, &bare, &place).expect("a comparison");
     let told: Vec<&str> = found.statements.iter().map(|told| told.item.as_str()).collect();
@@ -117,7 +118,7 @@ fn with_and_without() {
         folder.run(&format!("build scene.obj -m materials.toml -r receivers.csv -o {name} --quality draft {option}"));
         let whole = fs::read(folder.path(name)).expect("an archive");
         let archive = Archive::open(&folder.path(name)).expect("an archive");
-        assert_eq!(archive.has(format::SCENE, 0), option.is_empty());
+        assert_eq!(archive.has(format::SCENE, TileNumber::FIRST), option.is_empty());
         let entry = &archive.entries_of(kind)[0];
         let mut bad = whole.clone();
         bad[entry.offset as usize + 20] ^= 4;
@@ -147,7 +148,8 @@ fn overviews_tell_of_receivers() {
     let (mut seen, mut given) = (0, receivers());
     for tile in 0..archive.tiles() {
         let of = |archive: &Archive| {
-            OverviewTable::from_block(&archive.block(format::OVERVIEW, tile).expect("a block")).expect("an overview")
+            OverviewTable::from_block(&archive.block(format::OVERVIEW, TileNumber(tile)).expect("a block"))
+                .expect("an overview")
         };
         let (overview, views) = (of(&archive), site.tile_receivers(tile).expect("receivers").sky_view);
         assert!(of(&nowhere).clear_year.is_empty() && of(&nowhere).patches() == overview.patches());
@@ -184,8 +186,8 @@ fn patches_come_from_the_table() {
     let archive = Archive::open(&folder.path("grid.helio")).expect("an archive");
     let mut shown = Vec::new();
     for tile in 0..archive.tiles() {
-        let table =
-            OverviewTable::from_block(&archive.block(format::OVERVIEW, tile).expect("a block")).expect("a table");
+        let table = OverviewTable::from_block(&archive.block(format::OVERVIEW, TileNumber(tile)).expect("a block"))
+            .expect("a table");
         let site = OpenSite::of(&archive).expect("a site");
         shown.extend(site.tile_receivers(tile).expect("receivers").ids.into_iter().zip(table.patches()));
     }

@@ -6,6 +6,7 @@ use std::process::Command;
 
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::{Job, Writer};
+use heliotile_core::archive::format::{BlockKind, TileNumber};
 use heliotile_core::archive::manifest::Settings;
 use heliotile_core::archive::{Access, Archive, encode, format, verify};
 use heliotile_core::hemisphere::mix;
@@ -194,13 +195,13 @@ fn lying_settings_are_refused() {
 type Rows = Vec<Vec<u8>>;
 
 /// An archive again, with other rows in the first block of a kind.
-fn forged(archive: &Archive, kind: u32, path: &Path, change: &dyn Fn(&mut Rows)) {
+fn forged(archive: &Archive, kind: BlockKind, path: &Path, change: &dyn Fn(&mut Rows)) {
     let job = Job { scene: [0; 32], receivers: [0; 32], settings: [0; 32] };
     let mut writer = Writer::create(path, &job).expect("created");
     for entry in archive.entries() {
         let block = archive.block(entry.kind, entry.tile).expect("a block");
         let (mut items, mut raw) = (entry.items as usize, block.bytes().to_vec());
-        if entry.key() == (kind, 0) {
+        if entry.key() == (kind, TileNumber::FIRST) {
             let mut rows = extras::unpack(&raw, items).expect("rows");
             change(&mut rows);
             items = rows.len();
@@ -271,7 +272,7 @@ fn lying_mirrors_are_refused() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let path = folder.path().join("copy.helio");
     let nowhere = |key: &mut CellKey| key.voxel[0] = 1 << 20;
-    type Lie<'l> = (u32, &'l str, Box<dyn Fn(&mut Rows) + 'l>);
+    type Lie<'l> = (BlockKind, &'l str, Box<dyn Fn(&mut Rows) + 'l>);
     let mut lies: Vec<Lie> = vec![
         (format::MIRROR, "mirror 9999", Box::new(in_receivers(|m| m.windows[0].chain = Chain::new(&[0, 9999])))),
         (format::MIRROR, "shape", Box::new(in_receivers(|m| m.windows[0].texture.truncate(9)))),
@@ -311,7 +312,7 @@ fn lying_mirrors_are_refused() {
     for (kind, says, lie) in &lies {
         forged(&archive, *kind, &path, lie);
         let report = verify(&path, Access::Read, true).expect("an archive");
-        let name = format::block_name(*kind, 0);
+        let name = format::block_name(*kind, TileNumber::FIRST);
         let found: Vec<_> = report.problems.iter().filter(|p| p.part == name && p.reason.contains(says)).collect();
         assert!(found.len() == 1 && report.problems.len() == 1, "{name}, {says}: {:?}", report.problems);
         replayed(&name);

@@ -63,7 +63,7 @@ fn the_container_is_that_of_the_code() {
         assert_eq!(value(line, "pos"), Some(&*offset.to_string()));
         assert_eq!(value(line, "size"), Some(&*format::SLOT_SIZE.to_string()));
     }
-    let kinds = format::KINDS.map(|(kind, name, _)| format!("{kind}: {name}"));
+    let kinds = format::KINDS.map(|(kind, name, _)| format!("{}: {name}", kind.0));
     assert_eq!(under(&ksy, &["enums", "kind"]), kinds);
     let states = [(format::BUILDING, "building"), (format::COMPLETE, "complete")].map(|(n, s)| format!("{n}: {s}"));
     assert_eq!(under(&ksy, &["enums", "state"]), states);

@@ -6,7 +6,7 @@ use glam::DVec3;
 use heliotile_builder::pipeline::{BuildReport, Output, Start};
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::{Job, Writer};
-use heliotile_core::archive::format::Entry;
+use heliotile_core::archive::format::{Entry, TileNumber};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::hemisphere::{direction_of, jitter};
 use heliotile_core::light::fresnel;
@@ -338,7 +338,9 @@ fn nothing_for_nothing() {
     let blocks = |site: &Built| kinds.iter().filter(|&&kind| !site.archive.entries_of(kind).is_empty()).count();
     let plain = built(&town(), vec![matt("a", 0.2), matt("b", 0.3)], &receivers);
     assert_eq!((blocks(&plain), plain.report.rays.mirror), (0, 0));
-    assert!(!plain.archive.has(format::OPTICS, 0) && !plain.archive.has(format::MIRRORS, 0));
+    assert!(
+        !plain.archive.has(format::OPTICS, TileNumber::FIRST) && !plain.archive.has(format::MIRRORS, TileNumber::FIRST)
+    );
     // A mirror below the ground.
     let mut triangles = town();
     triangles.extend(quad(v(-5.0, -5.0, -9.0), v(10.0, 0.0, 0.0), v(0.0, 10.0, 0.0), 2));

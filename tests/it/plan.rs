@@ -264,10 +264,10 @@ fn nothing_is_traced_for_what_is_left_out() {
     assert_eq!((none.2.rays.probe, none.2.rays.bounce, none.2.rays.mirror), (0, 0, 0));
     assert_eq!((none.2.counts.probes, none.2.counts.bounce_cells), (0, 0));
     for kind in [format::PROBES, format::BOUNCE, format::MIRROR, format::MIRRORS, format::PROBE_MIRROR] {
-        assert_eq!(bytes(&none.1, kind), 0, "{kind}");
+        assert_eq!(bytes(&none.1, kind), 0, "{kind:?}");
     }
     for kind in [format::HIT, format::RESPONSE] {
-        assert!(bytes(&none.1, kind) * 100 < bytes(&whole, kind), "{kind}: {}", bytes(&none.1, kind));
+        assert!(bytes(&none.1, kind) * 100 < bytes(&whole, kind), "{kind:?}: {}", bytes(&none.1, kind));
     }
     assert_eq!(bytes(&none.1, format::SKY), bytes(&whole, format::SKY));
     let bounces = built(&scene, receivers, Effects::NONE.with(Effect::Bounces));

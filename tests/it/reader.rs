@@ -246,7 +246,7 @@ fn arrays(block: &Block, s: &Settings) -> Arrays {
         }
         format::INDEX => index(&IndexTable::from_block(block).expect("an index")),
         format::MATERIALS => materials(block),
-        other => panic!("kind {other} has no canonical bytes"),
+        other => panic!("{other:?} has no canonical bytes"),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Replay against the plain way to one condition's irradiance, which shares nothing with the kernels but the stored textures.
 
 use glam::DVec3;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, format, tables};
 use heliotile_core::hemisphere::bilinear;
 use heliotile_core::layers::bits::BitSquare;
@@ -37,9 +38,10 @@ struct Receiver {
 fn receivers(archive: &Archive) -> Vec<Receiver> {
     let settings = &archive.manifest().settings;
     let table =
-        tables::ReceiversTable::from_block(&archive.block(format::RECEIVERS, 0).expect("receivers")).expect("a table");
+        tables::ReceiversTable::from_block(&archive.block(format::RECEIVERS, TileNumber::FIRST).expect("receivers"))
+            .expect("a table");
     let (base, fine) = (settings.sky_base as usize, settings.sky_fine as usize);
-    let raw = archive.block(format::SKY, 0).expect("sky");
+    let raw = archive.block(format::SKY, TileNumber::FIRST).expect("sky");
     let sky = SkyTexture::unpack(raw.bytes(), table.ids.len(), base, fine).expect("bits");
     let responses = OpenSite::of(archive).expect("a site").tile_responses(0).expect("responses");
     let rows = table.normal.iter().zip(sky).zip(responses).take(RECEIVERS);

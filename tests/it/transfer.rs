@@ -8,6 +8,7 @@ use heliotile_builder::pipeline::Workspace;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::transfer::{Differences, Selection, diff, extract, merge};
 use heliotile_builder::writing::{Job, Writer};
+use heliotile_core::archive::format::{BlockKind, TileNumber};
 use heliotile_core::archive::{Archive, Block, Blocks, EncodedBlock, Manifest, encode, format, tables};
 use heliotile_core::hemisphere::mix;
 use heliotile_core::layers::response::{self, Response};
@@ -330,12 +331,12 @@ fn conflicts_are_named() {
     assert!(message.contains("13 conflicts: receiver r000 (receivers), receiver r020 (at "), "{message}");
     assert!(message.contains("r028") && !message.contains("r029") && message.contains(", ..."), "{message}");
 
-    let change = |kind: u32| {
+    let change = |kind: BlockKind| {
         move |block: &Block| -> Option<EncodedBlock> {
-            (block.entry().kind == kind && block.entry().tile == 0).then(|| {
+            (block.entry().kind == kind && block.entry().tile == TileNumber::FIRST).then(|| {
                 let mut table = tables::CellsTable::from_block(block).expect("cells");
                 table.bits[0] ^= 1;
-                table.encode(kind, 0, 9).expect("a block")
+                table.encode(kind, TileNumber::FIRST, 9).expect("a block")
             })
         }
     };
@@ -348,12 +349,12 @@ fn conflicts_are_named() {
     }
     let response = |block: &Block| -> Option<EncodedBlock> {
         let entry = *block.entry();
-        (entry.key() == (format::RESPONSE, 1)).then(|| {
+        (entry.key() == (format::RESPONSE, TileNumber(1))).then(|| {
             let tile = response::unpack(block.bytes(), entry.items as usize, coarse().probe);
             let mut tile = tile.expect("responses");
             tile[0].values.iter_mut().for_each(|value| *value += 0.1);
             let raw = response::pack(&tile).expect("a side of eights");
-            encode(entry.kind, 1, entry.schema, entry.items, &raw, 9).expect("a block")
+            encode(entry.kind, TileNumber(1), entry.schema, entry.items, &raw, 9).expect("a block")
         })
     };
     folder.forge("a.helio", "b.helio", response, Vec::new(), |_| {});
@@ -368,7 +369,7 @@ fn what_is_unknown_is_kept() {
     let folder = Folder::new();
     let all = many();
     folder.build("whole.helio", &all, &coarse(), 0.4);
-    let later = |tile: u32, raw: &[u8]| encode(77, tile, 9, 5, raw, 9).expect("a block");
+    let later = |tile: u32, raw: &[u8]| encode(BlockKind(77), TileNumber(tile), 9, 5, raw, 9).expect("a block");
     let state = |key: &'static str| {
         move |manifest: &mut Manifest| {
             let Manifest { other, scene, receivers, settings, .. } = manifest;
@@ -383,11 +384,11 @@ fn what_is_unknown_is_kept() {
     folder.extract("a.helio", "part.helio", &ids(&all[..100])).expect("an extract");
     folder.merge("part.helio", "b.helio", "c.helio").expect("a merge");
     let merged = Archive::open(&folder.path("c.helio")).expect("an archive");
-    let kept: Vec<Vec<u8>> = merged.scan(77).map(|block| block.expect("a block").bytes().to_vec()).collect();
+    let kept: Vec<Vec<u8>> = merged.scan(BlockKind(77)).map(|block| block.expect("a block").bytes().to_vec()).collect();
     assert_eq!(kept, [&b"equal"[..], b"one", b"two"]);
     let json = String::from_utf8(merged.manifest().to_json().expect("a manifest")).expect("UTF-8");
     assert_eq!(json.matches("\"later\"").count(), 4);
-    assert!(merged.has(format::RESPONSE, 2) && !Blocks::has(&merged, format::RESPONSE, 3));
+    assert!(merged.has(format::RESPONSE, TileNumber(2)) && !Blocks::has(&merged, format::RESPONSE, TileNumber(3)));
 
     folder.forge("whole.helio", "b.helio", none, vec![later(1, b"other")], state("x"));
     assert!(folder.refused("a.helio", "b.helio").contains("1 conflict: block kind-77/1"));
@@ -405,7 +406,7 @@ fn other_orders_are_refused() {
         (block.entry().kind == format::RECEIVERS).then(|| {
             let mut table = tables::ReceiversTable::from_block(block).expect("receivers");
             table.position.swap(0, 1);
-            table.encode(format::RECEIVERS, 0, 9).expect("a block")
+            table.encode(format::RECEIVERS, TileNumber::FIRST, 9).expect("a block")
         })
     };
     folder.forge("a.helio", "b.helio", swap, Vec::new(), |_| {});
@@ -446,7 +447,7 @@ fn hostile_archives_are_survived() {
     folder.build_mirrors("a.helio", &some);
     let archive = Archive::open(&folder.path("a.helio")).expect("an archive");
     let entries = archive.entries();
-    let mut kinds: Vec<u32> = entries.iter().map(|entry| entry.kind).collect();
+    let mut kinds: Vec<BlockKind> = entries.iter().map(|entry| entry.kind).collect();
     kinds.dedup();
     assert_eq!(kinds.len(), 17);
     let (mut refused, mut done) = (0, 0);

@@ -82,7 +82,7 @@ pub fn audit(request: &AuditInputs) -> Result<Audited> {
         .archive
         .entries_of(format::RECEIVERS)
         .iter()
-        .flat_map(|entry| (0..entry.items as usize).map(move |row| (entry.tile, row)))
+        .flat_map(|entry| (0..entry.items as usize).map(move |row| (entry.tile.0, row)))
         .collect();
     let turned = in_axes(request.conditions, site.north());
     let skies: Vec<JudgedSky> =

@@ -2,6 +2,7 @@
 
 use crate::pack::{COMPRESSION, extra};
 use crate::writing::Writer;
+use heliotile_core::archive::format::{CellKind, TileNumber};
 use heliotile_core::archive::{EncodedBlock, format, tables};
 use heliotile_core::error::Result;
 use heliotile_core::layers::canopy::Canopy;
@@ -10,8 +11,7 @@ use heliotile_core::site::cells::CellKey;
 
 /// The chunks written so far; all but the last one hold [`Chunks::size`] cells.
 pub struct Chunks {
-    kind: u32,
-    index: u32,
+    kind: CellKind,
     size: usize,
     firsts: Vec<CellKey>,
     count: u64,
@@ -20,19 +20,19 @@ pub struct Chunks {
 impl Chunks {
     /// Chunks of probes with a number of rays each.
     pub fn probes(rays: usize) -> Self {
-        Chunks::new(format::PROBES, tables::IndexTable::PROBES, rays)
+        Chunks::new(CellKind::Probes, rays)
     }
 
     /// Chunks of bounce cells with a number of rays each.
     pub fn bounces(rays: usize) -> Self {
-        Chunks::new(format::BOUNCE, tables::IndexTable::BOUNCE, rays)
+        Chunks::new(CellKind::Bounces, rays)
     }
 
-    fn new(kind: u32, index: u32, rays: usize) -> Self {
-        Chunks { kind, index, size: cells_per_chunk(rays), firsts: Vec::new(), count: 0 }
+    fn new(kind: CellKind, rays: usize) -> Self {
+        Chunks { kind, size: cells_per_chunk(rays), firsts: Vec::new(), count: 0 }
     }
 
-    pub fn kind(&self) -> u32 {
+    pub fn kind(&self) -> CellKind {
         self.kind
     }
 
@@ -47,14 +47,14 @@ impl Chunks {
     }
 
     /// Number of the next chunk.
-    pub fn next(&self) -> u32 {
-        self.firsts.len() as u32
+    pub fn next(&self) -> TileNumber {
+        TileNumber(self.firsts.len() as u32)
     }
 
     /// The blocks of a chunk.
-    pub fn encode(&self, number: u32, chunk: &Cells) -> Result<Vec<EncodedBlock>> {
-        let mut blocks = vec![tables::CellsTable::new(chunk).encode(self.kind, number, COMPRESSION)?];
-        let [mirror, canopy] = format::cell_extras(self.kind);
+    pub fn encode(&self, number: TileNumber, chunk: &Cells) -> Result<Vec<EncodedBlock>> {
+        let mut blocks = vec![tables::CellsTable::new(chunk).encode(self.kind.chunks(), number, COMPRESSION)?];
+        let [mirror, canopy] = self.kind.extras();
         let mirrors = chunk.mirrors.iter().enumerate().map(|(i, mirrors)| mirrors.to_bytes(chunk.bits_of(i).len()));
         blocks.extend(extra(mirror, number, mirrors.collect())?);
         blocks.extend(extra(canopy, number, chunk.canopies.iter().map(Canopy::to_bytes).collect())?);
@@ -71,8 +71,12 @@ impl Chunks {
 
     /// Writes the index, and returns the number of cells.
     pub fn finish(self, writer: &mut Writer) -> Result<u64> {
-        if !self.firsts.is_empty() && !writer.has(format::INDEX, self.index) {
-            writer.append(tables::IndexTable::new(&self.firsts).encode(format::INDEX, self.index, COMPRESSION)?)?;
+        if !self.firsts.is_empty() && !writer.has(format::INDEX, self.kind.index()) {
+            writer.append(tables::IndexTable::new(&self.firsts).encode(
+                format::INDEX,
+                self.kind.index(),
+                COMPRESSION,
+            )?)?;
         }
         Ok(self.count)
     }

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::pack::COMPRESSION;
 use crate::spill::{Sorter, damaged};
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::tables::{ExtentsTable, NAMES_A_CHUNK, NameOf, NameRow, NamesTable, TILES_A_CHUNK};
 use heliotile_core::archive::{EncodedBlock, format};
 use heliotile_core::error::Result;
@@ -42,7 +43,7 @@ impl GazetteerWriter {
     /// The blocks of all tiles, in the order in which they are written.
     pub(crate) fn finish(self, mut append: impl FnMut(EncodedBlock) -> Result<()>) -> Result<()> {
         for (chunk, boxes) in (0..).zip(self.boxes.chunks(TILES_A_CHUNK)) {
-            append(ExtentsTable::new(boxes).encode(format::EXTENTS, chunk, COMPRESSION)?)?;
+            append(ExtentsTable::new(boxes).encode(format::EXTENTS, TileNumber(chunk), COMPRESSION)?)?;
         }
         let pulled = |(key, tile): (Vec<u8>, Vec<u8>)| row(&key, &tile).ok_or_else(|| damaged(&self.folder));
         let mut names = self.names.finish()?.map(|record| record.and_then(pulled));
@@ -51,11 +52,11 @@ impl GazetteerWriter {
             let rows: Vec<NameRow> = names.by_ref().take(NAMES_A_CHUNK).collect::<Result<_>>()?;
             let Some(first) = rows.first() else { break };
             firsts.push(NameRow { tile: chunk, ..first.clone() });
-            append(NamesTable::new(&rows).encode(format::NAMES, chunk, COMPRESSION)?)?;
+            append(NamesTable::new(&rows).encode(format::NAMES, TileNumber(chunk), COMPRESSION)?)?;
         }
         match firsts.is_empty() {
             true => Ok(()),
-            false => append(NamesTable::new(&firsts).encode(format::NAMES, 0, COMPRESSION)?),
+            false => append(NamesTable::new(&firsts).encode(format::NAMES, TileNumber::FIRST, COMPRESSION)?),
         }
     }
 }
@@ -76,28 +77,29 @@ mod tests {
 
     use super::*;
     use heliotile_core::archive::codec::block;
+    use heliotile_core::archive::format::BlockKind;
     use heliotile_core::archive::manifest::ReceiverSummary;
     use heliotile_core::archive::{Block, Blocks};
     use heliotile_core::opened::{Gazetteer, OpenSite, SiteFacts, tiles_within};
     use heliotile_core::site::model_part::ModelPart;
     use heliotile_core::site::patch::Patch;
 
-    struct Held(BTreeMap<(u32, u32), EncodedBlock>);
+    struct Held(BTreeMap<(BlockKind, TileNumber), EncodedBlock>);
 
     impl Blocks for Held {
         fn path(&self) -> &Path {
             Path::new("site.helio")
         }
 
-        fn has(&self, kind: u32, tile: u32) -> bool {
+        fn has(&self, kind: BlockKind, tile: TileNumber) -> bool {
             self.0.contains_key(&(kind, tile))
         }
 
-        fn rows(&self, kind: u32, tile: u32) -> Option<u32> {
+        fn rows(&self, kind: BlockKind, tile: TileNumber) -> Option<u32> {
             self.0.get(&(kind, tile)).map(|block| block.entry().items)
         }
 
-        fn block(&self, kind: u32, tile: u32) -> Result<Block> {
+        fn block(&self, kind: BlockKind, tile: TileNumber) -> Result<Block> {
             let found = &self.0[&(kind, tile)];
             block::decode(&self.path().into(), found.entry(), found.stored())
         }

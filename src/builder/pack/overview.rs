@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::pack::COMPRESSION;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::tables::{NORMAL_STEPS, OverviewTable};
 use heliotile_core::archive::{EncodedBlock, format};
 use heliotile_core::error::Result;
@@ -19,7 +20,11 @@ pub struct OverviewRow<'a> {
 }
 
 /// The overview of a tile, places relative to an origin.
-pub fn overview<'a>(tile: u32, origin: DVec3, rows: impl IntoIterator<Item = OverviewRow<'a>>) -> Result<EncodedBlock> {
+pub fn overview<'a>(
+    tile: TileNumber,
+    origin: DVec3,
+    rows: impl IntoIterator<Item = OverviewRow<'a>>,
+) -> Result<EncodedBlock> {
     let mut table = OverviewTable::default();
     for OverviewRow { receiver, sky_view, clear_year } in rows {
         table.position.push((receiver.position - origin).as_vec3().to_array());

@@ -1,6 +1,7 @@
 //! The blocks of one tile of receivers.
 
 use crate::pack::COMPRESSION;
+use heliotile_core::archive::format::{BlockKind, TileNumber};
 use heliotile_core::archive::{EncodedBlock, encode, format, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::extras;
@@ -12,7 +13,7 @@ use heliotile_core::layers::sky::SkyTexture;
 
 /// What is known of a tile before its cells are, in the order of writing.
 pub fn tile(
-    number: u32,
+    number: TileNumber,
     receivers: &tables::ReceiversTable,
     parts: Option<&tables::PartsTable>,
     sky: &[SkyTexture],
@@ -32,13 +33,13 @@ pub fn tile(
 }
 
 /// The block of a layer that only some scenes call for, if anything is in it.
-pub fn extra(kind: u32, number: u32, rows: Vec<Vec<u8>>) -> Result<Option<EncodedBlock>> {
+pub fn extra(kind: BlockKind, number: TileNumber, rows: Vec<Vec<u8>>) -> Result<Option<EncodedBlock>> {
     let raw = extras::pack(rows.iter().map(Vec::as_slice));
     raw.map(|raw| layer(kind, number, rows.len(), &raw)).transpose()
 }
 
 /// The responses of a tile.
-pub fn responses(number: u32, responses: &[Response]) -> Result<EncodedBlock> {
+pub fn responses(number: TileNumber, responses: &[Response]) -> Result<EncodedBlock> {
     let raw = response::pack(responses).ok_or_else(|| Error::Unsupported {
         what: "writing responses".into(),
         found: "textures whose side is no multiple of 8".into(),
@@ -47,7 +48,7 @@ pub fn responses(number: u32, responses: &[Response]) -> Result<EncodedBlock> {
     layer(format::RESPONSE, number, responses.len(), &raw)
 }
 
-fn layer(kind: u32, number: u32, items: usize, raw: &[u8]) -> Result<EncodedBlock> {
+fn layer(kind: BlockKind, number: TileNumber, items: usize, raw: &[u8]) -> Result<EncodedBlock> {
     let items = u32::try_from(items).map_err(|_| Error::Limit {
         what: "items of one block".into(),
         value: items as u64,

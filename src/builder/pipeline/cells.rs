@@ -17,6 +17,7 @@ use crate::trace::canopy::CellCrossings;
 use crate::trace::probe::{Directions, ProbeTrace, trace_probe};
 use crate::trace::surroundings::{SeenCell, SurroundingSettings, Surroundings, surroundings};
 use crate::writing::Writer;
+use heliotile_core::archive::format::{CellKind, TileNumber};
 use heliotile_core::archive::{Blocks, format, tables};
 use heliotile_core::error::Result;
 use heliotile_core::layers::cells::{Cell, Cells};
@@ -108,9 +109,9 @@ impl SiteTracer<'_> {
     /// Traces and writes all bounce cells that can be reached from some: the closed system.
     pub fn write_bounces(&self, start: CellSet, writer: &mut Writer, rays: &mut RayCounts) -> Result<u64> {
         let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
-        if writer.has(format::INDEX, tables::IndexTable::BOUNCE) {
-            let index = tables::IndexTable::from_block(&writer.block(format::INDEX, tables::IndexTable::BOUNCE)?)?;
-            let items = |chunk: u32| Ok(u64::from(writer.block(format::BOUNCE, chunk)?.items()));
+        if writer.has(format::INDEX, CellKind::Bounces.index()) {
+            let index = tables::IndexTable::from_block(&writer.block(format::INDEX, CellKind::Bounces.index())?)?;
+            let items = |chunk: u32| Ok(u64::from(writer.block(format::BOUNCE, TileNumber(chunk))?.items()));
             return (0..index.rows() as u32).map(items).sum();
         }
         let settings = SurroundingSettings { closed_level: level_of(s.closed_m), rays: s.bounce_hits };
@@ -178,8 +179,8 @@ impl SiteTracer<'_> {
             .par_chunks(chunks.size())
             .enumerate()
             .map(|(i, keys)| {
-                let number = first + i as u32;
-                if writer.has(chunks.kind(), number) {
+                let number = TileNumber(first.0 + i as u32);
+                if writer.has(chunks.kind().chunks(), number) {
                     return Ok((site.cells(chunks.kind(), number)?, Vec::new(), Cast::default()));
                 }
                 let (traced, cast) = trace(keys);

@@ -10,6 +10,7 @@ use super::site_tracer::SiteTracer;
 use crate::pack::{COMPRESSION, GazetteerWriter, OverviewRow, overview};
 use crate::receiver_tiles::ReceiverTiles;
 use crate::writing::Writer;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::tables::{GeometryTable, MAX_TRIANGLES};
 use heliotile_core::archive::{EncodedBlock, format};
 use heliotile_core::error::Result;
@@ -32,7 +33,7 @@ impl SiteTracer<'_> {
         let count = mesh.triangles.len();
         (0..count).step_by(MAX_TRIANGLES).zip(0..).map(move |(first, chunk)| {
             let some = first..count.min(first + MAX_TRIANGLES);
-            table(mesh, some).encode(format::SCENE, chunk, COMPRESSION)
+            table(mesh, some).encode(format::SCENE, TileNumber(chunk), COMPRESSION)
         })
     }
 }
@@ -45,8 +46,9 @@ impl SiteTracer<'_> {
         writer: &mut Writer,
         clock: &mut Clock,
     ) -> Result<()> {
-        let missing: Vec<u32> =
-            (0..receivers.tile_count() as u32).filter(|&tile| !writer.has(format::OVERVIEW, tile)).collect();
+        let missing: Vec<u32> = (0..receivers.tile_count() as u32)
+            .filter(|&tile| !writer.has(format::OVERVIEW, TileNumber(tile)))
+            .collect();
         if missing.is_empty() {
             return Ok(());
         }
@@ -78,7 +80,7 @@ impl SiteTracer<'_> {
                         clear_year: sums.get(i).copied(),
                     };
                     let rows = receivers.iter().zip(views).enumerate().map(row);
-                    overview(*tile, self.scene.mesh.origin, rows)
+                    overview(TileNumber(*tile), self.scene.mesh.origin, rows)
                 })
                 .collect::<Result<_>>()?;
             blocks.into_iter().try_for_each(|block| writer.append(block))?;
@@ -89,7 +91,7 @@ impl SiteTracer<'_> {
     /// Writes where the receivers stand, when everything else is written: it stands in one piece, too.
     pub(super) fn write_gazetteer(&self, receivers: &mut ReceiverTiles, writer: &mut Writer) -> Result<()> {
         // The first names of all chunks come last.
-        if writer.has(format::NAMES, 0) {
+        if writer.has(format::NAMES, TileNumber::FIRST) {
             return Ok(());
         }
         let mut gazetteer = GazetteerWriter::new(&self.folder, self.memory.length(Use::Gazetteer));

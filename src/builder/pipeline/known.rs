@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::cells::Cell;
@@ -46,7 +47,7 @@ impl<'a> Known<'a> {
     pub fn new(archives: &'a [Archive], scene: &SiteFacts) -> Self {
         let earlier = |archive: &'a Archive| {
             // Where the table of mirrors is missing so are layers of what is seen in them: they would count as empty.
-            if archive.has(format::MIRRORS, 0) == scene.orientations().is_empty() {
+            if archive.has(format::MIRRORS, TileNumber::FIRST) == scene.orientations().is_empty() {
                 return None;
             }
             let manifest = archive.manifest();
@@ -123,7 +124,7 @@ impl<'a> Known<'a> {
 impl Earlier<'_> {
     /// Layers of a tile; `None` if they are damaged.
     fn tile(&self, tile: u32) -> Option<Vec<Option<KnownReceiver>>> {
-        let count = self.site.block(format::HIT, tile).ok()?.items() as usize;
+        let count = self.site.block(format::HIT, TileNumber(tile)).ok()?.items() as usize;
         let hits = self.site.tile_hits(tile, count).ok()?;
         let textures = self.site.tile_sky_textures(tile, count).ok()?;
         let extras = self.site.tile_extras(tile, count).ok()?;

@@ -3,6 +3,7 @@
 use super::plan::Plan;
 use super::site_tracer::SiteTracer;
 use crate::pack::COMPRESSION;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::manifest;
 use heliotile_core::archive::manifest::{Creator, Manifest, ReceiverSummary, SceneSummary};
 use heliotile_core::archive::{EncodedBlock, format, tables};
@@ -33,7 +34,7 @@ impl SiteTracer<'_> {
             class: materials.iter().map(|m| m.class.code()).collect(),
             group: materials.iter().map(|m| m.group.clone().unwrap_or_default()).collect(),
         };
-        table.encode(format::MATERIALS, 0, COMPRESSION)
+        table.encode(format::MATERIALS, TileNumber::FIRST, COMPRESSION)
     }
 
     /// What materials do besides reflecting diffusely, and the orientations of the mirrors; nothing where none does.
@@ -47,14 +48,14 @@ impl SiteTracer<'_> {
             canopy: materials.iter().map(|m| u8::from(m.transmittance.is_some())).collect(),
             transmittance: materials.iter().map(|m| m.transmittance.unwrap_or(0.0)).collect(),
         };
-        let mut blocks = vec![table.encode(format::OPTICS, 0, COMPRESSION)?];
+        let mut blocks = vec![table.encode(format::OPTICS, TileNumber::FIRST, COMPRESSION)?];
         if let Some(reflections) = &self.reflections {
             let orientations = reflections.orientations();
             let table = tables::MirrorsTable {
                 normal: orientations.iter().map(|o| o.normal.to_array()).collect(),
                 material: orientations.iter().map(|o| o.material).collect(),
             };
-            blocks.push(table.encode(format::MIRRORS, 0, COMPRESSION)?);
+            blocks.push(table.encode(format::MIRRORS, TileNumber::FIRST, COMPRESSION)?);
         }
         Ok(blocks)
     }

@@ -23,6 +23,7 @@ use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::{BuildSettings, EffectChoice};
 use crate::trace::Tracer;
 use crate::writing::{Job, Writer};
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::manifest::ReceiverSummary;
 use heliotile_core::archive::negligible::Negligible;
 use heliotile_core::archive::{Archive, Manifest, format};
@@ -168,7 +169,7 @@ fn trace(
     let bounce_cells = tracer.write_bounces(probes.seen, writer, &mut rays)?;
     clock.lap("cells");
 
-    if !writer.has(format::MATERIALS, 0) {
+    if !writer.has(format::MATERIALS, TileNumber::FIRST) {
         writer.append(tracer.materials_block()?)?;
         for block in tracer.optics_blocks()? {
             writer.append(block)?;
@@ -176,7 +177,7 @@ fn trace(
     }
     if plan.with_scene {
         for (chunk, block) in (0..).zip(tracer.scene_blocks()) {
-            if !writer.has(format::SCENE, chunk) {
+            if !writer.has(format::SCENE, TileNumber(chunk)) {
                 writer.append(block?)?;
             }
         }

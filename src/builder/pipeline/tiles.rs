@@ -18,6 +18,7 @@ use crate::trace::placement::is_enclosed;
 use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
 use crate::trace::sky_fans::SkyFans;
 use crate::writing::Writer;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{EncodedBlock, format, tables};
 use heliotile_core::error::Result;
 use heliotile_core::layers::bits::BitSquare;
@@ -158,7 +159,7 @@ impl SiteTracer<'_> {
 
     /// A tile that the file holds already, or a traced one.
     fn tile(&self, number: u32, receivers: &[Receiver], fans: &SkyFans, writer: &Writer) -> Result<TracedTile> {
-        if [format::RECEIVERS, format::SKY, format::HIT].iter().all(|&kind| writer.has(kind, number)) {
+        if [format::RECEIVERS, format::SKY, format::HIT].iter().all(|&kind| writer.has(kind, TileNumber(number))) {
             let site = OpenSite::over(writer, Arc::clone(&self.facts));
             let (hits, table) = (site.tile_hits(number, receivers.len())?, site.tile_receivers(number)?);
             let inside = receivers.iter().zip(&table.sky_view).filter(|(r, view)| self.inside(r, f64::from(**view)));
@@ -172,7 +173,7 @@ impl SiteTracer<'_> {
 
     /// Derives and writes the responses of all tiles.
     pub fn write_responses(&self, tiles: u32, writer: &mut Writer, clock: &mut Clock) -> Result<()> {
-        let missing: Vec<u32> = (0..tiles).filter(|&tile| !writer.has(format::RESPONSE, tile)).collect();
+        let missing: Vec<u32> = (0..tiles).filter(|&tile| !writer.has(format::RESPONSE, TileNumber(tile))).collect();
         if missing.is_empty() {
             return Ok(());
         }
@@ -187,7 +188,7 @@ impl SiteTracer<'_> {
             let views: Vec<TileView> = group.par_iter().map(view).collect::<Result<_>>()?;
             let responses = responder.derive(&Tables::of(&site)?, &views)?;
             // The stored reflectances are the only state.
-            let encode = |(&tile, states): (&u32, &Vec<Vec<Response>>)| pack::responses(tile, &states[0]);
+            let encode = |(&tile, states): (&u32, &Vec<Vec<Response>>)| pack::responses(TileNumber(tile), &states[0]);
             let blocks: Vec<EncodedBlock> = group.par_iter().zip(&responses).map(encode).collect::<Result<_>>()?;
             blocks.into_iter().try_for_each(|block| writer.append(block))?;
             progress.advance(group.len() as u64);
@@ -229,7 +230,7 @@ impl SiteTracer<'_> {
             hits = HitTile { palette: Vec::new(), texels: vec![0; hits.texels.len()] };
         }
         let parts = tables::PartsTable::of(receivers);
-        let blocks = pack::tile(number, &table, parts.as_ref(), &sky, &hits, &extras)?;
+        let blocks = pack::tile(TileNumber(number), &table, parts.as_ref(), &sky, &hits, &extras)?;
         let in_mirrors = extras.iter().flat_map(|of| of.mirrors.cells());
         let cells = hits.palette.into_iter().chain(in_mirrors).collect();
         Ok(TracedTile { blocks, cells, rays, misplaced })

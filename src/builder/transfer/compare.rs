@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, format, tables};
 use heliotile_core::error::{Error, Result};
 
@@ -54,7 +55,7 @@ pub fn shows(archive: &Archive) -> bool {
 
 /// The materials by name, with their numbers in cell keys.
 fn materials(archive: &Archive) -> Result<Value> {
-    let table = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, 0)?)?;
+    let table = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, TileNumber::FIRST)?)?;
     let row = |i: usize| {
         json!({
             "number": i,

@@ -11,6 +11,7 @@ use crate::pipeline::Workspace;
 use crate::transfer::compare::shows;
 use crate::transfer::rows::{LayeredReceiver, Shown, TracedLayers};
 use crate::writing::{Job, Summary, Writer};
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, EncodedBlock, Manifest, format, manifest, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::cells::{Cell, Cells};
@@ -77,7 +78,7 @@ impl<'a> ArchiveAssembly<'a> {
             let table = tables::ReceiversTable::new(rows.iter().map(|row| (&row.receiver, row.views)));
             let extras: Vec<ReceiverExtras> = rows.iter().map(|row| row.layers.extras.clone()).collect();
             let parts = tables::PartsTable::of(rows.iter().map(|row| &row.receiver));
-            pack::tile(number, &table, parts.as_ref(), &sky, &HitTile::new(&hits), &extras)
+            pack::tile(TileNumber(number), &table, parts.as_ref(), &sky, &HitTile::new(&hits), &extras)
         })?;
         Ok(())
     }
@@ -96,22 +97,22 @@ impl<'a> ArchiveAssembly<'a> {
 
     /// Writes the materials of an archive.
     pub fn materials(&mut self, archive: &Archive) -> Result<()> {
-        let table = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, 0)?)?;
-        self.writer.append(table.encode(format::MATERIALS, 0, pack::COMPRESSION)?)?;
-        if archive.has(format::OPTICS, 0) {
-            let table = tables::OpticsTable::from_block(&archive.block(format::OPTICS, 0)?)?;
-            self.writer.append(table.encode(format::OPTICS, 0, pack::COMPRESSION)?)?;
+        let table = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, TileNumber::FIRST)?)?;
+        self.writer.append(table.encode(format::MATERIALS, TileNumber::FIRST, pack::COMPRESSION)?)?;
+        if archive.has(format::OPTICS, TileNumber::FIRST) {
+            let table = tables::OpticsTable::from_block(&archive.block(format::OPTICS, TileNumber::FIRST)?)?;
+            self.writer.append(table.encode(format::OPTICS, TileNumber::FIRST, pack::COMPRESSION)?)?;
         }
-        if archive.has(format::MIRRORS, 0) {
-            let table = tables::MirrorsTable::from_block(&archive.block(format::MIRRORS, 0)?)?;
-            self.writer.append(table.encode(format::MIRRORS, 0, pack::COMPRESSION)?)?;
+        if archive.has(format::MIRRORS, TileNumber::FIRST) {
+            let table = tables::MirrorsTable::from_block(&archive.block(format::MIRRORS, TileNumber::FIRST)?)?;
+            self.writer.append(table.encode(format::MIRRORS, TileNumber::FIRST, pack::COMPRESSION)?)?;
         }
         Ok(())
     }
 
     /// Writes the scene's triangles, if one of the archives, which are of one scene, holds them.
     pub fn scene(&mut self, archives: &[&Archive]) -> Result<()> {
-        let holds = |archive: &&&Archive| archive.has(format::SCENE, 0);
+        let holds = |archive: &&&Archive| archive.has(format::SCENE, TileNumber::FIRST);
         let Some(archive) = archives.iter().find(holds) else { return Ok(()) };
         archive.expect_all(format::SCENE);
         archive.entries_of(format::SCENE).iter().try_for_each(|entry| {
@@ -124,7 +125,7 @@ impl<'a> ArchiveAssembly<'a> {
     pub fn responses(&mut self, rows: impl Iterator<Item = Result<LayeredReceiver<Response>>>) -> Result<()> {
         self.cut("responses", rows, |number, rows| {
             let responses: Vec<Response> = rows.iter().map(|row| row.layers.clone()).collect();
-            Ok(vec![pack::responses(number, &responses)?])
+            Ok(vec![pack::responses(TileNumber(number), &responses)?])
         })?;
         Ok(())
     }
@@ -151,7 +152,7 @@ impl<'a> ArchiveAssembly<'a> {
                 sky_view: row.views[0],
                 clear_year: row.layers.clear_year,
             });
-            Ok(vec![pack::overview(number, origin, shown)?])
+            Ok(vec![pack::overview(TileNumber(number), origin, shown)?])
         })?;
         Ok(())
     }
@@ -249,7 +250,7 @@ impl<'a> ArchiveAssembly<'a> {
             let first = chunks.next();
             let encode = |(i, cells): (usize, &[Cell])| {
                 let chunk = Cells::new(cells);
-                let blocks = chunks.encode(first + i as u32, &chunk)?;
+                let blocks = chunks.encode(TileNumber(first.0 + i as u32), &chunk)?;
                 Ok((chunk, blocks))
             };
             let done: Vec<(Cells, Vec<EncodedBlock>)> =

@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 
 use rayon::prelude::*;
 
+use heliotile_core::archive::format::{BlockKind, TileNumber};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::cells::Cell;
@@ -44,7 +45,7 @@ impl<L> LayeredReceiver<L> {
 /// Layers that can be read a tile at a time.
 pub trait Layers: Send + Sized {
     /// What is read for them.
-    fn kinds() -> Vec<u32>;
+    fn kinds() -> Vec<BlockKind>;
 
     /// One value for each of a tile's receivers.
     fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>>;
@@ -75,7 +76,7 @@ pub struct Shown {
 }
 
 impl Layers for Shown {
-    fn kinds() -> Vec<u32> {
+    fn kinds() -> Vec<BlockKind> {
         vec![format::OVERVIEW]
     }
 
@@ -89,7 +90,7 @@ impl Layers for Shown {
 }
 
 impl Layers for () {
-    fn kinds() -> Vec<u32> {
+    fn kinds() -> Vec<BlockKind> {
         Vec::new()
     }
 
@@ -99,7 +100,7 @@ impl Layers for () {
 }
 
 impl Layers for TracedLayers {
-    fn kinds() -> Vec<u32> {
+    fn kinds() -> Vec<BlockKind> {
         vec![format::SKY, format::HIT, format::MIRROR, format::CANOPY]
     }
 
@@ -111,14 +112,14 @@ impl Layers for TracedLayers {
 }
 
 impl Layers for Response {
-    fn kinds() -> Vec<u32> {
+    fn kinds() -> Vec<BlockKind> {
         vec![format::RESPONSE]
     }
 
     fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
         let responses = site.tile_responses(tile)?;
         if responses.len() != receivers {
-            let block = site.block(format::RESPONSE, tile)?;
+            let block = site.block(format::RESPONSE, TileNumber(tile))?;
             return Err(block.corrupt(format!("{} responses", responses.len()), format!("{receivers}")));
         }
         Ok(responses)
@@ -126,7 +127,7 @@ impl Layers for Response {
 }
 
 impl<A: Layers, B: Layers> Layers for (A, B) {
-    fn kinds() -> Vec<u32> {
+    fn kinds() -> Vec<BlockKind> {
         [A::kinds(), B::kinds()].concat()
     }
 
@@ -176,7 +177,7 @@ impl<'a, L: Layers> ArchiveReceivers<'a, L> {
             let (here, behind) = rest.split_at((entry.items as usize).min(rest.len()));
             rest = behind;
             if here.contains(&true) {
-                tiles.push((entry.tile, Some(here)));
+                tiles.push((entry.tile.0, Some(here)));
             }
         }
         ArchiveReceivers { tiles: tiles.into_iter(), ..ArchiveReceivers::new(site) }
@@ -197,7 +198,7 @@ impl<'a, L: Layers> ArchiveReceivers<'a, L> {
             let wanted = |row: usize| kept.is_none_or(|kept| kept.get(row) == Some(&true));
             for row in tile.into_iter().enumerate().filter(|(i, _)| wanted(*i)).map(|(_, row)| row) {
                 if row.key <= self.last {
-                    let block = self.site.block(format::RECEIVERS, number)?;
+                    let block = self.site.block(format::RECEIVERS, TileNumber(number))?;
                     let got = format!("receiver {} after one that belongs behind it", row.receiver.id);
                     return Err(block.corrupt(got, "receivers along the Morton curve"));
                 }
@@ -215,7 +216,7 @@ fn read_tile<L: Layers>(site: &OpenSite, tile: u32) -> Result<Vec<LayeredReceive
     let (layers, receivers) = (L::of_tile(site, tile, table.rows())?, site.tile_parts(tile, &table)?);
     if layers.len() != receivers.len() {
         let what = format!("{} rows of its layers for {} receivers", layers.len(), receivers.len());
-        return Err(Error::defect(site.path(), format::block_name(format::RECEIVERS, tile), "rows", what));
+        return Err(Error::defect(site.path(), format::block_name(format::RECEIVERS, TileNumber(tile)), "rows", what));
     }
     let rows = receivers.into_iter().zip(table.views()).zip(layers);
     Ok(rows

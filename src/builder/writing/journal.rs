@@ -11,7 +11,9 @@ use std::path::Path;
 use crate::writing::disk::{Disk, Handle};
 use heliotile_core::archive::codec::pack;
 use heliotile_core::archive::format;
-use heliotile_core::archive::format::{ENTRY_SIZE, Entry, FIRST_BLOCK, MAJOR, MAX_ENTRIES, MAX_RAW, MINOR};
+use heliotile_core::archive::format::{
+    BlockKind, ENTRY_SIZE, Entry, FIRST_BLOCK, MAJOR, MAX_ENTRIES, MAX_RAW, MINOR, TileNumber,
+};
 use heliotile_core::error::{Error, Result};
 
 /// First bytes of a journal.
@@ -153,7 +155,7 @@ pub struct Found {
     journal: Journal,
     /// The part of the journal that counts.
     bytes: Vec<u8>,
-    pub entries: BTreeMap<(u32, u32), Entry>,
+    pub entries: BTreeMap<(BlockKind, TileNumber), Entry>,
     /// End of the last block.
     pub end: u64,
 }

@@ -1,6 +1,6 @@
 //! What was written is read: [`heliotile_core::archive::reader`].
 
-use heliotile_core::archive::format::{self, Entry};
+use heliotile_core::archive::format::{self, BlockKind, Entry, TileNumber};
 use heliotile_core::archive::reader::check_entries;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::Error;
@@ -28,10 +28,10 @@ fn what_was_written_is_read() {
 fn unknown_kinds_are_skipped() {
     let site = test_site::written();
     let archive = Archive::open(&site.path).unwrap();
-    assert_eq!(archive.entries_of(77).len(), 1);
+    assert_eq!(archive.entries_of(BlockKind(77)).len(), 1);
     assert_eq!(archive.scan(format::SKY).count(), 2);
-    assert!(archive.has(format::SKY, 1) && !archive.has(format::SKY, 2));
-    let error = archive.block(format::SKY, 2).unwrap_err().to_string();
+    assert!(archive.has(format::SKY, TileNumber(1)) && !archive.has(format::SKY, TileNumber(2)));
+    let error = archive.block(format::SKY, TileNumber(2)).unwrap_err().to_string();
     assert!(error.contains("holds no block sky/2"), "{error}");
 }
 

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use crate::writing::Writer;
 use crate::writing::test_site;
 use crate::writing::test_site::JOB;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::tables::ReceiversTable;
 use heliotile_core::archive::{Access, Archive, encode, format};
 use heliotile_core::error::{Error, Result};
@@ -24,8 +25,8 @@ fn publish(path: &Path, generation: u64) {
     for tile in 0..2 {
         let mut receivers = test_site::receivers(tile, 2 - tile as usize);
         receivers.ids.iter_mut().for_each(|id| *id = generation.to_string());
-        writer.append(receivers.encode(format::RECEIVERS, tile, 1).unwrap()).unwrap();
-        writer.append(encode(format::SKY, tile, 1, 1, &layer(generation, tile), 1).unwrap()).unwrap();
+        writer.append(receivers.encode(format::RECEIVERS, TileNumber(tile), 1).unwrap()).unwrap();
+        writer.append(encode(format::SKY, TileNumber(tile), 1, 1, &layer(generation, tile), 1).unwrap()).unwrap();
         writer.checkpoint().unwrap();
     }
     let mut manifest = test_site::manifest();
@@ -39,9 +40,12 @@ fn read(path: &Path, access: Access) -> Result<u64> {
     let archive = Archive::open_with(path, access)?;
     let generation = archive.manifest().counts.probes;
     for tile in 0..archive.tiles() {
-        let receivers = ReceiversTable::from_block(&archive.block(format::RECEIVERS, tile)?)?;
+        let receivers = ReceiversTable::from_block(&archive.block(format::RECEIVERS, TileNumber(tile))?)?;
         assert!(receivers.ids.iter().all(|id| *id == generation.to_string()), "{:?} in {generation}", receivers.ids);
-        assert!(archive.block(format::SKY, tile)?.bytes() == layer(generation, tile), "sky/{tile} of {generation}");
+        assert!(
+            archive.block(format::SKY, TileNumber(tile))?.bytes() == layer(generation, tile),
+            "sky/{tile} of {generation}"
+        );
     }
     Ok(generation)
 }

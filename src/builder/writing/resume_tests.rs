@@ -10,6 +10,7 @@ use crate::writing::test_site::{Build, JOB};
 use crate::writing::writer::Interrupted;
 use crate::writing::{Job, Progress, Writer};
 use heliotile_core::archive::format;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::error::{Error, Result};
 
 fn beside(path: &Path, ending: &str) -> PathBuf {
@@ -98,7 +99,7 @@ fn interrupted_work_is_not_overwritten() {
         assert!(files() == before);
         let writer = if fresh { Writer::create_fresh(&path, &JOB) } else { Writer::resume(&path, &JOB) }.unwrap();
         assert_eq!(writer.resumed().map(|progress| progress.blocks), (!fresh).then_some(4));
-        assert_eq!(writer.has(format::SKY, 0), !fresh);
+        assert_eq!(writer.has(format::SKY, TileNumber::FIRST), !fresh);
         // While it goes on, nobody else may.
         assert!(Writer::resume(&path, &JOB).unwrap_err().to_string().contains("another process"));
         finish(&build, writer);
@@ -269,7 +270,9 @@ fn checkpoints_fall_due() {
     let mut writer = Writer::start(Arc::new(disk), Path::new("site.helio"), &JOB, Interrupted::Refuse).unwrap();
     for tile in 0..8 {
         assert!(!writer.due(), "after {tile} blocks of 8 MiB");
-        writer.append(heliotile_core::archive::encode(3, tile, 1, 1, &raw, 1).unwrap()).unwrap();
+        writer
+            .append(heliotile_core::archive::encode(format::HIT, format::TileNumber(tile), 1, 1, &raw, 1).unwrap())
+            .unwrap();
     }
     assert!(writer.due());
     writer.checkpoint().unwrap();

@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::writing::{Writer, journal, test_site, writer};
 use heliotile_core::archive::accuracy::{Accuracy, GroupError, HoursError, TileError};
 use heliotile_core::archive::format;
-use heliotile_core::archive::format::{Entry, Slot};
+use heliotile_core::archive::format::{Entry, Slot, TileNumber};
 use heliotile_core::archive::negligible::Negligible;
 use heliotile_core::archive::{Archive, EncodedBlock, manifest};
 use heliotile_core::site::ground::MonthlyGround;
@@ -92,7 +92,7 @@ fn limits_and_kinds_are_those_of_the_code() {
     ];
     assert_eq!(limits, expected);
     let kinds: Vec<[String; 3]> = table(&text, "## 3. Kinds").iter().map(|r| [0, 1, 2].map(|i| r[i].clone())).collect();
-    let known = format::KINDS.map(|(kind, name, schema)| [kind.to_string(), name.to_string(), schema.to_string()]);
+    let known = format::KINDS.map(|(kind, name, schema)| [kind.0.to_string(), name.to_string(), schema.to_string()]);
     assert_eq!(kinds, known);
     let bits: Vec<String> = table(&text, "## 5. Compatibility").iter().map(|row| row[1].clone()).collect();
     assert_eq!(bits, format::REQUIRED_BITS);
@@ -115,7 +115,7 @@ fn the_example_is_a_real_file() {
     let mut writer = Writer::create(&path, &test_site::JOB).unwrap();
     // Stored raw, so that the example does not depend on the version of zstd.
     let stored = test_site::materials().to_bytes().unwrap();
-    let mut entry = *test_site::materials().encode(format::MATERIALS, 0, 9).unwrap().entry();
+    let mut entry = *test_site::materials().encode(format::MATERIALS, TileNumber::FIRST, 9).unwrap().entry();
     (entry.codec, entry.stored, entry.checksum) = (format::CODEC_RAW, entry.raw, format::checksum(&stored));
     writer.append(EncodedBlock { entry, stored }).unwrap();
     let mut manifest = manifest::Manifest::new();

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::writing::disk::Disk;
 use crate::writing::writer::Interrupted;
 use crate::writing::{Job, Summary, Writer};
+use heliotile_core::archive::format::{BlockKind, CellKind, TileNumber};
 use heliotile_core::archive::tables::{CellsTable, IndexTable, MaterialsTable, ReceiversTable};
 use heliotile_core::archive::{EncodedBlock, Manifest, encode, format, manifest};
 use heliotile_core::error::Result;
@@ -65,22 +66,22 @@ pub fn encoded() -> Vec<EncodedBlock> {
         encode(kind, tile, format::schema_of(kind).unwrap(), items, &raw, 9).unwrap()
     };
     vec![
-        receivers(0, 2).encode(format::RECEIVERS, 0, 9).unwrap(),
-        layer(format::SKY, 0, 2, 1),
-        layer(format::HIT, 0, 2, 2),
-        receivers(1, 1).encode(format::RECEIVERS, 1, 9).unwrap(),
-        layer(format::SKY, 1, 1, 3),
-        CellsTable::new(&cells(-1, 40)).encode(format::PROBES, 0, 9).unwrap(),
-        IndexTable::new(&cells(-1, 40).keys).encode(format::INDEX, IndexTable::PROBES, 9).unwrap(),
-        CellsTable::new(&cells(2, 58)).encode(format::BOUNCE, 0, 9).unwrap(),
-        IndexTable::new(&cells(2, 58).keys).encode(format::INDEX, IndexTable::BOUNCE, 9).unwrap(),
-        materials().encode(format::MATERIALS, 0, 9).unwrap(),
-        encode(77, 0, 9, 5, b"of a later release", 9).unwrap(),
+        receivers(0, 2).encode(format::RECEIVERS, TileNumber::FIRST, 9).unwrap(),
+        layer(format::SKY, TileNumber::FIRST, 2, 1),
+        layer(format::HIT, TileNumber::FIRST, 2, 2),
+        receivers(1, 1).encode(format::RECEIVERS, TileNumber(1), 9).unwrap(),
+        layer(format::SKY, TileNumber(1), 1, 3),
+        CellsTable::new(&cells(-1, 40)).encode(format::PROBES, TileNumber::FIRST, 9).unwrap(),
+        IndexTable::new(&cells(-1, 40).keys).encode(format::INDEX, CellKind::Probes.index(), 9).unwrap(),
+        CellsTable::new(&cells(2, 58)).encode(format::BOUNCE, TileNumber::FIRST, 9).unwrap(),
+        IndexTable::new(&cells(2, 58).keys).encode(format::INDEX, CellKind::Bounces.index(), 9).unwrap(),
+        materials().encode(format::MATERIALS, TileNumber::FIRST, 9).unwrap(),
+        encode(BlockKind(77), TileNumber::FIRST, 9, 5, b"of a later release", 9).unwrap(),
     ]
 }
 
 /// Kind, tile and raw bytes of every block, in the order of writing.
-pub fn blocks() -> Vec<(u32, u32, Vec<u8>)> {
+pub fn blocks() -> Vec<(BlockKind, TileNumber, Vec<u8>)> {
     let path: Arc<Path> = PathBuf::from("site.helio").into();
     let raw = |block: EncodedBlock| {
         let bytes = heliotile_core::archive::codec::block::decode(&path, block.entry(), &block.stored)
@@ -159,7 +160,7 @@ impl Build {
                 *acknowledged = writer.committed().map_or(0, |progress| progress.blocks);
             }
         }
-        writer.read_back(format::SKY, 0)?;
+        writer.read_back(format::SKY, TileNumber::FIRST)?;
         writer.finish(&self.manifest)
     }
 }

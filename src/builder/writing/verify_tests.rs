@@ -1,7 +1,7 @@
 //! What was written is read: [`heliotile_core::archive::verify`].
 
 use crate::writing::{Writer, test_site};
-use heliotile_core::archive::format::{self, BOUNCE, INDEX, MATERIALS, PROBES};
+use heliotile_core::archive::format::{self, BOUNCE, BlockKind, CellKind, INDEX, MATERIALS, PROBES, TileNumber};
 use heliotile_core::archive::tables::{CellsTable, IndexTable};
 use heliotile_core::archive::{Access, Archive, verify};
 use heliotile_core::layers::cells as layers;
@@ -24,7 +24,7 @@ fn damage_is_named_and_does_not_stop_the_check() {
     let archive = Archive::open(&site.path).unwrap();
     let place = |kind| archive.entries_of(kind)[0].offset as usize;
     let mut bytes = std::fs::read(&site.path).unwrap();
-    for place in [place(format::SKY), place(77), 4100, 600] {
+    for place in [place(format::SKY), place(BlockKind(77)), 4100, 600] {
         bytes[place] ^= 1;
     }
     std::fs::write(&site.path, bytes).unwrap();
@@ -46,21 +46,21 @@ fn blocks_are_checked_against_each_other() {
     let chunk = |number: u32, x: i32, material, seen: i32| {
         let seen = vec![CellKey { level: 2, facing: 58, material: 0, voxel: [seen, 0, 0] }];
         let cells = layers::Cells { keys: vec![key(x, material)], seen, ..good.clone() };
-        CellsTable::new(&cells).encode(PROBES, number, 9).unwrap()
+        CellsTable::new(&cells).encode(PROBES, TileNumber(number), 9).unwrap()
     };
     for block in [chunk(0, 10, 0, 1), chunk(1, 12, 0, 7), chunk(2, 13, 9, 1), chunk(3, 10, 0, 1)] {
         writer.append(block).unwrap();
     }
     let firsts = [key(10, 0), key(12, 0), key(13, 9)];
-    writer.append(IndexTable::new(&firsts).encode(INDEX, IndexTable::PROBES, 9).unwrap()).unwrap();
+    writer.append(IndexTable::new(&firsts).encode(INDEX, CellKind::Probes.index(), 9).unwrap()).unwrap();
     let bounce = layers::Cells {
         keys: vec![CellKey { level: 2, facing: 58, material: 0, voxel: [1, 0, 0] }],
         seen: vec![CellKey { level: 3, facing: 58, material: 0, voxel: [1, 0, 0] }],
         ..good.clone()
     };
-    writer.append(CellsTable::new(&bounce).encode(BOUNCE, 0, 9).unwrap()).unwrap();
-    writer.append(IndexTable::new(&bounce.keys).encode(INDEX, IndexTable::BOUNCE, 9).unwrap()).unwrap();
-    writer.append(test_site::materials().encode(MATERIALS, 0, 9).unwrap()).unwrap();
+    writer.append(CellsTable::new(&bounce).encode(BOUNCE, TileNumber::FIRST, 9).unwrap()).unwrap();
+    writer.append(IndexTable::new(&bounce.keys).encode(INDEX, CellKind::Bounces.index(), 9).unwrap()).unwrap();
+    writer.append(test_site::materials().encode(MATERIALS, TileNumber::FIRST, 9).unwrap()).unwrap();
     let mut manifest = test_site::manifest();
     (manifest.receivers.tiles, manifest.receivers.count) = (0, 0);
     manifest.layers = writer.layers();

@@ -15,7 +15,9 @@ use heliotile_core::archive::Blocks;
 use heliotile_core::archive::codec::block;
 use heliotile_core::archive::codec::block::{Block, EncodedBlock};
 use heliotile_core::archive::format;
-use heliotile_core::archive::format::{COMPLETE, ENTRY_SIZE, Entry, FIRST_BLOCK, MAX_ENTRIES, SLOT_OFFSETS, Slot};
+use heliotile_core::archive::format::{
+    BlockKind, COMPLETE, ENTRY_SIZE, Entry, FIRST_BLOCK, MAX_ENTRIES, SLOT_OFFSETS, Slot, TileNumber,
+};
 use heliotile_core::archive::manifest;
 use heliotile_core::archive::manifest::{LayerSummary, Manifest};
 use heliotile_core::error::{Error, Result};
@@ -53,7 +55,7 @@ pub struct Writer {
     job: Job,
     /// Made by the first checkpoint: most builds end before it.
     journal: Option<Journal>,
-    entries: BTreeMap<(u32, u32), Entry>,
+    entries: BTreeMap<(BlockKind, TileNumber), Entry>,
     /// What the next checkpoint adds, in the order of writing.
     pending: Vec<Entry>,
     /// End of the bytes written.
@@ -200,17 +202,17 @@ impl Writer {
     }
 
     /// Whether a block was appended, in this run or before a resume.
-    pub fn has(&self, kind: u32, tile: u32) -> bool {
+    pub fn has(&self, kind: BlockKind, tile: TileNumber) -> bool {
         self.entry(kind, tile).is_some()
     }
 
     /// What the directory will say of a block.
-    pub fn entry(&self, kind: u32, tile: u32) -> Option<&Entry> {
+    pub fn entry(&self, kind: BlockKind, tile: TileNumber) -> Option<&Entry> {
         self.entries.get(&(kind, tile))
     }
 
     /// A block that was appended, read from the file and checked. Many threads may do so.
-    pub fn read_back(&self, kind: u32, tile: u32) -> Result<Block> {
+    pub fn read_back(&self, kind: BlockKind, tile: TileNumber) -> Result<Block> {
         let Some(entry) = self.entry(kind, tile) else {
             let what = format!("block {} was not written yet", format::block_name(kind, tile));
             return Err(Error::input(self.partial.path(), None, what, FAULT));
@@ -370,15 +372,15 @@ impl Blocks for Writer {
         Writer::partial(self)
     }
 
-    fn has(&self, kind: u32, tile: u32) -> bool {
+    fn has(&self, kind: BlockKind, tile: TileNumber) -> bool {
         Writer::has(self, kind, tile)
     }
 
-    fn rows(&self, kind: u32, tile: u32) -> Option<u32> {
+    fn rows(&self, kind: BlockKind, tile: TileNumber) -> Option<u32> {
         self.entry(kind, tile).map(|entry| entry.items)
     }
 
-    fn block(&self, kind: u32, tile: u32) -> Result<Block> {
+    fn block(&self, kind: BlockKind, tile: TileNumber) -> Result<Block> {
         self.read_back(kind, tile)
     }
 }
@@ -430,13 +432,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut writer = Writer::create(&folder.path().join("site.helio"), &JOB).unwrap();
         for tile in 0..5_u8 {
-            writer.append(encode(3, tile.into(), 1, 1, &[tile; 900], 9).unwrap()).unwrap();
+            writer.append(encode(format::HIT, TileNumber(tile.into()), 1, 1, &[tile; 900], 9).unwrap()).unwrap();
         }
         for tile in 0..5_u8 {
-            assert_eq!(writer.read_back(3, tile.into()).unwrap().bytes(), [tile; 900]);
+            assert_eq!(writer.read_back(format::HIT, TileNumber(tile.into())).unwrap().bytes(), [tile; 900]);
         }
-        assert!(writer.read_back(3, 5).is_err());
-        let error = writer.append(encode(3, 4, 1, 1, &[0], 9).unwrap()).unwrap_err();
+        assert!(writer.read_back(format::HIT, TileNumber(5)).is_err());
+        let error = writer.append(encode(format::HIT, format::TileNumber(4), 1, 1, &[0], 9).unwrap()).unwrap_err();
         assert!(error.to_string().contains("hit/4 was written twice"), "{error}");
         assert_eq!(writer.layers()[0].raw_bytes, 4500);
     }
@@ -451,7 +453,7 @@ mod tests {
             writer.due()
         };
         assert!(!due(&mut writer));
-        writer.append(encode(3, 0, 1, 1, &[0; 900], 9).unwrap()).unwrap();
+        writer.append(encode(format::HIT, format::TileNumber::FIRST, 1, 1, &[0; 900], 9).unwrap()).unwrap();
         assert!(due(&mut writer));
         writer.checkpoint().unwrap();
         assert!(!due(&mut writer));

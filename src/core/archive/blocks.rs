@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::archive::codec::block::Block;
+use crate::archive::format::{BlockKind, TileNumber};
 use crate::archive::reader::Archive;
 use crate::error::Result;
 
@@ -11,13 +12,13 @@ pub trait Blocks: Sync {
     /// The file, for messages.
     fn path(&self) -> &Path;
     /// Whether there is such a block.
-    fn has(&self, kind: u32, tile: u32) -> bool;
+    fn has(&self, kind: BlockKind, tile: TileNumber) -> bool;
     /// Number of rows of such a block, by the directory.
-    fn rows(&self, kind: u32, tile: u32) -> Option<u32>;
+    fn rows(&self, kind: BlockKind, tile: TileNumber) -> Option<u32>;
     /// The block, checked and decoded.
-    fn block(&self, kind: u32, tile: u32) -> Result<Block>;
+    fn block(&self, kind: BlockKind, tile: TileNumber) -> Result<Block>;
     /// Tells of blocks that will be read soon; see [`Archive::expect`].
-    fn expect(&self, _blocks: &[(u32, u32)]) {}
+    fn expect(&self, _blocks: &[(BlockKind, TileNumber)]) {}
 }
 
 impl Blocks for Archive {
@@ -25,19 +26,19 @@ impl Blocks for Archive {
         Archive::path(self)
     }
 
-    fn has(&self, kind: u32, tile: u32) -> bool {
+    fn has(&self, kind: BlockKind, tile: TileNumber) -> bool {
         Archive::has(self, kind, tile)
     }
 
-    fn rows(&self, kind: u32, tile: u32) -> Option<u32> {
+    fn rows(&self, kind: BlockKind, tile: TileNumber) -> Option<u32> {
         self.entry(kind, tile).map(|entry| entry.items)
     }
 
-    fn block(&self, kind: u32, tile: u32) -> Result<Block> {
+    fn block(&self, kind: BlockKind, tile: TileNumber) -> Result<Block> {
         Archive::block(self, kind, tile)
     }
 
-    fn expect(&self, blocks: &[(u32, u32)]) {
+    fn expect(&self, blocks: &[(BlockKind, TileNumber)]) {
         Archive::expect(self, blocks.iter().copied());
     }
 }

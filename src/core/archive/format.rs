@@ -1,6 +1,46 @@
 //! Every offset, size, limit and id of the file, once: `schema/heliotile-1.md` in code. In: plain bytes. Out: slots and
 //! directory entries, each decoded without trust in any of its numbers.
 
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::archive::record::Plain;
+
+/// What a block holds, as the directory states it; a later release may have kinds that this one does not know.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct BlockKind(pub u32);
+
+/// Number of a block among those of its kind: the tile of its receivers or the chunk of its cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TileNumber(pub u32);
+
+impl TileNumber {
+    /// The first one: that of a table of the whole site, which is the only one of its kind, too.
+    pub const FIRST: TileNumber = TileNumber(0);
+}
+
+impl fmt::Display for TileNumber {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+macro_rules! plain_wrappers {
+    ($($name:ident)*) => {$(
+        impl Plain for $name {
+            fn put(&self, out: &mut Vec<u8>) {
+                self.0.put(out);
+            }
+            fn take(bytes: &[u8]) -> Option<(Self, &[u8])> {
+                u32::take(bytes).map(|(number, rest)| ($name(number), rest))
+            }
+        }
+    )*};
+}
+plain_wrappers!(BlockKind TileNumber);
+
 /// First bytes of a slot. 0x89 and the line ends show a transfer as text, as in PNG.
 pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'O', 0x0d, 0x0a, 0x1a, 0x0a];
 /// Major number of the format that this release reads and writes.
@@ -49,55 +89,85 @@ pub const CODEC_RAW: u16 = 0;
 pub const CODEC_ZSTD: u16 = 1;
 
 /// Kind: ids, places, normals, areas, surfaces and view factors of a tile's receivers.
-pub const RECEIVERS: u32 = 1;
+pub const RECEIVERS: BlockKind = BlockKind(1);
 /// Kind: bits of the sky that a tile's receivers see, refined at edges.
-pub const SKY: u32 = 2;
+pub const SKY: BlockKind = BlockKind(2);
 /// Kind: the cells that each texel of a tile's receivers meets.
-pub const HIT: u32 = 3;
+pub const HIT: BlockKind = BlockKind(3);
 /// Kind: a tile's responses, derived from all else for the stored reflectances.
-pub const RESPONSE: u32 = 4;
+pub const RESPONSE: BlockKind = BlockKind(4);
 /// Kind: a chunk of the cells that receivers see.
-pub const PROBES: u32 = 5;
+pub const PROBES: BlockKind = BlockKind(5);
 /// Kind: a chunk of the coarser cells that probes and each other see.
-pub const BOUNCE: u32 = 6;
+pub const BOUNCE: BlockKind = BlockKind(6);
 /// Kind: first keys of all chunks of one kind of cells.
-pub const INDEX: u32 = 7;
+pub const INDEX: BlockKind = BlockKind(7);
 /// Kind: what a tile's receivers see in mirrors.
-pub const MIRROR: u32 = 8;
+pub const MIRROR: BlockKind = BlockKind(8);
 /// Kind: how often rays of a tile's receivers cross leaves and screens.
-pub const CANOPY: u32 = 9;
+pub const CANOPY: BlockKind = BlockKind(9);
 /// Kind: the materials, one block; cell keys hold their rows.
-pub const MATERIALS: u32 = 10;
+pub const MATERIALS: BlockKind = BlockKind(10);
 /// Kind: what materials do besides reflecting diffusely, one block, row by row as the materials.
-pub const OPTICS: u32 = 11;
+pub const OPTICS: BlockKind = BlockKind(11);
 /// Kind: what a chunk of probes sees in mirrors.
-pub const PROBE_MIRROR: u32 = 12;
+pub const PROBE_MIRROR: BlockKind = BlockKind(12);
 /// Kind: what a chunk of bounce cells sees in mirrors.
-pub const BOUNCE_MIRROR: u32 = 13;
+pub const BOUNCE_MIRROR: BlockKind = BlockKind(13);
 /// Kind: how often rays of a chunk of probes cross leaves and screens.
-pub const PROBE_CANOPY: u32 = 14;
+pub const PROBE_CANOPY: BlockKind = BlockKind(14);
 /// Kind: how often rays of a chunk of bounce cells cross leaves and screens.
-pub const BOUNCE_CANOPY: u32 = 15;
+pub const BOUNCE_CANOPY: BlockKind = BlockKind(15);
 /// Kind: orientations of the mirrors, one block; chains hold their rows.
-pub const MIRRORS: u32 = 16;
+pub const MIRRORS: BlockKind = BlockKind(16);
 /// Kind: what of the model each of a tile's receivers stands for, where anything is known.
-pub const PARTS: u32 = 17;
+pub const PARTS: BlockKind = BlockKind(17);
 /// Kind: a chunk of the scene's triangles, where the archive may show them.
-pub const SCENE: u32 = 18;
+pub const SCENE: BlockKind = BlockKind(18);
 /// Kind: what is drawn of a tile's receivers before anything else is read; in archives that may show their scene.
-pub const OVERVIEW: u32 = 19;
+pub const OVERVIEW: BlockKind = BlockKind(19);
 /// Kind: some tiles' boxes, one block after the other for all of them.
-pub const EXTENTS: u32 = 20;
+pub const EXTENTS: BlockKind = BlockKind(20);
 /// Kind: names in order, each with the tiles that hold it; chunk 0 holds the first name of each other chunk.
-pub const NAMES: u32 = 21;
+pub const NAMES: BlockKind = BlockKind(21);
 
-/// Kinds of the layers of a chunk of cells of a kind that only some scenes call for: mirrors, canopies; their tile is the chunk's.
-pub fn cell_extras(kind: u32) -> [u32; 2] {
-    if kind == PROBES { [PROBE_MIRROR, PROBE_CANOPY] } else { [BOUNCE_MIRROR, BOUNCE_CANOPY] }
+/// The two kinds of cells; each has chunks, layers of them, and an index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellKind {
+    /// Cells that receivers see.
+    Probes,
+    /// Coarser cells that probes and each other see.
+    Bounces,
+}
+
+impl CellKind {
+    /// Kind of the blocks that hold chunks of them.
+    pub fn chunks(self) -> BlockKind {
+        match self {
+            CellKind::Probes => PROBES,
+            CellKind::Bounces => BOUNCE,
+        }
+    }
+
+    /// Kinds of the layers that only some scenes call for: mirrors, canopies. Their number is that of the chunk.
+    pub fn extras(self) -> [BlockKind; 2] {
+        match self {
+            CellKind::Probes => [PROBE_MIRROR, PROBE_CANOPY],
+            CellKind::Bounces => [BOUNCE_MIRROR, BOUNCE_CANOPY],
+        }
+    }
+
+    /// Number of the index of their chunks among blocks of [`INDEX`].
+    pub fn index(self) -> TileNumber {
+        match self {
+            CellKind::Probes => TileNumber(0),
+            CellKind::Bounces => TileNumber(1),
+        }
+    }
 }
 
 /// Kinds that this release knows: id, name, schema id of the raw bytes.
-pub const KINDS: [(u32, &str, u16); 21] = [
+pub const KINDS: [(BlockKind, &str, u16); 21] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
     (HIT, "hit", 3),
@@ -122,20 +192,20 @@ pub const KINDS: [(u32, &str, u16); 21] = [
 ];
 
 /// Name of a kind; a kind of a later release gets its number.
-pub fn kind_name(kind: u32) -> String {
+pub fn kind_name(kind: BlockKind) -> String {
     match KINDS.iter().find(|known| known.0 == kind) {
         Some((_, name, _)) => (*name).to_string(),
-        None => format!("kind-{kind}"),
+        None => format!("kind-{}", kind.0),
     }
 }
 
 /// Schema id of a kind; `None` for an unknown kind.
-pub fn schema_of(kind: u32) -> Option<u16> {
+pub fn schema_of(kind: BlockKind) -> Option<u16> {
     KINDS.iter().find(|known| known.0 == kind).map(|known| known.2)
 }
 
 /// Name of a block in messages: `sky/3`.
-pub fn block_name(kind: u32, tile: u32) -> String {
+pub fn block_name(kind: BlockKind, tile: TileNumber) -> String {
     format!("{}/{tile}", kind_name(kind))
 }
 
@@ -151,9 +221,9 @@ pub fn checksum(bytes: &[u8]) -> [u8; 8] {
 }
 
 /// Identity of a block's content, whatever compressed it.
-pub fn content_id(kind: u32, schema: u16, raw: &[u8]) -> [u8; 32] {
+pub fn content_id(kind: BlockKind, schema: u16, raw: &[u8]) -> [u8; 32] {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(&kind.to_le_bytes()).update(&schema.to_le_bytes()).update(raw);
+    hasher.update(&kind.0.to_le_bytes()).update(&schema.to_le_bytes()).update(raw);
     *hasher.finalize().as_bytes()
 }
 
@@ -205,9 +275,9 @@ crate::record! {
     /// A directory entry: where a block stands and how to check it.
     Entry {
         /// What the block holds, such as [`SKY`].
-        kind: u32,
+        kind: BlockKind,
         /// Number among the blocks of its kind: the tile of its receivers, the chunk of its cells; 0 for a table of the whole site.
-        tile: u32,
+        tile: TileNumber,
         /// Where it starts in the file, a multiple of [`ALIGNMENT`].
         offset: u64,
         /// Length in the file.
@@ -290,7 +360,7 @@ impl Entry {
     }
 
     /// Order of the directory.
-    pub fn key(&self) -> (u32, u32) {
+    pub fn key(&self) -> (BlockKind, TileNumber) {
         (self.kind, self.tile)
     }
 
@@ -312,7 +382,7 @@ mod tests {
         assert_eq!(Slot::decode(&slot.encode()), Some(slot));
         let bytes: Vec<u8> = (0..80).collect();
         let entry = Entry::decode(&bytes).unwrap();
-        assert_eq!((entry.kind, entry.reserved[7]), (0x0302_0100, 79));
+        assert_eq!((entry.kind, entry.reserved[7]), (BlockKind(0x0302_0100), 79));
         let mut again = Vec::new();
         entry.encode(&mut again);
         assert_eq!(again, bytes);
@@ -333,8 +403,8 @@ mod tests {
     /// Known kinds have names and an unknown one its number; aligning near 2^64 is no overflow.
     #[test]
     fn names_and_alignment() {
-        assert_eq!(block_name(SKY, 3), "sky/3");
-        assert_eq!(block_name(77, 0), "kind-77/0");
+        assert_eq!(block_name(SKY, TileNumber(3)), "sky/3");
+        assert_eq!(block_name(BlockKind(77), TileNumber(0)), "kind-77/0");
         assert_eq!((align(8193), align(u64::MAX)), (Some(8256), None));
         assert_eq!(Slot { required: 0b101, ..Slot::building() }.unknown_bits(), [2]);
     }

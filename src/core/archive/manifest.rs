@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::archive::accuracy::Accuracy;
 use crate::archive::format;
-use crate::archive::format::{Entry, MAX_MANIFEST, MAX_TILE_RECEIVERS, RECEIVERS};
+use crate::archive::format::{BlockKind, Entry, MAX_MANIFEST, MAX_TILE_RECEIVERS, RECEIVERS, TileNumber};
 use crate::archive::negligible::Negligible;
 pub use crate::archive::settings::Settings;
 use crate::error::{Error, Result};
@@ -117,7 +117,7 @@ pub struct LayerSummary {
     /// Name of the kind, as in names of blocks.
     pub name: String,
     /// Number of the kind, as in [`format::KINDS`].
-    pub kind: u32,
+    pub kind: BlockKind,
     /// Number of blocks.
     pub blocks: u64,
     /// Sum of their lengths after decoding.
@@ -128,7 +128,7 @@ pub struct LayerSummary {
 
 /// One row a kind for a sorted directory. The sums cannot overflow: 2^26 entries of 32-bit lengths at most.
 pub fn summarize<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<LayerSummary> {
-    let mut rows: BTreeMap<u32, LayerSummary> = BTreeMap::new();
+    let mut rows: BTreeMap<BlockKind, LayerSummary> = BTreeMap::new();
     for entry in entries {
         let row = rows.entry(entry.kind).or_insert_with(|| LayerSummary {
             name: format::kind_name(entry.kind),
@@ -204,8 +204,8 @@ impl Manifest {
         }
         let (mut tiles, mut count) = (0_u32, 0_u64);
         for entry in entries.iter().filter(|entry| entry.kind == RECEIVERS) {
-            if entry.tile != tiles {
-                return wrong(entry.name(), format::block_name(RECEIVERS, tiles));
+            if entry.tile != TileNumber(tiles) {
+                return wrong(entry.name(), format::block_name(RECEIVERS, TileNumber(tiles)));
             }
             if entry.items == 0 || entry.items > size {
                 return wrong(format!("{} rows in {}", entry.items, entry.name()), format!("1 to {size}"));

@@ -5,7 +5,9 @@ use std::path::Path;
 use crate::archive::codec::block;
 use crate::archive::codec::block::{Block, EncodedBlock};
 use crate::archive::format;
-use crate::archive::format::{ALIGNMENT, CODEC_RAW, ENTRY_SIZE, Entry, FIRST_BLOCK, MAX_RAW, Slot};
+use crate::archive::format::{
+    ALIGNMENT, BlockKind, CODEC_RAW, ENTRY_SIZE, Entry, FIRST_BLOCK, MAX_RAW, Slot, TileNumber,
+};
 use crate::archive::header;
 use crate::archive::header::Header;
 use crate::archive::manifest::Manifest;
@@ -93,7 +95,7 @@ impl Archive {
     }
 
     /// The directory entries of one kind, by tile.
-    pub fn entries_of(&self, kind: u32) -> &[Entry] {
+    pub fn entries_of(&self, kind: BlockKind) -> &[Entry] {
         let start = self.entries.partition_point(|entry| entry.kind < kind);
         let end = self.entries.partition_point(|entry| entry.kind <= kind);
         self.entries.get(start..end).unwrap_or(&[])
@@ -105,18 +107,18 @@ impl Archive {
     }
 
     /// The directory entry of a block.
-    pub fn entry(&self, kind: u32, tile: u32) -> Option<&Entry> {
+    pub fn entry(&self, kind: BlockKind, tile: TileNumber) -> Option<&Entry> {
         let row = self.entries.binary_search_by_key(&(kind, tile), Entry::key).ok()?;
         self.entries.get(row)
     }
 
     /// Whether the archive holds a block.
-    pub fn has(&self, kind: u32, tile: u32) -> bool {
+    pub fn has(&self, kind: BlockKind, tile: TileNumber) -> bool {
         self.entry(kind, tile).is_some()
     }
 
     /// A block, checked and decoded; an error if it is damaged or not there.
-    pub fn block(&self, kind: u32, tile: u32) -> Result<Block> {
+    pub fn block(&self, kind: BlockKind, tile: TileNumber) -> Result<Block> {
         match self.entry(kind, tile) {
             Some(entry) => self.fetch(entry),
             None => {
@@ -127,19 +129,19 @@ impl Archive {
     }
 
     /// All blocks of one kind, by tile; a bad one is an error in its place and the rest follow.
-    pub fn scan(&self, kind: u32) -> impl Iterator<Item = Result<Block>> + '_ {
+    pub fn scan(&self, kind: BlockKind) -> impl Iterator<Item = Result<Block>> + '_ {
         self.entries_of(kind).iter().map(|entry| self.fetch(entry))
     }
 
     /// Tells where the bytes are held that blocks will be read soon, in any order: from afar they come together. A hint, which costs nothing
     /// where bytes are at hand; blocks that do not exist are passed over.
-    pub fn expect(&self, blocks: impl IntoIterator<Item = (u32, u32)>) {
+    pub fn expect(&self, blocks: impl IntoIterator<Item = (BlockKind, TileNumber)>) {
         let found = blocks.into_iter().filter_map(|(kind, tile)| self.entry(kind, tile).copied());
         self.source.expect(&found.collect::<Vec<_>>());
     }
 
     /// The same for all blocks of a kind.
-    pub fn expect_all(&self, kind: u32) {
+    pub fn expect_all(&self, kind: BlockKind) {
         self.source.expect(self.entries_of(kind));
     }
 

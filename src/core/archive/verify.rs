@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use crate::archive::codec::block::Block;
 use crate::archive::format;
 use crate::archive::format::{
-    BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, CANOPY, EXTENTS, Entry, FIRST_BLOCK, HIT, INDEX, MATERIALS, MIRROR, MIRRORS,
-    NAMES, OPTICS, OVERVIEW, PARTS, PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS, RESPONSE, SCENE, SKY, SLOT_OFFSETS,
-    SLOT_SIZE,
+    BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, BlockKind, CANOPY, CellKind, EXTENTS, Entry, FIRST_BLOCK, HIT, INDEX,
+    MATERIALS, MIRROR, MIRRORS, NAMES, OPTICS, OVERVIEW, PARTS, PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS,
+    RESPONSE, SCENE, SKY, SLOT_OFFSETS, SLOT_SIZE, TileNumber,
 };
 use crate::archive::read_at::ReadAt;
 use crate::archive::reader::{Archive, by_place};
@@ -134,8 +134,8 @@ struct Keys {
 
 impl Site {
     fn new(archive: &Archive, deep: bool) -> Self {
-        let index = |tile| {
-            let table = archive.block(INDEX, tile).and_then(|block| IndexTable::from_block(&block));
+        let index = |cells: CellKind| {
+            let table = archive.block(INDEX, cells.index()).and_then(|block| IndexTable::from_block(&block));
             table.map(|index| index.firsts()).unwrap_or_default()
         };
         let keys_of = |kind| {
@@ -146,14 +146,14 @@ impl Site {
             keys.par_sort_unstable();
             keys
         };
-        let optics = archive.block(OPTICS, 0).and_then(|block| OpticsTable::from_block(&block));
+        let optics = archive.block(OPTICS, TileNumber::FIRST).and_then(|block| OpticsTable::from_block(&block));
         let items = |kind| archive.entries_of(kind).iter().map(|entry| u64::from(entry.items)).sum();
         Site {
             canopies: optics.map(|optics| optics.canopy).unwrap_or_default(),
             materials: items(MATERIALS),
             orientations: items(MIRRORS),
-            probes: index(IndexTable::PROBES),
-            bounces: index(IndexTable::BOUNCE),
+            probes: index(CellKind::Probes),
+            bounces: index(CellKind::Bounces),
             keys: deep.then(|| Keys { probes: keys_of(PROBES), bounces: keys_of(BOUNCE) }),
         }
     }
@@ -177,7 +177,9 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
             same_rows(archive, &block, RECEIVERS)?;
             PartsTable::from_block(&block).map(|_| ())
         }
-        MATERIALS if entry.tile > 0 => Err(block.corrupt(format!("tile {}", entry.tile), "tile 0 only")),
+        MATERIALS if entry.tile != TileNumber::FIRST => {
+            Err(block.corrupt(format!("tile {}", entry.tile), "tile 0 only"))
+        }
         MATERIALS => MaterialsTable::from_block(&block).map(|_| ()),
         OPTICS => {
             let optics = OpticsTable::from_block(&block)?;
@@ -190,7 +192,7 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
             OverviewTable::from_block(&block).map(|_| ())
         }
         EXTENTS => check_extents(archive, &block, site.keys.is_some()),
-        NAMES if entry.tile == 0 && site.keys.is_some() => check_names(archive, &block),
+        NAMES if entry.tile == TileNumber::FIRST && site.keys.is_some() => check_names(archive, &block),
         NAMES => NamesTable::from_block(&block).map(|_| ()),
         INDEX => IndexTable::from_block(&block).map(|_| ()),
         PROBES => check_cells(&block, &site.probes, site),
@@ -229,7 +231,7 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
 /// Boxes of tiles: as many as there are, and, in a deep check, those of the receivers.
 fn check_extents(archive: &Archive, block: &Block, deep: bool) -> Result<()> {
     let table = ExtentsTable::from_block(block)?;
-    let first = (block.entry().tile as usize).saturating_mul(TILES_A_CHUNK);
+    let first = (block.entry().tile.0 as usize).saturating_mul(TILES_A_CHUNK);
     let expected = (archive.tiles() as usize).saturating_sub(first).min(TILES_A_CHUNK);
     if table.rows() != expected {
         return Err(block.corrupt(format!("{} tiles", table.rows()), format!("{expected}")));
@@ -259,7 +261,7 @@ fn check_names(archive: &Archive, block: &Block) -> Result<()> {
             return Ok(());
         };
         let begins = rows.first().is_some_and(|row| (row.of, &row.name) == (first.of, &first.name));
-        if first.tile != entry.tile || !begins || last.as_ref() >= rows.first() {
+        if TileNumber(first.tile) != entry.tile || !begins || last.as_ref() >= rows.first() {
             return Err(block.corrupt(format!("chunk {} with other names", entry.tile), "names in order"));
         }
         rows.iter().for_each(|row| stated.add(row.of, &row.name, row.tile));
@@ -290,7 +292,7 @@ impl NameDigest {
 }
 
 /// A block has as many rows as the block of another kind whose rows it is about.
-fn same_rows(archive: &Archive, block: &Block, of: u32) -> Result<()> {
+fn same_rows(archive: &Archive, block: &Block, of: BlockKind) -> Result<()> {
     let (tile, rows) = (block.entry().tile, block.items());
     let of_kind = archive.entries_of(of).iter().find(|entry| entry.tile == tile).map(|entry| entry.items);
     if of_kind == Some(rows) {
@@ -303,7 +305,7 @@ fn same_rows(archive: &Archive, block: &Block, of: u32) -> Result<()> {
 fn check_canopies(
     archive: &Archive,
     block: &Block,
-    of: u32,
+    of: BlockKind,
     sides: [usize; 2],
     seen: Option<u32>,
     site: &Site,
@@ -324,7 +326,7 @@ fn check_canopies(
 fn check_cells(block: &Block, firsts: &[CellKey], site: &Site) -> Result<()> {
     let cells = CellsTable::from_block(block)?.into_cells();
     check_materials(block, cells.keys.iter().chain(&cells.seen).map(|key| key.material), site)?;
-    let chunk = block.entry().tile as usize;
+    let chunk = block.entry().tile.0 as usize;
     if cells.keys.first() != firsts.get(chunk) {
         return Err(block.corrupt("another first cell", "the one of the index"));
     }

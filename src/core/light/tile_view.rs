@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::archive::format::{BlockKind, TileNumber};
 use crate::archive::{format, tables};
 use crate::error::Result;
 use crate::layers::canopy::Canopy;
@@ -30,7 +31,7 @@ pub struct TileView {
 
 impl TileView {
     /// What is read of a tile.
-    pub const KINDS: [u32; 4] = [format::RECEIVERS, format::HIT, format::MIRROR, format::CANOPY];
+    pub const KINDS: [BlockKind; 4] = [format::RECEIVERS, format::HIT, format::MIRROR, format::CANOPY];
 
     /// Reads a tile.
     pub fn read(site: &OpenSite, number: u32) -> Result<Self> {
@@ -63,6 +64,6 @@ impl TileView {
     /// Name of the block by which its receivers see a cell.
     pub fn block_that_sees(&self, key: &CellKey) -> String {
         let kind = if self.hits.palette.contains(key) { format::HIT } else { format::MIRROR };
-        format::block_name(kind, self.number)
+        format::block_name(kind, TileNumber(self.number))
     }
 }

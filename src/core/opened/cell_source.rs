@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use crate::archive::format::{CellKind, TileNumber};
 use crate::archive::{Block, format, tables};
 use crate::error::{Error, Result};
 use crate::layers::canopy::Canopy;
@@ -14,27 +15,27 @@ use crate::site::cells::CellKey;
 
 impl OpenSite<'_> {
     /// Texels of the sky, and rays, of a cell of a kind.
-    fn rays_of(&self, kind: u32) -> [usize; 2] {
+    fn rays_of(&self, kind: CellKind) -> [usize; 2] {
         let settings = self.settings();
         match kind {
-            format::PROBES => [settings.probe * settings.probe, settings.probe_hits],
-            _ => [settings.bounce_sky * settings.bounce_sky, settings.bounce_hits],
+            CellKind::Probes => [settings.probe * settings.probe, settings.probe_hits],
+            CellKind::Bounces => [settings.bounce_sky * settings.bounce_sky, settings.bounce_hits],
         }
     }
 
     /// The cells of a chunk with all their layers; their place among the chunks is for [`CellSource::chunk`] to check.
-    pub fn cells(&self, kind: u32, chunk: u32) -> Result<Cells> {
-        self.cells_in(&self.block(kind, chunk)?)
+    pub fn cells(&self, kind: CellKind, chunk: TileNumber) -> Result<Cells> {
+        self.cells_in(kind, &self.block(kind.chunks(), chunk)?)
     }
 
-    fn cells_in(&self, block: &Block) -> Result<Cells> {
+    fn cells_in(&self, kind: CellKind, block: &Block) -> Result<Cells> {
         let mut cells = tables::CellsTable::from_block(block)?.into_cells();
-        let (rows, [texels, rays]) = (cells.rows(), self.rays_of(block.entry().kind));
+        let (rows, [texels, rays]) = (cells.rows(), self.rays_of(kind));
         if cells.bits.len() != rows * texels.div_ceil(8) || cells.hits.len() != rows * rays {
             return Err(block.corrupt("cells of another shape", "textures and rays as in the manifest"));
         }
         self.check_materials(block, cells.keys.iter().chain(&cells.seen).map(|key| key.material))?;
-        let [mirror, canopy] = format::cell_extras(block.entry().kind);
+        let [mirror, canopy] = kind.extras();
         let chunk = block.entry().tile;
         if self.has(mirror, chunk) {
             cells.mirrors = self.cell_mirrors(&self.block(mirror, chunk)?, rows, texels)?;
@@ -76,7 +77,7 @@ impl OpenSite<'_> {
 #[derive(Clone)]
 pub struct CellSource<'a> {
     site: OpenSite<'a>,
-    kind: u32,
+    kind: CellKind,
     /// First key of every chunk.
     firsts: Vec<CellKey>,
 }
@@ -84,15 +85,16 @@ pub struct CellSource<'a> {
 impl<'a> CellSource<'a> {
     /// The probes of a site.
     pub fn probes(site: &OpenSite<'a>) -> Result<Self> {
-        CellSource::open(site, format::PROBES, tables::IndexTable::PROBES)
+        CellSource::open(site, CellKind::Probes)
     }
 
     /// The bounce cells of a site.
     pub fn bounces(site: &OpenSite<'a>) -> Result<Self> {
-        CellSource::open(site, format::BOUNCE, tables::IndexTable::BOUNCE)
+        CellSource::open(site, CellKind::Bounces)
     }
 
-    fn open(site: &OpenSite<'a>, kind: u32, index: u32) -> Result<Self> {
+    fn open(site: &OpenSite<'a>, kind: CellKind) -> Result<Self> {
+        let index = kind.index();
         // A site where no ray meets anything has no cells and no index.
         let firsts = match site.has(format::INDEX, index) {
             true => tables::IndexTable::from_block(&site.block(format::INDEX, index)?)?.firsts(),
@@ -113,14 +115,14 @@ impl<'a> CellSource<'a> {
 
     /// Tells of chunks that will be read soon, with all their layers.
     pub fn expect(&self, chunks: impl IntoIterator<Item = usize>) {
-        let [mirror, canopy] = format::cell_extras(self.kind);
-        self.site.expect(&[self.kind, mirror, canopy], chunks.into_iter().map(|chunk| chunk as u32));
+        let [mirror, canopy] = self.kind.extras();
+        self.site.expect(&[self.kind.chunks(), mirror, canopy], chunks.into_iter().map(|chunk| chunk as u32));
     }
 
     /// All cells of a chunk.
     pub fn chunk(&self, chunk: usize) -> Result<Cells> {
-        let block = self.site.block(self.kind, chunk as u32)?;
-        let cells = self.site.cells_in(&block)?;
+        let block = self.site.block(self.kind.chunks(), TileNumber(chunk as u32))?;
+        let cells = self.site.cells_in(self.kind, &block)?;
         if cells.keys.first() != self.firsts.get(chunk) {
             return Err(block.corrupt("another first cell", "the one of the index"));
         }
@@ -149,13 +151,15 @@ impl<'a> CellSource<'a> {
 
     /// Name of the block that holds a cell.
     pub fn block_of(&self, key: &CellKey) -> String {
-        self.chunk_of(key)
-            .map_or_else(|| format::kind_name(self.kind), |chunk| format::block_name(self.kind, chunk as u32))
+        self.chunk_of(key).map_or_else(
+            || format::kind_name(self.kind.chunks()),
+            |chunk| format::block_name(self.kind.chunks(), TileNumber(chunk as u32)),
+        )
     }
 
     /// Name of the block of that one of some cells of this source that sees another cell.
     pub fn observer_of(&self, cells: &Cells, seen: &CellKey) -> String {
-        cells.observer_of(seen).map_or_else(|| format::kind_name(self.kind), |key| self.block_of(&key))
+        cells.observer_of(seen).map_or_else(|| format::kind_name(self.kind.chunks()), |key| self.block_of(&key))
     }
 
     /// The error of a reference of some block to a cell that does not exist.

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::archive::format;
+use crate::archive::format::TileNumber;
 use crate::archive::tables::{ExtentsTable, NameOf, NameRow, NamesTable, TILES_A_CHUNK};
 use crate::error::Result;
 use crate::opened::open_site::OpenSite;
@@ -23,7 +24,7 @@ impl<'a> Gazetteer<'a> {
         // A site without receivers has no names.
         let firsts = match site.receivers() {
             0 => Vec::new(),
-            _ => NamesTable::from_block(&site.block(format::NAMES, 0)?)?.names(),
+            _ => NamesTable::from_block(&site.block(format::NAMES, TileNumber::FIRST)?)?.names(),
         };
         Ok(Gazetteer { site: site.clone(), firsts, held: None })
     }
@@ -48,7 +49,7 @@ impl<'a> Gazetteer<'a> {
         match tiles.iter().find(|&&tile| tile >= site.tiles()) {
             None => Ok(tiles),
             Some(tile) => {
-                let block = site.block(format::NAMES, 0)?;
+                let block = site.block(format::NAMES, TileNumber::FIRST)?;
                 Err(block.corrupt(format!("{name} in tile {tile}"), format!("tiles below {}", site.tiles())))
             }
         }
@@ -65,7 +66,7 @@ impl<'a> Gazetteer<'a> {
     fn chunk(&mut self, number: u32) -> Result<&[NameRow]> {
         let held = match self.held.take() {
             Some(held) if held.0 == number => held,
-            _ => (number, NamesTable::from_block(&self.site.block(format::NAMES, number)?)?.names()),
+            _ => (number, NamesTable::from_block(&self.site.block(format::NAMES, TileNumber(number))?)?.names()),
         };
         Ok(&self.held.insert(held).1)
     }
@@ -77,7 +78,7 @@ pub fn tiles_within(site: &OpenSite, [low, high]: [DVec3; 2]) -> Result<Vec<u32>
     site.expect(&[format::EXTENTS], 0..chunks);
     let mut tiles = Vec::new();
     for chunk in 0..chunks {
-        let block = site.block(format::EXTENTS, chunk)?;
+        let block = site.block(format::EXTENTS, TileNumber(chunk))?;
         let table = ExtentsTable::from_block(&block)?;
         let first = chunk * TILES_A_CHUNK as u32;
         let expected = (site.tiles() - first).min(TILES_A_CHUNK as u32);

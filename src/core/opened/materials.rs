@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::archive::format::TileNumber;
 use crate::archive::{Blocks, format, tables};
 use crate::error::Result;
 use crate::site::chain::Orientation;
@@ -9,7 +10,7 @@ use crate::site::material::{Glass, Material};
 
 /// The materials in the rows of their table; without a table of optics all are opaque and no glass.
 pub(super) fn materials(blocks: &dyn Blocks) -> Result<Vec<Material>> {
-    let block = blocks.block(format::MATERIALS, 0)?;
+    let block = blocks.block(format::MATERIALS, TileNumber::FIRST)?;
     let table = tables::MaterialsTable::from_block(&block)?;
     let optics = optics(blocks, table.rows())?;
     let group = |row: usize| Some(table.group[row].clone()).filter(|group| !group.is_empty());
@@ -33,10 +34,10 @@ pub(super) fn materials(blocks: &dyn Blocks) -> Result<Vec<Material>> {
 
 /// What so many materials do besides reflecting diffusely, if some do.
 fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::OpticsTable>> {
-    if !blocks.has(format::OPTICS, 0) {
+    if !blocks.has(format::OPTICS, TileNumber::FIRST) {
         return Ok(None);
     }
-    let block = blocks.block(format::OPTICS, 0)?;
+    let block = blocks.block(format::OPTICS, TileNumber::FIRST)?;
     let optics = tables::OpticsTable::from_block(&block)?;
     if optics.rows() != materials {
         return Err(block.corrupt(format!("{} rows", optics.rows()), format!("{materials}, one per material")));
@@ -46,10 +47,10 @@ fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::Optics
 
 /// Orientations of the mirrors, of so many materials; none where nothing is a mirror.
 pub(super) fn orientations(blocks: &dyn Blocks, materials: usize) -> Result<Vec<Orientation>> {
-    if !blocks.has(format::MIRRORS, 0) {
+    if !blocks.has(format::MIRRORS, TileNumber::FIRST) {
         return Ok(Vec::new());
     }
-    let block = blocks.block(format::MIRRORS, 0)?;
+    let block = blocks.block(format::MIRRORS, TileNumber::FIRST)?;
     let table = tables::MirrorsTable::from_block(&block)?;
     if table.material.iter().any(|&material| usize::from(material) >= materials) {
         return Err(block.corrupt("an unknown material", "rows of the materials table"));

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::archive::format::{BlockKind, TileNumber};
 use crate::archive::manifest::{Manifest, ReceiverSummary, Settings};
 use crate::archive::{Archive, Block, Blocks, format};
 use crate::error::{Error, Result};
@@ -78,7 +79,7 @@ impl<'a> OpenSite<'a> {
         SiteSettings::of(&manifest.settings, path)?;
         let materials = materials::materials(blocks)?;
         let orientations = materials::orientations(blocks, materials.len())?;
-        let kinds: BTreeSet<u32> = manifest.layers.iter().map(|layer| layer.kind).collect();
+        let kinds: BTreeSet<BlockKind> = manifest.layers.iter().map(|layer| layer.kind).collect();
         let in_mirrors = [format::MIRROR, format::PROBE_MIRROR, format::BOUNCE_MIRROR];
         if let Some(kind) = in_mirrors.into_iter().find(|kind| orientations.is_empty() && kinds.contains(kind)) {
             let (block, what) = (format::kind_name(kind), "there is no table of mirrors that its chains could name");
@@ -157,23 +158,24 @@ impl<'a> OpenSite<'a> {
         self.blocks
     }
 
-    pub(super) fn has(&self, kind: u32, tile: u32) -> bool {
+    pub(super) fn has(&self, kind: BlockKind, tile: TileNumber) -> bool {
         self.blocks.has(kind, tile)
     }
 
     /// Number of receivers of a tile, by the directory; 0 if there is no such tile.
     pub fn tile_rows(&self, tile: u32) -> usize {
-        self.blocks.rows(format::RECEIVERS, tile).unwrap_or(0) as usize
+        self.blocks.rows(format::RECEIVERS, TileNumber(tile)).unwrap_or(0) as usize
     }
 
     /// Tells of layers of some tiles that will be read soon: from afar they come together. Kinds that a tile does not have are passed over.
-    pub fn expect(&self, kinds: &[u32], tiles: impl IntoIterator<Item = u32>) {
-        let blocks: Vec<_> = tiles.into_iter().flat_map(|tile| kinds.iter().map(move |&kind| (kind, tile))).collect();
+    pub fn expect(&self, kinds: &[BlockKind], tiles: impl IntoIterator<Item = u32>) {
+        let numbers = tiles.into_iter().map(TileNumber);
+        let blocks: Vec<_> = numbers.flat_map(|tile| kinds.iter().map(move |&kind| (kind, tile))).collect();
         self.blocks.expect(&blocks);
     }
 
     /// A block, checked and decoded; an error if it is damaged or not there.
-    pub fn block(&self, kind: u32, tile: u32) -> Result<Block> {
+    pub fn block(&self, kind: BlockKind, tile: TileNumber) -> Result<Block> {
         self.blocks.block(kind, tile)
     }
 }

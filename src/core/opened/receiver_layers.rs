@@ -1,6 +1,7 @@
 //! Layers of the receivers of a tile. In: a site that was opened. Out: the layers of one tile, one value a receiver, whose materials and
 //! mirrors exist.
 
+use crate::archive::format::TileNumber;
 use crate::archive::{Block, format, tables};
 use crate::error::{Error, Result};
 use crate::layers::bits::BitSquare;
@@ -21,7 +22,7 @@ pub const MAX_SKY: usize = 256 << 20;
 impl OpenSite<'_> {
     /// The receivers of a tile.
     pub fn tile_receivers(&self, tile: u32) -> Result<tables::ReceiversTable> {
-        tables::ReceiversTable::from_block(&self.block(format::RECEIVERS, tile)?)
+        tables::ReceiversTable::from_block(&self.block(format::RECEIVERS, TileNumber(tile))?)
     }
 
     /// The same one by one, with what they stand for in their model.
@@ -50,7 +51,7 @@ impl OpenSite<'_> {
 
     /// The sky of a tile of so many receivers, not larger than can be decoded.
     fn sky_block(&self, tile: u32, rows: usize) -> Result<Block> {
-        let (block, fine) = (self.block(format::SKY, tile)?, self.settings().sky_fine);
+        let (block, fine) = (self.block(format::SKY, TileNumber(tile))?, self.settings().sky_fine);
         let bytes = rows.saturating_mul(fine * fine / 8);
         if bytes > MAX_SKY {
             return Err(block.corrupt(format!("sky of {bytes} bytes"), format!("at most {MAX_SKY}")));
@@ -60,7 +61,7 @@ impl OpenSite<'_> {
 
     /// The hits of a tile of so many receivers.
     pub fn tile_hits(&self, tile: u32, rows: usize) -> Result<HitTile> {
-        let (block, side) = (self.block(format::HIT, tile)?, self.settings().hit);
+        let (block, side) = (self.block(format::HIT, TileNumber(tile))?, self.settings().hit);
         let hits = HitTile::unpack(block.bytes(), rows.saturating_mul(side * side))
             .ok_or_else(|| block.corrupt("hits of another shape", "hits of the settings' shape"))?;
         self.check_materials(&block, hits.palette.iter().map(|key| key.material))?;
@@ -69,10 +70,10 @@ impl OpenSite<'_> {
 
     /// What the receivers of a tile of so many rows see in mirrors; empty where none sees any.
     pub fn tile_mirrors(&self, tile: u32, rows: usize) -> Result<Vec<ReceiverMirrors>> {
-        if !self.has(format::MIRROR, tile) {
+        if !self.has(format::MIRROR, TileNumber(tile)) {
             return Ok(Vec::new());
         }
-        let (block, settings) = (self.block(format::MIRROR, tile)?, self.settings());
+        let (block, settings) = (self.block(format::MIRROR, TileNumber(tile))?, self.settings());
         let row = |row: &Vec<u8>| ReceiverMirrors::from_bytes(row, settings.sky_base, settings.hit);
         let found: Vec<ReceiverMirrors> = extras::unpack(block.bytes(), rows)
             .and_then(|rows| rows.iter().map(row).collect())
@@ -87,10 +88,10 @@ impl OpenSite<'_> {
 
     /// What the rays of a tile's receivers cross; empty where none crosses anything.
     pub fn tile_canopies(&self, tile: u32, rows: usize) -> Result<Vec<Canopy>> {
-        if !self.has(format::CANOPY, tile) {
+        if !self.has(format::CANOPY, TileNumber(tile)) {
             return Ok(Vec::new());
         }
-        let (block, rays) = (self.block(format::CANOPY, tile)?, self.settings().receiver_rays());
+        let (block, rays) = (self.block(format::CANOPY, TileNumber(tile))?, self.settings().receiver_rays());
         let row = |bytes: &Vec<u8>| Canopy::from_bytes(bytes, rays, |material| self.is_canopy(material));
         let found = extras::unpack(block.bytes(), rows).and_then(|bytes| bytes.iter().map(row).collect());
         found.ok_or_else(|| block.corrupt("crossings of another shape", "those of the settings' textures, of canopies"))
@@ -107,7 +108,7 @@ impl OpenSite<'_> {
 
     /// The responses that the build derived: its reflectances, all bounces.
     pub fn tile_responses(&self, tile: u32) -> Result<Vec<Response>> {
-        let block = self.block(format::RESPONSE, tile)?;
+        let block = self.block(format::RESPONSE, TileNumber(tile))?;
         response::unpack(block.bytes(), block.items() as usize, self.settings().probe)
             .ok_or_else(|| block.corrupt("responses of another shape", "responses of the manifest's shape"))
     }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::archive::format::{RECEIVERS, RESPONSE, SKY, block_name};
+use crate::archive::format::{RECEIVERS, RESPONSE, SKY, TileNumber, block_name};
 use crate::archive::tables::{NameOf, ReceiversTable};
 use crate::error::{Error, Result};
 use crate::hemisphere::texel_of;
@@ -77,8 +77,9 @@ impl ReceiverView {
     }
 
     fn of(site: &OpenSite, tile: u32, row: usize, table: ReceiversTable) -> Result<Self> {
-        let cut_off =
-            |field| Error::defect(site.path(), block_name(RECEIVERS, tile), field, format!("has no row {row}"));
+        let cut_off = |field| {
+            Error::defect(site.path(), block_name(RECEIVERS, TileNumber(tile)), field, format!("has no row {row}"))
+        };
         let (receiver, views) = (table.receivers().into_iter().nth(row), table.views().nth(row));
         site.expect(&[TileView::KINDS.as_slice(), &[SKY, RESPONSE]].concat(), [tile]);
         let mut view = TileView::of(site, tile, table)?;

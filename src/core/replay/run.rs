@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::archive::format;
+use crate::archive::format::BlockKind;
 use crate::error::{Error, Result};
 use crate::layers::response::Response;
 use crate::light::canopies;
@@ -263,7 +264,7 @@ impl<'a> Replay<'a> {
 
     /// The same of another site, of which a replay of equal conditions is next: from afar its blocks come while this one is computed.
     pub fn expect_of(&self, site: &OpenSite, tiles: &[u32]) {
-        let besides: &[u32] = match (self.reflects(), &self.responder) {
+        let besides: &[BlockKind] = match (self.reflects(), &self.responder) {
             (true, None) => &[format::RESPONSE],
             (true, Some(_)) => &TileView::KINDS,
             (false, _) => &[],

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::archive::format::{BlockKind, TileNumber};
 use crate::archive::{format, tables};
 use crate::error::Result;
 use crate::layers::canopy::Canopy;
@@ -42,7 +43,7 @@ pub struct Reads<'m> {
 
 impl Reads<'_> {
     /// Tells of tiles that will be read soon, and what of them besides: [`format::RESPONSE`], or what responses are derived of.
-    pub fn expect(self, site: &OpenSite, tiles: &[u32], besides: &[u32]) {
+    pub fn expect(self, site: &OpenSite, tiles: &[u32], besides: &[BlockKind]) {
         let mut kinds = [&[format::RECEIVERS], besides].concat();
         if self.sky {
             kinds.extend([format::SKY, format::CANOPY]);
@@ -92,7 +93,7 @@ impl TileLayers {
     ) -> Result<(Vec<String>, TileLayers)> {
         let rows = receivers.rows();
         if let Some(other) = responses.iter().find(|of_state| of_state.len() != rows) {
-            let block = site.block(format::RECEIVERS, tile)?;
+            let block = site.block(format::RECEIVERS, TileNumber(tile))?;
             return Err(block.corrupt(format!("{rows} receivers"), format!("{}, one per response", other.len())));
         }
         let layers = TileLayers {
@@ -125,7 +126,7 @@ fn mirror_views(
     match mirrors.par_iter().map(views).collect::<Option<_>>() {
         Some(found) => Ok(found),
         None => Err(site
-            .block(format::MIRROR, tile)?
+            .block(format::MIRROR, TileNumber(tile))?
             .corrupt("windows of another shape, or of too much", "the manifest's, and mirrors that exist")),
     }
 }

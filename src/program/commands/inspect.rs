@@ -8,6 +8,7 @@ use heliotile_atlas::{Atlas, about};
 use heliotile_builder::planning::tables::in_hours;
 use heliotile_builder::writing::guards::is_archive;
 use heliotile_core::archive::accuracy::Accuracy;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{format, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
@@ -114,9 +115,9 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         );
     }
     line!(out, "  traced      {} probes, {} bounce cells", manifest.counts.probes, manifest.counts.bounce_cells);
-    if archive.has(format::OPTICS, 0) {
-        let names = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, 0)?)?.name;
-        let optics = tables::OpticsTable::from_block(&archive.block(format::OPTICS, 0)?)?;
+    if archive.has(format::OPTICS, TileNumber::FIRST) {
+        let names = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, TileNumber::FIRST)?)?.name;
+        let optics = tables::OpticsTable::from_block(&archive.block(format::OPTICS, TileNumber::FIRST)?)?;
         let of_material = names.iter().zip(optics.canopy.iter().zip(&optics.transmittance));
         let canopies: Vec<String> =
             of_material.filter(|(_, (is, _))| **is == 1).map(|(name, (_, tau))| format!("{name}={tau}")).collect();

@@ -203,7 +203,7 @@ mod tests {
     }
 
     fn blake3_of(bytes: &[u8]) -> Box<[u8; 32]> {
-        Box::new(format::content_id(1, 1, bytes))
+        Box::new(format::content_id(format::RECEIVERS, 1, bytes))
     }
 
     fn files(folder: &Path) -> usize {

@@ -8,7 +8,7 @@ use heliotile_core::observer::Silent;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::format;
-use heliotile_core::archive::format::{FIRST_BLOCK, SLOT_SIZE};
+use heliotile_core::archive::format::{FIRST_BLOCK, SLOT_SIZE, TileNumber};
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::canopy::Canopy;
@@ -171,7 +171,7 @@ pub fn write() {
     seed("sealed", &[&bytes[..SLOT_SIZE], &bytes[FIRST_BLOCK as usize..]].concat());
 
     let archive = Archive::open_with(&site, Access::Read).expect("opened");
-    let raw = |kind| archive.block(kind, 0).expect("a block");
+    let raw = |kind| archive.block(kind, TileNumber::FIRST).expect("a block");
     for (target, kind) in [
         ("receivers_table", format::RECEIVERS),
         ("cells_table", format::PROBES),
@@ -195,7 +195,7 @@ pub fn write() {
         let stored = &bytes[entry.offset as usize..][..entry.stored as usize];
         let head = [&[u8::from(entry.codec == format::CODEC_RAW)], &entry.raw.to_le_bytes()[..]].concat();
         if entry.kind == format::SKY || entry.kind == format::PROBES {
-            save("block", &format!("seed-{}", entry.kind), &[&head, stored].concat());
+            save("block", &format!("seed-{}", entry.kind.0), &[&head, stored].concat());
         }
     }
 

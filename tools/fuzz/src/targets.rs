@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format;
-use heliotile_core::archive::format::{CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot};
+use heliotile_core::archive::format::{
+    BlockKind, CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot, TileNumber,
+};
 use heliotile_core::archive::tables::{
     CellsTable, ExtentsTable, GeometryTable, IndexTable, MaterialsTable, NamesTable, OverviewTable, ReceiversTable,
 };
@@ -174,8 +176,8 @@ fn read_all(path: &Path) {
 fn block(data: &[u8]) {
     let Some((&[codec, a, b, c, d], stored)) = data.split_first_chunk() else { return };
     let entry = Entry {
-        kind: 77,
-        tile: 0,
+        kind: BlockKind(77),
+        tile: TileNumber::FIRST,
         offset: FIRST_BLOCK,
         stored: stored.len() as u32,
         raw: u32::from_le_bytes([a, b, c, d]),
@@ -217,15 +219,15 @@ fn block(data: &[u8]) {
 }
 
 /// A block of a kind that holds the bytes behind the first one, which is its number of rows.
-fn with_block<T>(kind: u32, data: &[u8], read: impl Fn(&Block) -> T) {
+fn with_block<T>(kind: BlockKind, data: &[u8], read: impl Fn(&Block) -> T) {
     let Some((&items, raw)) = data.split_first() else { return };
     let schema = format::schema_of(kind).expect("a known kind");
-    let Ok(encoded) = encode(kind, 0, schema, u32::from(items), raw, 1) else { return };
+    let Ok(encoded) = encode(kind, TileNumber::FIRST, schema, u32::from(items), raw, 1) else { return };
     let path = FOLDER.with(|folder| folder.path().join("table.helio"));
     let mut writer =
         Writer::create(&path, &Job { scene: [0; 32], receivers: [0; 32], settings: [0; 32] }).expect("created");
     writer.append(encoded).expect("written");
-    read(&writer.read_back(kind, 0).expect("read"));
+    read(&writer.read_back(kind, TileNumber::FIRST).expect("read"));
 }
 
 fn receivers_table(data: &[u8]) {

@@ -9,7 +9,7 @@ use rkyv::util::AlignedVec;
 use crate::archive::codec::frame::ZstdFrame;
 use crate::archive::codec::unpack::{UNPACK, Unpack};
 use crate::archive::format;
-use crate::archive::format::{CODEC_RAW, CODEC_ZSTD, Entry, MAX_RAW};
+use crate::archive::format::{BlockKind, CODEC_RAW, CODEC_ZSTD, Entry, MAX_RAW};
 use crate::error::{Error, Result};
 
 /// Raw bytes of a block, aligned for the numbers of any table.
@@ -66,7 +66,7 @@ impl Block {
     }
 
     /// Refuses a block of another kind, or of a layout that this release does not know.
-    pub fn require(&self, kind: u32) -> Result<()> {
+    pub fn require(&self, kind: BlockKind) -> Result<()> {
         if self.entry.kind != kind {
             return Err(self.corrupt(self.entry.name(), format!("a block of kind {}", format::kind_name(kind))));
         }
@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn blocks_round_trip() {
         for (raw, codec) in [(vec![7_u8; 4000], CODEC_ZSTD), ((0..=255).collect(), CODEC_RAW)] {
-            let block = encode(2, 5, 1, 64, &raw, DEFAULT_LEVEL).unwrap();
+            let block = encode(format::SKY, format::TileNumber(5), 1, 64, &raw, DEFAULT_LEVEL).unwrap();
             assert_eq!(block.entry.codec, codec);
             assert!(block.stored.len() < 40 || codec == CODEC_RAW);
             for unpack in [by_zstd, by_ruzstd] {
@@ -198,7 +198,7 @@ mod tests {
     /// checksum: 4 of 4 are refused by both decoders, none allocates more than the 1000 bytes that the entry states.
     #[test]
     fn bombs_are_refused() {
-        let good = encode(2, 0, 1, 1, &[0; 1000], 9).unwrap();
+        let good = encode(format::SKY, format::TileNumber::FIRST, 1, 1, &[0; 1000], 9).unwrap();
         let gibibyte = zstd::stream::encode_all(std::io::Read::take(std::io::repeat(0), 1 << 30), 1).unwrap();
         let bomb = {
             let mut encoder = zstd::stream::Encoder::new(Vec::new(), 1).unwrap();

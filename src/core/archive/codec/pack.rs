@@ -4,7 +4,7 @@ use zstd::zstd_safe::{self, CParameter};
 
 use crate::archive::codec::block::EncodedBlock;
 use crate::archive::format;
-use crate::archive::format::{CODEC_RAW, CODEC_ZSTD, Entry, MAX_RAW};
+use crate::archive::format::{BlockKind, CODEC_RAW, CODEC_ZSTD, Entry, MAX_RAW, TileNumber};
 use crate::error::{Error, Result};
 
 /// Compression of finished archives: 295 MB/s on tiles of sky bits; level 19 takes 15 times as long for 10-25 % less.
@@ -17,7 +17,14 @@ pub fn compressor_version() -> &'static str {
 
 /// Compresses a block (levels 1 to 22; use [`DEFAULT_LEVEL`]), or keeps it raw where that is no longer. Equal input gives
 /// equal bytes, on any thread.
-pub fn encode(kind: u32, tile: u32, schema: u16, items: u32, raw: &[u8], level: i32) -> Result<EncodedBlock> {
+pub fn encode(
+    kind: BlockKind,
+    tile: TileNumber,
+    schema: u16,
+    items: u32,
+    raw: &[u8],
+    level: i32,
+) -> Result<EncodedBlock> {
     let name = || format::block_name(kind, tile);
     let too_long = || Error::Limit {
         what: format!("raw length of block {} in bytes (at least 1)", name()),
@@ -71,18 +78,24 @@ mod tests {
     fn raw_lengths_are_limited() {
         let raw = vec![0; MAX_RAW + 1];
         for (length, good) in [(0, false), (MAX_RAW, true), (MAX_RAW + 1, false)] {
-            assert_eq!(encode(2, 0, 1, 1, &raw[..length], 1).is_ok(), good, "{length}");
+            assert_eq!(
+                encode(format::SKY, format::TileNumber::FIRST, 1, 1, &raw[..length], 1).is_ok(),
+                good,
+                "{length}"
+            );
         }
-        assert!(encode(2, 0, 1, 1, b"a", 23).is_err());
+        assert!(encode(format::SKY, format::TileNumber::FIRST, 1, 1, b"a", 23).is_err());
     }
 
     /// Eight threads compress one block to the same bytes as the first.
     #[test]
     fn threads_agree() {
         let raw: Vec<u8> = (0..200_000_u32).map(|i| (i.wrapping_mul(i) >> 9) as u8).collect();
-        let first = encode(3, 1, 1, 64, &raw, 9).unwrap().stored;
+        let first = encode(format::HIT, format::TileNumber(1), 1, 64, &raw, 9).unwrap().stored;
         std::thread::scope(|scope| {
-            let all: Vec<_> = (0..8).map(|_| scope.spawn(|| encode(3, 1, 1, 64, &raw, 9).unwrap().stored)).collect();
+            let all: Vec<_> = (0..8)
+                .map(|_| scope.spawn(|| encode(format::HIT, format::TileNumber(1), 1, 64, &raw, 9).unwrap().stored))
+                .collect();
             assert_eq!(all.into_iter().map(|t| t.join().unwrap()).filter(|s| *s == first).count(), 8);
         });
     }

@@ -139,6 +139,7 @@ pub fn check_keys(name: &str, voxel: &[[i32; 3]], tag: &[u32], material: &[u16])
 #[cfg(all(test, feature = "zstd"))]
 mod tests {
     use super::*;
+    use crate::archive::format::TileNumber;
     use crate::archive::tables::tests::{block, hostile};
     use crate::archive::{encode, format};
 
@@ -177,11 +178,11 @@ mod tests {
         let raw = known().to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (180, "a7b443f5effad7b2".to_string()));
         for kind in [PROBES, BOUNCE] {
-            let back = CellsTable::from_block(&block(&known().encode(kind, 0, 9).unwrap())).unwrap();
+            let back = CellsTable::from_block(&block(&known().encode(kind, TileNumber::FIRST, 9).unwrap())).unwrap();
             assert_eq!(back, known());
             assert_eq!(CellsTable::new(&back.into_cells()), known());
         }
-        assert!(known().encode(format::SKY, 0, 9).is_err());
+        assert!(known().encode(format::SKY, TileNumber::FIRST, 9).is_err());
     }
 
     /// A value out of range in any of 10 ways is refused on writing and, under right checksums, on reading.
@@ -204,7 +205,10 @@ mod tests {
             flaw(&mut wrong);
             assert!(wrong.to_bytes().is_err(), "{number}");
             let raw = rkyv::to_bytes::<rkyv::rancor::Error>(&wrong).unwrap();
-            let error = CellsTable::from_block(&block(&encode(5, 0, 2, 2, &raw, 9).unwrap())).unwrap_err();
+            let error = CellsTable::from_block(&block(
+                &encode(format::PROBES, format::TileNumber::FIRST, 2, 2, &raw, 9).unwrap(),
+            ))
+            .unwrap_err();
             assert!(error.to_string().contains("block probes/0"), "{number}: {error}");
         }
     }

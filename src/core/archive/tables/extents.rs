@@ -62,6 +62,7 @@ impl ExtentsTable {
 mod tests {
     use super::*;
     use crate::archive::format;
+    use crate::archive::format::TileNumber;
     use crate::archive::tables::tests::{block, hostile};
 
     fn two() -> ExtentsTable {
@@ -74,7 +75,10 @@ mod tests {
     fn layout_is_frozen() {
         let (known, raw) = (two(), two().to_bytes().unwrap());
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (112, "1b4be63ed2a5d9b9".to_string()));
-        assert_eq!(ExtentsTable::from_block(&block(&known.encode(EXTENTS, 0, 9).unwrap())).unwrap(), known);
+        assert_eq!(
+            ExtentsTable::from_block(&block(&known.encode(EXTENTS, TileNumber::FIRST, 9).unwrap())).unwrap(),
+            known
+        );
         assert_eq!(known.boxes().next(), Some([DVec3::new(0.5, -2.5, 3.0), DVec3::new(1.0, 7.0, 3.0)]));
         let (refused, accepted) = hostile(EXTENTS, 2, &raw, |block| ExtentsTable::from_block(block).map(|_| ()));
         assert!(refused > 100 && refused + accepted == 1007, "{refused} {accepted}");

@@ -49,6 +49,7 @@ impl GeometryTable {
 mod tests {
     use super::*;
     use crate::archive::format;
+    use crate::archive::format::TileNumber;
     use crate::archive::tables::tests::{block, hostile};
 
     fn two() -> GeometryTable {
@@ -64,7 +65,10 @@ mod tests {
     fn layout_is_frozen() {
         let (known, raw) = (two(), two().to_bytes().unwrap());
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (100, "b0fe0613e95c96d2".to_string()));
-        assert_eq!(GeometryTable::from_block(&block(&known.encode(SCENE, 0, 9).unwrap())).unwrap(), known);
+        assert_eq!(
+            GeometryTable::from_block(&block(&known.encode(SCENE, TileNumber::FIRST, 9).unwrap())).unwrap(),
+            known
+        );
         let (refused, accepted) = hostile(SCENE, 2, &raw, |block| GeometryTable::from_block(block).map(|_| ()));
         assert!(refused > 100 && refused + accepted > 800, "{refused} {accepted}");
     }

@@ -21,11 +21,6 @@ pub struct IndexTable {
 table!(IndexTable, [INDEX]);
 
 impl IndexTable {
-    /// Tile number of the index of probes, and of bounce cells.
-    pub const PROBES: u32 = 0;
-    /// Tile number of the index of bounce cells.
-    pub const BOUNCE: u32 = 1;
-
     /// The index of chunks that start with these keys.
     pub fn new(firsts: &[CellKey]) -> Self {
         IndexTable {
@@ -55,6 +50,7 @@ impl IndexTable {
 mod tests {
     use super::*;
     use crate::archive::format;
+    use crate::archive::format::TileNumber;
     use crate::archive::tables::tests::block;
 
     /// Two keys have the known bytes and come back; keys out of order, and none, are refused.
@@ -64,7 +60,7 @@ mod tests {
         let index = IndexTable::new(&[key(-1), key(2)]);
         let raw = index.to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (60, "3695a58f80601495".to_string()));
-        let back = IndexTable::from_block(&block(&index.encode(INDEX, 1, 9).unwrap())).unwrap();
+        let back = IndexTable::from_block(&block(&index.encode(INDEX, TileNumber(1), 9).unwrap())).unwrap();
         assert_eq!(back.firsts(), [key(-1), key(2)]);
         assert!(IndexTable::new(&[key(2), key(-1)]).to_bytes().is_err() && IndexTable::default().to_bytes().is_err());
     }

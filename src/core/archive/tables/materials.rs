@@ -61,6 +61,7 @@ impl MaterialsTable {
 #[cfg(all(test, feature = "zstd"))]
 mod tests {
     use super::*;
+    use crate::archive::format::TileNumber;
     use crate::archive::tables::tests::{block, hostile};
     use crate::archive::{encode, format};
 
@@ -80,9 +81,13 @@ mod tests {
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (124, "b7c1d2b4e436872d".to_string()));
-        assert_eq!(MaterialsTable::from_block(&block(&known().encode(MATERIALS, 0, 9).unwrap())).unwrap(), known());
+        assert_eq!(
+            MaterialsTable::from_block(&block(&known().encode(MATERIALS, TileNumber::FIRST, 9).unwrap())).unwrap(),
+            known()
+        );
         assert_eq!([0, 1].map(|row| known().class_of(row)), [Class::Ground, Class::Obstruction]);
-        let other = MaterialsTable::from_block(&block(&encode(MATERIALS, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
+        let other = MaterialsTable::from_block(&block(&encode(MATERIALS, TileNumber::FIRST, 1, 2, &raw, 9).unwrap()))
+            .unwrap_err();
         assert!(other.to_string().contains("block materials/0: found schema id 1"), "{other}");
     }
 
@@ -103,7 +108,9 @@ mod tests {
             flaw(&mut wrong);
             assert!(wrong.to_bytes().is_err(), "{number}");
             let raw = rkyv::to_bytes::<rkyv::rancor::Error>(&wrong).unwrap();
-            let error = MaterialsTable::from_block(&block(&encode(10, 0, 2, 2, &raw, 9).unwrap())).unwrap_err();
+            let error =
+                MaterialsTable::from_block(&block(&encode(MATERIALS, TileNumber::FIRST, 2, 2, &raw, 9).unwrap()))
+                    .unwrap_err();
             assert!(error.to_string().contains("block materials/0"), "{number}: {error}");
         }
     }

@@ -83,7 +83,7 @@ macro_rules! table {
     ($name:ident, $kinds:expr) => {
         impl $name {
             /// Kinds of the table's blocks.
-            pub const KINDS: &'static [u32] = &$kinds;
+            pub const KINDS: &'static [crate::archive::format::BlockKind] = &$kinds;
 
             /// Raw bytes of a block, if all values are in range.
             pub fn to_bytes(&self) -> crate::error::Result<Vec<u8>> {
@@ -104,8 +104,8 @@ macro_rules! table {
             #[cfg(feature = "zstd")]
             pub fn encode(
                 &self,
-                kind: u32,
-                tile: u32,
+                kind: crate::archive::format::BlockKind,
+                tile: crate::archive::format::TileNumber,
                 level: i32,
             ) -> crate::error::Result<crate::archive::EncodedBlock> {
                 if !Self::KINDS.contains(&kind) {
@@ -122,7 +122,7 @@ macro_rules! table {
             /// The table of a block, all values checked.
             pub fn from_block(block: &crate::archive::Block) -> crate::error::Result<Self> {
                 let kind = Self::KINDS.iter().copied().find(|kind| *kind == block.entry().kind);
-                block.require(kind.or(Self::KINDS.first().copied()).unwrap_or(0))?;
+                block.require(kind.or(Self::KINDS.first().copied()).unwrap_or_default())?;
                 let name = || format!("a table of {}", crate::archive::format::kind_name(block.entry().kind));
                 let no_table = |_: rkyv::rancor::Error| block.corrupt("bytes that are no table", name());
                 let archived =
@@ -155,7 +155,12 @@ mod tests {
     }
 
     /// Reads every single-bit change of raw bytes, with right checksums, and a cut of every length: (refused, accepted).
-    pub fn hostile<T>(kind: u32, items: u32, raw: &[u8], read: impl Fn(&Block) -> Result<T>) -> (usize, usize) {
+    pub fn hostile<T>(
+        kind: format::BlockKind,
+        items: u32,
+        raw: &[u8],
+        read: impl Fn(&Block) -> Result<T>,
+    ) -> (usize, usize) {
         let schema = format::schema_of(kind).unwrap();
         let flips = (0..raw.len() * 8).map(|bit| {
             let mut bytes = raw.to_vec();
@@ -165,7 +170,8 @@ mod tests {
         let cuts = (1..raw.len()).map(|length| raw[..length].to_vec());
         let (mut refused, mut accepted) = (0, 0);
         for bytes in flips.chain(cuts) {
-            match read(&block(&crate::archive::encode(kind, 0, schema, items, &bytes, 1).unwrap())) {
+            match read(&block(&crate::archive::encode(kind, format::TileNumber(0), schema, items, &bytes, 1).unwrap()))
+            {
                 Ok(_) => accepted += 1,
                 Err(_) => refused += 1,
             }

@@ -144,6 +144,7 @@ impl NamesTable {
 mod tests {
     use super::*;
     use crate::archive::format;
+    use crate::archive::format::TileNumber;
     use crate::archive::tables::tests::{block, hostile};
 
     fn row(of: NameOf, name: &str, tile: u32) -> NameRow {
@@ -168,7 +169,7 @@ mod tests {
         let raw = table.to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (108, "dd09b2f7461cbcf8".to_string()));
         assert_eq!((table.text.len(), &table.shared[..]), (20, &[0, 7, 0, 4, 0][..]));
-        let back = NamesTable::from_block(&block(&table.encode(NAMES, 1, 9).unwrap())).unwrap();
+        let back = NamesTable::from_block(&block(&table.encode(NAMES, TileNumber(1), 9).unwrap())).unwrap();
         assert_eq!(back.names(), five());
         let (refused, accepted) = hostile(NAMES, 5, &raw, |block| NamesTable::from_block(block).map(|_| ()));
         assert!(refused > accepted && accepted > 0, "{refused} {accepted}");

@@ -66,6 +66,7 @@ impl MirrorsTable {
 mod tests {
     use super::*;
     use crate::archive::format;
+    use crate::archive::format::TileNumber;
     use crate::archive::tables::tests::block;
 
     /// Known values have the known bytes, 48 and 68, and come back.
@@ -74,11 +75,17 @@ mod tests {
         let optics = OpticsTable { panes: vec![0, 2], canopy: vec![1, 0], transmittance: vec![0.25, 0.0] };
         let raw = optics.to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (48, "9fd6f63b7f5718aa".to_string()));
-        assert_eq!(OpticsTable::from_block(&block(&optics.encode(OPTICS, 0, 9).unwrap())).unwrap(), optics);
+        assert_eq!(
+            OpticsTable::from_block(&block(&optics.encode(OPTICS, TileNumber::FIRST, 9).unwrap())).unwrap(),
+            optics
+        );
         let mirrors = MirrorsTable { normal: vec![[0.0, 0.6, 0.8], [1.0, 0.0, 0.0]], material: vec![1, 0] };
         let raw = mirrors.to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (68, "8743ece86e507613".to_string()));
-        assert_eq!(MirrorsTable::from_block(&block(&mirrors.encode(MIRRORS, 0, 9).unwrap())).unwrap(), mirrors);
+        assert_eq!(
+            MirrorsTable::from_block(&block(&mirrors.encode(MIRRORS, TileNumber::FIRST, 9).unwrap())).unwrap(),
+            mirrors
+        );
     }
 
     /// Each of 7 values out of range is refused.

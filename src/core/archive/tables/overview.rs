@@ -4,7 +4,7 @@ use glam::DVec3;
 use rkyv::{Archive, Deserialize, Serialize};
 
 use crate::archive::Blocks;
-use crate::archive::format::{MAX_TILE_RECEIVERS, OVERVIEW};
+use crate::archive::format::{MAX_TILE_RECEIVERS, OVERVIEW, TileNumber};
 use crate::archive::tables::{Flaw, column, table};
 use crate::error;
 use crate::site::patch::{MAX_OFFSET_MM, Offset, Patch};
@@ -39,10 +39,10 @@ pub const NORMAL_STEPS: f64 = i16::MAX as f64;
 impl OverviewTable {
     /// The overview of a tile of so many receivers; `None` if there is none.
     pub fn of_tile(blocks: &dyn Blocks, tile: u32, receivers: usize) -> error::Result<Option<Self>> {
-        if !blocks.has(OVERVIEW, tile) {
+        if !blocks.has(OVERVIEW, TileNumber(tile)) {
             return Ok(None);
         }
-        let block = blocks.block(OVERVIEW, tile)?;
+        let block = blocks.block(OVERVIEW, TileNumber(tile))?;
         let table = OverviewTable::from_block(&block)?;
         if table.rows() != receivers {
             return Err(block.corrupt(format!("{} rows", table.rows()), format!("{receivers} receivers")));
@@ -134,7 +134,7 @@ mod tests {
     fn layout_is_frozen() {
         let (known, raw) = (two(), two().to_bytes().unwrap());
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (172, "5c2f8a9be5b9fc6c".to_string()));
-        let back = OverviewTable::from_block(&block(&known.encode(OVERVIEW, 0, 9).unwrap())).unwrap();
+        let back = OverviewTable::from_block(&block(&known.encode(OVERVIEW, TileNumber::FIRST, 9).unwrap())).unwrap();
         let square = "-500 -500 0;500 -500 0;500 500 0;-500 500 0".parse().unwrap();
         assert_eq!((back.patches(), &back), (vec![square, Patch::default()], &known));
         let (refused, accepted) = hostile(OVERVIEW, 2, &raw, |block| OverviewTable::from_block(block).map(|_| ()));

@@ -2,7 +2,7 @@
 
 use rkyv::{Archive, Deserialize, Serialize};
 
-use crate::archive::format::{MAX_STRING, MAX_TILE_RECEIVERS, PARTS};
+use crate::archive::format::{MAX_STRING, MAX_TILE_RECEIVERS, PARTS, TileNumber};
 use crate::archive::tables::{Flaw, column, table};
 use crate::archive::{Blocks, tables};
 use crate::error;
@@ -42,10 +42,10 @@ impl PartsTable {
 
     /// Gives the receivers of a tile their parts; what has no block has none.
     pub fn join(blocks: &dyn Blocks, tile: u32, receivers: &mut [Receiver]) -> error::Result<()> {
-        if !blocks.has(PARTS, tile) {
+        if !blocks.has(PARTS, TileNumber(tile)) {
             return Ok(());
         }
-        let block = blocks.block(PARTS, tile)?;
+        let block = blocks.block(PARTS, TileNumber(tile))?;
         let parts = PartsTable::from_block(&block)?.parts();
         if parts.len() != receivers.len() {
             return Err(block.corrupt(format!("{} rows", parts.len()), format!("{} receivers", receivers.len())));
@@ -58,7 +58,8 @@ impl PartsTable {
 
     /// The receivers of a tile with their parts.
     pub fn receivers(blocks: &dyn Blocks, tile: u32) -> error::Result<Vec<Receiver>> {
-        let table = tables::ReceiversTable::from_block(&blocks.block(crate::archive::format::RECEIVERS, tile)?)?;
+        let table =
+            tables::ReceiversTable::from_block(&blocks.block(crate::archive::format::RECEIVERS, TileNumber(tile))?)?;
         let mut receivers = table.receivers();
         PartsTable::join(blocks, tile, &mut receivers)?;
         Ok(receivers)
@@ -131,7 +132,7 @@ mod tests {
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (156, "b00df4ea3c6eb67f".to_string()));
-        let back = PartsTable::from_block(&block(&known().encode(PARTS, 0, 9).unwrap())).unwrap();
+        let back = PartsTable::from_block(&block(&known().encode(PARTS, TileNumber::FIRST, 9).unwrap())).unwrap();
         assert_eq!(back, known());
     }
 
@@ -153,7 +154,8 @@ mod tests {
             flaw(&mut wrong);
             assert!(wrong.to_bytes().is_err());
             let raw = rkyv::to_bytes::<rkyv::rancor::Error>(&wrong).unwrap();
-            let error = PartsTable::from_block(&block(&encode(PARTS, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
+            let error =
+                PartsTable::from_block(&block(&encode(PARTS, TileNumber::FIRST, 1, 2, &raw, 9).unwrap())).unwrap_err();
             assert!(error.to_string().contains("block parts/0"), "{error}");
         }
     }

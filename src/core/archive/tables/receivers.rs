@@ -101,6 +101,7 @@ impl ReceiversTable {
 #[cfg(all(test, feature = "zstd"))]
 mod tests {
     use super::*;
+    use crate::archive::format::{BlockKind, TileNumber};
     use crate::archive::tables::tests::{block, hostile};
     use crate::archive::{encode, format};
 
@@ -122,7 +123,8 @@ mod tests {
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
         assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (256, "1f1296ef4af86e64".to_string()));
-        let back = ReceiversTable::from_block(&block(&known().encode(RECEIVERS, 0, 9).unwrap())).unwrap();
+        let back =
+            ReceiversTable::from_block(&block(&known().encode(RECEIVERS, TileNumber::FIRST, 9).unwrap())).unwrap();
         assert_eq!(back, known());
     }
 
@@ -156,7 +158,9 @@ mod tests {
             flaw(&mut wrong);
             assert!(wrong.to_bytes().is_err(), "{number}");
             let raw = rkyv::to_bytes::<rkyv::rancor::Error>(&wrong).unwrap();
-            let error = ReceiversTable::from_block(&block(&encode(1, 0, 1, 2, &raw, 9).unwrap())).unwrap_err();
+            let error =
+                ReceiversTable::from_block(&block(&encode(RECEIVERS, TileNumber::FIRST, 1, 2, &raw, 9).unwrap()))
+                    .unwrap_err();
             assert!(error.to_string().contains("block receivers/0"), "{number}: {error}");
         }
     }
@@ -175,7 +179,10 @@ mod tests {
     fn other_blocks_are_refused() {
         let raw = known().to_bytes().unwrap();
         let refused = [(10, 1, 2), (1, 2, 2), (1, 1, 3)].into_iter().filter(|&(kind, schema, items)| {
-            ReceiversTable::from_block(&block(&encode(kind, 0, schema, items, &raw, 9).unwrap())).is_err()
+            ReceiversTable::from_block(&block(
+                &encode(BlockKind(kind), TileNumber::FIRST, schema, items, &raw, 9).unwrap(),
+            ))
+            .is_err()
         });
         assert_eq!(refused.count(), 3);
     }

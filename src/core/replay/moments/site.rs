@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::archive::format;
+use crate::archive::format::BlockKind;
 use crate::error::{Error, Result};
 use crate::layers::canopy::Powers;
 use crate::layers::response::Response;
@@ -85,7 +86,7 @@ impl<'a> Moments<'a> {
         let ready = |(_, layers): (Vec<String>, TileLayers)| {
             MomentTile::new(layers, &self.powers, &self.grids, self.site.settings().sides())
         };
-        let besides: &[u32] = if self.responder.is_some() { &TileView::KINDS } else { &[format::RESPONSE] };
+        let besides: &[BlockKind] = if self.responder.is_some() { &TileView::KINDS } else { &[format::RESPONSE] };
         reads.expect(&self.site, tiles, besides);
         let Some((tables, responder)) = &self.responder else {
             let read = |tile: &u32| {

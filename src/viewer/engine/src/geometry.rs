@@ -2,6 +2,7 @@
 //! origin, metres.
 
 use glam::DVec3;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{format, tables};
 use heliotile_core::site::patch::Patch;
 
@@ -14,7 +15,7 @@ const AREA_M2: f64 = 1.0;
 
 /// A chunk of the scene's triangles.
 pub fn scene(opened: &Opened, chunk: u32) -> Answered {
-    let table = tables::GeometryTable::from_block(&opened.site.block(format::SCENE, chunk)?)?;
+    let table = tables::GeometryTable::from_block(&opened.site.block(format::SCENE, TileNumber(chunk))?)?;
     Ok(Answer::of(())
         .with("vertices", Numbers::F32(table.vertex.as_flattened()))
         .with("corners", Numbers::U32(table.corner.as_flattened()))
@@ -25,7 +26,7 @@ pub fn scene(opened: &Opened, chunk: u32) -> Answered {
 /// knows.
 pub fn overview(opened: &Opened, tile: u32) -> Answered {
     let tile = opened.tile(tile)?;
-    let rows = opened.archive.entries_of(format::RECEIVERS).iter().find(|entry| entry.tile == tile);
+    let rows = opened.archive.entries_of(format::RECEIVERS).iter().find(|entry| entry.tile.0 == tile);
     match opened.site.tile_overview(tile, rows.map_or(0, |entry| entry.items as usize))? {
         Some(table) => Ok(Drawn {
             places: table.position.clone(),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::format;
 use heliotile_core::replay::components::Component;
@@ -117,7 +118,7 @@ impl Site {
             patches: manifest.settings.patches(),
             accuracy: manifest.accuracy.as_ref().map(stated),
             scene_chunks: archive.entries_of(format::SCENE).len(),
-            has_reference: archive.has(format::OVERVIEW, 0) && manifest.place.is_some(),
+            has_reference: archive.has(format::OVERVIEW, TileNumber::FIRST) && manifest.place.is_some(),
             skies: SkyModel::all().map(|sky| sky.to_string()).collect(),
         }
     }

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::binary::{ARRAY, Binary, INDICES};
 use super::{F32, Scene, U32};
 use heliotile_core::archive::format;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::tables::GeometryTable;
 use heliotile_core::error::Result;
 use heliotile_core::opened::OpenSite;
@@ -34,7 +35,7 @@ pub fn add(around: &Surroundings, origin: DVec3, binary: &mut Binary, scene: &mu
     let mut primitives: Vec<Value> = Vec::new();
     around.site.expect(&[format::SCENE], 0..around.chunks);
     for chunk in 0..around.chunks {
-        let table = GeometryTable::from_block(&around.site.block(format::SCENE, chunk)?)?;
+        let table = GeometryTable::from_block(&around.site.block(format::SCENE, TileNumber(chunk))?)?;
         let view = binary.begin(Some(ARRAY))?;
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for vertex in &table.vertex {

@@ -19,6 +19,7 @@ use crate::outputs::pictures::scale::round_steps;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use heliotile_core::archive::format;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::tables::GeometryTable;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::north::North;
@@ -144,7 +145,7 @@ fn arranged(views: [View; 2], extents: [[DVec2; 2]; 2]) -> ([Panel; 2], f64, f64
 fn draw_scene(raster: &mut Raster, panel: Panel, around: &Surroundings) -> Result<()> {
     let light = (panel.view.of(DVec3::new(-0.5, -0.3, 0.8))).normalize();
     for chunk in 0..around.chunks {
-        let table = GeometryTable::from_block(&around.site.block(format::SCENE, chunk)?)?;
+        let table = GeometryTable::from_block(&around.site.block(format::SCENE, TileNumber(chunk))?)?;
         let corner = |number: u32| {
             let vertex = table.vertex.get(number as usize).copied().unwrap_or_default();
             DVec3::from_array(vertex.map(f64::from)) + around.origin
