@@ -56,7 +56,7 @@ fn by_name<S: Serializer>(settings: &BuildSettings, serializer: S) -> std::resul
 }
 
 impl LadderStep {
-    fn of(name: String, trial: &Trial, judged: &JudgedSample, (compress_s, replay_s): (f64, f64)) -> Self {
+    fn of(name: String, trial: &Trial, judged: &JudgedSample, compress_s: f64, replay_s: f64) -> Self {
         let found = judged.accuracy(&trial.light, |_| 0);
         LadderStep {
             name,
@@ -124,9 +124,9 @@ impl LadderTable {
         for (name, rungs) in rungs {
             let trial = bench.trial(settings(rungs))?;
             progress.advance(1);
-            let costs = (compression_s(&trial)?, replay_s(bench, &trial, suns)?);
+            let (compress_s, replay_s) = (compression_s(&trial)?, replay_s(bench, &trial, suns)?);
             std::fs::remove_file(&trial.archive).map_err(Error::io(&trial.archive, "remove"))?;
-            steps.push(LadderStep::of(name, &trial, &judged, costs));
+            steps.push(LadderStep::of(name, &trial, &judged, compress_s, replay_s));
         }
         drop(progress);
         for i in 0..steps.len() {

@@ -117,7 +117,7 @@ pub(super) fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorCondition
             (row.set)(&mut settings, value);
             let tried = trial(settings)?;
             let error = tried.light.source_error(&truth.light, row.source);
-            points.push(point(row.setting, value, &named, error, mean, (tried.rays.total(), tried.build_s)));
+            points.push(point(row.setting, value, &named, error, mean, tried.rays.total(), tried.build_s));
         }
         orders(&mut points[from..], row.setting == "cell_factor" || row.setting == "closed_m");
     }
@@ -125,7 +125,7 @@ pub(super) fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorCondition
     let from = points.len();
     if let Some((truth, others)) = lights.split_last() {
         for (light, &patches) in others.iter().zip(&patches()) {
-            points.push(point("patches", patches as f64, "2305", light.total_error(truth), mean, (0, 0.0)));
+            points.push(point("patches", patches as f64, "2305", light.total_error(truth), mean, 0, 0.0));
         }
     }
     orders(&mut points[from..], false);
@@ -139,7 +139,7 @@ pub(super) fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorCondition
         let truth = light(MOST_STEPS)?;
         for steps in STEPS {
             let error = light(steps)?.total_error(&truth);
-            points.push(point("steps", steps as f64, "60", error, truth.mean(), (0, 0.0)));
+            points.push(point("steps", steps as f64, "60", error, truth.mean(), 0, 0.0));
         }
     }
     orders(&mut points[from..], false);
@@ -154,11 +154,11 @@ fn point(
     truth: &str,
     error: ErrorMeasures,
     mean: f64,
-    cost: (u64, f64),
+    rays: u64,
+    build_s: f64,
 ) -> SettingPoint {
     let [rmse_percent, mean_absolute_percent, bias_percent] =
         [error.rmse, error.mean_absolute, error.bias].map(|error| percent(error, mean));
-    let (rays, build_s) = cost;
     SettingPoint {
         setting,
         value,
@@ -210,7 +210,7 @@ mod tests {
         let of = |values: [f64; 3], errors: [f64; 3], falling: bool| -> Vec<Option<f64>> {
             let at = |(value, mean_absolute): (f64, f64)| {
                 let error = ErrorMeasures { rmse: 0.0, bias: 0.0, mean_absolute };
-                point("hit", value, "", error, 100.0, (0, 0.0))
+                point("hit", value, "", error, 100.0, 0, 0.0)
             };
             let mut points: Vec<SettingPoint> = values.into_iter().zip(errors).map(at).collect();
             orders(&mut points, falling);

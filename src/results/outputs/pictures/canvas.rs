@@ -156,7 +156,8 @@ fn rgb([r, g, b]: Rgb) -> Rgb888 {
 }
 
 /// A point of the page in fine pixels.
-fn fine((x, y): (f64, f64)) -> Point {
+fn fine(at: (f64, f64)) -> Point {
+    let (x, y) = at;
     Point::new((x * FINE as f64).round() as i32, (y * FINE as f64).round() as i32)
 }
 

@@ -159,7 +159,7 @@ pub fn panel(view: &ReceiverView, maps: &[Map], sun: &PanelSun, north: North, ab
             canvas.dot(at, 3.0, SUN);
         }
     }
-    draw_words(&mut canvas, view, sun, (width, height));
+    draw_words(&mut canvas, view, sun, width, height);
     canvas.png(about.ascii())
 }
 
@@ -201,7 +201,8 @@ fn place_at(frame: &Frame, direction: DVec3) -> (f64, f64) {
 }
 
 /// The direction that is drawn there; `None` behind the surface.
-fn direction_at(frame: &Frame, (x, y): (f64, f64)) -> Option<DVec3> {
+fn direction_at(frame: &Frame, at: (f64, f64)) -> Option<DVec3> {
+    let (x, y) = at;
     let r = x.hypot(y);
     let angle = r / RADIUS * FRAC_PI_2;
     let scale = if r > 0.0 { angle.sin() / r } else { 0.0 };
@@ -214,7 +215,7 @@ fn colour(radiance: f64) -> Rgb {
     inferno(share as f32)
 }
 
-fn draw_words(canvas: &mut Canvas, view: &ReceiverView, sun: &PanelSun, (width, height): (f64, f64)) {
+fn draw_words(canvas: &mut Canvas, view: &ReceiverView, sun: &PanelSun, width: f64, height: f64) {
     let receiver = &view.receiver;
     let name: String = receiver.id.chars().take(60).collect();
     canvas.headline(&name, (20.0, 20.0), Side::Left, INK);

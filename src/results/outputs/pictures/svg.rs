@@ -89,13 +89,14 @@ impl Svg {
     }
 
     /// A filled circle.
-    pub fn circle(&mut self, (x, y): At, radius: f64, fill: Rgb) {
-        let ([x, y], fill) = ([x, y].map(number), hex(fill));
+    pub fn circle(&mut self, centre: At, radius: f64, fill: Rgb) {
+        let (x, y, fill) = (number(centre.0), number(centre.1), hex(fill));
         self.add(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{fill}\"/>"));
     }
 
     /// Words with the middle of their height at a place; `side` tells which part of them stands there. What would leave the page is smaller.
-    pub fn text(&mut self, words: &str, (x, y): At, size: f64, side: Side, colour: Rgb) {
+    pub fn text(&mut self, words: &str, at: At, size: f64, side: Side, colour: Rgb) {
+        let (x, y) = at;
         let room = match side {
             Side::Left => self.size.0 - x,
             Side::Center => 2.0 * x.min(self.size.0 - x),
@@ -105,9 +106,9 @@ impl Svg {
     }
 
     /// Black words that run upwards, with their middle at a place, smaller where they are longer than `room`.
-    pub fn text_up(&mut self, words: &str, (x, y): At, room: f64) {
+    pub fn text_up(&mut self, words: &str, at: At, room: f64) {
         let size = LETTERS.min(room / wide(words));
-        let turned = format!("transform=\"translate({} {}) rotate(-90)\"", number(x), number(y));
+        let turned = format!("transform=\"translate({} {}) rotate(-90)\"", number(at.0), number(at.1));
         self.write(words, &turned, 0.0, size, Side::Center, BLACK);
     }
 
