@@ -209,7 +209,7 @@ impl<'a> TileStream<'a> {
             storage: resources.storage,
         };
         let schedules = series.schedules(archive, site, elsewhere, resources)?;
-        Replay::scheduled(site, &series.conditions, settings, &series.bins, &schedules)
+        Replay::builder(site, &series.conditions, settings).summed(&series.bins).scheduled(&schedules).build()
     }
 }
 

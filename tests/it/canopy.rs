@@ -52,7 +52,10 @@ fn columns(
     let archive = Archive::open(path).expect("an archive");
     let settings = ReplaySettings { sky, memory: MemoryBudget::new(1 << 28), ..ReplaySettings::default() };
     let bins = Bins::each(conditions.len());
-    let replay = Replay::scheduled(&OpenSite::of(&archive).expect("a site"), conditions, settings, &bins, schedules)
+    let replay = Replay::builder(&OpenSite::of(&archive).expect("a site"), conditions, settings)
+        .summed(&bins)
+        .scheduled(schedules)
+        .build()
         .expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
     let rows = tiles.into_iter().flat_map(|(ids, values)| {
@@ -412,7 +415,7 @@ fn hostile_bytes() {
             let settings = ReplaySettings { memory: MemoryBudget::new(1 << 28), ..ReplaySettings::default() };
             let site = OpenSite::of(&archive);
             let replay =
-                site.and_then(|site| Replay::scheduled(&site, conditions, settings, &Bins::each(2), &schedule));
+                site.and_then(|site| Replay::builder(&site, conditions, settings).scheduled(&schedule).build());
             match replay.and_then(|replay| replay.run(0..1)) {
                 Err(_) => refused += 1,
                 Ok(tiles) => assert!(tiles[0].1.component(Component::Total).iter().all(|v| v.is_finite())),

@@ -52,7 +52,8 @@ fn light(site: &Site, paths: LightPaths, schedules: &[Schedule]) -> BTreeMap<Str
     };
     let (conditions, opened) = (conditions(), OpenSite::of(&archive).expect("a site"));
     let bins = Bins::each(conditions.len());
-    let replay = Replay::scheduled(&opened, &conditions, settings, &bins, schedules).expect("a replay");
+    let replay =
+        Replay::builder(&opened, &conditions, settings).summed(&bins).scheduled(schedules).build().expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
     let rows = tiles.iter().flat_map(|(ids, values)| {
         ids.iter().enumerate().map(|(r, id)| {
@@ -155,7 +156,8 @@ fn factors_add_up() {
     conditions.iter_mut().for_each(|c| c.dhi_w_m2 = 90.0);
     let settings = ReplaySettings { sky: SkyModel::Uniform, paths: LightPaths::FIRST, ..ReplaySettings::default() };
     let (ground, bins) = ([ground_of(&opened, 0.3, conditions.len())], Bins::each(conditions.len()));
-    let replay = Replay::scheduled(&opened, &conditions, settings, &bins, &ground).expect("a replay");
+    let replay =
+        Replay::builder(&opened, &conditions, settings).summed(&bins).scheduled(&ground).build().expect("a replay");
     let (expected, parts) = (replay.run(0..1).expect("a tile"), factors.run(0..1).expect("a tile"));
     let (mut largest, mut most) = (0.0_f64, 0.0_f64);
     for receiver in 0..64 {

@@ -153,7 +153,7 @@ fn losses_are_bounded() {
 fn year_sum(archive: &Archive, year: &[Condition]) -> f64 {
     let bins = Bins { count: 1, of_condition: vec![(0, 1e-3); year.len()] };
     let site = OpenSite::of(archive).expect("a site");
-    let replay = Replay::scheduled(&site, year, ReplaySettings::default(), &bins, &[]).expect("a replay");
+    let replay = Replay::builder(&site, year, ReplaySettings::default()).summed(&bins).build().expect("a replay");
     let mut sums = Vec::new();
     for tile in replay.results(0..replay.tiles()) {
         let values = tile.expect("a tile").1;

@@ -32,7 +32,10 @@ fn totals(site: &Site, schedules: &[Schedule]) -> BTreeMap<String, Vec<f64>> {
     let (conditions, settings) =
         (conditions(), ReplaySettings { memory: MemoryBudget::new(1 << 28), ..ReplaySettings::default() });
     let bins = Bins::each(conditions.len());
-    let replay = Replay::scheduled(&OpenSite::of(&archive).expect("a site"), &conditions, settings, &bins, schedules)
+    let replay = Replay::builder(&OpenSite::of(&archive).expect("a site"), &conditions, settings)
+        .summed(&bins)
+        .scheduled(schedules)
+        .build()
         .expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
     let rows = tiles.into_iter().flat_map(|(ids, values)| {

@@ -90,8 +90,10 @@ fn plain_path() {
     let conditions = read_weather(&weather).expect("weather").conditions(1);
     let replay = |bins: &Bins| {
         let settings = ReplaySettings::default();
-        let replay =
-            Replay::summed(&OpenSite::of(&archive).expect("a site"), &conditions, settings, bins).expect("a replay");
+        let replay = Replay::builder(&OpenSite::of(&archive).expect("a site"), &conditions, settings)
+            .summed(bins)
+            .build()
+            .expect("a replay");
         replay.run(0..1).expect("a tile").remove(0).1
     };
     let hours = replay(&Bins::each(conditions.len()));

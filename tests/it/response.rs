@@ -315,8 +315,10 @@ fn sums_are_the_sums_of_hours() {
     let bins = Bins { count: 5, of_condition: (0..200).map(|i| (i * 7 % 5, weight(i))).collect() };
     let run = |replay: Replay| replay.run(0..1).expect("a tile").remove(0).1;
     let hours = run(Replay::new(&OpenSite::of(&archive).expect("a site"), &conditions, settings).expect("a replay"));
-    let sums =
-        run(Replay::summed(&OpenSite::of(&archive).expect("a site"), &conditions, settings, &bins).expect("a replay"));
+    let sums = run(Replay::builder(&OpenSite::of(&archive).expect("a site"), &conditions, settings)
+        .summed(&bins)
+        .build()
+        .expect("a replay"));
     let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
     for component in Component::ALL {
         for receiver in 0..20 {

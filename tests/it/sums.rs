@@ -33,7 +33,7 @@ fn off(site: &Site, component: Component, sky: SkyModel) -> (f64, f64) {
     let each = Replay::new(&opened, &hours, settings).expect("a replay");
     let of_condition: Vec<(usize, f64)> = (0..hours.len()).map(|i| (i % 3, 1e-3 + 1e-6 * i as f64)).collect();
     let bins = Bins { count: 3, of_condition };
-    let summed = Replay::summed(&opened, &hours, settings, &bins).expect("a replay");
+    let summed = Replay::builder(&opened, &hours, settings).summed(&bins).build().expect("a replay");
     let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
     for (means, sums) in each.results(0..each.tiles()).zip(summed.results(0..summed.tiles())) {
         let (means, sums) = (means.expect("a tile").1, sums.expect("a tile").1);

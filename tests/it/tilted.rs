@@ -33,7 +33,11 @@ fn column(site: &Site, conditions: &[Condition], component: Component, way: &Way
     let (sky, paths) = (SkyModel::Perez1990, way.depth.into());
     let settings = ReplaySettings { sky, paths, components, ..ReplaySettings::default() };
     let open = OpenSite::of(&archive).expect("a site");
-    let replay = Replay::scheduled(&open, conditions, settings, way.bins, way.schedules).expect("a replay");
+    let replay = Replay::builder(&open, conditions, settings)
+        .summed(way.bins)
+        .scheduled(way.schedules)
+        .build()
+        .expect("a replay");
     let tiles = replay.run(0..replay.tiles()).expect("tiles");
     let rows = tiles.into_iter().flat_map(|(ids, values)| {
         let row = |r: usize| values.row(component, r).iter().map(|v| f64::from(*v)).collect();

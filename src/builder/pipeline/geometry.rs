@@ -111,7 +111,7 @@ impl SiteTracer<'_> {
         // The axes of a site that is being built are not turned yet.
         let conditions = in_axes(&conditions, North::of(Some(place)));
         let settings = ReplaySettings { patches: PATCHES, memory: self.memory, ..ReplaySettings::default() };
-        let replay = Replay::summed(&site, &conditions, settings, &bins)?;
+        let replay = Replay::builder(&site, &conditions, settings).summed(&bins).build()?;
         let progress = Stage::begin(self.observer, "overview", Some(tiles.len() as u64));
         let mut sums = Vec::new();
         for tile in replay.results(tiles.iter().copied()) {

@@ -104,7 +104,7 @@ pub const PARTS: [Component; 5] = [
 
 impl SunGrid {
     /// Makes these suns and a sky ready; `settings` say what memory it takes, their light is not looked at. Factors are made of its irradiances,
-    /// [`PARTS`], by [`SunGrid::labels`]. Errors as of [`Replay::scheduled`].
+    /// [`PARTS`], by [`SunGrid::labels`]. Errors as of [`ReplayBuilder::build`](crate::replay::run::ReplayBuilder::build).
     pub fn replay<'a>(&self, site: &OpenSite<'a>, settings: ReplaySettings) -> Result<Replay<'a>> {
         let mut conditions = self.conditions(SOURCE_W_M2);
         let up = direction_from_degrees(0.0, 90.0);
@@ -117,7 +117,7 @@ impl SunGrid {
         let components = ComponentSet::of(&PARTS);
         let settings = ReplaySettings { sky: SkyModel::Uniform, paths: LightPaths::FIRST, components, ..settings };
         let bins = Bins::each(conditions.len());
-        Replay::scheduled(site, &conditions, settings, &bins, &schedules)
+        Replay::builder(site, &conditions, settings).summed(&bins).scheduled(&schedules).build()
     }
 
     /// Number of irradiances of a part: a label for each sun, and one for the sky.

@@ -68,8 +68,8 @@ impl Default for ReplaySettings<'_> {
 /// Suns of conditions go by true north; where the archive knows its place they are turned into its axes.
 ///
 /// Results are irradiances on the receivers, f32: means over a condition in W/m2 ([`Replay::new`]), or sums with the weights of
-/// [`Bins`], such as kWh/m2 ([`Replay::summed`]). Diffuse reflectances and transmittances may change from condition to condition
-/// ([`Replay::scheduled`]). Longwave irradiance needs conditions with an emission, as [`crate::weather::temperatures::emissions`] gives
+/// [`Bins`], such as kWh/m2 ([`ReplayBuilder::summed`]). Diffuse reflectances and transmittances may change from condition to condition
+/// ([`ReplayBuilder::scheduled`]). Longwave irradiance needs conditions with an emission, as [`crate::weather::temperatures::emissions`] gives
 /// them. Tiles are independent of each other; 64 receivers to a tile, in the archive's order.
 ///
 /// ```no_run
@@ -114,28 +114,45 @@ impl<'a> Replay<'a> {
     /// One result for every condition: means in W/m2. An error: a number of patches that is not offered, longwave irradiance without
     /// emissions, cells that do not fit together.
     pub fn new(site: &OpenSite<'a>, conditions: &[Condition], settings: ReplaySettings) -> Result<Self> {
-        Replay::summed(site, conditions, settings, &Bins::each(conditions.len()))
+        Replay::builder(site, conditions, settings).build()
     }
 
-    /// Results that conditions add up to, in the unit of the weights: kWh/m2 for hours / 1000. Errors as of [`Replay::new`].
-    pub fn summed(
-        site: &OpenSite<'a>,
-        conditions: &[Condition],
-        settings: ReplaySettings,
-        bins: &Bins,
-    ) -> Result<Self> {
-        Replay::scheduled(site, conditions, settings, bins, &[])
+    /// The same with further choices: sums in place of means, and reflectances that change.
+    pub fn builder<'r>(
+        site: &'r OpenSite<'a>,
+        conditions: &'r [Condition],
+        settings: ReplaySettings<'r>,
+    ) -> ReplayBuilder<'r, 'a> {
+        ReplayBuilder { site, conditions, settings, bins: None, schedules: &[] }
+    }
+}
+
+/// A replay about to be made of an archive and conditions.
+pub struct ReplayBuilder<'r, 'a> {
+    site: &'r OpenSite<'a>,
+    conditions: &'r [Condition],
+    settings: ReplaySettings<'r>,
+    bins: Option<&'r Bins>,
+    schedules: &'r [Schedule],
+}
+
+impl<'r, 'a> ReplayBuilder<'r, 'a> {
+    /// Makes results sums over conditions, in the unit of the weights: kWh/m2 for hours / 1000.
+    pub fn summed(self, bins: &'r Bins) -> Self {
+        ReplayBuilder { bins: Some(bins), ..self }
     }
 
-    /// The same with reflectances and transmittances that follow schedules. An error, too: schedules of an archive that was built without
-    /// diffuse reflections and has no canopies.
-    pub fn scheduled(
-        site: &OpenSite<'a>,
-        conditions: &[Condition],
-        settings: ReplaySettings,
-        bins: &Bins,
-        schedules: &[Schedule],
-    ) -> Result<Self> {
+    /// Lets reflectances and transmittances follow schedules.
+    pub fn scheduled(self, schedules: &'r [Schedule]) -> Self {
+        ReplayBuilder { schedules, ..self }
+    }
+
+    /// Makes the replay ready. An error: a number of patches that is not offered, longwave irradiance without emissions, cells that do not fit
+    /// together, schedules of an archive that was built without diffuse reflections and has no canopies.
+    pub fn build(self) -> Result<Replay<'a>> {
+        let ReplayBuilder { site, conditions, settings, bins, schedules } = self;
+        let each = Bins::each(if bins.is_none() { conditions.len() } else { 0 });
+        let bins = bins.unwrap_or(&each);
         let conditions = &*in_axes(conditions, site.north());
         let patches = Patches::new(settings.patches)?;
         let forced = |ways: &[Bins]| -> Result<Forcing> {
@@ -193,7 +210,9 @@ impl<'a> Replay<'a> {
         let forcing = behind(forcing, ways(&states));
         Replay::with(site, forcing, memory, Some((tables, responder)))
     }
+}
 
+impl<'a> Replay<'a> {
     fn with(
         site: &OpenSite<'a>,
         forcing: Forcing,

@@ -205,7 +205,7 @@ fn replay_s(bench: &Bench, trial: &Trial, suns: &ErrorConditions) -> Result<f64>
         storage: &storage,
         ..ReplaySettings::default()
     };
-    let replay = Replay::summed(&OpenSite::of(&archive)?, &conditions, settings, &bins)?;
+    let replay = Replay::builder(&OpenSite::of(&archive)?, &conditions, settings).summed(&bins).build()?;
     for tile in replay.results(0..replay.tiles()) {
         tile?;
     }

@@ -3,18 +3,18 @@
 use std::path::Path;
 use std::time::Instant;
 
-use heliotile_core::memory::MemoryBudget;
-use heliotile_core::opened::OpenSite;
+use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::archive::format;
 use heliotile_core::archive::format::{BlockKind, TileNumber, kind_name};
 use heliotile_core::archive::{Access, Archive, Manifest, encode};
-use heliotile_builder::writing::{Job, Writer};
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::ComponentSet;
-use heliotile_scene::input::weather::read_conditions;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::sky::model::SkyModel;
+use heliotile_scene::input::weather::read_conditions;
 
 /// Median of some runs, milliseconds.
 fn median_ms(mut run: impl FnMut()) -> f64 {
@@ -37,7 +37,9 @@ pub fn open(blocks: u32) {
         Writer::create(&path, &Job { scene: [0; 32], receivers: [0; 32], settings: [0; 32] }).expect("created");
     for tile in 0..blocks {
         let raw: Vec<u8> = (0..64).map(|i| (tile.wrapping_mul(2_654_435_761) >> (i % 24)) as u8).collect();
-        writer.append(encode(BlockKind(0x8000_0000), TileNumber(tile), 1, 1, &raw, 1).expect("packed")).expect("written");
+        writer
+            .append(encode(BlockKind(0x8000_0000), TileNumber(tile), 1, 1, &raw, 1).expect("packed"))
+            .expect("written");
     }
     let mut manifest = Manifest::new();
     manifest.receivers.tile_size = 64;

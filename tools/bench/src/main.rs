@@ -13,9 +13,9 @@ use std::io::Write;
 use std::time::Instant;
 
 use glam::{DVec2, DVec3, Vec3A};
-use heliotile_core::hemisphere::{Frame, texel_direction, texels_in_blocks};
 use heliotile_builder::trace::kernel::lanes::Level;
 use heliotile_builder::trace::{Ray, Tracer};
+use heliotile_core::hemisphere::{Frame, texel_direction, texels_in_blocks};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};

@@ -4,7 +4,6 @@
 use std::path::Path;
 
 use cpu_time::ProcessTime;
-use heliotile_scene::input::weather::read_weather;
 use heliotile_core::archive::Archive;
 use heliotile_core::light::states::Schedule;
 use heliotile_core::opened::OpenSite;
@@ -12,6 +11,7 @@ use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::time::bins::Bins;
+use heliotile_scene::input::weather::read_weather;
 use ndarray::Array2;
 
 /// Runs of each measurement; the median counts.
@@ -87,7 +87,9 @@ pub fn run(path: &Path, weather: &Path) {
     ] {
         let settings = ReplaySettings { components, ..ReplaySettings::default() };
         let site = OpenSite::of(&archive).expect("a site");
-        let make = || Replay::scheduled(&site, conditions, settings, bins, schedules).expect("a replay");
+        let make = || {
+            Replay::builder(&site, conditions, settings).summed(bins).scheduled(schedules).build().expect("a replay")
+        };
         // Deriving takes long: once is enough.
         let mut made = None;
         let mut setup = once_s(|| made = Some(make()));
@@ -120,8 +122,7 @@ pub fn run(path: &Path, weather: &Path) {
 /// What layers take from the bytes of their blocks to what a replay looks up, checksums, zstd and memory included.
 fn decoding(archive: &Archive) {
     let site = OpenSite::of(archive).expect("a site");
-    let rows: Vec<usize> =
-        (0..site.tiles()).map(|tile| site.tile_receivers(tile).expect("receivers").rows()).collect();
+    let rows: Vec<usize> = (0..site.tiles()).map(|tile| site.tile_receivers(tile).expect("receivers").rows()).collect();
     let time = |name: &str, decode: &dyn Fn(u32, usize)| {
         let all = || rows.iter().enumerate().for_each(|(tile, rows)| decode(tile as u32, *rows));
         println!("decoding {name:10} {:6.2} us/receiver", median_s(all) / rows.iter().sum::<usize>() as f64 * 1e6);

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use heliotile_core::hemisphere::{mix, unit};
-use heliotile_scene::Scene;
 use heliotile_core::site::material::{Class, Material};
+use heliotile_scene::Scene;
 
 pub type Triangles = Vec<([DVec3; 3], u16)>;
 

@@ -4,7 +4,6 @@ use std::fs;
 use std::path::Path;
 
 use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, Workspace};
-use heliotile_core::observer::Silent;
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::format;
@@ -17,6 +16,7 @@ use heliotile_core::layers::mirror::{CellMirrors, CellPath, CellWindow, MirrorPa
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::layers::texel_block::TexelBlock;
 use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Silent;
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::chain::Chain;
 use heliotile_core::site::crossing::Crossing;

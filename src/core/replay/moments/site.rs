@@ -37,7 +37,7 @@ pub struct Moments<'a> {
 
 impl<'a> Moments<'a> {
     /// With skies of 145, 577 or 2305 `patches`, and the reflectances and transmittances of schedules over one condition, those of the
-    /// archive where there are none. Errors as of [`Replay::scheduled`](crate::replay::run::Replay::scheduled).
+    /// archive where there are none. Errors as of [`ReplayBuilder::build`](crate::replay::run::ReplayBuilder::build).
     pub fn new(site: &OpenSite<'a>, patches: usize, schedules: &[Schedule]) -> Result<Self> {
         Moments::on(site, Arc::new(SkyGrids::new(patches, site.settings().sides())?), schedules)
     }
@@ -131,7 +131,7 @@ mod tests {
                 let settings = ReplaySettings { sky, ..ReplaySettings::default() };
                 let conditions = [condition];
                 let replay =
-                    Replay::scheduled(&site, &conditions, settings, &Bins::each(1), schedules).expect("replay");
+                    Replay::builder(&site, &conditions, settings).scheduled(schedules).build().expect("replay");
                 let light = moments.light(&conditions[0], sky);
                 for tile in 0..site.tiles() {
                     let ready = moments.tiles(&[tile]).expect("a tile").pop().expect("one");

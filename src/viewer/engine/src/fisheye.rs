@@ -17,13 +17,7 @@ use crate::weather::{LoadedWeather, location};
 const MOST: usize = 2048;
 
 /// The disc of a receiver, by rows from the top.
-pub fn fisheye(
-    opened: &Opened,
-    weather: Option<&LoadedWeather>,
-    tile: u32,
-    row: usize,
-    side: usize,
-) -> Answered {
+pub fn fisheye(opened: &Opened, weather: Option<&LoadedWeather>, tile: u32, row: usize, side: usize) -> Answered {
     if !(1..=MOST).contains(&side) {
         return Err(Failure::new(Kind::Other, format!("a disc of {side} points a side"), "ask for 1 to 2048"));
     }

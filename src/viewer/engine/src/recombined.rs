@@ -72,7 +72,8 @@ impl Recombinations {
                     ..ReplaySettings::default()
                 };
                 let Forced { conditions, bins, schedules } = force()?;
-                let replay = Replay::scheduled(&opened.site, &conditions, settings, &bins, &schedules)?;
+                let replay =
+                    Replay::builder(&opened.site, &conditions, settings).summed(&bins).scheduled(&schedules).build()?;
                 self.kept.insert(0, (key.clone(), replay));
                 self.kept.truncate(KEPT);
             }

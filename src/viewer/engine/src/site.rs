@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::format;
+use heliotile_core::archive::format::TileNumber;
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::sky::model::SkyModel;
