@@ -110,7 +110,7 @@ impl<'a> FactorRows<'a> {
             let replay = self.grid.replay(&part.site, ReplaySettings { patches, ..self.settings })?;
             let goes_on = part.each_tile(&replay, observer, &progress, |tile| match &mut means {
                 Some(means) => {
-                    means.add(tile.values);
+                    means.add(tile.values)?;
                     Ok(true)
                 }
                 None => tell(tile.ids, tile.values),

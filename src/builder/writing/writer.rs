@@ -181,8 +181,7 @@ impl Writer {
     pub fn append(&mut self, block: EncodedBlock) -> Result<()> {
         let EncodedBlock { mut entry, stored } = block;
         if self.entries.contains_key(&entry.key()) {
-            let what = format!("block {} was written twice", entry.name());
-            return Err(Error::input(self.partial.path(), None, what, FAULT));
+            return Err(Error::defect(self.partial.path(), entry.name(), "number", "was written already"));
         }
         if self.entries.len() as u64 >= MAX_ENTRIES {
             let value = MAX_ENTRIES.saturating_add(1);
@@ -214,8 +213,8 @@ impl Writer {
     /// A block that was appended, read from the file and checked. Many threads may do so.
     pub fn read_back(&self, kind: BlockKind, tile: TileNumber) -> Result<Block> {
         let Some(entry) = self.entry(kind, tile) else {
-            let what = format!("block {} was not written yet", format::block_name(kind, tile));
-            return Err(Error::input(self.partial.path(), None, what, FAULT));
+            let name = format::block_name(kind, tile);
+            return Err(Error::defect(self.partial.path(), name, "number", "was not written yet"));
         };
         let stored = self.partial.read(entry.offset, usize::try_from(entry.stored).unwrap_or(0))?;
         block::decode(self.partial.path(), entry, &stored)
@@ -348,9 +347,6 @@ impl Writer {
     }
 }
 
-/// For what only a wrong caller can cause.
-const FAULT: &str = "this is a fault of the program: please report it";
-
 /// The error of a build that would overwrite an interrupted one.
 fn lies_there(partial: &Path, done: Progress) -> Error {
     let what = format!("is an interrupted build of which {} blocks, {} bytes are done", done.blocks, done.bytes);
@@ -439,7 +435,7 @@ mod tests {
         }
         assert!(writer.read_back(format::HIT, TileNumber(5)).is_err());
         let error = writer.append(encode(format::HIT, format::TileNumber(4), 1, 1, &[0], 9).unwrap()).unwrap_err();
-        assert!(error.to_string().contains("hit/4 was written twice"), "{error}");
+        assert!(error.to_string().contains("block hit/4, number: was written already"), "{error}");
         assert_eq!(writer.layers()[0].raw_bytes, 4500);
     }
 

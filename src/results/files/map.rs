@@ -66,7 +66,7 @@ impl<'a> MapStart<'a> {
             Some(groups) => {
                 let mut patches = PatchSorter::new(&folder, memory.length(Use::MapPatches) / self.share.max(1));
                 for (number, receiver) in receivers.shown().enumerate() {
-                    patches.push(groups.place_of(number), receiver?)?;
+                    patches.push(groups.place_of(number)?, receiver?)?;
                 }
                 PlaceShapes::Groups(Box::new(patches.finish(place)?))
             }

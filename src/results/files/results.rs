@@ -154,7 +154,7 @@ impl TileSink for ResultSink<'_> {
 
     fn take(&mut self, tile: &Tile) -> Result<bool> {
         match &mut self.means {
-            Some(means) => means.add(tile.values),
+            Some(means) => means.add(tile.values)?,
             None => self.writers.iter_mut().try_for_each(|(_, to)| to.write_tile(tile.ids, tile.values, &[]))?,
         }
         Ok(!self.writers.iter().any(|(_, to)| to.is_closed()))

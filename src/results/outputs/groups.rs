@@ -2,7 +2,7 @@
 //! values tile by tile. Out: a table's tiles of such groups, in the order of their names. Sums are f64 and added in the archive's order, whatever the number of threads.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -35,6 +35,8 @@ pub struct Groups {
     shares: Vec<f64>,
     /// `[group]`
     extents: Vec<Extent>,
+    /// The archive of the receivers, for messages.
+    file: PathBuf,
 }
 
 /// How large a group is and where it looks.
@@ -108,9 +110,7 @@ impl Groups {
         for (place, surface) in found.values().enumerate() {
             let equal = surface.with_area == 0;
             let whole = if equal { surface.receivers as f64 } else { surface.area_m2 };
-            if let Some(slot) = by_number.get_mut(surface.number as usize) {
-                *slot = (place as u32, whole, equal);
-            }
+            by_number[surface.number as usize] = (place as u32, whole, equal);
         }
         let extent = |group: &Found| match group.with_area {
             0 => {
@@ -123,9 +123,10 @@ impl Groups {
             }
         };
         let extents = found.values().map(extent).collect();
-        let mut surfaces = Groups { names: found.into_keys().collect(), extents, ..Groups::default() };
+        let (file, names) = (file.to_path_buf(), found.into_keys().collect());
+        let mut surfaces = Groups { file, names, extents, ..Groups::default() };
         for (number, area_m2) in places.into_iter().zip(areas) {
-            let (place, whole, equal) = by_number.get(number as usize).copied().unwrap_or_default();
+            let (place, whole, equal) = by_number[number as usize];
             surfaces.places.push(place);
             surfaces.shares.push(if equal { 1.0 } else { area_m2 } / whole);
         }
@@ -137,8 +138,14 @@ impl Groups {
     }
 
     /// Place among the names of the group that a receiver belongs to.
-    pub fn place_of(&self, receiver: usize) -> u32 {
-        self.places.get(receiver).copied().unwrap_or_default()
+    pub fn place_of(&self, receiver: usize) -> Result<u32> {
+        self.places.get(receiver).copied().ok_or_else(|| self.missing(receiver))
+    }
+
+    /// The error of a receiver that the groups were not made of.
+    fn missing(&self, receiver: usize) -> Error {
+        let what = format!("hold {} receivers, and none of number {receiver}", self.places.len());
+        Error::defect(&self.file, "receivers", "groups", what)
     }
 
     /// What a table says of them besides: areas and sums where all have an area (sums, if totals are asked for), and where
@@ -211,22 +218,25 @@ impl GroupMeans {
         &self.groups
     }
 
-    /// Adds the next receivers.
-    pub fn add(&mut self, values: &TileValues) {
+    /// Adds the next receivers; more of them than the groups hold are a defect.
+    pub fn add(&mut self, values: &TileValues) -> Result<()> {
         let range = self.done..self.done + values.receivers();
+        let Groups { places, shares, .. } = &self.groups;
+        let (Some(places), Some(shares)) = (places.get(range.clone()), shares.get(range.clone())) else {
+            return Err(self.groups.missing(range.end - 1));
+        };
         self.done = range.end;
-        let places = self.groups.places.get(range.clone()).unwrap_or_default();
-        let shares = self.groups.shares.get(range).unwrap_or_default();
         let labels = self.labels;
         // One component a thread: each sum is added in the order of receivers.
         self.sums.par_iter_mut().for_each(|(component, sums)| {
             for (row, (place, share)) in places.iter().zip(shares).enumerate() {
                 let first = *place as usize * labels;
-                let sums = sums.get_mut(first..first + labels).unwrap_or_default();
                 let values = values.row(*component, row);
+                let sums = &mut sums[first..first + labels];
                 sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * f64::from(*value));
             }
         });
+        Ok(())
     }
 
     /// The means: names and extents of some groups and their values, all other components zero.
@@ -263,7 +273,7 @@ mod tests {
     }
 
     /// Totals of 1 and 4 on areas of 1 and 3 m2 are 3.25; 2 and 5 without areas are 3.5; surfaces come by name, 2 tiles of
-    /// receivers as 1 of surfaces, and a component that is not asked for stays 0.
+    /// receivers as 1 of surfaces, a component that is not asked for stays 0, and a fifth receiver is a defect.
     #[test]
     fn weighted_means() {
         let surfaces = surfaces(&[("wall", 1.0), ("lawn", 0.0), ("wall", 3.0), ("lawn", 0.0)]).expect("surfaces");
@@ -275,8 +285,10 @@ mod tests {
                 values.row_mut(Component::Total, row).copy_from_slice(&[value, -value]);
                 values.row_mut(Component::SunDirect, row).fill(9.0);
             }
-            means.add(&values);
+            means.add(&values).expect("known receivers");
         }
+        let unknown = means.add(&TileValues::new(1, 2)).expect_err("a fifth receiver").to_string();
+        assert!(unknown.contains("hold 4 receivers, and none of number 4"), "{unknown}");
         let areas: Vec<Option<f64>> = means.groups().extents.iter().map(|extent| extent.area_m2).collect();
         assert_eq!(areas, [None, Some(4.0)]);
         let tiles: Vec<_> = means.tiles().collect();
@@ -296,7 +308,7 @@ mod tests {
             GroupMeans::new(surfaces(&receivers).expect("surfaces"), &[Component::SunDirect], 1, 2000).expect("memory");
         let mut values = TileValues::new(130, 1);
         values.component_mut(Component::SunDirect).iter_mut().enumerate().for_each(|(i, v)| *v = i as f32);
-        means.add(&values);
+        means.add(&values).expect("known receivers");
         let tiles: Vec<_> = means.tiles().collect();
         assert_eq!(tiles.iter().map(|t| t.0.len()).collect::<Vec<_>>(), [64, 64, 2]);
         let all: Vec<f32> = tiles.iter().flat_map(|t| t.1.component(Component::SunDirect).to_vec()).collect();

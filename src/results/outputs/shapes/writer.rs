@@ -46,12 +46,12 @@ pub enum MapFormat {
 impl MapFormat {
     /// Endings of names; that of GeoParquet is one of tables, too, and pictures are no results to go on with.
     pub const ENDINGS: [(&'static str, MapFormat); 6] = [
-        ("glb", MapFormat::Glb),
-        ("fgb", MapFormat::FlatGeobuf),
-        ("geojson", MapFormat::GeoJson),
-        ("ply", MapFormat::Ply),
-        ("vtu", MapFormat::Vtu),
-        ("pvd", MapFormat::Pvd),
+        (MapFormat::Glb.ending(), MapFormat::Glb),
+        (MapFormat::FlatGeobuf.ending(), MapFormat::FlatGeobuf),
+        (MapFormat::GeoJson.ending(), MapFormat::GeoJson),
+        (MapFormat::Ply.ending(), MapFormat::Ply),
+        (MapFormat::Vtu.ending(), MapFormat::Vtu),
+        (MapFormat::Pvd.ending(), MapFormat::Pvd),
     ];
 
     /// Refuses coordinates that the format cannot have.
@@ -80,9 +80,17 @@ impl MapFormat {
     }
 
     /// The ending of files.
-    pub fn ending(self) -> &'static str {
-        let found = Self::ENDINGS.iter().find(|(_, format)| *format == self);
-        found.map_or(if self == MapFormat::Png { "png" } else { "parquet" }, |(ending, _)| ending)
+    pub const fn ending(self) -> &'static str {
+        match self {
+            MapFormat::Glb => "glb",
+            MapFormat::FlatGeobuf => "fgb",
+            MapFormat::GeoJson => "geojson",
+            MapFormat::Ply => "ply",
+            MapFormat::Vtu => "vtu",
+            MapFormat::Pvd => "pvd",
+            MapFormat::GeoParquet => "parquet",
+            MapFormat::Png => "png",
+        }
     }
 }
 
@@ -160,7 +168,11 @@ impl<'a> MapWriter<'a> {
             let (common, extent, polygons) = match &mut self.shapes {
                 PlaceShapes::Groups(groups) => {
                     let (common, polygons) = groups.next_group()?;
-                    (common, extents.get(i).copied().unwrap_or_default(), polygons)
+                    let Some(extent) = extents.get(i).copied() else {
+                        let what = format!("{} extents come with {} values", extents.len(), names.len());
+                        return Err(Error::defect(self.request.path, "map", "extents", what));
+                    };
+                    (common, extent, polygons)
                 }
                 PlaceShapes::Receivers(receivers) => {
                     let Some(receiver) = receivers.next().transpose()?.filter(|receiver| receiver.id == *name) else {
