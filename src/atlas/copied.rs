@@ -100,7 +100,7 @@ fn names_of(atlas: &Atlas) -> Result<(Vec<String>, u64)> {
     for (part, state) in atlas.states(None, look)? {
         match state {
             PartState::Built(()) => names.push(part.archive()),
-            PartState::Empty => names.push(part.says_nothing()),
+            PartState::Empty => names.push(part.empty_marker()),
             PartState::Missing => missing += 1,
         }
         beside.push(part.beside(ITEM));

@@ -90,7 +90,7 @@ impl Atlas {
         let parts = self.touched(within);
         let found = look(&parts.iter().map(|part| part.archive()).collect::<Vec<_>>())?;
         let rest = parts.iter().zip(&found).filter(|(_, found)| found.is_none());
-        let rest: Vec<String> = rest.map(|(part, _)| part.says_nothing()).collect();
+        let rest: Vec<String> = rest.map(|(part, _)| part.empty_marker()).collect();
         let mut empty = self.folder.has(&rest, self.plan.parts.len())?.into_iter();
         let state = |found: Option<A>| match found {
             Some(archive) => PartState::Built(archive),

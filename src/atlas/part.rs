@@ -11,7 +11,7 @@ use crate::opened::Atlas;
 use crate::plan::{FILE, PlannedPart, is_atlas};
 use crate::state::{ARCHIVE, FOLDER, NOTHING};
 use heliotile_builder::settings::EffectChoice;
-use heliotile_builder::trace::placement::Lying;
+use heliotile_builder::trace::placement::Placement;
 use heliotile_builder::writing::file_lock::FileLock;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
@@ -19,7 +19,7 @@ use heliotile_core::observer::Observer;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_results::covering::cover_site;
 use heliotile_results::outputs::sink::write_texts;
-use heliotile_results::site_archive::{TraceRequest, WaysOut, up_to_date};
+use heliotile_results::site_archive::{TraceRequest, WaysOut, build_or_reuse};
 
 /// Locked by who builds a part.
 const LOCK: &str = ".lock";
@@ -78,7 +78,7 @@ impl PartBuild<'_> {
     fn publish(&self) -> Result<()> {
         let PartBuild { request, atlas, part, observer } = *self;
         heliotile_remote::check_writable(atlas.folder.place())?;
-        let there = atlas.folder.has(&[part.archive(), part.says_nothing()], atlas.plan.parts.len())?;
+        let there = atlas.folder.has(&[part.archive(), part.empty_marker()], atlas.plan.parts.len())?;
         if !request.fresh && there.contains(&true) {
             observer.report(&format!("{}: is there, nothing is traced again ({{fresh}} replaces it)\n", part.name));
             return Ok(());
@@ -123,7 +123,7 @@ impl PartBuild<'_> {
             observer.warn(&format!("{}: {what}", file.display()));
         }
         let (scene, covered) = cover_site(&site, &plan.cut.cover, observer)?;
-        if covered.count(Lying::Free) == 0 {
+        if covered.count(Placement::Free) == 0 {
             let archive = folder.join(ARCHIVE);
             if archive.exists() {
                 if !request.fresh {
@@ -150,7 +150,7 @@ impl PartBuild<'_> {
             under: None,
         };
         observer.report(&format!("{}: {files} of {} files near it\n", part.name, plan.files.len()));
-        up_to_date(&traced, &scene, Some(&covered), observer)?;
+        build_or_reuse(&traced, &scene, Some(&covered), observer)?;
         observer.stop_if_cancelled("after a part was complete")
     }
 }

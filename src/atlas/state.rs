@@ -31,7 +31,7 @@ impl PlannedPart {
     }
 
     /// What stands there instead if no receiver lies in it.
-    pub fn says_nothing(&self) -> String {
+    pub fn empty_marker(&self) -> String {
         self.beside(NOTHING)
     }
 

@@ -30,7 +30,7 @@ pub enum Use {
     /// Names of receivers, while archives are merged; of one of two archives that are compared.
     ReceiverIds,
     /// Names of receivers and what they stand for, while those of all tiles are put in order.
-    Gazetteer,
+    NameIndex,
     /// One list of keys of cells, while an archive is extracted from.
     ExtractedKeys,
 }
@@ -39,7 +39,7 @@ impl Use {
     /// Share of the whole, in sixteenths.
     const fn sixteenths(self) -> u64 {
         match self {
-            Use::SortedReceivers | Use::Gazetteer | Use::CellKeys | Use::BounceCells => 2,
+            Use::SortedReceivers | Use::NameIndex | Use::CellKeys | Use::BounceCells => 2,
             Use::Radiosity | Use::TileGroup | Use::ReceiverList | Use::ReceiverIds | Use::ExtractedKeys => 4,
             Use::SurfaceSums => 6,
             Use::MapRows | Use::MapPatches => 1,
@@ -51,7 +51,7 @@ impl Use {
 pub const TOGETHER: [(&str, &[Use]); 7] = [
     ("build, cells", &[Use::SortedReceivers, Use::CellKeys, Use::BounceCells]),
     ("build, responses", &[Use::SortedReceivers, Use::Radiosity, Use::TileGroup]),
-    ("build, merge, extract, names", &[Use::SortedReceivers, Use::Gazetteer]),
+    ("build, merge, extract, names", &[Use::SortedReceivers, Use::NameIndex]),
     ("replay", &[Use::Radiosity, Use::TileGroup, Use::SurfaceSums, Use::MapRows, Use::MapPatches]),
     ("replay, choice of receivers", &[Use::ReceiverList]),
     ("merge, diff", &[Use::ReceiverIds, Use::ReceiverIds]),

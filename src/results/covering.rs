@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::outputs::receivers::{ReceiverRow, ReceiverTable};
 use heliotile_builder::trace::Tracer;
 use heliotile_builder::trace::canopy::Canopies;
-use heliotile_builder::trace::placement::{Lying, lying};
+use heliotile_builder::trace::placement::{Placement, placement_of};
 use heliotile_builder::trace::receiver::Viewpoint;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::{Observer, Stage};
@@ -88,7 +88,7 @@ impl CoverRequest {
 }
 
 /// Surfaces and the receivers on them.
-pub struct Covered {
+pub struct PlacedReceivers {
     /// All of the scene.
     pub surfaces: Surfaces,
     /// Those of the files.
@@ -110,24 +110,26 @@ pub struct ChosenSurface {
     /// What its receivers stand for.
     pub pieces: Vec<Piece>,
     /// `[piece]`: how its receiver lies.
-    pub lying: Vec<Lying>,
+    pub placements: Vec<Placement>,
 }
 
 /// Name of a receiver, what it stands for, the surface it is on, and how it lies there.
-pub type CoveredRow<'a> = (String, &'a Piece, &'a Surface, Lying);
+pub type PlacedRow<'a> = (String, &'a Piece, &'a Surface, Placement);
 
-impl Covered {
+impl PlacedReceivers {
     /// Receivers that get light.
-    pub fn free(&self) -> impl Iterator<Item = CoveredRow<'_>> {
-        self.all().filter(|row| row.3 == Lying::Free)
+    pub fn free(&self) -> impl Iterator<Item = PlacedRow<'_>> {
+        self.all().filter(|row| row.3 == Placement::Free)
     }
 
     /// Those that are buried, too.
-    pub fn all(&self) -> impl Iterator<Item = CoveredRow<'_>> {
+    pub fn all(&self) -> impl Iterator<Item = PlacedRow<'_>> {
         self.chosen.iter().flat_map(|chosen| {
             let surface = &self.surfaces.list[chosen.surface];
-            let pieces = chosen.pieces.iter().zip(&chosen.lying);
-            pieces.map(move |(piece, lying)| (format!("{}#{}", surface.name, piece.number), piece, surface, *lying))
+            let pieces = chosen.pieces.iter().zip(&chosen.placements);
+            pieces.map(move |(piece, placement)| {
+                (format!("{}#{}", surface.name, piece.number), piece, surface, *placement)
+            })
         })
     }
 
@@ -137,13 +139,13 @@ impl Covered {
     }
 
     /// How many receivers lie so.
-    pub fn count(&self, wanted: Lying) -> usize {
-        self.chosen.iter().flat_map(|chosen| &chosen.lying).filter(|lying| **lying == wanted).count()
+    pub fn count(&self, wanted: Placement) -> usize {
+        self.chosen.iter().flat_map(|chosen| &chosen.placements).filter(|placement| **placement == wanted).count()
     }
 }
 
 /// Reads a site and covers its surfaces; the part of a region that the site states counts. The observer is told what is odd about the scene.
-pub fn cover_site(site: &Site, request: &CoverRequest, observer: &dyn Observer) -> Result<(Scene, Covered)> {
+pub fn cover_site(site: &Site, request: &CoverRequest, observer: &dyn Observer) -> Result<(Scene, PlacedReceivers)> {
     let (scene, soup) = Scene::load_with_objects(site)?;
     // Before what may fail.
     scene.report.tell(observer);
@@ -153,7 +155,12 @@ pub fn cover_site(site: &Site, request: &CoverRequest, observer: &dyn Observer) 
 }
 
 /// Covers the surfaces that are asked for. An error: names that nothing has, too many receivers, none that gets light.
-pub fn cover_scene(scene: &Scene, soup: Soup, asked: &CoverRequest, observer: &dyn Observer) -> Result<Covered> {
+pub fn cover_scene(
+    scene: &Scene,
+    soup: Soup,
+    asked: &CoverRequest,
+    observer: &dyn Observer,
+) -> Result<PlacedReceivers> {
     asked.check()?;
     let surfaces = Surfaces::find(&soup, &scene.materials);
     doubts(&soup, &surfaces).iter().for_each(|doubt| observer.warn(doubt));
@@ -196,16 +203,16 @@ pub fn cover_scene(scene: &Scene, soup: Soup, asked: &CoverRequest, observer: &d
         .map(|surface| {
             let mut pieces = cover(&surfaces.list[surface], density);
             pieces.retain(|piece| within.is_none_or(|part| part.owns(piece.position)));
-            let lying = pieces.par_iter().map(|piece| lie(piece, asked.offset_m, scene, &tracer)).collect();
+            let placements = pieces.par_iter().map(|piece| lie(piece, asked.offset_m, scene, &tracer)).collect();
             progress.advance(1);
-            ChosenSurface { surface, pieces, lying }
+            ChosenSurface { surface, pieces, placements }
         })
         .collect();
     drop(progress);
-    let covered = Covered { surfaces, faces, chosen, small, inner, beside };
-    if within.is_none() && covered.count(Lying::Free) == 0 {
+    let covered = PlacedReceivers { surfaces, faces, chosen, small, inner, beside };
+    if within.is_none() && covered.count(Placement::Free) == 0 {
         let what = format!("no receiver: {}", summary(&covered, scene));
-        let hint = match (covered.chosen.is_empty(), covered.count(Lying::Inside)) {
+        let hint = match (covered.chosen.is_empty(), covered.count(Placement::Inside)) {
             (true, _) => {
                 "lower {min_area}, cover other surfaces with {on}, or see with `{command:info}` whether the scene is in metres"
             }
@@ -287,9 +294,9 @@ fn wide_enough(metres: f64, points: f64, of: impl Fn(f64) -> f64) -> Option<(f64
     })
 }
 
-fn lie(piece: &Piece, offset_m: f64, scene: &Scene, tracer: &Tracer) -> Lying {
+fn lie(piece: &Piece, offset_m: f64, scene: &Scene, tracer: &Tracer) -> Placement {
     let position = piece.position + piece.normal * offset_m;
-    lying(&Viewpoint { position, normal: piece.normal }, offset_m, &scene.mesh, tracer)
+    placement_of(&Viewpoint { position, normal: piece.normal }, offset_m, &scene.mesh, tracer)
 }
 
 /// Surfaces that are asked for.
@@ -412,20 +419,20 @@ pub fn check_name(path: &Path) -> Result<()> {
 }
 
 /// Writes the table of the receivers that get light.
-pub fn save(path: &Path, covered: &Covered, offset_m: f64) -> Result<()> {
+pub fn save(path: &Path, covered: &PlacedReceivers, offset_m: f64) -> Result<()> {
     write(path, covered, covered.free(), offset_m, false)
 }
 
 /// Writes a table of receivers, with a reason where they are buried.
 pub fn write<'a>(
     path: &Path,
-    covered: &Covered,
-    rows: impl Iterator<Item = CoveredRow<'a>>,
+    covered: &PlacedReceivers,
+    rows: impl Iterator<Item = PlacedRow<'a>>,
     offset_m: f64,
     with_reason: bool,
 ) -> Result<()> {
     let mut table = ReceiverTable::create(path, with_reason)?;
-    for (name, piece, surface, lying) in rows {
+    for (name, piece, surface, placement) in rows {
         let position = piece.position + piece.normal * offset_m;
         table.write(&ReceiverRow {
             name: &name,
@@ -435,23 +442,24 @@ pub fn write<'a>(
             surface: &surface.name,
             part: covered.part(piece, surface),
             patch: Patch::of_triangles(position, piece.normal, &piece.triangles),
-            reason: Some(reason(lying)),
+            reason: Some(reason(placement)),
         })?;
     }
     table.finish()
 }
 
-fn reason(lying: Lying) -> &'static str {
-    match lying {
-        Lying::Free => "free",
-        Lying::Covered => "covered",
-        Lying::Inside => "inside",
+fn reason(placement: Placement) -> &'static str {
+    match placement {
+        Placement::Free => "free",
+        Placement::Blocked => "covered",
+        Placement::Inside => "inside",
     }
 }
 
 /// What was done, by kind of surface.
-pub fn summary(covered: &Covered, scene: &Scene) -> String {
-    let [free, hidden, inside] = [Lying::Free, Lying::Covered, Lying::Inside].map(|lying| covered.count(lying));
+pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> String {
+    let [free, hidden, inside] =
+        [Placement::Free, Placement::Blocked, Placement::Inside].map(|placement| covered.count(placement));
     let mut out = format!(
         "{} on {} of {}\n",
         counted(free as u64, "receiver"),
@@ -466,8 +474,11 @@ pub fn summary(covered: &Covered, scene: &Scene) -> String {
         let of_kind = || covered.chosen.iter().filter(|c| covered.surfaces.list[c.surface].kind == kind);
         // An empty sum is -0.0.
         let area: f64 = of_kind().map(|c| covered.surfaces.list[c.surface].area_m2).sum::<f64>() + 0.0;
-        let pieces =
-            || of_kind().flat_map(|c| c.pieces.iter().zip(&c.lying)).filter(|(_, lying)| **lying == Lying::Free);
+        let pieces = || {
+            of_kind()
+                .flat_map(|c| c.pieces.iter().zip(&c.placements))
+                .filter(|(_, placement)| **placement == Placement::Free)
+        };
         let covered_area: f64 = pieces().map(|(piece, _)| piece.area_m2).sum::<f64>() + 0.0;
         if of_kind().next().is_some() {
             line(format!(

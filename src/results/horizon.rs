@@ -43,7 +43,7 @@ impl Mean {
 }
 
 /// Says how much of their hemisphere walls see nothing in, or receivers where there are no walls; `None` where that is next to nothing.
-pub fn nothing_seen(archive: &Archive) -> Result<Option<String>> {
+pub fn black_below_horizon(archive: &Archive) -> Result<Option<String>> {
     let mut lost = Lost::default();
     archive.expect_all(format::RECEIVERS);
     for tile in 0..archive.tiles() {

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-use crate::covering::{self, CoverRequest, Covered};
-use crate::horizon::nothing_seen;
+use crate::covering::{self, CoverRequest, PlacedReceivers};
+use crate::horizon::black_below_horizon;
 use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start, Workspace};
 use heliotile_builder::planning::{AccuracyRequest, BuildRequest, EffectsUnder};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
@@ -109,8 +109,8 @@ impl SiteArchiveRequest {
             memory: self.memory,
             under: None,
         };
-        let built = up_to_date(&asked, &scene, Some(&covered), observer)?;
-        nothing_seen(&built)?.iter().for_each(|lost| observer.warn(lost));
+        let built = build_or_reuse(&asked, &scene, Some(&covered), observer)?;
+        black_below_horizon(&built)?.iter().for_each(|lost| observer.warn(lost));
         Ok(archive)
     }
 }
@@ -125,10 +125,10 @@ enum Found {
 }
 
 /// The archive of these inputs: the one that is there, or a new one. What is there of other inputs is kept, unless it is to be replaced.
-pub fn up_to_date(
+pub fn build_or_reuse(
     asked: &TraceRequest,
     scene: &Scene,
-    covered: Option<&Covered>,
+    covered: Option<&PlacedReceivers>,
     observer: &dyn Observer,
 ) -> Result<Archive> {
     fs::create_dir_all(asked.folder).map_err(Error::io(asked.folder, "create"))?;
@@ -277,7 +277,7 @@ struct PlannedReceivers {
 
 impl PlannedReceivers {
     /// Writes the receivers that get light.
-    fn write(covered: &Covered, asked: &TraceRequest) -> Result<Self> {
+    fn write(covered: &PlacedReceivers, asked: &TraceRequest) -> Result<Self> {
         let beside = tempfile::Builder::new().prefix(".receivers").tempdir_in(asked.folder);
         let beside = beside.map_err(Error::io(asked.folder, "make a folder in"))?;
         let file = beside.path().join("receivers.csv");

@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
-use heliotile_core::site::chain::Orientation;
+use heliotile_core::site::chain::MirrorPlane;
 
 use crate::mesh::Mesh;
 use heliotile_core::error::{Error, Result};
@@ -23,7 +23,7 @@ const MOST_ORIENTATIONS: usize = 1 << 16;
 #[derive(Clone, Debug, Default)]
 pub struct Mirrors {
     /// `[number]`: normal and material of each kind of mirror; chains name them by number.
-    pub orientations: Vec<Orientation>,
+    pub orientations: Vec<MirrorPlane>,
     /// `[triangle]`: number + 1; 0 is no mirror. Empty if there is none.
     of_triangle: Vec<u32>,
 }
@@ -63,7 +63,7 @@ impl Mirrors {
                 None => {
                     boxes.entry((face.material, place)).or_default().push(sums.len());
                     sums.push((face.normal, DVec3::ZERO));
-                    found.orientations.push(Orientation { normal: face.normal, material: face.material });
+                    found.orientations.push(MirrorPlane { normal: face.normal, material: face.material });
                     sums.len() - 1
                 }
             };

@@ -11,7 +11,7 @@ use crate::trace::Ray;
 use crate::trace::kernel::rays::Hit;
 use heliotile_core::hemisphere::mix;
 use heliotile_core::light::fresnel::specular;
-use heliotile_core::site::chain::{MOST_MIRRORS, Orientation};
+use heliotile_core::site::chain::{MOST_MIRRORS, MirrorPlane};
 
 /// A place that looks for a point of the sun.
 #[derive(Clone, Copy, Debug)]
@@ -78,7 +78,7 @@ impl Judge<'_> {
         }
     }
 
-    fn add_mirrored(&self, looks: &[SunLook], orientations: &[Orientation], sums: &mut Sums) {
+    fn add_mirrored(&self, looks: &[SunLook], orientations: &[MirrorPlane], sums: &mut Sums) {
         let mut ways: Vec<Way> = looks.iter().flat_map(|look| ways(look, orientations)).collect();
         for passed in 0..=MOST_MIRRORS {
             let (on, out): (Vec<Way>, Vec<Way>) = ways.into_iter().partition(|way| way.chain.len() > passed);
@@ -110,7 +110,7 @@ impl Judge<'_> {
 }
 
 /// Looks along chains of mirrors, in the directions in which the sun would appear in them.
-fn ways<'l>(look: &'l SunLook, orientations: &[Orientation]) -> Vec<Way<'l>> {
+fn ways<'l>(look: &'l SunLook, orientations: &[MirrorPlane]) -> Vec<Way<'l>> {
     let count = orientations.len();
     let of_length = |length: usize| count.saturating_pow(length as u32);
     let all = (1..=MOST_MIRRORS).map(of_length).fold(0, usize::saturating_add) <= ALL_CHAINS;

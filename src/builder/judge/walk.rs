@@ -17,7 +17,7 @@ use crate::trace::{Ray, Tracer};
 use heliotile_core::hemisphere::{Frame, mix, texels_in_blocks};
 use heliotile_core::light::fresnel::specular;
 use heliotile_core::light::reflector::Reflector;
-use heliotile_core::site::chain::Orientation;
+use heliotile_core::site::chain::MirrorPlane;
 use heliotile_core::site::material::Material;
 use heliotile_scene::mesh::Mesh;
 use heliotile_scene::mirrors::Mirrors;
@@ -215,7 +215,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Where a ray meets a surface, and the orientation of the mirror if it is one.
-    pub(super) fn place(&self, from: DVec3, direction: DVec3, hit: Hit) -> (Place, Option<Orientation>) {
+    pub(super) fn place(&self, from: DVec3, direction: DVec3, hit: Hit) -> (Place, Option<MirrorPlane>) {
         let triangle = hit.triangle as usize;
         let outward = self.mesh.normal(triangle);
         let normal = if outward.dot(direction) > 0.0 { -outward } else { outward };
@@ -229,7 +229,7 @@ impl<'a> Judge<'a> {
     }
 
     /// The orientation of the mirror that is met, and its number.
-    pub(super) fn orientation(&self, hit: Hit) -> Option<(u16, Orientation)> {
+    pub(super) fn orientation(&self, hit: Hit) -> Option<(u16, MirrorPlane)> {
         let mirrors = self.mirrors?;
         let number = mirrors.of_triangle(hit.triangle)?;
         Some((number, mirrors.orientations[usize::from(number)]))

@@ -2,12 +2,12 @@
 //! an archive. The build packs what it traced and the transfer commands what they read, so equal contents give equal bytes.
 
 mod chunks;
-mod gazetteer;
+mod name_index;
 mod overview;
 mod tile;
 
 pub(crate) use chunks::Chunks;
-pub(crate) use gazetteer::GazetteerWriter;
+pub(crate) use name_index::NameIndexWriter;
 pub use overview::{OverviewRow, overview};
 use tile::extra;
 pub(crate) use tile::{responses, tile};

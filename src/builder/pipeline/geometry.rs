@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::report::Clock;
 use super::site_tracer::SiteTracer;
-use crate::pack::{COMPRESSION, GazetteerWriter, OverviewRow, overview};
+use crate::pack::{COMPRESSION, NameIndexWriter, OverviewRow, overview};
 use crate::receiver_tiles::ReceiverTiles;
 use crate::writing::Writer;
 use heliotile_core::archive::format::TileNumber;
@@ -94,11 +94,11 @@ impl SiteTracer<'_> {
         if writer.has(format::NAMES, TileNumber::FIRST) {
             return Ok(());
         }
-        let mut gazetteer = GazetteerWriter::new(&self.folder, self.memory.length(Use::Gazetteer));
+        let mut name_index = NameIndexWriter::new(&self.folder, self.memory.length(Use::NameIndex));
         for tile in receivers.tiles()? {
-            gazetteer.add(tile?.iter())?;
+            name_index.add(tile?.iter())?;
         }
-        gazetteer.finish(|block| {
+        name_index.finish(|block| {
             let (kind, chunk) = block.entry().key();
             if writer.has(kind, chunk) { Ok(()) } else { writer.append(block) }
         })

@@ -14,7 +14,7 @@ use crate::trace::probe::lifted;
 use crate::trace::surroundings::cell_of;
 use heliotile_core::hemisphere::{Frame, jitter, mix, texel_direction, texel_of, texels_in_blocks};
 use heliotile_core::site::cells::CellKey;
-use heliotile_core::site::chain::{Chain, MOST_MIRRORS, MirrorStep, Orientation};
+use heliotile_core::site::chain::{Chain, MOST_MIRRORS, MirrorPlane, MirrorStep};
 use heliotile_scene::mesh::Mesh;
 use heliotile_scene::mirrors::Mirrors;
 
@@ -82,7 +82,7 @@ impl<'a> Reflections<'a> {
         Reflections { mesh, tracer, mirrors, alone }
     }
 
-    pub fn orientations(&self) -> &[Orientation] {
+    pub fn orientations(&self) -> &[MirrorPlane] {
         &self.mirrors.orientations
     }
 
@@ -159,7 +159,7 @@ impl<'a> Reflections<'a> {
     }
 
     /// Where a ray goes from a mirror, and in which direction.
-    fn reflected(&self, at: MirrorRay, orientation: Orientation) -> (DVec3, DVec3) {
+    fn reflected(&self, at: MirrorRay, orientation: MirrorPlane) -> (DVec3, DVec3) {
         let triangle = at.hit.triangle as usize;
         let outward = self.mesh.normal(triangle);
         let facing = if outward.dot(at.direction) > 0.0 { -outward } else { outward };

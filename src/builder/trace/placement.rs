@@ -10,11 +10,11 @@ use heliotile_scene::mesh::Mesh;
 
 /// How a receiver that was put on a surface lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lying {
+pub enum Placement {
     /// Nothing covers it: light can arrive.
     Free,
     /// Another surface lies between it and its own, or as close in front of it.
-    Covered,
+    Blocked,
     /// In a neighbour's walls or below the terrain.
     Inside,
 }
@@ -30,7 +30,7 @@ const NEARLY_BLIND: f64 = 0.1;
 const INNER_SIDES: f64 = 0.9;
 
 /// Looks where a receiver lies that is `offset_m` off its surface.
-pub fn lying(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Tracer) -> Lying {
+pub fn placement_of(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Tracer) -> Placement {
     let first = |direction: DVec3| {
         let ray = Ray {
             origin: tracer.grid().relative(view.position).as_vec3().into(),
@@ -40,7 +40,7 @@ pub fn lying(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Tracer) -> L
     };
     let rounding = 2.0 * tracer.grid().offset_m(view.position);
     if first(-view.normal) < offset_m - rounding || first(view.normal) < offset_m {
-        return Lying::Covered;
+        return Placement::Blocked;
     }
     let origin = view.origin(tracer);
     let up: Vec<DVec3> =
@@ -49,14 +49,14 @@ pub fn lying(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Tracer) -> L
     let hits = tracer.closest_many(&rays);
     let met = hits.iter().flatten().count() as f64;
     if met < (1.0 - NEARLY_BLIND) * rays.len() as f64 {
-        return Lying::Free;
+        return Placement::Free;
     }
     let met_inside =
         |(ray, hit): (&Ray, &Option<_>)| hit.as_ref().is_some_and(|hit| meets_inside(ray, hit, mesh, tracer));
     let inner = rays.iter().zip(&hits).filter(|pair| met_inside(*pair)).count() as f64;
     let behind = met > 0.0 && inner >= INNER_SIDES * met;
     let dark = hits.iter().all(Option::is_some);
-    if behind || dark && is_enclosed(view, mesh, tracer) { Lying::Inside } else { Lying::Free }
+    if behind || dark && is_enclosed(view, mesh, tracer) { Placement::Inside } else { Placement::Free }
 }
 
 /// Whether a receiver that sees no sky lies below terrain, inside a solid, or where no light comes to.
@@ -100,14 +100,15 @@ mod tests {
         for upwards in [true, false] {
             let scene = porch(upwards);
             let tracer = Tracer::new(&scene.mesh).expect("a tree");
-            let how =
-                |position: DVec3, normal: DVec3| lying(&Viewpoint { position, normal }, 0.02, &scene.mesh, &tracer);
+            let how = |position: DVec3, normal: DVec3| {
+                placement_of(&Viewpoint { position, normal }, 0.02, &scene.mesh, &tracer)
+            };
             for (i, k) in (0..10).flat_map(|i| (0..6).map(move |k| (i, k))) {
                 let at = DVec3::new(0.4 + 0.8 * f64::from(i), -0.02, 0.25 + 0.5 * f64::from(k));
-                assert_eq!(how(at, DVec3::NEG_Y), Lying::Free, "{at} {upwards}");
+                assert_eq!(how(at, DVec3::NEG_Y), Placement::Free, "{at} {upwards}");
             }
             for normal in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
-                assert_eq!(how(DVec3::new(4.0, 5.0, 1.5), normal), Lying::Inside, "{normal}");
+                assert_eq!(how(DVec3::new(4.0, 5.0, 1.5), normal), Placement::Inside, "{normal}");
             }
         }
     }

@@ -79,7 +79,7 @@ pub fn extract(
     if with_scene {
         output.overview(&[archive], ArchiveReceivers::<Shown>::chosen(&site, archive, &kept))?;
     }
-    output.gazetteer(workspace, ArchiveReceivers::<()>::chosen(&site, archive, &kept))?;
+    output.name_index(workspace, ArchiveReceivers::<()>::chosen(&site, archive, &kept))?;
     output.copy_unknown(&[archive])?;
     let accuracy = manifest.accuracy.clone().map(Accuracy::without_tiles);
     let written = output.finish(Manifest { accuracy, ..manifest.clone() })?;

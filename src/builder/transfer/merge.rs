@@ -53,7 +53,7 @@ pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer
     output.scene(&[a, b])?;
     output.responses(both::<Response>(&of_a, &of_b).map(|side| side.map(Side::first)))?;
     output.overview(&[a, b], both::<Shown>(&of_a, &of_b).map(|side| side.map(Side::first)))?;
-    output.gazetteer(workspace, both::<()>(&of_a, &of_b).map(|side| side.map(Side::first)))?;
+    output.name_index(workspace, both::<()>(&of_a, &of_b).map(|side| side.map(Side::first)))?;
     output.copy_unknown(&[a, b])?;
     let written = output.finish(stated(a.manifest(), b.manifest()))?;
     Ok(Merged { written, of_each: [a, b].map(|archive| archive.manifest().receivers.count), shared })

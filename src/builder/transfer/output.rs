@@ -158,19 +158,19 @@ impl<'a> ArchiveAssembly<'a> {
     }
 
     /// Writes where the receivers stand, in the same order as before; names that do not fit the workspace's memory go to files in its folder.
-    pub fn gazetteer(
+    pub fn name_index(
         &mut self,
         workspace: &Workspace,
         mut rows: impl Iterator<Item = Result<LayeredReceiver<()>>>,
     ) -> Result<()> {
-        let budget = workspace.memory.length(Use::Gazetteer);
-        let mut gazetteer = pack::GazetteerWriter::new(&workspace.folder, budget);
+        let budget = workspace.memory.length(Use::NameIndex);
+        let mut name_index = pack::NameIndexWriter::new(&workspace.folder, budget);
         loop {
             let tile: Vec<_> = rows.by_ref().take(TILE).collect::<Result<_>>()?;
             if tile.is_empty() {
-                return gazetteer.finish(|block| self.writer.append(block));
+                return name_index.finish(|block| self.writer.append(block));
             }
-            gazetteer.add(tile.iter().map(|row| &row.receiver))?;
+            name_index.add(tile.iter().map(|row| &row.receiver))?;
         }
     }
 

@@ -12,7 +12,7 @@ use crate::transfer::rows::ArchiveReceivers;
 use crate::transfer::union::{Side, union};
 use heliotile_core::archive::tables::NameOf;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::opened::{Gazetteer, OpenSite, tiles_within};
+use heliotile_core::opened::{NameIndex, OpenSite, tiles_within};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
 use heliotile_scene::covering::receiver_ids::ReceiverIds;
@@ -156,12 +156,12 @@ fn none(sites: &[OpenSite], [one, several]: [&str; 2]) -> String {
 /// The receivers that one of some names is a name of; a name of nobody is an error.
 fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Result<Vec<bool>> {
     let tiles = |site: &OpenSite| {
-        let mut gazetteer = Gazetteer::of(site)?;
+        let mut name_index = NameIndex::of(site)?;
         let asked = || of.iter().flat_map(|&of| names.iter().map(move |name| (of, name.as_str())));
-        gazetteer.expect(asked());
+        name_index.expect(asked());
         let mut tiles = BTreeSet::new();
         for (of, name) in asked() {
-            tiles.extend(gazetteer.tiles(of, name)?);
+            tiles.extend(name_index.tiles(of, name)?);
         }
         Ok(tiles.into_iter().collect())
     };
@@ -265,7 +265,7 @@ const TOGETHER: usize = 4096;
 
 /// The tiles that hold receivers of some ids, which are left at their beginning.
 fn tiles_of_ids(site: &OpenSite, wanted: &mut Sorted) -> Result<Vec<u32>> {
-    let mut gazetteer = Gazetteer::of(site)?;
+    let mut name_index = NameIndex::of(site)?;
     let mut tiles = BTreeSet::new();
     loop {
         let ids: Vec<String> = wanted
@@ -277,9 +277,9 @@ fn tiles_of_ids(site: &OpenSite, wanted: &mut Sorted) -> Result<Vec<u32>> {
             wanted.rewind()?;
             return Ok(tiles.into_iter().collect());
         }
-        gazetteer.expect(ids.iter().map(|id| (NameOf::Receiver, id.as_str())));
+        name_index.expect(ids.iter().map(|id| (NameOf::Receiver, id.as_str())));
         for id in &ids {
-            tiles.extend(gazetteer.tiles(NameOf::Receiver, id)?);
+            tiles.extend(name_index.tiles(NameOf::Receiver, id)?);
         }
     }
 }

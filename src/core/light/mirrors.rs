@@ -10,13 +10,13 @@ use crate::layers::cells::Cells;
 use crate::light::fresnel::specular;
 use crate::light::reflector::Reflector;
 use crate::opened::{CellSource, OpenSite};
-use crate::site::chain::{Chain, MirrorStep, Orientation};
+use crate::site::chain::{Chain, MirrorPlane, MirrorStep};
 
 /// The mirrors of an archive: their orientations, and what materials reflect.
 #[derive(Clone, Debug)]
 pub struct MirrorTable {
     /// `[number]`: the orientations that chains name.
-    pub orientations: Vec<Orientation>,
+    pub orientations: Vec<MirrorPlane>,
     /// By material.
     pub reflectors: Vec<Reflector>,
 }
@@ -37,7 +37,7 @@ pub struct Reflection {
     /// From a direction of the sky to the one in which it is seen.
     map: DMat3,
     /// From the observer on.
-    mirrors: Vec<(Orientation, Reflector)>,
+    mirrors: Vec<(MirrorPlane, Reflector)>,
 }
 
 impl Reflection {

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::archive::format::TileNumber;
 use crate::archive::{Blocks, format, tables};
 use crate::error::Result;
-use crate::site::chain::Orientation;
+use crate::site::chain::MirrorPlane;
 use crate::site::material::{Glass, Material};
 
 /// The materials in the rows of their table; without a table of optics all are opaque and no glass.
@@ -46,7 +46,7 @@ fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::Optics
 }
 
 /// Orientations of the mirrors, of so many materials; none where nothing is a mirror.
-pub(super) fn orientations(blocks: &dyn Blocks, materials: usize) -> Result<Vec<Orientation>> {
+pub(super) fn orientations(blocks: &dyn Blocks, materials: usize) -> Result<Vec<MirrorPlane>> {
     if !blocks.has(format::MIRRORS, TileNumber::FIRST) {
         return Ok(Vec::new());
     }
@@ -56,5 +56,5 @@ pub(super) fn orientations(blocks: &dyn Blocks, materials: usize) -> Result<Vec<
         return Err(block.corrupt("an unknown material", "rows of the materials table"));
     }
     let rows = table.normal.into_iter().zip(table.material);
-    Ok(rows.map(|(normal, material)| Orientation { normal: DVec3::from(normal), material }).collect())
+    Ok(rows.map(|(normal, material)| MirrorPlane { normal: DVec3::from(normal), material }).collect())
 }

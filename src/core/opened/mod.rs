@@ -3,13 +3,13 @@
 //! weather.
 
 mod cell_source;
-mod gazetteer;
 mod materials;
+mod name_index;
 mod open_site;
 pub(crate) mod receiver_layers;
 mod settings;
 
 pub use cell_source::CellSource;
-pub use gazetteer::{Gazetteer, tiles_within};
+pub use name_index::{NameIndex, tiles_within};
 pub use open_site::{OpenSite, SiteFacts};
 pub use settings::SiteSettings;

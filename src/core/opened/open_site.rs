@@ -12,7 +12,7 @@ use crate::archive::{Archive, Block, Blocks, format};
 use crate::error::{Error, Result};
 use crate::opened::materials;
 use crate::opened::settings::SiteSettings;
-use crate::site::chain::Orientation;
+use crate::site::chain::MirrorPlane;
 use crate::site::material::{Class, Material};
 use crate::site::north::North;
 
@@ -21,7 +21,7 @@ use crate::site::north::North;
 pub struct SiteFacts {
     settings: SiteSettings,
     materials: Vec<Material>,
-    orientations: Vec<Orientation>,
+    orientations: Vec<MirrorPlane>,
     north: North,
     receivers: u64,
     tiles: u32,
@@ -36,7 +36,7 @@ impl SiteFacts {
         origin: DVec3,
         receivers: &ReceiverSummary,
         materials: Vec<Material>,
-        orientations: Vec<Orientation>,
+        orientations: Vec<MirrorPlane>,
     ) -> Result<Self> {
         if !origin.is_finite() {
             let what = format!("{}: origin of the scene in the manifest", path.display());
@@ -54,7 +54,7 @@ impl SiteFacts {
     }
 
     /// By the numbers in chains of mirrors.
-    pub fn orientations(&self) -> &[Orientation] {
+    pub fn orientations(&self) -> &[MirrorPlane] {
         &self.orientations
     }
 }
@@ -123,7 +123,7 @@ impl<'a> OpenSite<'a> {
     }
 
     /// By the numbers in chains of mirrors.
-    pub fn orientations(&self) -> &[Orientation] {
+    pub fn orientations(&self) -> &[MirrorPlane] {
         &self.facts.orientations
     }
 

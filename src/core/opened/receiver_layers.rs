@@ -9,9 +9,9 @@ use crate::layers::canopy::Canopy;
 use crate::layers::extras::{self, ReceiverExtras};
 use crate::layers::hit::HitTile;
 use crate::layers::mirror::ReceiverMirrors;
-use crate::layers::mosaic::Mosaic;
 use crate::layers::response::{self, Response};
 use crate::layers::sky::SkyTexture;
+use crate::layers::sky_bitmap::SkyBitmap;
 use crate::opened::open_site::OpenSite;
 use crate::site::chain::{Chain, MirrorStep};
 use crate::site::receiver::Receiver;
@@ -38,9 +38,9 @@ impl OpenSite<'_> {
     }
 
     /// Sky textures of a tile of so many receivers, ready to be looked up.
-    pub fn tile_sky(&self, tile: u32, rows: usize) -> Result<Vec<Mosaic>> {
+    pub fn tile_sky(&self, tile: u32, rows: usize) -> Result<Vec<SkyBitmap>> {
         let (block, settings) = (self.sky_block(tile, rows)?, self.settings());
-        Mosaic::unpack(block.bytes(), rows, settings.sky_base, settings.sky_fine).ok_or_else(|| other_sky(&block))
+        SkyBitmap::unpack(block.bytes(), rows, settings.sky_base, settings.sky_fine).ok_or_else(|| other_sky(&block))
     }
 
     /// The same as they are stored, each with the bits that it describes.

@@ -1,6 +1,6 @@
 //! The best of the turns near one. In: what some turns around it get. Out: the best turn and what it gets, by least squares.
 
-use crate::orientation::fan::{TangentPlane, Turn, TurnLimits};
+use crate::orientation::fan::{Orientation, OrientationLimits, TangentPlane};
 
 /// Terms of the surface that is fitted: all products of powers of two coordinates up to the third.
 const TERMS: usize = 10;
@@ -10,26 +10,26 @@ const STEP_DEG: f64 = 0.1;
 
 /// A turn and what it gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TurnValue {
+pub struct OrientationValue {
     /// How it is turned.
-    pub turn: Turn,
+    pub turn: Orientation,
     /// In the unit of what was given.
     pub value: f64,
 }
 
 /// A smooth surface over the turns near one: a polynomial of third degree in the coordinates of a [`TangentPlane`].
 #[derive(Clone, Debug)]
-pub struct TurnSurface {
+pub struct OrientationSurface {
     plane: TangentPlane,
-    middle: Turn,
+    middle: Orientation,
     radius_deg: f64,
     weights: [f64; TERMS],
     scatter: f64,
 }
 
-impl TurnSurface {
+impl OrientationSurface {
     /// Fits by least squares to what is found within a radius of the middle, degrees; `None` from too few turns, or from turns on a line.
-    pub fn fit(middle: Turn, radius_deg: f64, found: &[TurnValue]) -> Option<Self> {
+    pub fn fit(middle: Orientation, radius_deg: f64, found: &[OrientationValue]) -> Option<Self> {
         let plane = TangentPlane::at(middle);
         let mut normal = [[0.0; TERMS + 1]; TERMS];
         for one in found {
@@ -39,7 +39,7 @@ impl TurnSurface {
                 row.iter_mut().zip(with_value).for_each(|(sum, other)| *sum += term * other);
             }
         }
-        let mut surface = TurnSurface { plane, middle, radius_deg, weights: solved(normal)?, scatter: 0.0 };
+        let mut surface = OrientationSurface { plane, middle, radius_deg, weights: solved(normal)?, scatter: 0.0 };
         let squares: f64 = found.iter().map(|one| (one.value - surface.value(one.turn)).powi(2)).sum();
         surface.scatter = (squares / found.len().saturating_sub(TERMS).max(1) as f64).sqrt();
         Some(surface)
@@ -51,7 +51,7 @@ impl TurnSurface {
     }
 
     /// What a turn gets.
-    pub fn value(&self, turn: Turn) -> f64 {
+    pub fn value(&self, turn: Orientation) -> f64 {
         self.at(self.plane.place(turn))
     }
 
@@ -62,22 +62,22 @@ impl TurnSurface {
 
     /// The best of all turns that are allowed and lie within the radius, to a tenth of a degree, then on the peak of the fit; `None` where
     /// none is allowed.
-    pub fn best(&self, limits: &TurnLimits) -> Option<TurnValue> {
-        let mut best: Option<TurnValue> = None;
-        let mut look = |turn: Turn| {
+    pub fn best(&self, limits: &OrientationLimits) -> Option<OrientationValue> {
+        let mut best: Option<OrientationValue> = None;
+        let mut look = |turn: Orientation| {
             let place = self.plane.place(turn);
             if place[0].hypot(place[1]) <= self.radius_deg && limits.allow(turn) {
                 let value = self.at(place);
                 if best.is_none_or(|best| value > best.value) {
-                    best = Some(TurnValue { turn, value });
+                    best = Some(OrientationValue { turn, value });
                 }
             }
         };
         // By tilt and azimuth, so that limits are met to the bit ...
         let near = |tilt: f64| (tilt - self.middle.tilt_deg).abs() <= self.radius_deg;
-        let fine = TurnLimits { tilts_deg: self.window(limits), ..*limits };
+        let fine = OrientationLimits { tilts_deg: self.window(limits), ..*limits };
         for tilt_deg in steps(fine.tilts_deg).filter(|tilt| near(*tilt)) {
-            self.azimuths(limits, tilt_deg).for_each(|azimuth_deg| look(Turn { tilt_deg, azimuth_deg }));
+            self.azimuths(limits, tilt_deg).for_each(|azimuth_deg| look(Orientation { tilt_deg, azimuth_deg }));
         }
         // ... and in the plane, where azimuths lose their meaning near the zenith.
         let count = (self.radius_deg / STEP_DEG) as i32;
@@ -90,13 +90,13 @@ impl TurnSurface {
     }
 
     /// Tilts that are allowed and near.
-    fn window(&self, limits: &TurnLimits) -> [f64; 2] {
+    fn window(&self, limits: &OrientationLimits) -> [f64; 2] {
         let [least, most] = limits.tilts_deg;
         [least.max(self.middle.tilt_deg - self.radius_deg), most.min(self.middle.tilt_deg + self.radius_deg)]
     }
 
     /// Azimuths of a tilt that are allowed and near, finely.
-    fn azimuths(&self, limits: &TurnLimits, tilt_deg: f64) -> impl Iterator<Item = f64> {
+    fn azimuths(&self, limits: &OrientationLimits, tilt_deg: f64) -> impl Iterator<Item = f64> {
         let [first, last] = limits.azimuths_deg;
         let most = (self.radius_deg / tilt_deg.to_radians().sin().max(1e-3)).min(180.0);
         let middle = first + (self.middle.azimuth_deg - first).rem_euclid(360.0);
@@ -146,13 +146,13 @@ mod tests {
     use super::*;
     use crate::orientation::fan::around;
 
-    const ALL: TurnLimits = TurnLimits { tilts_deg: [0.0, 90.0], azimuths_deg: [0.0, 360.0] };
+    const ALL: OrientationLimits = OrientationLimits { tilts_deg: [0.0, 90.0], azimuths_deg: [0.0, 360.0] };
 
-    fn found(middle: Turn, peak: Turn) -> TurnSurface {
-        let value = |turn: Turn| 1000.0 * turn.normal().dot(peak.normal());
-        let found: Vec<TurnValue> =
-            around(middle, 12.0, 4).into_iter().map(|turn| TurnValue { turn, value: value(turn) }).collect();
-        TurnSurface::fit(middle, 12.0, &found).expect("a fit")
+    fn found(middle: Orientation, peak: Orientation) -> OrientationSurface {
+        let value = |turn: Orientation| 1000.0 * turn.normal().dot(peak.normal());
+        let found: Vec<OrientationValue> =
+            around(middle, 12.0, 4).into_iter().map(|turn| OrientationValue { turn, value: value(turn) }).collect();
+        OrientationSurface::fit(middle, 12.0, &found).expect("a fit")
     }
 
     /// Where light comes from one direction, the best turn is found within 0.1 degrees and 0.003 % from 61 turns around another one 6 degrees
@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn one_source() {
         for (tilt, azimuth) in [(40.0, 180.0), (2.0, 90.0), (60.0, 359.0)] {
-            let peak = Turn { tilt_deg: tilt, azimuth_deg: azimuth };
+            let peak = Orientation { tilt_deg: tilt, azimuth_deg: azimuth };
             let middle = TangentPlane::at(peak).turn(4.0, 4.5);
             let best = found(middle, peak).best(&ALL).expect("a best turn");
             let off = best.turn.normal().angle_between(peak.normal()).to_degrees();
@@ -173,22 +173,27 @@ mod tests {
     /// is none.
     #[test]
     fn on_a_limit() {
-        let surface = found(Turn { tilt_deg: 38.0, azimuth_deg: 176.0 }, Turn { tilt_deg: 40.0, azimuth_deg: 180.0 });
-        let limits = TurnLimits { tilts_deg: [0.0, 35.0], azimuths_deg: [90.0, 170.0] };
+        let surface = found(
+            Orientation { tilt_deg: 38.0, azimuth_deg: 176.0 },
+            Orientation { tilt_deg: 40.0, azimuth_deg: 180.0 },
+        );
+        let limits = OrientationLimits { tilts_deg: [0.0, 35.0], azimuths_deg: [90.0, 170.0] };
         let best = surface.best(&limits).expect("a best turn").turn;
         assert!((best.tilt_deg - 35.0).abs() < 1e-6 && (best.azimuth_deg - 170.0).abs() < 1e-6, "{best:?}");
-        assert_eq!(surface.best(&TurnLimits { tilts_deg: [70.0, 90.0], ..limits }), None);
+        assert_eq!(surface.best(&OrientationLimits { tilts_deg: [70.0, 90.0], ..limits }), None);
     }
 
     /// Five turns, or many on one line, make no surface: 2 of 2.
     #[test]
     fn too_few() {
-        let turns = |count: usize, step: f64| -> Vec<TurnValue> {
-            let turn = |i: usize| Turn { tilt_deg: 30.0 + step * i as f64, azimuth_deg: 180.0 };
-            (0..count).map(|i| TurnValue { turn: turn(i), value: 1.0 }).collect()
+        let turns = |count: usize, step: f64| -> Vec<OrientationValue> {
+            let turn = |i: usize| Orientation { tilt_deg: 30.0 + step * i as f64, azimuth_deg: 180.0 };
+            (0..count).map(|i| OrientationValue { turn: turn(i), value: 1.0 }).collect()
         };
         for found in [turns(5, 2.0), turns(40, 0.2)] {
-            assert!(TurnSurface::fit(Turn { tilt_deg: 33.0, azimuth_deg: 180.0 }, 12.0, &found).is_none());
+            assert!(
+                OrientationSurface::fit(Orientation { tilt_deg: 33.0, azimuth_deg: 180.0 }, 12.0, &found).is_none()
+            );
         }
     }
 }

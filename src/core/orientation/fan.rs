@@ -6,21 +6,21 @@ use crate::units::{direction_from_degrees, tilt_and_azimuth};
 
 /// How a surface is turned: tilt 0 up, 90 level, 180 down; azimuth clockwise from true north, 180 is south. Degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub struct Orientation {
     /// 0..=180.
     pub tilt_deg: f64,
     /// 0 up to 360.
     pub azimuth_deg: f64,
 }
 
-impl Turn {
+impl Orientation {
     /// That of a surface which looks straight up.
-    pub const FLAT: Turn = Turn { tilt_deg: 0.0, azimuth_deg: 0.0 };
+    pub const FLAT: Orientation = Orientation { tilt_deg: 0.0, azimuth_deg: 0.0 };
 
     /// Of a unit normal by true east, true north and up.
-    pub fn of(normal: DVec3) -> Turn {
+    pub fn of(normal: DVec3) -> Orientation {
         let (tilt_deg, azimuth_deg) = tilt_and_azimuth(normal);
-        Turn { tilt_deg, azimuth_deg }
+        Orientation { tilt_deg, azimuth_deg }
     }
 
     /// The unit normal by true east, true north and up; up and down are exactly that, whatever the azimuth.
@@ -35,7 +35,7 @@ impl Turn {
 
 /// Which turns are allowed, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TurnLimits {
+pub struct OrientationLimits {
     /// Least and greatest tilt, within 0..=180.
     pub tilts_deg: [f64; 2],
     /// First and last azimuth, clockwise: the last is not below the first, and at most 360 beyond it.
@@ -45,14 +45,14 @@ pub struct TurnLimits {
 /// What rounding may do to an angle, degrees.
 const ROUNDING_DEG: f64 = 1e-6;
 
-impl TurnLimits {
+impl OrientationLimits {
     /// Whether all azimuths are allowed.
     pub fn is_full_circle(&self) -> bool {
         self.azimuths_deg[1] - self.azimuths_deg[0] >= 360.0 - ROUNDING_DEG
     }
 
     /// Whether a turn keeps within the limits; what looks straight up or down has all azimuths.
-    pub fn allow(&self, turn: Turn) -> bool {
+    pub fn allow(&self, turn: Orientation) -> bool {
         let [least, most] = self.tilts_deg;
         let level = turn.tilt_deg.to_radians().sin() > 1e-9;
         let beyond = (turn.azimuth_deg - self.azimuths_deg[0] + ROUNDING_DEG).rem_euclid(360.0);
@@ -96,13 +96,13 @@ pub struct Ring {
 
 impl Ring {
     /// Its turns.
-    pub fn turns(&self) -> impl Iterator<Item = Turn> + '_ {
-        self.azimuths_deg.iter().map(|&azimuth_deg| Turn { tilt_deg: self.tilt_deg, azimuth_deg })
+    pub fn turns(&self) -> impl Iterator<Item = Orientation> + '_ {
+        self.azimuths_deg.iter().map(|&azimuth_deg| Orientation { tilt_deg: self.tilt_deg, azimuth_deg })
     }
 }
 
 /// Turns around one, in so many circles out to a radius, degrees: 6 on the first circle, 12 on the second and so on, 1 in the middle.
-pub fn around(middle: Turn, radius_deg: f64, circles: usize) -> Vec<Turn> {
+pub fn around(middle: Orientation, radius_deg: f64, circles: usize) -> Vec<Orientation> {
     let plane = TangentPlane::at(middle);
     let circle = |ring: usize| {
         let off = radius_deg * ring as f64 / circles.max(1) as f64;
@@ -125,25 +125,25 @@ pub struct TangentPlane {
 
 impl TangentPlane {
     /// The plane of a turn; of one that looks straight up or down by its azimuth.
-    pub fn at(turn: Turn) -> Self {
+    pub fn at(turn: Orientation) -> Self {
         let (sin, cos) = turn.azimuth_deg.to_radians().sin_cos();
         let (middle, side) = (turn.normal(), DVec3::new(-cos, sin, 0.0));
         TangentPlane { middle, side, up: middle.cross(side) }
     }
 
     /// The turn at a place of the plane.
-    pub fn turn(&self, a_deg: f64, b_deg: f64) -> Turn {
+    pub fn turn(&self, a_deg: f64, b_deg: f64) -> Orientation {
         let off = a_deg.hypot(b_deg);
         if off == 0.0 {
-            return Turn::of(self.middle);
+            return Orientation::of(self.middle);
         }
         let (sin, cos) = off.to_radians().sin_cos();
         let way = (self.side * a_deg + self.up * b_deg) / off;
-        Turn::of((self.middle * cos + way * sin).normalize())
+        Orientation::of((self.middle * cos + way * sin).normalize())
     }
 
     /// Where a turn lies in the plane, degrees.
-    pub fn place(&self, turn: Turn) -> [f64; 2] {
+    pub fn place(&self, turn: Orientation) -> [f64; 2] {
         let normal = turn.normal();
         let [a, b] = [self.side.dot(normal), self.up.dot(normal)];
         let sin = a.hypot(b);
@@ -159,30 +159,30 @@ impl TangentPlane {
 mod tests {
     use super::*;
 
-    const ALL: TurnLimits = TurnLimits { tilts_deg: [0.0, 90.0], azimuths_deg: [0.0, 360.0] };
+    const ALL: OrientationLimits = OrientationLimits { tilts_deg: [0.0, 90.0], azimuths_deg: [0.0, 360.0] };
 
     /// A fan of 10 degrees over the upper half has 10 rings and 229 turns, one of them up, none of them nearer than 6 degrees to another or
     /// outside the limits; of one azimuth there are 10.
     #[test]
     fn evenly() {
         let rings = ALL.rings(10.0);
-        let turns: Vec<Turn> = rings.iter().flat_map(Ring::turns).collect();
+        let turns: Vec<Orientation> = rings.iter().flat_map(Ring::turns).collect();
         assert_eq!((rings.len(), turns.len(), rings[0].azimuths_deg.len()), (10, 229, 1));
         assert!(turns.iter().all(|turn| ALL.allow(*turn)));
         for (i, a) in turns.iter().enumerate() {
             let near = turns[..i].iter().map(|b| a.normal().angle_between(b.normal()).to_degrees());
             assert!(near.fold(180.0, f64::min) > 6.0, "{a:?}");
         }
-        let south = TurnLimits { azimuths_deg: [180.0, 180.0], ..ALL };
-        let turns: Vec<Turn> = south.rings(10.0).iter().flat_map(Ring::turns).collect();
+        let south = OrientationLimits { azimuths_deg: [180.0, 180.0], ..ALL };
+        let turns: Vec<Orientation> = south.rings(10.0).iter().flat_map(Ring::turns).collect();
         assert!(turns.len() == 10 && turns.iter().all(|turn| turn.azimuth_deg == 180.0), "{turns:?}");
     }
 
     /// From 300 over north to 60 degrees 350 and 10 are allowed, 180 is not, and flat is; a fan has both ends.
     #[test]
     fn over_north() {
-        let limits = TurnLimits { tilts_deg: [0.0, 30.0], azimuths_deg: [300.0, 420.0] };
-        let allowed = |azimuth_deg, tilt_deg| limits.allow(Turn { tilt_deg, azimuth_deg });
+        let limits = OrientationLimits { tilts_deg: [0.0, 30.0], azimuths_deg: [300.0, 420.0] };
+        let allowed = |azimuth_deg, tilt_deg| limits.allow(Orientation { tilt_deg, azimuth_deg });
         assert_eq!([350.0, 10.0, 60.0, 180.0].map(|a| allowed(a, 20.0)), [true, true, true, false]);
         assert!(allowed(180.0, 0.0) && !allowed(10.0, 31.0));
         let last = limits.rings(10.0).pop().expect("a ring");
@@ -193,9 +193,11 @@ mod tests {
     /// 1e-9 degrees.
     #[test]
     fn near_a_turn() {
-        for middle in
-            [Turn::FLAT, Turn { tilt_deg: 35.0, azimuth_deg: 180.0 }, Turn { tilt_deg: 90.0, azimuth_deg: 15.0 }]
-        {
+        for middle in [
+            Orientation::FLAT,
+            Orientation { tilt_deg: 35.0, azimuth_deg: 180.0 },
+            Orientation { tilt_deg: 90.0, azimuth_deg: 15.0 },
+        ] {
             let turns = around(middle, 12.0, 3);
             assert_eq!(turns.len(), 37);
             let plane = TangentPlane::at(middle);

@@ -9,14 +9,14 @@ use crate::hemisphere::texel_of;
 use crate::layers::canopy;
 use crate::layers::canopy::{Canopy, Powers};
 use crate::layers::mirror::MirrorPath;
-use crate::layers::mosaic::Mosaic;
 use crate::layers::response::Response;
 use crate::layers::sides::TextureSides;
+use crate::layers::sky_bitmap::SkyBitmap;
 use crate::light::canopies::stored;
 use crate::light::mirrors::MirrorTable;
 use crate::light::response::Viewer;
 use crate::light::tile_view::TileView;
-use crate::opened::{Gazetteer, OpenSite};
+use crate::opened::{NameIndex, OpenSite};
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
 use crate::replay::direct::specular::MirrorView;
 use crate::replay::tile_layers::{Reads, TileLayers};
@@ -34,7 +34,7 @@ pub struct ReceiverView {
     /// Shares of its hemisphere: sky, ground, obstruction.
     pub views: [f32; 3],
     /// The sky that it sees directly, world frame.
-    pub sky: Mosaic,
+    pub sky: SkyBitmap,
     /// How often its rays cross leaves and screens.
     pub canopy: Canopy,
     /// Shares that come through 0, 1, ... 255 crossings of each canopy, by the stored transmittances.
@@ -180,7 +180,7 @@ impl ReceiverView {
 
 /// Tile and row of a receiver, and the table that it stands in.
 fn find(site: &OpenSite, id: &str) -> Result<(u32, usize, ReceiversTable)> {
-    for tile in Gazetteer::of(site)?.tiles(NameOf::Receiver, id)? {
+    for tile in NameIndex::of(site)?.tiles(NameOf::Receiver, id)? {
         let table = site.tile_receivers(tile)?;
         if let Some(row) = table.ids.iter().position(|held| held == id) {
             return Ok((tile, row, table));

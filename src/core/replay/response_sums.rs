@@ -4,7 +4,7 @@
 use pulp::Arch;
 
 use crate::layers::response::{CLASSES, Response};
-use crate::replay::sources::Sources;
+use crate::replay::sun_texels::Sources;
 use crate::site::material::Class;
 use crate::sky::projection::Projection;
 use crate::sky::sky_field::SkyField;

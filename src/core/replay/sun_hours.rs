@@ -2,9 +2,9 @@
 //! disc in its sky as direct irradiance.
 
 use crate::layers::sides::TextureSides;
-use crate::replay::direct::each_sun::EachSun;
+use crate::replay::direct::sun_samples::SunSamples;
 use crate::replay::receiver_view::ReceiverView;
-use crate::replay::shine::Shine;
+use crate::replay::sun_sample::SunSample;
 use crate::site::north::North;
 use crate::weather::row::WeatherRow;
 use crate::weather::series::Weather;
@@ -27,7 +27,7 @@ impl SunHours {
     pub fn of(view: &ReceiverView, weather: &Weather, steps: usize, north: North) -> Self {
         let (normal, sides, count) = (view.receiver.normal, view.sides, weather.rows.len());
         let (mut up_h, mut behind_h, mut seen_h) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
-        let mut shines = Vec::new();
+        let mut samples = Vec::new();
         for (bin, row) in weather.rows.iter().enumerate() {
             let suns = weather.site.sunlit(&row.interval, row.sun, steps);
             if suns.is_empty() {
@@ -40,12 +40,12 @@ impl SunHours {
                 let cos = normal.dot(direction);
                 match cos > 0.0 {
                     // An irradiance is strength times cosine times seen share: this is hours times seen share.
-                    true => shines.push(Shine { bin, strength: hours / cos, direction }),
+                    true => samples.push(SunSample { bin, strength: hours / cos, direction }),
                     false => behind_h[bin] += hours,
                 }
             }
         }
-        add_seen(view, shines, sides, &mut seen_h);
+        add_seen(view, samples, sides, &mut seen_h);
         // Shares of a disc are f32 and may add up to a little more than 1.
         seen_h.iter_mut().zip(up_h.iter().zip(&behind_h)).for_each(|(seen, (up, behind))| {
             *seen = seen.min((up - behind).max(0.0));
@@ -62,8 +62,8 @@ impl SunHours {
     }
 }
 
-fn add_seen(view: &ReceiverView, shines: Vec<Shine>, sides: TextureSides, seen_h: &mut [f64]) {
-    let (normal, suns) = (view.receiver.normal, EachSun::new(shines, sides));
+fn add_seen(view: &ReceiverView, samples: Vec<SunSample>, sides: TextureSides, seen_h: &mut [f64]) {
+    let (normal, suns) = (view.receiver.normal, SunSamples::new(samples, sides));
     match view.veil() {
         None => suns.direct_seen(normal, &mut &view.sky, seen_h),
         Some(veil) => suns.direct_behind(normal, &mut &view.sky, &veil, seen_h),

@@ -4,14 +4,14 @@
 use glam::DVec3;
 
 use crate::layers::canopy::{Powers, SKY};
-use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
 use crate::layers::sky::half_texel;
+use crate::layers::sky_bitmap::{SkyBitmap, Texel};
 use crate::replay::components::Component::{SkyDirect, SunDirect};
 use crate::replay::components::ComponentSet;
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
 use crate::replay::direct::suns::SunLookups;
-use crate::replay::shine::Shine;
+use crate::replay::sun_sample::SunSample;
 use crate::replay::tile_layers::TileLayers;
 use crate::replay::values::{TileValues, put};
 use crate::sky::model::SkyModel;
@@ -27,7 +27,7 @@ pub struct DirectThroughCanopy {
     sides: TextureSides,
 }
 
-/// Suns and skies that shine while leaves let through certain shares.
+/// Suns and skies that sun_sample while leaves let through certain shares.
 struct Way {
     powers: Powers,
     suns: SunLookups,
@@ -55,9 +55,9 @@ impl DirectThroughCanopy {
         let looked_up = |suns, bins: &Bins| SunLookups::new(suns, bins.count, sides);
         let way = |((powers, bins), skies): ((Powers, Bins), Skies)| Way {
             powers,
-            suns: looked_up(Shine::of_suns(of_sun, &bins), &bins),
+            suns: looked_up(SunSample::of_suns(of_sun, &bins), &bins),
             skies,
-            circumsolar: looked_up(Shine::of_circumsolar(of_sky, &bins, model), &bins),
+            circumsolar: looked_up(SunSample::of_circumsolar(of_sky, &bins, model), &bins),
         };
         let ways = leafages.into_iter().zip(skies).map(way);
         DirectThroughCanopy { ways: ways.collect(), sides }
@@ -105,7 +105,7 @@ impl DirectThroughCanopy {
 pub fn coefficients_behind(
     projection: &Projection,
     normal: DVec3,
-    sky: &Mosaic,
+    sky: &SkyBitmap,
     veil: &CanopyTransmittance,
     out: &mut Vec<f32>,
 ) {

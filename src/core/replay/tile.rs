@@ -19,8 +19,8 @@ use crate::replay::direct::sky_masks::{LANES, SkyMasks, TexelPlanes};
 use crate::replay::direct::suns::SunLookups;
 use crate::replay::longwave::Longwave;
 use crate::replay::response_sums::ResponseSums;
-use crate::replay::shine::Shine;
-use crate::replay::sources::Sources;
+use crate::replay::sun_sample::SunSample;
+use crate::replay::sun_texels::Sources;
 use crate::replay::through_canopy::DirectThroughCanopy;
 use crate::replay::tile_layers::TileLayers;
 use crate::replay::values::{Spares, TileValues, put};
@@ -104,9 +104,9 @@ impl Forcing {
         let mut skies = Skies::new(skies_of, &ways, model, patches, &sky_projection.open_horizontal_sr).into_iter();
         let all = skies.next().unwrap_or_default();
         let state = |bins, skies| Reflected {
-            sources: Sources::new(&Shine::of_suns(when(components.needs(SunDiffuse)), bins), sides.response),
+            sources: Sources::new(&SunSample::of_suns(when(components.needs(SunDiffuse)), bins), sides.response),
             circumsolar: Sources::new(
-                &Shine::of_circumsolar(when(components.needs(SkyDiffuse)), bins, model),
+                &SunSample::of_circumsolar(when(components.needs(SkyDiffuse)), bins, model),
                 sides.response,
             ),
             skies,
@@ -124,10 +124,10 @@ impl Forcing {
         Forcing {
             bins: bins.count,
             sides,
-            suns: SunLookups::new(Shine::of_suns(suns, bins), bins.count, sides),
+            suns: SunLookups::new(SunSample::of_suns(suns, bins), bins.count, sides),
             sky_field: SkyField::of(&all, &sky_projection),
             skies: all,
-            circumsolar: SunLookups::new(Shine::of_circumsolar(glows, bins, model), bins.count, sides),
+            circumsolar: SunLookups::new(SunSample::of_circumsolar(glows, bins, model), bins.count, sides),
             reflected,
             response_projection,
             planes: TexelPlanes::new(&sky_projection),

@@ -10,8 +10,8 @@ use crate::archive::{format, tables};
 use crate::error::Result;
 use crate::layers::canopy::Canopy;
 use crate::layers::mirror::{ReceiverMirrors, Window};
-use crate::layers::mosaic::Mosaic;
 use crate::layers::response::Response;
+use crate::layers::sky_bitmap::SkyBitmap;
 use crate::light::mirrors::MirrorTable;
 use crate::light::tile_view::TileView;
 use crate::opened::OpenSite;
@@ -24,7 +24,7 @@ pub struct TileLayers {
     /// Shares of each hemisphere: sky, ground, obstructions.
     pub views: Vec<[f32; 3]>,
     /// Empty where a [`Forcing`](crate::replay::tile::Forcing) does not read them.
-    pub sky: Vec<Mosaic>,
+    pub sky: Vec<SkyBitmap>,
     /// `[receiver]`: what it sees in mirrors; likewise, and where no receiver sees any.
     pub mirrors: Vec<Vec<MirrorView>>,
     /// What rays to the sky cross; empty where none of the tile's does, likewise.

@@ -10,14 +10,14 @@ pub const MOST_MIRRORS: usize = 3;
 
 /// The parallel mirrors of one material.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Orientation {
+pub struct MirrorPlane {
     /// Unit normal; its sign means nothing.
     pub normal: DVec3,
     /// Row of the materials table.
     pub material: u16,
 }
 
-impl Orientation {
+impl MirrorPlane {
     /// A direction after reflection, or before it.
     pub fn reflect(&self, direction: DVec3) -> DVec3 {
         direction - self.normal * (2.0 * self.normal.dot(direction))
@@ -72,7 +72,7 @@ impl Chain {
 
     /// The linear map from the direction in which light comes from behind the last mirror to the direction in which the observer
     /// sees it; `None` if an orientation does not exist.
-    pub fn seen_from(&self, orientations: &[Orientation]) -> Option<DMat3> {
+    pub fn seen_from(&self, orientations: &[MirrorPlane]) -> Option<DMat3> {
         self.numbers().try_fold(DMat3::IDENTITY, |map, number| Some(map * orientations.get(usize::from(number))?.map()))
     }
 }
@@ -85,7 +85,7 @@ mod tests {
     /// 1e-15; chains hold 3 mirrors and no fourth.
     #[test]
     fn chains() {
-        let orientation = |normal: DVec3| Orientation { normal: normal.normalize(), material: 0 };
+        let orientation = |normal: DVec3| MirrorPlane { normal: normal.normalize(), material: 0 };
         let both = [orientation(DVec3::new(1.0, 2.0, 0.0)), orientation(DVec3::new(0.0, 1.0, -3.0))];
         let chain = Chain::new(&[0, 1]);
         let start = DVec3::new(0.6, 0.0, 0.8);

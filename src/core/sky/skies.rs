@@ -8,8 +8,8 @@ use glam::DVec3;
 use ndarray::ArrayView2;
 use rayon::prelude::*;
 
-use crate::layers::mosaic::Mosaic;
 use crate::layers::sky::half_texel;
+use crate::layers::sky_bitmap::SkyBitmap;
 use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
@@ -130,7 +130,7 @@ impl Skies {
 
 /// Appends the irradiance per unit radiance of each patch, sr: visible share x cosine x solid angle of the texels; then that of the band
 /// at the horizon, if there is one.
-pub fn sky_coefficients(projection: &Projection, normal: DVec3, sky: &Mosaic, out: &mut Vec<f32>) {
+pub fn sky_coefficients(projection: &Projection, normal: DVec3, sky: &SkyBitmap, out: &mut Vec<f32>) {
     let half = half_texel(projection.side());
     let mut sums = vec![0.0_f64; projection.patches()];
     sky.for_visible(|texel, share| {

@@ -4,8 +4,8 @@
 use glam::DVec3;
 use pulp::Arch;
 
-use crate::layers::mosaic::Mosaic;
 use crate::layers::sky::half_texel;
+use crate::layers::sky_bitmap::SkyBitmap;
 use crate::sky::projection::Projection;
 use crate::sky::skies::{Skies, mean_positive};
 
@@ -43,7 +43,13 @@ impl SkyField {
     }
 
     /// Calls `each(result, irradiance)` for a receiver with this normal and sky.
-    pub fn irradiance(&self, projection: &Projection, normal: DVec3, sky: &Mosaic, mut each: impl FnMut(usize, f64)) {
+    pub fn irradiance(
+        &self,
+        projection: &Projection,
+        normal: DVec3,
+        sky: &SkyBitmap,
+        mut each: impl FnMut(usize, f64),
+    ) {
         let half = half_texel(projection.side());
         let mut sums = vec![0.0_f64; self.bins.len()];
         let count = sums.len();

@@ -21,7 +21,7 @@ use crate::sun_tables::{GroundRange, ReflectedSky, SurfaceLight, TableRequest, s
 use around::Around;
 use heliotile_builder::planning::AccuracyRequest;
 use heliotile_builder::settings::EffectChoice;
-use heliotile_builder::trace::placement::Lying;
+use heliotile_builder::trace::placement::Placement;
 use heliotile_builder::writing::guards::{guard_archive, guard_output};
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
@@ -31,9 +31,9 @@ use heliotile_core::replay::factors::SunGrid;
 use heliotile_core::text::counted;
 use heliotile_results::Resources;
 use heliotile_results::covering::cover_site;
-use heliotile_results::covering::{CoverRequest, Covered, Density};
+use heliotile_results::covering::{CoverRequest, Density, PlacedReceivers};
 use heliotile_results::outputs::sink::write_texts;
-use heliotile_results::site_archive::{KEEP_OR_REPLACE, TraceRequest, WaysOut, up_to_date};
+use heliotile_results::site_archive::{KEEP_OR_REPLACE, TraceRequest, WaysOut, build_or_reuse};
 use heliotile_scene::Scene;
 use heliotile_scene::input;
 use heliotile_scene::request::SceneRequest;
@@ -135,12 +135,12 @@ pub(super) struct PartlyHidden {
 const HARDLY_HIDDEN: f64 = 0.01;
 
 /// Surfaces that are hidden in part, by name.
-pub(super) fn partly_hidden(covered: &Covered) -> Vec<PartlyHidden> {
+pub(super) fn partly_hidden(covered: &PlacedReceivers) -> Vec<PartlyHidden> {
     let mut areas: BTreeMap<String, [f64; 2]> = BTreeMap::new();
-    for (_, piece, surface, lying) in covered.all() {
+    for (_, piece, surface, placement) in covered.all() {
         let [free_m2, whole_m2] = areas.entry(covered.part(piece, surface).face).or_default();
         *whole_m2 += piece.area_m2;
-        if lying == Lying::Free {
+        if placement == Placement::Free {
             *free_m2 += piece.area_m2;
         }
     }
@@ -294,7 +294,7 @@ fn run(task: &Task) -> Result<()> {
 fn traced(
     task: &Task,
     scene: &Scene,
-    covered: &Covered,
+    covered: &PlacedReceivers,
     receivers: &Path,
     archive: &Path,
     effects: EffectChoice,
@@ -312,7 +312,7 @@ fn traced(
         under: None,
         with_scene: true,
     };
-    let found = up_to_date(&asked, scene, Some(covered), task.resources.observer)?;
+    let found = build_or_reuse(&asked, scene, Some(covered), task.resources.observer)?;
     let name = archive.file_name().unwrap_or_default().to_string_lossy();
     task.resources.observer.stop_if_cancelled(&format!("after {name} was complete"))?;
     Ok(found)
@@ -325,7 +325,7 @@ fn write_report(task: &Task, report: &Report) -> Result<()> {
 }
 
 /// Areas of surfaces with their hidden parts, by name in small letters, m2.
-fn areas(covered: &Covered) -> BTreeMap<String, f64> {
+fn areas(covered: &PlacedReceivers) -> BTreeMap<String, f64> {
     let mut whole_m2: BTreeMap<String, f64> = BTreeMap::new();
     for (_, piece, surface, _) in covered.all() {
         *whole_m2.entry(covered.part(piece, surface).face.to_lowercase()).or_default() += piece.area_m2;
@@ -401,7 +401,7 @@ fn sky_of(physics: Physics) -> ReflectedSky {
 }
 
 /// What surfaces get, hidden parts of them nothing.
-fn lights(task: &Task, ground: GroundRange, archive: &Archive, covered: &Covered) -> Result<Vec<SurfaceLight>> {
+fn lights(task: &Task, ground: GroundRange, archive: &Archive, covered: &PlacedReceivers) -> Result<Vec<SurfaceLight>> {
     let paths = match task.request.physics {
         Physics::EnergyPlus => LightPaths::FIRST,
         Physics::Full => LightPaths::ALL,
@@ -430,7 +430,7 @@ fn ground_range(document: &Document) -> GroundRange {
 }
 
 /// Which surface gets what.
-fn targets(document: &Document, lights: &[SurfaceLight], covered: &Covered) -> Targets {
+fn targets(document: &Document, lights: &[SurfaceLight], covered: &PlacedReceivers) -> Targets {
     let number: BTreeMap<String, usize> = lights.iter().enumerate().map(|(i, l)| (l.name.to_lowercase(), i)).collect();
     let mut list: Vec<(String, Option<usize>)> =
         lights.iter().enumerate().map(|(i, light)| (light.name.clone(), Some(i))).collect();

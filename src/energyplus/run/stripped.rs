@@ -28,7 +28,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::light::paths::LightPaths;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::text::{counted, with_list};
-use heliotile_results::covering::Covered;
+use heliotile_results::covering::PlacedReceivers;
 use heliotile_results::covering::cover_site;
 use heliotile_results::outputs::sink::Sink;
 use heliotile_scene::input::weather::read_weather;
@@ -43,7 +43,7 @@ const USUAL_STEPS: usize = 6;
 pub struct Full<'a> {
     pub files: &'a Files,
     pub archive: &'a Archive,
-    pub covered: &'a Covered,
+    pub covered: &'a PlacedReceivers,
     /// The model as EnergyPlus runs it itself, for comparison.
     pub bare: &'a dyn Fn() -> Result<Document>,
     pub engine: Option<Engine>,
@@ -54,7 +54,7 @@ pub struct Full<'a> {
 /// The model without what stood around it.
 struct Alone {
     archive: Archive,
-    covered: Covered,
+    covered: PlacedReceivers,
 }
 
 /// Light of a surface with all that stands around it and of the model alone: sun, sky.
@@ -250,7 +250,7 @@ fn lights(lit: Option<&Lit>, count: usize) -> Vec<StepLight> {
 }
 
 /// Which surface gets what.
-fn targets(document: &Document, lit: &[Lit], covered: &Covered) -> Targets {
+fn targets(document: &Document, lit: &[Lit], covered: &PlacedReceivers) -> Targets {
     let number: BTreeMap<String, usize> =
         lit.iter().enumerate().map(|(number, lit)| (lit.name.to_lowercase(), number)).collect();
     let mut list: Vec<(String, Option<usize>)> =

@@ -18,7 +18,7 @@ use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::text::counted;
-use heliotile_results::horizon::nothing_seen;
+use heliotile_results::horizon::black_below_horizon;
 use heliotile_scene::Scene;
 
 /// `heliotile build`.
@@ -82,7 +82,7 @@ fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
     let prepared = PreparedScene::new(&scene)?;
     let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer: &terminal };
     build.plan_and_write(&request, &output).map_err(|error| error.advise(OTHER_INPUTS))?;
-    nothing_seen(&Archive::open_with(&output.path, Access::Read)?)?.iter().for_each(|lost| terminal.warn(lost));
+    black_below_horizon(&Archive::open_with(&output.path, Access::Read)?)?.iter().for_each(|lost| terminal.warn(lost));
     Ok(Outcome::Fine)
 }
 

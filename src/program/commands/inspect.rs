@@ -15,7 +15,7 @@ use heliotile_core::replay::components::Component;
 use heliotile_core::site::material::rounded;
 use heliotile_core::text::counted;
 use heliotile_remote::places::open_archive;
-use heliotile_results::horizon::nothing_seen;
+use heliotile_results::horizon::black_below_horizon;
 use heliotile_scene::placing::frame::SiteFrame;
 
 /// Numbers of the first of two lines.
@@ -100,7 +100,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         let why = manifest.negligible.as_ref().map_or(String::new(), |known| format!("; negligible: {known}"));
         line!(out, "  left out    {}{why}", s.left_out.join(", "));
     }
-    if let Some(lost) = nothing_seen(&archive)? {
+    if let Some(lost) = black_below_horizon(&archive)? {
         line!(out, "  horizon     {lost}");
     }
     if let Some(ground) = &manifest.ground {

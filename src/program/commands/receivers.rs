@@ -7,7 +7,7 @@ use super::console::terminal::Terminal;
 use super::console::voice::remark_aside;
 use super::{Outcome, remark};
 use crate::cli::ReceiversArgs;
-use heliotile_builder::trace::placement::Lying;
+use heliotile_builder::trace::placement::Placement;
 use heliotile_builder::writing::guards::guard_site;
 use heliotile_core::error::Result;
 use heliotile_results::covering::{cover_site, summary, write};
@@ -26,7 +26,7 @@ pub fn run(args: &ReceiversArgs) -> Result<Outcome> {
     let offset_m = args.cover.offset.0;
     write(&args.output, &covered, covered.free(), offset_m, false)?;
     if let Some(path) = &args.buried {
-        let buried = covered.all().filter(|row| row.3 != Lying::Free);
+        let buried = covered.all().filter(|row| row.3 != Placement::Free);
         write(path, &covered, buried, offset_m, true)?;
     }
     let text = summary(&covered, &scene);

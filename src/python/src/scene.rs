@@ -15,7 +15,7 @@ use crate::work;
 use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start, Workspace};
 use heliotile_builder::planning::{AccuracyRequest, BuildRequest};
 use heliotile_builder::settings::{EffectChoice, Quality, Share};
-use heliotile_builder::trace::placement::Lying;
+use heliotile_builder::trace::placement::Placement;
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_builder::writing::guards::{check_archive_name, guard_archive, guard_site};
 use heliotile_core::error::{Error, Result};
@@ -24,7 +24,7 @@ use heliotile_core::named::by_name;
 use heliotile_core::observer::Observer;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_results::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
-use heliotile_results::horizon::nothing_seen;
+use heliotile_results::horizon::black_below_horizon;
 use heliotile_scene::Scene;
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
 use heliotile_scene::request::SceneRequest;
@@ -176,7 +176,7 @@ impl SceneHandle {
             let (scene, soup) = Scene::load_with_objects(&self.site)?;
             let covered = cover_scene(&scene, soup, &request, watch)?;
             save(&output, &covered, request.offset_m)?;
-            Ok((covered.count(Lying::Free), worded_text(&summary(&covered, &scene))))
+            Ok((covered.count(Placement::Free), worded_text(&summary(&covered, &scene))))
         })
     }
 
@@ -229,7 +229,7 @@ impl SceneHandle {
             let advice = "give the inputs that it was started with to go on with it, fresh=True to discard it, or another output";
             let done = build.plan_and_write(&request, &output).map_err(|error| error.advise(advice))?;
             let archive = ArchiveHandle::of(&args.output)?;
-            nothing_seen(archive.archive())?.iter().for_each(|w| watch.warn(w));
+            black_below_horizon(archive.archive())?.iter().for_each(|w| watch.warn(w));
             let error = done.plan.accuracy.map(|accuracy| accuracy.rmse_percent);
             let report = done.report;
             Ok((archive, report.seconds, report.rays.total(), report.bytes, error))

@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::horizon::nothing_seen;
+use crate::horizon::black_below_horizon;
 use crate::outputs::provenance::Provenance;
 use crate::resources::Resources;
-use crate::site_archive::{TraceRequest, WaysOut, up_to_date};
+use crate::site_archive::{TraceRequest, WaysOut, build_or_reuse};
 use folder::PvFolder;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::planning::AccuracyRequest;
@@ -26,7 +26,7 @@ use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::siting::Siting;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
-use heliotile_core::orientation::fan::TurnLimits;
+use heliotile_core::orientation::fan::OrientationLimits;
 use heliotile_core::site::north::North;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::distance::far_apart;
@@ -180,13 +180,13 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         under: None,
         with_scene: true,
     };
-    let archive = up_to_date(&asked, traced, None, observer)?;
+    let archive = build_or_reuse(&asked, traced, None, observer)?;
     let parts: &[&str] = if laid.is_some() { &["receivers.csv", GEOMETRY, MATERIALS] } else { &["receivers.csv"] };
     for name in parts {
         let to = files.folder.join(name);
         fs::rename(beside.path().join(name), &to).map_err(Error::io(&to, "rename to"))?;
     }
-    nothing_seen(&archive)?.iter().for_each(|lost| observer.warn(lost));
+    black_below_horizon(&archive)?.iter().for_each(|lost| observer.warn(lost));
     observer.stop_if_cancelled("after site.helio was complete")?;
     files.claim(&archive, &weather, request, &spots)?;
 
@@ -245,8 +245,8 @@ impl PvRequest {
     }
 
     /// What a search may choose.
-    fn limits(&self) -> TurnLimits {
-        TurnLimits { tilts_deg: self.tilts_deg, azimuths_deg: self.azimuths_deg }
+    fn limits(&self) -> OrientationLimits {
+        OrientationLimits { tilts_deg: self.tilts_deg, azimuths_deg: self.azimuths_deg }
     }
 
     fn wanted(&self, observer: &dyn Observer) -> Result<Wanted> {

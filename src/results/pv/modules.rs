@@ -10,7 +10,7 @@ use crate::outputs::sink::write_texts;
 use heliotile_builder::siting::Siting;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
-use heliotile_core::orientation::fan::Turn;
+use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
 use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::pv::layout::{Laid, Module, Outline, lay};
@@ -85,7 +85,7 @@ impl LaidRows {
     }
 
     /// All modules, with the turn and the receivers of their kind.
-    pub fn modules(&self) -> impl Iterator<Item = (&Module, Turn, usize)> {
+    pub fn modules(&self) -> impl Iterator<Item = (&Module, Orientation, usize)> {
         self.rows.iter().flat_map(|(rows, all)| all.iter().map(|module| (module, rows.turn, rows.samples)))
     }
 

@@ -13,7 +13,7 @@ use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
-use heliotile_core::orientation::fan::Turn;
+use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
@@ -33,7 +33,7 @@ pub struct OpenPlain<'a> {
     known: HashMap<Key, MonthlySums>,
 }
 
-fn key(ground: Option<u16>, turn: Turn) -> Key {
+fn key(ground: Option<u16>, turn: Orientation) -> Key {
     (ground, turn.normal().to_array().map(f64::to_bits))
 }
 
@@ -45,7 +45,7 @@ impl<'a> OpenPlain<'a> {
     }
 
     /// Traces and replays turns above their grounds; above none the plain is black.
-    pub fn learn(&mut self, wanted: impl Iterator<Item = (Option<u16>, Turn)>, light: &Light) -> Result<()> {
+    pub fn learn(&mut self, wanted: impl Iterator<Item = (Option<u16>, Orientation)>, light: &Light) -> Result<()> {
         let mut of_ground: HashMap<Option<u16>, HashMap<[u64; 3], DVec3>> = HashMap::new();
         for (ground, turn) in wanted {
             let (_, bits) = key(ground, turn);
@@ -72,7 +72,7 @@ impl<'a> OpenPlain<'a> {
     }
 
     /// Sums of a turn that was learnt.
-    pub fn months(&self, ground: Option<u16>, turn: Turn) -> MonthlySums {
+    pub fn months(&self, ground: Option<u16>, turn: Orientation) -> MonthlySums {
         self.known.get(&key(ground, turn)).cloned().unwrap_or_default()
     }
 

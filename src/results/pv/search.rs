@@ -19,8 +19,8 @@ use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::{MemoryBudget, Use};
 use heliotile_core::observer::Observer;
-use heliotile_core::orientation::best::{TurnSurface, TurnValue};
-use heliotile_core::orientation::fan::{Ring, Turn, TurnLimits, around};
+use heliotile_core::orientation::best::{OrientationSurface, OrientationValue};
+use heliotile_core::orientation::fan::{Orientation, OrientationLimits, Ring, around};
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 
@@ -37,13 +37,13 @@ const MOST_PEAKS: usize = 3;
 /// What is asked of a place.
 struct Asked {
     place: DVec3,
-    turns: Vec<Turn>,
+    turns: Vec<Orientation>,
 }
 
 /// Searches the best turns of all spots.
 pub fn run(request: &PvRequest, light: &Light, prepared: &PreparedScene, spots: &Spots) -> Result<Vec<PointSearch>> {
     let (limits, settings) = (request.limits(), request.accuracy.settings()?);
-    let within = |turn: &Turn| limits.allow(*turn);
+    let within = |turn: &Orientation| limits.allow(*turn);
     let tried = Fans { settings: &settings, folder: &request.folder, light };
     let mut searched = tried.search(prepared, &spots.list, &limits)?;
     // The same on open plains, one a ground.
@@ -75,18 +75,21 @@ struct Fans<'a, 'l> {
 }
 
 impl Fans<'_, '_> {
-    fn search(&self, prepared: &PreparedScene, spots: &[Spot], limits: &TurnLimits) -> Result<Vec<PointSearch>> {
+    fn search(&self, prepared: &PreparedScene, spots: &[Spot], limits: &OrientationLimits) -> Result<Vec<PointSearch>> {
         let rings = limits.rings(COARSE_DEG);
-        let turns: Vec<Turn> = rings.iter().flat_map(Ring::turns).collect();
+        let turns: Vec<Orientation> = rings.iter().flat_map(Ring::turns).collect();
         let asked: Vec<Asked> = spots.iter().map(|spot| Asked { place: spot.position, turns: turns.clone() }).collect();
         let coarse = self.totals(prepared, &asked)?;
-        let peaks: Vec<Vec<Turn>> = coarse.iter().map(|found| peaks_of(found)).collect();
+        let peaks: Vec<Vec<Orientation>> = coarse.iter().map(|found| peaks_of(found)).collect();
         let asked: Vec<Asked> = spots
             .iter()
             .zip(&peaks)
             .map(|(spot, peaks)| {
                 let fans = peaks.iter().flat_map(|peak| around(*peak, FINE_DEG, FINE_CIRCLES));
-                Asked { place: spot.position, turns: [Turn::FLAT].into_iter().chain(spot.given).chain(fans).collect() }
+                Asked {
+                    place: spot.position,
+                    turns: [Orientation::FLAT].into_iter().chain(spot.given).chain(fans).collect(),
+                }
             })
             .collect();
         let fine = self.totals(prepared, &asked)?;
@@ -95,14 +98,14 @@ impl Fans<'_, '_> {
     }
 
     /// Totals of all turns at all places, in their order.
-    fn totals(&self, prepared: &PreparedScene, asked: &[Asked]) -> Result<Vec<Vec<TurnValue>>> {
+    fn totals(&self, prepared: &PreparedScene, asked: &[Asked]) -> Result<Vec<Vec<OrientationValue>>> {
         let north = North::of(prepared.scene.place.as_ref());
         let id = |place: usize, turn: usize| format!("{place}/{turn}");
         let receivers: Vec<Receiver> = asked
             .iter()
             .enumerate()
             .flat_map(|(place, asked)| {
-                let receiver = move |(i, turn): (usize, &Turn)| {
+                let receiver = move |(i, turn): (usize, &Orientation)| {
                     Receiver::new(id(place, i), asked.place, north.to_axes(turn.normal()))
                 };
                 asked.turns.iter().enumerate().map(receiver)
@@ -112,7 +115,7 @@ impl Fans<'_, '_> {
         let totals: HashMap<String, f64> = self.light.totals(traced.archive())?;
         let found = |(place, asked): (usize, &Asked)| {
             let value = |i: usize| totals.get(&id(place, i)).copied().unwrap_or_default();
-            asked.turns.iter().enumerate().map(|(i, turn)| TurnValue { turn: *turn, value: value(i) }).collect()
+            asked.turns.iter().enumerate().map(|(i, turn)| OrientationValue { turn: *turn, value: value(i) }).collect()
         };
         Ok(asked.iter().enumerate().map(found).collect())
     }
@@ -122,24 +125,24 @@ impl Fans<'_, '_> {
 fn joined(
     spot: &Spot,
     rings: &[Ring],
-    limits: &TurnLimits,
-    coarse: &[TurnValue],
-    peaks: &[Turn],
-    fine: &[TurnValue],
+    limits: &OrientationLimits,
+    coarse: &[OrientationValue],
+    peaks: &[Orientation],
+    fine: &[OrientationValue],
 ) -> PointSearch {
-    let flat = fine.first().copied().unwrap_or(TurnValue { turn: Turn::FLAT, value: 0.0 });
+    let flat = fine.first().copied().unwrap_or(OrientationValue { turn: Orientation::FLAT, value: 0.0 });
     let given = spot.given.and_then(|_| fine.get(1).copied());
     let fans = fine.get(1 + usize::from(given.is_some())..).unwrap_or_default();
     let size = fans.len() / peaks.len().max(1);
-    let allowed = |found: &&TurnValue| limits.allow(found.turn);
+    let allowed = |found: &&OrientationValue| limits.allow(found.turn);
     let fitted = peaks.iter().zip(fans.chunks(size.max(1))).filter_map(|(peak, fan)| {
         // Turns of the first fan that lie near count, too.
-        let near = |found: &&TurnValue| {
+        let near = |found: &&OrientationValue| {
             let off = found.turn.normal().angle_between(peak.normal()).to_degrees();
             (1e-6..FINE_DEG).contains(&off)
         };
-        let found: Vec<TurnValue> = fan.iter().chain(coarse.iter().filter(near)).copied().collect();
-        let surface = TurnSurface::fit(*peak, FINE_DEG, &found)?;
+        let found: Vec<OrientationValue> = fan.iter().chain(coarse.iter().filter(near)).copied().collect();
+        let surface = OrientationSurface::fit(*peak, FINE_DEG, &found)?;
         Some((surface.best(limits)?, surface.scatter()))
     });
     let measured = coarse.iter().chain(fans.iter().filter(allowed)).copied();
@@ -161,13 +164,13 @@ fn joined(
 }
 
 /// The best turns of a fan that are better than those around them.
-fn peaks_of(found: &[TurnValue]) -> Vec<Turn> {
-    let mut sorted: Vec<&TurnValue> = found.iter().collect();
+fn peaks_of(found: &[OrientationValue]) -> Vec<Orientation> {
+    let mut sorted: Vec<&OrientationValue> = found.iter().collect();
     sorted.sort_by(|a, b| b.value.total_cmp(&a.value));
     let Some(most) = sorted.first().map(|best| best.value) else { return Vec::new() };
-    let mut peaks: Vec<Turn> = Vec::new();
+    let mut peaks: Vec<Orientation> = Vec::new();
     for one in sorted.iter().take_while(|one| one.value >= most * (1.0 - NEAR_PERCENT / 100.0)) {
-        let off = |turn: &Turn| turn.normal().angle_between(one.turn.normal()).to_degrees();
+        let off = |turn: &Orientation| turn.normal().angle_between(one.turn.normal()).to_degrees();
         let is_top = found.iter().all(|other| off(&other.turn) > 1.6 * COARSE_DEG || other.value <= one.value);
         if is_top && peaks.iter().all(|peak| off(peak) > FINE_DEG) && peaks.len() < MOST_PEAKS {
             peaks.push(one.turn);

@@ -11,7 +11,7 @@ use crate::outputs::pv::search::PointSearch;
 use crate::outputs::sink::Sink;
 use heliotile_builder::siting::{Enclosed, Siting};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::orientation::fan::Turn;
+use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
 use heliotile_scene::pv::layout::Module;
 use heliotile_scene::pv::points::{PointHeight, PvPoint};
@@ -26,9 +26,9 @@ pub struct Spot {
     /// Input coordinates, metres.
     pub position: DVec3,
     /// How the front is turned, by true north; nothing before a search has found it.
-    pub given: Option<Turn>,
+    pub given: Option<Orientation>,
     /// What a search found, where nothing was given.
-    found: Option<Turn>,
+    found: Option<Orientation>,
     /// Material of the ground below.
     pub ground: Option<u16>,
     /// One of a point, front and rear of a module.
@@ -51,7 +51,7 @@ impl Spot {
     }
 
     /// A module with its two sides; the turn is that of its front.
-    fn of_module(module: &Module, turn: Turn, samples: usize, ground: Option<u16>) -> Self {
+    fn of_module(module: &Module, turn: Orientation, samples: usize, ground: Option<u16>) -> Self {
         let side = |name: &'static str| {
             let points = module.points(name == "rear", samples, OFF_M).into_iter().enumerate();
             let receivers = points.map(|(i, p)| (format!("{}/{name}/{}", module.name, i + 1), p)).collect();
@@ -63,14 +63,14 @@ impl Spot {
     }
 
     /// How its front is turned; flat as long as nobody knows.
-    pub fn turn(&self) -> Turn {
-        self.given.or(self.found).unwrap_or(Turn::FLAT)
+    pub fn turn(&self) -> Orientation {
+        self.given.or(self.found).unwrap_or(Orientation::FLAT)
     }
 
     /// How a side is turned.
-    pub fn turn_of(&self, side: &SpotSide) -> Turn {
+    pub fn turn_of(&self, side: &SpotSide) -> Orientation {
         match side.name {
-            "rear" => Turn::of(-self.turn().normal()),
+            "rear" => Orientation::of(-self.turn().normal()),
             _ => self.turn(),
         }
     }
@@ -102,7 +102,7 @@ impl Spots {
     }
 
     /// Modules of rows, each kind with its turn and the receivers on each side.
-    pub fn of_modules<'m>(modules: impl Iterator<Item = (&'m Module, Turn, usize)>, siting: &Siting) -> Self {
+    pub fn of_modules<'m>(modules: impl Iterator<Item = (&'m Module, Orientation, usize)>, siting: &Siting) -> Self {
         let ground = |module: &Module| siting.ground_below(module.middle()).map(|ground| ground.material);
         let spot = |(module, turn, samples)| Spot::of_module(module, turn, samples, ground(module));
         Spots::new(modules.map(spot).collect())

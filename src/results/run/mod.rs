@@ -11,13 +11,13 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::covering::{CoverRequest, cover_site};
-use crate::horizon::nothing_seen;
+use crate::horizon::black_below_horizon;
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::layout::By;
 use crate::outputs::viewer_page::ViewerPage;
 use crate::resources::Resources;
-use crate::site_archive::{TraceRequest, WaysOut, up_to_date};
+use crate::site_archive::{TraceRequest, WaysOut, build_or_reuse};
 use folder::RunFiles;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::planning::{AccuracyRequest, EffectsUnder};
@@ -171,8 +171,8 @@ impl RunRequest {
             under: under.as_ref().map(|weather| EffectsUnder { weather, negligible_percent }),
             with_scene: self.with_scene,
         };
-        let archive = up_to_date(&asked, &scene, covered.as_ref(), observer)?;
-        nothing_seen(&archive)?.iter().for_each(|lost| observer.warn(lost));
+        let archive = build_or_reuse(&asked, &scene, covered.as_ref(), observer)?;
+        black_below_horizon(&archive)?.iter().for_each(|lost| observer.warn(lost));
         Ok((archive, weather))
     }
 

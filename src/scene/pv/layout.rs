@@ -214,13 +214,13 @@ impl Module {
 mod tests {
     use super::*;
     use crate::pv::rows::RowsGround;
-    use heliotile_core::orientation::fan::Turn;
+    use heliotile_core::orientation::fan::Orientation;
 
     fn rows(tilt_deg: f64, azimuth_deg: f64, setback_m: f64) -> RowsOfModules {
         RowsOfModules {
             name: "r".into(),
             ground: RowsGround::Area(Vec::new()),
-            turn: Turn { tilt_deg, azimuth_deg },
+            turn: Orientation { tilt_deg, azimuth_deg },
             pitch_m: 3.0,
             width_m: 1.0,
             height_m: 2.0,

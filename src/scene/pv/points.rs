@@ -7,7 +7,7 @@ use crate::coordinate::MAX_COORDINATE_M;
 use crate::covering::rows::CsvRows;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::orientation::fan::Turn;
+use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::receiver::MAX_NAME_BYTES;
 use heliotile_core::text::{separator_hint, with_list};
 
@@ -29,7 +29,7 @@ pub struct PvPoint {
     /// How high it lies.
     pub height: PointHeight,
     /// How it is turned, if anyone says.
-    pub turn: Option<Turn>,
+    pub turn: Option<Orientation>,
     /// Line of the file.
     pub line: usize,
 }
@@ -166,7 +166,7 @@ impl Row<'_> {
         ))
     }
 
-    fn turn(&self, needed: bool) -> Result<Option<Turn>> {
+    fn turn(&self, needed: bool) -> Result<Option<Orientation>> {
         let Some([tilt, azimuth]) = self.columns.angles else { return Ok(None) };
         if !needed && self.cell(tilt).is_empty() && self.cell(azimuth).is_empty() {
             return Ok(None);
@@ -174,7 +174,7 @@ impl Row<'_> {
         let tilt_deg = self.angle("tilt", tilt, [0.0, 180.0], "0 looks up, 90 to the side, 180 down")?;
         let hint = "degrees clockwise from true north: 90 is east, 180 south";
         let azimuth_deg = self.angle("azimuth", azimuth, [-360.0, 360.0], hint)?.rem_euclid(360.0);
-        Ok(Some(Turn { tilt_deg, azimuth_deg }))
+        Ok(Some(Orientation { tilt_deg, azimuth_deg }))
     }
 
     fn angle(&self, column: &str, place: usize, [least, most]: [f64; 2], hint: &str) -> Result<f64> {

@@ -10,7 +10,7 @@ use crate::covering::surfaces::{Surface, Surfaces};
 use crate::input;
 use crate::text::line_of_offset;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::orientation::fan::Turn;
+use heliotile_core::orientation::fan::Orientation;
 
 const KEYS: &str = "each [[rows]] has a name, an area = [[x, y], ...] or a surface = \"NAME\", tilt, azimuth, pitch, width, height, and \
                     maybe clearance, setback, gap, thickness, front, rear, samples";
@@ -23,7 +23,7 @@ pub struct RowsOfModules {
     /// Where they stand.
     pub ground: RowsGround,
     /// How modules are turned, by true north; their rows run across.
-    pub turn: Turn,
+    pub turn: Orientation,
     /// From the lower edge of a row to that of the next, in plan, metres.
     pub pitch_m: f64,
     /// Of a module along its row, metres.
@@ -177,7 +177,7 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
     Ok(RowsOfModules {
         name: entry.name,
         ground,
-        turn: Turn { tilt_deg, azimuth_deg },
+        turn: Orientation { tilt_deg, azimuth_deg },
         pitch_m,
         width_m,
         height_m,

@@ -18,9 +18,9 @@ use heliotile_core::layers::canopy::{Canopy, Powers, SEEN, SKY};
 use heliotile_core::layers::extras;
 use heliotile_core::layers::hit::HitTile;
 use heliotile_core::layers::mirror::{CellMirrors, ReceiverMirrors};
-use heliotile_core::layers::mosaic::Mosaic;
 use heliotile_core::layers::response;
 use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::layers::sky_bitmap::SkyBitmap;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::scratch::InMemory;
 use heliotile_core::memory::MemoryBudget;
@@ -302,9 +302,9 @@ fn sky(data: &[u8]) {
     let Some((count, base, fine, raw)) = shape(data) else { return };
     let squares = SkyTexture::unpack(raw, count, base, fine);
     // Both ways to read a block agree.
-    let mosaics = Mosaic::unpack(raw, count, base, fine);
-    assert_eq!(mosaics, squares.map(|all| all.iter().map(|square| Mosaic::of(square, base)).collect()));
-    assert!(mosaics.is_none_or(|mosaics| mosaics.len() == count));
+    let bitmaps = SkyBitmap::unpack(raw, count, base, fine);
+    assert_eq!(bitmaps, squares.map(|all| all.iter().map(|square| SkyBitmap::of(square, base)).collect()));
+    assert!(bitmaps.is_none_or(|bitmaps| bitmaps.len() == count));
 }
 
 fn hit(data: &[u8]) {
@@ -339,7 +339,7 @@ fn mirror(data: &[u8]) {
     for window in &found.windows {
         let side = usize::from(window.side);
         assert!(usize::from(window.column.max(window.row)) + side <= base && !window.chain.is_empty());
-        let sky = Mosaic::unpack(&window.texture, 1, side, side * fine / base.max(1));
+        let sky = SkyBitmap::unpack(&window.texture, 1, side, side * fine / base.max(1));
         assert!(sky.is_none_or(|sky| sky.len() == 1));
     }
 }

@@ -4,8 +4,8 @@
 use glam::DVec3;
 use pulp::Arch;
 
-use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sky::half_texel;
+use crate::layers::sky_bitmap::{SkyBitmap, Texel};
 use crate::sky::projection::Projection;
 use crate::units::SUN_RADIUS_RAD;
 
@@ -57,14 +57,14 @@ pub struct SkyMasks<'t> {
     whole: Vec<u64>,
     /// `[texel]`: seen, but in part only or cut by the surface's plane.
     partial: Vec<u64>,
-    skies: &'t [Mosaic],
+    skies: &'t [SkyBitmap],
     normals: &'t [DVec3],
     side: usize,
 }
 
 impl<'t> SkyMasks<'t> {
     /// Of at most [`LANES`] receivers, one normal for each sky.
-    pub fn new(planes: &TexelPlanes, normals: &'t [DVec3], skies: &'t [Mosaic]) -> Self {
+    pub fn new(planes: &TexelPlanes, normals: &'t [DVec3], skies: &'t [SkyBitmap]) -> Self {
         let side = planes.side;
         let stride = side.div_ceil(LANES);
         let (mut whole, mut partial) = (vec![0; side * side], vec![0; side * side]);
@@ -172,9 +172,9 @@ mod tests {
                     let kind = (jitter(3 + i, (texel / 7) as u64).x * 3.0) as usize;
                     (0..kind * 2).for_each(|k| dense.set(texel % side * 2 + k % 2, texel / side * 2 + k / 2, true));
                 }
-                Mosaic::of(&dense, side)
+                SkyBitmap::of(&dense, side)
             };
-            let skies: Vec<Mosaic> = (0..LANES as u64).map(sky).collect();
+            let skies: Vec<SkyBitmap> = (0..LANES as u64).map(sky).collect();
             let masks = SkyMasks::new(&planes, &normals, &skies);
             let (mut wholes, mut partials) = (0, 0);
             for texel in 0..side * side {

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use crate::hemisphere::texel_of;
 use crate::layers::mirror::Window;
-use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
+use crate::layers::sky_bitmap::{SkyBitmap, Texel};
 use crate::light::mirrors::{MirrorTable, Reflection};
 use crate::sky::horizon::{BandTexel, HorizonBand};
 use crate::sky::projection::Projection;
@@ -19,14 +19,14 @@ pub struct MirrorView {
     row: usize,
     /// Fine texels a side of the whole sky.
     whole: usize,
-    sky: Mosaic,
+    sky: SkyBitmap,
 }
 
 impl MirrorView {
     /// A decoded window of a sky of these sides. `None` if it does not describe a texture.
     pub fn new(window: &Window, table: &MirrorTable, sides: TextureSides) -> Option<Self> {
         let (side, block) = (usize::from(window.side), sides.sky_fine / sides.sky_base);
-        let mut sky = Mosaic::unpack(&window.texture, 1, side, side * block)?;
+        let mut sky = SkyBitmap::unpack(&window.texture, 1, side, side * block)?;
         Some(MirrorView {
             reflection: Reflection::new(window.chain, table)?,
             column: usize::from(window.column),

@@ -10,12 +10,12 @@ use glam::{DVec3, Vec3};
 use pulp::Arch;
 use rayon::prelude::*;
 
-use crate::layers::mosaic::{Mosaic, Texel};
 use crate::layers::sides::TextureSides;
+use crate::layers::sky_bitmap::{SkyBitmap, Texel};
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
 use crate::replay::direct::sky_masks::{LANES, SkyMasks};
 use crate::replay::direct::specular::MirrorView;
-use crate::replay::shine::Shine;
+use crate::replay::sun_sample::SunSample;
 use crate::sky::disc::disc_texels;
 
 /// Places in a base texel's bits that are taken at a time: a byte of them.
@@ -56,7 +56,7 @@ pub struct SunMap {
 
 impl SunMap {
     /// Adds up light; what falls on one texel is added in the order given.
-    pub fn new(mut suns: Vec<Shine>, sides: TextureSides) -> Self {
+    pub fn new(mut suns: Vec<SunSample>, sides: TextureSides) -> Self {
         // Stable: sums do not depend on the number of threads.
         suns.sort_by_key(|sun| sun.bin);
         let block = (sides.sky_fine / sides.sky_base.max(1)).max(1);
@@ -138,7 +138,7 @@ impl SunMap {
     }
 
     /// Adds the direct irradiance of a receiver with this normal and sky, behind a veil, to `out[result]`.
-    pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
+    pub fn direct_behind(&self, normal: DVec3, sky: &SkyBitmap, veil: &CanopyTransmittance, out: &mut [f64]) {
         let normal = normal.as_vec3();
         for lit in &self.texels {
             let (column, row) = self.place(lit);

@@ -3,19 +3,19 @@
 
 use glam::DVec3;
 
-use crate::layers::mosaic::Mosaic;
 use crate::layers::sides::TextureSides;
+use crate::layers::sky_bitmap::SkyBitmap;
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
-use crate::replay::direct::each_sun::EachSun;
 use crate::replay::direct::sky_masks::SkyMasks;
 use crate::replay::direct::specular::MirrorView;
 use crate::replay::direct::sun_map::SunMap;
-use crate::replay::shine::Shine;
+use crate::replay::direct::sun_samples::SunSamples;
+use crate::replay::sun_sample::SunSample;
 
 /// Suns made ready for receivers' textures: one by one where each has a result, added up where many share one.
 pub enum SunLookups {
     /// Suns of hours.
-    Each(EachSun),
+    Each(SunSamples),
     /// Suns of sums.
     Summed(SunMap),
 }
@@ -25,11 +25,11 @@ const SUMMED_FROM: usize = 100;
 
 impl SunLookups {
     /// Looks up suns, in the order of their results, of so many results.
-    pub fn new(suns: Vec<Shine>, results: usize, sides: TextureSides) -> Self {
+    pub fn new(suns: Vec<SunSample>, results: usize, sides: TextureSides) -> Self {
         if suns.len() >= SUMMED_FROM * results.max(1) {
             return SunLookups::Summed(SunMap::new(suns, sides));
         }
-        SunLookups::Each(EachSun::new(suns, sides))
+        SunLookups::Each(SunSamples::new(suns, sides))
     }
 
     /// Whether there is no sun.
@@ -54,7 +54,7 @@ impl SunLookups {
     }
 
     /// The first of them behind a veil.
-    pub fn direct_behind(&self, normal: DVec3, sky: &Mosaic, veil: &CanopyTransmittance, out: &mut [f64]) {
+    pub fn direct_behind(&self, normal: DVec3, sky: &SkyBitmap, veil: &CanopyTransmittance, out: &mut [f64]) {
         match self {
             SunLookups::Each(each) => each.direct_behind(normal, &mut &*sky, veil, out),
             SunLookups::Summed(map) => map.direct_behind(normal, sky, veil, out),

@@ -8,7 +8,7 @@ use crate::outputs::pictures::canvas::{Rgb, Side};
 use crate::outputs::pictures::colours::inferno;
 use crate::outputs::pictures::svg::{At, BLACK, Frame, Svg, WHITE};
 use crate::outputs::provenance::Provenance;
-use heliotile_core::orientation::fan::Turn;
+use heliotile_core::orientation::fan::Orientation;
 
 /// Of the picture, pixels.
 const SIDE: f64 = 520.0;
@@ -27,7 +27,7 @@ pub fn svg(search: &PointSearch, about: &Provenance) -> String {
     let step = tilts.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max).max(2.0);
     let least = search.rings.iter().flat_map(|(_, values)| values).copied().fold(f64::INFINITY, f64::min);
     let most_loss = search.loss_percent(least).clamp(1.0, MOST_LOSS);
-    let place = |turn: Turn| at(turn.tilt_deg / (steepest + 0.5 * step), turn.azimuth_deg);
+    let place = |turn: Orientation| at(turn.tilt_deg / (steepest + 0.5 * step), turn.azimuth_deg);
     for (ring, values) in &search.rings {
         let inner = ((ring.tilt_deg - 0.5 * step).max(0.0)) / (steepest + 0.5 * step);
         let outer = (ring.tilt_deg + 0.5 * step) / (steepest + 0.5 * step);

@@ -6,7 +6,7 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::column::Column;
 use crate::outputs::tables::rows::{Cell, Records};
 use heliotile_core::error::Result;
-use heliotile_core::orientation::best::TurnValue;
+use heliotile_core::orientation::best::OrientationValue;
 use heliotile_core::orientation::fan::Ring;
 
 /// All that was found for a point, kWh/m2.
@@ -16,16 +16,16 @@ pub struct PointSearch {
     /// Of the first fan, ring by ring, each turn with its sum.
     pub rings: Vec<(Ring, Vec<f64>)>,
     /// Of the second fan, those that are allowed.
-    pub fine: Vec<TurnValue>,
-    pub best: TurnValue,
+    pub fine: Vec<OrientationValue>,
+    pub best: OrientationValue,
     /// Standard deviation of single turns off the fit that the best one is the peak of, percent.
     pub scatter_percent: f64,
     /// What looks straight up gets.
-    pub flat: TurnValue,
+    pub flat: OrientationValue,
     /// What the turn of the table of points gets, if it has one.
-    pub given: Option<TurnValue>,
+    pub given: Option<OrientationValue>,
     /// What the point gets at best on an open plain.
-    pub open_best: TurnValue,
+    pub open_best: OrientationValue,
 }
 
 impl PointSearch {
@@ -35,9 +35,9 @@ impl PointSearch {
     }
 
     /// All that was tried, each with its kind.
-    fn rows(&self) -> impl Iterator<Item = (&'static str, TurnValue)> + '_ {
+    fn rows(&self) -> impl Iterator<Item = (&'static str, OrientationValue)> + '_ {
         let coarse = self.rings.iter().flat_map(|(ring, values)| {
-            ring.turns().zip(values).map(|(turn, value)| ("coarse", TurnValue { turn, value: *value }))
+            ring.turns().zip(values).map(|(turn, value)| ("coarse", OrientationValue { turn, value: *value }))
         });
         let fine = self.fine.iter().map(|found| ("fine", *found));
         let named = [("flat", Some(self.flat)), ("given", self.given), ("best", Some(self.best))];

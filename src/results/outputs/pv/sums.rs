@@ -8,7 +8,7 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::column::Column;
 use crate::outputs::tables::rows::{Cell, Records};
 use heliotile_core::error::Result;
-use heliotile_core::orientation::fan::Turn;
+use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::replay::components::{Component, SUM_SUFFIX};
 
 /// The components that add up to a total, which is the last.
@@ -54,7 +54,7 @@ pub struct SideSums {
     /// Input coordinates, metres.
     pub position: DVec3,
     /// By true north.
-    pub turn: Turn,
+    pub turn: Orientation,
     pub months: MonthlySums,
     /// What it would get on an open plain.
     pub open: MonthlySums,

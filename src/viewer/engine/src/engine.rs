@@ -4,8 +4,8 @@ use crate::Answered;
 use crate::answer::Answer;
 use crate::asked::{Span, SumAsk, columns};
 use crate::failure::{Failure, Kind};
+use crate::interactive::InteractiveTiles;
 use crate::light::Every;
-use crate::moments::MomentTiles;
 use crate::open::Opened;
 use crate::recombined::{Key, Recombinations, of_receiver, of_tile};
 use crate::request::Request;
@@ -22,7 +22,7 @@ pub struct Engine {
     opened: Option<Opened>,
     weather: Option<LoadedWeather>,
     recombinations: Recombinations,
-    moments: MomentTiles,
+    moments: InteractiveTiles,
 }
 
 impl Engine {

@@ -1,6 +1,6 @@
 //! What the page brings to the graphics card. In: tiles and lights as the core makes texels of them. Out: their arrays, and where what is in them.
 
-use heliotile_core::replay::moments::{LightTexels, TileTextures};
+use heliotile_core::replay::interactive::{LightTexels, TileTextures};
 use serde_json::json;
 
 use crate::answer::{Answer, Numbers};

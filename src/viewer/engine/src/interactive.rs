@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use heliotile_core::error::Result;
 use heliotile_core::light::states::Schedule;
-use heliotile_core::replay::moments::{MomentLight, MomentTile, Moments, TileTextures};
+use heliotile_core::replay::interactive::{InteractiveLight, InteractiveReplay, InteractiveTile, TileTextures};
 use heliotile_core::replay::values::TileValues;
 
 use crate::asked::{MomentAsk, sky_of};
@@ -22,25 +22,25 @@ const STATES: usize = 3;
 /// The site in one state of its reflectances.
 struct State {
     schedules: Vec<Schedule>,
-    moments: Moments<'static>,
+    moments: InteractiveReplay<'static>,
     ready: HashMap<u32, Ready>,
 }
 
 /// A tile, and when it was asked for last.
 struct Ready {
-    tile: MomentTile,
+    tile: InteractiveTile,
     turn: u64,
 }
 
 /// The light of the last ask.
 struct Lit {
     ask: MomentAsk,
-    light: MomentLight,
+    light: InteractiveLight,
 }
 
 /// What moments are made of.
 #[derive(Default)]
-pub struct MomentTiles {
+pub struct InteractiveTiles {
     /// The one in use first.
     states: Vec<State>,
     lit: Option<Lit>,
@@ -49,7 +49,7 @@ pub struct MomentTiles {
     bytes: usize,
 }
 
-impl MomentTiles {
+impl InteractiveTiles {
     /// Forgets the light: the weather is another.
     pub fn clear(&mut self) {
         self.lit = None;
@@ -93,7 +93,7 @@ impl MomentTiles {
         opened: &Opened,
         tile: u32,
         next: &[u32],
-        of: impl Fn(Option<&Lit>, &MomentTile) -> T,
+        of: impl Fn(Option<&Lit>, &InteractiveTile) -> T,
     ) -> std::result::Result<T, Failure> {
         let state = self.states.first_mut().ok_or_else(none)?;
         if let Some(ready) = state.ready.get_mut(&tile) {
@@ -126,7 +126,7 @@ impl MomentTiles {
         opened: &Opened,
         ask: &MomentAsk,
         force: impl FnOnce() -> Result<Forced>,
-    ) -> std::result::Result<&MomentLight, Failure> {
+    ) -> std::result::Result<&InteractiveLight, Failure> {
         if self.lit.as_ref().is_none_or(|lit| lit.ask != *ask) {
             let Forced { conditions, schedules, .. } = force()?;
             let sky = sky_of(&ask.sky)?;
@@ -148,7 +148,7 @@ impl MomentTiles {
                     Some(state) => state.moments.reflecting(&schedules)?,
                     None => {
                         let patches = opened.archive.manifest().settings.patches();
-                        Moments::new(&opened.site, patches, &schedules)?
+                        InteractiveReplay::new(&opened.site, patches, &schedules)?
                     }
                 };
                 self.states.insert(0, State { schedules, moments, ready: HashMap::new() });
@@ -161,7 +161,7 @@ impl MomentTiles {
     }
 
     /// Keeps a tile of the state in use, if there is room, or some that was not asked for of late gives it.
-    fn keep(&mut self, tile: u32, made: MomentTile) {
+    fn keep(&mut self, tile: u32, made: InteractiveTile) {
         let bytes = made.bytes();
         while self.bytes + bytes > ROOM {
             let all = self

@@ -10,7 +10,7 @@ use crate::opened::open_site::OpenSite;
 
 /// Names of a site's receivers, surfaces, objects and buildings, and the tiles that hold each. Names are asked for in any order; in that of the
 /// archive (what they are of, then bytes) every chunk is read once.
-pub struct Gazetteer<'a> {
+pub struct NameIndex<'a> {
     site: OpenSite<'a>,
     /// First row of every chunk, with the chunk's number in place of the tile's.
     firsts: Vec<NameRow>,
@@ -18,7 +18,7 @@ pub struct Gazetteer<'a> {
     held: Option<(u32, Vec<NameRow>)>,
 }
 
-impl<'a> Gazetteer<'a> {
+impl<'a> NameIndex<'a> {
     /// The names of a site.
     pub fn of(site: &OpenSite<'a>) -> Result<Self> {
         // A site without receivers has no names.
@@ -26,7 +26,7 @@ impl<'a> Gazetteer<'a> {
             0 => Vec::new(),
             _ => NamesTable::from_block(&site.block(format::NAMES, TileNumber::FIRST)?)?.names(),
         };
-        Ok(Gazetteer { site: site.clone(), firsts, held: None })
+        Ok(NameIndex { site: site.clone(), firsts, held: None })
     }
 
     /// Tells that some names will be asked for soon: from afar their chunks come together.

@@ -2,12 +2,12 @@
 //! keep their fine bits. 5 to 20 kB a receiver where the whole square takes 128.
 
 use crate::layers::bits::BitSquare;
+use crate::layers::refinement_decoder::{decode_refined, is_refined};
 use crate::layers::sky::decode;
-use crate::layers::unfold::{unfold, unfolds};
 
 /// Bits of one receiver.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mosaic {
+pub struct SkyBitmap {
     /// Fine texels to a side of a base texel.
     block: usize,
     /// Base texels that are sky throughout, and those that are sky in part.
@@ -36,50 +36,50 @@ pub trait BaseTexels {
     fn texel(&mut self, column: usize, row: usize) -> Texel<'_>;
 }
 
-impl BaseTexels for &Mosaic {
+impl BaseTexels for &SkyBitmap {
     #[inline]
     fn texel(&mut self, column: usize, row: usize) -> Texel<'_> {
-        Mosaic::texel(self, column, row)
+        SkyBitmap::texel(self, column, row)
     }
 }
 
-impl Mosaic {
-    /// The mosaics of a raw `sky` block; `None` if the bytes do not describe `count` textures exactly.
-    pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<Mosaic>> {
-        if unfolds(base, fine) {
-            return unfold(raw, count, base, fine);
+impl SkyBitmap {
+    /// The bitmaps of a raw `sky` block; `None` if the bytes do not describe `count` textures exactly.
+    pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<SkyBitmap>> {
+        if is_refined(base, fine) {
+            return decode_refined(raw, count, base, fine);
         }
-        decode(raw, count, base, fine, |texture| Mosaic::of(&texture.dense(), base))
+        decode(raw, count, base, fine, |texture| SkyBitmap::of(&texture.dense(), base))
     }
 
-    /// The mosaic of a square of fine bits; `base` divides its side.
-    pub fn of(dense: &BitSquare, base: usize) -> Mosaic {
+    /// The bitmap of a square of fine bits; `base` divides its side.
+    pub fn of(dense: &BitSquare, base: usize) -> SkyBitmap {
         let block = dense.side() / base;
-        let mut mosaic = Mosaic::closed(base, block);
+        let mut bitmap = SkyBitmap::closed(base, block);
         for row in 0..base {
             for column in 0..base {
                 let bit = |i: usize| dense.get(column * block + i % block, row * block + i / block);
                 match (0..block * block).filter(|&i| bit(i)).count() {
                     0 => {}
-                    all if all == block * block => mosaic.open.set(column, row, true),
+                    all if all == block * block => bitmap.open.set(column, row, true),
                     _ => {
-                        mosaic.mixed.set(column, row, true);
+                        bitmap.mixed.set(column, row, true);
                         let word = |w: usize| {
                             let bits = (w * 64..(w * 64 + 64).min(block * block)).enumerate();
                             bits.fold(0, |word, (k, i)| word | u64::from(bit(i)) << k)
                         };
-                        mosaic.blocks.extend((0..mosaic.words()).map(word));
+                        bitmap.blocks.extend((0..bitmap.words()).map(word));
                     }
                 }
             }
         }
-        mosaic.rank();
-        mosaic
+        bitmap.rank();
+        bitmap
     }
 
-    pub(super) fn closed(base: usize, block: usize) -> Mosaic {
+    pub(super) fn closed(base: usize, block: usize) -> SkyBitmap {
         let (open, mixed) = (BitSquare::new(base), BitSquare::new(base));
-        Mosaic { block, open, mixed, ranks: Vec::new(), blocks: Vec::new() }
+        SkyBitmap { block, open, mixed, ranks: Vec::new(), blocks: Vec::new() }
     }
 
     /// Counts mixed texels once all are there.
@@ -202,7 +202,7 @@ mod tests {
     use crate::layers::texel_block::TexelBlock;
     use glam::{DVec2, DVec3};
 
-    /// A skyline, refined and packed for 3 receivers of different normals, gives the same mosaic by the short way as by way of the
+    /// A skyline, refined and packed for 3 receivers of different normals, gives the same bitmap by the short way as by way of the
     /// whole square, for 6 pairs of sides; every fine bit and every share of it is that of the square.
     #[test]
     fn short_way() {
@@ -221,15 +221,15 @@ mod tests {
             };
             let traces = [DVec3::Z, DVec3::new(0.6, 0.0, 0.8), DVec3::NEG_Y].map(trace);
             let raw = SkyTexture::pack(&traces.clone().map(|t| t.0));
-            let mosaics = Mosaic::unpack(&raw, 3, base, fine).unwrap_or_default();
-            assert_eq!(mosaics, traces.clone().map(|t| Mosaic::of(&t.1, base)).to_vec(), "{base} {fine}");
-            for (mosaic, (_, dense)) in mosaics.iter().zip(&traces) {
+            let bitmaps = SkyBitmap::unpack(&raw, 3, base, fine).unwrap_or_default();
+            assert_eq!(bitmaps, traces.clone().map(|t| SkyBitmap::of(&t.1, base)).to_vec(), "{base} {fine}");
+            for (bitmap, (_, dense)) in bitmaps.iter().zip(&traces) {
                 let wrong =
-                    (0..fine * fine).filter(|t| mosaic.get(t % fine, t / fine) != dense.get(t % fine, t / fine));
+                    (0..fine * fine).filter(|t| bitmap.get(t % fine, t / fine) != dense.get(t % fine, t / fine));
                 assert_eq!(wrong.count(), 0);
                 let mut shares = vec![0.0; base * base];
-                mosaic.for_visible(|texel, share| shares[texel] = share);
-                assert!(shares.iter().enumerate().all(|(texel, share)| mosaic.share(texel) == *share));
+                bitmap.for_visible(|texel, share| shares[texel] = share);
+                assert!(shares.iter().enumerate().all(|(texel, share)| bitmap.share(texel) == *share));
                 let block = fine / base;
                 if block <= 64 {
                     for (t, share) in shares.iter().enumerate() {
@@ -238,7 +238,7 @@ mod tests {
                     }
                 }
             }
-            assert!((0..raw.len()).step_by(97).all(|cut| Mosaic::unpack(&raw[..cut], 3, base, fine).is_none()));
+            assert!((0..raw.len()).step_by(97).all(|cut| SkyBitmap::unpack(&raw[..cut], 3, base, fine).is_none()));
         }
     }
 
@@ -246,11 +246,11 @@ mod tests {
     #[test]
     fn padding() {
         let raw = [0xff; 2 * 5 * 33];
-        let mosaics = Mosaic::unpack(&raw, 1, 33, 66).unwrap_or_default();
+        let bitmaps = SkyBitmap::unpack(&raw, 1, 33, 66).unwrap_or_default();
         let dense = SkyTexture::unpack(&raw, 1, 33, 66).unwrap_or_default();
-        assert_eq!(mosaics, [Mosaic::of(&dense[0], 33)]);
+        assert_eq!(bitmaps, [SkyBitmap::of(&dense[0], 33)]);
         let mut seen = Vec::new();
-        mosaics[0].for_visible(|texel, share| seen.push((texel, share)));
+        bitmaps[0].for_visible(|texel, share| seen.push((texel, share)));
         assert_eq!(seen, (0..1089).map(|texel| (texel, 1.0)).collect::<Vec<_>>());
     }
 }

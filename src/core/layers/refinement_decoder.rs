@@ -1,4 +1,4 @@
-//! Sky textures from their blocks to mosaics. In: the raw bytes of a tile. Out: one mosaic a receiver, by work on those words alone that an edge
+//! Sky textures from their blocks to bitmaps. In: the raw bytes of a tile. Out: one bitmap a receiver, by work on those words alone that an edge
 //! runs through.
 //!
 //! [`crate::layers::sky`] says what is refined: texels with both values in their 3 x 3 neighbourhood. Such a texel's parent was refined,
@@ -7,8 +7,8 @@
 use pulp::Arch;
 
 use crate::layers::bits::{BitSquare, spread};
-use crate::layers::mosaic::Mosaic;
 use crate::layers::sky::{planes, sides};
+use crate::layers::sky_bitmap::SkyBitmap;
 
 /// Largest side: flags of a row's words fit a word.
 const LARGEST: usize = 4096;
@@ -16,15 +16,16 @@ const LARGEST: usize = 4096;
 const WIDEST: usize = 64;
 
 /// Whether textures of these sides can be unfolded.
-pub fn unfolds(base: usize, fine: usize) -> bool {
+pub fn is_refined(base: usize, fine: usize) -> bool {
     let block = fine / base.max(1);
     (2..=WIDEST).contains(&block) && block.is_power_of_two() && base * block == fine && fine <= LARGEST
 }
 
-/// The mosaics of a raw block whose sides unfold; `None` if the bytes do not describe `count` textures exactly.
-pub fn unfold<'a>(raw: &'a [u8], count: usize, base: usize, fine: usize) -> Option<Vec<Mosaic>> {
+/// The bitmaps of a raw block whose sides decode_refined; `None` if the bytes do not describe `count` textures exactly.
+pub fn decode_refined<'a>(raw: &'a [u8], count: usize, base: usize, fine: usize) -> Option<Vec<SkyBitmap>> {
     let (fronts, bits, mut rest) = planes(raw, count, base)?;
-    let mut textures: Vec<Unfolding> = fronts.into_iter().zip(bits).map(|(f, b)| Unfolding::new(f, b)).collect();
+    let mut textures: Vec<RefinementDecoder> =
+        fronts.into_iter().zip(bits).map(|(f, b)| RefinementDecoder::new(f, b)).collect();
     let arch = Arch::new();
     for _ in 1..sides(base, fine).count() {
         for texture in &mut textures {
@@ -34,7 +35,7 @@ pub fn unfold<'a>(raw: &'a [u8], count: usize, base: usize, fine: usize) -> Opti
     }
     // The last refinement is the largest: one texture after the other, and then forgotten.
     let mut scratch = Vec::new();
-    let finish = |mut texture: Unfolding<'a>| {
+    let finish = |mut texture: RefinementDecoder<'a>| {
         arch.dispatch(|| texture.take(&mut rest))?;
         // One piece of code for each size of blocks.
         Some(match fine / base {
@@ -46,12 +47,12 @@ pub fn unfold<'a>(raw: &'a [u8], count: usize, base: usize, fine: usize) -> Opti
             _ => arch.dispatch(|| texture.finish::<64>(&mut scratch)),
         })
     };
-    let found = textures.into_iter().map(finish).collect::<Option<Vec<Mosaic>>>()?;
+    let found = textures.into_iter().map(finish).collect::<Option<Vec<SkyBitmap>>>()?;
     rest.is_empty().then_some(found)
 }
 
 /// A texture on its way down.
-struct Unfolding<'a> {
+struct RefinementDecoder<'a> {
     side: usize,
     /// Words of a row.
     stride: usize,
@@ -68,10 +69,10 @@ struct Unfolding<'a> {
     nibbles: &'a [u8],
 }
 
-impl<'a> Unfolding<'a> {
+impl<'a> RefinementDecoder<'a> {
     fn new(front: BitSquare, base: BitSquare) -> Self {
         let (side, stride) = (base.side(), base.stride);
-        Unfolding {
+        RefinementDecoder {
             side,
             stride,
             base_side: side,
@@ -179,13 +180,13 @@ impl<'a> Unfolding<'a> {
         (self.side, self.stride, self.bits, self.flags) = (side, stride, bits, flags);
     }
 
-    /// The mosaic of the last refinement; `BLOCK` fine texels to a side of a base texel.
+    /// The bitmap of the last refinement; `BLOCK` fine texels to a side of a base texel.
     #[inline(always)]
-    fn finish<const BLOCK: usize>(self, scratch: &mut Vec<u64>) -> Mosaic {
+    fn finish<const BLOCK: usize>(self, scratch: &mut Vec<u64>) -> SkyBitmap {
         let (base, rows) = (self.base_side, BLOCK / 2);
         let steps = rows.trailing_zeros();
         let in_word = 64 / rows;
-        let mut mosaic = Mosaic::closed(base, BLOCK);
+        let mut bitmap = SkyBitmap::closed(base, BLOCK);
         let mut nibbles = Nibbles { bytes: self.nibbles, next: 0 };
         // `[fine row of the base row][word]`, filled in active words only.
         let wide = 2 * self.stride;
@@ -205,12 +206,12 @@ impl<'a> Unfolding<'a> {
                 }
             }
             for word in 0..self.stride {
-                let (first, open) = (word * in_word, base_row * mosaic.open.stride + word * in_word / 64);
+                let (first, open) = (word * in_word, base_row * bitmap.open.stride + word * in_word / 64);
                 if active >> word & 1 == 0 {
                     // No edge: each base texel is one value.
                     let bits = every(self.bits[base_row * rows * self.stride + word], steps);
                     if bits != 0 {
-                        mosaic.open.words[open] |= bits << (first % 64);
+                        bitmap.open.words[open] |= bits << (first % 64);
                     }
                     continue;
                 }
@@ -225,21 +226,21 @@ impl<'a> Unfolding<'a> {
                         continue;
                     }
                     if all[half] >> shift & low == low {
-                        mosaic.open.set(first + texel, base_row, true);
+                        bitmap.open.set(first + texel, base_row, true);
                         continue;
                     }
-                    mosaic.mixed.set(first + texel, base_row, true);
+                    bitmap.mixed.set(first + texel, base_row, true);
                     let in_place = (64 / BLOCK).min(BLOCK);
                     let place = |rows: &[[u64; 2]]| {
                         let row = |(i, pair): (usize, &[u64; 2])| (pair[half] >> shift & low) << (i * BLOCK);
                         rows.iter().enumerate().map(row).fold(0, |all, bits| all | bits)
                     };
-                    mosaic.blocks.extend(pairs.chunks_exact(in_place).map(place));
+                    bitmap.blocks.extend(pairs.chunks_exact(in_place).map(place));
                 }
             }
         }
-        mosaic.rank();
-        mosaic
+        bitmap.rank();
+        bitmap
     }
 }
 

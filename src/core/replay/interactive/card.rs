@@ -1,9 +1,9 @@
-//! Moments for a graphics card: the words of a tile, and the light of one condition as texels. In: a tile made ready, a light. Out: words and
+//! InteractiveReplay for a graphics card: the words of a tile, and the light of one condition as texels. In: a tile made ready, a light. Out: words and
 //! numbers whose products a shader adds up. All that is looked up or computed of sun and sky is in them.
 
-use crate::replay::direct::each_sun::DiscPart;
-use crate::replay::moments::light::MomentLight;
-use crate::replay::moments::words::{PATCHES, Shape, WORDS};
+use crate::replay::direct::sun_samples::DiscPart;
+use crate::replay::interactive::light::InteractiveLight;
+use crate::replay::interactive::packed::{PATCHES, Shape, WORDS};
 
 /// The receivers of a tile as texels of four words of 32 bits.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,7 +32,7 @@ pub struct LightTexels {
     pub radiances: [usize; 2],
 }
 
-impl MomentLight {
+impl InteractiveLight {
     /// The same light for a card; `side` of the sky before it is refined, number of its patches.
     pub fn texels(&self, side: usize, patches: usize) -> LightTexels {
         let lit = [(&self.suns, 0.0), (&self.circumsolar, 1.0)];

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::hemisphere::bilinear;
-use crate::replay::shine::Shine;
+use crate::replay::sun_sample::SunSample;
 
 /// Suns made ready for receivers' responses. Light is linear in its sources, so those of a sum are added before any receiver is asked.
 pub struct Sources {
@@ -21,9 +21,9 @@ struct Source {
 
 impl Sources {
     /// Looks up suns on an n x n response texture.
-    pub fn new(suns: &[Shine], n: usize) -> Self {
-        let terms = |sun: &Shine| {
-            let Shine { bin, strength, direction } = *sun;
+    pub fn new(suns: &[SunSample], n: usize) -> Self {
+        let terms = |sun: &SunSample| {
+            let SunSample { bin, strength, direction } = *sun;
             bilinear(direction, n).map(|(t, w)| (bin, t as u32, direction * (strength * w)))
         };
         let mut terms: Vec<(usize, u32, DVec3)> = suns.iter().flat_map(terms).collect();

@@ -4,10 +4,10 @@
 use crate::error::Result;
 use crate::hemisphere::Frame;
 use crate::layers::sides::TextureSides;
-use crate::replay::direct::each_sun::EachSun;
-use crate::replay::moments::words::{frames, in_frame};
-use crate::replay::shine::Shine;
-use crate::replay::sources::Sources;
+use crate::replay::direct::sun_samples::SunSamples;
+use crate::replay::interactive::packed::{frames, in_frame};
+use crate::replay::sun_sample::SunSample;
+use crate::replay::sun_texels::Sources;
 use crate::replay::tile::PROJECTION_SAMPLES;
 use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
@@ -37,10 +37,10 @@ impl SkyGrids {
 }
 
 /// One condition, looked up for all tiles.
-pub struct MomentLight {
-    pub(super) suns: EachSun,
+pub struct InteractiveLight {
+    pub(super) suns: SunSamples,
     /// Light of the sky from where the suns are.
-    pub(super) circumsolar: EachSun,
+    pub(super) circumsolar: SunSamples,
     /// The suns on responses: texel, irradiance x direction in its frame.
     pub(super) reflected: Vec<(u32, [f32; 3])>,
     /// `[part][texel]`: the same of the sky and of its light from where the suns are.
@@ -49,12 +49,12 @@ pub struct MomentLight {
     pub(super) radiances: Vec<f32>,
 }
 
-impl MomentLight {
+impl InteractiveLight {
     /// Of a condition, and the model of its sky.
     pub(super) fn new(condition: Condition, sky: SkyModel, grids: &SkyGrids, sides: TextureSides) -> Self {
         let (conditions, bins) = ([condition], Bins::each(1));
-        let suns = Shine::of_suns(&conditions, &bins);
-        let circumsolar = Shine::of_circumsolar(&conditions, &bins, sky);
+        let suns = SunSample::of_suns(&conditions, &bins);
+        let circumsolar = SunSample::of_circumsolar(&conditions, &bins, sky);
         let skies = Skies::new(&conditions, &[&bins], sky, &grids.patches, &grids.sky.open_horizontal_sr).pop();
         let skies = skies.unwrap_or_default();
         let in_frame_of = |texel: usize, vector: [f64; 3]| in_frame(&grids.frames[texel], vector);
@@ -70,9 +70,9 @@ impl MomentLight {
             sky.vectors(&grids.response, |bin, texel, vector| add(bin, texel, vector.to_array()));
         }
         let field: Vec<[f32; 3]> = field.into_iter().enumerate().map(|(t, vector)| in_frame_of(t, vector)).collect();
-        MomentLight {
-            suns: EachSun::new(suns, sides),
-            circumsolar: EachSun::new(circumsolar, sides),
+        InteractiveLight {
+            suns: SunSamples::new(suns, sides),
+            circumsolar: SunSamples::new(circumsolar, sides),
             reflected,
             reflected_sky: [0, 1, 2].map(|part| field.iter().map(|vector| vector[part]).collect()),
             radiances: skies.radiances().next().map_or_else(Vec::new, <[f32]>::to_vec),

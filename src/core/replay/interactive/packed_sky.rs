@@ -1,4 +1,4 @@
-//! The sky of a receiver as words of 32 bits. In: its mosaic. Out: words; what base texels hold.
+//! The sky of a receiver as words of 32 bits. In: its bitmap. Out: words; what base texels hold.
 //!
 //! One part after another:
 //! - `[group]`, a texel each: bits of 64 base texels that are sky throughout, then of those that are in part, lowest first;
@@ -8,8 +8,8 @@
 //!   highest bit is set, and the first word says where its bits are, in words from the first of these;
 //! - bits of those, row by row, lowest first; without steps, bits of all; filled up to whole texels.
 
-use crate::layers::mosaic::{BaseTexels, Mosaic, Texel};
-use crate::replay::moments::words::{Shape, WORDS, padded};
+use crate::layers::sky_bitmap::{BaseTexels, SkyBitmap, Texel};
+use crate::replay::interactive::packed::{Shape, WORDS, padded};
 
 /// Marks of the last word of steps.
 const BITS: u32 = 1 << 31;
@@ -32,7 +32,7 @@ pub(super) fn step_words(block: usize) -> usize {
 }
 
 /// Appends the words of a sky.
-pub(super) fn pack(sky: &Mosaic, shape: Shape, words: &mut Vec<u32>) {
+pub(super) fn pack(sky: &SkyBitmap, shape: Shape, words: &mut Vec<u32>) {
     let (open, mixed, ranks, blocks) = sky.bits();
     words.extend(open.iter().zip(mixed).flat_map(|(&open, &mixed)| halves(open).into_iter().chain(halves(mixed))));
     padded(words, shape.groups.div_ceil(WORDS), ranks.iter().copied());
@@ -191,19 +191,19 @@ mod tests {
                 };
                 let mut dense = BitSquare::new(fine);
                 (0..fine * fine).for_each(|i| dense.set(i % fine, i / fine, sky(i % fine, i / fine)));
-                let mosaic = Mosaic::of(&dense, base);
-                let shape = Shape::new(145, 0, &mosaic);
+                let bitmap = SkyBitmap::of(&dense, base);
+                let shape = Shape::new(145, 0, &bitmap);
                 let mut words = Vec::new();
-                pack(&mosaic, shape, &mut words);
+                pack(&bitmap, shape, &mut words);
                 assert!(words.len() % WORDS == 0);
                 let mut found = SkyWords::new(&words, shape);
                 for place in 0..base * base {
                     let at = (place % base, place / base);
-                    assert_eq!(found.texel(at.0, at.1), mosaic.texel(at.0, at.1), "{base} {block} {seed} {at:?}");
+                    assert_eq!(found.texel(at.0, at.1), bitmap.texel(at.0, at.1), "{base} {block} {seed} {at:?}");
                 }
                 if seed % 3 == 0 {
                     let before = shape.groups * WORDS + shape.groups.div_ceil(WORDS) * WORDS;
-                    let of_bits = mosaic.bits().3.len() * 2;
+                    let of_bits = bitmap.bits().3.len() * 2;
                     assert!((words.len() - before) as f64 <= most * of_bits as f64 + 4.0, "{block} {seed}");
                 }
             }

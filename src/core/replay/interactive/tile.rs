@@ -8,12 +8,12 @@ use crate::layers::response::Response;
 use crate::layers::sides::TextureSides;
 use crate::replay::components::Component;
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
-use crate::replay::direct::each_sun::EachSun;
 use crate::replay::direct::specular::MirrorView;
-use crate::replay::moments::card::TileTextures;
-use crate::replay::moments::light::{MomentLight, SkyGrids};
-use crate::replay::moments::sky_words::SkyWords;
-use crate::replay::moments::words::{Packed, Shape, Unpacked, WORDS};
+use crate::replay::direct::sun_samples::SunSamples;
+use crate::replay::interactive::card::TileTextures;
+use crate::replay::interactive::light::{InteractiveLight, SkyGrids};
+use crate::replay::interactive::packed::{Packed, Shape, Unpacked, WORDS};
+use crate::replay::interactive::packed_sky::SkyWords;
 use crate::replay::response_sums::product;
 use crate::replay::through_canopy::coefficients_behind;
 use crate::replay::tile_layers::TileLayers;
@@ -22,7 +22,7 @@ use crate::sky::projection::Projection;
 use crate::sky::skies::sky_coefficients;
 
 /// A tile whose receivers are asked for one moment after another.
-pub struct MomentTile {
+pub struct InteractiveTile {
     shape: Shape,
     /// Patches of skies.
     patches: usize,
@@ -43,7 +43,7 @@ struct Besides {
     of_sky: Vec<f32>,
 }
 
-impl MomentTile {
+impl InteractiveTile {
     /// Of layers with the responses of one state.
     pub(super) fn new(layers: TileLayers, powers: &Powers, grids: &SkyGrids, sides: TextureSides) -> Self {
         let TileLayers { normals, sky, mirrors, canopies, responses, .. } = layers;
@@ -53,7 +53,7 @@ impl MomentTile {
         let side = if responses.is_empty() { 0 } else { sides.response };
         let shape = sky.first().map_or_else(Shape::default, |sky| Shape::new(patches, side, sky));
         let mut responses = responses.iter();
-        let mut made = MomentTile { shape, patches, words: Vec::new(), starts: Vec::new(), besides: Vec::new() };
+        let mut made = InteractiveTile { shape, patches, words: Vec::new(), starts: Vec::new(), besides: Vec::new() };
         let mut coefficients = Vec::new();
         for (normal, sky) in normals.into_iter().zip(&sky) {
             // Layers that a tile does not have are empty.
@@ -81,7 +81,7 @@ impl MomentTile {
     /// About how many bytes it takes.
     pub fn bytes(&self) -> usize {
         let words = self.words.len() + self.starts.len();
-        size_of::<MomentTile>() + words * size_of::<u32>() + self.besides.iter().map(Besides::bytes).sum::<usize>()
+        size_of::<InteractiveTile>() + words * size_of::<u32>() + self.besides.iter().map(Besides::bytes).sum::<usize>()
     }
 
     /// Its receivers for a graphics card; none where mirrors or canopies take part, whose light is not in words.
@@ -91,7 +91,7 @@ impl MomentTile {
     }
 
     /// Irradiance of every receiver, W/m2, one result: the six components and their total.
-    pub fn irradiance(&self, light: &MomentLight) -> TileValues {
+    pub fn irradiance(&self, light: &InteractiveLight) -> TileValues {
         let mut out = TileValues::new(self.starts.len(), 1);
         for (row, start) in self.starts.iter().enumerate() {
             let receiver = Packed::new(&self.words[*start as usize * WORDS..], self.shape);
@@ -117,7 +117,7 @@ impl Besides {
         size_of::<Besides>() + mirrors + veil + self.of_sky.len() * size_of::<f32>()
     }
 
-    fn in_mirrors(&self, normal: DVec3, suns: &EachSun) -> f32 {
+    fn in_mirrors(&self, normal: DVec3, suns: &SunSamples) -> f32 {
         let mut sum = [0.0_f64];
         self.mirrors.iter().for_each(|view| suns.by_mirrors(normal, view, &mut sum));
         sum[0] as f32
@@ -130,11 +130,11 @@ fn irradiance(
     mut sky: SkyWords,
     patches: usize,
     besides: Option<&Besides>,
-    light: &MomentLight,
+    light: &InteractiveLight,
 ) -> [f32; 6] {
-    let MomentLight { suns, circumsolar, reflected, reflected_sky, radiances } = light;
+    let InteractiveLight { suns, circumsolar, reflected, reflected_sky, radiances } = light;
     let normal = receiver.normal();
-    let mut direct = |suns: &EachSun| {
+    let mut direct = |suns: &SunSamples| {
         let mut sum = [0.0_f64];
         match besides.and_then(|besides| besides.veil.as_ref()) {
             None => suns.direct_seen(normal, &mut sky, &mut sum),

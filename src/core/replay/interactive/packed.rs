@@ -7,7 +7,7 @@
 //! - `[patch]`: coefficients of the sky seen directly, bytes in steps, the first lowest, see [`Shape::patches`];
 //! - `[texel]`: its response along the texel's direction and twice across it, signed, 14 bits and 9 and 9 in units of 4 and 8 steps, see
 //!   [`Shape::response`]; then a byte each, see [`Shape::rest`]: what these leave, 2 bits and 3 and 3 in steps;
-//! - its sky, see [`sky_words`](crate::replay::moments::sky_words).
+//! - its sky, see [`packed_sky`](crate::replay::interactive::packed_sky).
 //!
 //! A source in direction s meets texels whose directions are close to s: what is across counts by the angle between, so it has fewer bits.
 
@@ -15,8 +15,8 @@ use glam::DVec3;
 use pulp::Arch;
 
 use crate::hemisphere::{Frame, texel_centres};
-use crate::layers::mosaic::Mosaic;
-use crate::replay::moments::sky_words;
+use crate::layers::sky_bitmap::SkyBitmap;
+use crate::replay::interactive::packed_sky;
 
 /// Words of a texel.
 pub(super) const WORDS: usize = 4;
@@ -50,15 +50,15 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Of skies of so many patches, responses with so many texels to a side, and the mosaics of a tile.
-    pub(super) fn new(patches: usize, response: usize, sky: &Mosaic) -> Self {
+    /// Of skies of so many patches, responses with so many texels to a side, and the bitmaps of a tile.
+    pub(super) fn new(patches: usize, response: usize, sky: &SkyBitmap) -> Self {
         Shape {
             patches: patches.div_ceil(PATCHES),
             response: (response * response).div_ceil(WORDS),
             groups: sky.bits().0.len(),
             stride: sky.side().div_ceil(64),
             block: sky.block(),
-            steps: sky_words::step_words(sky.block()),
+            steps: packed_sky::step_words(sky.block()),
         }
     }
 
@@ -75,7 +75,7 @@ pub(super) struct Unpacked<'r> {
     pub coefficients: &'r [f32],
     /// `[texel][axis]`; empty where nothing reflects.
     pub response: &'r [[f32; 3]],
-    pub sky: &'r Mosaic,
+    pub sky: &'r SkyBitmap,
 }
 
 impl Unpacked<'_> {
@@ -95,7 +95,7 @@ impl Unpacked<'_> {
         let (of_words, of_bytes): (Vec<u32>, Vec<u8>) = split.unzip();
         padded(words, shape.response, of_words.into_iter());
         words.extend(side_by_side(&of_bytes, shape.rest()));
-        sky_words::pack(self.sky, shape, words);
+        packed_sky::pack(self.sky, shape, words);
     }
 }
 

@@ -18,14 +18,14 @@ use crate::light::tables::Tables;
 use crate::light::tile_view::TileView;
 use crate::memory::MemoryBudget;
 use crate::opened::OpenSite;
-use crate::replay::moments::light::{MomentLight, SkyGrids};
-use crate::replay::moments::tile::MomentTile;
+use crate::replay::interactive::light::{InteractiveLight, SkyGrids};
+use crate::replay::interactive::tile::InteractiveTile;
 use crate::replay::tile_layers::{Reads, TileLayers};
 use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
 
 /// A site in one state of its reflectances, ready to give tile after tile.
-pub struct Moments<'a> {
+pub struct InteractiveReplay<'a> {
     site: OpenSite<'a>,
     grids: Arc<SkyGrids>,
     /// What canopies let through; none if there are none.
@@ -35,16 +35,16 @@ pub struct Moments<'a> {
     responder: Option<(Tables<'a>, ResponseSolver)>,
 }
 
-impl<'a> Moments<'a> {
+impl<'a> InteractiveReplay<'a> {
     /// With skies of 145, 577 or 2305 `patches`, and the reflectances and transmittances of schedules over one condition, those of the
     /// archive where there are none. Errors as of [`ReplayBuilder::build`](crate::replay::run::ReplayBuilder::build).
     pub fn new(site: &OpenSite<'a>, patches: usize, schedules: &[Schedule]) -> Result<Self> {
-        Moments::on(site, Arc::new(SkyGrids::new(patches, site.settings().sides())?), schedules)
+        InteractiveReplay::on(site, Arc::new(SkyGrids::new(patches, site.settings().sides())?), schedules)
     }
 
     /// The same site with other reflectances.
     pub fn reflecting(&self, schedules: &[Schedule]) -> Result<Self> {
-        Moments::on(&self.site, Arc::clone(&self.grids), schedules)
+        InteractiveReplay::on(&self.site, Arc::clone(&self.grids), schedules)
     }
 
     fn on(site: &OpenSite<'a>, grids: Arc<SkyGrids>, schedules: &[Schedule]) -> Result<Self> {
@@ -70,21 +70,21 @@ impl<'a> Moments<'a> {
                 responder = Some((tables, solver));
             }
         }
-        Ok(Moments { site: site.clone(), grids, powers, mirrors, responder })
+        Ok(InteractiveReplay { site: site.clone(), grids, powers, mirrors, responder })
     }
 
     /// A condition, whose suns go by true north, with its sky.
-    pub fn light(&self, condition: &Condition, sky: SkyModel) -> MomentLight {
+    pub fn light(&self, condition: &Condition, sky: SkyModel) -> InteractiveLight {
         let condition = condition.clone().in_axes(self.site.north());
-        MomentLight::new(condition, sky, &self.grids, self.site.settings().sides())
+        InteractiveLight::new(condition, sky, &self.grids, self.site.settings().sides())
     }
 
     /// Makes some tiles ready, which had better be neighbours if reflectances are not those of the archive. A damaged block is an error of
     /// all of them.
-    pub fn tiles(&self, tiles: &[u32]) -> Result<Vec<MomentTile>> {
+    pub fn tiles(&self, tiles: &[u32]) -> Result<Vec<InteractiveTile>> {
         let reads = Reads { sky: true, mirrors: self.mirrors.as_ref() };
         let ready = |(_, layers): (Vec<String>, TileLayers)| {
-            MomentTile::new(layers, &self.powers, &self.grids, self.site.settings().sides())
+            InteractiveTile::new(layers, &self.powers, &self.grids, self.site.settings().sides())
         };
         let besides: &[BlockKind] = if self.responder.is_some() { &TileView::KINDS } else { &[format::RESPONSE] };
         reads.expect(&self.site, tiles, besides);
@@ -112,14 +112,14 @@ mod tests {
     use crate::replay::components::Component;
     use crate::replay::run::{Replay, ReplaySettings};
     use crate::units::direction_from_degrees;
-    use crate::weather::time::bins::Bins;
 
     /// Largest difference from a replay, as a share of the largest value, over 6 suns and 4 skies.
     fn off(name: &str, schedules: &[Schedule]) -> (usize, f64) {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/archives").join(name);
         let archive = Archive::open(&path).expect("an archive");
         let site = OpenSite::of(&archive).expect("a site");
-        let moments = Moments::new(&site, 577, &[]).and_then(|kept| kept.reflecting(schedules)).expect("moments");
+        let moments =
+            InteractiveReplay::new(&site, 577, &[]).and_then(|kept| kept.reflecting(schedules)).expect("moments");
         let (mut compared, mut worst, mut largest) = (0, 0.0_f64, 0.0_f64);
         for (azimuth_deg, altitude_deg) in
             [(90.0, 5.0), (135.0, 30.0), (180.0, 60.0), (222.0, 41.0), (300.0, 12.0), (0.0, -3.0)]
@@ -150,7 +150,7 @@ mod tests {
         (compared, worst / largest)
     }
 
-    /// Moments of archives with mirrors and canopies are those of replays within 5e-5 of the largest value, under 6 suns and 4 skies, with
+    /// InteractiveReplay of archives with mirrors and canopies are those of replays within 5e-5 of the largest value, under 6 suns and 4 skies, with
     /// the stored reflectances and with others: 4 comparisons of 500 values or more.
     #[test]
     fn as_replayed() {

@@ -7,9 +7,9 @@ use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
-/// A sun that shines on a result.
+/// A sun that samples on a result.
 #[derive(Clone, Copy, Debug)]
-pub struct Shine {
+pub struct SunSample {
     /// Result.
     pub bin: usize,
     /// Irradiance normal to it x share of the time x weight in the result.
@@ -18,25 +18,25 @@ pub struct Shine {
     pub direction: DVec3,
 }
 
-impl Shine {
+impl SunSample {
     /// Suns of all conditions with DNI, in their order.
-    pub fn of_suns(conditions: &[Condition], bins: &Bins) -> Vec<Shine> {
-        Shine::of(conditions, bins, |c| c.dni_w_m2)
+    pub fn of_suns(conditions: &[Condition], bins: &Bins) -> Vec<SunSample> {
+        SunSample::of(conditions, bins, |c| c.dni_w_m2)
     }
 
     /// The same for the light that a model's skies send from where the suns are; most have none.
-    pub fn of_circumsolar(conditions: &[Condition], bins: &Bins, model: SkyModel) -> Vec<Shine> {
+    pub fn of_circumsolar(conditions: &[Condition], bins: &Bins, model: SkyModel) -> Vec<SunSample> {
         let conditions = if model.brightens() { conditions } else { &[] };
-        Shine::of(conditions, bins, |c| model.parts(c).circumsolar_w_m2)
+        SunSample::of(conditions, bins, |c| model.parts(c).circumsolar_w_m2)
     }
 
-    fn of(conditions: &[Condition], bins: &Bins, normal_w_m2: impl Fn(&Condition) -> f64 + Sync) -> Vec<Shine> {
+    fn of(conditions: &[Condition], bins: &Bins, normal_w_m2: impl Fn(&Condition) -> f64 + Sync) -> Vec<SunSample> {
         let strong = conditions.par_iter().map(|c| (c, normal_w_m2(c))).zip(&bins.of_condition);
         let lit = strong.filter(|((_, normal_w_m2), (_, weight))| *normal_w_m2 > 0.0 && *weight != 0.0);
         let suns = lit.flat_map_iter(|((c, normal_w_m2), &(bin, weight))| {
             c.suns.iter().filter(|instant| instant.sun.z > 0.0).map(move |instant| {
                 let strength = normal_w_m2 * instant.weight * weight;
-                Shine { bin, strength, direction: instant.sun }
+                SunSample { bin, strength, direction: instant.sun }
             })
         });
         suns.collect()

@@ -14,7 +14,7 @@ use heliotile_core::error::Result;
 use heliotile_core::site::receiver::Receiver;
 
 /// Names and boxes of tiles, until all tiles are there.
-pub(crate) struct GazetteerWriter {
+pub(crate) struct NameIndexWriter {
     boxes: Vec<[DVec3; 2]>,
     /// Names by (what they are of, name); tiles ascend.
     names: Sorter,
@@ -22,10 +22,10 @@ pub(crate) struct GazetteerWriter {
     folder: PathBuf,
 }
 
-impl GazetteerWriter {
+impl NameIndexWriter {
     /// Of no tiles yet; names that do not fit a budget go to files in a folder.
     pub(crate) fn new(folder: &Path, budget_bytes: usize) -> Self {
-        GazetteerWriter { boxes: Vec::new(), names: Sorter::new(folder, budget_bytes), folder: folder.to_path_buf() }
+        NameIndexWriter { boxes: Vec::new(), names: Sorter::new(folder, budget_bytes), folder: folder.to_path_buf() }
     }
 
     /// The receivers of the next tile.
@@ -61,7 +61,7 @@ impl GazetteerWriter {
     }
 }
 
-/// The row that [`GazetteerWriter::add`] pushed; `None` for bytes that it never pushes.
+/// The row that [`NameIndexWriter::add`] pushed; `None` for bytes that it never pushes.
 fn row(key: &[u8], tile: &[u8]) -> Option<NameRow> {
     let (of, name) = key.split_first()?;
     Some(NameRow {
@@ -80,7 +80,7 @@ mod tests {
     use heliotile_core::archive::format::BlockKind;
     use heliotile_core::archive::manifest::ReceiverSummary;
     use heliotile_core::archive::{Block, Blocks};
-    use heliotile_core::opened::{Gazetteer, OpenSite, SiteFacts, tiles_within};
+    use heliotile_core::opened::{NameIndex, OpenSite, SiteFacts, tiles_within};
     use heliotile_core::site::model_part::ModelPart;
     use heliotile_core::site::patch::Patch;
 
@@ -122,7 +122,7 @@ mod tests {
     /// the 7 tiles that it covers, and the whole takes 13 chunks of names and the one that tells of them, and 2 of boxes.
     #[test]
     fn names_and_boxes_lead_to_tiles() {
-        let mut writer = GazetteerWriter::new(&std::env::temp_dir(), 20_000);
+        let mut writer = NameIndexWriter::new(&std::env::temp_dir(), 20_000);
         for tile in 0..5000 {
             writer.add([receiver(tile, 0), receiver(tile, 1)].iter()).expect("names");
         }
@@ -141,8 +141,8 @@ mod tests {
         let facts = SiteFacts::given(held.path(), &settings, DVec3::ZERO, &receivers, Vec::new(), Vec::new());
         let facts = facts.expect("facts");
         let site = OpenSite::over(&held, facts.into());
-        let mut gazetteer = Gazetteer::of(&site).expect("names");
-        let mut tiles = |of, name: &str| gazetteer.tiles(of, name).expect("tiles");
+        let mut name_index = NameIndex::of(&site).expect("names");
+        let mut tiles = |of, name: &str| name_index.tiles(of, name).expect("tiles");
         assert_eq!(tiles(NameOf::Surface, "terrain"), Vec::from_iter(0..5000));
         assert_eq!(tiles(NameOf::Receiver, "t4321/r1"), [4321]);
         assert_eq!(tiles(NameOf::Surface, "wall 1000"), [3000, 3001, 3002]);

@@ -6,12 +6,12 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::layers::mosaic::{BaseTexels, Texel};
 use crate::layers::sides::TextureSides;
+use crate::layers::sky_bitmap::{BaseTexels, Texel};
 use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
 use crate::replay::direct::sky_masks::{LANES, SkyMasks};
 use crate::replay::direct::specular::MirrorView;
-use crate::replay::shine::Shine;
+use crate::replay::sun_sample::SunSample;
 use crate::sky::disc::disc_texels;
 
 /// One position of the sun.
@@ -32,9 +32,9 @@ struct Part {
     row: u32,
     /// Share of the disc.
     share: f32,
-    /// Its texels in [`EachSun::fine`].
+    /// Its texels in [`SunSamples::fine`].
     fine: Range<usize>,
-    /// The same as bits, in [`EachSun::words`].
+    /// The same as bits, in [`SunSamples::words`].
     words: Range<usize>,
 }
 
@@ -46,7 +46,7 @@ struct Passage {
     texel: usize,
     /// Sum of strength x share of the disc x direction.
     whole: DVec3,
-    /// Its suns and their parts in [`EachSun::passing`].
+    /// Its suns and their parts in [`SunSamples::passing`].
     passing: Range<usize>,
 }
 
@@ -64,7 +64,7 @@ pub struct DiscPart<'s> {
 
 /// Suns one by one.
 #[derive(Default)]
-pub struct EachSun {
+pub struct SunSamples {
     suns: Vec<Sun>,
     parts: Vec<Part>,
     /// Place in a base texel's bits, and share of the disc.
@@ -77,12 +77,12 @@ pub struct EachSun {
     passing: Vec<(u32, u32)>,
 }
 
-impl EachSun {
+impl SunSamples {
     /// Looks up the discs of suns, in the order of their results.
-    pub fn new(suns: Vec<Shine>, sides: TextureSides) -> Self {
+    pub fn new(suns: Vec<SunSample>, sides: TextureSides) -> Self {
         let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
         let discs: Vec<_> = suns.par_iter().map(|sun| disc_texels(sun.direction, sides.sky_fine)).collect();
-        let mut found = EachSun::default();
+        let mut found = SunSamples::default();
         for (sun, mut disc) in suns.into_iter().zip(discs) {
             let first = found.parts.len();
             disc.sort_by_key(|t| (t.1 / block, t.0 / block));
