@@ -1,6 +1,6 @@
 //! What was done to a model, for people. In: sections of text, tables and pictures. Out: the same as Markdown and as a page.
 
-use heliotile_results::outputs::page::escaped;
+use heliotile_results::outputs::markup::escaped;
 
 /// A part of a report.
 pub enum Block {

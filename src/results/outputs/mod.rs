@@ -12,6 +12,7 @@ pub mod factors;
 pub mod groups;
 pub mod honeybee;
 pub mod kinds_and_sides;
+pub mod markup;
 pub mod page;
 pub mod periods;
 pub mod pictures;

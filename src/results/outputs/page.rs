@@ -1,6 +1,7 @@
 //! A report for people. In: a title, words, pictures, tables. Out: a folder with one HTML file that needs no other, and with the tables and pictures
 //! as files.
 
+use super::markup::escaped;
 use std::path::{Path, PathBuf};
 
 use super::provenance::Provenance;
@@ -77,9 +78,4 @@ impl ReportFolder {
              </style>\n</head>\n<body>\n<h1>{title}</h1>\n<p>{words}</p>\n{drawn}<pre>{table}</pre>\n</body>\n</html>\n"
         )
     }
-}
-
-/// Text inside an element of XML or HTML.
-pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value};
 
-use super::page::escaped;
+use super::markup::escaped;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::text::without_secrets;
 use heliotile_core::weather::series::Weather;

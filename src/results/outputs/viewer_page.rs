@@ -10,7 +10,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde_json::Value;
 
-use super::page::escaped;
+use super::markup::escaped;
 use super::sink::Sink;
 use heliotile_core::archive::ReadAt;
 use heliotile_core::error::{Error, Result};

@@ -3,7 +3,8 @@
 use super::SiteSummary;
 use super::ladder::{LadderStep, LadderTable};
 use super::sources::SettingPoint;
-use crate::outputs::page::{CsvTable, PICTURE_PX, ReportFolder, escaped};
+use crate::outputs::markup::escaped;
+use crate::outputs::page::{CsvTable, PICTURE_PX, ReportFolder};
 use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use heliotile_core::archive::settings::SETTINGS;
 use heliotile_core::replay::components::Component;

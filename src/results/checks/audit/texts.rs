@@ -4,7 +4,8 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use super::report::{AuditReport, WorstPair, in_percent};
-use crate::outputs::page::{CsvTable, PICTURE_PX, ReportFolder, escaped};
+use crate::outputs::markup::escaped;
+use crate::outputs::page::{CsvTable, PICTURE_PX, ReportFolder};
 use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use crate::outputs::provenance::Provenance;
 use heliotile_builder::accuracy::estimate::percent;

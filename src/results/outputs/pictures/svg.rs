@@ -2,7 +2,7 @@
 //! an HTML page, as it has no ids and refers to nothing. Equal drawings give equal bytes.
 
 use super::canvas::{Rgb, Side};
-use crate::outputs::page::escaped;
+use crate::outputs::markup::escaped;
 
 /// A place on a page, pixels.
 pub type At = (f64, f64);
