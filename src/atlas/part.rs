@@ -28,7 +28,8 @@ const LOCK: &str = ".lock";
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 
 /// What to do where a part of other inputs is.
-const FRESH: &str = "{fresh} to build it of today's inputs in its place; other parts may be of those of then";
+const FRESH: &str =
+    "{fresh} to build the part again from the present inputs; parts that are built keep the earlier ones";
 
 /// Parts to build.
 #[derive(Clone, Copy, Debug)]
@@ -117,7 +118,7 @@ impl PartBuild<'_> {
         if let Some(file) = plan.changed(&site)? {
             let what = "is another file than when the region was cut: other parts are of that one, or will be";
             if !request.fresh {
-                let hint = "make another atlas with `{command:partition}`, put the file of then back, or build the part all the same with {fresh}";
+                let hint = "make another atlas with `{command:partition}`, restore the earlier file, or build this part from the present file with {fresh}";
                 return Err(Error::input(&file, None, what, hint));
             }
             observer.warn(&format!("{}: {what}", file.display()));

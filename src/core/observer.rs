@@ -24,7 +24,7 @@ pub trait Observer: Sync {
     /// What was done or is about to be done, in lines that end with a line break.
     fn report(&self, _text: &str) {}
 
-    /// A text that names fields of requests, as in `{every}`, in the words of whoever is told.
+    /// Returns a text with the fields that it names, as in `{every}`, in the words of this observer's user.
     fn in_words(&self, text: &str) -> String {
         with_fields(text, &|named| match named {
             Named::Field(name) | Named::Command(name) => Some(name.to_owned()),

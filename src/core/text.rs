@@ -143,7 +143,7 @@ mod tests {
         }
     }
 
-    /// Fields and commands get the names of a user, 3 of 3; braces around what is no name, and around what nobody knows, stay.
+    /// Fields and commands get the names of a user, 3 of 3; braces around other text and around unknown names stay.
     #[test]
     fn fields_in_texts() {
         let words = |named: Named| match named {

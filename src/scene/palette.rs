@@ -197,7 +197,7 @@ impl Palette {
 const MOST_NAMED: usize = 4;
 
 fn assumed_warning(assumed: Vec<String>) -> Option<String> {
-    let (start, end) = ("nobody says how much light", "a materials.toml ({materials}) says it");
+    let (start, end) = ("no file says how much light", "a materials.toml ({materials}) says it");
     match assumed.len() {
         0 => None,
         1..=MOST_NAMED => Some(format!("{start} these materials reflect, assumed is: {}; {end}", assumed.join(", "))),

@@ -220,7 +220,7 @@ fn in_words(hours: &SunHours, rows: usize) -> Vec<String> {
     ]
 }
 
-/// The same for programs.
+/// Adds the hours in which the sun is seen to what a file says of itself.
 fn with_hours(about: Provenance, hours: &SunHours) -> Provenance {
     let names = ["sun_up_h", "sun_seen_h", "sun_hidden_h", "sun_behind_h"];
     let about = names.into_iter().zip(hours.sums()).fold(about, |about, (name, h)| about.with(name, format!("{h:.3}")));

@@ -142,7 +142,7 @@ impl ExportRequest {
     }
 }
 
-/// Adds the receivers of an archive, until nobody reads the table any more.
+/// Adds the receivers of an archive; stops where the reader of the table has gone away.
 fn add_rows(table: &mut ViewFactorTable, archive: &Archive) -> Result<()> {
     for row in ArchiveReceivers::<()>::new(&OpenSite::of(archive)?) {
         if table.is_closed() {

@@ -1,6 +1,7 @@
 //! File operations of a writer. In: paths and bytes. Out: files on the disk, and errors that name path and action. They stand
 //! behind a trait so that tests can make any of them fail and cut the power between any two.
 
+use std::borrow::Borrow;
 use std::fmt::Debug;
 use std::fs::{self, File, OpenOptions};
 use std::io;
@@ -95,7 +96,7 @@ impl Disk for SystemDisk {
                 .open(path)
                 .map_err(Error::io(path, "create"))?;
             match FileLock::try_new(file).map_err(Error::io(path, "lock"))? {
-                Some(file) if is_named(&file, path)? => return Ok(Box::new(file)),
+                Some(file) if is_named(file.borrow(), path)? => return Ok(Box::new(file)),
                 Some(_) => {}
                 None => break,
             }
@@ -129,47 +130,26 @@ impl Disk for SystemDisk {
     }
 }
 
-impl DiskFile for File {
+/// A file, or one that is locked.
+impl<F: Borrow<File> + Debug + Send + Sync> DiskFile for F {
     fn length(&self) -> io::Result<u64> {
-        Ok(self.metadata()?.len())
+        Ok(self.borrow().metadata()?.len())
     }
 
     fn read_at(&self, bytes: &mut [u8], offset: u64) -> io::Result<()> {
-        read_exact_at(self, bytes, offset)
+        read_exact_at(self.borrow(), bytes, offset)
     }
 
     fn write_at(&self, bytes: &[u8], offset: u64) -> io::Result<()> {
-        write_all_at(self, bytes, offset)
+        write_all_at(self.borrow(), bytes, offset)
     }
 
     fn set_len(&self, length: u64) -> io::Result<()> {
-        File::set_len(self, length)
+        self.borrow().set_len(length)
     }
 
     fn sync(&self) -> io::Result<()> {
-        self.sync_all()
-    }
-}
-
-impl DiskFile for FileLock {
-    fn length(&self) -> io::Result<u64> {
-        DiskFile::length(&**self)
-    }
-
-    fn read_at(&self, bytes: &mut [u8], offset: u64) -> io::Result<()> {
-        DiskFile::read_at(&**self, bytes, offset)
-    }
-
-    fn write_at(&self, bytes: &[u8], offset: u64) -> io::Result<()> {
-        DiskFile::write_at(&**self, bytes, offset)
-    }
-
-    fn set_len(&self, length: u64) -> io::Result<()> {
-        DiskFile::set_len(&**self, length)
-    }
-
-    fn sync(&self) -> io::Result<()> {
-        DiskFile::sync(&**self)
+        self.borrow().sync_all()
     }
 }
 

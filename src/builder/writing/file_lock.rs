@@ -1,8 +1,8 @@
 //! The lock of a file that one process writes. In: an open file. Out: the file, locked until it is dropped.
 
+use std::borrow::Borrow;
 use std::fs::{File, TryLockError};
 use std::io;
-use std::ops::Deref;
 
 /// An open file that no other process can lock before it is dropped.
 ///
@@ -22,10 +22,8 @@ impl FileLock {
     }
 }
 
-impl Deref for FileLock {
-    type Target = File;
-
-    fn deref(&self) -> &File {
+impl Borrow<File> for FileLock {
+    fn borrow(&self) -> &File {
         &self.0
     }
 }
@@ -48,7 +46,7 @@ mod tests {
         let path = folder.path().join("lock");
         let lock = || FileLock::try_new(File::create(&path).expect("a file")).expect("a lock or none");
         let held = lock().expect("a lock");
-        let copy = held.try_clone().expect("a copy");
+        let copy = held.0.try_clone().expect("a copy");
         assert!(lock().is_none(), "locked twice");
         drop(held);
         assert!(lock().is_some(), "still locked by a copy");

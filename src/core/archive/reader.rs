@@ -157,7 +157,7 @@ impl Archive {
         let stored = self.source.read_block(entry)?;
         let block = block::decode(self.source.path(), entry, &stored)?;
         // A layout that this release does not know must not be read as the one it knows.
-        if format::schema_of(entry.kind).is_some() { block.require(entry.kind).map(|()| block) } else { Ok(block) }
+        if format::schema_of(entry.kind).is_some() { block.require(&[entry.kind]).map(|()| block) } else { Ok(block) }
     }
 
     /// The bytes that it is read from.

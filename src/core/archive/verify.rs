@@ -211,7 +211,7 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
                 let Some(hits) = HitTile::unpack(block.bytes(), texels) else { return shape(false) };
                 check_references(&block, &hits.palette, &keys.probes)
             }
-            None => block.require(HIT),
+            None => block.require(&[HIT]),
         },
         CANOPY if site.keys.is_some() => {
             let sky = canopy::sky_side(settings.sky_base as usize, settings.sky_fine as usize);
@@ -223,7 +223,7 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
         BOUNCE_CANOPY if site.keys.is_some() => {
             check_canopies(archive, &block, BOUNCE, [settings.bounce_sky as usize, 0], Some(settings.bounce_hits), site)
         }
-        kind if format::schema_of(kind).is_some() => block.require(kind),
+        kind if format::schema_of(kind).is_some() => block.require(&[kind]),
         _ => Ok(()),
     }
 }

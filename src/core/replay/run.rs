@@ -1,5 +1,7 @@
 //! A replay: an archive under a series of conditions, tile by tile. It reads and multiplies; it cannot cast a ray.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use crate::archive::format;
@@ -117,7 +119,7 @@ impl<'a> Replay<'a> {
         Replay::builder(site, conditions, settings).build()
     }
 
-    /// The same with further choices: sums in place of means, and reflectances that change.
+    /// Starts a replay with further choices: sums in place of means, and reflectances that change.
     pub fn builder<'r>(
         site: &'r OpenSite<'a>,
         conditions: &'r [Condition],
@@ -151,8 +153,7 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
     /// together, schedules of an archive that was built without diffuse reflections and has no canopies.
     pub fn build(self) -> Result<Replay<'a>> {
         let ReplayBuilder { site, conditions, settings, bins, schedules } = self;
-        let each = Bins::each(if bins.is_none() { conditions.len() } else { 0 });
-        let bins = bins.unwrap_or(&each);
+        let bins = &*bins.map_or_else(|| Cow::Owned(Bins::each(conditions.len())), Cow::Borrowed);
         let conditions = &*in_axes(conditions, site.north());
         let patches = Patches::new(settings.patches)?;
         let forced = |ways: &[Bins]| -> Result<Forcing> {

@@ -103,21 +103,19 @@ class Archive(Askable):
         """
         from . import checks
 
-        return checks.audit(
-            self.path,
-            scene,
-            weather=weather,
-            conditions=conditions,
-            samples=samples,
-            hours=hours,
-            seconds=seconds,
-            paths=paths,
-            seed=seed,
-            sky=sky,
-            output=output,
-            memory=memory,
-            progress=progress,
-        )
+        request = {
+            "archive": self.path,
+            "scene": checks.original_scene(scene),
+            **weather_request(weather),
+            "conditions": None if conditions is None else os.fspath(conditions),
+            "samples": whole("samples", samples),
+            "hours": whole("hours", hours),
+            "seconds": number("seconds", seconds, "give seconds"),
+            "paths": whole("paths", paths),
+            "seed": whole("seed", seed),
+            "sky": sky,
+        }
+        return checks.audit(request, output, memory, progress)
 
     def verify(self, *, deep: bool = False) -> CheckedArchive:
         """Checks every block: `heliotile verify`, finding by finding. `heliotile.verify` takes a path that need not open."""

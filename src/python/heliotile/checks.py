@@ -8,10 +8,9 @@ import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from . import _heliotile, given
+from . import _heliotile
 from .options import MEMORY, Progress
 from .scene import Scene, scene_request
-from .weather import weather_request
 
 if TYPE_CHECKING:
     from .archive import Archive
@@ -151,35 +150,8 @@ class RepairDone:
         return Archive.open(self.archive)
 
 
-def audit(
-    archive: str | os.PathLike[str],
-    scene: Any,
-    *,
-    weather: Any = None,
-    conditions: str | os.PathLike[str] | None = None,
-    samples: int | None = None,
-    hours: int | None = None,
-    seconds: float | None = None,
-    paths: int = 4096,
-    seed: int = 1,
-    sky: str = "perez",
-    output: str | os.PathLike[str] | None = None,
-    memory: int = MEMORY,
-    progress: Progress | None = None,
-) -> AuditReport:
-    """Whether an archive is as exact as it says: `heliotile audit`, value by value; see `Archive.audit`."""
-    request = {
-        "archive": os.fspath(archive),
-        "scene": _original(scene),
-        **weather_request(weather),
-        "conditions": None if conditions is None else os.fspath(conditions),
-        "samples": given.whole("samples", samples),
-        "hours": given.whole("hours", hours),
-        "seconds": given.number("seconds", seconds, "give seconds"),
-        "paths": given.whole("paths", paths),
-        "seed": given.whole("seed", seed),
-        "sky": sky,
-    }
+def audit(request: dict[str, Any], output: str | os.PathLike[str] | None, memory: int, progress: Progress | None) -> AuditReport:
+    """What an audit finds; `Archive.audit` fills the request."""
     text, table = _heliotile.audit(json.dumps(request), None if output is None else os.fspath(output), memory, progress)
     found = json.loads(text)
     components = {one["component"]: _errors(ComponentErrors, one) for one in found.pop("components")}
@@ -213,7 +185,7 @@ def repair(
     `scene`: the `Scene` that it was built from, or its files. `receivers`: their table, where the archive's own are damaged. Without an `output` the
     damaged archive is replaced.
     """
-    request = {"archive": os.fspath(archive), "scene": _original(scene)}
+    request = {"archive": os.fspath(archive), "scene": original_scene(scene)}
     request |= {name: os.fspath(path) for name, path in (("output", output), ("receivers", receivers)) if path is not None}
     path, problems, rays, text = _heliotile.repair(json.dumps(request), memory, progress)
     return RepairDone(os.fspath(path), [Problem(*problem) for problem in problems], rays, text)
@@ -226,7 +198,7 @@ def _errors(errors: type[Any], found: dict[str, Any]) -> Any:
     return errors(**found | intervals | worst)
 
 
-def _original(scene: Any) -> dict[str, Any]:
+def original_scene(scene: Any) -> dict[str, Any]:
     """The scene of an archive as requests have it: where a `Scene` lies the archive says, too."""
     request = scene_request(scene)
     if isinstance(scene, Scene):

@@ -85,13 +85,14 @@ fn ladder_csv(ladder: &LadderTable) -> String {
         names.chain(errors).collect::<Vec<_>>().join(",")
     );
     for step in &ladder.steps {
-        let of = |part: Component| step.components_percent.get(part.name()).copied().unwrap_or_default();
-        let errors =
-            [step.error_percent, step.bias_percent, step.yearly_percent].into_iter().chain(parts.clone().map(of));
-        let seconds = [step.trace_s, step.compress_s, step.replay_s];
+        let number = |number: f64| format!("{number:.4}");
+        // The cell of a component that is not known is empty.
+        let of = |part: Component| step.components_percent.get(part.name()).map_or(String::new(), |v| number(*v));
+        let errors = [step.error_percent, step.bias_percent, step.yearly_percent].map(number);
+        let seconds = [step.trace_s, step.compress_s, step.replay_s].map(number);
         let settings = step.settings.stated();
         let settings = settings.numbers().map(|(_, number)| number.to_string());
-        let numbers = settings.chain(errors.chain(seconds).map(|number| format!("{number:.4}"))).collect::<Vec<_>>();
+        let numbers = settings.chain(errors).chain(parts.clone().map(of)).chain(seconds).collect::<Vec<_>>();
         let LadderStep { name, rays, bytes, frontier, .. } = step;
         out += &format!("\"{name}\",{},{rays},{bytes},{},{frontier}\n", numbers.join(","), ladder.receivers);
     }

@@ -65,12 +65,13 @@ impl Block {
         corrupt(&self.path, &self.entry, got, expected)
     }
 
-    /// Refuses a block of another kind, or of a layout that this release does not know.
-    pub fn require(&self, kind: BlockKind) -> Result<()> {
-        if self.entry.kind != kind {
-            return Err(self.corrupt(self.entry.name(), format!("a block of kind {}", format::kind_name(kind))));
+    /// Refuses a block of none of these kinds, or of a layout that this release does not know.
+    pub fn require(&self, kinds: &[BlockKind]) -> Result<()> {
+        if !kinds.contains(&self.entry.kind) {
+            let names: Vec<String> = kinds.iter().map(|kind| format::kind_name(*kind)).collect();
+            return Err(self.corrupt(self.entry.name(), format!("a block of kind {}", names.join(" or "))));
         }
-        let known = format::schema_of(kind);
+        let known = format::schema_of(self.entry.kind);
         if known == Some(self.entry.schema) {
             return Ok(());
         }

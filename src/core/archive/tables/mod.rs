@@ -121,8 +121,7 @@ macro_rules! table {
 
             /// The table of a block, all values checked.
             pub fn from_block(block: &crate::archive::Block) -> crate::error::Result<Self> {
-                let kind = Self::KINDS.iter().copied().find(|kind| *kind == block.entry().kind);
-                block.require(kind.or(Self::KINDS.first().copied()).unwrap_or_default())?;
+                block.require(Self::KINDS)?;
                 let name = || format!("a table of {}", crate::archive::format::kind_name(block.entry().kind));
                 let no_table = |_: rkyv::rancor::Error| block.corrupt("bytes that are no table", name());
                 let archived =

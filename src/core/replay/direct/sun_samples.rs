@@ -34,7 +34,7 @@ struct Part {
     share: f32,
     /// Its texels in [`SunSamples::fine`].
     fine: Range<usize>,
-    /// The same as bits, in [`SunSamples::words`].
+    /// Its texels as bits, in [`SunSamples::words`].
     words: Range<usize>,
 }
 

@@ -42,11 +42,11 @@ pub struct AuditRequest {
     pub archive: PathBuf,
     /// The scene that it was built from; where that lies the archive says.
     pub scene: SceneRequest,
-    /// Weather file whose hours count;
+    /// Weather file whose hours count; without it and without `conditions`: suns from all sides.
     pub weather: Option<PathBuf>,
-    /// what is known of that file that it does not state;
+    /// What is known of the weather file that it does not state.
     pub about_weather: WeatherOptions,
-    /// or a table of suns and skies. Neither: suns from all sides.
+    /// Table of suns and skies, in place of weather.
     pub conditions: Option<PathBuf>,
     /// Receivers at most; none: 256, or as many as the time allows.
     pub samples: Option<u32>,

@@ -8,6 +8,7 @@ use crate::outputs::markup::escaped;
 use crate::outputs::page::{CsvTable, PICTURE_PX, ReportFolder};
 use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use crate::outputs::provenance::Provenance;
+use crate::outputs::tables::quoted;
 use heliotile_builder::accuracy::estimate::percent;
 use heliotile_builder::judge::PARTS;
 use heliotile_builder::judge::comparison::{Known, Pair, off};
@@ -113,7 +114,6 @@ impl AuditReport {
         for pair in &self.audited.pairs {
             let (receiver, sky_view) = &self.audited.receivers[pair.receiver];
             let label = &self.conditions[pair.condition].label;
-            let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
             let _ = write!(out, "{},{},{sky_view:.4}", quoted(&receiver.id), quoted(label));
             for part in 0..PARTS {
                 let (result, judged) = (pair.result[part], pair.judged);
