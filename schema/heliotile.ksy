@@ -129,7 +129,7 @@ types:
   table_cells:
     doc: Of probes and bounce.
     instances:
-      columns: { pos: _io.size - 72, type: 'column(_io.size - 72 + 8 * _index)', repeat: expr, repeat-expr: 9 }
+      columns: { pos: _io.size - 80, type: 'column(_io.size - 80 + 8 * _index)', repeat: expr, repeat-expr: 10 }
       voxel: { pos: 'columns[0].start', type: s4, repeat: expr, repeat-expr: 'columns[0].count * 3' }
       tag: { pos: 'columns[1].start', type: u4, repeat: expr, repeat-expr: 'columns[1].count' }
       material: { pos: 'columns[2].start', type: u2, repeat: expr, repeat-expr: 'columns[2].count' }
@@ -139,6 +139,7 @@ types:
       seen_tag: { pos: 'columns[6].start', type: u4, repeat: expr, repeat-expr: 'columns[6].count' }
       seen_material: { pos: 'columns[7].start', type: u2, repeat: expr, repeat-expr: 'columns[7].count' }
       hits: { pos: 'columns[8].start', type: u2, repeat: expr, repeat-expr: 'columns[8].count' }
+      doubtful: { pos: 'columns[9].start', size: 'columns[9].count' }
   table_index:
     instances:
       columns: { pos: _io.size - 24, type: 'column(_io.size - 24 + 8 * _index)', repeat: expr, repeat-expr: 3 }

@@ -50,7 +50,7 @@ def text(least):
 # Columns: name, values in a row and their struct letter (s is a string), range of a value.
 KEY = [("voxel", "3i", None), ("tag", "1I", lambda t: t < 65536), ("material", "1H", None)]
 CELLS = KEY + [("normal", "3f", lambda n: math.hypot(*n) <= 1 + 1e-6), ("bits", "1B", None)]
-CELLS += [("seen_" + name, kind, good) for name, kind, good in KEY] + [("hits", "1H", None)]
+CELLS += [("seen_" + name, kind, good) for name, kind, good in KEY] + [("hits", "1H", None), ("doubtful", "1B", share)]
 RECEIVERS = [
     ("ids", "s", text(1)), ("position", "3d", lambda p: all(map(math.isfinite, p))),
     ("normal", "3d", lambda n: abs(math.hypot(*n) - 1) <= 1e-6), ("area", "1d", lambda a: 0 <= a < math.inf),
@@ -71,7 +71,7 @@ EXTENTS = [(name, "3d", lambda p: all(map(math.isfinite, p))) for name in ("low"
 NAMES = [("of", "1B", lambda o: o <= 3), ("shared", "1H", lambda n: n <= MAX_STRING),
          ("own", "1H", lambda n: n <= MAX_STRING), ("text", "1B", None), ("tile", "1I", None)]
 KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None), 4: ("response", 2, None),
-         5: ("probes", 3, CELLS), 6: ("bounce", 3, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
+         5: ("probes", 4, CELLS), 6: ("bounce", 4, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
          9: ("canopy", 1, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
          12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 1, None),
          15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
@@ -481,7 +481,7 @@ class Archive:
         slots = [SLOT(*struct.unpack("<8sHHI9Q32s384s8s", s)) for s, counts in zip(slots, self.counts) if counts]
         need(slots, "the header is damaged: both slots")
         for s in slots:
-            need((s.major, s.minor) == (1, 5), f"format {s.major}.{s.minor}, this program reads 1.5")
+            need((s.major, s.minor) == (1, 6), f"format {s.major}.{s.minor}, this program reads 1.6")
             need(s.required & ~KNOWN_REQUIRED == 0, f"unknown required features {s.required & ~KNOWN_REQUIRED:#x}")
         slots = [s for s in slots if s.state == 1]
         need(slots, "the archive was not finished")

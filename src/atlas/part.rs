@@ -149,6 +149,7 @@ impl PartBuild<'_> {
             ways_out: WaysOut { results: FRESH, started: FRESH },
             memory: request.memory,
             under: None,
+            from: None,
         };
         observer.report(&format!("{}: {files} of {} files near it\n", part.name, plan.files.len()));
         build_or_reuse(&traced, &scene, Some(&covered), observer)?;

@@ -59,6 +59,8 @@ pub struct TraceRequest<'a> {
     pub memory: MemoryBudget,
     /// Weather that effects are weighed under, and what of them may be left out.
     pub under: Option<EffectsUnder<'a>>,
+    /// Archive of the scene before it was changed.
+    pub from: Option<&'a Path>,
 }
 
 /// The archive of a scene that is covered with receivers, in a folder with the table of these.
@@ -108,6 +110,7 @@ impl SiteArchiveRequest {
             ways_out: WaysOut::USUAL,
             memory: self.memory,
             under: None,
+            from: None,
         };
         let built = build_or_reuse(&asked, &scene, Some(&covered), observer)?;
         black_below_horizon(&built)?.iter().for_each(|lost| observer.warn(lost));
@@ -164,6 +167,7 @@ pub fn build_or_reuse(
         under: asked.under,
         with_scene: asked.with_scene,
         store: None,
+        from: asked.from.map(Path::to_path_buf),
     };
     let mut write = |start: Start| {
         let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer };

@@ -48,6 +48,21 @@ impl Mesh {
         Grid { origin: self.origin, step: self.step_m }
     }
 
+    /// Triangles by their corners relative to the origin of a frame, in the order given, without materials; as wide as `around`, two
+    /// corners of a box.
+    pub fn loose(grid: Grid, triangles: &[[DVec3; 3]], around: (DVec3, DVec3)) -> Self {
+        let mut vertices: Vec<DVec3> = triangles.iter().flatten().copied().collect();
+        vertices.extend([around.0, around.1]);
+        Mesh {
+            origin: grid.origin,
+            step_m: grid.step,
+            vertices,
+            triangles: (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+            triangle_material: vec![0; triangles.len()],
+            normals: triangles.iter().map(|corners| unit_normal(*corners)).collect(),
+        }
+    }
+
     /// Least and greatest corner of the bounding box, relative to `origin`, metres.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         bounds(self.vertices.iter().copied())

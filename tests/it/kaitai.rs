@@ -125,5 +125,5 @@ fn columns_are_those_of_the_text() {
         assert!(lines[0].contains(&format!("_io.size - {}", 8 * found.len())), "{}", lines[0]);
         seen += found.len();
     }
-    assert_eq!(seen, 48);
+    assert_eq!(seen, 49);
 }

@@ -55,5 +55,6 @@ mod tidy;
 mod tilted;
 mod times;
 mod transfer;
+mod variants;
 mod view;
 mod weather;

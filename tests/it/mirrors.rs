@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
+use heliotile_builder::pipeline::ReusedArchives;
 use heliotile_builder::pipeline::{BuildReport, Output, Start};
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::{Job, Writer};
@@ -383,7 +384,14 @@ fn bytes_depend_on_content_only() {
         }
         let scene = Scene::from_triangles(&triangles, mirror_materials()).expect("a valid scene");
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let build = || build_with(&scene, &mut tiles(&receivers, &scene), &plan(&coarse(), &path(name)), earlier);
+        let build = || {
+            build_with(
+                &scene,
+                &mut tiles(&receivers, &scene),
+                &plan(&coarse(), &path(name)),
+                &ReusedArchives { earlier, before: None },
+            )
+        };
         let report = pool.install(build).expect("a build");
         (report.root, std::fs::read(path(name)).expect("the archive"), report.rays)
     };

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use glam::DVec3;
-use heliotile_builder::pipeline::{Build, BuildReport, Output, Plan, PreparedScene, Workspace};
+use heliotile_builder::pipeline::{Build, BuildReport, Output, Plan, PreparedScene, ReusedArchives, Workspace};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::settings::Quality;
@@ -189,19 +189,19 @@ pub fn plan(settings: &BuildSettings, path: &Path) -> (Plan, Output) {
 
 /// Traces receivers as a plan says.
 pub fn build(scene: &Scene, receivers: &mut ReceiverTiles, plan: &(Plan, Output)) -> Result<BuildReport> {
-    build_with(scene, receivers, plan, &[])
+    build_with(scene, receivers, plan, &ReusedArchives::default())
 }
 
-/// The same, but for what earlier archives hold.
+/// The same, but for what other archives hold.
 pub fn build_with(
     scene: &Scene,
     receivers: &mut ReceiverTiles,
     (plan, output): &(Plan, Output),
-    earlier: &[Archive],
+    sources: &ReusedArchives,
 ) -> Result<BuildReport> {
     let workspace = workspace(output.path.parent().expect("a folder"), 1 << 30);
     let scene = &PreparedScene::new(scene)?;
-    Build { scene, receivers, workspace: &workspace, observer: &Silent }.write(plan, output, earlier)
+    Build { scene, receivers, workspace: &workspace, observer: &Silent }.write(plan, output, sources)
 }
 
 pub fn site(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings) -> Site {

@@ -4,7 +4,7 @@
 //! `cargo run --release --example geometry`
 
 use glam::DVec3;
-use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, Workspace};
+use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives, Workspace};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::{Quality, Rungs};
 use heliotile_core::archive::Archive;
@@ -46,7 +46,7 @@ fn wall_in_the_sun(folder: &std::path::Path, mut each: impl FnMut(&str, f32, f32
     let prepared = PreparedScene::new(&scene)?;
     let mut build = Build { scene: &prepared, receivers: &mut tiles, workspace: &workspace, observer: &Silent };
     let path = folder.join("site.helio");
-    build.write(&Plan::of(Rungs::of(Quality::Draft).settings()), &Output::new(&path), &[])?;
+    build.write(&Plan::of(Rungs::of(Quality::Draft).settings()), &Output::new(&path), &ReusedArchives::default())?;
 
     // The sun in the south at 40 degrees, and an overcast sky. Degrees, W/m2.
     let sun = direction_from_degrees(180.0, 40.0);

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 
-use crate::pipeline::{Build, Output, Plan, PreparedScene, RayCounts, Start, Workspace};
+use crate::pipeline::{Build, Output, Plan, PreparedScene, RayCounts, ReusedArchives, Start, Workspace};
 use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::BuildSettings;
 use crate::spill::TempFiles;
@@ -86,7 +86,8 @@ impl Bench<'_> {
             ReceiverTiles::from_receivers(self.receivers, origin, folder, memory.length(Use::SortedReceivers))?;
         let (scene, workspace, observer) = (self.scene, self.workspace, Quiet(self.observer));
         let mut build = Build { scene, receivers: &mut tiles, workspace, observer: &observer };
-        let report = build.write(&Plan { with_scene: false, ..Plan::of(settings) }, &output, &[])?;
+        let report =
+            build.write(&Plan { with_scene: false, ..Plan::of(settings) }, &output, &ReusedArchives::default())?;
         let build_s = started.elapsed().as_secs_f64();
         let light = self.light(&path, settings.patches)?;
         Ok(Trial { settings, archive: path, light, rays: report.rays, bytes: report.bytes, build_s })

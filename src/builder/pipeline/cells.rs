@@ -60,12 +60,14 @@ impl SiteTracer<'_> {
         let progress = Stage::begin(self.observer, "probes", None);
         let mut chunks = Chunks::probes(self.settings.probe_hits);
         let mut seen = CellSet::default();
+        let looks = if self.traces(Effect::Bounces) { self.settings.probe_hits } else { 0 };
         let mut keys = keys.peekable();
         while keys.peek().is_some() {
             let batch: Vec<CellKey> = keys.by_ref().take(chunks.batch()).collect::<Result<_>>()?;
             progress.advance(batch.len() as u64);
+            let known = |keys: &[CellKey]| self.known_cells(CellKind::Probes, keys, &texture, looks);
             let trace = |keys: &[CellKey]| {
-                let (cells, cast) = trace_missing(keys, self.known.probes(keys), |key| self.trace_probe(key, &texture));
+                let (cells, cast) = trace_missing(keys, known(keys), |key| self.trace_probe(key, &texture));
                 (cells.into(), cast)
             };
             let cast = self.write_chunks(&mut chunks, &batch, trace, writer, |chunk| seen.extend(chunk.reached()))?;
@@ -101,9 +103,9 @@ impl SiteTracer<'_> {
         let mirrors = self.cell_mirrors(key, &probe, texture, &seen, &mut mirror);
         let crossings = CellCrossings::of(self.canopies, key, &probe, texture, &seen.seen);
         let cast = Cast { plain: probe.rays + seen.cast + crossings.rays, mirror };
-        let normal = probe.normal.as_vec3().to_array();
+        let (normal, doubtful) = (probe.normal.as_vec3().to_array(), probe.doubtful);
         let canopy = canopy_of_cell(&crossings, texture.n, seen.seen.len());
-        (Cell { key, normal, bits: probe.bits, seen: pairs(seen.seen), mirrors, canopy }, cast)
+        (Cell { key, normal, bits: probe.bits, seen: pairs(seen.seen), mirrors, canopy, doubtful }, cast)
     }
 
     /// Traces and writes all bounce cells that can be reached from some: the closed system.
@@ -124,11 +126,12 @@ impl SiteTracer<'_> {
         while !wave.is_empty() {
             let mut next = Vec::new();
             for part in wave.chunks(WAVE) {
+                let known = self.known_cells(CellKind::Bounces, part, &texture, s.bounce_hits);
                 let trace = |key| {
                     let (probe, seen) = trace_bounce(key, &texture, settings, mesh, tracer, self.reflections.as_ref());
                     self.cell(key, probe, seen, &texture)
                 };
-                let (cells, cast) = trace_missing(part, self.known.bounces(part), trace);
+                let (cells, cast) = trace_missing(part, known, trace);
                 rays.bounce += cast.plain;
                 rays.mirror += cast.mirror;
                 for cell in cells {

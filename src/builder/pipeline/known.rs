@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use heliotile_core::archive::format::TileNumber;
+use heliotile_core::archive::format::{CellKind, TileNumber};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::cells::Cell;
@@ -32,8 +32,9 @@ pub(super) struct Known<'a> {
     earlier: Vec<Earlier<'a>>,
 }
 
-struct Earlier<'a> {
-    /// The scene's materials and mirrors: the archive's own tables may be damaged.
+/// One archive to look things up in.
+pub(super) struct Earlier<'a> {
+    /// For archives of the same scene with its materials and mirrors: the archive's own tables may be damaged.
     site: OpenSite<'a>,
     /// Tile and row by [`place_hash`].
     receivers: HashMap<u128, (u32, u32)>,
@@ -56,19 +57,7 @@ impl<'a> Known<'a> {
             let facts =
                 SiteFacts::given(archive.path(), settings, origin, &manifest.receivers, materials, orientations)
                     .ok()?;
-            let site = OpenSite::over(archive, Arc::new(facts));
-            let places = |tile: u32| -> Vec<(u128, (u32, u32))> {
-                // A damaged tile is no known one.
-                let Ok(table) = site.tile_receivers(tile) else { return Vec::new() };
-                let hashes = table.position.iter().zip(&table.normal).map(|(p, n)| place_hash(p, n));
-                hashes.zip(0..).map(|(hash, row)| (hash, (tile, row))).collect()
-            };
-            Some(Earlier {
-                receivers: (0..archive.tiles()).into_par_iter().flat_map_iter(places).collect(),
-                probes: CellSource::probes(&site).ok(),
-                bounces: CellSource::bounces(&site).ok(),
-                site,
-            })
+            Some(Earlier::open(OpenSite::over(archive, Arc::new(facts))))
         };
         Known { earlier: archives.iter().filter_map(earlier).collect() }
     }
@@ -76,43 +65,15 @@ impl<'a> Known<'a> {
     /// Layers of those receivers of a tile that are known, in their order.
     pub fn receivers(&self, tile: &[Receiver]) -> Vec<Option<KnownReceiver>> {
         let mut found: Vec<Option<KnownReceiver>> = tile.iter().map(|_| None).collect();
-        for earlier in &self.earlier {
-            // By tile of the archive, since a tile is decoded as a whole.
-            let mut wanted: HashMap<u32, Vec<(usize, u32)>> = HashMap::new();
-            for (i, receiver) in tile.iter().enumerate().filter(|(i, _)| found[*i].is_none()) {
-                let hash = place_hash(&receiver.position.to_array(), &receiver.normal.to_array());
-                if let Some(&(from, row)) = earlier.receivers.get(&hash) {
-                    wanted.entry(from).or_default().push((i, row));
-                }
-            }
-            for (from, rows) in wanted {
-                let Some(mut layers) = earlier.tile(from) else { continue };
-                for (i, row) in rows {
-                    found[i] = layers.get_mut(row as usize).and_then(Option::take);
-                }
-            }
-        }
+        self.earlier.iter().for_each(|earlier| earlier.fill(tile, &mut found));
         found
     }
 
-    /// Those of some probes, sorted by key, that are known.
-    pub fn probes(&self, keys: &[CellKey]) -> Vec<Cell> {
-        self.cells(keys, |earlier| earlier.probes.as_ref())
-    }
-
-    /// Those of some bounce cells, sorted by key, that are known.
-    pub fn bounces(&self, keys: &[CellKey]) -> Vec<Cell> {
-        self.cells(keys, |earlier| earlier.bounces.as_ref())
-    }
-
-    fn cells<'s>(
-        &'s self,
-        keys: &[CellKey],
-        source: impl Fn(&'s Earlier<'a>) -> Option<&'s CellSource<'a>>,
-    ) -> Vec<Cell> {
+    /// Those of some cells, sorted by key, that are known.
+    pub fn cells(&self, kind: CellKind, keys: &[CellKey]) -> Vec<Cell> {
         let mut found: Vec<Cell> = Vec::new();
         let mut missing = keys.to_vec();
-        for source in self.earlier.iter().filter_map(source) {
+        for source in self.earlier.iter().filter_map(|earlier| earlier.source(kind)) {
             found.extend(whole_cells(source, &missing));
             found.sort_unstable_by_key(|cell| cell.key);
             missing.retain(|key| found.binary_search_by_key(key, |cell| cell.key).is_err());
@@ -121,7 +82,49 @@ impl<'a> Known<'a> {
     }
 }
 
-impl Earlier<'_> {
+impl<'a> Earlier<'a> {
+    /// An opened site with the places of its receivers. Tables that are damaged are not there.
+    pub fn open(site: OpenSite<'a>) -> Self {
+        let places = |tile: u32| -> Vec<(u128, (u32, u32))> {
+            // A damaged tile is no known one.
+            let Ok(table) = site.tile_receivers(tile) else { return Vec::new() };
+            let hashes = table.position.iter().zip(&table.normal).map(|(p, n)| place_hash(p, n));
+            hashes.zip(0..).map(|(hash, row)| (hash, (tile, row))).collect()
+        };
+        Earlier {
+            receivers: (0..site.tiles()).into_par_iter().flat_map_iter(places).collect(),
+            probes: CellSource::probes(&site).ok(),
+            bounces: CellSource::bounces(&site).ok(),
+            site,
+        }
+    }
+
+    /// Its cells of a kind.
+    pub fn source(&self, kind: CellKind) -> Option<&CellSource<'a>> {
+        match kind {
+            CellKind::Probes => self.probes.as_ref(),
+            CellKind::Bounces => self.bounces.as_ref(),
+        }
+    }
+
+    /// Adds layers of those receivers of a tile that have none yet and are known here.
+    pub fn fill(&self, tile: &[Receiver], found: &mut [Option<KnownReceiver>]) {
+        // By tile of the archive, since a tile is decoded as a whole.
+        let mut wanted: HashMap<u32, Vec<(usize, u32)>> = HashMap::new();
+        for (i, receiver) in tile.iter().enumerate().filter(|(i, _)| found[*i].is_none()) {
+            let hash = place_hash(&receiver.position.to_array(), &receiver.normal.to_array());
+            if let Some(&(from, row)) = self.receivers.get(&hash) {
+                wanted.entry(from).or_default().push((i, row));
+            }
+        }
+        for (from, rows) in wanted {
+            let Some(mut layers) = self.tile(from) else { continue };
+            for (i, row) in rows {
+                found[i] = layers.get_mut(row as usize).and_then(Option::take);
+            }
+        }
+    }
+
     /// Layers of a tile; `None` if they are damaged.
     fn tile(&self, tile: u32) -> Option<Vec<Option<KnownReceiver>>> {
         let count = self.site.block(format::HIT, TileNumber(tile)).ok()?.items() as usize;
@@ -134,7 +137,7 @@ impl Earlier<'_> {
 }
 
 /// Those of some cells, sorted by key, whose chunks are whole; damaged ones are passed over.
-fn whole_cells(source: &CellSource, keys: &[CellKey]) -> Vec<Cell> {
+pub(super) fn whole_cells(source: &CellSource, keys: &[CellKey]) -> Vec<Cell> {
     let parts: Vec<&[CellKey]> = keys.chunk_by(|a, b| source.chunk_of(a) == source.chunk_of(b)).collect();
     let found = |part: &[CellKey]| -> Vec<Cell> {
         let Some(Ok(cells)) = part.first().and_then(|key| source.chunk_of(key)).map(|chunk| source.chunk(chunk)) else {

@@ -2,10 +2,11 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::site_tracer::SiteTracer;
 use crate::settings::Effect;
+use crate::trace::Ray;
 use crate::trace::mirror::{End, Look, Met, MirrorRay, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, lifted};
 use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
@@ -121,6 +122,19 @@ fn note_lost(largest: &AtomicU64, share: f64) {
     largest.fetch_max(share.max(0.0).to_bits(), Ordering::Relaxed);
 }
 
+/// The rays that look for mirrors around a cell.
+pub(super) fn around_cell(reflections: &Reflections, key: CellKey, probe: &ProbeTrace, n: usize) -> Vec<(DVec3, Ray)> {
+    let lit: Vec<_> = probe.points.iter().filter(|p| p.1 > 0.0).map(|p| p.0).collect();
+    if lit.is_empty() {
+        return Vec::new();
+    }
+    let seed = key.seed();
+    reflections.around(n, seed, |texel| {
+        let point = lit[(mix(seed ^ 0x6c6f_6f6b, texel as u64) % lit.len() as u64) as usize];
+        (point.position, point.normal)
+    })
+}
+
 /// The texels of the sky that a cell sees in mirrors: each from the point that it asks for the sky itself.
 fn cell_windows(
     reflections: &Reflections,
@@ -129,15 +143,8 @@ fn cell_windows(
     texture: &Directions,
     rays: &mut u64,
 ) -> Vec<CellWindow> {
-    let lit: Vec<_> = probe.points.iter().filter(|p| p.1 > 0.0).map(|p| p.0).collect();
-    if lit.is_empty() {
-        return Vec::new();
-    }
-    let (n, directions, seed) = (texture.n, texture.of(key), key.seed());
-    let around = reflections.around(n, seed, |texel| {
-        let point = lit[(mix(seed ^ 0x6c6f_6f6b, texel as u64) % lit.len() as u64) as usize];
-        (point.position, point.normal)
-    });
+    let (n, directions) = (texture.n, texture.of(key));
+    let around = around_cell(reflections, key, probe, n);
     let (mut chains, mut looks, mut places) = (Vec::new(), Vec::new(), Vec::new());
     for (chain, texels) in reflections.reached(&around, n, rays) {
         let map = reflections.seen_from(&chain);

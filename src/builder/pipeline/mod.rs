@@ -1,6 +1,7 @@
 //! Building: scene -> trace -> layers -> archive. In: a prepared scene, its receivers, settings. Out: a finished archive, and what was
 //! done. The chain is [`Build::plan`](crate::planning), which looks first ([`Build::forecast`]), then [`Build::write`]. Never: printing, command lines.
 
+mod before;
 mod canopies;
 mod cells;
 mod forecast;
@@ -23,6 +24,7 @@ use crate::receiver_tiles::ReceiverTiles;
 use crate::settings::{BuildSettings, EffectChoice};
 use crate::trace::Tracer;
 use crate::writing::{Job, Writer};
+use before::Before;
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::manifest::ReceiverSummary;
 use heliotile_core::archive::negligible::Negligible;
@@ -43,7 +45,7 @@ pub use manifest::BuildCounts;
 pub use output::{Output, Start};
 pub use plan::Plan;
 pub use prepared::PreparedScene;
-pub use report::{BuildReport, RayCounts};
+pub use report::{BuildReport, Kept, RayCounts};
 
 /// Where a build works, and how much memory it may take.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -65,6 +67,15 @@ impl Workspace {
         warnings.iter().for_each(|warning| observer.warn(warning));
         Ok(receivers)
     }
+}
+
+/// Finished archives that a build takes layers from.
+#[derive(Clone, Copy, Default)]
+pub struct ReusedArchives<'a> {
+    /// Of the same scene with the same settings.
+    pub earlier: &'a [Archive],
+    /// Of the scene before it was changed.
+    pub before: Option<&'a Archive>,
 }
 
 /// A scene with its receivers, about to be traced.
@@ -102,16 +113,23 @@ impl Build<'_> {
         negligible: Option<&Negligible>,
     ) -> Result<Forecast> {
         let (facts, known) = (self.facts(settings, &self.workspace.folder)?, Known::default());
-        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known);
+        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known, None);
         tracer.forecast(self.receivers, self.scene.mirrors.orientations.len(), effects, negligible)
     }
 
-    /// Traces the receivers and writes the archive; nothing is traced that earlier archives of the same scene and settings hold. Equal
-    /// inputs give equal bytes, whatever the order of receivers, the number of threads or the memory. Work that fails or is
+    /// Traces the receivers and writes the archive; nothing is traced that sources hold. Equal
+    /// inputs give equal bytes, whatever the sources, whatever the order of receivers, the number of threads or the memory. Work that fails or is
     /// stopped leaves what was written up to its last checkpoint, if there was one, for [`Start::Resume`].
-    pub fn write(&mut self, plan: &Plan, output: &Output, earlier: &[Archive]) -> Result<BuildReport> {
+    pub fn write(&mut self, plan: &Plan, output: &Output, sources: &ReusedArchives) -> Result<BuildReport> {
         let (scene, settings) = (self.scene.scene, &plan.settings);
         let mut clock = Clock::after("tree", self.scene.seconds);
+        let facts = self.facts(settings, &output.path)?;
+        let known = Known::new(sources.earlier, &facts);
+        let open = |archive| Before::open(archive, self.scene, settings, self.observer);
+        let before = sources.before.map(open).transpose()?.flatten();
+        if before.is_some() {
+            clock.lap("compare");
+        }
         let mut writer = output.writer(&Job {
             scene: scene.content_hash(),
             receivers: self.receivers.content_hash(),
@@ -121,9 +139,7 @@ impl Build<'_> {
             let megabytes = done.bytes as f64 / 1e6;
             self.observer.warn(&format!("going on after {} blocks of {megabytes:.1} MB", done.blocks));
         }
-        let facts = self.facts(settings, &output.path)?;
-        let known = Known::new(earlier, &facts);
-        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known);
+        let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known, before);
         let traced = trace(&tracer, plan, self.receivers, &mut writer, &mut clock);
         if matches!(traced, Err(Error::Io { .. })) {
             // Where another file failed, such as a temporary one, what was written can be kept.
@@ -135,7 +151,8 @@ impl Build<'_> {
             clock.lap("finish");
             let Traced { counts, rays, warnings, lost_in_mirrors, .. } = traced;
             let (bytes, root) = (summary.bytes, summary.root);
-            Ok(BuildReport { counts, rays, seconds: clock.laps, bytes, root, warnings, lost_in_mirrors })
+            let kept = tracer.before.as_ref().map(Before::kept);
+            Ok(BuildReport { counts, rays, seconds: clock.laps, bytes, root, warnings, lost_in_mirrors, kept })
         };
         traced.and_then(finish).map_err(|error| output::kept(error, kept))
     }

@@ -21,6 +21,19 @@ pub struct BuildReport {
     pub warnings: Vec<String>,
     /// Largest share of a receiver's light, and of a cell's, that was lost behind the last mirror followed.
     pub lost_in_mirrors: [f64; 2],
+    /// What the archive from before a change gave; `None` where none was used.
+    pub kept: Option<Kept>,
+}
+
+/// What a change of the scene left as it was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Kept {
+    /// Receivers that still meet what they met.
+    pub receivers: u64,
+    /// Probes that were not traced.
+    pub probes: u64,
+    /// Bounce cells that were not traced.
+    pub bounce_cells: u64,
 }
 
 /// Rays cast, by purpose.

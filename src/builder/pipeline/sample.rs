@@ -10,6 +10,7 @@ use super::site_tracer::SiteTracer;
 use crate::receiver_tiles::ReceiverTiles;
 use crate::trace::bounce::trace_bounce;
 use crate::trace::probe::Directions;
+use crate::trace::receiver::SkyTrace;
 use crate::trace::sky_fans::SkyFans;
 use crate::trace::surroundings::SurroundingSettings;
 use heliotile_core::error::Result;
@@ -85,7 +86,7 @@ impl SiteTracer<'_> {
         let skies: Vec<(BitSquare, u64)> = whole
             .par_iter()
             .map(|receiver| {
-                let (_, bits, rays) = self.viewpoint(receiver).sky(&fans, self.tracer);
+                let SkyTrace { bits, rays, .. } = self.viewpoint(receiver).sky(&fans, self.tracer);
                 (bits, rays)
             })
             .collect();

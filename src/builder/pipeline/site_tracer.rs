@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use super::Workspace;
+use super::before::Before;
 use super::known::Known;
 use super::prepared::PreparedScene;
 use crate::settings::{BuildSettings, Effect};
@@ -34,6 +35,8 @@ pub(super) struct SiteTracer<'a> {
     /// What is known of the archive before it is one.
     pub facts: Arc<SiteFacts>,
     pub known: Known<'a>,
+    /// The scene before it was changed.
+    pub before: Option<Before<'a>>,
     /// Only where there are mirrors.
     pub reflections: Option<Reflections<'a>>,
     /// Largest share of light that was lost behind the last mirror followed, as bits of an f64: of a receiver's, of a cell's.
@@ -49,6 +52,7 @@ impl<'a> SiteTracer<'a> {
         observer: &'a dyn Observer,
         facts: SiteFacts,
         known: Known<'a>,
+        before: Option<Before<'a>>,
     ) -> Self {
         let scene = ready.scene;
         let reflections =
@@ -63,6 +67,7 @@ impl<'a> SiteTracer<'a> {
             memory: workspace.memory,
             facts: Arc::new(facts),
             known,
+            before,
             reflections,
             lost: Default::default(),
             canopies,

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use rayon::prelude::*;
 
+use super::before::Before;
 use super::report::{Clock, RayCounts};
 use super::site_tracer::SiteTracer;
 use crate::pack;
@@ -15,7 +16,7 @@ use crate::settings::Effect;
 use crate::spill::{Sorter, TempFiles};
 use crate::trace::hidden::is_reached;
 use crate::trace::placement::is_enclosed;
-use crate::trace::receiver::{CellSettings, HitTrace, Viewpoint};
+use crate::trace::receiver::{CellSettings, HitTrace, SkyTrace, Viewpoint};
 use crate::trace::sky_fans::SkyFans;
 use crate::writing::Writer;
 use heliotile_core::archive::format::TileNumber;
@@ -202,12 +203,17 @@ impl SiteTracer<'_> {
     /// Traces and packs one tile.
     fn trace_tile(&self, number: u32, receivers: &[Receiver], fans: &SkyFans) -> Result<TracedTile> {
         let known = self.known.receivers(receivers);
+        let before = match &self.before {
+            Some(before) => before.receivers(receivers).into_iter().map(|known| known.zip(Some(before))).collect(),
+            None => receivers.iter().map(|_| None).collect::<Vec<_>>(),
+        };
         let traced: Vec<Traced> = receivers
             .par_iter()
-            .zip(known)
+            .zip(known.into_par_iter().zip(before))
             .map(|(receiver, known)| match known {
-                Some(known) => self.known_receiver(receiver, known, fans),
-                None => self.trace_receiver(receiver, fans),
+                (Some(known), _) => self.known_receiver(receiver, known, fans),
+                (None, Some((known, before))) => self.changed_receiver(receiver, &known, before, fans),
+                (None, None) => self.trace_receiver(receiver, fans),
             })
             .collect();
         let misplaced = receivers.iter().zip(&traced).filter_map(|(r, t)| self.misplaced(r, t)).collect();
@@ -238,9 +244,15 @@ impl SiteTracer<'_> {
 
     /// A receiver that an earlier build traced, as if it had been traced now.
     fn known_receiver(&self, receiver: &Receiver, known: KnownReceiver, fans: &SkyFans) -> Traced {
-        let hits =
-            HitTrace { cells: known.hits, nearest_m: f64::INFINITY, mirrors: Vec::new(), distances_m: Vec::new() };
-        let viewer = viewer(&self.viewpoint(receiver), &known.dense, fans);
+        let view = self.viewpoint(receiver);
+        // An archive without reflections holds no hits, but view factors are made of them.
+        let hits = match self.traces(Effect::Diffuse) {
+            true => {
+                HitTrace { cells: known.hits, nearest_m: f64::INFINITY, mirrors: Vec::new(), distances_m: Vec::new() }
+            }
+            false => self.trace_hits(&view),
+        };
+        let viewer = viewer(&view, &known.dense, fans);
         Traced { sky: known.sky, hits, viewer, extras: known.extras, rays: RayCounts::default() }
     }
 
@@ -250,22 +262,38 @@ impl SiteTracer<'_> {
 
     fn trace_receiver(&self, receiver: &Receiver, fans: &SkyFans) -> Traced {
         let view = self.viewpoint(receiver);
-        let (sky, dense, sky_rays) = view.sky(fans, self.tracer);
-        let mut rays =
-            RayCounts { sky: sky_rays, hit: (self.settings.hit * self.settings.hit) as u64, ..RayCounts::default() };
-        let mut hits = self.trace_hits(&view);
-        let viewer = viewer(&view, &dense, fans);
-        if viewer.sky_view < BLIND && !self.is_reached(&view) {
+        self.trace_rest(&view, view.sky(fans, self.tracer), None, fans)
+    }
+
+    /// A receiver that was traced before the scene was changed: rays are cast only where the change may show.
+    fn changed_receiver(&self, receiver: &Receiver, known: &KnownReceiver, before: &Before, fans: &SkyFans) -> Traced {
+        let view = self.viewpoint(receiver);
+        let (sky, seen) = before.sky(&view, known, fans, self);
+        let hits = before.hits(&view, known, &seen, self);
+        self.trace_rest(&view, sky, hits, fans)
+    }
+
+    /// All of a receiver but its sky, and its hits if they are known.
+    fn trace_rest(&self, view: &Viewpoint, sky: SkyTrace, hits: Option<HitTrace>, fans: &SkyFans) -> Traced {
+        let SkyTrace { texture, bits, rays } = sky;
+        let mut rays = RayCounts { sky: rays, ..RayCounts::default() };
+        let viewer = viewer(view, &bits, fans);
+        let blind = viewer.sky_view < BLIND;
+        let mut hits = hits.filter(|_| !blind).unwrap_or_else(|| {
+            rays.hit = (self.settings.hit * self.settings.hit) as u64;
+            self.trace_hits(view)
+        });
+        if blind && !self.is_reached(view) {
             // What it sees may share cells with what lies in the light.
             hits.cells.iter_mut().flatten().for_each(|cell| *cell = CellKey::dark(cell.material));
             hits.mirrors.clear();
         }
-        let paths = self.mirror_paths(&view, &hits, &mut rays.mirror);
-        let windows = self.mirror_windows(&view, &mut rays.mirror);
+        let paths = self.mirror_paths(view, &hits, &mut rays.mirror);
+        let windows = self.mirror_windows(view, &mut rays.mirror);
         let mirrors = ReceiverMirrors { windows, paths };
-        let (canopy, cast) = self.canopy_of_receiver(&view, &dense, &hits);
+        let (canopy, cast) = self.canopy_of_receiver(view, &bits, &hits);
         rays.canopy = cast;
-        Traced { sky, hits, viewer, extras: ReceiverExtras { mirrors, canopy }, rays }
+        Traced { sky: texture, hits, viewer, extras: ReceiverExtras { mirrors, canopy }, rays }
     }
 
     /// Whether light comes to a place that sees no sky.

@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{EffectsUnder, ErrorTarget, PlanReport, PlanRequest, tables};
 use crate::accuracy::conditions::ErrorConditions;
-use crate::pipeline::{Build, BuildReport, Output, Plan};
+use crate::pipeline::{Build, BuildReport, Output, Plan, ReusedArchives};
 use crate::settings::{BuildSettings, EffectChoice, Quality, Rungs, Share};
 use crate::store::{Folder, Store, StoreKey, open_all};
+use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::options::WeatherOptions;
 
@@ -70,6 +71,8 @@ pub struct BuildRequest<'a> {
     pub with_scene: bool,
     /// What earlier builds traced; the new archive is added.
     pub store: Option<Folder>,
+    /// Archive of the scene before it was changed: what the change does not alter is taken from there.
+    pub from: Option<PathBuf>,
 }
 
 /// What was planned and what was built.
@@ -115,7 +118,9 @@ impl Build<'_> {
         let scene = self.scene.scene;
         let key = StoreKey { scene: scene.content_hash(), settings: plan.settings.hash()? };
         let earlier = request.store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key, observer))?;
-        let report = self.write(plan, output, &earlier)?;
+        let before = request.from.as_deref().map(|path| Archive::open_with(path, Access::Read)).transpose()?;
+        let sources = ReusedArchives { earlier: &earlier, before: before.as_ref() };
+        let report = self.write(plan, output, &sources)?;
         if let Some(store) = &request.store {
             store.add(&key, &output.path, &report.root)?;
         }

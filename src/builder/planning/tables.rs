@@ -183,9 +183,18 @@ pub fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
             )
         }
     };
+    let kept = report.kept.map_or_else(String::new, |kept| {
+        let share = |count: u64, all: u64| format!("{:.1} %", 100.0 * count as f64 / all.max(1) as f64);
+        format!(
+            "  as before: {} of the receivers, {} of the probes, {} of the bounce cells\n",
+            share(kept.receivers, counts.receivers),
+            share(kept.probes, counts.probes),
+            share(kept.bounce_cells, counts.bounce_cells)
+        )
+    });
     format!(
         "{}: {} receivers, {} triangles\n  {} probes, {} bounce cells, {:.1} Mray ({:.0} a receiver), {:.2} MB ({:.0} bytes a \
-         receiver)\n{mirrors}  {total:.2} s: {}\n  root {}\n",
+         receiver)\n{mirrors}{kept}  {total:.2} s: {}\n  root {}\n",
         output.display(),
         counts.receivers,
         scene.mesh.triangles.len(),

@@ -9,6 +9,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::change::Change;
 use super::kernel::rays::{FaceSide, Hit, Ray, Tracer};
 use heliotile_core::hemisphere::{Frame, cosine_direction_of, jitter, mix};
 use heliotile_scene::mesh::Mesh;
@@ -20,9 +21,18 @@ pub const LOOKS: usize = 8;
 /// view.
 const OTHER_SIDES: f64 = 0.25;
 
+/// Which of some points are hidden.
+#[derive(Clone, Debug)]
+pub struct Verdict {
+    /// `[point]`.
+    pub hidden: Vec<bool>,
+    /// Whether some seemed to be, so that paths through the whole scene were followed.
+    pub doubtful: bool,
+}
+
 /// Looks around from some of `count` points: pairs of a point and a ray. `inside`: the points are on the back of their triangles, so that it
 /// is fronts that should not be met.
-pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, tracer: &Tracer) -> Vec<bool> {
+pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, tracer: &Tracer) -> Verdict {
     let rays: Vec<Ray> = looks.iter().map(|look| look.1).collect();
     let hits = tracer.closest_many(&rays);
     let (mut met, mut others) = (vec![0.0; count], vec![0.0; count]);
@@ -44,7 +54,7 @@ pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, t
             dark[point] += 1.0;
         }
     }
-    is_hidden(&dark)
+    Verdict { hidden: is_hidden(&dark), doubtful: suspected.contains(&true) }
 }
 
 /// The side of a triangle that a ray meets.
@@ -69,23 +79,36 @@ const LIT: f64 = 0.25;
 
 /// Whether light comes to a side of a triangle. Remembered by the tracer: it depends on the scene alone.
 fn is_lit(triangle: u32, side: FaceSide, mesh: &Mesh, tracer: &Tracer) -> bool {
-    tracer.lit_sides().known_or(triangle, side, || {
-        let outward = mesh.normal(triangle as usize);
-        let normal = if side == FaceSide::Front { outward } else { -outward };
-        let [a, b, c] = mesh.triangle_points(triangle as usize);
-        let middle = (a + b + c) / 3.0;
-        // The middle, and half way from there to each corner.
-        let points = [middle, 0.5 * (middle + a), 0.5 * (middle + b), 0.5 * (middle + c)];
-        let origins = points.map(|point| tracer.grid().lifted(mesh.grid().absolute(point), normal));
-        let starts = |paths: usize| origins.iter().flat_map(move |origin| (0..paths).map(move |path| (*origin, path)));
-        let mut from = Start { normal, seed: 0x6c69_7473, most_met: FIRST_MET, until: Until::Sky };
-        if follow(starts(FIRST_PATHS).collect(), &from, mesh, tracer) == 0 {
-            return false;
-        }
-        (from.most_met, from.until) = (MOST_MET, Until::End);
-        let reached = follow(starts(LIT_PATHS).collect(), &from, mesh, tracer);
-        reached as f64 >= LIT * (origins.len() * LIT_PATHS) as f64
-    })
+    tracer.lit_sides().known_or(triangle, side, || find_lit(triangle, side, mesh, tracer, &mut |_, _| {}))
+}
+
+/// Whether a change of the scene may be why light comes to the back of a triangle, or does not: some of the paths that tell meet what came or
+/// went.
+pub fn may_be_lit_since(change: &Change, triangle: u32, mesh: &Mesh, tracer: &Tracer) -> bool {
+    let mut altered = false;
+    find_lit(triangle, FaceSide::Back, mesh, tracer, &mut |rays, hits| altered |= change.alters(rays, hits));
+    altered
+}
+
+/// What a set of rays met.
+type Watch<'a> = &'a mut dyn FnMut(&[Ray], &[Option<Hit>]);
+
+fn find_lit(triangle: u32, side: FaceSide, mesh: &Mesh, tracer: &Tracer, watch: Watch) -> bool {
+    let outward = mesh.normal(triangle as usize);
+    let normal = if side == FaceSide::Front { outward } else { -outward };
+    let [a, b, c] = mesh.triangle_points(triangle as usize).map(|corner| mesh.grid().absolute(corner));
+    let middle = (a + b + c) / 3.0;
+    // The middle, and half way from there to each corner.
+    let points = [middle, 0.5 * (middle + a), 0.5 * (middle + b), 0.5 * (middle + c)];
+    let origins = points.map(|point| tracer.grid().lifted(point, normal));
+    let starts = |paths: usize| origins.iter().flat_map(move |origin| (0..paths).map(move |path| (*origin, path)));
+    let mut from = Start { normal, seed: 0x6c69_7473, most_met: FIRST_MET, until: Until::Sky };
+    if follow(starts(FIRST_PATHS).collect(), &from, mesh, tracer, watch) == 0 {
+        return false;
+    }
+    (from.most_met, from.until) = (MOST_MET, Until::End);
+    let reached = follow(starts(LIT_PATHS).collect(), &from, mesh, tracer, watch);
+    reached as f64 >= LIT * (origins.len() * LIT_PATHS) as f64
 }
 
 /// Paths from a receiver, and surfaces that each meets at most.
@@ -96,7 +119,7 @@ const MOST_MET: usize = 8;
 /// a place sees, one does in more than 99 of 100 cases.
 pub fn is_reached(origin: [f32; 3], normal: DVec3, seed: u64, mesh: &Mesh, tracer: &Tracer) -> bool {
     let from = Start { normal, seed, most_met: MOST_MET, until: Until::Sky };
-    follow((0..PATHS).map(|path| (origin, path)).collect(), &from, mesh, tracer) > 0
+    follow((0..PATHS).map(|path| (origin, path)).collect(), &from, mesh, tracer, &mut |_, _| {}) > 0
 }
 
 /// When paths are followed no further.
@@ -118,7 +141,7 @@ struct Start {
 }
 
 /// Follows paths, each by its origin and number, and counts those that get to the sky.
-fn follow(starts: Vec<([f32; 3], usize)>, from: &Start, mesh: &Mesh, tracer: &Tracer) -> usize {
+fn follow(starts: Vec<([f32; 3], usize)>, from: &Start, mesh: &Mesh, tracer: &Tracer, watch: Watch) -> usize {
     let Start { normal, seed, most_met, until } = *from;
     let turned = |normal: DVec3, path: usize, met: usize| {
         let direction = cosine_direction_of(jitter(mix(seed, path as u64), met as u64));
@@ -130,7 +153,9 @@ fn follow(starts: Vec<([f32; 3], usize)>, from: &Start, mesh: &Mesh, tracer: &Tr
     for met in 1..=most_met {
         let rays: Vec<Ray> = paths.iter().map(|path| path.1).collect();
         let mut next = Vec::with_capacity(paths.len());
-        for ((path, ray), hit) in paths.into_iter().zip(tracer.closest_many(&rays)) {
+        let hits = tracer.closest_many(&rays);
+        watch(&rays, &hits);
+        for ((path, ray), hit) in paths.into_iter().zip(hits) {
             let direction = DVec3::from(ray.direction.map(f64::from));
             match hit {
                 None if direction.z > 0.0 => {
@@ -143,8 +168,9 @@ fn follow(starts: Vec<([f32; 3], usize)>, from: &Start, mesh: &Mesh, tracer: &Tr
                 Some(hit) => {
                     let outward = mesh.normal(hit.triangle as usize);
                     let normal = if outward.dot(direction) > 0.0 { -outward } else { outward };
-                    let point = DVec3::from(ray.origin.map(f64::from)) + direction * f64::from(hit.t);
-                    let origin = tracer.grid().lifted(mesh.grid().absolute(point), normal);
+                    // The first sum is exact, and the second one that of input coordinates: equal in all scenes.
+                    let from = mesh.grid().absolute(DVec3::from(ray.origin.map(f64::from)));
+                    let origin = tracer.grid().lifted(from + direction * f64::from(hit.t), normal);
                     next.push((path, Ray { origin, direction: turned(normal, path, met) }));
                 }
             }
@@ -196,7 +222,7 @@ mod tests {
             let low = up.filter(|d| d.z < 0.5).take(LOOKS);
             let looks: Vec<(usize, Ray)> =
                 low.map(|d| (0, Ray { origin, direction: d.as_vec3().to_array() })).collect();
-            hidden(1, &looks, inside, &scene.mesh, &tracer)[0]
+            hidden(1, &looks, inside, &scene.mesh, &tracer).hidden[0]
         };
         let (x, y) = (DVec3::X, DVec3::Y);
         for (at, normal) in

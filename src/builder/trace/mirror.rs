@@ -101,6 +101,11 @@ impl<'a> Reflections<'a> {
         lifted(position, normal, self.tracer)
     }
 
+    /// Which of some rays would meet a mirror, were there nothing else.
+    pub fn towards_mirrors(&self, rays: &[Ray]) -> Vec<bool> {
+        self.alone.occluded_many(rays)
+    }
+
     /// Which of some rays meet a mirror first, and where.
     pub fn starts(&self, rays: &[(DVec3, Ray)]) -> Vec<(usize, MirrorRay)> {
         let cast: Vec<Ray> = rays.iter().map(|r| r.1).collect();

@@ -3,6 +3,7 @@
 
 pub(crate) mod bounce;
 pub mod canopy;
+pub(crate) mod change;
 pub(crate) mod hidden;
 pub mod kernel;
 pub(crate) mod mirror;

@@ -9,7 +9,7 @@ use std::cell::RefCell;
 
 use glam::DVec3;
 
-use crate::trace::hidden::{LOOKS, hidden};
+use crate::trace::hidden::{LOOKS, Verdict, hidden};
 use crate::trace::kernel::rays::{Ray, Tracer};
 use crate::trace::surface::{POINTS, SurfacePoint, sample};
 use heliotile_core::hemisphere::{jitter, mix, texel_direction, texels_in_blocks, unit};
@@ -53,6 +53,19 @@ impl Directions {
         self.places.iter().map(|place| place.texel)
     }
 
+    /// [texel]: which of so many points of a cell asks it first: each the same share, spread over the whole sky.
+    fn owners(&self, key: CellKey, points: usize) -> Vec<u8> {
+        let (seed, mut owner) = (key.seed(), vec![0_u8; self.n * self.n]);
+        for of_block in self.places.chunk_by(|a, b| a.block == b.block) {
+            let turn = turn(seed, of_block[0].block);
+            for place in of_block {
+                // At most POINTS, so a byte.
+                owner[place.texel] = (slot(place.inside, turn) * points / POINTS) as u8;
+            }
+        }
+        owner
+    }
+
     /// [texel]: unit directions of a cell's rays, world frame.
     pub fn of(&self, key: CellKey) -> &[DVec3] {
         &self.patterns[(mix(key.seed(), 5) % PATTERNS) as usize]
@@ -76,41 +89,67 @@ pub struct ProbeTrace {
     /// [texel]: the point that the texel's ray was cast from.
     pub owner: Vec<u8>,
     pub rays: u64,
+    /// Whether some points seemed hidden: [`Cell::doubtful`](heliotile_core::layers::cells::Cell::doubtful).
+    pub doubtful: bool,
+}
+
+/// The points of a cell for an n x n texture.
+fn points_of(key: CellKey, n: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
+    // With fewer rays a point, many that see little sky would have to be looked at for whether they are hidden.
+    sample(key, (n * n / LEAST_RAYS).clamp(1, POINTS), mesh, tracer)
+}
+
+/// What [`trace_probe`] gives of a cell without hidden points whose sky bits are known, and no ray is cast.
+pub fn known_probe(key: CellKey, bits: Vec<u8>, texture: &Directions, mesh: &Mesh, tracer: &Tracer) -> ProbeTrace {
+    let points = points_of(key, texture.n, mesh, tracer);
+    let share = 1.0 / points.len() as f64;
+    ProbeTrace {
+        normal: points.iter().map(|p| p.normal * share).sum(),
+        bits,
+        origins: points.iter().map(|p| lifted(p.position, p.normal, tracer)).collect(),
+        owner: texture.owners(key, points.len()),
+        points: points.into_iter().map(|point| (point, share)).collect(),
+        rays: 0,
+        doubtful: false,
+    }
+}
+
+/// The rays of the first round, those that [`trace_probe`] casts for a cell without hidden points.
+pub fn sky_rays<'a>(key: CellKey, probe: &'a ProbeTrace, texture: &'a Directions) -> impl Iterator<Item = Ray> + 'a {
+    let directions = texture.of(key);
+    let ray = |texel: usize| {
+        let (point, direction) = (usize::from(probe.owner[texel]), directions[texel]);
+        let before = probe.points[point].0.normal.dot(direction) > 0.0;
+        before.then(|| Ray { origin: probe.origins[point], direction: direction.as_vec3().to_array() })
+    };
+    let texels = texture.texels().filter(|_| !probe.points.is_empty());
+    texels.filter_map(ray)
 }
 
 /// Traces the n x n sky bits of a cell. A cell without any surface (which no hit can name) has zero bits and no points.
 pub fn trace_probe(key: CellKey, texture: &Directions, mesh: &Mesh, tracer: &Tracer) -> ProbeTrace {
     let (n, directions) = (texture.n, texture.of(key));
-    // With fewer rays a point, many that see little sky would have to be looked at for whether they are hidden.
-    let points = sample(key, (n * n / LEAST_RAYS).clamp(1, POINTS), mesh, tracer);
+    let points = points_of(key, n, mesh, tracer);
     let count = points.len();
     let mut bits = vec![0_u8; (n * n).div_ceil(8)];
     if count == 0 {
         let (points, origins, owner) = Default::default();
-        return ProbeTrace { normal: DVec3::ZERO, bits, points, origins, owner, rays: 0 };
+        return ProbeTrace { normal: DVec3::ZERO, bits, points, origins, owner, rays: 0, doubtful: false };
     }
     let seed = key.seed();
     let origins: Vec<[f32; 3]> = points.iter().map(|p| lifted(p.position, p.normal, tracer)).collect();
     let mut look = Look { directions, points: &points, origins: &origins, asked: ASKED.take(), cast: CAST.take() };
 
     // First round: every point gets the same share of texels, spread over the whole sky.
-    // At most POINTS, so a byte.
-    let mut owner = vec![0_u8; n * n];
-    for of_block in texture.places.chunk_by(|a, b| a.block == b.block) {
-        let turn = turn(seed, of_block[0].block);
-        for place in of_block {
-            let point = slot(place.inside, turn) * count / POINTS;
-            owner[place.texel] = point as u8;
-            look.ask(place.texel, point);
-        }
-    }
+    let mut owner = texture.owners(key, count);
+    texture.texels().for_each(|texel| look.ask(texel, usize::from(owner[texel])));
     let mut rays = look.cast.len() as u64;
     let mut open = vec![false; count];
     for (texel, point) in look.open(tracer) {
         open[point] = true;
         bits[texel / 8] |= 1 << (texel % 8);
     }
-    let (hidden, looks) = look.hidden(&open, &owner, key, texture, mesh, tracer);
+    let (Verdict { hidden, doubtful }, looks) = look.hidden(&open, &owner, key, texture, mesh, tracer);
     rays += looks;
 
     // Second round: texels of hidden points are asked again from the others, of which there is one that sees sky if any is hidden.
@@ -129,7 +168,7 @@ pub fn trace_probe(key: CellKey, texture: &Directions, mesh: &Mesh, tracer: &Tra
     ASKED.set(look.asked);
     CAST.set(look.cast);
     let normal = points.iter().zip(&share).map(|(p, &s)| p.normal * s).sum();
-    ProbeTrace { normal, bits, points: points.into_iter().zip(share).collect(), origins, owner, rays }
+    ProbeTrace { normal, bits, points: points.into_iter().zip(share).collect(), origins, owner, rays, doubtful }
 }
 
 thread_local! {
@@ -168,9 +207,9 @@ impl Look<'_> {
         texture: &Directions,
         mesh: &Mesh,
         tracer: &Tracer,
-    ) -> (Vec<bool>, u64) {
+    ) -> (Verdict, u64) {
         if !open.contains(&true) || !open.contains(&false) {
-            return (vec![false; open.len()], 0);
+            return (Verdict { hidden: vec![false; open.len()], doubtful: false }, 0);
         }
         // Each point has a texel in each block: some blocks, spread over the sky.
         let stride = (texture.n * texture.n / (POINTS * LOOKS)).max(1) as u64;

@@ -4,6 +4,7 @@ use std::cell::RefCell;
 
 use glam::DVec3;
 
+use crate::trace::change::{ChangeInView, KnownSky};
 use crate::trace::hidden::meets_inside;
 use crate::trace::kernel::rays::{Ray, Tracer};
 use crate::trace::kernel::scan::ScanSpace;
@@ -14,6 +15,7 @@ use crate::trace::surroundings::cell_of;
 use heliotile_core::hemisphere::{Frame, jitter, texel_direction, texels_in_blocks};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::layers::texel_block::TexelBlock;
 use heliotile_core::site::cells::{CellKey, level_of, receiver_seed};
 use heliotile_scene::mesh::Mesh;
 
@@ -36,6 +38,17 @@ impl CellSettings {
 
 /// Level of a cell that holds nothing but its own hit: 2^-10 m.
 const PRIVATE_LEVEL: i8 = -10;
+
+/// The sky of one receiver.
+#[derive(Clone, Debug)]
+pub struct SkyTrace {
+    /// World frame.
+    pub texture: SkyTexture,
+    /// What the texture describes, as finely as it is refined.
+    pub bits: BitSquare,
+    /// Rays that were cast.
+    pub rays: u64,
+}
 
 /// The hits of one receiver.
 #[derive(Clone, Debug)]
@@ -65,7 +78,8 @@ pub struct Viewpoint {
 }
 
 impl Viewpoint {
-    pub(super) fn origin(&self, tracer: &Tracer) -> [f32; 3] {
+    /// Where its rays start, relative to the origin of the scene.
+    pub(crate) fn origin(&self, tracer: &Tracer) -> [f32; 3] {
         lifted(self.position, self.normal, tracer)
     }
 
@@ -74,13 +88,17 @@ impl Viewpoint {
         receiver_seed(self.position, self.normal)
     }
 
-    /// What is seen of the sky, as a texture and as bits, and how many rays that took. Texels whose centre lies behind the surface are asked
-    /// along the surface.
-    pub fn sky(&self, fans: &SkyFans, tracer: &Tracer) -> (SkyTexture, BitSquare, u64) {
+    /// What is seen of the sky. Texels whose centre lies behind the surface are asked along the surface.
+    pub fn sky(&self, fans: &SkyFans, tracer: &Tracer) -> SkyTrace {
+        self.sky_after(fans, tracer, None)
+    }
+
+    /// As [`Viewpoint::sky`], where something is known from before a change: only rays that it does not answer are cast.
+    pub(crate) fn sky_after(&self, fans: &SkyFans, tracer: &Tracer, known: Option<KnownSky>) -> SkyTrace {
         let origin = self.origin(tracer);
         let (mut space, mut rays, parts) = (SPACE.take(), 0, fans.parts(self.normal));
         let mut scan = tracer.scan(origin, parts.len(), &mut space);
-        let (texture, dense) = SkyTexture::trace(fans.front(self.normal), fans.fine(), |n, blocks| {
+        let mut cast = |n: usize, blocks: &mut [TexelBlock]| {
             rays += blocks.iter().map(|block| u64::from(block.wanted.count_ones())).sum::<u64>();
             let bent = fans.bent(n, blocks, self.normal, &parts);
             let mut questions = fans.questions(n, blocks, self.normal, &parts, &bent);
@@ -99,9 +117,58 @@ impl Viewpoint {
             for ((place, bit), met) in places.into_iter().zip(tracer.occluded_many(&alone)) {
                 blocks[place].ones |= u16::from(!met) << bit;
             }
+        };
+        let touched: Vec<bool> = match &known {
+            Some(known) => parts.iter().map(|part| known.seen.lies_in(part.whole())).collect(),
+            None => Vec::new(),
+        };
+        let (texture, dense) = SkyTexture::trace(fans.front(self.normal), fans.fine(), |n, blocks| {
+            let Some(known) = &known else { return cast(n, blocks) };
+            let part = fans.part(n);
+            let answers = known.answers.get((n / fans.base()).ilog2() as usize);
+            let mut asked: Vec<(usize, TexelBlock)> = Vec::new();
+            for (place, block) in blocks.iter_mut().enumerate() {
+                let (answered, ones) = answers.map_or((0, 0), |answers| answers.of(block));
+                block.ones = ones & block.wanted;
+                let again = TexelBlock { wanted: answered & block.wanted, ones: 0, ..*block };
+                if touched[part(block)] && again.wanted != 0 {
+                    asked.push((place, again));
+                }
+            }
+            // Those that meet what changed are cast again, with those that were never asked about.
+            let doubted: Vec<TexelBlock> = asked.iter().map(|asked| asked.1).collect();
+            let bent = fans.bent(n, &doubted, self.normal, &parts);
+            let questions = fans.questions(n, &doubted, self.normal, &parts, &bent);
+            let rays: Vec<Ray> = doubted
+                .iter()
+                .zip(&questions)
+                .flat_map(|(block, question)| {
+                    block.bits().map(|bit| Ray { origin, direction: question.fan.direction(bit as usize) })
+                })
+                .collect();
+            let mut met = known.change.met(&rays).into_iter();
+            let mut lost = vec![0_u16; blocks.len()];
+            for (place, block) in &asked {
+                for bit in block.bits() {
+                    lost[*place] |= u16::from(met.next().unwrap_or(true)) << bit;
+                }
+            }
+            let mut left: Vec<(usize, TexelBlock)> = Vec::new();
+            for (place, block) in blocks.iter().enumerate() {
+                let (answered, _) = answers.map_or((0, 0), |answers| answers.of(block));
+                let wanted = block.wanted & (!answered | lost[place]);
+                if wanted != 0 {
+                    left.push((place, TexelBlock { wanted, ones: 0, ..*block }));
+                }
+            }
+            let mut again: Vec<TexelBlock> = left.iter().map(|left| left.1).collect();
+            cast(n, &mut again);
+            for ((place, _), block) in left.iter().zip(again) {
+                blocks[*place].ones = blocks[*place].ones & !block.wanted | block.ones;
+            }
         });
         SPACE.set(space);
-        (texture, dense, rays)
+        SkyTrace { texture, bits: dense, rays }
     }
 
     /// Closest hits over the n x n texture of the surface's own hemisphere, one jittered ray a texel.
@@ -137,6 +204,18 @@ impl Viewpoint {
         HitTrace { cells: keys, nearest_m, mirrors, distances_m }
     }
 
+    /// Whether a ray to the sky may meet what changed.
+    pub(crate) fn looks_towards(&self, seen: &ChangeInView, fans: &SkyFans) -> bool {
+        !seen.is_nothing() && fans.parts(self.normal).iter().any(|part| seen.lies_in(part.whole()))
+    }
+
+    /// The rays of [`Viewpoint::hits`].
+    pub(crate) fn hit_rays(&self, n: usize, tracer: &Tracer) -> Vec<Ray> {
+        let (origin, direction) = (self.origin(tracer), self.hit_directions(n));
+        let ray = |(column, row)| Ray { origin, direction: direction(row * n + column).as_vec3().to_array() };
+        texels_in_blocks(n).map(ray).collect()
+    }
+
     /// Directions of the hit rays by texel: jittered, world frame.
     pub(super) fn hit_directions(&self, n: usize) -> impl Fn(usize) -> DVec3 + use<> {
         let (frame, seed) = (Frame::of(self.normal), self.seed());
@@ -163,7 +242,6 @@ mod tests {
     use crate::trace::kernel::lanes::Level;
     use crate::trace::sky_fans::before;
     use heliotile_core::hemisphere::{mix, unit};
-    use heliotile_core::layers::texel_block::TexelBlock;
     use heliotile_core::site::material::{Class, Material};
     use heliotile_scene::Scene;
 
@@ -235,8 +313,8 @@ mod tests {
                 );
                 for level in Level::available() {
                     let tracer = Tracer::at_level(&scene.mesh, level).expect("a tree");
-                    let (texture, dense, _) = view.sky(&fans, &tracer);
-                    assert!((texture, dense) == plain, "{position} {normal} {base} {fine} {level:?}");
+                    let SkyTrace { texture, bits, .. } = view.sky(&fans, &tracer);
+                    assert!((texture, bits) == plain, "{position} {normal} {base} {fine} {level:?}");
                 }
             }
         }

@@ -85,6 +85,11 @@ impl SkyFans {
         front_of(self.base, normal, &self.centres)
     }
 
+    /// Side of the coarsest texture.
+    pub fn base(&self) -> usize {
+        self.base
+    }
+
     /// Side of the finest texture.
     pub fn fine(&self) -> usize {
         self.fine
@@ -149,7 +154,7 @@ impl SkyFans {
     }
 
     /// Number of the part that a block of an n x n texture belongs to.
-    fn part(&self, n: usize) -> impl Fn(&TexelBlock) -> usize + use<> {
+    pub(crate) fn part(&self, n: usize) -> impl Fn(&TexelBlock) -> usize + use<> {
         let (shift, side) = ((n / self.base).ilog2(), self.base / TexelBlock::SIDE as usize);
         move |block| (block.row >> shift) as usize * side + (block.column >> shift) as usize
     }
@@ -200,6 +205,13 @@ pub(crate) struct Part {
     whole: Cone,
     /// Whether none goes along the surface.
     front: bool,
+}
+
+impl Part {
+    /// The cone around it.
+    pub fn whole(&self) -> &Cone {
+        &self.whole
+    }
 }
 
 /// A direction in front of a surface, or along it.

@@ -67,18 +67,10 @@ const GROWTH: i8 = 6;
 /// A part of the hemisphere smaller than this gets no ray.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Casts rays from a cell whose sky texture is traced; rays above the horizon count alike, and so do those below.
-pub fn surroundings(
-    key: CellKey,
-    probe: &ProbeTrace,
-    texture: &Directions,
-    settings: SurroundingSettings,
-    mesh: &Mesh,
-    tracer: &Tracer,
-    reflections: Option<&Reflections>,
-) -> Surroundings {
+/// Up to `count` rays from a cell whose sky texture is traced, and whether each goes above the horizon; those above count alike, and so do
+/// those below.
+pub fn looks_around(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: usize) -> Vec<(Ray, bool)> {
     let (n, directions) = (texture.n, texture.of(key));
-    let SurroundingSettings { closed_level, rays: count } = settings;
     let seed = key.seed();
     let normals: Vec<DVec3> = probe.points.iter().map(|p| p.0.normal).collect();
     // Blocked texels above the horizon and the running sum of their cosines.
@@ -114,18 +106,67 @@ pub fn surroundings(
     if down_count > 0 {
         let frames: Vec<Frame> = normals.iter().map(|&normal| Frame::of(normal)).collect();
         let weights: Vec<f64> = probe.points.iter().map(|p| p.1).collect();
-        let offset = DVec2::new(unit(mix(seed, 12)), unit(mix(seed, 13)));
-        // R2 sequence (Roberts 2018) over the cosine-distributed hemisphere, of which the part below the horizon is kept.
+        let square = tries_of(key);
+        // The part of the hemisphere below the horizon is kept.
         let tries = (0..64 * down_count).map(|j| {
             let point = pick(&weights, unit(mix(seed ^ 0x646f_776e, j as u64)));
-            let square = j as f64 * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + offset;
-            (point, frames[point].to_world(cosine_direction_of(square.fract())))
+            (point, frames[point].to_world(cosine_direction_of(square(j))))
         });
         for (point, direction) in tries.filter(|(_, direction)| direction.z <= 0.0).take(down_count) {
             from(point, direction, false);
         }
     }
+    rays
+}
 
+/// Where a cell tries the cosine-distributed hemisphere: R2 sequence (Roberts 2018).
+fn tries_of(key: CellKey) -> impl Fn(usize) -> DVec2 {
+    let seed = key.seed();
+    let offset = DVec2::new(unit(mix(seed, 12)), unit(mix(seed, 13)));
+    move |j| (j as f64 * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + offset).fract()
+}
+
+/// All rays that a cell may cast for its sky and, `count` of them, for what else it sees, whichever of its points are hidden.
+pub fn may_cast(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: usize) -> Vec<Ray> {
+    let (directions, square) = (texture.of(key), tries_of(key));
+    let frames: Vec<Frame> = probe.points.iter().map(|p| Frame::of(p.0.normal)).collect();
+    let mut rays = Vec::new();
+    for ((point, _), &origin) in probe.points.iter().zip(&probe.origins) {
+        let before = directions.iter().filter(|direction| point.normal.dot(**direction) > 0.0);
+        rays.extend(before.map(|direction| Ray { origin, direction: direction.as_vec3().to_array() }));
+    }
+    // Tries count for a point where they go below its horizon: the last one is known once as many as wanted do for all.
+    let mut below_all = 0;
+    for j in 0..64 * count {
+        let tried = cosine_direction_of(square(j));
+        let mut all = true;
+        for (frame, &origin) in frames.iter().zip(&probe.origins) {
+            let direction = frame.to_world(tried);
+            all &= direction.z <= 0.0;
+            if direction.z <= 0.0 {
+                rays.push(Ray { origin, direction: direction.as_vec3().to_array() });
+            }
+        }
+        below_all += usize::from(all);
+        if below_all == count {
+            break;
+        }
+    }
+    rays
+}
+
+/// Casts the rays of [`looks_around`].
+pub fn surroundings(
+    key: CellKey,
+    probe: &ProbeTrace,
+    texture: &Directions,
+    settings: SurroundingSettings,
+    mesh: &Mesh,
+    tracer: &Tracer,
+    reflections: Option<&Reflections>,
+) -> Surroundings {
+    let SurroundingSettings { closed_level, rays: count } = settings;
+    let rays = looks_around(key, probe, texture, count);
     let cast: Vec<Ray> = rays.iter().map(|r| r.0).collect();
     let mut met = Surroundings { cast: cast.len() as u64, ..Surroundings::default() };
     for (hit, &(ray, up)) in tracer.closest_many(&cast).into_iter().zip(&rays) {

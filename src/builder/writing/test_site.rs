@@ -57,6 +57,7 @@ pub fn cells(level: i8, facing: u8) -> cells::Cells {
         hits: vec![0, cells::MISS],
         mirrors: Vec::new(),
         canopies: Vec::new(),
+        doubtful: vec![false],
     }
 }
 

@@ -46,7 +46,7 @@ pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'O', 0x0d, 0x0a, 0x1a, 0x0a];
 /// Major number of the format that this release reads and writes.
 pub const MAJOR: u16 = 1;
 /// Minor number of the format that this release reads and writes; archives of any other number are refused.
-pub const MINOR: u16 = 5;
+pub const MINOR: u16 = 6;
 /// Slot A and slot B.
 pub const SLOT_OFFSETS: [u64; 2] = [0, 4096];
 /// Bytes of a slot, its checksum included.
@@ -172,8 +172,8 @@ pub const KINDS: [(BlockKind, &str, u16); 21] = [
     (SKY, "sky", 1),
     (HIT, "hit", 3),
     (RESPONSE, "response", 2),
-    (PROBES, "probes", 3),
-    (BOUNCE, "bounce", 3),
+    (PROBES, "probes", 4),
+    (BOUNCE, "bounce", 4),
     (INDEX, "index", 2),
     (MIRROR, "mirror", 2),
     (CANOPY, "canopy", 1),

@@ -134,14 +134,14 @@ mod tests {
         assert!(error.contains("was not finished"), "{error}");
     }
 
-    /// Formats 1.0, 1.4, 1.6 and 2.5 are refused with the file, what was found, what is read and what to do, 4 of 4; required bit 7 is
+    /// Formats 1.0, 1.5, 1.7 and 2.6 are refused with the file, what was found, what is read and what to do, 4 of 4; required bit 7 is
     /// refused by its number, and an optional one is passed over.
     #[test]
     fn other_formats_are_refused_by_name() {
-        for (major, minor) in [(1, 0), (1, 4), (1, 6), (2, 5)] {
+        for (major, minor) in [(1, 0), (1, 5), (1, 7), (2, 6)] {
             let error = read_slots([complete(1), Slot { major, minor, ..complete(1) }], 8192).unwrap_err();
             let expected = format!(
-                "site.helio: format of the archive: found format {major}.{minor}, this release supports format 1.5 only: \
+                "site.helio: format of the archive: found format {major}.{minor}, this release supports format 1.6 only: \
                  build the archive again with this release"
             );
             assert_eq!(error.to_string(), expected);

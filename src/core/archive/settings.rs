@@ -2,7 +2,7 @@
 //! its range, the rungs of its accuracy ladder from coarse to fine, and its meaning. The manifest's fields, `--set`, `info`, the ladder and
 //! the descriptions in `schema/manifest.schema.json` follow from that.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
@@ -181,12 +181,28 @@ impl Settings {
 
     /// Names the settings, by their JSON: other ones, those of a later release too, have another hash.
     pub fn hash(&self) -> Result<[u8; 32]> {
-        let json = serde_json::to_vec(self).map_err(|e| Error::Unsupported {
-            what: "naming settings".to_string(),
-            found: e.to_string(),
-            supported: "what JSON can hold".to_string(),
-        })?;
+        let json = serde_json::to_vec(self).map_err(unnamed)?;
         Ok(*blake3::hash(&json).as_bytes())
+    }
+
+    /// Settings whose value is another one now: `hit 16, now 24`.
+    pub fn differences(&self, now: &Self) -> Result<Vec<String>> {
+        let stated = |settings: &Self| -> Result<BTreeMap<String, Value>> {
+            serde_json::to_value(settings).and_then(serde_json::from_value).map_err(unnamed)
+        };
+        let (then, now) = (stated(self)?, stated(now)?);
+        let value = |of: Option<&Value>| of.map_or_else(|| "not stated".to_string(), Value::to_string);
+        let names: BTreeSet<&String> = then.keys().chain(now.keys()).collect();
+        let other = names.into_iter().filter(|name| then.get(*name) != now.get(*name));
+        Ok(other.map(|name| format!("{name} {}, now {}", value(then.get(name)), value(now.get(name)))).collect())
+    }
+}
+
+fn unnamed(error: serde_json::Error) -> Error {
+    Error::Unsupported {
+        what: "naming settings".to_string(),
+        found: error.to_string(),
+        supported: "what JSON can hold".to_string(),
     }
 }
 

@@ -22,6 +22,8 @@ pub struct Cells {
     pub mirrors: Vec<CellMirrors>,
     /// `[cell]`: what its rays cross; empty where none does.
     pub canopies: Vec<Canopy>,
+    /// `[cell]`: [`Cell::doubtful`].
+    pub doubtful: Vec<bool>,
 }
 
 /// Flag of a ray that goes below the horizon.
@@ -54,6 +56,9 @@ pub struct Cell {
     pub mirrors: CellMirrors,
     /// What its rays to the texels of its sky, and to what it sees, cross.
     pub canopy: Canopy,
+    /// Whether some of its points seemed hidden, so that paths of light through the whole scene decided on them. All else that a cell
+    /// holds depends on its own surface and on what its own rays meet.
+    pub doubtful: bool,
 }
 
 /// Bytes of a ray of [`Cell::to_bytes`].
@@ -69,7 +74,8 @@ impl Cell {
     pub fn to_bytes(&self) -> Vec<u8> {
         let layers = [self.mirrors.to_bytes(self.bits.len()), self.canopy.to_bytes()];
         let lengths: usize = layers.iter().map(|layer| 4 + layer.len()).sum();
-        let mut bytes = Vec::with_capacity(12 + self.bits.len() + lengths + RAY_BYTES * self.seen.len());
+        let mut bytes = Vec::with_capacity(13 + self.bits.len() + lengths + RAY_BYTES * self.seen.len());
+        bytes.push(u8::from(self.doubtful));
         bytes.extend(self.normal.iter().flat_map(|n| n.to_le_bytes()));
         bytes.extend(&self.bits);
         for layer in &layers {
@@ -86,7 +92,9 @@ impl Cell {
     /// Inverse of [`CellKey::to_bytes`] and [`Cell::to_bytes`] for a number of texels of the sky; `None` for anything else.
     pub fn from_bytes(key: &[u8], cell: &[u8], texels: usize) -> Option<Self> {
         let bits = texels.div_ceil(8);
-        let (normal, rest) = cell.split_first_chunk::<12>()?;
+        let (&doubtful, rest) = cell.split_first()?;
+        let doubtful = doubtful != 0;
+        let (normal, rest) = rest.split_first_chunk::<12>()?;
         let (bits, mut rest) = rest.split_at_checked(bits)?;
         let mut layer = || {
             let (length, tail) = rest.split_first_chunk()?;
@@ -110,6 +118,7 @@ impl Cell {
             mirrors: CellMirrors::from_bytes(mirrors, bits.len())?,
             canopy: Canopy::from_bytes(canopy, [texels, rays.len()], |_| true)?,
             seen: rays.iter().map(ray).collect(),
+            doubtful,
         })
     }
 }
@@ -138,6 +147,7 @@ impl Cells {
             hits,
             mirrors: gathered(cells.iter().map(|c| &c.mirrors), CellMirrors::is_empty),
             canopies: gathered(cells.iter().map(|c| &c.canopy), Canopy::is_empty),
+            doubtful: cells.iter().map(|c| c.doubtful).collect(),
         }
     }
 
@@ -166,6 +176,7 @@ impl Cells {
             hits: hits().map(|hit| renumber(hit, &numbers)).collect(),
             mirrors: gathered(rows.iter().filter_map(|&row| self.mirrors.get(row)), CellMirrors::is_empty),
             canopies: gathered(rows.iter().filter_map(|&row| self.canopies.get(row)), Canopy::is_empty),
+            doubtful: rows.iter().map(|&row| self.doubtful[row]).collect(),
         }
     }
 
@@ -185,6 +196,7 @@ impl Cells {
             seen,
             mirrors: joined(parts.iter().map(|p| (p.rows(), p.mirrors.as_slice()))),
             canopies: joined(parts.iter().map(|p| (p.rows(), p.canopies.as_slice()))),
+            doubtful: parts.iter().flat_map(|p| p.doubtful.iter().copied()).collect(),
         }
     }
 
@@ -240,6 +252,7 @@ impl Cells {
             seen: self.hits_of(cell).iter().map(seen).collect(),
             mirrors: self.mirrors_of(cell).cloned().unwrap_or_default(),
             canopy: self.canopy_of(cell).cloned().unwrap_or_default(),
+            doubtful: self.doubtful[cell],
         }
     }
 }
@@ -300,6 +313,7 @@ mod tests {
                     paths: vec![CellPath { up: true, cell: key(i), steps: vec![(2, 99)] }; i as usize],
                 },
                 canopy: Canopy::default(),
+                doubtful: i == 1,
             })
             .collect();
         let table = Cells::new(&cells);

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::hemisphere::HEMISPHERE_SR;
 use crate::layers::bits::BitSquare;
-use crate::layers::texel_block::TexelBlock;
+use crate::layers::texel_block::{Answers, TexelBlock};
 
 /// Bits of one receiver, as stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -50,6 +50,19 @@ impl SkyTexture {
             }
         }
         (texture, dense)
+    }
+
+    /// What was asked to make this texture, level by level, the base first; [`SkyTexture::trace`] from behind.
+    pub fn answers(&self) -> Vec<Answers> {
+        let mut all = vec![Answers { asked: self.front.clone(), bits: self.base.clone() }];
+        let (mut mask, mut bits) = (self.front.clone(), self.base.clone());
+        for level in &self.levels {
+            let refined = bits.mixed(&mask);
+            bits = bits.refine(&refined, level);
+            all.push(Answers { asked: refined.double(), bits: bits.clone() });
+            mask = mask.double();
+        }
+        all
     }
 
     /// Raw block of a tile: all front planes, all base planes, then level after level, receiver by receiver.
@@ -197,6 +210,33 @@ mod tests {
     fn skyline(d: DVec3) -> bool {
         let azimuth = d.y.atan2(d.x);
         d.z > 0.3 + 0.2 * (3.0 * azimuth).sin() + 0.05 * (11.0 * azimuth).cos()
+    }
+
+    /// Of 3 textures every question that made them is among their answers, with what was answered, 15,000 of them, and nothing else is.
+    #[test]
+    fn answers_are_those_given() {
+        let mut given = 0;
+        for normal in [DVec3::Z, DVec3::X, DVec3::new(0.6, 0.0, -0.8)] {
+            let front = front_of(32, normal, &texel_centres(32));
+            let mut told: Vec<(usize, TexelBlock)> = Vec::new();
+            let (texture, _) = SkyTexture::trace(front, 256, |n, blocks| {
+                let answer = TexelBlock::by_texels(|n, texels| {
+                    let at = |&(c, r): &(u32, u32)| texel_direction(c as usize, r as usize, n, DVec2::splat(0.5));
+                    texels.iter().map(|t| skyline(at(t))).collect()
+                });
+                let mut answer = answer;
+                answer(n, blocks);
+                told.extend(blocks.iter().map(|block| (n, *block)));
+            });
+            let answers = texture.answers();
+            let asked: u32 = answers.iter().map(|level| level.asked.count()).sum();
+            assert_eq!(asked, told.iter().map(|(_, block)| block.wanted.count_ones()).sum::<u32>());
+            for (n, block) in told {
+                assert_eq!(answers[(n / 32).ilog2() as usize].of(&block), (block.wanted, block.ones));
+                given += block.wanted.count_ones();
+            }
+        }
+        assert!(given > 15_000, "{given}");
     }
 
     fn traced(base: usize, fine: usize, normal: DVec3) -> (SkyTexture, BitSquare, usize) {

@@ -54,6 +54,22 @@ impl TexelBlock {
     }
 }
 
+/// Which texels of an n x n square were asked about, and what the answers were.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Answers {
+    pub(super) asked: BitSquare,
+    pub(super) bits: BitSquare,
+}
+
+impl Answers {
+    /// Those of the texels of a block that were asked about, and those of them that are 1.
+    #[inline]
+    pub fn of(&self, block: &TexelBlock) -> (u16, u16) {
+        let asked = self.asked.block(block.column, block.row);
+        (asked, asked & self.bits.block(block.column, block.row))
+    }
+}
+
 impl BitSquare {
     /// Blocks of the set bits, row by row.
     pub(super) fn blocks(&self, blocks: &mut Vec<TexelBlock>) {
@@ -102,6 +118,15 @@ impl BitSquare {
             let word = &mut self.words[row * self.stride + place];
             *word = *word & !nibble(block.wanted) | nibble(block.ones & block.wanted);
         }
+    }
+
+    /// The bits of a block of 4 x 4 texels as [`TexelBlock`] holds them; 0 beyond the square.
+    #[inline]
+    fn block(&self, column: u32, row: u32) -> u16 {
+        let (place, shift) = (column as usize / 16, column % 16 * 4);
+        let rows = (row as usize * 4..self.side()).take(4);
+        rows.zip((0..).step_by(4))
+            .fold(0, |block, (row, bit)| block | ((self.words[row * self.stride + place] >> shift & 15) as u16) << bit)
     }
 
     /// The four bits of each of the `refined` texels of the square with half the side: [`BitSquare::refine`] from behind.

@@ -311,6 +311,7 @@ fn traced(
         memory: task.resources.memory,
         under: None,
         with_scene: true,
+        from: None,
     };
     let found = build_or_reuse(&asked, scene, Some(covered), task.resources.observer)?;
     let name = archive.file_name().unwrap_or_default().to_string_lossy();

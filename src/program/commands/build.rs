@@ -59,7 +59,8 @@ fn parts(args: &BuildArgs, part: &str) -> Result<Outcome> {
 
 /// Of a scene and receivers on it.
 fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
-    let inputs = [Some(receivers), args.accuracy.error_weather.as_deref(), args.weather.as_deref()];
+    let inputs =
+        [Some(receivers), args.accuracy.error_weather.as_deref(), args.weather.as_deref(), args.from.as_deref()];
     guard_site(output, &args.scene.site()?, &inputs)?;
     guard_archive(output)?;
     let scene = load_scene(&args.scene)?;
@@ -73,6 +74,7 @@ fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
         effects: args.effects,
         with_scene: !args.no_scene,
         store: args.store.as_deref().map(Folder::create).transpose()?,
+        from: args.from.clone(),
     };
     let output = Output {
         path: output.to_owned(),
@@ -105,6 +107,7 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
         effects: args.effects,
         with_scene: true,
         store: None,
+        from: None,
     })?;
     say(&format!(
         "{}: {} receivers, {} triangles, {}\n{}",

@@ -172,6 +172,7 @@ def build(
     settings: Mapping[str, object] | None = None,
     effects: str = "auto",
     with_scene: bool = True,
+    before: str | os.PathLike[str] | None = None,
     fresh: bool = False,
     checkpoint: float = 30.0,
     memory: int = MEMORY,
@@ -198,6 +199,9 @@ def build(
         Light paths: `"auto"`, `"all"`, `"none"`, or some of `"diffuse,bounces,mirrors,canopies"`.
     with_scene
         Whether the archive holds the scene's triangles, for those who look at it.
+    before
+        Archive of this scene before it was changed: only what the change can alter is traced, and the new archive has the bytes that it
+        would have without.
     fresh
         Discards an interrupted build that lies there. Without it, one of the same inputs goes on: Ctrl-C, and the same call again.
     checkpoint
@@ -231,6 +235,7 @@ def build(
         "settings": [f"{name}={value}" for name, value in (settings or {}).items()],
         "effects": effects,
         "with_scene": with_scene,
+        "before": given.path(before),
         "fresh": fresh,
         "checkpoint": given.number("checkpoint", checkpoint, "give seconds"),
         "memory": given.whole("memory", memory, "give bytes, as in 1 << 30"),

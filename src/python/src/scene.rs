@@ -74,6 +74,8 @@ pub struct BuildArgs {
     settings: Vec<String>,
     effects: String,
     with_scene: bool,
+    /// Archive of the scene before it was changed.
+    before: Option<PathBuf>,
     fresh: bool,
     checkpoint: f64,
     memory: u64,
@@ -193,7 +195,7 @@ impl SceneHandle {
         work::run(py, progress.as_ref(), |watch| {
             let folder = folder_of(&args.output);
             let given = Given::of(&receivers)?;
-            let inputs = [given.user_file(), args.error_weather.as_deref()];
+            let inputs = [given.user_file(), args.error_weather.as_deref(), args.before.as_deref()];
             if is_address(&args.output) {
                 let hint = "write a file, and then: {command:copy} FILE ADDRESS";
                 return Err(Error::input(
@@ -219,6 +221,7 @@ impl SceneHandle {
                 under: None,
                 with_scene: args.with_scene,
                 store: None,
+                from: args.before.clone(),
             };
             let output = Output {
                 path: args.output.clone(),

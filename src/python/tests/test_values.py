@@ -126,6 +126,20 @@ def test_build_is_the_programs(scene: heliotile.Scene, tmp_path: Path) -> None:
         assert site.built is not None and site.built.bytes == len(expected) and site.built.rays > 1e6
 
 
+def test_build_from_before_is_a_fresh_build(scene: heliotile.Scene, tmp_path: Path) -> None:
+    """Of a scene whose walls were painted since, no ray has to be cast: the bytes are those of a build without `before`."""
+    hague = DATA / "hague"
+    painted = tmp_path / "painted.toml"
+    painted.write_text((hague / "materials.toml").read_text().replace("diffuse = 0.3", "diffuse = 0.6"))
+    after = heliotile.Scene(hague / "scene.obj", materials=painted)
+    heliotile.build(scene, hague / "receivers.csv", tmp_path / "before.helio", quality="draft")
+    fresh = heliotile.build(after, hague / "receivers.csv", tmp_path / "fresh.helio", quality="draft")
+    known = heliotile.build(after, hague / "receivers.csv", tmp_path / "known.helio", quality="draft", before=tmp_path / "before.helio")
+    assert (tmp_path / "known.helio").read_bytes() == (tmp_path / "fresh.helio").read_bytes() != (tmp_path / "before.helio").read_bytes()
+    assert known.built is not None and fresh.built is not None and known.built.rays < fresh.built.rays / 20
+
+
+
 def test_cover_is_the_programs(tmp_path: Path) -> None:
     """The table of 1,228 receivers of README's block, and one of windows and roofs at 3 m: byte by byte."""
     city = DATA / "cityjson" / "hague.city.json"

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::original;
 use crate::resources::Resources;
-use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, Start, Workspace};
+use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives, Start, Workspace};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::copy::{copy_whole, folder_of};
@@ -101,7 +101,11 @@ impl RepairRequest {
         let to = Output { start: Start::Resume, ..Output::new(repaired.clone()) };
         let root = archive.root();
         let (scene, receivers, observer) = (&PreparedScene::new(&scene)?, &mut receivers, resources.observer);
-        let done = Build { scene, receivers, workspace: &workspace, observer }.write(&plan, &to, &[archive])?;
+        let done = Build { scene, receivers, workspace: &workspace, observer }.write(
+            &plan,
+            &to,
+            &ReusedArchives { earlier: &[archive], before: None },
+        )?;
         if done.root != root {
             let what = "has another root than the archive had: another release wrote that, or receivers were not those of the archive";
             let hint = "compare the two with `{command:diff}`, and take its name if it is right";

@@ -179,6 +179,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         memory: resources.memory,
         under: None,
         with_scene: true,
+        from: None,
     };
     let archive = build_or_reuse(&asked, traced, None, observer)?;
     let parts: &[&str] = if laid.is_some() { &["receivers.csv", GEOMETRY, MATERIALS] } else { &["receivers.csv"] };

@@ -12,7 +12,7 @@ use super::light::Light;
 use super::open_plain::plain;
 use super::spots::{Spot, Spots};
 use crate::outputs::pv::search::PointSearch;
-use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, Workspace};
+use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives, Workspace};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::{Access, Archive};
@@ -206,7 +206,7 @@ pub fn trace_aside(
     let mut tiles = ReceiverTiles::from_receivers(receivers, prepared.scene.mesh.origin, beside.path(), budget)?;
     let path = beside.path().join("aside.helio");
     let mut build = Build { scene: prepared, receivers: &mut tiles, workspace: &workspace, observer };
-    build.write(&Plan { with_scene: false, ..Plan::of(*settings) }, &Output::new(&path), &[])?;
+    build.write(&Plan { with_scene: false, ..Plan::of(*settings) }, &Output::new(&path), &ReusedArchives::default())?;
     let archive = Archive::open_with(&path, Access::Read)?;
     Ok(TracedAside { archive, _folder: beside })
 }

@@ -59,6 +59,8 @@ pub struct RunRequest {
     pub negligible_percent: Option<f64>,
     /// Whether the archive holds the scene's triangles.
     pub with_scene: bool,
+    /// Archive of the scene before it was changed: only what the change can alter is traced.
+    pub from: Option<PathBuf>,
     /// Tables of these periods, too.
     pub every: Vec<Every>,
     /// What rows of these tables are about.
@@ -107,6 +109,7 @@ impl RunRequest {
             accuracy: AccuracyRequest::default(),
             negligible_percent: None,
             with_scene: true,
+            from: None,
             every: Vec::new(),
             by: By::default(),
             stamp: StampedAt::default(),
@@ -170,6 +173,7 @@ impl RunRequest {
             memory: resources.memory,
             under: under.as_ref().map(|weather| EffectsUnder { weather, negligible_percent }),
             with_scene: self.with_scene,
+            from: self.from.as_deref(),
         };
         let archive = build_or_reuse(&asked, &scene, covered.as_ref(), observer)?;
         black_below_horizon(&archive)?.iter().for_each(|lost| observer.warn(lost));

@@ -21,7 +21,7 @@ pub fn unpack_tag(tag: u32) -> Option<(i8, u8)> {
     Some((i8::from_be_bytes([level ^ 0x80]), facing))
 }
 
-/// Columns of one chunk, schema 2.
+/// Columns of one chunk, schema 4.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct CellsTable {
     /// Voxel of the cell at its level.
@@ -42,6 +42,8 @@ pub struct CellsTable {
     pub seen_material: Vec<u16>,
     /// `[cell][ray]`: row of `seen`, and a flag; see `schema/layers.md`.
     pub hits: Vec<u16>,
+    /// `[cell]`: 1 where some of the cell's points seemed hidden, else 0.
+    pub doubtful: Vec<u8>,
 }
 
 table!(CellsTable, [PROBES, BOUNCE]);
@@ -67,6 +69,7 @@ impl CellsTable {
             seen_tag: cells.seen.iter().map(tag_of).collect(),
             seen_material: cells.seen.iter().map(|k| k.material).collect(),
             hits: cells.hits.iter().map(narrow).collect(),
+            doubtful: cells.doubtful.iter().map(|&doubtful| u8::from(doubtful)).collect(),
         }
     }
 
@@ -85,6 +88,7 @@ impl CellsTable {
             bits: self.bits,
             mirrors: Vec::new(),
             canopies: Vec::new(),
+            doubtful: self.doubtful.iter().map(|&doubtful| doubtful == 1).collect(),
         }
     }
 
@@ -109,7 +113,8 @@ impl CellsTable {
         flat_column("hits", self.hits.len(), rows)?;
         column("hits", &self.hits, self.hits.len(), "a row of seen, or none", |hit| {
             hit & !DOWN == MISS || usize::from(hit & !DOWN) < seen
-        })
+        })?;
+        column("doubtful", &self.doubtful, rows, "0 or 1", |doubtful| *doubtful <= 1)
     }
 }
 
@@ -154,6 +159,7 @@ mod tests {
             seen_tag: vec![pack_tag(2, 58); 2],
             seen_material: vec![0, 0],
             hits: vec![0, DOWN | 1, 1, DOWN | MISS],
+            doubtful: vec![0, 1],
         }
     }
 
@@ -172,11 +178,11 @@ mod tests {
         assert_eq!((last, unpack_tag(65_536)), (Some(65_535), None));
     }
 
-    /// The known value has the known bytes, so the layout of schema 2 is what it was; it reads back as it was, for both kinds.
+    /// The known value has the known bytes, so the layout of schema 4 is what it was; it reads back as it was, for both kinds.
     #[test]
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
-        assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (180, "a7b443f5effad7b2".to_string()));
+        assert_eq!((raw.len(), format::hex(&format::checksum(&raw))), (192, "128026b4de5053a2".to_string()));
         for kind in [PROBES, BOUNCE] {
             let back = CellsTable::from_block(&block(&known().encode(kind, TileNumber::FIRST, 9).unwrap())).unwrap();
             assert_eq!(back, known());
@@ -185,10 +191,10 @@ mod tests {
         assert!(known().encode(format::SKY, TileNumber::FIRST, 9).is_err());
     }
 
-    /// A value out of range in any of 10 ways is refused on writing and, under right checksums, on reading.
+    /// A value out of range in any of 12 ways is refused on writing and, under right checksums, on reading.
     #[test]
     fn ranges_are_checked() {
-        let flaws: [fn(&mut CellsTable); 10] = [
+        let flaws: [fn(&mut CellsTable); 12] = [
             |p| p.voxel[1][2] = 3,
             |p| p.voxel.swap(0, 1),
             |p| p.tag[1] = 65_536,
@@ -199,6 +205,8 @@ mod tests {
             |p| p.hits[1] = 2,
             |p| p.hits.truncate(3),
             |p| p.seen_voxel.swap(0, 1),
+            |p| p.doubtful[0] = 2,
+            |p| p.doubtful.truncate(1),
         ];
         for (number, flaw) in flaws.into_iter().enumerate() {
             let mut wrong = known();

@@ -154,7 +154,7 @@ mod tests {
     /// the stored reflectances and with others: 4 comparisons of 500 values or more.
     #[test]
     fn as_replayed() {
-        for name in ["v1.5-experimental.helio", "v1.5-mirrors.helio"] {
+        for name in ["v1.6-experimental.helio", "v1.6-mirrors.helio"] {
             for schedules in [Vec::new(), vec![Schedule { materials: vec![0], values: vec![0.55] }]] {
                 let (compared, worst) = off(name, &schedules);
                 assert!(compared > 500 && worst < 5e-5, "{name}: {compared} {worst:e}");

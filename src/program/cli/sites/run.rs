@@ -35,6 +35,9 @@ pub struct RunArgs {
     /// Leave the scene's triangles out of the archive, for those who may not pass them on
     #[arg(long)]
     pub no_scene: bool,
+    /// Archive of this scene before it was changed: only what the change can alter is traced, with the same results
+    #[arg(long, value_name = "BEFORE.helio")]
+    pub from: Option<PathBuf>,
     /// Also write a table of each hour, day, month, year or of all, as `replay` does: months.csv and so on; several with commas
     #[arg(long, value_name = "PERIOD", value_parser = choice::<Every>(), value_delimiter = ',')]
     pub every: Vec<Every>,
@@ -77,6 +80,7 @@ impl RunArgs {
             accuracy: self.accuracy.request_beside(Some(&self.weather), &self.about_weather),
             negligible_percent: self.negligible.map(|Percent(percent)| percent),
             with_scene: !self.no_scene,
+            from: self.from.clone(),
             every: self.every.clone(),
             by: self.by,
             stamp: self.stamp,

@@ -1,0 +1,311 @@
+//! An archive of the scene before it was changed (`build --from`). In: that archive, the scene as it is now. Out: layers of receivers and cells
+//! that the change leaves as they were, to the bit: they depend on rays that meet none of the triangles that came or went.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::known::{Earlier, KnownReceiver, whole_cells};
+use super::mirrors::around_cell;
+use super::prepared::PreparedScene;
+use super::report::Kept;
+use super::site_tracer::SiteTracer;
+use crate::settings::{BuildSettings, Effect};
+use crate::trace::Ray;
+use crate::trace::change::{Change, ChangeInView, KnownSky};
+use crate::trace::hidden::may_be_lit_since;
+use crate::trace::probe::{Directions, known_probe, sky_rays};
+use crate::trace::receiver::{HitTrace, SkyTrace, Viewpoint};
+use crate::trace::sky_fans::SkyFans;
+use crate::trace::surroundings::{looks_around, may_cast};
+use heliotile_core::archive::format::{CellKind, TileNumber};
+use heliotile_core::archive::tables::GeometryTable;
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::layers::cells::Cell;
+use heliotile_core::observer::Observer;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::site::cells::CellKey;
+use heliotile_core::site::grid::Grid;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::counted;
+use heliotile_scene::change::{SceneChange, TracedScene};
+
+/// A mean of unit normals that is at least so long is one of a plane.
+const PLANE: f64 = 1.0 - 1e-6;
+
+/// To ask whether light comes to the back of a triangle costs a quarter of tracing a cell; a fifth of all cells are doubtful.
+const TRIANGLES_A_CELL: u64 = 1;
+
+/// An archive, and what came or went since.
+pub(super) struct Before<'a> {
+    archive: Earlier<'a>,
+    change: Change,
+    /// With triangles to whose backs light may come since, or no longer: what doubtful cells depend on. `None` where that would cost more to
+    /// find out than to trace them.
+    in_doubt: Option<Change>,
+    /// `[material now]`: its number then.
+    number_then: Vec<Option<u16>>,
+    /// `[material then]`: its number now.
+    number_now: Vec<Option<u16>>,
+    receivers: AtomicU64,
+    cells: [AtomicU64; 2],
+}
+
+impl<'a> Before<'a> {
+    /// Compares an archive with a scene. `None`, and the observer is told why, if nothing of it can be used. An error: an archive that is damaged,
+    /// or that does not hold its scene.
+    pub fn open(
+        archive: &'a Archive,
+        ready: &PreparedScene,
+        settings: &BuildSettings,
+        observer: &dyn Observer,
+    ) -> Result<Option<Self>> {
+        let scene = ready.scene;
+        let traced = traced_scene(archive)?;
+        let useless = |why: &str| observer.warn(&format!("{}: {why}: nothing of it is used", archive.path().display()));
+        if archive.manifest().settings.hash()? != settings.hash()? {
+            let differ = archive.manifest().settings.differences(&settings.stated())?;
+            useless(&format!("it was built with other settings ({})", differ.join("; ")));
+            return Ok(None);
+        }
+        let Some(found) = SceneChange::between(&traced, scene) else {
+            useless("its coordinates are held in another frame, since the scene's size or its middle is another one");
+            return Ok(None);
+        };
+        if found.removed.len() == traced.triangles.len() {
+            useless("none of its triangles is in the scene");
+            return Ok(None);
+        }
+        observer.note(&match found.is_empty() {
+            true => format!("{}: every triangle of the scene is the same", archive.path().display()),
+            false => format!(
+                "{}: {} of its {} are gone, {} came",
+                archive.path().display(),
+                counted(found.removed.len() as u64, "triangle"),
+                traced.triangles.len(),
+                found.added.len()
+            ),
+        });
+        let mut number_then = vec![None; scene.materials.len()];
+        for (then, now) in (0..).zip(&found.renumbered) {
+            if let Some(place) = now.and_then(|now| number_then.get_mut(usize::from(now))) {
+                *place = Some(then);
+            }
+        }
+        let mut change = Change::of(&found, scene);
+        let archive_cells = archive.manifest().counts.probes + archive.manifest().counts.bounce_cells;
+        let in_doubt = (scene.mesh.triangles.len() as u64 <= TRIANGLES_A_CELL * archive_cells).then(|| {
+            let all = 0..scene.mesh.triangles.len() as u32;
+            let since = |&triangle: &u32| may_be_lit_since(&change, triangle, &scene.mesh, &ready.tracer);
+            let doubted: Vec<u32> = all.into_par_iter().filter(since).collect();
+            Change::with(&found, &doubted, scene)
+        });
+        if ready.reflects(settings) {
+            // What lies behind a mirror may have changed, wherever that is.
+            let mirrors = ready.mirrors.triangles().map(|triangle| scene.mesh.triangle_points(triangle as usize));
+            change = change.near_to(mirrors);
+        }
+        Ok(Some(Before {
+            archive: Earlier::open(OpenSite::of(archive)?),
+            change,
+            in_doubt,
+            number_then,
+            number_now: found.renumbered,
+            receivers: AtomicU64::new(0),
+            cells: Default::default(),
+        }))
+    }
+
+    /// Layers that receivers of a tile had, in their order; `None` for those that were not there.
+    pub fn receivers(&self, tile: &[Receiver]) -> Vec<Option<KnownReceiver>> {
+        let mut found: Vec<Option<KnownReceiver>> = tile.iter().map(|_| None).collect();
+        self.archive.fill(tile, &mut found);
+        found
+    }
+
+    /// What was kept so far.
+    pub fn kept(&self) -> Kept {
+        let [probes, bounce_cells] = self.cells.each_ref().map(|count| count.load(Ordering::Relaxed));
+        Kept { receivers: self.receivers.load(Ordering::Relaxed), probes, bounce_cells }
+    }
+
+    fn now(&self, key: CellKey) -> Option<CellKey> {
+        let material = self.number_now.get(usize::from(key.material)).copied().flatten()?;
+        Some(CellKey { material, ..key })
+    }
+
+    /// Those of some cells that the archive holds, under the numbers of today.
+    fn cells(&self, kind: CellKind, keys: &[CellKey]) -> Vec<Cell> {
+        let Some(source) = self.archive.source(kind) else { return Vec::new() };
+        let then = |key: &CellKey| {
+            let material = self.number_then.get(usize::from(key.material)).copied().flatten()?;
+            Some(CellKey { material, ..*key })
+        };
+        let keys: Vec<CellKey> = keys.iter().filter_map(then).collect();
+        // Numbers of materials rise as they did, so keys do.
+        whole_cells(source, &keys).into_iter().filter_map(|cell| self.renumbered(cell)).collect()
+    }
+
+    fn renumbered(&self, cell: Cell) -> Option<Cell> {
+        let seen = |(up, key): &(bool, Option<CellKey>)| match key {
+            Some(key) => self.now(*key).map(|key| (*up, Some(key))),
+            None => Some((*up, None)),
+        };
+        let number = |material: u16| self.number_now.get(usize::from(material)).copied().flatten();
+        Some(Cell {
+            key: self.now(cell.key)?,
+            seen: cell.seen.iter().map(seen).collect::<Option<_>>()?,
+            canopy: cell.canopy.renumbered(number)?,
+            ..cell
+        })
+    }
+
+    /// The sky of a receiver: rays are cast only where the change may show. Also tells where it lies.
+    pub fn sky(
+        &self,
+        view: &Viewpoint,
+        known: &KnownReceiver,
+        fans: &SkyFans,
+        at: &SiteTracer,
+    ) -> (SkyTrace, ChangeInView) {
+        let origin = DVec3::from(view.origin(at.tracer).map(f64::from));
+        let seen = self.change.seen_from(origin, 0.0).before(view.normal);
+        if !view.looks_towards(&seen, fans) {
+            let sky = SkyTrace { texture: known.sky.clone(), bits: known.dense.clone(), rays: 0 };
+            return (sky, seen);
+        }
+        let answers = known.sky.answers();
+        let known = KnownSky { answers: &answers, change: &self.change, seen: &seen };
+        (view.sky_after(fans, at.tracer, Some(known)), seen)
+    }
+
+    /// The hits of a receiver, if none of its rays meets what changed.
+    pub fn hits(
+        &self,
+        view: &Viewpoint,
+        known: &KnownReceiver,
+        seen: &ChangeInView,
+        at: &SiteTracer,
+    ) -> Option<HitTrace> {
+        // Mirrors and canopies ask for more of a hit than is stored, and an archive without reflections stores none.
+        let stored = at.traces(Effect::Diffuse) && at.reflections.is_none() && at.canopies.is_none();
+        if !stored || self.change.alters_any(&towards(seen, view.hit_rays(at.settings.hit, at.tracer)), at.tracer) {
+            return None;
+        }
+        let now = |key: &Option<CellKey>| match key {
+            Some(key) if *key == CellKey::dark(key.material) => None,
+            Some(key) => self.now(*key).map(Some),
+            None => Some(None),
+        };
+        let cells = known.hits.iter().map(now).collect::<Option<Vec<_>>>()?;
+        self.receivers.fetch_add(1, Ordering::Relaxed);
+        Some(HitTrace { cells, nearest_m: f64::INFINITY, mirrors: Vec::new(), distances_m: Vec::new() })
+    }
+}
+
+/// Those of some rays that go towards what changed.
+fn towards(seen: &ChangeInView, mut rays: Vec<Ray>) -> Vec<Ray> {
+    rays.retain(|ray| seen.lies_towards(DVec3::from(ray.direction.map(f64::from))));
+    rays
+}
+
+/// The scene that an archive was traced of.
+fn traced_scene(archive: &Archive) -> Result<TracedScene> {
+    let site = OpenSite::of(archive)?;
+    let chunks = archive.entries_of(format::SCENE).len() as u32;
+    if chunks == 0 {
+        return Err(Error::input(
+            archive.path(),
+            None,
+            "the archive does not hold its scene, so what changed since cannot be found",
+            "build it again without {no_scene}, or build the changed scene without {from}",
+        ));
+    }
+    let read = |chunk: u32| GeometryTable::from_block(&site.block(format::SCENE, TileNumber(chunk))?);
+    let tables: Vec<GeometryTable> = (0..chunks).into_par_iter().map(read).collect::<Result<_>>()?;
+    let scene = &archive.manifest().scene;
+    let corners = |table: &GeometryTable| -> Vec<[DVec3; 3]> {
+        // Corners of a table that was checked are among its vertices.
+        let point = |corner: u32| DVec3::from(table.vertex[corner as usize].map(f64::from));
+        table.corner.iter().map(|corners| corners.map(point)).collect()
+    };
+    Ok(TracedScene {
+        grid: Grid { origin: scene.origin_m.into(), step: scene.grid_step_m },
+        triangles: tables.iter().flat_map(corners).collect(),
+        triangle_material: tables.iter().flat_map(|table| table.material.iter().copied()).collect(),
+        materials: site.materials().to_vec(),
+    })
+}
+
+impl SiteTracer<'_> {
+    /// Those of some cells, sorted by key, that need not be traced: of the same scene, or not altered by its change. `rays`: to what a cell sees.
+    pub(super) fn known_cells(&self, kind: CellKind, keys: &[CellKey], texture: &Directions, rays: usize) -> Vec<Cell> {
+        let mut found = self.known.cells(kind, keys);
+        let Some(before) = &self.before else { return found };
+        let is_missing = |key: &&CellKey| found.binary_search_by_key(*key, |cell| cell.key).is_err();
+        let missing: Vec<CellKey> = keys.iter().filter(is_missing).copied().collect();
+        let mut kept = before.cells(kind, &missing);
+        kept = kept.into_par_iter().filter(|cell| self.stands(cell, before, texture, rays)).collect();
+        before.cells[usize::from(kind == CellKind::Bounces)].fetch_add(kept.len() as u64, Ordering::Relaxed);
+        found.extend(kept);
+        found.sort_unstable_by_key(|cell| cell.key);
+        found
+    }
+
+    /// Whether a cell of the scene before is one of the scene as it is now: none of the rays that it depends on meets what changed, or goes
+    /// by a mirror.
+    fn stands(&self, cell: &Cell, before: &Before, texture: &Directions, rays: usize) -> bool {
+        let (key, change) = (cell.key, &before.change);
+        if change.is_nothing() {
+            return cell.mirrors.is_empty();
+        }
+        if cell.doubtful {
+            return self.doubtful_stands(cell, before, texture, rays);
+        }
+        if !cell.mirrors.is_empty() || change.touches(key) {
+            return false;
+        }
+        let (middle, spread) = change.middle(key);
+        let (mut seen, normal) = (change.seen_from(middle, spread), DVec3::from(cell.normal.map(f64::from)));
+        if normal.length() >= PLANE {
+            seen = seen.before(normal);
+        }
+        if seen.is_nothing() {
+            return true;
+        }
+        let probe = known_probe(key, cell.bits.clone(), texture, &self.scene.mesh, self.tracer);
+        let looks: Vec<Ray> = looks_around(key, &probe, texture, rays).into_iter().map(|look| look.0).collect();
+        let all = sky_rays(key, &probe, texture).chain(looks.iter().copied()).collect();
+        if change.alters_any(&towards(&seen, all), self.tracer) {
+            return false;
+        }
+        let Some(reflections) = &self.reflections else { return true };
+        let around = around_cell(reflections, key, &probe, texture.n);
+        let by_mirrors: Vec<Ray> = looks.into_iter().chain(around.into_iter().map(|ray| ray.1)).collect();
+        !reflections.towards_mirrors(&towards(&seen, by_mirrors)).contains(&true)
+    }
+
+    /// As [`SiteTracer::stands`], for a cell of which some points may be hidden: it is not known which, so any may have cast any of its rays.
+    /// Also no ray may meet first what the light may have come to since.
+    fn doubtful_stands(&self, cell: &Cell, before: &Before, texture: &Directions, rays: usize) -> bool {
+        let (key, normal) = (cell.key, DVec3::from(cell.normal.map(f64::from)));
+        let Some(change) = &before.in_doubt else { return false };
+        // Of backs of triangles it is fronts that are in doubt.
+        if self.reflections.is_some() || key.is_back() || change.touches(key) {
+            return false;
+        }
+        let (middle, spread) = change.middle(key);
+        let mut seen = change.seen_from(middle, spread);
+        if normal.length() >= PLANE {
+            seen = seen.before(normal);
+        }
+        if seen.is_nothing() {
+            return true;
+        }
+        let probe = known_probe(key, Vec::new(), texture, &self.scene.mesh, self.tracer);
+        let rays = towards(&seen, may_cast(key, &probe, texture, rays));
+        !change.alters_any(&rays, self.tracer)
+    }
+}

@@ -1,0 +1,229 @@
+//! What a change of the scene can alter. In: the triangles that came or went. Out: which rays meet one of them: all others meet what they
+//! met before, and nothing where they met nothing.
+
+use glam::DVec3;
+
+use crate::trace::kernel::fan::Cone;
+use crate::trace::kernel::rays::{Hit, Ray, Tracer};
+use heliotile_core::layers::texel_block::Answers;
+use heliotile_core::site::cells::{CellKey, GRID_SHIFT_M, size_of};
+use heliotile_core::site::grid::Grid;
+use heliotile_scene::Scene;
+use heliotile_scene::change::SceneChange;
+use heliotile_scene::mesh::Mesh;
+
+/// Triangles that came or went.
+pub struct Change {
+    /// `None` without triangles.
+    tracer: Option<Tracer>,
+    /// Around all of them, relative to the origin.
+    boxes: Vec<[DVec3; 2]>,
+    grid: Grid,
+}
+
+/// Boxes are cut until they are this small (metres), so that the balls around them are not much larger than what is in them.
+const SMALL_M: f64 = 16.0;
+
+/// Cuts of a box at most: 64 boxes.
+const CUTS: u32 = 6;
+
+/// Rounding of coordinates, distances and directions, and more: metres, and per metre of distance.
+const MARGIN: (f64, f64) = (0.05, 1e-4);
+
+impl Change {
+    /// Of a scene as it is now.
+    pub fn of(change: &SceneChange, scene: &Scene) -> Self {
+        Change::with(change, &[], scene)
+    }
+
+    /// The same, and some triangles of the scene that count as changed.
+    pub fn with(change: &SceneChange, more: &[u32], scene: &Scene) -> Self {
+        let points = |&triangle: &u32| scene.mesh.triangle_points(triangle as usize);
+        let now = change.added.iter().chain(more).map(points);
+        let triangles: Vec<[DVec3; 3]> = change.removed.iter().copied().chain(now).collect();
+        let mesh = Mesh::loose(scene.mesh.grid(), &triangles, scene.mesh.bounds());
+        let all: Vec<u32> = (0..triangles.len() as u32).collect();
+        let mut corners = triangles;
+        let mut boxes = Vec::new();
+        cut(&mut corners, CUTS, &mut boxes);
+        Change { tracer: (!all.is_empty()).then(|| Tracer::of(&mesh, &all)), boxes, grid: mesh.grid() }
+    }
+
+    /// The same with the boxes of some more triangles, whose rays are judged elsewhere.
+    pub fn near_to(mut self, triangles: impl Iterator<Item = [DVec3; 3]>) -> Self {
+        cut(&mut triangles.collect::<Vec<_>>(), CUTS, &mut self.boxes);
+        self
+    }
+
+    /// Whether nothing came or went.
+    pub fn is_nothing(&self) -> bool {
+        self.tracer.is_none()
+    }
+
+    /// Which of some rays meet one of the triangles.
+    pub fn met(&self, rays: &[Ray]) -> Vec<bool> {
+        self.tracer.as_ref().map_or_else(|| vec![false; rays.len()], |tracer| tracer.occluded_many(rays))
+    }
+
+    /// Whether some of the rays meet another thing first than before: one of the triangles that came or went, and nothing nearer.
+    /// `hits`: what they meet now.
+    pub fn alters(&self, rays: &[Ray], hits: &[Option<Hit>]) -> bool {
+        let Some(changed) = &self.tracer else { return false };
+        let met = rays.iter().zip(hits).zip(self.met(rays)).filter(|ray| ray.1).map(|ray| ray.0);
+        let (rays, hits): (Vec<Ray>, Vec<Option<Hit>>) = met.map(|(ray, hit)| (*ray, *hit)).unzip();
+        let hidden = |(near, first): (&Option<Hit>, &Option<Hit>)| {
+            near.as_ref().zip(first.as_ref()).is_some_and(|(near, first)| first.t < near.t)
+        };
+        !changed.closest_many(&rays).iter().zip(&hits).all(hidden)
+    }
+
+    /// As [`Change::alters`], where it is not known what the rays meet.
+    pub fn alters_any(&self, rays: &[Ray], scene: &Tracer) -> bool {
+        let met: Vec<Ray> = rays.iter().zip(self.met(rays)).filter(|ray| ray.1).map(|ray| *ray.0).collect();
+        self.alters(&met, &scene.closest_many(&met))
+    }
+
+    /// Where the boxes lie as seen from within `spread_m` of a point relative to the origin.
+    pub fn seen_from(&self, point: DVec3, spread_m: f64) -> ChangeInView {
+        let ball = |[low, high]: &[DVec3; 2]| {
+            let (way, radius) = (0.5 * (*low + *high) - point, 0.5 * (*high - *low).length());
+            let distance = way.length();
+            (way, radius + spread_m + MARGIN.0 + MARGIN.1 * distance)
+        };
+        ChangeInView { balls: self.boxes.iter().map(ball).collect() }
+    }
+
+    /// Whether a box touches the voxel of a cell.
+    pub fn touches(&self, key: CellKey) -> bool {
+        let (corner, size) = (key.corner(self.grid.origin), size_of(key.level));
+        let slack = size / 4096.0 + self.grid.slack_m(corner) + MARGIN.0;
+        let low = corner - self.grid.origin - GRID_SHIFT_M - slack;
+        let high = low + (size + 2.0 * slack);
+        self.boxes.iter().any(|of| of[0].cmple(high).all() && of[1].cmpge(low).all())
+    }
+
+    /// The middle of a cell's voxel relative to the origin, and how far its corners are from there.
+    pub fn middle(&self, key: CellKey) -> (DVec3, f64) {
+        let (corner, size) = (key.corner(self.grid.origin), size_of(key.level));
+        (corner - self.grid.origin - GRID_SHIFT_M + 0.5 * size, size * 3_f64.sqrt() * 0.5)
+    }
+}
+
+/// Cuts triangles into boxes: each in the middle of its longest side.
+fn cut(triangles: &mut [[DVec3; 3]], cuts: u32, boxes: &mut Vec<[DVec3; 2]>) {
+    let corners = || triangles.iter().flatten();
+    let low = corners().fold(DVec3::INFINITY, |low, p| low.min(*p));
+    let high = corners().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
+    let size = high - low;
+    if triangles.is_empty() {
+        return;
+    }
+    if cuts > 0 && size.max_element() > SMALL_M && triangles.len() > 1 {
+        let axis = (0..3).max_by(|&a, &b| size[a].total_cmp(&size[b])).unwrap_or(0);
+        let middle = |triangle: &[DVec3; 3]| triangle[0][axis] + triangle[1][axis] + triangle[2][axis];
+        triangles.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
+        let half = 1.5 * (low[axis] + high[axis]);
+        let at = triangles.partition_point(|triangle| middle(triangle) < half);
+        let at = if (1..triangles.len()).contains(&at) { at } else { triangles.len() / 2 };
+        let (left, right) = triangles.split_at_mut(at);
+        cut(left, cuts - 1, boxes);
+        cut(right, cuts - 1, boxes);
+    } else {
+        boxes.push([low, high]);
+    }
+}
+
+/// Where what changed lies, as seen from a place: balls by their direction, not scaled, and their radius.
+pub struct ChangeInView {
+    balls: Vec<(DVec3, f64)>,
+}
+
+/// Normals of a plane cell may be off their mean by so much: where its length tells no more (1e-6), 0.003.
+const FLAT: f64 = 4e-3;
+
+impl ChangeInView {
+    /// The same without what lies wholly behind a surface at that place.
+    pub fn before(mut self, normal: DVec3) -> Self {
+        self.balls.retain(|(way, radius)| way.dot(normal) + radius + FLAT * way.length() > 0.0);
+        self
+    }
+
+    /// Whether nothing of it can be seen.
+    pub fn is_nothing(&self) -> bool {
+        self.balls.is_empty()
+    }
+
+    /// Whether a ray in a direction can meet some.
+    pub fn lies_towards(&self, direction: DVec3) -> bool {
+        self.balls.iter().any(|(way, radius)| {
+            let along = way.dot(direction);
+            // The distance of the middle from the ray, or from the place behind which it lies.
+            let aside = way.length_squared() - if along > 0.0 { along * along } else { 0.0 };
+            aside <= radius * radius
+        })
+    }
+
+    /// Whether a ray of a cone can meet some.
+    pub(crate) fn lies_in(&self, cone: &Cone) -> bool {
+        self.balls.iter().any(|(way, radius)| {
+            let distance = way.length();
+            if distance <= *radius {
+                return true;
+            }
+            let sine = radius / distance;
+            // Directions of the cone are of about unit length.
+            f64::from(cone.dot((*way / distance).as_vec3().to_array())[1]) >= (1.0 - sine * sine).sqrt() - 1e-4
+        })
+    }
+}
+
+/// What is known of a receiver's sky from before a change.
+pub struct KnownSky<'a> {
+    /// Level by level, the base first.
+    pub answers: &'a [Answers],
+    pub change: &'a Change,
+    /// From the receiver.
+    pub seen: &'a ChangeInView,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use heliotile_core::hemisphere::{mix, unit};
+
+    /// Of 20,000 random rays at 40 triangles each that meets one is expected to: by the balls of its place, by those within 5 m of it, and by
+    /// the cone around its direction; over 150 do, and fewer than 16 times as many are expected to.
+    #[test]
+    fn what_is_met_is_expected() {
+        let random = |i: u64, k: u64| unit(mix(i, k)) - 0.5;
+        let point = |i: u64, size: f64| DVec3::new(random(i, 1), random(i, 2), random(i, 3)) * size;
+        let triangle = |i: u64| {
+            let at = point(i, 200.0);
+            ([at, at + point(i + 100, 30.0), at + point(i + 200, 30.0)], 0)
+        };
+        let all = heliotile_core::site::material::Material::matt;
+        let wall = all("wall", 0.3, heliotile_core::site::material::Class::Obstruction);
+        let scene = Scene::from_triangles(&(0..40).map(triangle).collect::<Vec<_>>(), vec![wall]).expect("a scene");
+        let added = (0..scene.mesh.triangles.len() as u32).collect();
+        let change = Change::of(&SceneChange { added, ..SceneChange::default() }, &scene);
+        assert!((5..=64).contains(&change.boxes.len()), "{}", change.boxes.len());
+        let (mut met, mut expected) = (0, 0);
+        for i in 1000..21_000 {
+            let (from, towards) = (point(i, 300.0), point(i + 50_000, 2.0).normalize());
+            let ray = Ray { origin: from.as_vec3().to_array(), direction: towards.as_vec3().to_array() };
+            let [low, high] = [-0.02, 0.02].map(|wide| (towards + wide).to_array());
+            let crosses = [0, 1, 2].map(|i| low[i] < 0.0 && high[i] > 0.0);
+            let seen = [change.seen_from(from, 0.0), change.seen_from(from + point(i, 5.0), 5.0)];
+            let is_met = change.met(&[ray])[0];
+            let found = [seen[0].lies_towards(towards), seen[1].lies_towards(towards)];
+            assert!(!is_met || found == [true; 2], "{from} {towards}");
+            if crosses == [false; 3] {
+                assert!(!is_met || seen[0].lies_in(&Cone::between(low, high)));
+            }
+            met += u32::from(is_met);
+            expected += u32::from(found[0]);
+        }
+        assert!(met > 150 && (met..16 * met).contains(&expected), "{met} {expected}");
+        eprintln!("{met} met, {expected} expected");
+    }
+}

@@ -1,0 +1,150 @@
+//! What differs between two scenes. In: the triangles of a scene that was traced, and a scene. Out: the triangles that only one of them
+//! has, and the new numbers of the materials.
+
+use std::cmp::Ordering;
+
+use glam::DVec3;
+
+use crate::Scene;
+use heliotile_core::site::grid::Grid;
+use heliotile_core::site::material::Material;
+use heliotile_core::site::morton::lexicographic;
+
+/// A scene as an archive holds it.
+#[derive(Clone, Debug)]
+pub struct TracedScene {
+    /// The frame of the triangles.
+    pub grid: Grid,
+    /// Corners relative to the origin of the frame, in the canonical order of [`Mesh`](crate::mesh::Mesh).
+    pub triangles: Vec<[DVec3; 3]>,
+    /// Row of `materials`, one a triangle.
+    pub triangle_material: Vec<u16>,
+    /// Sorted by name.
+    pub materials: Vec<Material>,
+}
+
+/// What became of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct SceneChange {
+    /// Triangles that are there no longer, relative to the origin of the scene as it is now.
+    pub removed: Vec<[DVec3; 3]>,
+    /// Triangles that were not there: indices into the mesh as it is now.
+    pub added: Vec<u32>,
+    /// `[material before]`: its number now, if there still is one of its name. Numbers rise as they did.
+    pub renumbered: Vec<Option<u16>>,
+}
+
+impl SceneChange {
+    /// Compares a scene that was traced with one as it is now. `None`: their frames differ, so rays of both may be rounded differently. A triangle whose material became a mirror or a canopy, or was one, is another triangle.
+    pub fn between(before: &TracedScene, after: &Scene) -> Option<Self> {
+        if before.grid != after.mesh.grid() {
+            return None;
+        }
+        let number = |name: &str| after.materials.binary_search_by(|material| material.name.as_str().cmp(name)).ok();
+        let renumbered: Vec<Option<u16>> =
+            before.materials.iter().map(|material| number(&material.name).map(|row| row as u16)).collect();
+        let stays = |old: &Material, new: u16| {
+            let new = after.materials.get(usize::from(new));
+            new.is_some_and(|new| {
+                (old.transmittance.is_some(), old.mirrors()) == (new.transmittance.is_some(), new.mirrors())
+            })
+        };
+        let same: Vec<Option<u16>> =
+            before.materials.iter().zip(&renumbered).map(|(old, new)| new.filter(|&new| stays(old, new))).collect();
+
+        let mut change = SceneChange { renumbered, ..SceneChange::default() };
+        let mut old = Vec::with_capacity(before.triangles.len());
+        for (corners, material) in before.triangles.iter().zip(&before.triangle_material) {
+            let corners = *corners;
+            match same.get(usize::from(*material)).copied().flatten() {
+                Some(material) => old.push(Triangle { corners, material }),
+                None => change.removed.push(corners),
+            }
+        }
+        // Both lists are sorted: equal triangles meet.
+        let mut old = old.into_iter().peekable();
+        let of_after = (0..after.mesh.triangles.len()).map(|triangle| after.mesh.triangle_points(triangle));
+        for ((corners, &material), number) in of_after.zip(&after.mesh.triangle_material).zip(0..) {
+            let new = Triangle { corners, material };
+            while let Some(gone) = old.next_if(|old| old.order(&new).is_lt()) {
+                change.removed.push(gone.corners);
+            }
+            if old.next_if(|old| old.order(&new).is_eq()).is_none() {
+                change.added.push(number);
+            }
+        }
+        change.removed.extend(old.map(|gone| gone.corners));
+        Some(change)
+    }
+
+    /// Whether every triangle is as it was.
+    pub fn is_empty(&self) -> bool {
+        self.removed.is_empty() && self.added.is_empty()
+    }
+}
+
+/// A triangle under the numbers of today's materials.
+struct Triangle {
+    corners: [DVec3; 3],
+    material: u16,
+}
+
+impl Triangle {
+    /// The canonical order.
+    fn order(&self, other: &Self) -> Ordering {
+        let corners = self.corners.iter().zip(&other.corners).map(|(a, b)| lexicographic(*a, *b));
+        corners.fold(Ordering::Equal, Ordering::then).then(self.material.cmp(&other.material))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use heliotile_core::site::material::Class;
+
+    fn material(name: &str) -> Material {
+        Material::matt(name, 0.3, Class::Obstruction)
+    }
+
+    fn traced(scene: &Scene) -> TracedScene {
+        let mesh = &scene.mesh;
+        TracedScene {
+            grid: mesh.grid(),
+            triangles: (0..mesh.triangles.len()).map(|triangle| mesh.triangle_points(triangle)).collect(),
+            triangle_material: mesh.triangle_material.clone(),
+            materials: scene.materials.clone(),
+        }
+    }
+
+    /// Of 300 triangles of two materials 20 go, 30 come and 10 change their material; a new material before the others moves their numbers:
+    /// 30 are gone, 40 have come, whatever lies between is equal. A far triangle moves the origin, and nothing is compared. A mirror of the same name is another triangle,
+    /// another reflectance is not; a scene of less than 4 m has another step and is not compared.
+    #[test]
+    fn what_went_and_what_came() {
+        let at = |i: i32| DVec3::new(f64::from(i % 20) * 9.0, f64::from(i / 20) * 7.0, f64::from(i % 7));
+        let triangle = |i: i32| [at(i), at(i) + DVec3::new(3.0, 0.3, 0.1), at(i) + DVec3::new(0.2, 2.0, 1.0)];
+        let old: Vec<([DVec3; 3], u16)> = (0..300).map(|i| (triangle(i), u16::from(i % 3 == 0))).collect();
+        let before = Scene::from_triangles(&old, vec![material("b"), material("c")]).expect("a scene");
+        let mut new: Vec<([DVec3; 3], u16)> = old[20..].to_vec();
+        new.iter_mut().take(10).for_each(|(_, material)| *material = 1 - *material);
+        new.extend((400..430).map(|i| (triangle(i), 2)));
+        let materials = vec![material("b"), material("c"), material("a")];
+        let after = Scene::from_triangles(&new, materials.clone()).expect("a scene");
+        let change = SceneChange::between(&traced(&before), &after).expect("one frame");
+        assert_eq!((change.removed.len(), change.added.len()), (30, 40));
+        assert_eq!(change.renumbered, [Some(1), Some(2)]);
+
+        let painted = |of: Material| {
+            let scene = Scene::from_triangles(&old, vec![of, material("c")]).expect("a scene");
+            SceneChange::between(&traced(&before), &scene).expect("one frame")
+        };
+        assert!(painted(Material { diffuse: 0.9, ..material("b") }).is_empty());
+        let mirror = painted(Material { diffuse: 0.1, specular: 0.8, ..material("b") });
+        assert_eq!((mirror.removed.len(), mirror.added.len()), (200, 200));
+        new.push((triangle(0).map(|p| p + DVec3::new(900.0, 0.0, 0.0)), 0));
+        let wide = Scene::from_triangles(&new, materials).expect("a scene");
+        assert!(SceneChange::between(&traced(&before), &wide).is_none());
+        let small = Scene::from_triangles(&old[..1], vec![material("b"), material("c")]).expect("a scene");
+        assert!(SceneChange::between(&traced(&before), &small).is_none());
+    }
+}
