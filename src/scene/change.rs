@@ -35,10 +35,20 @@ pub struct SceneChange {
 }
 
 impl SceneChange {
-    /// Compares a scene that was traced with one as it is now. `None`: their frames differ, so rays of both may be rounded differently. A triangle whose material became a mirror or a canopy, or was one, is another triangle.
+    /// Compares a scene that was traced with one as it is now. `None`: their frames are so far apart that equal surfaces do not have equal
+    /// coordinates, to the bit. A triangle whose material became a mirror or a canopy, or was one, is another triangle.
     pub fn between(before: &TracedScene, after: &Scene) -> Option<Self> {
-        if before.grid != after.mesh.grid() {
+        let (frame, shift) = (after.mesh.grid(), before.grid.origin - after.mesh.origin);
+        let of_after = || (0..after.mesh.triangles.len()).map(|triangle| after.mesh.triangle_points(triangle));
+        if before.grid.step != frame.step {
             return None;
+        }
+        if shift != DVec3::ZERO {
+            let exact = |point: DVec3| frame.holds_exactly(point) && frame.holds_exactly(point - shift);
+            let corners = before.triangles.iter().flatten().map(|point| *point + shift);
+            if !corners.chain(of_after().flatten()).all(exact) {
+                return None;
+            }
         }
         let number = |name: &str| after.materials.binary_search_by(|material| material.name.as_str().cmp(name)).ok();
         let renumbered: Vec<Option<u16>> =
@@ -55,7 +65,7 @@ impl SceneChange {
         let mut change = SceneChange { renumbered, ..SceneChange::default() };
         let mut old = Vec::with_capacity(before.triangles.len());
         for (corners, material) in before.triangles.iter().zip(&before.triangle_material) {
-            let corners = *corners;
+            let corners = corners.map(|corner| corner + shift);
             match same.get(usize::from(*material)).copied().flatten() {
                 Some(material) => old.push(Triangle { corners, material }),
                 None => change.removed.push(corners),
@@ -63,8 +73,7 @@ impl SceneChange {
         }
         // Both lists are sorted: equal triangles meet.
         let mut old = old.into_iter().peekable();
-        let of_after = (0..after.mesh.triangles.len()).map(|triangle| after.mesh.triangle_points(triangle));
-        for ((corners, &material), number) in of_after.zip(&after.mesh.triangle_material).zip(0..) {
+        for ((corners, &material), number) in of_after().zip(&after.mesh.triangle_material).zip(0..) {
             let new = Triangle { corners, material };
             while let Some(gone) = old.next_if(|old| old.order(&new).is_lt()) {
                 change.removed.push(gone.corners);
@@ -116,9 +125,10 @@ mod tests {
         }
     }
 
-    /// Of 300 triangles of two materials 20 go, 30 come and 10 change their material; a new material before the others moves their numbers:
-    /// 30 are gone, 40 have come, whatever lies between is equal. A far triangle moves the origin, and nothing is compared. A mirror of the same name is another triangle,
-    /// another reflectance is not; a scene of less than 4 m has another step and is not compared.
+    /// Of 300 triangles of two materials 20 go, 30 come and 10 change their material; a new material before the others moves their numbers,
+    /// and a far triangle the origin: 30 are gone, 41 have come, whatever lies between is equal. A mirror of the same name is another triangle,
+    /// another reflectance is not. A scene of less than 4 m has another step, and one of 3 km does not have equal coordinates: neither is
+    /// compared.
     #[test]
     fn what_went_and_what_came() {
         let at = |i: i32| DVec3::new(f64::from(i % 20) * 9.0, f64::from(i / 20) * 7.0, f64::from(i % 7));
@@ -128,10 +138,13 @@ mod tests {
         let mut new: Vec<([DVec3; 3], u16)> = old[20..].to_vec();
         new.iter_mut().take(10).for_each(|(_, material)| *material = 1 - *material);
         new.extend((400..430).map(|i| (triangle(i), 2)));
+        let far = |m: f64| (triangle(0).map(|p| p + DVec3::new(m, 0.0, 0.0)), 0);
         let materials = vec![material("b"), material("c"), material("a")];
+        new.push(far(900.0));
         let after = Scene::from_triangles(&new, materials.clone()).expect("a scene");
+        assert_ne!(before.mesh.origin, after.mesh.origin);
         let change = SceneChange::between(&traced(&before), &after).expect("one frame");
-        assert_eq!((change.removed.len(), change.added.len()), (30, 40));
+        assert_eq!((change.removed.len(), change.added.len()), (30, 41));
         assert_eq!(change.renumbered, [Some(1), Some(2)]);
 
         let painted = |of: Material| {
@@ -141,7 +154,7 @@ mod tests {
         assert!(painted(Material { diffuse: 0.9, ..material("b") }).is_empty());
         let mirror = painted(Material { diffuse: 0.1, specular: 0.8, ..material("b") });
         assert_eq!((mirror.removed.len(), mirror.added.len()), (200, 200));
-        new.push((triangle(0).map(|p| p + DVec3::new(900.0, 0.0, 0.0)), 0));
+        new.push(far(3000.0));
         let wide = Scene::from_triangles(&new, materials).expect("a scene");
         assert!(SceneChange::between(&traced(&before), &wide).is_none());
         let small = Scene::from_triangles(&old[..1], vec![material("b"), material("c")]).expect("a scene");

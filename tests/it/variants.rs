@@ -225,7 +225,9 @@ fn a_variant_has_the_bytes_of_a_fresh_build() {
         let before = Archive::open(&path).expect("an archive");
         let (mut kept, mut all) = (Kept::default(), Kept::default());
         let edits = count() / 3 + usize::from(number < count() % 3);
-        for i in 0..edits {
+        // A site that grows to a side: its origin moves, and cells of 1024 m are among those that stay.
+        let grown = (name == "hills" && edits < 30).then_some(29);
+        for i in (0..edits).chain(grown) {
             let mut dice = Dice(mix(number as u64 + 7, i as u64));
             let mut variant = base.clone();
             edit(&mut variant, (i + number * 5) % EDITS, &mut dice);

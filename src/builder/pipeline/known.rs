@@ -69,7 +69,7 @@ impl<'a> Known<'a> {
         found
     }
 
-    /// Those of some cells, sorted by key, that are known.
+    /// The cells of some keys, sorted by key, that are known.
     pub fn cells(&self, kind: CellKind, keys: &[CellKey]) -> Vec<Cell> {
         let mut found: Vec<Cell> = Vec::new();
         let mut missing = keys.to_vec();

@@ -110,6 +110,8 @@ impl Build<'_> {
 
     /// Plans, builds, and tells the observer what is done.
     pub fn plan_and_write(mut self, request: &BuildRequest, output: &Output) -> Result<BuildDone> {
+        // First, since a forecast takes its time.
+        let before = request.from.as_deref().map(|path| Archive::open_with(path, Access::Read)).transpose()?;
         let planned = self.decide(request)?;
         let observer = self.observer;
         observer.report(&tables::forecast(&planned.forecast));
@@ -118,7 +120,6 @@ impl Build<'_> {
         let scene = self.scene.scene;
         let key = StoreKey { scene: scene.content_hash(), settings: plan.settings.hash()? };
         let earlier = request.store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key, observer))?;
-        let before = request.from.as_deref().map(|path| Archive::open_with(path, Access::Read)).transpose()?;
         let sources = ReusedArchives { earlier: &earlier, before: before.as_ref() };
         let report = self.write(plan, output, &sources)?;
         if let Some(store) = &request.store {

@@ -36,7 +36,7 @@ impl Change {
         Change::with(change, &[], scene)
     }
 
-    /// The same, and some triangles of the scene that count as changed.
+    /// Also counts some triangles of the scene as changed.
     pub fn with(change: &SceneChange, more: &[u32], scene: &Scene) -> Self {
         let points = |&triangle: &u32| scene.mesh.triangle_points(triangle as usize);
         let now = change.added.iter().chain(more).map(points);
@@ -49,7 +49,7 @@ impl Change {
         Change { tracer: (!all.is_empty()).then(|| Tracer::of(&mesh, &all)), boxes, grid: mesh.grid() }
     }
 
-    /// The same with the boxes of some more triangles, whose rays are judged elsewhere.
+    /// Adds the boxes of triangles that did not change, to the places that cells look towards. Rays do not meet these triangles.
     pub fn near_to(mut self, triangles: impl Iterator<Item = [DVec3; 3]>) -> Self {
         cut(&mut triangles.collect::<Vec<_>>(), CUTS, &mut self.boxes);
         self
@@ -96,7 +96,7 @@ impl Change {
     /// Whether a box touches the voxel of a cell.
     pub fn touches(&self, key: CellKey) -> bool {
         let (corner, size) = (key.corner(self.grid.origin), size_of(key.level));
-        let slack = size / 4096.0 + self.grid.slack_m(corner) + MARGIN.0;
+        let slack = size / 4096.0 + self.grid.slack_m(corner, size) + MARGIN.0;
         let low = corner - self.grid.origin - GRID_SHIFT_M - slack;
         let high = low + (size + 2.0 * slack);
         self.boxes.iter().any(|of| of[0].cmple(high).all() && of[1].cmpge(low).all())
@@ -142,7 +142,7 @@ pub struct ChangeInView {
 const FLAT: f64 = 4e-3;
 
 impl ChangeInView {
-    /// The same without what lies wholly behind a surface at that place.
+    /// Drops the balls that lie wholly behind a surface at that place.
     pub fn before(mut self, normal: DVec3) -> Self {
         self.balls.retain(|(way, radius)| way.dot(normal) + radius + FLAT * way.length() > 0.0);
         self
@@ -182,8 +182,8 @@ pub struct KnownSky<'a> {
     /// Level by level, the base first.
     pub answers: &'a [Answers],
     pub change: &'a Change,
-    /// From the receiver.
-    pub seen: &'a ChangeInView,
+    /// `[part of the sky]`: whether the change may be seen there.
+    pub touched: &'a [bool],
 }
 
 #[cfg(test)]
@@ -224,6 +224,5 @@ mod tests {
             expected += u32::from(found[0]);
         }
         assert!(met > 150 && (met..16 * met).contains(&expected), "{met} {expected}");
-        eprintln!("{met} met, {expected} expected");
     }
 }

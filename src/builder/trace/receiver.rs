@@ -7,10 +7,10 @@ use glam::DVec3;
 use crate::trace::change::{ChangeInView, KnownSky};
 use crate::trace::hidden::meets_inside;
 use crate::trace::kernel::rays::{Ray, Tracer};
-use crate::trace::kernel::scan::ScanSpace;
+use crate::trace::kernel::scan::{Question, ScanSpace};
 use crate::trace::mirror::{MirrorRay, Reflections};
 use crate::trace::probe::lifted;
-use crate::trace::sky_fans::SkyFans;
+use crate::trace::sky_fans::{Part, SkyFans};
 use crate::trace::surroundings::cell_of;
 use heliotile_core::hemisphere::{Frame, jitter, texel_direction, texels_in_blocks};
 use heliotile_core::layers::bits::BitSquare;
@@ -118,57 +118,57 @@ impl Viewpoint {
                 blocks[place].ones |= u16::from(!met) << bit;
             }
         };
-        let touched: Vec<bool> = match &known {
-            Some(known) => parts.iter().map(|part| known.seen.lies_in(part.whole())).collect(),
-            None => Vec::new(),
-        };
-        let (texture, dense) = SkyTexture::trace(fans.front(self.normal), fans.fine(), |n, blocks| {
+        let (texture, bits) = SkyTexture::trace(fans.front(self.normal), fans.fine(), |n, blocks| {
             let Some(known) = &known else { return cast(n, blocks) };
-            let part = fans.part(n);
-            let answers = known.answers.get((n / fans.base()).ilog2() as usize);
-            let mut asked: Vec<(usize, TexelBlock)> = Vec::new();
-            for (place, block) in blocks.iter_mut().enumerate() {
-                let (answered, ones) = answers.map_or((0, 0), |answers| answers.of(block));
-                block.ones = ones & block.wanted;
-                let again = TexelBlock { wanted: answered & block.wanted, ones: 0, ..*block };
-                if touched[part(block)] && again.wanted != 0 {
-                    asked.push((place, again));
+            let mut left = self.unanswered(n, blocks, known, fans, &parts, origin);
+            cast(n, &mut left);
+            let mut left = left.into_iter().peekable();
+            for block in blocks {
+                if let Some(cast) = left.next_if(|cast| cast.lies_at(block)) {
+                    block.ones = block.ones & !cast.wanted | cast.ones;
                 }
-            }
-            // Those that meet what changed are cast again, with those that were never asked about.
-            let doubted: Vec<TexelBlock> = asked.iter().map(|asked| asked.1).collect();
-            let bent = fans.bent(n, &doubted, self.normal, &parts);
-            let questions = fans.questions(n, &doubted, self.normal, &parts, &bent);
-            let rays: Vec<Ray> = doubted
-                .iter()
-                .zip(&questions)
-                .flat_map(|(block, question)| {
-                    block.bits().map(|bit| Ray { origin, direction: question.fan.direction(bit as usize) })
-                })
-                .collect();
-            let mut met = known.change.met(&rays).into_iter();
-            let mut lost = vec![0_u16; blocks.len()];
-            for (place, block) in &asked {
-                for bit in block.bits() {
-                    lost[*place] |= u16::from(met.next().unwrap_or(true)) << bit;
-                }
-            }
-            let mut left: Vec<(usize, TexelBlock)> = Vec::new();
-            for (place, block) in blocks.iter().enumerate() {
-                let (answered, _) = answers.map_or((0, 0), |answers| answers.of(block));
-                let wanted = block.wanted & (!answered | lost[place]);
-                if wanted != 0 {
-                    left.push((place, TexelBlock { wanted, ones: 0, ..*block }));
-                }
-            }
-            let mut again: Vec<TexelBlock> = left.iter().map(|left| left.1).collect();
-            cast(n, &mut again);
-            for ((place, _), block) in left.iter().zip(again) {
-                blocks[*place].ones = blocks[*place].ones & !block.wanted | block.ones;
             }
         });
         SPACE.set(space);
-        SkyTrace { texture, bits: dense, rays }
+        SkyTrace { texture, bits, rays }
+    }
+
+    /// Fills in what is known of some blocks, and gives the texels that are left: never asked about, or their rays meet what changed.
+    fn unanswered(
+        &self,
+        n: usize,
+        blocks: &mut [TexelBlock],
+        known: &KnownSky,
+        fans: &SkyFans,
+        parts: &[Part],
+        origin: [f32; 3],
+    ) -> Vec<TexelBlock> {
+        let part = fans.part(n);
+        let Some(answers) = known.answers.get((n / fans.base()).ilog2() as usize) else { return blocks.to_vec() };
+        let asked = |block: &TexelBlock| TexelBlock { wanted: block.wanted & answers.of(block).0, ones: 0, ..*block };
+        let touched = blocks.iter().filter(|block| known.touched[part(block)]);
+        let mut doubted: Vec<TexelBlock> = touched.map(asked).filter(|block| block.wanted != 0).collect();
+        let bent = fans.bent(n, &doubted, self.normal, parts);
+        let questions = fans.questions(n, &doubted, self.normal, parts, &bent);
+        let ray = |question: &Question, bit: u32| Ray { origin, direction: question.fan.direction(bit as usize) };
+        let rays: Vec<Ray> = doubted
+            .iter()
+            .zip(&questions)
+            .flat_map(|(block, question)| block.bits().map(move |bit| ray(question, bit)))
+            .collect();
+        let mut met = known.change.met(&rays).into_iter();
+        for block in &mut doubted {
+            block.ones = block.bits().zip(&mut met).fold(0, |ones, (bit, met)| ones | u16::from(met) << bit);
+        }
+        let mut doubted = doubted.into_iter().peekable();
+        let left = |block: &mut TexelBlock| {
+            let (asked, ones) = answers.of(block);
+            let altered = doubted.next_if(|doubted| doubted.lies_at(block)).map_or(0, |doubted| doubted.ones);
+            block.ones = ones & block.wanted;
+            let wanted = block.wanted & (!asked | altered);
+            (wanted != 0).then_some(TexelBlock { wanted, ones: 0, ..*block })
+        };
+        blocks.iter_mut().filter_map(left).collect()
     }
 
     /// Closest hits over the n x n texture of the surface's own hemisphere, one jittered ray a texel.
@@ -204,9 +204,9 @@ impl Viewpoint {
         HitTrace { cells: keys, nearest_m, mirrors, distances_m }
     }
 
-    /// Whether a ray to the sky may meet what changed.
-    pub(crate) fn looks_towards(&self, seen: &ChangeInView, fans: &SkyFans) -> bool {
-        !seen.is_nothing() && fans.parts(self.normal).iter().any(|part| seen.lies_in(part.whole()))
+    /// `[part of the sky]`: whether a ray to it may meet what changed.
+    pub(crate) fn parts_towards(&self, seen: &ChangeInView, fans: &SkyFans) -> Vec<bool> {
+        fans.parts(self.normal).iter().map(|part| seen.lies_in(part.whole())).collect()
     }
 
     /// The rays of [`Viewpoint::hits`].

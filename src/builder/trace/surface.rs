@@ -50,7 +50,7 @@ pub fn sample(key: CellKey, wanted: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<
     let grid = tracer.grid();
     let (corner, size) = (key.corner(grid.origin), size_of(key.level));
     // A surface in the voxel's boundary counts as inside.
-    let slack = size / 8192.0 + grid.slack_m(corner);
+    let slack = size / 8192.0 + grid.slack_m(corner, size);
     let low = -GRID_SHIFT_M - slack;
     let high = low + (size + 2.0 * slack);
     let to_scene = corner - grid.origin;

@@ -110,7 +110,7 @@ impl Canopy {
         rest.is_empty().then_some(Canopy { rays, materials })
     }
 
-    /// The same with other numbers of materials, which rise as the old ones do; `None` if a material has none.
+    /// Gives materials other numbers, which rise as the old ones do; `None` if a material has none.
     pub fn renumbered(&self, number: impl Fn(u16) -> Option<u16>) -> Option<Self> {
         let material = |(material, lists): &(u16, [Counts; 2])| Some((number(*material)?, lists.clone()));
         Some(Canopy { rays: self.rays, materials: self.materials.iter().map(material).collect::<Option<_>>()? })

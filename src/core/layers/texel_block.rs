@@ -30,6 +30,11 @@ impl TexelBlock {
         (self.column * Self::SIDE + bit % Self::SIDE, self.row * Self::SIDE + bit / Self::SIDE)
     }
 
+    /// Whether another block is of the same texels.
+    pub fn lies_at(&self, other: &Self) -> bool {
+        (self.row, self.column) == (other.row, other.column)
+    }
+
     /// Bits of the texels that are asked about.
     pub fn bits(&self) -> impl Iterator<Item = u32> + use<> {
         let wanted = self.wanted;
@@ -62,7 +67,7 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Those of the texels of a block that were asked about, and those of them that are 1.
+    /// Texels of a block that were asked about, and which of these are 1; both as masks of the block.
     #[inline]
     pub fn of(&self, block: &TexelBlock) -> (u16, u16) {
         let asked = self.asked.block(block.column, block.row);

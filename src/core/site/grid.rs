@@ -79,10 +79,16 @@ impl Grid {
         self.gap_m(point, OFFSET_STEPS)
     }
 
-    /// How far outside of a voxel around a point (input coordinates) surfaces count as inside, metres: a hit is known to about 1e-6 of
-    /// its distance.
-    pub fn slack_m(&self, point: DVec3) -> f64 {
-        self.gap_m(point, SLACK_STEPS)
+    /// How far outside of a voxel (its lowest corner in input coordinates, its edge) surfaces count as inside, metres: a hit is known to about
+    /// 1e-6 of its distance. The place of the voxel that is nearest to the origin decides: a large voxel may have corners far beyond the scene,
+    /// and scenes with other origins have to agree.
+    pub fn slack_m(&self, low: DVec3, size_m: f64) -> f64 {
+        self.gap_m(self.origin.clamp(low, low + size_m), SLACK_STEPS)
+    }
+
+    /// Whether f32 holds all of the grid around a point relative to the origin.
+    pub fn holds_exactly(&self, relative: DVec3) -> bool {
+        relative.abs().max_element() <= EXACT_STEPS * self.step
     }
 
     fn gap_m(&self, point: DVec3, steps: f64) -> f64 {
@@ -150,12 +156,15 @@ mod tests {
         }
     }
 
-    /// Beyond 1024 m of the origin gaps grow with the distance: 0.24 mm at 1 km, 20 mm at 10 km.
+    /// Beyond 1024 m of the origin gaps grow with the distance: 0.24 mm at 1 km, 20 mm at 10 km. A voxel of 2048 m that reaches to 100 m from
+    /// the origin has the slack of a near one.
     #[test]
     fn gaps() {
         let grid = Grid::default();
         assert_eq!(grid.offset_m(DVec3::new(0.0, -1024.0, 3.0)), 4.0 * STEP_M);
-        assert_eq!(grid.slack_m(DVec3::splat(1000.0)), 16.0 * STEP_M);
+        assert_eq!(grid.slack_m(DVec3::splat(1000.0), 8.0), 16.0 * STEP_M);
+        assert_eq!(grid.slack_m(DVec3::new(-2148.0, 0.0, 0.0), 2048.0), 16.0 * STEP_M);
+        assert_eq!(grid.slack_m(DVec3::new(2000.0, 0.0, 0.0), 8.0), 2000.0 * 2e-6);
         assert_eq!(grid.offset_m(DVec3::new(10_000.0, 0.0, 0.0)), 0.02);
     }
 }
