@@ -70,13 +70,15 @@ OVERVIEW = [
 EXTENTS = [(name, "3d", lambda p: all(map(math.isfinite, p))) for name in ("low", "high")]
 NAMES = [("of", "1B", lambda o: o <= 3), ("shared", "1H", lambda n: n <= MAX_STRING),
          ("own", "1H", lambda n: n <= MAX_STRING), ("text", "1B", None), ("tile", "1I", None)]
+OBJECTS = [(name, "s", text(0)) for name in ("name", "object", "building", "object_type")]
+OBJECTS += [("beside", "1B", share), ("row", "1H", None)]
 KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None), 4: ("response", 2, None),
          5: ("probes", 4, CELLS), 6: ("bounce", 4, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
          9: ("canopy", 1, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
          12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 1, None),
          15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
          18: ("scene", 1, SCENE), 19: ("overview", 1, OVERVIEW), 20: ("extents", 1, EXTENTS),
-         21: ("names", 1, NAMES)}
+         21: ("names", 1, NAMES), 22: ("objects", 1, OBJECTS)}
 EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
 # Which cells are seen in mirrors.
 MIRRORED = {"mirror": "probes", "probe-mirror": "bounce", "bounce-mirror": "bounce"}
@@ -549,7 +551,7 @@ class Checker:
     def __init__(self, archive):
         self.archive, self.keys, self.seen, self.first, self.last = archive, {}, [], {}, {}
         self.settings, self.rows, self.problems = archive.manifest["settings"], {}, []
-        self.boxes, self.names, self.chunks = {}, set(), {}
+        self.boxes, self.names, self.chunks, self.triangles = {}, set(), {}, {}
         self.materials = sum(e.items for e in archive.of("materials"))
 
     def run(self, take):
@@ -630,7 +632,7 @@ class Checker:
             rays, side = (s["probe_hits"], s["probe"]) if kind == "probes" else (s["bounce_hits"], s["bounce_sky"])
             per_row = {"bits": -(-side * side // 8), "hits": rays}
         for name, v in values.items():
-            if not name.startswith("seen_") and name not in ("vertex", "corners", "offset", "text") and (v or name != "clear_year"):
+            if not name.startswith("seen_") and name not in ("vertex", "corners", "offset", "text") and (kind != "objects" or name == "row") and (v or name != "clear_year"):
                 need(len(v) == e.items * per_row.get(name, 1), f"{len(v)} values of {name}, {e.items} rows")
         if kind == "receivers":
             need(1 <= e.items <= MAX_ROWS, f"{e.items} rows")
@@ -648,9 +650,15 @@ class Checker:
             need(e.tile == 0 and all(m < self.materials for m in values["material"]), "a material that does not exist")
         elif kind == "scene":
             need(1 <= e.items <= 1 << 16, f"{e.items} triangles")
+            self.triangles[e.tile] = e.items
             need(len(values["vertex"]) <= 3 * e.items, f"{len(values['vertex'])} vertices of {e.items} triangles")
             need(all(c < len(values["vertex"]) for corners in values["corner"] for c in corners), "a corner without a vertex")
             need(all(m < self.materials for m in values["material"]), "a material that does not exist")
+        elif kind == "objects":
+            need(e.items == self.triangles.get(e.tile), f"{e.items} rows, {self.triangles.get(e.tile)} triangles")
+            need(all(a < b for a, b in zip(values["name"], values["name"][1:])), "names do not ascend")
+            need(all(row < len(values["name"]) for row in values["row"]), "an object without a name")
+            need(len({len(v) for name, v in values.items() if name != "row"}) == 1, "columns of other lengths")
         elif kind == "overview":
             need(self.rows.get(e.tile) == e.items, f"{e.items} rows, receivers have {self.rows.get(e.tile)}")
             need(len(values["corners"]) == sum(values["polygons"]), f"{len(values['corners'])} polygons")

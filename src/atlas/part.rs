@@ -3,7 +3,7 @@
 //! that build one part do so one after the other. Below an address, the archive is published when it is whole, unless one is there.
 
 use std::fs::{self, File};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
@@ -40,6 +40,8 @@ pub struct PartRequest<'a> {
     pub fresh: bool,
     /// For each of them.
     pub memory: MemoryBudget,
+    /// Archive or atlas of the region before it was changed: of an atlas, its part of the same name.
+    pub from: Option<&'a Path>,
 }
 
 /// Builds parts of the atlas at a place.
@@ -49,7 +51,8 @@ pub fn build_parts(place: &Path, request: &PartRequest, observer: &dyn Observer)
         return Err(Error::input(place, None, what, "make one with `{command:partition}`"));
     }
     let atlas = Atlas::open(place)?;
-    let build = |part| PartBuild { request, atlas: &atlas, part, observer }.run();
+    let before = request.from.map(Atlas::find).transpose()?.flatten();
+    let build = |part| PartBuild { request, atlas: &atlas, before: before.as_ref(), part, observer }.run();
     match request.part {
         "all" => atlas.plan.parts.iter().try_for_each(build),
         asked => build(atlas.plan.part(asked, &atlas.shown())?),
@@ -60,6 +63,8 @@ pub fn build_parts(place: &Path, request: &PartRequest, observer: &dyn Observer)
 struct PartBuild<'a> {
     request: &'a PartRequest<'a>,
     atlas: &'a Atlas,
+    /// The region before it was changed, if that is an atlas.
+    before: Option<&'a Atlas>,
     part: &'a PlannedPart,
     observer: &'a dyn Observer,
 }
@@ -77,7 +82,7 @@ impl PartBuild<'_> {
 
     /// Builds a part here and sends what others read of it; of two who do so one is first, and both have the same bytes.
     fn publish(&self) -> Result<()> {
-        let PartBuild { request, atlas, part, observer } = *self;
+        let PartBuild { request, atlas, part, observer, .. } = *self;
         heliotile_remote::check_writable(atlas.folder.place())?;
         let there = atlas.folder.has(&[part.archive(), part.empty_marker()], atlas.plan.parts.len())?;
         if !request.fresh && there.contains(&true) {
@@ -109,9 +114,24 @@ impl PartBuild<'_> {
         Ok(())
     }
 
+    /// The archive of this part before the region was changed; none if its atlas has no such part.
+    fn before_part(&self) -> Result<Option<PathBuf>> {
+        let Some(atlas) = self.before else { return Ok(self.request.from.map(Path::to_path_buf)) };
+        let name = &self.part.name;
+        let found = match atlas.plan.parts.iter().find(|part| part.name == *name) {
+            Some(part) if atlas.folder.has(&[part.archive()], 1)? == [true] => Some(atlas.folder.join(&part.archive())),
+            _ => None,
+        };
+        if found.is_none() {
+            self.observer
+                .note(&format!("{} holds no part {name} that is built: all of it is traced", atlas.shown().display()));
+        }
+        Ok(found)
+    }
+
     /// Builds a part in a folder.
     fn trace(&self, folder: &Path) -> Result<()> {
-        let PartBuild { request, atlas, part, observer } = *self;
+        let PartBuild { request, atlas, part, observer, .. } = *self;
         let plan = &atlas.plan;
         let site = plan.site(plan.region_part(part), &atlas.shown())?;
         let files = site.parts.len();
@@ -137,6 +157,7 @@ impl PartBuild<'_> {
             observer.report(&format!("{}: no receiver, nothing to build\n", part.name));
             return Ok(());
         }
+        let before = self.before_part()?;
         let traced = TraceRequest {
             folder,
             receivers: &folder.join("receivers.csv"),
@@ -149,7 +170,7 @@ impl PartBuild<'_> {
             ways_out: WaysOut { results: FRESH, started: FRESH },
             memory: request.memory,
             under: None,
-            from: None,
+            from: before.as_deref(),
         };
         observer.report(&format!("{}: {files} of {} files near it\n", part.name, plan.files.len()));
         build_or_reuse(&traced, &scene, Some(&covered), observer)?;

@@ -3,7 +3,7 @@
 //! # Map
 //!
 //! ```text
-//! settings spill receiver_tiles | trace | writing pack | pipeline | accuracy | planning | judge siting | transfer store study
+//! settings spill receiver_tiles held | trace | writing pack | pipeline | accuracy | planning | judge siting | transfer store study
 //! ```
 //!
 //! | room | in | out |
@@ -16,6 +16,7 @@
 //! | [`planning`] | what is wished, weather | settings, effects that may be left out, and what they rest on |
 //! | [`judge`] | a prepared scene, a receiver, suns and skies | what it gets, by paths of light and with a standard error: no texture, cell or patch |
 //! | [`siting`] | a prepared scene, points in it | what lies below a point, whether it is inside something, its horizon |
+//! | [`held`] | an archive | the triangles, materials and objects that it was traced of |
 //! | [`transfer`] | archives | parts, unions and differences of them, without a ray |
 //! | [`store`] | finished archives | those that a build can look things up in |
 //!
@@ -42,6 +43,7 @@
 #![deny(missing_docs)]
 
 pub mod accuracy;
+pub mod held;
 pub mod judge;
 pub mod pack;
 pub mod pipeline;

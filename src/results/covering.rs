@@ -49,6 +49,9 @@ pub struct CoverRequest {
     /// The part of a region whose own receivers are given; there may be none.
     #[serde(skip)]
     pub within: Option<RegionPart>,
+    /// Whether a scene without any such surface is no error.
+    #[serde(skip)]
+    pub may_be_none: bool,
 }
 
 /// Lengths of distances between receivers and off surfaces, metres.
@@ -62,7 +65,15 @@ impl Default for CoverRequest {
     /// A receiver for each 2 m x 2 m of the roofs, walls and windows of buildings, 20 mm off them.
     fn default() -> Self {
         let (on, types) = (Vec::new(), Vec::new());
-        CoverRequest { on, types, density: Density::Spacing(2.0), offset_m: 0.02, min_area_m2: 0.1, within: None }
+        CoverRequest {
+            on,
+            types,
+            density: Density::Spacing(2.0),
+            offset_m: 0.02,
+            min_area_m2: 0.1,
+            within: None,
+            may_be_none: false,
+        }
     }
 }
 
@@ -210,7 +221,7 @@ pub fn cover_scene(
         .collect();
     drop(progress);
     let covered = PlacedReceivers { surfaces, faces, chosen, small, inner, beside };
-    if within.is_none() && covered.count(Placement::Free) == 0 {
+    if within.is_none() && !asked.may_be_none && covered.count(Placement::Free) == 0 {
         let what = format!("no receiver: {}", summary(&covered, scene));
         let hint = match (covered.chosen.is_empty(), covered.count(Placement::Inside)) {
             (true, _) => {
@@ -315,8 +326,8 @@ struct Wanted {
 
 impl Wanted {
     fn of(asked: &CoverRequest, materials: &[Material], surfaces: &Surfaces) -> Result<Wanted> {
-        // In a part of a region, what is asked for may be missing.
-        let is_part = asked.within.is_some();
+        // In a part of a region, and on what is added to a scene, what is asked for may be missing.
+        let is_part = asked.within.is_some() || asked.may_be_none;
         let types = asked.types.iter().map(|name| name.trim().to_lowercase()).collect();
         let mut wanted = Wanted { kinds: Vec::new(), materials: Vec::new(), all: false, missing: false, types };
         for name in asked.on.iter().map(|name| name.trim()) {

@@ -17,6 +17,7 @@
 //! | [`pv`] | light on solar modules, their best turns |
 //! | [`run`] | from scene files to a folder of a year's results in one go |
 //! | `tradeoff` | what accuracy costs on a site: [`TradeoffRequest`] |
+//! | `update` | an archive after edits of its scene: [`UpdateRequest`] |
 //! | `viewer` | the page that shows an archive as a file: [`PageRequest`] |
 //! | [`horizon`], `doubts` | what a user should know before results are used |
 //! | [`outputs`] | writers: one model of columns for all tables, maps, pictures, models of others |
@@ -46,6 +47,7 @@ mod series;
 pub mod site_archive;
 mod stream;
 mod tradeoff;
+mod update;
 mod viewer;
 
 pub use archives::{Archives, Sources};
@@ -68,6 +70,7 @@ pub use series::Series;
 pub use site_archive::SiteArchiveRequest;
 pub use stream::{CoarseSinks, Sinks, Tile, TileFn, TileSink, TileStream};
 pub use tradeoff::{LadderStep, LadderTable, SettingPoint, TradeoffDone, TradeoffRequest};
+pub use update::{UpdateDone, UpdateRequest};
 pub use viewer::PageRequest;
 
 pub use crate::outputs::periods::Every;

@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 use crate::covering::{self, CoverRequest, PlacedReceivers};
 use crate::horizon::black_below_horizon;
-use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start, Workspace};
+use heliotile_builder::pipeline::{Build, Output, PreparedScene, Start, Workspace, holds_objects};
 use heliotile_builder::planning::{AccuracyRequest, BuildRequest, EffectsUnder};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::{BuildSettings, EffectChoice, Effects, Share};
@@ -19,6 +19,7 @@ use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
+use heliotile_remote::places::open_archive;
 use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
 
@@ -135,6 +136,7 @@ pub fn build_or_reuse(
     observer: &dyn Observer,
 ) -> Result<Archive> {
     fs::create_dir_all(asked.folder).map_err(Error::io(asked.folder, "create"))?;
+    let before = asked.from.map(|from| open_archive(from, Access::Read)).transpose()?;
     let planned = match covered {
         Some(covered) => Some(PlannedReceivers::write(covered, asked)?),
         None => None,
@@ -167,7 +169,7 @@ pub fn build_or_reuse(
         under: asked.under,
         with_scene: asked.with_scene,
         store: None,
-        from: asked.from.map(Path::to_path_buf),
+        from: before.as_ref(),
     };
     let mut write = |start: Start| {
         let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer };
@@ -197,6 +199,9 @@ fn archive_of(
     let mut others = Vec::new();
     if archive.manifest().scene.content_hash != format::hex(&scene.content_hash()) {
         others.push("the scene or its materials have changed since site.helio was built".to_owned());
+    }
+    if asked.with_scene && !holds_objects(&archive, scene) {
+        others.push("objects of the scene have other names than when site.helio was built".to_owned());
     }
     if archive.manifest().ground != scene.ground {
         others.push("the ground of the scene has changed since site.helio was built".to_owned());

@@ -6,6 +6,7 @@ use std::cmp::Ordering;
 use glam::DVec3;
 
 use crate::Scene;
+use crate::mesh_objects::MeshObjects;
 use heliotile_core::site::grid::Grid;
 use heliotile_core::site::material::Material;
 use heliotile_core::site::morton::lexicographic;
@@ -21,6 +22,8 @@ pub struct TracedScene {
     pub triangle_material: Vec<u16>,
     /// Sorted by name.
     pub materials: Vec<Material>,
+    /// The objects that the triangles are parts of.
+    pub objects: MeshObjects,
 }
 
 /// What became of a scene.
@@ -122,6 +125,7 @@ mod tests {
             triangles: (0..mesh.triangles.len()).map(|triangle| mesh.triangle_points(triangle)).collect(),
             triangle_material: mesh.triangle_material.clone(),
             materials: scene.materials.clone(),
+            objects: scene.objects.clone(),
         }
     }
 

@@ -32,6 +32,7 @@
 pub mod change;
 mod coordinate;
 pub mod covering;
+pub mod edit;
 mod epsg_numbers;
 mod facing;
 mod formats;
@@ -42,6 +43,7 @@ pub mod input;
 pub mod load;
 pub mod materials;
 pub mod mesh;
+pub mod mesh_objects;
 pub mod mirrors;
 mod model_version;
 pub mod objects;
@@ -79,6 +81,7 @@ use heliotile_core::site::material::Material;
 use heliotile_core::site::place::Place;
 use materials::MaterialUse;
 use mesh::{Canonical, Mesh, RawTriangle, canonical};
+use mesh_objects::{MeshObjects, SceneObject, ranked};
 
 /// Geometry in canonical form, with a checked material for every index of `mesh.triangle_material`.
 #[derive(Clone, Debug)]
@@ -87,6 +90,8 @@ pub struct Scene {
     pub mesh: Mesh,
     /// The materials in use, sorted by name.
     pub materials: Vec<Material>,
+    /// The objects that its triangles are parts of; no part of its content.
+    pub objects: MeshObjects,
     /// Where on Earth it lies, if its files say so; no part of its content.
     pub place: Option<Place>,
     /// What its ground reflects by month, if an EnergyPlus model says so; its material has the mean. No part of its content.
@@ -129,6 +134,17 @@ impl LoadReport {
 impl Scene {
     /// Builds a scene from triangles in input coordinates, each with its index into `materials`, as if read from a file.
     pub fn from_triangles(triangles: &[([DVec3; 3], u16)], materials: Vec<Material>) -> Result<Scene> {
+        Scene::from_objects(triangles, materials, &MeshObjects::default(), None)
+    }
+
+    /// Builds a scene from triangles in input coordinates with their objects, one each or none at all. `focus`: a point near to which
+    /// positions keep their millimetres; none: the middle.
+    pub fn from_objects(
+        triangles: &[([DVec3; 3], u16)],
+        materials: Vec<Material>,
+        objects: &MeshObjects,
+        focus: Option<DVec3>,
+    ) -> Result<Scene> {
         let refuse = |what: String, hint: &str| Err(Error::input(Path::new("triangles in memory"), None, what, hint));
         let names: Vec<String> = materials.iter().map(|material| material.name.clone()).collect();
         for material in &materials {
@@ -145,7 +161,13 @@ impl Scene {
         }
         let mut positions = Vec::with_capacity(3 * triangles.len());
         let mut raw = Vec::with_capacity(triangles.len());
+        let (ranks, known_objects) = ranked(&objects.list);
+        if !objects.list.is_empty() && objects.of_triangle.len() != triangles.len() {
+            let what = format!("{} triangles have {} objects", triangles.len(), objects.of_triangle.len());
+            return refuse(what, "give each triangle its object, or none");
+        }
         for (i, &(corners, material)) in triangles.iter().enumerate() {
+            let object = objects.of_triangle.get(i).and_then(|object| ranks.get(*object as usize)).copied();
             if usize::from(material) >= materials.len() {
                 let what = format!("triangle {i} has material {material} of {}", materials.len());
                 return refuse(what, "add the material");
@@ -155,13 +177,17 @@ impl Scene {
             }
             let first = positions.len() as u32;
             positions.extend(corners);
-            raw.push(RawTriangle { corners: [first, first + 1, first + 2], material: u32::from(material) });
+            raw.push(RawTriangle {
+                corners: [first, first + 1, first + 2],
+                material: u32::from(material),
+                object: object.unwrap_or_default(),
+            });
         }
         let sorted = rank_by_name(&names, &mut raw);
         if let Some([name, _]) = sorted.array_windows().find(|[a, b]| a == b) {
             return refuse(format!("two materials are called `{name}`"), "give every material a name of its own");
         }
-        let Canonical { mesh, used, dropped } = canonical(&positions, raw, None)?;
+        let Canonical { mesh, used, objects, dropped } = canonical(&positions, raw, focus)?;
         if mesh.triangles.is_empty() {
             return refuse(
                 format!("none of the {} triangles has an area", triangles.len()),
@@ -183,7 +209,27 @@ impl Scene {
             warnings: contested_warning(dropped.contested).into_iter().collect(),
             notes: Vec::new(),
         };
-        Ok(Scene { mesh, materials, place: None, ground: None, report })
+        let objects =
+            if known_objects.is_empty() { MeshObjects::default() } else { MeshObjects::of(&known_objects, objects) };
+        Ok(Scene { mesh, materials, objects, place: None, ground: None, report })
+    }
+
+    /// BLAKE3 over [`Scene::content_hash`] and the objects: equal for scenes that an archive holds alike.
+    pub fn named_hash(&self) -> [u8; 32] {
+        let mut content = ContentHasher::new("heliotile scene with objects 1");
+        content.raw(&self.content_hash());
+        content.length(self.objects.list.len());
+        for SceneObject { name, note } in &self.objects.list {
+            [name, &note.object, &note.building, &note.object_type]
+                .into_iter()
+                .for_each(|text| content.bytes(text.as_bytes()));
+            content.raw(&[u8::from(note.beside)]);
+        }
+        content.length(self.objects.of_triangle.len());
+        for object in &self.objects.of_triangle {
+            content.raw(&object.to_le_bytes());
+        }
+        content.finish()
     }
 
     /// BLAKE3 over geometry and materials in canonical little-endian form, each list after its length: equal for equal

@@ -17,6 +17,7 @@ use crate::ground::missing;
 use crate::ground::missing::{BELOW_M, heights};
 use crate::ground::model::{ModelGround, USUAL};
 use crate::mesh::{Canonical, RawTriangle, bounds, canonical};
+use crate::mesh_objects::{MeshObjects, SceneObject, ranked};
 use crate::palette::Palette;
 use crate::placing::extent::{Extent, Walls};
 use crate::placing::frame::SiteFrame;
@@ -302,16 +303,17 @@ impl Pile {
         self.triangles.extend(cut.triangles.iter().map(|triangle| RawTriangle {
             corners: triangle.corners.map(|corner| corner + first as u32),
             material: number(&materials, triangle.material),
+            object: 0,
         }));
         self.objects.extend(cut.objects.iter().map(|&object| number(&objects, object)));
+        for (&object, note) in &geometry.object_notes {
+            self.notes.entry(number(&objects, object)).or_insert_with(|| note.clone());
+        }
         if self.keep {
             // Triangles are counted in 32 bits, and faces are no more.
             let first = self.source_faces.len() as u32;
             self.source_faces.extend(geometry.source_faces());
             self.faces.extend(cut.faces.iter().map(|face| first + face));
-            for (&object, note) in &geometry.object_notes {
-                self.notes.entry(number(&objects, object)).or_insert_with(|| note.clone());
-            }
         }
         let position = |corner: u32| self.positions.get((u64::from(corner) + first) as usize).copied();
         let corners = || cut.triangles.iter().map(|t| t.corners.map(|corner| position(corner).unwrap_or_default()));
@@ -398,6 +400,13 @@ impl Pile {
             objects.resize(triangles.len(), names.id(crate::ground::endless::NAME));
         }
         let of_scene = triangles.len();
+        let note = |id: u32| notes.get(&id).cloned().unwrap_or_default();
+        let object = |(id, name): (u32, &String)| SceneObject { name: name.clone(), note: note(id) };
+        let known_objects: Vec<SceneObject> = (0..).zip(names.as_slice()).map(object).collect();
+        let (ranks, sorted_objects) = ranked(&known_objects);
+        for (triangle, &object) in triangles.iter_mut().zip(&objects) {
+            triangle.object = ranks.get(object as usize).copied().unwrap_or_default();
+        }
         if keep {
             triangles.extend(aside.triangles);
             objects.extend(aside.objects);
@@ -408,7 +417,8 @@ impl Pile {
         let sorted = rank_by_name(&palette.names(), &mut triangles);
         let soup = if keep { triangles.clone() } else { Vec::new() };
         triangles.truncate(of_scene);
-        let Canonical { mesh, used, dropped } = canonical(&positions, triangles, focus)?;
+        let Canonical { mesh, used, objects: ranks, dropped } = canonical(&positions, triangles, focus)?;
+        let mesh_objects = MeshObjects::of(&sorted_objects, ranks);
         if mesh.triangles.is_empty() {
             let file = site.parts.first().map_or(Path::new(""), |part| &part.file);
             let what = format!("none of the {} faces has an area", report.faces_read);
@@ -429,14 +439,12 @@ impl Pile {
             materials: soup.iter().map(|triangle| number(triangle.material)).collect(),
             triangles: soup.iter().map(|triangle| triangle.corners).collect(),
             objects,
-            object_notes: (0..names.as_slice().len() as u32)
-                .map(|i| notes.get(&i).cloned().unwrap_or_default())
-                .collect(),
+            object_notes: known_objects.into_iter().map(|object| object.note).collect(),
             object_names: names.into_vec(),
             faces,
             source_faces,
         };
-        Ok((Scene { mesh, materials, place, ground: by_month, report }, soup))
+        Ok((Scene { mesh, materials, objects: mesh_objects, place, ground: by_month, report }, soup))
     }
 }
 

@@ -81,6 +81,8 @@ pub(super) struct RawTriangle {
     pub corners: [u32; 3],
     /// Any numbering whose order is that of the material names.
     pub material: u32,
+    /// Any numbering whose order is that of the names of the objects.
+    pub object: u32,
 }
 
 /// What canonicalisation found on its way.
@@ -97,6 +99,8 @@ pub(super) struct Dropped {
 pub(super) struct Canonical {
     pub mesh: Mesh,
     pub used: Vec<u32>,
+    /// The caller's number of the object of each triangle of the mesh.
+    pub objects: Vec<u32>,
     pub dropped: Dropped,
 }
 
@@ -140,7 +144,8 @@ pub(super) fn canonical(
     let vertices = number_vertices(positions, grid, &mut triangles);
     let rotated = triangles.len();
     triangles.par_sort_unstable();
-    triangles.dedup();
+    // Of equal ones that of the first object stays.
+    triangles.dedup_by_key(|triangle| (triangle.corners, triangle.material));
     let contested = triangles.windows(2).filter(|pair| matches!(pair, [a, b] if a.corners == b.corners)).count();
     let dropped = Dropped { degenerate, duplicates: rotated - triangles.len(), contested };
 
@@ -154,7 +159,8 @@ pub(super) fn canonical(
         normals: Vec::new(),
     };
     mesh.normals = (0..triangles.len()).map(|triangle| unit_normal(mesh.triangle_points(triangle))).collect();
-    Ok(Canonical { mesh, used, dropped })
+    let objects = triangles.iter().map(|triangle| triangle.object).collect();
+    Ok(Canonical { mesh, used, objects, dropped })
 }
 
 /// Replaces corners by ranks among the distinct relative positions, least corner first; returns those positions.
@@ -254,7 +260,7 @@ mod tests {
 
     fn build(positions: &[[f64; 3]], triangles: &[([u32; 3], u32)]) -> Canonical {
         let positions: Vec<DVec3> = positions.iter().copied().map(DVec3::from).collect();
-        let raw = triangles.iter().map(|&(corners, material)| RawTriangle { corners, material }).collect();
+        let raw = triangles.iter().map(|&(corners, material)| RawTriangle { corners, material, object: 0 }).collect();
         canonical(&positions, raw, None).expect("within limits")
     }
 
@@ -342,7 +348,7 @@ mod tests {
         assert_eq!(west.normal(1).to_array().map(f64::to_bits), east.normal(0).to_array().map(f64::to_bits));
 
         let far = [[0., 0., 0.], [3e6, 0., 0.], [0., 3e6, 0.]].map(DVec3::from);
-        let wide = canonical(&far, vec![RawTriangle { corners: [0, 1, 2], material: 0 }], None);
+        let wide = canonical(&far, vec![RawTriangle { corners: [0, 1, 2], material: 0, object: 0 }], None);
         let message = wide.expect_err("too wide").to_string();
         assert!(message.ends_with("is 1500096, the limit is 1048576"), "{message}");
     }
@@ -362,7 +368,7 @@ mod tests {
         let fan = |count: u32| {
             let positions: Vec<DVec3> =
                 (0..count + 2).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0)).collect();
-            let raw = (0..count).map(|i| RawTriangle { corners: [i, i + 1, i + 2], material: i }).collect();
+            let raw = (0..count).map(|i| RawTriangle { corners: [i, i + 1, i + 2], material: i, object: 0 }).collect();
             canonical(&positions, raw, None)
         };
         assert_eq!(fan(65_535).expect("the limit itself").mesh.triangle_material.last(), Some(&65_534));

@@ -50,7 +50,7 @@ pub(super) fn triangulate(geometry: &Geometry) -> Result<Triangulation> {
     for face in geometry.faces() {
         let corners = face.corners();
         if let (&[a, b, c], false) = (corners, face.has_holes()) {
-            done.triangles.push(RawTriangle { corners: [a, b, c], material: face.material });
+            done.triangles.push(RawTriangle { corners: [a, b, c], material: face.material, object: 0 });
             done.objects.push(face.object);
             done.faces.push(face.number as u32);
             continue;
@@ -262,7 +262,7 @@ impl Rings {
             // The library has its own idea of the winding.
             let (cb, cc) = if area < 0.0 { (cc, cb) } else { (cb, cc) };
             let corners = [ca, cb, cc];
-            triangles.push(RawTriangle { corners, material });
+            triangles.push(RawTriangle { corners, material, object: 0 });
         }
         covered
     }

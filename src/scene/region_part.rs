@@ -137,6 +137,7 @@ mod tests {
         let triangle = |(first, (_, _, material, _)): (u32, &(f64, u32, u32, bool))| RawTriangle {
             corners: [0, 1, 2].map(|corner| 3 * first + corner),
             material: *material,
+            object: 0,
         };
         let triangles: Vec<RawTriangle> = (0..).zip(&of).map(triangle).collect();
         let seen = PART.seen(&positions, &triangles, &of.map(|(_, object, ..)| object), |material| material == GROUND);

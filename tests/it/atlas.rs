@@ -81,6 +81,39 @@ fn parts_are_the_whole() {
     assert_eq!(stated["seams"]["rmse_percent"], 0.0);
 }
 
+/// A region with a tower more: each of its parts, built from the part of its name in the atlas before, has the bytes of one that is built from nothing,
+/// and some of it is taken from there; an atlas without that part is told.
+#[test]
+fn parts_are_built_from_those_before() {
+    let folder = Folder::new();
+    let corners = [(0, 0), (9, 0), (9, 9), (0, 9)].map(|(x, y)| format!("v {} {}", 78_700 + x, 457_930 + y));
+    let vertices: String =
+        ["4", "44"].iter().flat_map(|z| corners.each_ref().map(|xy| format!("{xy} {z}\n"))).collect();
+    let faces = "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf 5 6 7 8\n";
+    folder.write("tower.obj", &format!("o tower\nusemtl tower\n{vertices}{faces}"));
+    folder.write("m.toml", "[tower]\ndiffuse = 0.4\n");
+    let cut = "--part-size 45m --spacing 6m --quality draft --sample 0";
+    done(&folder, &format!("partition MODEL {cut} -o before"));
+    done(&folder, "build before --part all");
+    for atlas in ["fresh", "from"] {
+        done(&folder, &format!("partition MODEL tower.obj -m m.toml {cut} -o {atlas}"));
+    }
+    done(&folder, "build fresh --part all");
+    let said = stderr(&done(&folder, "build from --part all --from before"));
+    assert!(said.contains("10 came"), "{said}");
+    let archive = |atlas: &str, part: &Path| fs::read(folder.path(atlas).join("parts").join(part).join("site.helio"));
+    let parts = fs::read_dir(folder.path("fresh/parts")).expect("parts").flatten();
+    let names: Vec<PathBuf> = parts.map(|part| PathBuf::from(part.file_name())).collect();
+    let names: Vec<PathBuf> = names.into_iter().filter(|part| archive("fresh", part).is_ok()).collect();
+    assert_eq!(names.len(), 4);
+    for name in names {
+        assert!(archive("fresh", &name).expect("a part") == archive("from", &name).expect("a part"), "{name:?}");
+    }
+    fs::remove_dir_all(folder.path("before/parts")).expect("parts");
+    let said = stderr(&done(&folder, "build from --part 0 --from before --fresh -v"));
+    assert!(said.contains("before holds no part"), "{said}");
+}
+
 /// What is of single archives is found in the part that holds it: a picture of a receiver and an extract of a surface have the bytes of that part's,
 /// view factors of 425 receivers and factors of the surfaces of all parts are those of the one archive; receivers of several parts are refused, and
 /// so is an atlas where one archive is taken.

@@ -55,6 +55,7 @@ mod tidy;
 mod tilted;
 mod times;
 mod transfer;
+mod update;
 mod variants;
 mod view;
 mod weather;

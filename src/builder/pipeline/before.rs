@@ -11,6 +11,7 @@ use super::mirrors::around_cell;
 use super::prepared::PreparedScene;
 use super::report::Kept;
 use super::site_tracer::SiteTracer;
+use crate::held::{check_scene, held_scene};
 use crate::settings::{BuildSettings, Effect};
 use crate::trace::Ray;
 use crate::trace::change::{Change, ChangeInView, KnownSky};
@@ -19,18 +20,16 @@ use crate::trace::probe::{Directions, known_probe, sky_rays};
 use crate::trace::receiver::{HitTrace, SkyTrace, Viewpoint};
 use crate::trace::sky_fans::SkyFans;
 use crate::trace::surroundings::{looks_around, may_cast};
-use heliotile_core::archive::format::{CellKind, TileNumber};
-use heliotile_core::archive::tables::GeometryTable;
-use heliotile_core::archive::{Archive, format};
-use heliotile_core::error::{Error, Result};
+use heliotile_core::archive::Archive;
+use heliotile_core::archive::format::CellKind;
+use heliotile_core::error::Result;
 use heliotile_core::layers::cells::Cell;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::site::cells::CellKey;
-use heliotile_core::site::grid::Grid;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
-use heliotile_scene::change::{SceneChange, TracedScene};
+use heliotile_scene::change::SceneChange;
 
 /// A mean of unit normals that is at least so long is one of a plane.
 const PLANE: f64 = 1.0 - 1e-6;
@@ -64,14 +63,14 @@ impl<'a> Before<'a> {
         observer: &dyn Observer,
     ) -> Result<Option<Self>> {
         let scene = ready.scene;
-        let scene_chunks = scene_chunks(archive)?;
+        check_scene(archive)?;
         let useless = |why: &str| observer.warn(&format!("{}: {why}: nothing of it is used", archive.path().display()));
         if archive.manifest().settings.hash()? != settings.hash()? {
             let differ = archive.manifest().settings.differences(&settings.stated())?;
             useless(&format!("it was built with other settings ({})", differ.join("; ")));
             return Ok(None);
         }
-        let traced = traced_scene(archive, scene_chunks)?;
+        let traced = held_scene(archive)?;
         let Some(found) = SceneChange::between(&traced, scene) else {
             useless("its coordinates are held in another frame, since the scene's size or its middle is another one");
             return Ok(None);
@@ -214,38 +213,6 @@ impl<'a> Before<'a> {
 fn towards(seen: &ChangeInView, mut rays: Vec<Ray>) -> Vec<Ray> {
     rays.retain(|ray| seen.lies_towards(DVec3::from(ray.direction.map(f64::from))));
     rays
-}
-
-/// Blocks of an archive that hold its scene. An error: it has none.
-fn scene_chunks(archive: &Archive) -> Result<u32> {
-    match archive.entries_of(format::SCENE).len() as u32 {
-        0 => Err(Error::input(
-            archive.path(),
-            None,
-            "the archive does not hold its scene, so what changed since cannot be found",
-            "build it again without {no_scene}, or build the changed scene without {from}",
-        )),
-        chunks => Ok(chunks),
-    }
-}
-
-/// The scene that an archive was traced of.
-fn traced_scene(archive: &Archive, chunks: u32) -> Result<TracedScene> {
-    let site = OpenSite::of(archive)?;
-    let read = |chunk: u32| GeometryTable::from_block(&site.block(format::SCENE, TileNumber(chunk))?);
-    let tables: Vec<GeometryTable> = (0..chunks).into_par_iter().map(read).collect::<Result<_>>()?;
-    let scene = &archive.manifest().scene;
-    let corners = |table: &GeometryTable| -> Vec<[DVec3; 3]> {
-        // Corners of a table that was checked are among its vertices.
-        let point = |corner: u32| DVec3::from(table.vertex[corner as usize].map(f64::from));
-        table.corner.iter().map(|corners| corners.map(point)).collect()
-    };
-    Ok(TracedScene {
-        grid: Grid { origin: scene.origin_m.into(), step: scene.grid_step_m },
-        triangles: tables.iter().flat_map(corners).collect(),
-        triangle_material: tables.iter().flat_map(|table| table.material.iter().copied()).collect(),
-        materials: site.materials().to_vec(),
-    })
 }
 
 impl SiteTracer<'_> {

@@ -10,9 +10,9 @@ use super::site_tracer::SiteTracer;
 use crate::pack::{COMPRESSION, NameIndexWriter, OverviewRow, overview};
 use crate::receiver_tiles::ReceiverTiles;
 use crate::writing::Writer;
-use heliotile_core::archive::format::TileNumber;
-use heliotile_core::archive::tables::{GeometryTable, MAX_TRIANGLES};
-use heliotile_core::archive::{EncodedBlock, format};
+use heliotile_core::archive::format::{Entry, TileNumber, content_id};
+use heliotile_core::archive::tables::{GeometryTable, MAX_TRIANGLES, ObjectRow, ObjectsTable};
+use heliotile_core::archive::{Archive, EncodedBlock, format};
 use heliotile_core::error::Result;
 use heliotile_core::memory::Use;
 use heliotile_core::observer::Stage;
@@ -24,9 +24,19 @@ use heliotile_core::site::place::Place;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::weather::clear::clear_year;
 use heliotile_core::weather::conditions::in_axes;
+use heliotile_scene::Scene;
 use heliotile_scene::mesh::Mesh;
+use heliotile_scene::mesh_objects::SceneObject;
 
 impl SiteTracer<'_> {
+    /// The objects of all triangles, in the same chunks as [`SiteTracer::scene_blocks`]; none where nobody says.
+    pub(super) fn object_blocks(&self) -> impl Iterator<Item = Result<EncodedBlock>> {
+        let objects = object_rows(self.scene);
+        (0..).zip(self.scene.objects.of_triangle.chunks(MAX_TRIANGLES)).map(move |(chunk, some)| {
+            ObjectsTable::new(&objects, some).encode(format::OBJECTS, TileNumber(chunk), COMPRESSION)
+        })
+    }
+
     /// All triangles in the order of the mesh, which is that of their vertices from west to east; one block after the other.
     pub(super) fn scene_blocks(&self) -> impl Iterator<Item = Result<EncodedBlock>> {
         let mesh = &self.scene.mesh;
@@ -122,6 +132,29 @@ impl SiteTracer<'_> {
         }
         Ok(sums)
     }
+}
+
+/// The objects of a scene as archives hold them.
+fn object_rows(scene: &Scene) -> Vec<ObjectRow> {
+    let row = |SceneObject { name, note }: &SceneObject| ObjectRow {
+        name: name.clone(),
+        object: note.object.clone(),
+        building: note.building.clone(),
+        object_type: note.object_type.clone(),
+        beside: note.beside,
+    };
+    scene.objects.list.iter().map(row).collect()
+}
+
+/// Whether an archive that holds its scene calls the objects of its triangles as a scene of the same triangles does.
+pub fn holds_objects(archive: &Archive, scene: &Scene) -> bool {
+    let held = archive.entries_of(format::OBJECTS);
+    let (objects, chunks) = (object_rows(scene), || scene.objects.of_triangle.chunks(MAX_TRIANGLES));
+    let same = |(entry, some): (&Entry, &[u32])| {
+        let bytes = ObjectsTable::new(&objects, some).to_bytes();
+        bytes.is_ok_and(|bytes| content_id(entry.kind, entry.schema, &bytes) == entry.content)
+    };
+    held.len() == chunks().count() && held.iter().zip(chunks()).all(same)
 }
 
 /// Patches of the sky of clear years: the fewest there are.

@@ -41,6 +41,7 @@ use report::Clock;
 use site_tracer::SiteTracer;
 
 pub use forecast::{Forecast, Line, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2};
+pub use geometry::holds_objects;
 pub use manifest::BuildCounts;
 pub use output::{Output, Start};
 pub use plan::Plan;
@@ -131,7 +132,7 @@ impl Build<'_> {
             clock.lap("compare");
         }
         let mut writer = output.writer(&Job {
-            scene: scene.content_hash(),
+            scene: scene.named_hash(),
             receivers: self.receivers.content_hash(),
             settings: plan.hash()?,
         })?;
@@ -195,6 +196,11 @@ fn trace(
     if plan.with_scene {
         for (chunk, block) in (0..).zip(tracer.scene_blocks()) {
             if !writer.has(format::SCENE, TileNumber(chunk)) {
+                writer.append(block?)?;
+            }
+        }
+        for (chunk, block) in (0..).zip(tracer.object_blocks()) {
+            if !writer.has(format::OBJECTS, TileNumber(chunk)) {
                 writer.append(block?)?;
             }
         }

@@ -11,7 +11,7 @@ use crate::accuracy::conditions::ErrorConditions;
 use crate::pipeline::{Build, BuildReport, Output, Plan, ReusedArchives};
 use crate::settings::{BuildSettings, EffectChoice, Quality, Rungs, Share};
 use crate::store::{Folder, Store, StoreKey, open_all};
-use heliotile_core::archive::{Access, Archive};
+use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::options::WeatherOptions;
 
@@ -72,7 +72,7 @@ pub struct BuildRequest<'a> {
     /// What earlier builds traced; the new archive is added.
     pub store: Option<Folder>,
     /// Archive of the scene before it was changed: what the change does not alter is taken from there.
-    pub from: Option<PathBuf>,
+    pub from: Option<&'a Archive>,
 }
 
 /// What was planned and what was built.
@@ -110,8 +110,6 @@ impl Build<'_> {
 
     /// Plans, builds, and tells the observer what is done.
     pub fn plan_and_write(mut self, request: &BuildRequest, output: &Output) -> Result<BuildDone> {
-        // First, since a forecast takes its time.
-        let before = request.from.as_deref().map(|path| Archive::open_with(path, Access::Read)).transpose()?;
         let planned = self.decide(request)?;
         let observer = self.observer;
         observer.report(&tables::forecast(&planned.forecast));
@@ -120,7 +118,7 @@ impl Build<'_> {
         let scene = self.scene.scene;
         let key = StoreKey { scene: scene.content_hash(), settings: plan.settings.hash()? };
         let earlier = request.store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key, observer))?;
-        let sources = ReusedArchives { earlier: &earlier, before: before.as_ref() };
+        let sources = ReusedArchives { earlier: &earlier, before: request.from };
         let report = self.write(plan, output, &sources)?;
         if let Some(store) = &request.store {
             store.add(&key, &output.path, &report.root)?;

@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, format, tables};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::site::content::ContentHasher;
 
 /// Keys of the manifest that tell of one file, not of what it holds.
 const OF_THE_FILE: [&str; 5] = ["format", "creator", "experimental", "counts", "layers"];
@@ -43,9 +44,19 @@ fn statements(archive: &Archive) -> Result<Value> {
         object.insert("materials".into(), materials(archive)?);
         let triangles = archive.entries_of(format::SCENE).iter().map(|entry| entry.items).sum::<u32>();
         let overview = shows(archive);
-        object.insert("shown".into(), json!({ "triangles": triangles, "overview": overview }));
+        object.insert(
+            "shown".into(),
+            json!({ "triangles": triangles, "objects": objects(archive), "overview": overview }),
+        );
     }
     Ok(value)
+}
+
+/// What an archive says of the objects of its scene, if it holds that, as a hash.
+pub fn objects(archive: &Archive) -> Option<String> {
+    let mut content = ContentHasher::new("objects");
+    archive.entries_of(format::OBJECTS).iter().for_each(|entry| content.raw(&entry.content));
+    archive.has(format::SCENE, TileNumber::FIRST).then(|| format::hex(&content.finish()))
 }
 
 /// Whether an archive tells what its receivers stand for.

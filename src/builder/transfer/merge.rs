@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::pipeline::Workspace;
 use crate::spill::Sorter;
-use crate::transfer::compare::differences;
+use crate::transfer::compare::{differences, objects};
 use crate::transfer::conflicts::Conflicts;
 use crate::transfer::digests::{AllLayers, Digests, cell_name, same_cell};
 use crate::transfer::output::{ArchiveAssembly, Assembled, unknown};
@@ -66,6 +66,7 @@ fn check_fit(a: &Archive, b: &Archive) -> Result<()> {
         .into_iter()
         .filter(|difference| of_the_site(&difference.item))
         .map(|d| format!("{} is {} there and {} here", d.item, d.values[0], d.values[1]))
+        .chain(renamed(a, b).then(|| "objects have other names here".to_owned()))
         .collect();
     if found.is_empty() {
         return Ok(());
@@ -77,6 +78,11 @@ fn check_fit(a: &Archive, b: &Archive) -> Result<()> {
         what,
         "build both from one scene, with one materials file, one place and equal settings",
     ))
+}
+
+/// Whether both hold their scene, and call its objects differently.
+fn renamed(a: &Archive, b: &Archive) -> bool {
+    matches!((objects(a), objects(b)), (Some(a), Some(b)) if a != b)
 }
 
 fn both<'a, L: Layers + 'a>(

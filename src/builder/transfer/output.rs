@@ -110,7 +110,7 @@ impl<'a> ArchiveAssembly<'a> {
         Ok(())
     }
 
-    /// Writes the scene's triangles, if one of the archives, which are of one scene, holds them.
+    /// Writes the scene's triangles with their objects, if one of the archives, which are of one scene, holds them.
     pub fn scene(&mut self, archives: &[&Archive]) -> Result<()> {
         let holds = |archive: &&&Archive| archive.has(format::SCENE, TileNumber::FIRST);
         let Some(archive) = archives.iter().find(holds) else { return Ok(()) };
@@ -118,6 +118,10 @@ impl<'a> ArchiveAssembly<'a> {
         archive.entries_of(format::SCENE).iter().try_for_each(|entry| {
             let table = tables::GeometryTable::from_block(&archive.fetch(entry)?)?;
             self.writer.append(table.encode(format::SCENE, entry.tile, pack::COMPRESSION)?)
+        })?;
+        archive.entries_of(format::OBJECTS).iter().try_for_each(|entry| {
+            let table = tables::ObjectsTable::from_block(&archive.fetch(entry)?)?;
+            self.writer.append(table.encode(format::OBJECTS, entry.tile, pack::COMPRESSION)?)
         })
     }
 

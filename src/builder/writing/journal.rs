@@ -34,7 +34,7 @@ pub(super) const REMOVE: &str = "remove it to start again";
 /// What is built, as hashes: only an equal job may go on with an interrupted build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Job {
-    /// Geometry and materials.
+    /// Geometry, materials and objects.
     pub scene: [u8; 32],
     /// Hash of all receivers, in the order of tiles.
     pub receivers: [u8; 32],

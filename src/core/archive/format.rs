@@ -130,6 +130,8 @@ pub const OVERVIEW: BlockKind = BlockKind(19);
 pub const EXTENTS: BlockKind = BlockKind(20);
 /// Kind: names in order, each with the tiles that hold it; chunk 0 holds the first name of each other chunk.
 pub const NAMES: BlockKind = BlockKind(21);
+/// Kind: the objects that a chunk of the scene's triangles is made of; in archives that may show their scene.
+pub const OBJECTS: BlockKind = BlockKind(22);
 
 /// The two kinds of cells; each has chunks, layers of them, and an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,7 +169,7 @@ impl CellKind {
 }
 
 /// Kinds that this release knows: id, name, schema id of the raw bytes.
-pub const KINDS: [(BlockKind, &str, u16); 21] = [
+pub const KINDS: [(BlockKind, &str, u16); 22] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
     (HIT, "hit", 3),
@@ -189,6 +191,7 @@ pub const KINDS: [(BlockKind, &str, u16); 21] = [
     (OVERVIEW, "overview", 1),
     (EXTENTS, "extents", 1),
     (NAMES, "names", 1),
+    (OBJECTS, "objects", 1),
 ];
 
 /// Name of a kind; a kind of a later release gets its number.

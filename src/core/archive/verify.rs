@@ -9,7 +9,7 @@ use crate::archive::codec::block::Block;
 use crate::archive::format;
 use crate::archive::format::{
     BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, BlockKind, CANOPY, CellKind, EXTENTS, Entry, FIRST_BLOCK, HIT, INDEX,
-    MATERIALS, MIRROR, MIRRORS, NAMES, OPTICS, OVERVIEW, PARTS, PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS,
+    MATERIALS, MIRROR, MIRRORS, NAMES, OBJECTS, OPTICS, OVERVIEW, PARTS, PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS,
     RESPONSE, SCENE, SKY, SLOT_OFFSETS, SLOT_SIZE, TileNumber,
 };
 use crate::archive::read_at::ReadAt;
@@ -19,7 +19,7 @@ use crate::archive::source::Access;
 use crate::archive::source::Source;
 use crate::archive::tables::{
     CellsTable, ExtentsTable, GeometryTable, IndexTable, MaterialsTable, MirrorsTable, NameOf, NameRow, NamesTable,
-    OpticsTable, OverviewTable, PartsTable, ReceiversTable, TILES_A_CHUNK,
+    ObjectsTable, OpticsTable, OverviewTable, PartsTable, ReceiversTable, TILES_A_CHUNK,
 };
 use crate::error::{Error, Result};
 use crate::layers::canopy;
@@ -187,6 +187,10 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
         }
         MIRRORS => check_materials(&block, MirrorsTable::from_block(&block)?.material.into_iter(), site),
         SCENE => check_materials(&block, GeometryTable::from_block(&block)?.material.into_iter(), site),
+        OBJECTS => {
+            same_rows(archive, &block, SCENE)?;
+            ObjectsTable::from_block(&block).map(|_| ())
+        }
         OVERVIEW => {
             same_rows(archive, &block, RECEIVERS)?;
             OverviewTable::from_block(&block).map(|_| ())

@@ -379,7 +379,7 @@ impl Files {
 /// All that the sun may reach of the model.
 fn cover_of(task: &Task, types: Vec<String>) -> CoverRequest {
     let density = Density::Spacing(task.request.spacing_m);
-    CoverRequest { on: Vec::new(), types, density, offset_m: OFFSET_M, min_area_m2: 0.0, within: None }
+    CoverRequest { on: Vec::new(), types, density, offset_m: OFFSET_M, min_area_m2: 0.0, ..CoverRequest::default() }
 }
 
 /// A model without surfaces outdoors is said to be one.

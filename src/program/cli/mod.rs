@@ -29,7 +29,7 @@ pub use self::results::{
 pub use self::sites::{
     AccuracyArgs, AuditArgs, BuildArgs, CatalogueArgs, ClockArgs, CoverArgs, FindArgs, MaterialsArgs, Metres,
     PartitionArgs, Percent, PlaceArgs, PlanArgs, RaySquare, ReceiversArgs, RunArgs, SceneArgs, StudyArgs, StudyCommand,
-    TradeoffArgs, WallArgs, WeatherArgs, parse_negligible,
+    TradeoffArgs, UpdateArgs, WallArgs, WeatherArgs, parse_negligible,
 };
 pub use self::values::Bytes;
 
@@ -55,6 +55,8 @@ pub enum Command {
     Receivers(ReceiversArgs),
     /// Trace every receiver of a scene once and store its layers in an archive
     Build(BuildArgs),
+    /// Edit the scene of an archive: add, remove, move, raise or repaint objects; only what an edit can alter is traced again
+    Update(UpdateArgs),
     /// Cut a region into parts that are built one by one, on any machines, and are asked like one archive
     Partition(PartitionArgs),
     /// A static STAC catalogue of the parts of an atlas, with pictures and a page

@@ -18,6 +18,7 @@ use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::text::counted;
+use heliotile_remote::places::open_archive;
 use heliotile_results::horizon::black_below_horizon;
 use heliotile_scene::Scene;
 
@@ -52,7 +53,7 @@ fn parts(args: &BuildArgs, part: &str) -> Result<Outcome> {
         let hint = "name the folder or the address of the atlas, which knows its files";
         return Err(Error::argument("part", what, hint));
     };
-    let request = PartRequest { part, fresh: args.fresh, memory: args.memory.into() };
+    let request = PartRequest { part, fresh: args.fresh, memory: args.memory.into(), from: args.from.as_deref() };
     build_parts(place, &request, &Terminal::watching())?;
     Ok(Outcome::Fine)
 }
@@ -63,6 +64,7 @@ fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
         [Some(receivers), args.accuracy.error_weather.as_deref(), args.weather.as_deref(), args.from.as_deref()];
     guard_site(output, &args.scene.site()?, &inputs)?;
     guard_archive(output)?;
+    let before = args.from.as_deref().map(|from| open_archive(from, Access::Read)).transpose()?;
     let scene = load_scene(&args.scene)?;
     let (workspace, terminal) = (workspace_beside(output, args.memory), Terminal::watching());
     let mut receivers = workspace.read_receivers(receivers, &scene, &terminal)?;
@@ -74,7 +76,7 @@ fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
         effects: args.effects,
         with_scene: !args.no_scene,
         store: args.store.as_deref().map(Folder::create).transpose()?,
-        from: args.from.clone(),
+        from: before.as_ref(),
     };
     let output = Output {
         path: output.to_owned(),

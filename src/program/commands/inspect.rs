@@ -101,7 +101,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         line!(out, "  left out    {}{why}", s.left_out.join(", "));
     }
     if let Some(lost) = black_below_horizon(&archive)? {
-        line!(out, "  horizon     {lost}");
+        line!(out, "  horizon     {}", worded_text(&lost));
     }
     if let Some(ground) = &manifest.ground {
         let months: Vec<String> = ground.reflectance.iter().map(f64::to_string).collect();

@@ -20,6 +20,7 @@ pub mod store;
 pub mod study;
 pub mod tradeoff;
 pub mod transfer;
+pub mod update;
 pub mod view;
 
 use std::path::{Path, PathBuf};
@@ -58,6 +59,7 @@ pub fn run(Cli { command, everywhere }: &Cli, about: Provenance) -> Result<Outco
 fn run_command(command: &Command, about: Provenance) -> Result<Outcome> {
     match command {
         Command::Build(args) => build::run(args),
+        Command::Update(args) => update::run(args),
         Command::Partition(args) => atlas::partition(args),
         Command::Catalogue(args) => atlas::catalogue(args, about),
         Command::Find(args) => atlas::find(args),

@@ -12,7 +12,7 @@ from ._heliotile import __version__
 from .archive import Archive
 from .askable import Factors, Material, Place
 from .atlas import Atlas, AtlasPart
-from .checks import AuditReport, CheckedArchive, RepairDone, repair, verify
+from .checks import AuditReport, CheckedArchive, RepairDone, UpdateDone, repair, verify
 from .errors import (
     ArgumentError,
     ChangedError,
@@ -60,6 +60,7 @@ __all__ = [
     "Study",
     "Tradeoff",
     "UnsupportedError",
+    "UpdateDone",
     "Weather",
     "__version__",
     "build",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from .options import MEMORY, Progress, Wanted, WantedArgs, wanted_args
 from .weather import weather_request
 
 if TYPE_CHECKING:
-    from .checks import AuditReport, CheckedArchive
+    from .checks import AuditReport, CheckedArchive, UpdateDone
     from .scene import BuildReport
 
 
@@ -32,6 +33,8 @@ class Archive(Askable):
         self.path, self.access, self.grid_north = path, access, grid_north
         self.built: BuildReport | None = None
         """What was done, where `build` gave this archive."""
+        self.updated: UpdateDone | None = None
+        """What became of the receivers, where `update` gave this archive."""
 
     @classmethod
     def open(cls, path: str | os.PathLike[str], *, access: str = "map", grid_north: bool = False) -> Archive:
@@ -116,6 +119,68 @@ class Archive(Askable):
             "sky": sky,
         }
         return checks.audit(request, output, memory, progress)
+
+    def update(
+        self,
+        output: str | os.PathLike[str],
+        *,
+        add: Any = None,
+        remove: Sequence[str] = (),
+        move: Mapping[str, Sequence[float]] | None = None,
+        height: Mapping[str, str] | None = None,
+        material: Mapping[str, str] | None = None,
+        materials: str | os.PathLike[str] | None = None,
+        on: Sequence[str] = (),
+        spacing: float | None = None,
+        fresh: bool = False,
+        memory: int = MEMORY,
+        progress: Progress | None = None,
+    ) -> Archive:
+        """Edits the scene that the archive holds, and opens the archive of the edited one, of which `updated` says what became of the receivers:
+        `heliotile update`, byte by byte. Only what an edit can alter is traced again.
+
+        Parameters
+        ----------
+        add
+            A `Scene` or scene files whose objects are added, in the coordinates of the scene.
+        remove
+            Objects or buildings that go.
+        move
+            By object or building: how far, metres along x, y and z. Its receivers go with it.
+        height
+            By object or building: `"+3m"`, `"-3m"` or `"12m"`: its roofs go up or down, and its walls with them.
+        material
+            By object or building: the material that all of it gets, one of the scene or of `materials`.
+        materials
+            A TOML file with reflectances of what is added or painted.
+        on, spacing
+            Surfaces of what is new or has another shape to cover with receivers, and the distance between these in metres; default: roofs, walls and
+            windows, about as far apart as the archive's own.
+        fresh
+            Discards an interrupted update that lies there.
+        """
+        from . import checks
+        from .scene import scene_request
+
+        added = {"files": [], "frame": {}} if add is None else scene_request(add)
+        request = {
+            "before": self.path,
+            "output": os.fspath(output),
+            "edits": {
+                "remove": [remove] if isinstance(remove, str) else list(remove),
+                "moves": [{"object": name, "by_m": [number("move", one) for one in by]} for name, by in (move or {}).items()],
+                "heights": [{"object": name, "height": text} for name, text in (height or {}).items()],
+                "materials": [{"object": name, "material": other} for name, other in (material or {}).items()],
+            },
+            "add": added | ({} if materials is None else {"materials": os.fspath(materials)}),
+            "cover": {"on": list(on)},
+            "density": None if spacing is None else {"spacing": number("spacing", spacing)},
+            "fresh": fresh,
+        }
+        path, done = checks.update(request, memory, progress)
+        archive = Archive.open(path)
+        archive.updated = done
+        return archive
 
     def verify(self, *, deep: bool = False) -> CheckedArchive:
         """Checks every block: `heliotile verify`, finding by finding. `heliotile.verify` takes a path that need not open."""

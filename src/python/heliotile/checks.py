@@ -1,5 +1,5 @@
-"""Whether archives are what they say: the program's `audit`, `verify` and `repair`. In: archives, their scenes. Out: what was found. Arguments
-fill the requests that the program fills."""
+"""Whether archives are what they say, and archives that are edited: the program's `audit`, `verify`, `repair` and `update`. In: archives, their
+scenes. Out: what was found or done. Arguments fill the requests that the program fills."""
 
 from __future__ import annotations
 
@@ -148,6 +148,31 @@ class RepairDone:
         from .archive import Archive
 
         return Archive.open(self.archive)
+
+
+@dataclass(frozen=True)
+class UpdateDone:
+    """What an update did with the receivers."""
+
+    kept: int
+    """How many stand where they stood."""
+    moved: int
+    """How many moved with their object."""
+    gone: int
+    """How many went with their object, or with the shape that it had."""
+    new: int
+    """How many are on what is new or has another shape."""
+    buried: list[str]
+    """Names of those that are inside something or covered now, and are left out."""
+    rays: int
+    """Rays that were traced."""
+    text: str = field(repr=False)
+
+
+def update(request: dict[str, Any], memory: int, progress: Progress | None) -> tuple[str, UpdateDone]:
+    """The archive of an edited scene; `Archive.update` fills the request."""
+    path, (kept, moved, gone, new), buried, rays, text = _heliotile.update(json.dumps(request), memory, progress)
+    return os.fspath(path), UpdateDone(kept, moved, gone, new, buried, rays, text)
 
 
 def audit(request: dict[str, Any], output: str | os.PathLike[str] | None, memory: int, progress: Progress | None) -> AuditReport:

@@ -1,4 +1,4 @@
-//! Whether archives are what they say, and what accuracy costs. In: requests as JSON, which `heliotile/checks.py` and `heliotile/studies.py` make of
+//! Whether archives are what they say, archives that are edited, and what accuracy costs. In: requests as JSON, which `heliotile/checks.py` and `heliotile/studies.py` make of
 //! keyword arguments. Out: what was found as JSON, and as text for people.
 
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::work;
 use heliotile_atlas::{ExportRequest, VerifyRequest};
 use heliotile_core::archive::{Access, Problem};
 use heliotile_core::error::{Error, Result};
-use heliotile_results::{AuditRequest, PageRequest, RepairRequest, TradeoffRequest};
+use heliotile_results::{AuditRequest, PageRequest, RepairRequest, TradeoffRequest, UpdateRequest};
 
 /// Part, offset and reason of a problem.
 type ProblemRow = (String, u64, String);
@@ -75,6 +75,19 @@ pub fn repair(
         let done = request::<RepairRequest>(text)?.write(&resources(memory, watch))?;
         let said = done.text();
         Ok((done.archive, rows(done.problems), done.rays, said))
+    })
+}
+
+/// Counts of receivers: those that stay, moved, went and are new, and the names of those that are buried.
+type UpdateRow = (PathBuf, [usize; 4], Vec<String>, u64, String);
+
+/// Edits the scene of an archive: the new archive, what became of the receivers, rays that were traced, and these as text.
+#[pyfunction]
+pub fn update(py: Python<'_>, text: &str, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<UpdateRow> {
+    work::run(py, progress.as_ref(), |watch| {
+        let done = request::<UpdateRequest>(text)?.write(&resources(memory, watch))?;
+        let said = done.text();
+        Ok((done.archive, [done.kept, done.moved, done.gone, done.new], done.buried, done.report.rays.total(), said))
     })
 }
 

@@ -52,6 +52,8 @@ mod _heliotile {
     #[pymodule_export]
     use super::checks::tradeoff;
     #[pymodule_export]
+    use super::checks::update;
+    #[pymodule_export]
     use super::checks::verify;
     #[pymodule_export]
     use super::checks::view;

@@ -18,11 +18,13 @@ use heliotile_builder::settings::{EffectChoice, Quality, Share};
 use heliotile_builder::trace::placement::Placement;
 use heliotile_builder::writing::copy::folder_of;
 use heliotile_builder::writing::guards::{check_archive_name, guard_archive, guard_site};
+use heliotile_core::archive::Access;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::named::by_name;
 use heliotile_core::observer::Observer;
 use heliotile_remote::naming::{is_address, shown};
+use heliotile_remote::places::open_archive;
 use heliotile_results::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
 use heliotile_results::horizon::black_below_horizon;
 use heliotile_scene::Scene;
@@ -100,7 +102,7 @@ impl CoverArgs {
     fn request(self) -> Result<CoverRequest> {
         let CoverArgs { on, types, spacing, per_surface, offset: offset_m, min_area: min_area_m2 } = self;
         let density = per_surface.map_or(Density::Spacing(spacing), Density::PerSurface);
-        let request = CoverRequest { on, types, density, offset_m, min_area_m2, within: None };
+        let request = CoverRequest { on, types, density, offset_m, min_area_m2, ..CoverRequest::default() };
         request.check().map(|()| request)
     }
 }
@@ -208,6 +210,7 @@ impl SceneHandle {
             check_archive_name(&args.output)?;
             guard_site(&args.output, &self.site, &inputs)?;
             guard_archive(&args.output)?;
+            let before = args.before.as_deref().map(|from| open_archive(from, Access::Read)).transpose()?;
             let workspace = Workspace { folder: folder.into(), memory: MemoryBudget::new(args.memory) };
             let mut receivers = workspace.read_receivers(given.path(), &self.scene, watch)?;
             let prepared = PreparedScene::new(&self.scene)?;
@@ -221,7 +224,7 @@ impl SceneHandle {
                 under: None,
                 with_scene: args.with_scene,
                 store: None,
-                from: args.before.clone(),
+                from: before.as_ref(),
             };
             let output = Output {
                 path: args.output.clone(),

@@ -159,3 +159,24 @@ def test_the_book_names_every_command() -> None:
         owner = next((owner for owner in owners if call.startswith(owner + ".")), None)
         name = re.match(r"\w+", call.removeprefix(f"{owner}."))
         assert name is not None and hasattr(owners[owner] if owner else heliotile, name.group()), call
+
+
+def test_update_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
+    """A tower is added and an object moved: the archive is the program's, byte by byte; names that nothing has are refused."""
+    (tmp_path / "tower.obj").write_text(
+        "o tower\nusemtl tower\n"
+        + "".join(f"v {78700 + x} {457930 + y} {z}\n" for z in (2, 42) for x, y in ((0, 0), (12, 0), (12, 12), (0, 12)))
+        + "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf 5 6 7 8\n"
+    )
+    (tmp_path / "m.toml").write_text("[tower]\ndiffuse = 0.5\n")
+    words = ["--add", tmp_path / "tower.obj", "-m", tmp_path / "m.toml", "--spacing", "6m"]
+    program("update", site.path, *words, "-o", tmp_path / "program.helio")
+    after = site.update(tmp_path / "python.helio", add=tmp_path / "tower.obj", materials=tmp_path / "m.toml", spacing=6.0)
+    assert (tmp_path / "program.helio").read_bytes() == (tmp_path / "python.helio").read_bytes()
+    done = after.updated
+    assert done is not None and (done.kept + len(done.buried), done.moved, done.gone) == (site.count, 0, 0)
+    assert done.new > 8 and after.count == done.kept + done.new and done.rays > 0
+    with pytest.raises(heliotile.ArgumentError, match="no object or building `towr`"):
+        after.update(tmp_path / "no.helio", move={"towr": (1, 2, 3)})
+    with pytest.raises(heliotile.ArgumentError, match="is no height"):
+        after.update(tmp_path / "no.helio", height={"tower": "tall"})

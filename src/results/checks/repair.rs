@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize};
 
 use super::original;
 use crate::resources::Resources;
+use heliotile_builder::held::held_receivers;
 use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives, Start, Workspace};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::copy::{copy_whole, folder_of};
 use heliotile_builder::writing::guards::{check_archive_name, guard_archive, guard_site};
-use heliotile_core::archive::{self, Access, Archive, Problem, format, tables};
+use heliotile_core::archive::{self, Access, Archive, Problem, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::opened::SiteSettings;
-use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
 use heliotile_remote::places::require_file;
 use heliotile_scene::Scene;
@@ -125,12 +125,11 @@ impl RepairRequest {
     ) -> Result<ReceiverTiles> {
         let Some(path) = &self.receivers else {
             let budget = workspace.memory.length(Use::SortedReceivers);
-            return ReceiverTiles::from_receivers(
-                &receivers_of(archive)?,
-                scene.mesh.origin,
-                &workspace.folder,
-                budget,
-            );
+            let held = held_receivers(archive).map_err(|error| {
+                let what = format!("its receivers are damaged: {error}");
+                Error::input(archive.path(), None, what, "give the receivers file with {receivers}")
+            })?;
+            return ReceiverTiles::from_receivers(&held, scene.mesh.origin, &workspace.folder, budget);
         };
         let mut receivers = workspace.read_receivers(path, scene, resources.observer)?;
         match receivers.difference(archive)? {
@@ -145,19 +144,4 @@ fn with_ending(path: &Path, ending: &str) -> PathBuf {
     let mut name = path.as_os_str().to_os_string();
     name.push(ending);
     PathBuf::from(name)
-}
-
-/// Receivers of all tiles, which must be good.
-fn receivers_of(archive: &Archive) -> Result<Vec<Receiver>> {
-    let mut receivers = Vec::new();
-    for tile in 0..archive.tiles() {
-        let held = tables::PartsTable::receivers(archive, tile)
-            .and_then(|mut held| tables::OverviewTable::join(archive, tile, &mut held).map(|_| held));
-        let Ok(held) = held else {
-            let what = format!("the receivers of tile {tile} are damaged");
-            return Err(Error::input(archive.path(), None, what, "give the receivers file with {receivers}"));
-        };
-        receivers.extend(held);
-    }
-    Ok(receivers)
 }

@@ -46,7 +46,7 @@ impl EndlessGround {
             corners.push(DVec3::new(middle.x + x, middle.y + y, z));
         }
         for [b, c] in [[1, 2], [2, 3]] {
-            triangles.push(RawTriangle { corners: [first, first + b, first + c], material });
+            triangles.push(RawTriangle { corners: [first, first + b, first + c], material, object: 0 });
         }
         let hidden = z - low.z;
         (hidden > 0.01).then(|| {

@@ -77,7 +77,7 @@ mod tests {
             for (object, (foot, height)) in (0..).zip(feet) {
                 let first = positions.len() as u32;
                 positions.extend([[0.0, foot], [1.0, foot], [0.0, foot + height]].map(|[x, z]| DVec3::new(x, 0.0, z)));
-                triangles.push(RawTriangle { corners: [first, first + 1, first + 2], material: 0 });
+                triangles.push(RawTriangle { corners: [first, first + 1, first + 2], material: 0, object: 0 });
                 objects.push(object);
             }
             warning(&positions, &triangles, &objects, -BELOW_M)

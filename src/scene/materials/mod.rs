@@ -5,4 +5,14 @@ pub(crate) mod assumed;
 pub(crate) mod select;
 pub(crate) mod toml_file;
 
+use std::path::Path;
+
+use heliotile_core::error::Result;
+use heliotile_core::site::material::Material;
+
 pub use select::MaterialUse;
+
+/// All materials that a `materials.toml` describes, by name.
+pub fn materials_of(path: &Path) -> Result<Vec<Material>> {
+    toml_file::read_toml(path).map(|(table, _)| table.into_values().collect())
+}

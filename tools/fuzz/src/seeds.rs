@@ -178,6 +178,7 @@ pub fn write() {
         ("index_table", format::INDEX),
         ("materials_table", format::MATERIALS),
         ("scene_table", format::SCENE),
+        ("objects_table", format::OBJECTS),
         ("overview_table", format::OVERVIEW),
         ("extents_table", format::EXTENTS),
         ("names_table", format::NAMES),

@@ -11,7 +11,8 @@ use heliotile_core::archive::format::{
     BlockKind, CODEC_RAW, CODEC_ZSTD, ENTRY_SIZE, Entry, FIRST_BLOCK, SLOT_SIZE, Slot, TileNumber,
 };
 use heliotile_core::archive::tables::{
-    CellsTable, ExtentsTable, GeometryTable, IndexTable, MaterialsTable, NamesTable, OverviewTable, ReceiversTable,
+    CellsTable, ExtentsTable, GeometryTable, IndexTable, MaterialsTable, NamesTable, ObjectsTable, OverviewTable,
+    ReceiversTable,
 };
 use heliotile_core::archive::{Access, Archive, Block, Manifest, encode, manifest, verify};
 use heliotile_core::layers::canopy::{Canopy, Powers, SEEN, SKY};
@@ -45,7 +46,7 @@ use heliotile_scene::site::Site;
 pub type Target = fn(&[u8]);
 
 /// All targets by name, which is that of their folder in tests/data/corpus.
-pub const TARGETS: [(&str, Target); 40] = [
+pub const TARGETS: [(&str, Target); 41] = [
     ("archive", archive),
     ("sealed", sealed),
     ("block", block),
@@ -54,6 +55,7 @@ pub const TARGETS: [(&str, Target); 40] = [
     ("index_table", index_table),
     ("materials_table", materials_table),
     ("scene_table", scene_table),
+    ("objects_table", objects_table),
     ("overview_table", overview_table),
     ("extents_table", extents_table),
     ("names_table", names_table),
@@ -260,6 +262,12 @@ fn materials_table(data: &[u8]) {
 fn scene_table(data: &[u8]) {
     with_block(format::SCENE, data, |block| {
         GeometryTable::from_block(block).map(|table| table.to_bytes().expect("checked"))
+    });
+}
+
+fn objects_table(data: &[u8]) {
+    with_block(format::OBJECTS, data, |block| {
+        ObjectsTable::from_block(block).map(|table| table.to_bytes().expect("checked"))
     });
 }
 

@@ -10,7 +10,7 @@ use crate::cli::{AccuracyArgs, ClockArgs, Percent, SceneArgs, parse_negligible};
 use heliotile_builder::settings::{EffectChoice, Share};
 
 /// What the plan of an atlas says of its parts.
-const PLANNED: [&str; 23] = [
+const PLANNED: [&str; 22] = [
     "receivers",
     "output",
     "materials",
@@ -28,7 +28,6 @@ const PLANNED: [&str; 23] = [
     "negligible",
     "weather",
     "store",
-    "from",
     "no_scene",
     "error",
     "set",
@@ -73,8 +72,8 @@ pub struct BuildArgs {
     /// Folder with what earlier builds traced, on any project: nothing is traced twice, and this build is added
     #[arg(long, value_name = "FOLDER")]
     pub store: Option<PathBuf>,
-    /// Archive of this scene before it was changed: only what the change can alter is traced, and the new archive has the bytes that it
-    /// would have without this option
+    /// Archive of this scene before it was changed, or with --part such an atlas, a path or an address: only what the change can alter is
+    /// traced, and the new archive has the bytes that it would have without this option
     #[arg(long, value_name = "BEFORE.helio")]
     pub from: Option<PathBuf>,
     /// Leave the scene's triangles out of the archive, for those who may not pass them on

@@ -56,7 +56,7 @@ impl CoverArgs {
             density: self.per_surface.map_or(Density::Spacing(self.spacing.0), Density::PerSurface),
             offset_m: self.offset.0,
             min_area_m2: self.min_area,
-            within: None,
+            ..CoverRequest::default()
         }
     }
 }

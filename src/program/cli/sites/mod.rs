@@ -9,6 +9,7 @@ mod run;
 mod scene;
 mod study;
 mod tradeoff;
+mod update;
 mod weather;
 
 pub use audit::AuditArgs;
@@ -20,4 +21,5 @@ pub use run::RunArgs;
 pub use scene::{MaterialsArgs, PlaceArgs, SceneArgs, parse_crs, parse_latitude, parse_longitude};
 pub use study::{RaySquare, StudyArgs, StudyCommand, WallArgs};
 pub use tradeoff::TradeoffArgs;
+pub use update::UpdateArgs;
 pub use weather::{ClockArgs, WeatherArgs, clock_of, parse_time_zone, weather_files};

@@ -35,7 +35,7 @@ pub struct RunArgs {
     /// Leave the scene's triangles out of the archive, for those who may not pass them on
     #[arg(long)]
     pub no_scene: bool,
-    /// Archive of this scene before it was changed: only what the change can alter is traced, with the same results
+    /// Archive of this scene before it was changed, a path or an address: only what the change can alter is traced, with the same results
     #[arg(long, value_name = "BEFORE.helio")]
     pub from: Option<PathBuf>,
     /// Also write a table of each hour, day, month, year or of all, as `replay` does: months.csv and so on; several with commas

@@ -66,6 +66,7 @@ impl<'a> Files<'a> {
                 self.read(&args.weather, Wanted::Weather);
                 self.read_if(&args.receivers, Wanted::Receivers);
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.read_if(&args.from, Wanted::Archive);
                 self.write_if(&args.output, Written::Folder);
             }
             Command::Pv(args) => {
@@ -93,12 +94,19 @@ impl<'a> Files<'a> {
                 // What is an atlas is seen when it is read.
                 if args.part.is_none() {
                     self.scene(&args.scene);
+                    self.read_if(&args.from, Wanted::Archive);
                 }
                 self.read_if(&args.receivers, Wanted::Receivers);
                 self.read_if(&args.accuracy.error_weather, Wanted::Weather);
                 self.read_if(&args.weather, Wanted::Weather);
                 self.write_if(&args.output, Written::Archive);
                 self.write_if(&args.store, Written::Folder);
+            }
+            Command::Update(args) => {
+                self.read(&args.before, Wanted::Archive);
+                args.add.iter().for_each(|file| self.read(file, Wanted::Scene));
+                self.read_if(&args.surfaces.materials, Wanted::Other);
+                self.write(&args.output, Written::Archive);
             }
             Command::Partition(args) => {
                 self.scene(&args.scene);

@@ -1,0 +1,74 @@
+//! Arguments of `update`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::cover::Metres;
+use super::scene::{MaterialsArgs, PlaceArgs};
+use crate::cli::values::{Bytes, parse_memory};
+use heliotile_results::UpdateRequest;
+use heliotile_results::covering::{CoverRequest, Density};
+use heliotile_scene::edit::{ObjectHeight, ObjectMaterial, ObjectMove, SceneEdits};
+use heliotile_scene::request::SceneRequest;
+
+#[derive(Args, Debug)]
+pub struct UpdateArgs {
+    /// Archive of the scene before the edits, which holds its scene: a path or an address
+    #[arg(value_name = "BEFORE.helio")]
+    pub before: PathBuf,
+    /// Archive to write
+    #[arg(long, short, value_name = "AFTER.helio")]
+    pub output: PathBuf,
+    /// Add the objects of a scene file, in the coordinates of the scene; may be repeated
+    #[arg(long, value_name = "FILE")]
+    pub add: Vec<PathBuf>,
+    /// Remove an object or a building; may be repeated, as the options below
+    #[arg(long, value_name = "OBJECT")]
+    pub remove: Vec<String>,
+    /// Put an object elsewhere: by so many metres along x, y and z; its receivers go with it
+    #[arg(long, value_name = "OBJECT=DX,DY,DZ", value_parser = clap::value_parser!(ObjectMove))]
+    pub r#move: Vec<ObjectMove>,
+    /// Raise or lower the roofs of an object, and its walls with them: by +3m or -3m, or to a height of 12m over its lowest point
+    #[arg(long, value_name = "OBJECT=HEIGHT", value_parser = clap::value_parser!(ObjectHeight))]
+    pub height: Vec<ObjectHeight>,
+    /// Give all of an object a material of the scene or of --materials
+    #[arg(long, value_name = "OBJECT=MATERIAL", value_parser = clap::value_parser!(ObjectMaterial))]
+    pub material: Vec<ObjectMaterial>,
+    #[command(flatten)]
+    pub surfaces: MaterialsArgs,
+    #[command(flatten)]
+    pub place: PlaceArgs,
+    /// Surfaces of what is new or has another shape to cover with receivers, as `receivers` takes them
+    #[arg(long, value_delimiter = ',')]
+    pub on: Vec<String>,
+    /// Distance between receivers there, such as 2m [default: about that of the archive's own]
+    #[arg(long, value_name = "LENGTH")]
+    pub spacing: Option<Metres>,
+    /// Discard an interrupted update that lies there and start anew; without it, one of the same edits is gone on with
+    #[arg(long)]
+    pub fresh: bool,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+}
+
+impl UpdateArgs {
+    /// What is asked for.
+    pub fn request(&self) -> UpdateRequest {
+        UpdateRequest {
+            before: self.before.clone(),
+            output: self.output.clone(),
+            edits: SceneEdits {
+                remove: self.remove.clone(),
+                moves: self.r#move.clone(),
+                heights: self.height.clone(),
+                materials: self.material.clone(),
+            },
+            add: SceneRequest { frame: self.place.frame(), ..self.surfaces.request(&self.add) },
+            cover: CoverRequest { on: self.on.clone(), ..CoverRequest::default() },
+            density: self.spacing.map(|Metres(metres)| Density::Spacing(metres)),
+            fresh: self.fresh,
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! An archive after some edits of its scene. In: an archive that holds its scene, edits by the names of objects, files that are added. Out: the
+//! archive of the edited scene, traced only where an edit can be seen.
+
+mod receivers;
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::covering::{CoverRequest, Density};
+use crate::horizon::black_below_horizon;
+use crate::resources::Resources;
+use heliotile_builder::held::{held_receivers, held_scene};
+use heliotile_builder::pipeline::{Build, BuildReport, Output, Plan, PreparedScene, ReusedArchives, Start, Workspace};
+use heliotile_builder::planning::tables;
+use heliotile_builder::receiver_tiles::ReceiverTiles;
+use heliotile_builder::settings::BuildSettings;
+use heliotile_builder::writing::copy::folder_of;
+use heliotile_builder::writing::guards::{check_archive_name, guard_archive, guard_site};
+use heliotile_core::archive::{Access, Archive};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::Use;
+use heliotile_core::observer::Observer;
+use heliotile_core::opened::SiteSettings;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_core::text::{counted, with_list};
+use heliotile_remote::places::open_archive;
+use heliotile_scene::Scene;
+use heliotile_scene::change::TracedScene;
+use heliotile_scene::edit::{EditedScene, SceneEdits};
+use heliotile_scene::load::Soup;
+use heliotile_scene::materials::materials_of;
+use heliotile_scene::request::SceneRequest;
+use heliotile_scene::site::Site;
+use receivers::{SceneStates, UpdatedReceivers, cover, usual_spacing};
+
+/// What is asked of an update.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct UpdateRequest {
+    /// The archive before the edits: a path or an address.
+    pub before: PathBuf,
+    /// The archive to write.
+    pub output: PathBuf,
+    /// What becomes of its objects.
+    pub edits: SceneEdits,
+    /// Scene files that are added, in the coordinates of the scene; their materials may also be given to objects.
+    pub add: SceneRequest,
+    /// Where receivers are put on what is new or has another shape.
+    pub cover: CoverRequest,
+    /// How many they are; none: as far apart as those of the archive.
+    pub density: Option<Density>,
+    /// Whether an interrupted update of other edits that lies there goes.
+    pub fresh: bool,
+}
+
+/// What an update did.
+#[derive(Clone, Debug)]
+pub struct UpdateDone {
+    /// The new archive.
+    pub archive: PathBuf,
+    /// Receivers of the archive before that stand where they stood.
+    pub kept: usize,
+    /// Those that moved with their object.
+    pub moved: usize,
+    /// Those that went with their object, or with the shape that it had.
+    pub gone: usize,
+    /// Names of those that are inside something or covered now, and are left out.
+    pub buried: Vec<String>,
+    /// Receivers on what is new.
+    pub new: usize,
+    /// What the build did.
+    pub report: BuildReport,
+}
+
+impl UpdateDone {
+    /// What became of the receivers, as a line.
+    pub fn text(&self) -> String {
+        let moved = if self.moved > 0 { format!(", {} moved", self.moved) } else { String::new() };
+        format!(
+            "{}: {} stay{moved}, {} went, {} left out, {} new\n",
+            self.archive.display(),
+            counted(self.kept as u64, "receiver"),
+            self.gone,
+            self.buried.len(),
+            self.new
+        )
+    }
+}
+
+impl UpdateRequest {
+    /// Writes the archive of the edited scene; it has the bytes of a build from nothing of the same triangles and receivers.
+    pub fn write(&self, resources: &Resources) -> Result<UpdateDone> {
+        let observer = resources.observer;
+        if self.edits.is_empty() && self.add.files.is_empty() {
+            let hint = "say what changes with it, or with {remove}, {move}, {height} or {material}";
+            return Err(Error::argument("add", "no edit is given", hint));
+        }
+        let added = if self.add.files.is_empty() { Site::default() } else { self.added_site()? };
+        self.cover.check()?;
+        check_archive_name(&self.output)?;
+        guard_site(&self.output, &added, &[Some(&self.before), self.add.materials.as_deref()])?;
+        guard_archive(&self.output)?;
+        let before = open_archive(&self.before, Access::Read)?;
+        let held = held_scene(&before)?;
+        let described = self.add.materials.as_deref().map(materials_of).transpose()?.unwrap_or_default();
+        let mut edited = self.edits.apply(&held, &described, before.path())?;
+        let new = self.add_files(&mut edited, &held, &added, resources)?;
+        if !edited.changed {
+            observer.warn("the edits change nothing: the new archive is that of the same scene");
+        }
+        let scene = self.edited_scene(&edited, &held, &before)?;
+        let states = SceneStates { held: &held, edited: &edited, scene: &scene };
+        let after = self.receivers(&states, held_receivers(&before)?, new, observer)?;
+        let report = self.build(&before, &scene, &after.receivers, resources)?;
+        let UpdatedReceivers { kept, moved, gone, buried, new, .. } = after;
+        Ok(UpdateDone { archive: self.output.clone(), kept, moved, gone, buried, new, report })
+    }
+
+    /// The receivers that stay, and those on what is new or has another shape.
+    fn receivers(
+        &self,
+        states: &SceneStates,
+        held: Vec<Receiver>,
+        mut new: Soup,
+        observer: &dyn Observer,
+    ) -> Result<UpdatedReceivers> {
+        let density = self.density.unwrap_or_else(|| usual_spacing(&held));
+        let mut after = states.stay(held)?;
+        if !after.buried.is_empty() {
+            let (count, names) = (counted(after.buried.len() as u64, "receiver"), after.buried.iter().cloned());
+            observer.warn(&with_list(&format!("{count} would be inside something or covered now: left out"), names));
+        }
+        let numbers = states.numbers(states.edited.materials.iter().map(|material| material.name.as_str()));
+        for material in &mut new.materials {
+            *material = numbers.get(usize::from(*material)).copied().unwrap_or(u16::MAX);
+        }
+        for soup in [states.reshaped(), new] {
+            let placed = cover(self, density, states.scene, soup, observer)?;
+            after.new += placed.len();
+            after.receivers.extend(placed);
+        }
+        let mut names: BTreeSet<&str> = BTreeSet::new();
+        if let Some(twice) = after.receivers.iter().find(|receiver| !names.insert(&receiver.id)) {
+            let what = format!("two receivers would be called `{}`", twice.id);
+            return Err(Error::input(self.add.first(), None, what, "give the object that is added another name"));
+        }
+        Ok(after)
+    }
+
+    /// The files that are added; no ground is assumed below them.
+    fn added_site(&self) -> Result<Site> {
+        SceneRequest { no_ground: true, ..self.add.clone() }.site()
+    }
+
+    /// Adds the files, and gives their triangles.
+    fn add_files(
+        &self,
+        edited: &mut EditedScene,
+        held: &TracedScene,
+        added: &Site,
+        resources: &Resources,
+    ) -> Result<Soup> {
+        if self.add.files.is_empty() {
+            return Ok(Soup::default());
+        }
+        let first = self.add.first();
+        if held.objects.list.is_empty() {
+            let hint = "build it again from scene files: those of this release name them";
+            return Err(Error::input(&self.before, None, "the archive names no objects, so none can be added", hint));
+        }
+        let (scene, mut soup) = Scene::load_with_objects(added)?;
+        scene.report.tell(resources.observer);
+        let called = first.file_stem().unwrap_or_default().to_string_lossy();
+        let numbers = edited.add(&scene, &called, first)?;
+        for material in &mut soup.materials {
+            *material = numbers.get(usize::from(*material)).copied().unwrap_or(u16::MAX);
+        }
+        Ok(soup)
+    }
+
+    /// The scene after the edits, where the archive before lies.
+    fn edited_scene(&self, edited: &EditedScene, held: &TracedScene, before: &Archive) -> Result<Scene> {
+        let manifest = before.manifest();
+        let mut scene = edited.scene(held)?;
+        scene.place = manifest.place;
+        let is_there = |name: &str| scene.materials.iter().any(|material| material.name == name);
+        scene.ground = manifest.ground.clone().filter(|ground| is_there(&ground.material));
+        scene.report.degenerate_dropped += manifest.scene.degenerate_dropped as usize;
+        Ok(scene)
+    }
+
+    fn build(
+        &self,
+        before: &Archive,
+        scene: &Scene,
+        receivers: &[Receiver],
+        resources: &Resources,
+    ) -> Result<BuildReport> {
+        let (manifest, observer) = (before.manifest(), resources.observer);
+        SiteSettings::of(&manifest.settings, before.path())?;
+        if let Some(negligible) = &manifest.negligible {
+            let left_out = manifest.settings.left_out.join(", ");
+            observer.warn(&format!(
+                "{} leaves out {left_out}, which brought little under {}: what they bring the edited scene is not known",
+                before.path().display(),
+                negligible.weather
+            ));
+        }
+        let workspace = Workspace { folder: folder_of(&self.output).into(), memory: resources.memory };
+        let budget = workspace.memory.length(Use::SortedReceivers);
+        let mut tiles = ReceiverTiles::from_receivers(receivers, scene.mesh.origin, &workspace.folder, budget)?;
+        let prepared = PreparedScene::new(scene)?;
+        let plan = Plan::of(BuildSettings::of(&manifest.settings));
+        let output =
+            Output { start: if self.fresh { Start::Fresh } else { Start::Resume }, ..Output::new(self.output.clone()) };
+        let sources = ReusedArchives { earlier: &[], before: Some(before) };
+        let mut build = Build { scene: &prepared, receivers: &mut tiles, workspace: &workspace, observer };
+        let report = build.write(&plan, &output, &sources).map_err(|error| error.advise(OTHER_EDITS))?;
+        report.warnings.iter().for_each(|warning| observer.warn(warning));
+        observer.report(&tables::summary(&report, scene, &self.output));
+        let built = Archive::open_with(&self.output, Access::Read)?;
+        black_below_horizon(&built)?.iter().for_each(|lost| observer.warn(lost));
+        Ok(report)
+    }
+}
+
+/// What can be done where an update with other edits was interrupted.
+const OTHER_EDITS: &str =
+    "give the edits that it was started with to go on with it, {fresh} to discard it, or another {output}";

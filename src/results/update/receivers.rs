@@ -1,0 +1,244 @@
+//! Receivers after edits of the scene. In: those that an archive has, what became of the objects that they stand on. Out: those that stay, moved
+//! with their objects where these moved, and new ones on what is new or has another shape.
+
+use std::collections::{BTreeSet, HashMap};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::UpdateRequest;
+use crate::covering::{CoverRequest, Density, cover_scene, save};
+use heliotile_builder::trace::canopy::Canopies;
+use heliotile_builder::trace::placement::{Placement, placement_of};
+use heliotile_builder::trace::receiver::Viewpoint;
+use heliotile_builder::trace::{Ray, Tracer};
+use heliotile_builder::writing::copy::folder_of;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_scene::Scene;
+use heliotile_scene::change::TracedScene;
+use heliotile_scene::covering::receivers::read_receivers;
+use heliotile_scene::edit::{EditedScene, Fate};
+use heliotile_scene::load::Soup;
+use heliotile_scene::mesh::{Mesh, bounds};
+
+/// The receivers of an edited scene, and how many are of what sort.
+#[derive(Default)]
+pub struct UpdatedReceivers {
+    /// All of them.
+    pub receivers: Vec<Receiver>,
+    /// How many stand where they stood.
+    pub kept: usize,
+    /// How many moved with their object.
+    pub moved: usize,
+    /// How many went with their object, or with the shape that it had.
+    pub gone: usize,
+    /// Names of those that no light comes to any more.
+    pub buried: Vec<String>,
+    /// How many are new.
+    pub new: usize,
+}
+
+/// A scene before and after edits.
+pub struct SceneStates<'a> {
+    /// As the archive holds it.
+    pub held: &'a TracedScene,
+    /// What was edited.
+    pub edited: &'a EditedScene,
+    /// As it is now.
+    pub scene: &'a Scene,
+}
+
+/// A receiver of which nobody says the object stands on what is this near behind it, metres.
+const NEAR_M: f64 = 0.1;
+
+/// What is this near in front of a receiver covers it, metres; what it stands on may be nearer.
+const CONTACT_M: f64 = 0.02;
+
+/// Distances between receivers of an archive that states no areas, metres.
+const USUAL_SPACING_M: f64 = 2.0;
+
+impl SceneStates<'_> {
+    /// Receivers of the archive that still get light, where they are now.
+    pub fn stay(&self, receivers: Vec<Receiver>) -> Result<UpdatedReceivers> {
+        let owners = Owners::of(self);
+        let mut found = UpdatedReceivers::default();
+        let mut before: Vec<Viewpoint> = Vec::with_capacity(receivers.len());
+        for mut receiver in receivers {
+            let view = viewpoint(&receiver);
+            match owners.fate(&receiver) {
+                Fate::Removed | Fate::Reshaped => {
+                    found.gone += 1;
+                    continue;
+                }
+                Fate::Moved(by) => {
+                    receiver.position = as_tables_hold(receiver.position + by);
+                    found.moved += 1;
+                }
+                Fate::Stands => found.kept += 1,
+            }
+            before.push(view);
+            found.receivers.push(receiver);
+        }
+        if self.edited.changed {
+            self.leave_out_buried(&before, &mut found)?;
+        }
+        Ok(found)
+    }
+
+    /// Takes out what no light comes to since the edits; `before` are the places where the receivers stood.
+    fn leave_out_buried(&self, before: &[Viewpoint], found: &mut UpdatedReceivers) -> Result<()> {
+        let now: Vec<Viewpoint> = found.receivers.iter().map(viewpoint).collect();
+        let is_free = free(&now, self.scene);
+        if !is_free.contains(&false) {
+            return Ok(());
+        }
+        let in_doubt: Vec<usize> = (0..now.len()).filter(|&i| is_free.get(i) == Some(&false)).collect();
+        let then: Vec<Viewpoint> = in_doubt.iter().filter_map(|&i| before.get(i)).copied().collect();
+        let old = EditedScene::of(self.held).scene(self.held)?;
+        // What had no light before keeps its place in the archive.
+        let was_free = free(&then, &old);
+        let buried: BTreeSet<usize> = in_doubt.iter().zip(was_free).filter(|(_, was)| *was).map(|(i, _)| *i).collect();
+        let moved = |i: usize| before.get(i).zip(now.get(i)).is_some_and(|(a, b)| a.position != b.position);
+        let of_moved = buried.iter().filter(|i| moved(**i)).count();
+        found.moved -= of_moved;
+        found.kept -= buried.len() - of_moved;
+        let mut rows = 0..;
+        let all = std::mem::take(&mut found.receivers);
+        let (left_out, stay): (Vec<Receiver>, Vec<Receiver>) =
+            all.into_iter().partition(|_| rows.next().is_some_and(|row| buried.contains(&row)));
+        found.receivers = stay;
+        found.buried = left_out.into_iter().map(|receiver| receiver.id).collect();
+        Ok(())
+    }
+
+    /// Triangles of the objects that have another shape.
+    pub fn reshaped(&self) -> Soup {
+        let mut soup = Soup::default();
+        let EditedScene { triangles, of_triangle, objects, materials, .. } = self.edited;
+        let numbers = self.numbers(materials.iter().map(|material| material.name.as_str()));
+        for ((corners, material), &object) in triangles.iter().zip(of_triangle) {
+            if self.edited.fate(object) == Fate::Reshaped {
+                let first = soup.positions.len() as u32;
+                soup.positions.extend(corners);
+                soup.triangles.push([first, first + 1, first + 2]);
+                soup.materials.push(numbers.get(usize::from(*material)).copied().unwrap_or(u16::MAX));
+                soup.objects.push(object);
+            }
+        }
+        soup.object_names = objects.iter().map(|object| object.name.clone()).collect();
+        soup.object_notes = objects.iter().map(|object| object.note.clone()).collect();
+        soup
+    }
+
+    /// Rows of materials of some names in the scene.
+    pub fn numbers<'n>(&self, names: impl Iterator<Item = &'n str>) -> Vec<u16> {
+        let row = |name: &str| self.scene.materials.iter().position(|material| material.name == name);
+        names.map(|name| row(name).map_or(u16::MAX, |row| row as u16)).collect()
+    }
+}
+
+/// Receivers on triangles of a scene, as a table of receivers would have them; none where the request asks for none of these surfaces.
+pub fn cover(
+    request: &UpdateRequest,
+    density: Density,
+    scene: &Scene,
+    soup: Soup,
+    observer: &dyn Observer,
+) -> Result<Vec<Receiver>> {
+    if soup.triangles.is_empty() {
+        return Ok(Vec::new());
+    }
+    let asked = CoverRequest { density, may_be_none: true, ..request.cover.clone() };
+    let covered = cover_scene(scene, soup, &asked, observer)?;
+    if covered.free().next().is_none() {
+        return Ok(Vec::new());
+    }
+    let folder = folder_of(&request.output);
+    let beside = tempfile::Builder::new().prefix(".receivers").tempdir_in(folder);
+    let beside = beside.map_err(Error::io(folder, "make a folder in"))?;
+    let table = beside.path().join("receivers.csv");
+    save(&table, &covered, asked.offset_m)?;
+    read_receivers(&table)
+}
+
+/// About how far apart receivers stand: the side of the mean square that they stand for, rounded up to a twentieth of its power of ten.
+pub fn usual_spacing(receivers: &[Receiver]) -> Density {
+    let areas: Vec<f64> = receivers.iter().filter_map(|receiver| receiver.area).collect();
+    if areas.is_empty() {
+        return Density::Spacing(USUAL_SPACING_M);
+    }
+    let side = (areas.iter().sum::<f64>() / areas.len() as f64).sqrt();
+    let step = 0.5 * 10_f64.powf(side.log10().floor());
+    Density::Spacing((side / step).ceil() * step)
+}
+
+/// A place to 0.1 mm, as tables of receivers have it.
+fn as_tables_hold(place: DVec3) -> DVec3 {
+    (place * 1e4).round() / 1e4
+}
+
+fn viewpoint(receiver: &Receiver) -> Viewpoint {
+    Viewpoint { position: receiver.position, normal: receiver.normal }
+}
+
+/// Which of some receivers get light.
+fn free(views: &[Viewpoint], scene: &Scene) -> Vec<bool> {
+    let (tracer, _) = Canopies::split(scene);
+    let offset = |view: &Viewpoint| behind(view, &tracer).map_or(CONTACT_M, |(metres, _)| metres.min(CONTACT_M));
+    let is_free = |view: &Viewpoint| placement_of(view, offset(view), &scene.mesh, &tracer) == Placement::Free;
+    views.par_iter().map(is_free).collect()
+}
+
+/// How far behind a receiver the first triangle is, metres, and which one.
+fn behind(view: &Viewpoint, tracer: &Tracer) -> Option<(f64, u32)> {
+    let origin = tracer.grid().relative(view.position).as_vec3().into();
+    let hit = tracer.closest(Ray { origin, direction: (-view.normal).as_vec3().into() })?;
+    Some((f64::from(hit.t), hit.triangle))
+}
+
+/// Objects that receivers stand on.
+struct Owners<'a> {
+    edited: &'a EditedScene,
+    /// Objects by what surfaces and tables call them.
+    by_name: HashMap<&'a str, u32>,
+    /// Triangles of objects that do not stand as they stood, with the object of each; `None` without any.
+    near: Option<(Tracer, Vec<u32>)>,
+}
+
+impl<'a> Owners<'a> {
+    fn of(states: &SceneStates<'a>) -> Self {
+        let (edited, held) = (states.edited, states.held);
+        let mut by_name = HashMap::new();
+        for (number, object) in (0..).zip(&held.objects.list) {
+            by_name.entry(object.note.object.as_str()).or_insert(number);
+            by_name.insert(object.name.as_str(), number);
+        }
+        by_name.remove("");
+        let touched =
+            held.triangles.iter().zip(&held.objects.of_triangle).filter(|(_, of)| edited.fate(**of) != Fate::Stands);
+        let (triangles, objects): (Vec<[DVec3; 3]>, Vec<u32>) = touched.map(|(corners, of)| (*corners, *of)).unzip();
+        let around = bounds(held.triangles.iter().flatten().copied());
+        let near = (!triangles.is_empty()).then(|| {
+            let mesh = Mesh::loose(held.grid, &triangles, around);
+            let all: Vec<u32> = (0..triangles.len() as u32).collect();
+            (Tracer::of(&mesh, &all), objects)
+        });
+        Owners { edited, by_name, near }
+    }
+
+    /// What became of what a receiver stands on: by the name of its surface or object, else by what is behind it.
+    fn fate(&self, receiver: &Receiver) -> Fate {
+        let Some((tracer, objects)) = &self.near else { return Fate::Stands };
+        let surface = receiver.surface.as_deref().unwrap_or_default();
+        let of_surface = surface.rsplit_once('/').map_or(surface, |(object, _)| object);
+        let named = [surface, of_surface, &receiver.part.object].into_iter().find_map(|name| self.by_name.get(name));
+        if let Some(&object) = named {
+            return self.edited.fate(object);
+        }
+        let found = behind(&viewpoint(receiver), tracer).filter(|(metres, _)| *metres <= NEAR_M);
+        let object = found.and_then(|(_, triangle)| objects.get(triangle as usize));
+        object.map_or(Fate::Stands, |object| self.edited.fate(*object))
+    }
+}

@@ -1,0 +1,51 @@
+//! The objects of a scene, triangle by triangle. In: objects as files name them, and the object of each triangle. Out: the same, sorted by name.
+
+use rayon::slice::ParallelSliceMut;
+
+use crate::semantics::ObjectNote;
+
+/// An object of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SceneObject {
+    /// What its surfaces are called after.
+    pub name: String,
+    /// What is known of it besides.
+    pub note: ObjectNote,
+}
+
+/// Which object each triangle of a mesh is a part of.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MeshObjects {
+    /// The objects in use, sorted by name; none where nobody says.
+    pub list: Vec<SceneObject>,
+    /// `[triangle of the mesh]`: index into `list`; none without objects.
+    pub of_triangle: Vec<u32>,
+}
+
+impl MeshObjects {
+    /// Of objects that may repeat, and the object of each triangle, an index into them.
+    pub fn new(objects: &[SceneObject], of_triangle: &[u32]) -> Self {
+        let (ranks, sorted) = ranked(objects);
+        let rank = |object: &u32| ranks.get(*object as usize).copied().unwrap_or_default();
+        MeshObjects::of(&sorted, of_triangle.iter().map(rank).collect())
+    }
+
+    /// Of sorted objects, and the object of each triangle, an index into them; those without triangles go.
+    pub(super) fn of(sorted: &[SceneObject], ranks: Vec<u32>) -> Self {
+        let mut used = ranks.clone();
+        used.par_sort_unstable();
+        used.dedup();
+        let list = used.iter().filter_map(|rank| sorted.get(*rank as usize)).cloned().collect();
+        let number = |rank: u32| used.partition_point(|other| *other < rank) as u32;
+        MeshObjects { list, of_triangle: ranks.into_iter().map(number).collect() }
+    }
+}
+
+/// Ranks of objects among those that are sorted by name, and these; of equal names the first one counts.
+pub(super) fn ranked(objects: &[SceneObject]) -> (Vec<u32>, Vec<SceneObject>) {
+    let mut sorted = objects.to_vec();
+    sorted.sort_by(|a, b| a.name.cmp(&b.name));
+    sorted.dedup_by(|a, b| a.name == b.name);
+    let rank = |object: &SceneObject| sorted.partition_point(|other| other.name < object.name) as u32;
+    (objects.iter().map(rank).collect(), sorted)
+}
