@@ -1,8 +1,9 @@
 //! Opened: a site whose archive was checked as a whole. In: blocks and a manifest. Out: settings, materials and mirrors as values in
-//! range, and layers of receivers and cells whose references exist. What comes from here is trusted and checked no more. Never: light,
-//! weather.
+//! range, and layers of receivers and cells whose references exist. What comes from here is trusted and checked no more. Of two sites: which
+//! receivers are the same. Never: light, weather.
 
 mod cell_source;
+mod matching;
 mod materials;
 mod name_index;
 mod open_site;
@@ -10,6 +11,7 @@ pub(crate) mod receiver_layers;
 mod settings;
 
 pub use cell_source::CellSource;
+pub use matching::{ReceiverMatching, ReceiverPair, ReceiverPlace, SAME_NORMAL_DEG, SAME_PLACE_M};
 pub use name_index::{NameIndex, tiles_within};
 pub use open_site::{OpenSite, SiteFacts};
 pub use settings::SiteSettings;
