@@ -10,6 +10,12 @@ const NOTED_DEG: f64 = 0.1;
 /// A tenth of a millimetre on the ground.
 const SAME_DEG: f64 = 1e-9;
 
+/// Scenes of one site have their middles this near, degrees of latitude and longitude.
+const SAME_SITE_DEG: f64 = 0.1;
+
+/// Axes of one coordinate system differ by less between the middles of two scenes of a site, degrees.
+const SAME_NORTH_DEG: f64 = 0.5;
+
 /// Where a scene lies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
@@ -58,6 +64,21 @@ impl Place {
             && self.epsg == other.epsg
     }
 
+    /// Whether two scenes may be of one site, in coordinates of one system; none: a scene whose place nobody knows.
+    pub fn is_one_site(before: Option<&Place>, after: Option<&Place>) -> bool {
+        let near = |a: f64, b: f64, most: f64| (a - b).abs() <= most;
+        match (before, after) {
+            (None, None) => true,
+            (Some(a), Some(b)) => {
+                a.epsg == b.epsg
+                    && near(a.latitude_deg, b.latitude_deg, SAME_SITE_DEG)
+                    && near(a.longitude_deg, b.longitude_deg, SAME_SITE_DEG)
+                    && near(a.convergence_deg, b.convergence_deg, SAME_NORTH_DEG)
+            }
+            _ => false,
+        }
+    }
+
     /// Great-circle distance to another place, km (haversine formula, on a sphere of 6371 km; good to 0.5 %).
     pub fn distance_km(&self, latitude_deg: f64, longitude_deg: f64) -> f64 {
         let (a, b) = (self.latitude_deg.to_radians(), latitude_deg.to_radians());
@@ -87,5 +108,24 @@ mod tests {
         assert_eq!(place(0.1, None).note(), None);
         let same = [place(-0.73 + 1e-12, Some(28992)), place(-0.7301, Some(28992)), place(-0.73, None)];
         assert_eq!(same.iter().filter(|other| grid.is_same(other)).count(), 1);
+    }
+
+    /// A scene that grew by a kilometre is of the site; another system, another town, another north, no number and no place are not: 1 of 6. Two
+    /// of nowhere may be.
+    #[test]
+    fn sites() {
+        let here = Place { latitude_deg: 52.07, longitude_deg: 4.3, convergence_deg: 0.4, epsg: Some(28992) };
+        let grown = Place { latitude_deg: 52.08, convergence_deg: 0.41, ..here };
+        let others = [
+            Some(grown),
+            Some(Place { epsg: Some(7415), ..here }),
+            Some(Place { latitude_deg: 52.37, ..here }),
+            Some(Place { convergence_deg: 10.0, ..here }),
+            Some(Place { longitude_deg: f64::NAN, ..here }),
+            None,
+        ];
+        let one = others.map(|other| Place::is_one_site(Some(&here), other.as_ref()));
+        assert_eq!(one, [true, false, false, false, false, false]);
+        assert!(Place::is_one_site(None, None));
     }
 }
