@@ -40,7 +40,7 @@ const policy = [
   "default-src 'none'", `script-src ${hash(script)} 'wasm-unsafe-eval'`, "worker-src blob:", `style-src ${hash(style)}`,
   "img-src data: blob:", "connect-src * data: blob:", "base-uri 'none'", "form-action 'none'",
 ].join("; ");
-const licences = "three.js: MIT, copyright 2010-2026 three.js authors. Colour map viridis: CC0.";
+const licences = "three.js: MIT, copyright 2010-2026 three.js authors. Colour map viridis: CC0. Colour map PuOr: includes color specifications and designs developed by Cynthia Brewer (colorbrewer2.org), Apache-style licence.";
 const blocks = [
   `<script type="application/octet-stream" id="worker">${Buffer.from(worker).toString("base64")}</script>`,
   `<script type="application/octet-stream" id="engine" data-packed="gzip">${engineText()}</script>`,
@@ -56,7 +56,9 @@ for (const [marker, part] of Object.entries(parts)) {
   if (html.split(marker).length !== 2) throw new Error(`source/page.html must hold ${marker} once`);
   html = html.replace(marker, () => part);
 }
-if (html.split("<!-- heliotile: data -->").length !== 2) throw new Error("the marker for data must stand once in the page");
+for (const marker of ["<!-- heliotile: data -->", "<!-- heliotile: later -->"]) {
+  if (html.split(marker).length !== 2) throw new Error(`${marker} must stand once in the page`);
+}
 writeFileSync(page, html);
 const kB = (text) => `${Math.round(Buffer.byteLength(text) / 1000)} kB`;
 console.log(`src/viewer/page.html: ${kB(html)}; script ${kB(script)}, worker ${kB(worker)}, style ${kB(style)}, engine ${kB(blocks)} packed`);

@@ -13,6 +13,8 @@ export const PAGE = readFileSync(path("src/viewer/page.html"), "utf8");
 export const HAGUE = path("target/browser/hague.sun/site.helio");
 /** With 2,035 receivers. */
 export const DENSE = path("target/browser/dense.sun/site.helio");
+/** The block after a house became a tower (variant.mjs). */
+export const AFTER = path("target/browser/after.sun/site.helio");
 export const EPW = path("tests/data/weather/golden_tmy3.epw");
 mkdirSync(out, { recursive: true });
 
@@ -43,10 +45,10 @@ function block(id, file, name) {
   return `<script type="application/octet-stream" id="${id}" data-name="${name}">${readFileSync(file).toString("base64")}</script>`;
 }
 
-/** A page with an archive, and weather, inside; its address. */
-export function inlined(name, archive, weather = null) {
+/** A page with an archive, and weather, and the archive after, inside; its address. */
+export function inlined(name, archive, weather = null, after = null) {
   const data = block("archive", archive, "site.helio") + (weather ? block("weather", weather, "golden_tmy3.epw") : "");
-  writeFileSync(`${out}${name}.html`, PAGE.replace("<!-- heliotile: data -->", data));
+  writeFileSync(`${out}${name}.html`, PAGE.replace("<!-- heliotile: data -->", data).replace("<!-- heliotile: later -->", after ? block("after", after, "after.helio") : ""));
   return pathToFileURL(`${out}${name}.html`).href;
 }
 

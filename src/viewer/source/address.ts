@@ -1,9 +1,12 @@
 // State <-> the part of the address behind `#`, so that an address gives the same view again.
 
-import { DEFAULTS, type Place, type Show, type State, type Store } from "./state";
+import { DEFAULTS, type Place, type Show, type State, type Store, type Variant } from "./state";
 
 const SHOWS: readonly string[] = ["sky", "reference", "year", "month", "day", "moment"] satisfies Show[];
 const LIGHTS: readonly string[] = ["weather", "clear", "overcast", "own"];
+const VARIANTS: readonly string[] = ["before", "after", "change"] satisfies Variant[];
+/** Stands before the place of a receiver of the archive after. */
+const AFTER = "after.";
 /** Bounds of what the address may set. */
 const NUMBERS = {
   month: [1, 12], dayOfYear: [1, 366], minutes: [0, 1439], azimuth: [0, 360], altitude: [-90, 90], dni: [0, 1500], dhi: [0, 1500],
@@ -25,10 +28,16 @@ function changes(parameters: URLSearchParams, key: string): Record<string, numbe
 }
 
 function place(text: string | null): Place | null {
-  const numbers = text === null ? null : list(text.replace(".", ","), 2);
+  const after = text?.startsWith(AFTER) ?? false;
+  const numbers = text === null ? null : list(text.slice(after ? AFTER.length : 0).replace(".", ","), 2);
   if (!numbers) return null;
   const [tile = -1, row = -1] = numbers;
-  return Number.isInteger(tile) && Number.isInteger(row) && tile >= 0 && row >= 0 ? { tile, row } : null;
+  if (!Number.isInteger(tile) || !Number.isInteger(row) || tile < 0 || row < 0) return null;
+  return after ? { tile, row, after } : { tile, row };
+}
+
+function formatPlace({ tile, row, after }: Place): string {
+  return `${after ? AFTER : ""}${tile}.${row}`;
 }
 
 /** Whatever of a state the text after `#` holds; unknown and senseless parts are left out. */
@@ -64,6 +73,9 @@ export function parseAddress(hash: string): Partial<State> {
   if (pinned) found.pinned = pinned;
   const part = text("part");
   if (part) found.part = part;
+  const variant = text("variant");
+  if (variant !== null && VARIANTS.includes(variant)) found.variant = variant as Variant;
+  if (parameters.has("percent")) found.percent = true;
   return found;
 }
 
@@ -71,6 +83,8 @@ export function parseAddress(hash: string): Partial<State> {
 export function formatAddress(state: State): string {
   const parameters = new URLSearchParams();
   if (state.part !== null) parameters.set("part", state.part);
+  if (state.variant !== DEFAULTS.variant) parameters.set("variant", state.variant);
+  if (state.percent) parameters.set("percent", "");
   parameters.set("show", state.show);
   if (state.component !== DEFAULTS.component) parameters.set("component", state.component);
   parameters.set("light", state.light);
@@ -84,8 +98,8 @@ export function formatAddress(state: State): string {
   for (const key of ["reflectance", "transmittance"] as const) {
     for (const [name, value] of Object.entries(state[key])) parameters.append(key, `${name}=${value}`);
   }
-  if (state.selected) parameters.set("receiver", `${state.selected.tile}.${state.selected.row}`);
-  if (state.pinned) parameters.set("pinned", `${state.pinned.tile}.${state.pinned.row}`);
+  if (state.selected) parameters.set("receiver", formatPlace(state.selected));
+  if (state.pinned) parameters.set("pinned", formatPlace(state.pinned));
   return `#${parameters.toString().replaceAll("%2C", ",").replaceAll("%3A", ":")}`;
 }
 

@@ -2,7 +2,6 @@
 
 import type { Card } from "./card/card";
 import { Loader } from "./card/loader";
-import type { Changes } from "./engine/client";
 import type { Session } from "./session";
 import { shineOf, type Shine } from "./light";
 import { isSum, type State, type Store } from "./state";
@@ -12,7 +11,7 @@ import { Values } from "./values";
 const REST_MS = 180;
 
 interface Hooks {
-  /** Point whose tiles come first, m from the scene's origin. */
+  /** Point whose tiles come first, m from the origin of the page. */
   target(): [number, number, number];
   onShine(shine: Shine): void;
   /** Values arrived, or are about to be asked for. */
@@ -141,7 +140,7 @@ export class Asker {
       this.shown = kind;
       return true;
     }
-    const changes = { reflectance: Object.entries(state.reflectance), transmittance: Object.entries(state.transmittance) };
+    const changes = session.changes(state);
     const common = { sky: state.sky, changes, components: [...site.components] };
     const tiles = session.tilesNear(hooks.target());
     const begin = (): void => {
@@ -170,7 +169,7 @@ export class Asker {
       begin();
       return true;
     }
-    const shine = await shineOf(engine, state, session.weather);
+    const shine = await shineOf(session.suns, state, session.weather);
     if (!isNewest()) return false;
     this.shine = shine;
     hooks.onShine(shine);
@@ -207,8 +206,7 @@ export class Asker {
   private load(): void {
     const { state } = this.store;
     if (!this.loader || state.show !== "moment" || state.light === "weather") return;
-    const changes: Changes = { reflectance: Object.entries(state.reflectance), transmittance: Object.entries(state.transmittance) };
-    void this.loader.load(changes, this.hooks.target());
+    void this.loader.load(this.session.changes(state), this.hooks.target());
   }
 
   private async drop(what: "sums" | "moment"): Promise<void> {

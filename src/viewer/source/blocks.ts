@@ -15,8 +15,16 @@ export async function takeBlock(id: string): Promise<{ bytes: ArrayBuffer; name:
   return { bytes: await new Response(stream).arrayBuffer(), name };
 }
 
+/** The same for a block that stands behind the script of the page, and may still be on its way. */
+export async function takeLaterBlock(id: string): Promise<{ bytes: ArrayBuffer; name: string } | null> {
+  if (document.readyState === "loading") await new Promise((resolve) => document.addEventListener("DOMContentLoaded", resolve, { once: true }));
+  return takeBlock(id);
+}
+
 export interface Options {
   archive?: string;
+  /** Of an archive that is shown beside it. */
+  after?: string;
   /** In place of an archive: address of the list of an atlas' parts. */
   parts?: string;
   weather?: string;
@@ -36,6 +44,7 @@ export function readOptions(): Options {
     const parsed: unknown = JSON.parse(text);
     if (typeof parsed === "object" && parsed !== null) {
       if ("archive" in parsed && typeof parsed.archive === "string") found.archive = parsed.archive;
+      if ("after" in parsed && typeof parsed.after === "string") found.after = parsed.after;
       if ("parts" in parsed && typeof parsed.parts === "string") found.parts = parsed.parts;
       if ("weatherName" in parsed && typeof parsed.weatherName === "string") found.weatherName = parsed.weatherName;
       if ("clock" in parsed && typeof parsed.clock === "object" && parsed.clock !== null) found.clock = parsed.clock;
@@ -43,8 +52,9 @@ export function readOptions(): Options {
     }
   }
   const query = new URLSearchParams(location.search);
-  const [url, weather] = [query.get("url"), query.get("weather")];
+  const [url, after, weather] = [query.get("url"), query.get("with"), query.get("weather")];
   if (url && !found.archive) found.archive = url;
+  if (after && !found.after) found.after = after;
   if (weather && !found.weather) found.weather = weather;
   const card = Number.parseFloat(query.get("card") ?? "");
   if (card >= 0) found.card = card;

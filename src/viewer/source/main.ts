@@ -1,13 +1,13 @@
 // The page: starts the engine, opens what the page or its address names, and wires controls to it.
 
 import { keepAddress, parseAddress } from "./address";
-import { readOptions, takeBlock } from "./blocks";
+import { readOptions, takeBlock, takeLaterBlock } from "./blocks";
 import { Legend } from "./colour/legend";
-import { byId, download, el } from "./dom";
+import { byId, download } from "./dom";
 import type { Card } from "./card/card";
 import { csv, provenance } from "./download/csv";
 import { picture } from "./download/picture";
-import { Engine, type Clock, type Site, type Source, type WeatherInfo } from "./engine/client";
+import { Engine, type Clock, type Group, type Site, type Source, type WeatherInfo } from "./engine/client";
 import { knowsClearSkies } from "./light";
 import { OpenedSite, type Page } from "./opened";
 import { listenForFiles } from "./panel/files";
@@ -16,26 +16,31 @@ import { Messages } from "./panel/messages";
 import { PartsPanel } from "./panel/parts";
 import { Player } from "./panel/play";
 import { ShowPanel } from "./panel/show";
+import { describe, describeWeather, tellOf } from "./panel/site";
 import { readParts } from "./parts";
 import { SurfacesPanel } from "./panel/surfaces";
 import { listenToTabs } from "./panel/tabs";
-import { Session } from "./session";
+import { VariantPanel } from "./panel/variant";
+import { namesBeyond, nameOf, Session } from "./session";
 import { DEFAULTS, isSum, Store, type State } from "./state";
 import { listenToView } from "./view/keys";
 import { Stage } from "./view/stage";
-import { bytes } from "./words";
 
 declare global {
   interface Window {
-    /** For automation and tests. `card`: what the graphics card does by itself. `ready`, asked at any time, resolves when all that is wished for is on the page, or its failure is told. */
-    heliotile?: { readonly engine: Engine | null; readonly card: Card | null; readonly state: Readonly<State>; readonly ready: Promise<void> };
+    /** For automation and tests. `after`: the engine of the archive after. `card`: what the graphics card does by itself. `ready`, asked at any time, resolves when all that is wished for is on the page, or its failure is told. */
+    heliotile?: { readonly engine: Engine | null; readonly after: Engine | null; readonly card: Card | null; readonly state: Readonly<State>; readonly ready: Promise<void> };
   }
 }
 
 class Main {
   readonly store = new Store();
   readonly messages = new Messages();
+  /** Resolves when what the page was opened with is on it, or its failure is told. */
+  started: Promise<void> = Promise.resolve();
   engine: Engine | null = null;
+  /** Of the archive that is beside the first. */
+  after: Engine | null = null;
   private given = parseAddress(location.hash);
   private readonly stage = new Stage(byId("view", HTMLCanvasElement));
   private readonly surfaces = new SurfacesPanel(this.store);
@@ -44,12 +49,15 @@ class Main {
   private opened: OpenedSite | null = null;
   private keeping = false;
   private parts: PartsPanel | null = null;
-  /** Of parts that are opened one after the other. */
+  /** Of archives that are opened one after the other. */
   private opening: Promise<void> = Promise.resolve();
-  /** Number of the last archive that was asked for. */
+  /** Starts one more engine. */
+  private startEngine: () => Promise<Engine> = () => Promise.reject(new Error("the engine has not started"));
+  /** Number of the last archive that was asked for, and of the last one beside it. */
   private turn = 0;
+  private turnBeside = 0;
   /** Reads the weather again, which an archive that is opened needs. */
-  private weather: () => Promise<WeatherInfo | null> = () => Promise.resolve(null);
+  private weather: (engine: Engine) => Promise<WeatherInfo | null> = () => Promise.resolve(null);
 
   constructor() {
     this.player = new Player(this.store, () => this.opened);
@@ -60,12 +68,14 @@ class Main {
       messages: this.messages,
       show: new ShowPanel(this.store),
       light: new LightPanel(this.store),
+      variant: new VariantPanel(this.store),
       playing: () => this.player.playing,
       say: (text) => (byId("live", HTMLElement).textContent = text),
       openTab: listenToTabs(),
     };
     listenToView(this.stage, (x, y) => this.opened?.pick(x, y));
-    listenForFiles((file) => void this.anotherArchive(file), (file) => void this.anotherWeather(file));
+    const after = (file: File): void => void (this.opening = this.openAfter({ file }));
+    listenForFiles((file) => void this.anotherArchive(file), after, (file) => void this.anotherWeather(file));
     addEventListener("keydown", (event) => {
       if (event.key === "Escape") this.store.set({ selected: null, pinned: null });
     });
@@ -83,27 +93,30 @@ class Main {
     const [engine, worker] = await Promise.all([takeBlock("engine"), takeBlock("worker")]);
     if (!engine || !worker) throw new Error("this page was built without its engine");
     const address = URL.createObjectURL(new Blob([worker.bytes], { type: "text/javascript" }));
-    this.engine = await Engine.start(address, engine.bytes);
+    const module = await WebAssembly.compile(engine.bytes);
+    this.startEngine = () => Engine.start(address, module);
+    this.engine = await this.startEngine();
     const options = readOptions();
     const [archive, weather] = [await takeBlock("archive"), await takeBlock("weather")];
     const local = location.protocol === "file:";
     const source: Source | null = archive ? archive : options.archive && !local ? { url: options.archive } : null;
+    const beside = async (): Promise<Source | null> => (await takeLaterBlock("after")) ?? (options.after && !local ? { url: options.after } : null);
     const outside = options.archive ?? options.parts;
     if (!source && (local || !outside)) {
       byId("welcome", HTMLElement).hidden = false;
       if (outside) this.messages.tell([`A page opened from a file cannot load ${outside} by itself: open ${options.archive ? "it" : "an archive"} here.`], false);
       return;
     }
-    this.weather = async () => {
+    this.weather = async (engine) => {
       try {
-        if (weather) return await this.loadWeather(weather.name, weather.bytes, options.clock);
-        if (options.weather && !local) return await this.fetchWeather(options.weather, options.clock, options.weatherName);
+        if (weather) return await engine.loadWeather(weather.name, weather.bytes, options.clock);
+        if (options.weather && !local) return await fetchWeather(engine, options.weather, options.clock, options.weatherName);
       } catch (error) {
         this.messages.error("reading the weather", error);
       }
       return null;
     };
-    await (source ? this.open(source) : this.openParts(outside ?? ""));
+    await (source ? this.open(source, null, beside) : this.openParts(outside ?? ""));
   }
 
   /** Shows the parts of an atlas: first the one of the address, or else the first that is built; later those that are wished for. */
@@ -140,21 +153,22 @@ class Main {
   }
 
   get card(): Card | null {
-    return this.opened?.asker.card ?? null;
+    return this.opened?.before.asker.card ?? null;
   }
 
   async settled(): Promise<void> {
+    await this.started;
     await this.opening;
     await this.opened?.settled();
   }
 
-  /** Opens an archive in place of the present one; a part is called by its name. */
-  private async open(source: Source, part: string | null = null): Promise<void> {
+  /** Opens an archive in place of those that are open, and another beside it; a part is called by its name. */
+  private async open(source: Source, part: string | null = null, beside: () => Promise<Source | null> = () => Promise.resolve(null)): Promise<void> {
     const { engine } = this;
     if (!engine) return;
     const turn = ++this.turn;
     byId("welcome", HTMLElement).hidden = true;
-    const name = part ?? ("url" in source ? source.url : "file" in source ? source.file.name : source.name);
+    const name = part ?? addressOf(source);
     let site: Site;
     try {
       site = await engine.open(source);
@@ -167,8 +181,9 @@ class Main {
       return;
     }
     this.opened?.close();
+    this.closeAfter();
     const session = new Session(engine, site);
-    this.describe(site);
+    describe(site);
     this.store.set({ ...this.fallbacks(site), ...this.sensible(site) });
     this.opened = new OpenedSite(this.page, session);
     document.body.dataset["state"] = "open";
@@ -178,13 +193,63 @@ class Main {
     if (!this.keeping) keepAddress(this.store);
     this.keeping = true;
     // Weather is read first where the address asks for what needs it, else the picture comes first.
-    const found = this.weather();
+    const found = this.weather(engine);
     const reading = this.opened.read();
     const weather = await found;
     if (turn !== this.turn) return;
     this.takeWeather(weather);
+    // What is beside it comes when the first is on the screen.
     await reading;
-    await this.opened?.asker.settling();
+    const other = turn === this.turn ? await beside() : null;
+    if (other && turn === this.turn) await this.openAfter(other);
+    await this.opened.settled();
+  }
+
+  /** Opens an archive beside the first; one that was there goes. */
+  private async openAfter(source: Source): Promise<void> {
+    const { opened } = this;
+    if (!opened) return;
+    const { site: before } = opened.session;
+    const turn = ++this.turnBeside;
+    const name = addressOf(source);
+    const engine = await this.startEngine();
+    try {
+      const site = await engine.open(source, { place: before.place });
+      const weather = opened.session.weather && (await this.weather(engine));
+      if (turn !== this.turnBeside) return engine.close();
+      opened.dropAfter();
+      this.after?.close();
+      this.after = engine;
+      const session = new Session(engine, site, opened.session);
+      session.weather = weather;
+      [session.foreign, opened.session.foreign] = [namesBeyond(before, site), namesBeyond(site, before)];
+      this.takeChanges(site, opened.session);
+      this.surfaces.open(before, site);
+      describe(before, site);
+      if (weather) describeWeather(weather);
+      const partners = await opened.compareWith(session);
+      if (!session.closed) tellOf(partners, before, site, this.messages);
+    } catch (error) {
+      if (turn !== this.turnBeside) return engine.close();
+      this.messages.error(`opening ${name}`, error);
+      if (this.after !== engine) engine.close();
+    }
+  }
+
+  private closeAfter(): void {
+    this.turnBeside += 1;
+    this.after?.close();
+    this.after = null;
+  }
+
+  /** Changes that the address gives to what only the archive after has. */
+  private takeChanges(after: Site, { foreign }: Session): void {
+    const known = this.knownChanges(after);
+    const { state } = this.store;
+    const only = (kind: Group["kind"], changes: State["reflectance"] = {}): State["reflectance"] =>
+      Object.fromEntries(Object.entries(changes).filter(([name]) => foreign.has(nameOf({ kind, name }))));
+    const reflectance = { ...only("opaque", known.reflectance), ...state.reflectance };
+    this.store.set({ reflectance, transmittance: { ...only("canopy", known.transmittance), ...state.transmittance } });
   }
 
   /** Where the address says nothing: what this archive can show. */
@@ -203,33 +268,18 @@ class Main {
     if (given.component !== undefined && !site.components.includes(given.component)) delete given.component;
     if (given.sky !== undefined && !site.skies.includes(given.sky)) delete given.sky;
     if (given.show === "reference" && !site.hasReference) delete given.show;
+    return { ...given, ...this.knownChanges(site) };
+  }
+
+  /** Changes that the address gives to what this archive has. */
+  private knownChanges(site: Site): Partial<State> {
+    const found: Partial<State> = {};
     for (const key of ["reflectance", "transmittance"] as const) {
       const known = new Set(site.groups.filter((group) => (group.kind === "canopy") === (key === "transmittance")).map(({ name }) => name));
-      const changes = given[key];
-      if (changes) given[key] = Object.fromEntries(Object.entries(changes).filter(([name]) => known.has(name)));
+      const changes = this.given[key];
+      if (changes) found[key] = Object.fromEntries(Object.entries(changes).filter(([name]) => known.has(name)));
     }
-    return given;
-  }
-
-  private describe(site: Site): void {
-    document.title = `${site.name} – heliotile`;
-    byId("site-name", HTMLElement).textContent = site.name;
-    byId("site-line", HTMLElement).textContent = `${site.receivers.toLocaleString("en")} receivers, ${bytes(site.bytes)}`;
-    const facts: [string, string][] = [["Root", `${site.root.slice(0, 16)}…`], ["Written by", `${site.creator}, format ${site.formatVersion}`]];
-    if (site.place) facts.push(["Place", `${site.place.latitude.toFixed(3)}°, ${site.place.longitude.toFixed(3)}°${site.place.crs ? `, ${site.place.crs}` : ""}`]);
-    facts.push(["Error", site.accuracy ?? "not estimated"]);
-    byId("site-facts", HTMLElement).replaceChildren(...facts.flatMap(([name, value]) => [el("dt", { text: name }), el("dd", { text: value })]));
-  }
-
-  private async loadWeather(name: string, data: ArrayBuffer, clock: Clock = {}): Promise<WeatherInfo> {
-    if (!this.engine) throw new Error("the engine has not started");
-    return this.engine.loadWeather(name, data, clock);
-  }
-
-  private async fetchWeather(url: string, clock: Clock, name?: string): Promise<WeatherInfo> {
-    const answer = await fetch(url);
-    if (!answer.ok) throw new Error(`${url}: the server says ${answer.status}`);
-    return this.loadWeather(name ?? new URL(answer.url).pathname.split("/").pop() ?? url, await answer.arrayBuffer(), clock);
+    return found;
   }
 
   private takeWeather(weather: WeatherInfo | null): void {
@@ -242,7 +292,7 @@ class Main {
       opened.renewWeather();
       return;
     }
-    byId("site-facts", HTMLElement).append(el("dt", { text: "Weather" }), el("dd", { text: [weather.name, weather.place].filter((text) => text !== "").join(", ") }));
+    describeWeather(weather);
     if (weather.warnings.length > 0) this.messages.tell(weather.warnings.slice(0, 3), false, "weather");
     // The view that the address gives stays as it is.
     const changes: Partial<State> = {};
@@ -271,8 +321,10 @@ class Main {
     try {
       delete this.given.show;
       delete this.given.light;
-      const weather = async (): Promise<WeatherInfo> => this.loadWeather(file.name, await file.arrayBuffer());
-      this.takeWeather(await weather());
+      const weather = async (engine: Engine): Promise<WeatherInfo> => engine.loadWeather(file.name, await file.arrayBuffer());
+      const { before, after } = this.opened;
+      if (after) after.session.weather = await weather(after.session.engine);
+      this.takeWeather(await weather(before.session.engine));
       this.weather = weather;
     } catch (error) {
       this.messages.error(`reading ${file.name}`, error);
@@ -285,8 +337,8 @@ class Main {
     const button = byId("save-csv", HTMLButtonElement);
     button.disabled = true;
     try {
-      await opened.asker.settling();
-      const blob = await csv({ ...this.store.state }, opened.session, opened.quantity(), opened.asker.shine, (share) => {
+      await this.settled();
+      const blob = await csv({ ...this.store.state }, opened, (share) => {
         button.textContent = share < 1 ? `Save CSV (${Math.round(100 * share)} %)` : "Save CSV";
       });
       download(blob, `${this.baseName()}.csv`);
@@ -302,8 +354,8 @@ class Main {
     if (!opened) return;
     stage.drawNow();
     try {
-      const lines = provenance(this.store.state, opened.session, opened.asker.shine);
-      download(await picture(stage.canvas, stage.renderer.getPixelRatio(), this.page.legend, lines), `${this.baseName()}.png`);
+      const lines = provenance(this.store.state, opened);
+      download(await picture(stage.canvas, stage.renderer.getPixelRatio(), this.page.legend.shown, lines), `${this.baseName()}.png`);
     } catch (error) {
       this.messages.error("drawing the picture", error);
     }
@@ -312,8 +364,19 @@ class Main {
   private baseName(): string {
     const { state } = this.store;
     const name = this.opened?.session.site.name.replace(/\.helio$/, "") ?? "site";
-    return `${name}.${state.show}${state.show === "moment" || isSum(state.show) ? `.${state.component}` : ""}`;
+    const variant = this.opened?.after ? `.${this.opened.variant}` : "";
+    return `${name}${variant}.${state.show}${state.show === "moment" || isSum(state.show) ? `.${state.component}` : ""}`;
   }
+}
+
+async function fetchWeather(engine: Engine, url: string, clock: Clock, name?: string): Promise<WeatherInfo> {
+  const answer = await fetch(url);
+  if (!answer.ok) throw new Error(`${url}: the server says ${answer.status}`);
+  return engine.loadWeather(name ?? new URL(answer.url).pathname.split("/").pop() ?? url, await answer.arrayBuffer(), clock);
+}
+
+function addressOf(source: Source): string {
+  return "url" in source ? source.url : "file" in source ? source.file.name : source.name;
 }
 
 function begin(): Main {
@@ -326,16 +389,19 @@ function begin(): Main {
 }
 
 const main = begin();
-const started = main.start().catch((error: unknown) => main.messages.error("starting the page", error));
+main.started = main.start().catch((error: unknown) => main.messages.error("starting the page", error));
 window.heliotile = {
   get engine() {
     return main.engine;
+  },
+  get after() {
+    return main.after;
   },
   get card() {
     return main.card;
   },
   state: main.store.state,
   get ready() {
-    return started.then(() => main.settled());
+    return main.settled();
   },
 };

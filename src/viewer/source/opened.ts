@@ -1,24 +1,26 @@
-// One opened site on the page: its meshes, colours, panels. In: a session. Everything here goes when another archive is opened.
+// What is open on the page: an archive, or two of them, before and after; its colours and panels. In: sessions. Everything here goes when another
+// archive is opened.
 
-import { Box3, type BufferGeometry, Group, LineSegments, Mesh, Vector3 } from "three";
-import { Asker } from "./asker";
-import { BUDGET_MB, Card } from "./card/card";
-import { autoRange } from "./colour/range";
-import type { Legend } from "./colour/legend";
+import { Vector3 } from "three";
 import { readOptions } from "./blocks";
+import { BUDGET_MB } from "./card/card";
+import { changeOf, matched, type Partners } from "./change";
+import type { Legend } from "./colour/legend";
+import { PUOR } from "./colour/puor";
+import { autoRange, symmetricRange } from "./colour/range";
+import { VIRIDIS } from "./colour/viridis";
 import { byId } from "./dom";
+import { Layer, type Progress } from "./layer";
 import type { LightPanel } from "./panel/light";
 import type { Messages } from "./panel/messages";
 import type { ShowPanel } from "./panel/show";
-import { quantityOf, type Quantity } from "./quantity";
-import { ReceiverPanel } from "./receiver/panel";
+import type { VariantPanel } from "./panel/variant";
+import type { Quantity } from "./quantity";
+import { ReceiverPanel, type Side } from "./receiver/panel";
 import type { Session } from "./session";
-import { isSum, type State, type Store } from "./state";
+import { isSum, type Place, type State, type Store, type Variant } from "./state";
 import { Overlay } from "./view/overlay";
-import { Paint } from "./view/paint";
-import { Patches } from "./view/patches";
 import { Picker } from "./view/pick";
-import { Scenery } from "./view/scenery";
 import { corners, type Stage } from "./view/stage";
 import { number } from "./words";
 
@@ -33,21 +35,23 @@ export interface Page {
   messages: Messages;
   show: ShowPanel;
   light: LightPanel;
+  variant: VariantPanel;
   playing: () => boolean;
   say: (text: string) => void;
   openTab: (part: string) => void;
 }
 
 export class OpenedSite {
-  readonly asker: Asker;
+  readonly before: Layer;
+  /** Beside it, if there is one. */
+  after: Layer | null = null;
+  /** Known when the names of all receivers of both are read. */
+  partners: Partners | null = null;
   readonly receiver: ReceiverPanel;
-  private readonly root = new Group();
-  private readonly patchGroup = new Group();
-  private readonly paint: Paint;
-  private readonly patches: Patches;
   private readonly picker: Picker;
   private readonly overlay: Overlay;
   private readonly stop: () => void;
+  private readonly reading = new Map<Layer, Progress>();
   /** When colours were last on the screen, and what that took, ms. */
   private painted = 0;
   private paintCost = 0;
@@ -60,108 +64,137 @@ export class OpenedSite {
     private readonly page: Page,
     readonly session: Session,
   ) {
-    const { stage, store, messages } = page;
-    const { site } = session;
-    this.paint = new Paint(site.receivers);
-    this.patches = new Patches(this.patchGroup, this.paint.material);
+    const { stage, store, messages, say } = page;
     this.picker = new Picker(stage.renderer);
-    this.overlay = new Overlay(stage, site.northDeg);
-    this.root.add(this.patchGroup);
-    stage.scene.add(this.root);
-    // Where the processor has to do the work of a card, the core is faster at it.
-    const budgetMb = readOptions().card ?? (stage.software ? 0 : BUDGET_MB);
-    const card = Card.of(stage.renderer, this.paint.texture, site.receivers, budgetMb);
-    this.asker = new Asker(session, store, {
-      target: () => stage.controls.target.toArray(),
-      onShine: (shine) => {
-        page.light.showShine(shine);
-        this.overlay.showSun(shine.altitude > 0 && store.state.light !== "overcast" ? shine.azimuth : null);
-      },
-      onValues: (progress) => {
-        this.progress(progress && isSum(store.state.show) ? progress : null);
-        this.repaint();
-      },
-      onCard: () => {
-        this.paint.use(card?.values ?? null);
-        stage.draw();
-      },
-      onDamage: (tile, message) => messages.lost(tile, message),
-      onError: (error) => messages.error("replaying the archive", error),
-    }, card);
-    this.receiver = new ReceiverPanel(session, store, this.asker, () => this.quantity(), (what, error) => messages.error(what, error), page.say);
+    this.overlay = new Overlay(stage, session.site.northDeg);
+    this.before = this.layer(session, null);
+    this.receiver = new ReceiverPanel(store, {
+      sides: (place) => this.sides(place),
+      isWhole: () => this.after === null || this.partners !== null,
+      spoken: (sides) => this.spoken(sides),
+      settling: () => this.settling(),
+      onError: (what, error) => messages.error(what, error),
+      say,
+    });
     this.stop = store.subscribe((changed) => this.follow(changed));
   }
 
   /** Lets go of everything that stands on the page and on the graphics card. */
   close(): void {
-    this.session.closed = true;
     this.stop();
-    this.asker.close();
     this.receiver.close();
     this.overlay.close();
-    this.page.stage.scene.remove(this.root);
-    this.root.traverse((object) => {
-      if (object instanceof Mesh || object instanceof LineSegments) (object.geometry as BufferGeometry).dispose();
-    });
-    this.asker.card?.dispose();
-    this.paint.dispose();
+    for (const layer of this.layers) layer.close();
+    this.page.variant.close();
     this.page.stage.draw();
   }
 
-  quantity(): Quantity {
-    return quantityOf(this.page.store.state, this.session, this.asker);
+  get layers(): Layer[] {
+    return this.after ? [this.before, this.after] : [this.before];
   }
 
-  /** Reads what there is to see; resolves when all of it is on the screen. */
+  /** What of two archives can be shown, as far as they are read. */
+  get variant(): Variant {
+    const { variant } = this.page.store.state;
+    if (!this.after?.session.ready) return "before";
+    return variant === "change" && !this.partners?.count ? "after" : variant;
+  }
+
+  /** The archive whose surfaces are shown. */
+  get shown(): Layer {
+    return this.variant === "before" ? this.before : (this.after ?? this.before);
+  }
+
+  /** What colours and legend show. */
+  quantity(): Quantity {
+    const { partners, shown } = this;
+    if (this.variant !== "change" || !partners) return shown.quantity();
+    return changeOf(this.before.quantity(), shown.quantity(), partners, this.page.store.state.percent);
+  }
+
+  /** Reads what there is to see; resolves when all of it is on the screen, but for values that are still made. */
   async read(): Promise<void> {
-    const { stage, store, messages } = this.page;
-    const { site } = this.session;
-    const box = new Box3(new Vector3(...site.bounds[0]), new Vector3(...site.bounds[1])).translate(new Vector3(...site.origin).negate());
+    const { stage, store } = this.page;
+    const { before } = this;
+    const box = before.bounds;
     const { camera } = store.state;
     if (camera) {
       stage.setRadius(box);
       stage.look(new Vector3(camera[0], camera[1], camera[2]), new Vector3(camera[3], camera[4], camera[5]));
     } else stage.frame([corners(box)], box, box);
-    let framed = camera !== null;
     const started = stage.camera.position.clone();
-    const sceneDone = this.readScene();
-    await this.session.readTiles(
-      (tile, overview) => {
-        this.patches.add(overview, this.session.tiles[tile]!.first);
-        this.progress({ done: this.session.tiles[tile]!.first, of: site.receivers });
-        this.repaint();
-      },
-      (tile, error) => messages.lost(tile, error),
-    );
+    const sceneDone = before.readScene();
+    await before.readTiles();
     if (this.session.closed) return;
-    this.patches.flush();
-    this.progress(null);
     // The receivers are what is looked at; nobody who has moved is moved.
-    if (!framed && stage.camera.position.equals(started) && !this.patches.box.isEmpty()) {
-      stage.frame(this.patches.points(), this.patches.box, box);
-      framed = true;
-    }
+    if (camera === null && stage.camera.position.equals(started) && !before.patchBox.isEmpty()) stage.frame(before.patchPoints(), before.patchBox, box);
     this.follow(new Set(["selected", "pinned"]));
     this.repaint();
-    this.asker.update();
+    before.asker.update();
     await sceneDone;
-    await this.asker.settling();
-    if (!this.session.closed) this.paintNow();
+  }
+
+  /** Lets go of the archive that is beside it. */
+  dropAfter(): void {
+    if (!this.after) return;
+    this.after.close();
+    this.reading.delete(this.after);
+    [this.after, this.partners] = [null, null];
+    this.before.visible = true;
+    this.page.variant.close();
+    this.follow(new Set(["selected"]));
+  }
+
+  /** Puts another archive beside it, and finds out which receivers are the same; the camera stays. */
+  async compareWith(session: Session): Promise<Partners> {
+    const { show, stage, variant } = this.page;
+    const after = this.layer(session, this.before);
+    this.after = after;
+    this.follow(new Set(["variant"]));
+    const sceneDone = after.readScene();
+    await after.readTiles();
+    if (!session.closed) {
+      after.asker.update();
+      const box = after.patchBox.union(this.before.patchBox);
+      if (!box.isEmpty()) stage.setHome([...this.before.patchPoints(), corners(after.patchBox)], box, this.before.bounds.union(after.bounds));
+      variant.open(null);
+      this.follow(new Set(["variant"]));
+    }
+    await sceneDone;
+    const partners = await matched(this.session, session);
+    if (session.closed) return partners;
+    this.partners = partners;
+    after.paint.compareWith(partners.ofAfter);
+    variant.open(partners.count > 0 ? partners : null);
+    show.compare(partners);
+    this.follow(new Set(["variant", "selected"]));
+    return partners;
   }
 
   /** Resolves when values and the chosen receiver on the page are those that the state wishes for. */
   async settled(): Promise<void> {
-    await this.asker.settling();
+    await this.settling();
     await this.receiver.choosing;
     if (!this.session.closed) this.paintNow();
+  }
+
+  /** Resolves when the values of all archives are those of the newest wish. */
+  async settling(): Promise<void> {
+    await Promise.all(this.layers.map(({ asker }) => asker.settling()));
+  }
+
+  /** Resolves when colours are those of the newest wish, even if not all numbers are. */
+  async seeing(): Promise<void> {
+    await Promise.all(this.layers.map(({ asker }) => asker.seeing()));
   }
 
   /** What is drawn at a place of the canvas becomes the chosen receiver. */
   pick(x: number, y: number): void {
     const { stage, store, say, openTab } = this.page;
     const { canvas } = stage;
-    const index = this.picker.at(stage.scene, stage.camera, this.patchGroup, x, y, canvas.clientWidth, canvas.clientHeight);
-    const place = index === null ? null : this.session.placeOf(index);
+    const { shown } = this;
+    const index = this.picker.at(stage.scene, stage.camera, shown.patchGroup, x, y, canvas.clientWidth, canvas.clientHeight);
+    const place = index === null ? null : this.placeOf(shown, index);
     if (place) {
       store.set({ selected: place });
       openTab("receiver");
@@ -172,21 +205,58 @@ export class OpenedSite {
   renewWeather(): void {
     this.page.light.renew();
     this.page.show.refresh();
-    this.asker.renew();
+    for (const { asker } of this.layers) asker.renew();
     this.receiver.drawLater(0, true);
   }
 
-  private async readScene(): Promise<void> {
-    const { site, engine } = this.session;
-    const scenery = new Scenery(this.root, site.materials);
-    for (let chunk = 0; chunk < site.sceneChunks; chunk++) {
-      try {
-        scenery.add(await engine.scene(chunk));
-        this.page.stage.draw();
-      } catch (error) {
-        this.page.messages.error("reading the scene's triangles", error);
-      }
-    }
+  private layer(session: Session, before: Layer | null): Layer {
+    const { page } = this;
+    const { stage, store, messages } = page;
+    // Where the processor has to do the work of a card, the core is faster at it. A second archive gets half as much.
+    const cardMb = (readOptions().card ?? (stage.software ? 0 : BUDGET_MB)) / (before ? 2 : 1);
+    const layer = new Layer({ store, stage, messages, cardMb, name: before ? "the archive after" : "" }, session, {
+      onShine: (shine) => {
+        if (before) return;
+        page.light.showShine(shine);
+        this.overlay.showSun(shine.altitude > 0 && store.state.light !== "overcast" ? shine.azimuth : null);
+      },
+      onProgress: (progress) => {
+        const told = progress && (isSum(store.state.show) || !session.ready) ? progress : null;
+        if (told) this.reading.set(layer, told);
+        else this.reading.delete(layer);
+        this.showProgress();
+      },
+      onChange: () => this.repaint(),
+    }, before);
+    return layer;
+  }
+
+  /** A receiver in the words of the address: that of the archive before, where it has a partner there. */
+  private placeOf(layer: Layer, index: number): Place | null {
+    if (layer === this.before) return layer.session.placeOf(index);
+    const partner = this.partners?.ofAfter[index] ?? -1;
+    const place = partner >= 0 ? this.session.placeOf(partner) : layer.session.placeOf(index);
+    return place && (partner >= 0 ? place : { ...place, after: true });
+  }
+
+  /** A receiver in each archive that has it. */
+  private sides(place: Place): Side[] {
+    const { before, after, partners } = this;
+    const side = (layer: Layer | null, index: number | null | undefined): Side[] => {
+      const there = layer && index !== null && index !== undefined && index >= 0 ? layer.session.placeOf(index) : null;
+      return layer && there ? [{ layer, index: index!, ...there, when: after ? (layer === before ? "before" : "after") : null }] : [];
+    };
+    const own = (place.after ? after : before)?.session.indexOf(place) ?? null;
+    if (own === null) return [];
+    return place.after ? [...side(before, partners?.ofAfter[own]), ...side(after, own)] : [...side(before, own), ...side(after, partners?.ofBefore[own])];
+  }
+
+  /** What a chosen receiver has of what is shown, in words. */
+  private spoken(sides: readonly Side[]): string {
+    const quantity = this.quantity();
+    const index = sides.find(({ layer }) => layer === this.shown)?.index;
+    const value = index === undefined ? undefined : quantity.of(index)?.[quantity.components.indexOf(quantity.shown)];
+    return value === undefined ? "" : quantity.label(value);
   }
 
   private follow(changed: ReadonlySet<keyof State>): void {
@@ -197,29 +267,43 @@ export class OpenedSite {
       const [position, target] = [new Vector3(...camera.slice(0, 3)), new Vector3(...camera.slice(3))];
       if (position.distanceTo(stage.camera.position) > 0.02 || target.distanceTo(stage.controls.target) > 0.02) stage.look(position, target);
     }
-    if (changed.has("selected") || changed.has("pinned")) {
-      const places = [selected, pinned].map((place) => (place ? this.session.indexOf(place) : null));
-      const [a, b] = [places[0] ?? -1, places[1] ?? -1];
-      this.paint.mark(a, b);
-      const middles = [a, b].map((index): [number, number, number] | null =>
-        index < 0 ? null : [this.session.middles[3 * index]!, this.session.middles[3 * index + 1]!, this.session.middles[3 * index + 2]!],
-      );
+    if (changed.has("variant") && this.after) {
+      for (const layer of this.layers) layer.visible = layer === this.shown;
+      this.page.show.refresh();
+    }
+    if (changed.has("selected") || changed.has("pinned") || changed.has("variant")) {
+      const chosen = [selected, pinned].map((place) => (place ? this.sides(place) : []));
+      for (const layer of this.layers) {
+        const [a, b] = chosen.map((sides) => sides.find((side) => side.layer === layer)?.index ?? -1);
+        layer.paint.mark(a!, b!);
+      }
+      const middles = chosen.map((sides): [number, number, number] | null => {
+        const side = sides.find(({ layer }) => layer === this.shown) ?? sides[0];
+        const [x = NaN, y = NaN, z = NaN] = side ? side.layer.session.middles.subarray(3 * side.index, 3 * side.index + 3) : [];
+        return side ? [x, y, z] : null;
+      });
+      const same = JSON.stringify(selected) === JSON.stringify(pinned);
       this.overlay.pin(0, middles[0] ?? null);
-      this.overlay.pin(1, pinned && a !== b ? (middles[1] ?? null) : null);
+      this.overlay.pin(1, same ? null : (middles[1] ?? null));
       document.body.dataset["receiver"] = selected || pinned ? "open" : "closed";
-      this.receiver.choose();
+      if (changed.has("selected") || changed.has("pinned")) this.receiver.choose();
       stage.draw();
     }
-    if (["show", "component", "range", "month"].some((key) => changed.has(key as keyof State))) this.repaint();
+    if (["show", "component", "range", "month", "variant", "percent"].some((key) => changed.has(key as keyof State))) this.repaint();
     if (["sky", "reflectance", "transmittance", "dayOfYear"].some((key) => changed.has(key as keyof State))) this.receiver.drawLater();
   }
 
-  private progress(progress: { done: number; of: number } | null): void {
-    const box = byId("progress", HTMLElement);
-    box.hidden = progress === null || progress.of === 0;
-    if (!progress) return;
-    byId("progress-bar", HTMLElement).style.width = `${(100 * progress.done) / progress.of}%`;
-    byId("progress-text", HTMLElement).textContent = `${number(progress.done)} of ${number(progress.of)} receivers`;
+  private showProgress(): void {
+    const all = [...this.reading.values()];
+    const [done, of] = [all.reduce((sum, one) => sum + one.done, 0), all.reduce((sum, one) => sum + one.of, 0)];
+    byId("progress", HTMLElement).hidden = of === 0;
+    if (of === 0) return;
+    byId("progress-bar", HTMLElement).style.width = `${(100 * done) / of}%`;
+    byId("progress-text", HTMLElement).textContent = `${number(done)} of ${number(of)} receivers`;
+  }
+
+  private get isSettled(): boolean {
+    return this.layers.every(({ asker }) => asker.settled);
   }
 
   /** However many tiles came, colours and numbers follow once a frame. */
@@ -233,50 +317,39 @@ export class OpenedSite {
       this.paintNow();
       requestAnimationFrame(() => requestAnimationFrame((now) => ([this.painted, this.paintCost] = [now, now - began])));
     };
-    const wait = this.asker.settled ? 0 : this.painted + PAINT_SHARE * this.paintCost - performance.now();
+    const wait = this.isSettled ? 0 : this.painted + PAINT_SHARE * this.paintCost - performance.now();
     if (this.paintCost > SLOW && wait > 0) setTimeout(paint, wait);
     else requestAnimationFrame(paint);
   }
 
   private paintNow(): void {
     const { store, legend, stage, show, playing } = this.page;
+    const { shown } = this;
+    const isChange = this.variant === "change";
+    for (const layer of isChange ? this.layers : [shown]) layer.colour();
+    const map = isChange ? PUOR : VIRIDIS;
+    shown.paint.shows(isChange ? (store.state.percent ? "percent" : "change") : "values", map);
     const quantity = this.quantity();
-    const { column } = quantity;
-    if (!this.byCard(quantity) && column) {
-      this.paint.use(null);
-      this.paint.show(column);
-    }
     const range = this.rangeFor(quantity, playing());
-    this.paint.range(range[0], range[1]);
-    legend.show(quantity.shownTitle, quantity.unit, range);
+    shown.paint.range(range[0], range[1]);
+    legend.show({ title: quantity.shownTitle, unit: quantity.unit, range, map });
     show.showRange(range);
     if (store.state.selected) this.receiver.showValues();
     stage.draw();
   }
 
-  /** Whether the card has the newest colours: then no value of a receiver is touched but those that it leaves to the core. */
-  private byCard(quantity: Quantity): boolean {
-    const { card } = this.asker;
-    if (!card?.shown || !quantity.column || this.page.store.state.show !== "moment") return false;
-    const { light, component } = card.shown;
-    const same = component === quantity.shown;
-    if (card.complete && card.whole && same) return true;
-    if (!card.serves(card.changes, quantity.shown)) return false;
-    this.paint.show(quantity.column);
-    card.draw(light, quantity.shown);
-    this.paint.use(card.values);
-    return true;
-  }
-
   /** By hand, else from the values; while the sun moves it stands still, so that one sees light change and not the legend. */
   private rangeFor(quantity: Quantity, playing: boolean): readonly [number, number] {
-    const { range } = this.page.store.state;
+    const { range, show } = this.page.store.state;
     if (range) return range;
-    if (quantity.title === "Sky view") return [0, 100];
-    const what = `${quantity.shownTitle}`;
+    const isChange = this.variant === "change";
+    if (quantity.title === "Sky view" && !isChange) return [0, 100];
+    const what = `${quantity.shownTitle} ${quantity.unit} ${this.layers.length}`;
     const fresh = what !== this.rangeOf || this.settledRange === null;
-    if (quantity.column && (fresh || (this.asker.settled && !playing) || isSum(this.page.store.state.show))) {
-      const found = autoRange(quantity.column);
+    if (quantity.column && (fresh || (this.isSettled && !playing) || isSum(show))) {
+      // Before and after are coloured alike.
+      const columns = this.layers.map((layer) => layer.quantity().column).filter((column) => column !== null);
+      const found = isChange ? symmetricRange(quantity.column) : autoRange(...columns);
       if (found) [this.settledRange, this.rangeOf] = [found, what];
     }
     return this.settledRange ?? [0, 1];

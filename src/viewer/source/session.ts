@@ -1,14 +1,28 @@
 // One opened archive: its tiles as they arrive, names of receivers, weather. In: the engine. Out: plain arrays by receiver.
 
-import type { Engine, Overview, ReceiverInfo, Site, WeatherInfo } from "./engine/client";
-import type { Place } from "./state";
+import type { Changes, Engine, Group, Overview, ReceiverInfo, Site, Vector, WeatherInfo } from "./engine/client";
+import type { Place, State } from "./state";
 
 export interface Tile {
   /** Row in the archive of its first receiver. */
   first: number;
   count: number;
-  /** Middle of its receivers, m from the scene's origin; none where it could not be read. */
+  /** Middle of its receivers, m from the origin of the page; none where it could not be read. */
   middle: [number, number, number] | null;
+}
+
+/** A name that changes take, with what it changes. */
+export function nameOf({ kind, name }: Pick<Group, "kind" | "name">): string {
+  return `${kind} ${name}`;
+}
+
+/** Classes of surfaces, which every archive knows. */
+const CLASSES: readonly string[] = ["ground", "obstruction"];
+
+/** Names that changes take in one archive and not in another. */
+export function namesBeyond(site: Site, other: Site): ReadonlySet<string> {
+  const known = new Set(other.groups.map(nameOf));
+  return new Set(site.groups.filter(({ name }) => !CLASSES.includes(name)).map(nameOf).filter((name) => !known.has(name)));
 }
 
 /** Overviews under way at once: enough to hide the way to the worker and back. */
@@ -19,17 +33,27 @@ export class Session {
   /** By receiver; NaN until read. */
   readonly skyView: Float32Array;
   readonly reference: Float32Array;
-  /** x, y, z by receiver, m from the scene's origin. */
+  /** x, y, z by receiver, m from the origin of the page. */
   readonly middles: Float32Array;
+  /** Where the scene's origin lies on the page, m: not in its middle where another archive was open first. */
+  readonly shift: Vector;
+  /** The overviews of all tiles are read. */
+  ready = false;
   /** Another archive is open: nothing is asked any more. */
   closed = false;
   weather: WeatherInfo | null = null;
+  /** What only the other archive has of names that changes take, by `nameOf`. */
+  foreign: ReadonlySet<string> = new Set();
   private readonly tables = new Map<number, Promise<ReceiverInfo[]>>();
 
+  /** `first`: the archive that was open before this one was put beside it; its engine says where the sun stands for both. */
   constructor(
     readonly engine: Engine,
     readonly site: Site,
+    private readonly first: Session | null = null,
   ) {
+    const origin = first?.site.origin ?? site.origin;
+    this.shift = [site.origin[0] - origin[0], site.origin[1] - origin[1], site.origin[2] - origin[2]];
     this.skyView = new Float32Array(site.receivers).fill(NaN);
     this.reference = new Float32Array(site.receivers).fill(NaN);
     this.middles = new Float32Array(3 * site.receivers).fill(NaN);
@@ -58,13 +82,29 @@ export class Session {
       const count = overview.sky.length;
       this.skyView.set(overview.sky, first);
       this.reference.set(overview.reference, first);
-      this.middles.set(overview.middle, 3 * first);
-      const middle: [number, number, number] = [0, 0, 0];
-      overview.middle.forEach((metres, at) => (middle[at % 3]! += metres / count));
+      const middle: Vector = [0, 0, 0];
+      overview.middle.forEach((metres, at) => {
+        const onPage = metres + this.shift[at % 3]!;
+        this.middles[3 * first + at] = onPage;
+        middle[at % 3]! += onPage / count;
+      });
       this.tiles.push({ first, count, middle });
       onTile(tile, overview);
       first += count;
     }
+    this.ready = true;
+  }
+
+  /** The engine that is asked where the sun stands. */
+  get suns(): Engine {
+    return this.first?.engine ?? this.engine;
+  }
+
+  /** Changes of the state, but those of names that only the other archive has. */
+  changes({ reflectance, transmittance }: State): Changes {
+    const own = (kind: Group["kind"], changes: Readonly<Record<string, number>>): [string, number][] =>
+      Object.entries(changes).filter(([name]) => !this.foreign.has(nameOf({ kind, name })));
+    return { reflectance: own("opaque", reflectance), transmittance: own("canopy", transmittance) };
   }
 
   /** Tiles, those nearest to a point first. */

@@ -2,9 +2,13 @@
 
 export type Show = "sky" | "reference" | "year" | "month" | "day" | "moment";
 export type LightFrom = "weather" | "clear" | "overcast" | "own";
+/** Which of two archives is shown, or what one has more than the other. */
+export type Variant = "before" | "after" | "change";
 export interface Place {
   tile: number;
   row: number;
+  /** Of the archive after; else of the one before, or of the only one. */
+  after?: true;
 }
 
 export interface State {
@@ -32,6 +36,10 @@ export interface State {
   pinned: Place | null;
   /** Of an atlas. */
   part: string | null;
+  /** Where two archives are open. */
+  variant: Variant;
+  /** Whether the change is shown in percent of what was before. */
+  percent: boolean;
 }
 
 export const DEFAULTS: Readonly<State> = {
@@ -54,6 +62,8 @@ export const DEFAULTS: Readonly<State> = {
   selected: null,
   pinned: null,
   part: null,
+  variant: "before",
+  percent: false,
 };
 
 type Listener = (changed: ReadonlySet<keyof State>) => void;

@@ -40,7 +40,12 @@ export function number(value: number): string {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
   const decimals = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 10 ? 2 : 3;
-  return value.toLocaleString("en-US", { minimumFractionDigits: 0, maximumFractionDigits: decimals }).replaceAll(",", "\u202f");
+  return value.toLocaleString("en-US", { minimumFractionDigits: 0, maximumFractionDigits: decimals }).replaceAll(",", "\u202f").replace("-", "−");
+}
+
+/** With its sign, also where it is more. */
+export function signed(value: number): string {
+  return value > 0 ? `+${number(value)}` : number(value);
 }
 
 /** Day of a year without 29 February, 1..365, as `21 June`. */

@@ -144,3 +144,18 @@ test("what an engine cannot do is said: a tile that is not there, an unknown gro
   const nowhere = await opened(readFileSync("tests/data/archives/v1.6-mirrors.helio"));
   assert.throws(() => nowhere.tasks.sun(172, 720), /where on Earth/);
 });
+
+test("of 1,228 receivers that come in another order under other names, without the first 5 and with one 2 m away, 1,223 find themselves, one by its name", async () => {
+  const { tasks, tiles } = await opened(HAGUE);
+  const before = tiles.flatMap((tile) => tasks.receivers(tile)).map(({ id, position, normal }) => ({ id, position, normal }));
+  const after = before.slice(5).reverse().map(({ position, normal }, at) => ({ id: `n${at}`, position, normal }));
+  const [east, ...rest] = after[0].position;
+  after[0] = { ...after[0], id: before.at(-1).id, position: [east + 2, ...rest] };
+  const { partners, moved } = tasks.match(before, after);
+  assert.deepEqual([partners.length, moved], [1223, 1]);
+  // Of two receivers at one place either may be the partner.
+  partners.forEach((partner, at) => at > 0 && assert.deepEqual(before[partner].position, after[at].position));
+  assert.equal(partners[0], 1227);
+  assert.deepEqual([...tasks.match(before.slice(0, 1), after.slice(9, 10)).partners], [0xffffffff]);
+  await assert.rejects(engineOf().open({ bytes: memoryOf(HAGUE), name: "x.helio" }, { place: { latitude: 52, longitude: 4, convergence: 0, crs: "EPSG:28992" } }), (error) => error.kind === "other-place");
+});

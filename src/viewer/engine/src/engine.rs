@@ -9,9 +9,9 @@ use crate::light::Every;
 use crate::open::Opened;
 use crate::recombined::{Key, Recombinations, of_receiver, of_tile};
 use crate::request::Request;
-use crate::site::Site;
+use crate::site::{Beside, Site};
 use crate::weather::LoadedWeather;
-use crate::{fisheye, geometry, light, receivers, textures, weather};
+use crate::{fisheye, geometry, light, matching, receivers, textures, weather};
 
 /// Months of a year.
 const MONTHS: u32 = 12;
@@ -30,14 +30,15 @@ impl Engine {
     pub fn answer(&mut self, request: &[u8], bytes: Vec<u8>) -> Answered {
         let request: Request = serde_json::from_slice(request)
             .map_err(|error| Failure::new(Kind::Other, format!("the request cannot be read: {error}"), ""))?;
-        if let Request::Open { name, bytes } = request {
-            return self.open(&name, bytes);
+        if let Request::Open { name, bytes, beside } = request {
+            return self.open(&name, bytes, beside.as_ref());
         }
         let Engine { opened, weather, recombinations, moments } = self;
         let opened = opened.as_ref().ok_or_else(|| Failure::new(Kind::Other, "no archive is open", "open one"))?;
         let manifest = opened.archive.manifest();
         match request {
             Request::Open { .. } => Err(Failure::new(Kind::Other, "an archive is open", "")),
+            Request::Match { before, after } => Ok(matching::matched(before, after)),
             Request::Scene { chunk } => geometry::scene(opened, chunk),
             Request::Overview { tile } => geometry::overview(opened, tile),
             Request::Receivers { tile } => receivers::receivers(opened, tile),
@@ -94,11 +95,17 @@ impl Engine {
         }
     }
 
-    fn open(&mut self, name: &str, bytes: u64) -> Answered {
+    fn open(&mut self, name: &str, bytes: u64, beside: Option<&Beside>) -> Answered {
         if self.opened.is_some() {
             return Err(Failure::new(Kind::Other, "this engine has an archive", "start another one"));
         }
         let opened = Opened::of(name, bytes)?;
+        let place = opened.archive.manifest().place;
+        if beside.is_some_and(|beside| !beside.is_of(place.as_ref())) {
+            let what = place
+                .map_or("nobody knows where the archive lies".into(), |place| format!("the archive lies at {place}"));
+            return Err(Failure::new(Kind::OtherPlace, what, ""));
+        }
         let site = Site::of(&opened, bytes);
         self.opened = Some(opened);
         Ok(Answer::of(site))

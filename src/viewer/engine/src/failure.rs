@@ -15,6 +15,8 @@ pub enum Kind {
     Version,
     Cut,
     Damaged,
+    /// The archive lies elsewhere than the one that it is to be shown with.
+    OtherPlace,
     /// Bytes could not be had; the host knows why.
     Source,
     Other,

@@ -13,6 +13,7 @@ mod geometry;
 mod host;
 mod interactive;
 mod light;
+mod matching;
 mod open;
 mod receivers;
 mod recombined;

@@ -3,13 +3,22 @@
 use serde::Deserialize;
 
 use crate::asked::{Changes, Clock, MomentAsk, SumAsk};
+use crate::matching::AskedPlace;
+use crate::site::Beside;
 
 /// A request; names of fields are those of the worker.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase", rename_all_fields = "camelCase", tag = "request")]
 pub enum Request {
-    /// Opens the archive of the host, `bytes` long.
-    Open { name: String, bytes: u64 },
+    /// Opens the archive of the host, `bytes` long; `beside`: the archive that it is shown with.
+    Open {
+        name: String,
+        bytes: u64,
+        #[serde(default)]
+        beside: Option<Beside>,
+    },
+    /// Which receivers of two archives are the same ones.
+    Match { before: Vec<AskedPlace>, after: Vec<AskedPlace> },
     /// A chunk of the scene's triangles.
     Scene { chunk: u32 },
     /// Places and patches of a tile's receivers.

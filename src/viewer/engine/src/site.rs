@@ -7,18 +7,59 @@ use heliotile_core::archive::format;
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::replay::components::Component;
 use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::place::Place;
 use heliotile_core::sky::model::SkyModel;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::open::Opened;
 
 /// Where the archive lies.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Deserialize, Serialize)]
 pub struct SitePlace {
     latitude: f64,
     longitude: f64,
+    /// Of y from true north, degrees clockwise.
+    convergence: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     crs: Option<String>,
+}
+
+/// What stands before the number of a coordinate reference system.
+const EPSG: &str = "EPSG:";
+
+impl From<&Place> for SitePlace {
+    fn from(place: &Place) -> Self {
+        SitePlace {
+            latitude: place.latitude_deg,
+            longitude: place.longitude_deg,
+            convergence: place.convergence_deg,
+            crs: place.epsg.map(|epsg| format!("{EPSG}{epsg}")),
+        }
+    }
+}
+
+impl From<&SitePlace> for Place {
+    fn from(place: &SitePlace) -> Self {
+        Place {
+            latitude_deg: place.latitude,
+            longitude_deg: place.longitude,
+            convergence_deg: place.convergence,
+            epsg: place.crs.as_deref().and_then(|crs| crs.strip_prefix(EPSG)?.parse().ok()),
+        }
+    }
+}
+
+/// The archive that another one is shown with.
+#[derive(Debug, Deserialize)]
+pub struct Beside {
+    place: Option<SitePlace>,
+}
+
+impl Beside {
+    /// Whether an archive that lies there may be of the same site.
+    pub fn is_of(&self, place: Option<&Place>) -> bool {
+        Place::is_one_site(self.place.as_ref().map(Place::from).as_ref(), place)
+    }
 }
 
 /// A material.
@@ -93,11 +134,6 @@ impl Site {
             transmittance: material.transmittance,
             mirror: material.mirrors(),
         };
-        let place = manifest.place.map(|place| SitePlace {
-            latitude: place.latitude_deg,
-            longitude: place.longitude_deg,
-            crs: place.epsg.map(|epsg| format!("EPSG:{epsg}")),
-        });
         Site {
             name: archive.path().display().to_string(),
             root: format::hex(&archive.root()),
@@ -109,7 +145,7 @@ impl Site {
             tile_size: manifest.receivers.tile_size,
             origin: manifest.scene.origin_m,
             bounds: manifest.scene.bounds_m,
-            place,
+            place: manifest.place.as_ref().map(SitePlace::from),
             // From y to true north is the way back from true north to y.
             north_deg: -opened.site.north().y_deg(),
             materials: materials.iter().map(material).collect(),

@@ -3,31 +3,41 @@
 import { byId, el } from "../dom";
 import { legendTicks } from "./range";
 import { number } from "../words";
-import { viridisCss } from "./viridis";
+import type { ColourMap } from "./map";
+import { VIRIDIS } from "./viridis";
+
+/** What the legend says. */
+export interface Key {
+  title: string;
+  unit: string;
+  range: readonly [number, number];
+  map: ColourMap;
+}
 
 export class Legend {
-  title = "";
-  unit = "";
-  range: readonly [number, number] = [0, 1];
+  private key: Key = { title: "", unit: "", range: [0, 1], map: VIRIDIS };
   private readonly box = byId("legend", HTMLElement);
   private readonly heading = byId("legend-title", HTMLElement);
   private readonly bar = byId("legend-bar", HTMLElement);
   private readonly labels = byId("legend-ticks", HTMLElement);
 
-  constructor() {
-    const stops = Array.from({ length: 17 }, (_, step) => viridisCss(step / 16));
-    this.bar.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
+  get shown(): Key {
+    return this.key;
   }
 
-  show(title: string, unit: string, range: readonly [number, number]): void {
-    if (title === this.title && unit === this.unit && String(range) === String(this.range) && !this.box.hidden) return;
-    [this.title, this.unit, this.range] = [title, unit, range];
+  show(key: Key): void {
+    const same = (["title", "unit", "map"] as const).every((part) => key[part] === this.key[part]) && String(key.range) === String(this.key.range);
+    if (same && !this.box.hidden) return;
+    this.key = key;
     this.box.hidden = false;
-    this.heading.replaceChildren(title, " ", el("span", { class: "unit", text: unit }));
-    const [low, high] = range;
+    const stops = Array.from({ length: 17 }, (_, step) => key.map.css(step / 16));
+    this.bar.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
+    this.heading.replaceChildren(key.title, " ", el("span", { class: "unit", text: key.unit }));
+    const [low, high] = key.range;
     this.labels.replaceChildren(
       ...legendTicks(low, high).map((value) => {
-        const label = el("span", { text: number(value) });
+        // Where colours part, the mark crosses the bar.
+        const label = el("span", { text: number(value), class: low < 0 && value === 0 ? "zero" : "" });
         label.style.left = `${(100 * (value - low)) / (high - low)}%`;
         return label;
       }),

@@ -1,4 +1,4 @@
-// The range of the legend. In: values. Out: a range of nice numbers that holds 2 to 98 % of them.
+// The range of the legend. In: values. Out: a range of nice numbers that holds 2 to 98 % of them; of differences, 98 % on both sides of 0.
 
 const MOST_SAMPLED = 20_000;
 
@@ -9,13 +9,30 @@ export function niceStep(length: number): number {
   return power * ([1, 2, 2.5, 5].find((step) => step * power >= length * (1 - 1e-9)) ?? 10);
 }
 
-/** None where there are no values. */
-export function autoRange(values: Float32Array): [number, number] | null {
-  const every = Math.max(1, Math.floor(values.length / MOST_SAMPLED));
+/** Some of the values that there are, ascending. */
+function sampled(columns: readonly Float32Array[]): number[] {
   const sample: number[] = [];
-  for (let index = 0; index < values.length; index += every) if (Number.isFinite(values[index])) sample.push(values[index]!);
+  for (const values of columns) {
+    const every = Math.max(1, Math.floor(values.length / MOST_SAMPLED));
+    for (let index = 0; index < values.length; index += every) if (Number.isFinite(values[index])) sample.push(values[index]!);
+  }
+  return sample.sort((a, b) => a - b);
+}
+
+/** As far below nought as above, for differences; none where there are no values. */
+export function symmetricRange(values: Float32Array): [number, number] | null {
+  const sample = sampled([values.map(Math.abs)]);
   if (sample.length === 0) return null;
-  sample.sort((a, b) => a - b);
+  const most = sample[Math.round(0.98 * (sample.length - 1))]! || sample.at(-1)!;
+  const step = niceStep(most / 5);
+  const end = most > 0 ? Number((step * Math.ceil(most / step - 1e-6)).toPrecision(6)) : 1;
+  return [-end, end];
+}
+
+/** One range for all columns; none where there are no values. */
+export function autoRange(...columns: readonly Float32Array[]): [number, number] | null {
+  const sample = sampled(columns);
+  if (sample.length === 0) return null;
   const at = (share: number): number => sample[Math.round(share * (sample.length - 1))]!;
   let [low, high] = [at(0.02), at(0.98)];
   // Nought belongs to the range unless that would waste more than half of it.

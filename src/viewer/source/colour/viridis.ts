@@ -1,6 +1,8 @@
 // The colour map viridis, dark blue to yellow: even steps for the eye, in grey and for the colour-blind too.
 // By S. van der Walt, N. Smith and E. Firing for matplotlib, given to the public domain (CC0). 256 colours, sRGB, six hexadecimal digits each.
-const HEX =
+import { colourMap } from "./map";
+
+export const VIRIDIS = colourMap(
   "44015444025645045745055946075a46085c460a5d460b5e470d60470e61471063471164471365481467481668481769" +
   "48186a481a6c481b6d481c6e481d6f481f70482071482173482374482475482576482677482878482979472a7a472c7a" +
   "472d7b472e7c472f7d46307e46327e46337f463480453581453781453882443983443a83443b84433d84433e85423f85" +
@@ -16,25 +18,5 @@ const HEX =
   "5ec96260ca6063cb5f65cb5e67cc5c69cd5b6ccd5a6ece5870cf5773d05675d05477d1537ad1517cd2507fd34e81d34d" +
   "84d44b86d54989d5488bd6468ed64590d74393d74195d84098d83e9bd93c9dd93ba0da39a2da37a5db36a8db34aadc32" +
   "addc30b0dd2fb2dd2db5de2bb8de29bade28bddf26c0df25c2df23c5e021c8e020cae11fcde11dd0e11cd2e21bd5e21a" +
-  "d8e219dae319dde318dfe318e2e418e5e419e7e419eae51aece51befe51cf1e51df4e61ef6e620f8e621fbe723fde725";
-
-const STEPS = 256;
-
-/** [step][red, green, blue, 255], 0..255. */
-export const VIRIDIS: Uint8Array = (() => {
-  const bytes = new Uint8Array(STEPS * 4);
-  for (let step = 0; step < STEPS; step++) {
-    for (let channel = 0; channel < 3; channel++) {
-      const at = step * 6 + channel * 2;
-      bytes[step * 4 + channel] = parseInt(HEX.slice(at, at + 2), 16);
-    }
-    bytes[step * 4 + 3] = 255;
-  }
-  return bytes;
-})();
-
-/** CSS colour at a share 0..1 of the map. */
-export function viridisCss(share: number): string {
-  const at = 4 * Math.round(Math.min(1, Math.max(0, share)) * (STEPS - 1));
-  return `rgb(${VIRIDIS[at]}, ${VIRIDIS[at + 1]}, ${VIRIDIS[at + 2]})`;
-}
+  "d8e219dae319dde318dfe318e2e418e5e419e7e419eae51aece51befe51cf1e51df4e61ef6e620f8e621fbe723fde725",
+);

@@ -1,14 +1,24 @@
-// What is shown, as CSV: a row a receiver, columns named as `query` and `replay` name them; what it was made of stands on top.
+// What is shown, as CSV: a row a receiver, columns named as `query`, `replay` and `compare` name them; what it was made of stands on top.
 
-import type { Quantity } from "../quantity";
-import type { Shine } from "../light";
+import { percentOf, type Partners } from "../change";
+import type { ReceiverInfo } from "../engine/client";
+import type { Layer } from "../layer";
 import type { Session } from "../session";
 import { isSum, type State } from "../state";
 
+/** Of one archive, or of two of which one is before. */
+interface Site {
+  before: Layer;
+  after: Layer | null;
+  partners: Partners | null;
+}
+
 /** What a result was made of, a line each. */
-export function provenance(state: State, session: Session, shine: Shine | null): string[] {
-  const { site, weather } = session;
+export function provenance(state: State, { before, after }: Site): string[] {
+  const { site, weather } = before.session;
+  const { shine } = before.asker;
   const lines = [`archive: ${site.name}`, `root: ${site.root}`, `written by: ${site.creator}`];
+  if (after) lines.push(`archive after: ${after.session.site.name}`, `root after: ${after.session.site.root}`, `written after by: ${after.session.site.creator}`);
   const shown: Record<State["show"], string> = {
     sky: "sky view, share of an open sky", reference: "a clear year, kWh/m2", year: "sums of the year, kWh/m2",
     month: `sums of month ${state.month}, kWh/m2`, day: `sums of day ${state.dayOfYear} of the year, kWh/m2`, moment: "irradiance of a moment, W/m2",
@@ -35,32 +45,67 @@ function figures(value: number): string {
   return Number.isFinite(value) ? String(Number(value.toPrecision(7))) : "";
 }
 
+/** Names of columns: of two archives, before, after, change and percent of each component. */
+function columnsOf(components: readonly string[], suffix: string, isPair: boolean): string[] {
+  const ending = (name: string): string => (name.endsWith("_m2") || name.endsWith("_percent") ? "" : suffix);
+  return components.flatMap((name) => {
+    const whole = name + ending(name);
+    return isPair ? [`before_${whole}`, `after_${whole}`, `change_${whole}`, `change_${name}_percent`] : [whole];
+  });
+}
+
+/** Values by these columns; empty where there is none. */
+function cells(components: readonly string[], before: readonly number[] | null, after: readonly number[] | null): string[] {
+  return components.flatMap((_, at) => {
+    const [one, other] = [before?.[at] ?? NaN, after?.[at] ?? NaN];
+    return [one, other, other - one, percentOf(one, other)].map(figures);
+  });
+}
+
 /** `onProgress` gets the share done: names of all receivers may have to be read. */
-export async function csv(state: State, session: Session, quantity: Quantity, shine: Shine | null, onProgress: (share: number) => void): Promise<Blob> {
-  const suffix = isSum(state.show) ? "_kwh_m2" : "";
-  const columns = quantity.components.map((name) => name + (name.endsWith("_m2") ? "" : suffix));
-  const chunks = [...provenance(state, session, shine).map((line) => `# ${line.replaceAll(/[\r\n]+/g, " ")}\n`)];
+export async function csv(state: State, site: Site, onProgress: (share: number) => void): Promise<Blob> {
+  const { before, after, partners } = site;
+  const pair = after && partners;
+  const [former, latter] = [before.quantity(), (after ?? before).quantity()];
+  const { components } = former;
+  const columns = columnsOf(components, isSum(state.show) ? "_kwh_m2" : "", pair !== null);
+  const chunks = [...provenance(state, site).map((line) => `# ${line.replaceAll(/[\r\n]+/g, " ")}\n`)];
   chunks.push(`${["receiver", "surface", "object", "building", "area_m2", "x", "y", "z", "tilt_deg", "azimuth_deg", "sky_view", ...columns].join(",")}\n`);
-  for (const [number, tile] of session.tiles.entries()) {
-    onProgress(number / session.tiles.length);
-    let table;
-    try {
-      table = await session.table(number);
-    } catch (error) {
-      chunks.push(`# tile ${number} is damaged: ${(error instanceof Error ? error.message : String(error)).replaceAll(/[\r\n]+/g, " ")}\n`);
-      continue;
+  // Of two archives the receivers after, then those that are before only.
+  const archives = pair ? [after, before] : [before];
+  for (const [which, layer] of archives.entries()) {
+    const { session } = layer;
+    const valuesOf = (index: number): string[] | null => {
+      if (!pair) return components.map((_, at) => figures(former.of(index)?.[at] ?? NaN));
+      if (layer === before) return partners.ofBefore[index]! >= 0 ? null : cells(components, former.of(index), null);
+      const partner = partners.ofAfter[index]!;
+      return cells(components, partner < 0 ? null : former.of(partner), latter.of(index));
+    };
+    for (const [number, tile] of session.tiles.entries()) {
+      onProgress((which + number / session.tiles.length) / archives.length);
+      let table;
+      try {
+        table = await session.table(number);
+      } catch (error) {
+        chunks.push(`# tile ${number} is damaged: ${(error instanceof Error ? error.message : String(error)).replaceAll(/[\r\n]+/g, " ")}\n`);
+        continue;
+      }
+      const rows = table.flatMap((receiver, row) => {
+        const index = tile.first + row;
+        const values = valuesOf(index);
+        return values ? [`${[...about(receiver, session, index), ...values].join(",")}\n`] : [];
+      });
+      chunks.push(rows.join(""));
     }
-    const rows = table.map((receiver, row) => {
-      const index = tile.first + row;
-      const place = receiver.position.map((metres) => metres.toFixed(4));
-      const values = quantity.of(index);
-      return [
-        cell(receiver.id), cell(receiver.surface ?? ""), cell(receiver.object), cell(receiver.building), receiver.area === null ? "" : figures(receiver.area), ...place,
-        receiver.tilt.toFixed(3), receiver.azimuth.toFixed(3), figures(session.skyView[index]!), ...columns.map((_, at) => figures(values?.[at] ?? NaN)),
-      ].join(",");
-    });
-    chunks.push(`${rows.join("\n")}\n`);
   }
   onProgress(1);
   return new Blob(chunks, { type: "text/csv" });
+}
+
+/** Who and where a receiver is. */
+function about(receiver: ReceiverInfo, session: Session, index: number): string[] {
+  return [
+    cell(receiver.id), cell(receiver.surface ?? ""), cell(receiver.object), cell(receiver.building), receiver.area === null ? "" : figures(receiver.area),
+    ...receiver.position.map((metres) => metres.toFixed(4)), receiver.tilt.toFixed(3), receiver.azimuth.toFixed(3), figures(session.skyView[index]!),
+  ];
 }

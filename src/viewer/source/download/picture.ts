@@ -1,13 +1,12 @@
 // The 3D view with its legend, as PNG. In: the canvas as it is drawn, words of the legend, what it was made of.
 
-import type { Legend } from "../colour/legend";
+import type { Key } from "../colour/legend";
 import { legendTicks } from "../colour/range";
-import { viridisCss } from "../colour/viridis";
 import { number } from "../words";
 
 const FOOT = 84;
 
-export async function picture(view: HTMLCanvasElement, scale: number, legend: Legend, lines: readonly string[]): Promise<Blob> {
+export async function picture(view: HTMLCanvasElement, scale: number, key: Key, lines: readonly string[]): Promise<Blob> {
   const canvas = document.createElement("canvas");
   canvas.width = view.width;
   canvas.height = view.height + Math.round(FOOT * scale);
@@ -22,15 +21,15 @@ export async function picture(view: HTMLCanvasElement, scale: number, legend: Le
   const [left, bar] = [16, Math.min(300, width / 2 - 40)];
   draw.fillStyle = "#1f2933";
   draw.font = "600 13px system-ui, sans-serif";
-  draw.fillText(`${legend.title} ${legend.unit}`, left, 22);
+  draw.fillText(`${key.title} ${key.unit}`, left, 22);
   for (let x = 0; x < bar; x++) {
-    draw.fillStyle = viridisCss(x / (bar - 1));
+    draw.fillStyle = key.map.css(x / (bar - 1));
     draw.fillRect(left + x, 32, 1.5, 12);
   }
   draw.font = "11px system-ui, sans-serif";
   draw.textAlign = "center";
   draw.fillStyle = "#1f2933";
-  const [low, high] = legend.range;
+  const [low, high] = key.range;
   for (const value of legendTicks(low, high)) draw.fillText(number(value), left + (bar * (value - low)) / (high - low), 58);
   draw.textAlign = "left";
   draw.fillStyle = "#5b6772";

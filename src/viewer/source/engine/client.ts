@@ -3,15 +3,16 @@
 import { EngineError } from "./failure";
 import type { Call, FromWorker, ToWorker } from "./messages";
 import type {
-  Changes, ClearSky, Clock, Fisheye, LightTexels, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Source, SumAsk, Sun, TileTextures, TileValues,
-  Traffic, WeatherInfo,
+  Changes, ClearSky, Clock, Fisheye, LightTexels, Matching, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, ReceiverPlace, Scene, Series, Site, Source,
+  SumAsk, Sun, TileTextures, TileValues, Traffic, WeatherInfo,
 } from "./types";
 
 export { EngineError } from "./failure";
 export type { Kind } from "./failure";
+export { NO_PARTNER } from "./types";
 export type {
-  Changes, ClearSky, Clock, Fisheye, Group, Light, LightTexels, Material, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Sky, Source, Span,
-  SumAsk, Sun, TileTextures, TileValues, Traffic, Vector, WeatherInfo,
+  Changes, ClearSky, Clock, Fisheye, Group, Light, LightTexels, Matching, Material, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, ReceiverPlace, Scene, Series,
+  Site, SitePlace, Sky, Source, Span, SumAsk, Sun, TileTextures, TileValues, Traffic, Vector, WeatherInfo,
 } from "./types";
 
 /** Nothing is changed. */
@@ -30,10 +31,9 @@ export class Engine {
 
   private constructor(private readonly worker: Worker) {}
 
-  /** Starts the engine in a worker, or in one of the script at an address, with the bytes of the engine's WebAssembly. */
-  static async start(worker: Worker | string, wasm: BufferSource): Promise<Engine> {
-    const started = typeof worker === "string" ? new Worker(worker) : worker;
-    const module = await WebAssembly.compile(wasm);
+  /** Starts the engine in a worker of the script at an address. */
+  static async start(script: string, module: WebAssembly.Module): Promise<Engine> {
+    const started = new Worker(script);
     const engine = new Engine(started);
     await new Promise<void>((resolve, reject) => {
       started.onerror = (event) =>
@@ -46,10 +46,24 @@ export class Engine {
     return engine;
   }
 
-  /** Opens an archive. The former one is closed, and weather has to be loaded again. */
-  open(source: Source): Promise<Site> {
+  /**
+   * Opens an archive. The former one is closed, and weather has to be loaded again. `beside`: the archive that it is shown with; one of another
+   * site is refused.
+   */
+  open(source: Source, beside: Pick<Site, "place"> | null = null): Promise<Site> {
     const absolute = "url" in source ? { url: new URL(source.url, document.baseURI).href } : source;
-    return this.call("open", [absolute]);
+    return this.call("open", [absolute, beside]);
+  }
+
+  /** Which receivers of two archives are the same ones. */
+  match(before: readonly ReceiverPlace[], after: readonly ReceiverPlace[]): Promise<Matching> {
+    return this.call("match", [before, after]);
+  }
+
+  /** Ends the worker and lets go of its memory; what was asked fails. */
+  close(): void {
+    this.worker.terminate();
+    this.failAll("the archive was closed");
   }
 
   scene(chunk: number): Promise<Scene> {

@@ -8,6 +8,7 @@ export type Kind =
   | "cut"
   | "damaged"
   | "too-large"
+  | "other-place"
   | "other";
 
 export interface Failure {

@@ -4,8 +4,8 @@
 import { FileBytes, MemoryBytes, type Bytes } from "./bytes";
 import { EngineError } from "./failure";
 import type {
-  Changes, ClearSky, Clock, Fisheye, LightTexels, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, Scene, Series, Site, Source, SumAsk, Sun, TileTextures, TileValues,
-  Traffic, WeatherInfo,
+  Changes, ClearSky, Clock, Fisheye, LightTexels, Matching, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, ReceiverPlace, Scene, Series, Site, Source,
+  SumAsk, Sun, TileTextures, TileValues, Traffic, WeatherInfo,
 } from "./types";
 import { UrlBytes } from "./url";
 import { Wasm, type Answer } from "./wasm";
@@ -30,18 +30,23 @@ export class Tasks {
   constructor(private readonly module: WebAssembly.Module, private readonly pause: () => Promise<void>) {}
 
   /** Opens an archive in a fresh engine; if that succeeds the former one is forgotten, its weather too. */
-  async open(source: Source): Promise<Site> {
+  async open(source: Source, beside: Pick<Site, "place"> | null = null): Promise<Site> {
     const turn = ++this.newest.open;
     this.newest.moment++;
     this.newest.sums++;
     const bytes = await bytesOf(source);
     const wasm = await Wasm.start(this.module, bytes);
-    const { value } = wasm.call({ request: "open", name: bytes.name, bytes: bytes.length });
+    const { value } = wasm.call({ request: "open", name: bytes.name, bytes: bytes.length, beside });
     if (turn !== this.newest.open) throw new EngineError({ kind: "other", message: "another archive was opened", hint: "" });
     [this.wasm, this.bytes] = [wasm, bytes];
     const site = value as Site;
     this.components = site.components;
     return site;
+  }
+
+  match(before: readonly ReceiverPlace[], after: readonly ReceiverPlace[]): Matching {
+    const { value, arrays } = this.call({ request: "match", before, after });
+    return { ...(value as { moved: number }), partners: arrays["partners"] as Uint32Array };
   }
 
   scene(chunk: number): Scene {

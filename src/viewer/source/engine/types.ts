@@ -24,6 +24,14 @@ export interface Group {
 
 export type Vector = [number, number, number];
 
+export interface SitePlace {
+  latitude: number;
+  longitude: number;
+  /** Of y from true north, degrees clockwise. */
+  convergence: number;
+  crs?: string;
+}
+
 export interface Site {
   name: string;
   root: string;
@@ -37,7 +45,7 @@ export interface Site {
   origin: Vector;
   /** Input coordinates. */
   bounds: [Vector, Vector];
-  place: { latitude: number; longitude: number; crs?: string } | null;
+  place: SitePlace | null;
   /** Azimuth of true north from +y, clockwise; 0 where it is not known. */
   northDeg: number;
   materials: Material[];
@@ -127,6 +135,19 @@ export interface ReceiverInfo {
   /** Shares of the hemisphere: sky, ground, obstructions. */
   views: Vector;
 }
+
+/** What a receiver is recognised by in another archive. */
+export type ReceiverPlace = Pick<ReceiverInfo, "id" | "position" | "normal">;
+
+/** Which receivers of two archives are the same ones. */
+export interface Matching {
+  /** [receiver after]: the receiver before; `NO_PARTNER` where there is none. */
+  partners: Uint32Array;
+  /** Pairs that only the name makes: the receiver stands elsewhere, or looks another way. */
+  moved: number;
+}
+
+export const NO_PARTNER = 0xffffffff;
 
 export interface Sun {
   azimuth: number;

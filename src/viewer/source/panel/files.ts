@@ -2,13 +2,15 @@
 
 import { byId } from "../dom";
 
-export function listenForFiles(onArchive: (file: File) => void, onWeather: (file: File) => void): void {
+export function listenForFiles(onArchive: (file: File) => void, onAfter: (file: File) => void, onWeather: (file: File) => void): void {
   const archive = byId("file-archive", HTMLInputElement);
+  const after = byId("file-after", HTMLInputElement);
   const weather = byId("file-weather", HTMLInputElement);
   const drop = byId("drop", HTMLElement);
   for (const id of ["open-archive", "welcome-open"]) byId(id, HTMLButtonElement).addEventListener("click", () => archive.click());
+  byId("open-after", HTMLButtonElement).addEventListener("click", () => after.click());
   byId("open-weather", HTMLButtonElement).addEventListener("click", () => weather.click());
-  for (const [input, take] of [[archive, onArchive], [weather, onWeather]] as const) {
+  for (const [input, take] of [[archive, onArchive], [after, onAfter], [weather, onWeather]] as const) {
     input.addEventListener("change", () => {
       const file = input.files?.[0];
       input.value = "";

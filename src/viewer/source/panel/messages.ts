@@ -24,6 +24,7 @@ const ADVICE: Record<string, { what: string; todo: string }> = {
   version: { what: "This archive is of a format version that this page does not read.", todo: "Use the page that comes with the program that wrote it, or build it again." },
   cut: { what: "This archive is cut off: its end is missing.", todo: "Copy or download it again; `heliotile verify` says whether it is whole." },
   damaged: { what: "A part of this archive is damaged.", todo: "`heliotile verify` lists what is damaged, `heliotile repair` traces it again." },
+  "other-place": { what: "The two archives cannot be compared: they lie at different places, or their coordinates are of different systems.", todo: "Choose an archive of the same site." },
   "too-large": { what: "The server sends only whole files, and this one is too large for that.", todo: "Use a server that answers byte ranges (`heliotile view` does), or open the file from this computer." },
 };
 
@@ -65,9 +66,9 @@ export class Messages {
     this.damage.hidden = true;
   }
 
-  /** A part that cannot be read: it is listed once, the rest goes on. */
-  lost(tile: number, error: unknown): void {
-    const message = typeof error === "string" ? error : told(error).message;
+  /** A part that cannot be read, of an archive that is called so where there are two: it is listed once, the rest goes on. */
+  lost(tile: number, error: unknown, archive: string): void {
+    const message = `${archive === "" ? "" : `${archive}: `}${typeof error === "string" ? error : told(error).message}`;
     if (this.damaged.has(message)) return;
     if (this.damaged.size === 0) {
       this.tell([`Tile ${tile} cannot be shown: ${message}`, "All damaged parts are listed below Site; the rest is shown. `heliotile repair` traces them again."], true, "damaged");

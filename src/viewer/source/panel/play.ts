@@ -1,6 +1,5 @@
 // Plays a day: the clock goes on when the view has followed.
 
-import type { Asker } from "../asker";
 import { byId } from "../dom";
 import type { Session } from "../session";
 import type { Store } from "../state";
@@ -15,7 +14,7 @@ export class Player {
 
   constructor(
     private readonly store: Store,
-    private readonly opened: () => { session: Session; asker: Asker } | null,
+    private readonly opened: () => { session: Session; seeing(): Promise<void> } | null,
   ) {
     this.button.addEventListener("click", () => (this.playing ? this.stop() : void this.play()));
     store.subscribe((changed) => {
@@ -36,7 +35,7 @@ export class Player {
   private async play(): Promise<void> {
     const opened = this.opened();
     if (!opened) return;
-    const { session, asker } = opened;
+    const { session } = opened;
     const turn = ++this.turn;
     // Who asked for less motion gets an hour at a time, slowly.
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -55,7 +54,7 @@ export class Player {
       }
       if (turn !== this.turn) return;
       this.store.set({ minutes: Math.floor(minutes / 10) * 10 });
-      await asker.seeing();
+      await opened.seeing();
       const left = (calm ? STILL_FRAME : FRAME) - (performance.now() - shown);
       if (left > 0) await new Promise((resolve) => setTimeout(resolve, left));
     }

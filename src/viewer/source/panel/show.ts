@@ -1,9 +1,10 @@
 // Controls of what is shown: quantity, component, range of the legend.
 
+import type { Partners } from "../change";
 import { byId, options } from "../dom";
 import type { Session } from "../session";
 import { isSum, type Show, type Store } from "../state";
-import { componentLabel, dayName, KWH_M2, MONTHS, W_M2 } from "../words";
+import { componentLabel, dayName, KWH_M2, MONTHS, number, W_M2 } from "../words";
 
 export class ShowPanel {
   private readonly what = byId("show-what", HTMLSelectElement);
@@ -12,14 +13,17 @@ export class ShowPanel {
   private readonly low = byId("range-low", HTMLInputElement);
   private readonly high = byId("range-high", HTMLInputElement);
   private readonly auto = byId("range-auto", HTMLInputElement);
+  private readonly percent = byId("show-percent", HTMLInputElement);
   private readonly note = byId("show-note", HTMLElement);
   private session: Session | null = null;
+  private partners: Partners | null = null;
 
   constructor(private readonly store: Store) {
     options(this.month, MONTHS.map((label, at) => ({ value: String(at + 1), label })));
     this.what.addEventListener("change", () => store.set({ show: this.what.value as Show, range: null }));
     this.component.addEventListener("change", () => store.set({ component: this.component.value, range: null }));
     this.month.addEventListener("change", () => store.set({ month: Number(this.month.value) }));
+    this.percent.addEventListener("change", () => store.set({ percent: this.percent.checked, range: null }));
     const byHand = (): void => {
       const [low, high] = [this.low.valueAsNumber, this.high.valueAsNumber];
       const senseless = !(low < high);
@@ -34,9 +38,16 @@ export class ShowPanel {
 
   open(session: Session): void {
     this.session = session;
+    this.partners = null;
     const total = session.site.components.filter((name) => name === "total");
     const parts = session.site.components.filter((name) => name !== "total");
     options(this.component, [...total, ...parts].map((name) => ({ value: name, label: componentLabel(name) })));
+    this.refresh();
+  }
+
+  /** The archive is compared with another. */
+  compare(partners: Partners): void {
+    this.partners = partners;
     this.refresh();
   }
 
@@ -71,8 +82,23 @@ export class ShowPanel {
       sky: "How much of an open sky each receiver sees.",
       day: `The weather file's ${dayName(state.dayOfYear)}; the day is chosen below.`,
     };
-    const note = dry && state.show === "reference" && this.session ? `${notes.reference} Drop an EPW file for the year of a weather.` : notes[state.show];
+    const isChange = this.partners !== null && state.variant === "change";
+    byId("row-percent", HTMLElement).hidden = !isChange;
+    this.percent.checked = state.percent;
+    const note = this.partners && isChange ? compared(this.partners) : dry && state.show === "reference" && this.session ? `${notes.reference} Drop an EPW file for the year of a weather.` : notes[state.show];
     this.note.textContent = note ?? "";
     this.note.hidden = note === undefined;
   }
+}
+
+/** Whom the colours of a change speak of. */
+function compared({ count, moved, ofAfter, ofBefore }: Partners): string {
+  const [added, gone] = [ofAfter.length - count, ofBefore.length - count];
+  const told = [
+    `${number(count)} receivers are in both archives`,
+    ...(moved > 0 ? [`${number(moved)} of them by name only, at another place`] : []),
+    ...(added > 0 ? [`${number(added)} only after, grey`] : []),
+    ...(gone > 0 ? [`${number(gone)} only before, not shown`] : []),
+  ];
+  return `${told.join("; ")}.`;
 }

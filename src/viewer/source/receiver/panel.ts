@@ -1,21 +1,42 @@
 // The panel of the chosen receiver: who it is, its values, its surface and building, months and day, what it sees; and a second one beside it.
 
-import type { Asker } from "../asker";
 import { byId, el } from "../dom";
 import type { Fisheye, ReceiverInfo, Series } from "../engine/client";
+import type { Layer } from "../layer";
 import type { Quantity } from "../quantity";
-import type { Session } from "../session";
 import type { Place, State, Store } from "../state";
 import { dayName, KWH_M2, MONTHS, W_M2 } from "../words";
 import { drawChart, key, topOf } from "./chart";
 import { drawFisheye, SIDE } from "./fisheye";
 import { Groups } from "./groups";
-import { facts, letter, sums, values } from "./tables";
+import { changedSums, changes, facts, letter, sums, tag, values, type ChangedSum, type NamedSum, type When } from "./tables";
 
-interface Chosen {
-  place: Place;
+/** A receiver in one archive. */
+export interface Side {
+  layer: Layer;
   index: number;
-  info: ReceiverInfo;
+  tile: number;
+  row: number;
+  /** None where one archive is open. */
+  when: When | null;
+}
+
+interface Site {
+  /** A receiver in each archive that has it. */
+  sides(place: Place): Side[];
+  /** Whether it is known which receivers of two archives are the same. */
+  isWhole(): boolean;
+  /** The value that is shown of a receiver, in words. */
+  spoken(sides: readonly Side[]): string;
+  settling(): Promise<void>;
+  onError(what: string, error: unknown): void;
+  say(text: string): void;
+}
+
+/** A chosen receiver: A or B. */
+interface Chosen {
+  which: number;
+  sides: (Side & { info: ReceiverInfo })[];
 }
 
 /** Charts follow a slider when it has rested for that long, ms. */
@@ -24,7 +45,7 @@ const REST = 250;
 export class ReceiverPanel {
   private readonly body = byId("receiver-body", HTMLElement);
   private readonly parts: Record<"title" | "facts" | "values" | "sums" | "charts" | "sight", HTMLElement>;
-  private readonly groups: Groups;
+  private readonly groups = new Map<Layer, Groups>();
   /** Resolves when who was chosen last is on the page. */
   choosing: Promise<void> = Promise.resolve();
   private chosen: Chosen[] = [];
@@ -32,14 +53,9 @@ export class ReceiverPanel {
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
-    private readonly session: Session,
     private readonly store: Store,
-    private readonly asker: Asker,
-    private readonly quantity: () => Quantity,
-    private readonly onError: (what: string, error: unknown) => void,
-    private readonly say: (text: string) => void,
+    private readonly site: Site,
   ) {
-    this.groups = new Groups(session);
     const part = (): HTMLElement => el("div");
     this.parts = { title: part(), facts: part(), values: part(), sums: part(), charts: part(), sight: part() };
     this.parts.title.className = "title";
@@ -62,35 +78,44 @@ export class ReceiverPanel {
     const turn = ++this.turn;
     const places = [selected, pinned].filter((place) => place !== null);
     const chosen: Chosen[] = [];
-    for (const place of places) {
-      const index = this.session.indexOf(place);
-      try {
-        const info = (await this.session.table(place.tile))[place.row];
-        if (index !== null && info) chosen.push({ place, index, info });
-      } catch (error) {
-        this.onError("reading the receiver", error);
+    for (const [which, place] of places.entries()) {
+      const sides: Chosen["sides"] = [];
+      for (const side of this.site.sides(place)) {
+        try {
+          const info = (await side.layer.session.table(side.tile))[side.row];
+          if (info) sides.push({ ...side, info });
+        } catch (error) {
+          if (turn === this.turn) this.site.onError("reading the receiver", error);
+        }
+        if (turn !== this.turn) return;
       }
-      if (turn !== this.turn) return;
+      if (sides.length > 0) chosen.push({ which, sides });
     }
     this.chosen = chosen;
     byId("receiver-none", HTMLElement).hidden = chosen.length > 0;
     this.body.hidden = chosen.length === 0;
-    const [first] = chosen;
-    if (!first) return;
+    if (chosen.length === 0) return;
     this.drawTitle(pinned !== null);
-    this.parts.facts.replaceChildren(facts(chosen.map(({ info }) => info), chosen.map(({ index }) => this.session.skyView[index]!)));
+    this.parts.facts.replaceChildren(facts(chosen.map(({ sides }) => sides.map(({ info, layer, index }) => ({ info, skyView: layer.session.skyView[index]! })))));
     this.showValues();
     this.speak();
-    void this.groups.readAll(this.middleOf(first), () => this.showSums());
+    for (const { layer, index } of chosen[0]!.sides) void this.groupsOf(layer).readAll(middleOf(layer, index), () => this.showSums());
     this.drawLater(0, true);
   }
 
   /** Values of what is shown have come, or another quantity is shown. */
   showValues(): void {
     if (this.chosen.length === 0) return;
-    const quantity = this.quantity();
-    const columns = this.chosen.map(({ index }) => quantity.of(index));
-    this.parts.values.replaceChildren(values(quantity.title, quantity.unit, quantity.components, columns));
+    const { unit, title, components } = this.quantity();
+    const all = this.chosen.map(({ sides }) => sides.map(({ layer, index, when }) => ({ when, values: layer.quantity().of(index) })));
+    const tables = this.isPair
+      ? all.map((sides, which) => {
+          const of = (wanted: When) => sides.find(({ when }) => when === wanted);
+          const heading = [...this.letters(which), title];
+          return changes(heading, unit, components, this.site.isWhole(), { before: of("before")?.values, after: of("after")?.values });
+        })
+      : [values(title, unit, components, all.map(([side]) => side!.values))];
+    this.parts.values.replaceChildren(...tables);
     this.showSums();
   }
 
@@ -104,63 +129,93 @@ export class ReceiverPanel {
   speak(): void {
     const [first] = this.chosen;
     if (!first) return;
-    const quantity = this.quantity();
-    const all = quantity.of(first.index);
-    const value = all?.[quantity.components.indexOf(quantity.shown)];
-    const text = value === undefined ? "" : `, ${quantity.label(value)}`;
-    this.say(`${first.info.id}${text}`);
+    const value = this.site.spoken(first.sides);
+    this.site.say(`${first.sides[0]!.info.id}${value === "" ? "" : `, ${value}`}`);
   }
 
-  private middleOf({ index }: Chosen): [number, number, number] {
-    const [x = 0, y = 0, z = 0] = this.session.middles.subarray(3 * index, 3 * index + 3);
-    return [x, y, z];
+  /** Of the archive that the receiver is in, or of one of the two. */
+  private quantity(): Quantity {
+    return this.chosen[0]!.sides[0]!.layer.quantity();
+  }
+
+  private get isPair(): boolean {
+    return this.chosen.some(({ sides }) => sides.some(({ when }) => when !== null));
+  }
+
+  private groupsOf(layer: Layer): Groups {
+    let groups = this.groups.get(layer);
+    if (!groups) this.groups.set(layer, (groups = new Groups(layer.session)));
+    return groups;
+  }
+
+  /** A or B, where there are two. */
+  private letters(which: number): HTMLElement[] {
+    return this.chosen.length > 1 ? [letter(this.chosen[which]!.which)] : [];
+  }
+
+  /** What a side is called, where there are several. */
+  private tags(which: number, when: When | null): HTMLElement[] {
+    return [...this.letters(which), ...(when ? [tag(when)] : [])];
   }
 
   private drawTitle(pinned: boolean): void {
-    const names = this.chosen.map(({ info }, which) => el("h2", {}, ...(pinned ? [letter(which)] : []), info.id));
+    const names = this.chosen.map(({ which, sides }) => el("h2", {}, ...(pinned ? [letter(which)] : []), sides[0]!.info.id));
     const close = el("button", { type: "button", class: "bare", "aria-label": "Close", title: "Close (Escape)", text: "×" });
     const pin = el("button", { type: "button", id: "pin", "aria-pressed": String(pinned), text: pinned ? "Stop comparing" : "Pin to compare" });
     close.addEventListener("click", () => this.store.set({ selected: null, pinned: null }));
     pin.addEventListener("click", () => this.store.set({ pinned: pinned ? null : this.store.state.selected }));
-    const both = this.chosen.length > 1 && this.chosen[0]!.index === this.chosen[1]!.index;
-    const note = both ? [el("p", { class: "note", text: "Now pick another receiver: it becomes A and stands beside this one." })] : [];
+    const [a, b] = this.chosen.map(({ sides }) => `${sides[0]!.when} ${sides[0]!.index}`);
+    const note = a !== undefined && a === b ? [el("p", { class: "note", text: "Now pick another receiver: it becomes A and stands beside this one." })] : [];
     this.parts.title.replaceChildren(el("div", {}, ...names, ...note), close, el("p", { class: "buttons" }, pin));
   }
 
   private showSums(): void {
-    const quantity = this.quantity();
-    const column = quantity.column;
-    if (this.chosen.length === 0 || !column) return;
-    const tables = this.chosen.flatMap(({ info }, which) => {
-      const rows = (["surface", "object", "building"] as const).flatMap((kind) => {
-        const name = info[kind];
-        if (!name || (kind === "object" && name === info.building)) return [];
-        const sum = this.groups.sum(kind, name, column);
-        return sum && Number.isFinite(sum.mean) ? [{ kind, name, sum }] : [];
-      });
-      if (rows.length === 0) return [];
-      return [...(this.chosen.length > 1 ? [letter(which)] : []), sums(quantity.unit, quantity.wholeUnit, rows, this.groups.share)];
+    if (this.chosen.length === 0) return;
+    const { shownTitle, unit, wholeUnit } = this.quantity();
+    const tables = this.chosen.flatMap(({ sides }, which) => {
+      const found = sides.map((side) => ({ ...side, rows: this.sumsOf(side) }));
+      if (found.every(({ rows }) => rows.length === 0)) return [];
+      const share = Math.min(...sides.map(({ layer }) => this.groupsOf(layer).share));
+      if (!this.isPair) return [...this.letters(which), sums(unit, wholeUnit, found[0]!.rows, share)];
+      const kinds = new Map<string, ChangedSum>();
+      for (const { when, rows } of found) {
+        for (const { kind, name, sum } of rows) kinds.set(kind, { ...kinds.get(kind), name, [when ?? "before"]: sum });
+      }
+      return [...this.letters(which), changedSums(unit, [...kinds], share)];
     });
-    const title = el("h3", { text: `Surface and building: ${quantity.shownTitle}` });
+    const title = el("h3", { text: `Surface and building: ${shownTitle}` });
     this.parts.sums.replaceChildren(...(tables.length > 0 ? [title, ...tables] : []));
+  }
+
+  /** Of the surface, object and building of a receiver. */
+  private sumsOf({ layer, info }: Chosen["sides"][number]): NamedSum[] {
+    const { column } = layer.quantity();
+    if (!column) return [];
+    return (["surface", "object", "building"] as const).flatMap((kind) => {
+      const name = info[kind];
+      if (!name || (kind === "object" && name === info.building)) return [];
+      const sum = this.groupsOf(layer).sum(kind, name, column);
+      return sum && Number.isFinite(sum.mean) ? [{ kind, name, sum }] : [];
+    });
   }
 
   private async drawCharts(withSight: boolean): Promise<void> {
     const turn = this.turn;
-    const { engine, site, weather } = this.session;
     const state: State = { ...this.store.state };
-    const chosen = this.chosen;
+    const { chosen } = this;
     if (chosen.length === 0) return;
-    if (this.store.state.show === "moment") await this.asker.settling();
-    const changes = { reflectance: Object.entries(state.reflectance), transmittance: Object.entries(state.transmittance) };
+    if (state.show === "moment") await this.site.settling();
+    const sides = chosen.flatMap(({ sides }, which) => sides.map((side) => ({ ...side, which })));
     try {
-      if (weather) {
-        const months: Series[] = [];
-        const days: Series[] = [];
-        for (const { place } of chosen) {
-          const ask = { ...place, sky: state.sky, changes };
-          months.push(await engine.months(ask));
-          days.push(await engine.day({ ...ask, dayOfYear: state.dayOfYear }));
+      if (sides.every(({ layer }) => layer.session.weather)) {
+        const months: TaggedSeries[] = [];
+        const days: TaggedSeries[] = [];
+        for (const { layer, tile, row, which, when } of sides) {
+          const { engine } = layer.session;
+          const ask = { tile, row, sky: state.sky, changes: layer.session.changes(state) };
+          const tagged = { components: layer.session.site.components, tags: () => this.tags(which, when) };
+          months.push({ ...(await engine.months(ask)), ...tagged });
+          days.push({ ...(await engine.day({ ...ask, dayOfYear: state.dayOfYear })), ...tagged });
           if (turn !== this.turn) return;
         }
         this.drawSeries(months, days, state.dayOfYear);
@@ -168,29 +223,28 @@ export class ReceiverPanel {
         this.parts.charts.replaceChildren(el("h3", { text: "Months and day" }), el("p", { class: "note", text: "Open a weather file to see months and the hours of a day." }));
       }
       if (!withSight) return;
-      const seen: Fisheye[] = [];
-      for (const { place } of chosen) seen.push(await engine.fisheye({ ...place, side: SIDE }));
-      if (turn !== this.turn) return;
-      const pictures = seen.map((one, which) => {
-        const figure = drawFisheye(one, chosen[which]!.info.id, site.northDeg);
-        if (chosen.length > 1) figure.prepend(letter(which));
-        return figure;
-      });
+      const pictures: HTMLElement[] = [];
+      for (const { layer, tile, row, which, when, info } of sides) {
+        const seen: Fisheye = await layer.session.engine.fisheye({ tile, row, side: SIDE });
+        if (turn !== this.turn) return;
+        const figure = drawFisheye(seen, info.id, layer.session.site.northDeg);
+        figure.prepend(...this.tags(which, when));
+        pictures.push(figure);
+      }
       const note = el("p", { class: "note", text: "The upper hemisphere as on a map, zenith in the middle; lines: ways of the sun." });
-      this.parts.sight.replaceChildren(el("h3", { text: "What it sees" }), el("div", { class: chosen.length > 1 ? "fishes" : "fishes single" }, ...pictures), note);
+      this.parts.sight.replaceChildren(el("h3", { text: "What it sees" }), el("div", { class: pictures.length > 1 ? "fishes" : "fishes single" }, ...pictures), note);
     } catch (error) {
-      if (turn === this.turn) this.onError("reading the receiver", error);
+      if (turn === this.turn) this.site.onError("reading the receiver", error);
     }
   }
 
-  private drawSeries(months: Series[], days: Series[], dayOfYear: number): void {
-    const { components } = this.session.site;
+  private drawSeries(months: TaggedSeries[], days: TaggedSeries[], dayOfYear: number): void {
     const open = [...this.parts.charts.querySelectorAll("details")].map((details) => details.open);
-    const draw = (series: Series[], title: string, unit: string, labels: (s: Series) => string[], labelled: (bar: number, bars: number) => string | null): HTMLElement[] => {
-      const top = Math.max(...series.map((one) => topOf(components, one.values)));
-      return series.map((one, which) => {
-        const figure = drawChart({ title, unit, labels: labels(one), labelled: (bar) => labelled(bar, one.labels.length), components, values: one.values, top });
-        if (series.length > 1) figure.prepend(letter(which));
+    const draw = (series: TaggedSeries[], title: string, unit: string, labels: (s: Series) => string[], labelled: (bar: number, bars: number) => string | null): HTMLElement[] => {
+      const top = Math.max(...series.map((one) => topOf(one.components, one.values)));
+      return series.map((one) => {
+        const figure = drawChart({ title, unit, labels: labels(one), labelled: (bar) => labelled(bar, one.labels.length), components: one.components, values: one.values, top });
+        figure.prepend(...one.tags());
         return figure;
       });
     };
@@ -200,8 +254,19 @@ export class ReceiverPanel {
       ...draw(months, "Sums", KWH_M2, (one) => one.labels.map((label, at) => (one.labels.length === 12 ? MONTHS[at]! : label)), (bar) => MONTHS[bar]?.slice(0, 1) ?? null),
       el("h3", { text: dayName(dayOfYear) }),
       ...draw(days, "Irradiance by the clock", W_M2, (one) => one.labels, hour),
-      key(components, [...months, ...days].map((one) => one.values)),
+      key(months[0]?.components ?? [], [...months, ...days].map((one) => one.values)),
     );
     [...this.parts.charts.querySelectorAll("details")].forEach((details, at) => (details.open = open[at] ?? false));
   }
+}
+
+/** A chart's values, with what it is called. */
+interface TaggedSeries extends Series {
+  components: readonly string[];
+  tags: () => HTMLElement[];
+}
+
+function middleOf(layer: Layer, index: number): [number, number, number] {
+  const [x = 0, y = 0, z = 0] = layer.session.middles.subarray(3 * index, 3 * index + 3);
+  return [x, y, z];
 }

@@ -1,13 +1,35 @@
 // Tables of the chosen receiver, and of a second one beside it.
 
+import { percentOf } from "../change";
 import { el } from "../dom";
 import type { ReceiverInfo } from "../engine/client";
-import { bearing, componentLabel, number } from "../words";
+import { bearing, componentLabel, number, signed } from "../words";
 import { swatch } from "./chart";
-import type { Sum } from "./groups";
+import type { Grouping, Sum } from "./groups";
+
+export type When = "before" | "after";
+
+/** A sum of what has this name. */
+export interface NamedSum {
+  kind: Grouping;
+  name: string;
+  sum: Sum;
+}
+
+/** The same before and after, as far as it is there. */
+export interface ChangedSum {
+  name: string;
+  before?: Sum;
+  after?: Sum;
+}
 
 export function letter(which: number): HTMLElement {
   return el("span", { class: which === 0 ? "letter" : "letter second", text: which === 0 ? "A" : "B" });
+}
+
+/** Before or after. */
+export function tag(when: When): HTMLElement {
+  return el("span", { class: `tag ${when}`, text: when });
 }
 
 function head(first: string, count: number): HTMLElement {
@@ -30,10 +52,16 @@ function views(receiver: ReceiverInfo): [string, number][] {
   return nothing > NOTHING ? [...known, ["nothing", nothing]] : known;
 }
 
-/** Who they are and where they look. */
-export function facts(receivers: readonly ReceiverInfo[], skyViews: readonly number[]): HTMLTableElement {
+/** A receiver in one archive. */
+interface Known {
+  info: ReceiverInfo;
+  skyView: number;
+}
+
+/** Who they are and where they look: [receiver][archive that has it]. */
+export function facts(receivers: readonly (readonly Known[])[]): HTMLTableElement {
   const level = (r: ReceiverInfo): boolean => r.tilt < 0.05 || r.tilt > 179.95;
-  const rows: [string, (r: ReceiverInfo, at: number) => string][] = [
+  const rows: [string, (r: ReceiverInfo, skyView: number) => string][] = [
     ["Building", (r) => r.building],
     ["Object", (r) => beyond(r.object, r.building)],
     ["Surface", (r) => beyond(r.surface ?? "", r.object)],
@@ -41,11 +69,11 @@ export function facts(receivers: readonly ReceiverInfo[], skyViews: readonly num
     ["Area", (r) => (r.area === null ? "" : `${number(r.area)} m²`)],
     ["Tilt", (r) => `${r.tilt.toFixed(1)}°`],
     ["Azimuth", (r) => (level(r) ? "–" : `${r.azimuth.toFixed(1)}° (${bearing(r.azimuth)})`)],
-    ["Sky view", (_, at) => (Number.isFinite(skyViews[at]) ? `${(100 * skyViews[at]!).toFixed(1)} %` : "")],
+    ["Sky view", (_, skyView) => (Number.isFinite(skyView) ? `${(100 * skyView).toFixed(1)} %` : "")],
     ["Sees", (r) => views(r).map(([name, share]) => `${name}\u00a0${(100 * share).toFixed(0)}\u00a0%`).join(", ")],
   ];
   const body = rows
-    .map(([name, text]) => ({ name, texts: receivers.map(text) }))
+    .map(([name, text]) => ({ name, texts: receivers.map((sides) => [...new Set(sides.map(({ info, skyView }) => text(info, skyView)))].join(" → ")) }))
     .filter(({ texts }) => texts.some((text) => text !== ""))
     .map(({ name, texts }) => el("tr", {}, el("th", { scope: "row", text: name }), ...texts.map((text) => el("td", { class: "text", text }))));
   return el("table", { id: "receiver-facts" }, ...(receivers.length > 1 ? [head("", receivers.length)] : []), el("tbody", {}, ...body));
@@ -68,13 +96,75 @@ export function values(caption: string, unit: string, components: readonly strin
   return el("table", { id: "receiver-values" }, el("caption", { text: caption }), heading, el("tbody", {}, ...body));
 }
 
+/** All components of a receiver before and after, and their change; of a receiver that an archive does not have, nothing, if that is known. */
+export function changes(
+  heading: (Node | string)[], unit: string, components: readonly string[], isKnown: boolean, sides: Record<When, readonly number[] | null | undefined>,
+): HTMLTableElement {
+  const body = components.map((name, at) => {
+    const [before, after] = [sides.before?.[at], sides.after?.[at]];
+    const cell = (value: number | undefined, text: (value: number) => string, isMissing: boolean): HTMLElement =>
+      value === undefined ? el("td", { text: isMissing && isKnown ? "–" : "…" }) : el("td", { "data-value": value, text: text(value) });
+    const isMissing = sides.before === undefined || sides.after === undefined;
+    const change = before === undefined || after === undefined ? [undefined, undefined] : [after - before, percentOf(before, after)];
+    return el(
+      "tr",
+      { "data-component": name, class: name === "total" ? "total" : "part" },
+      el("th", { scope: "row" }, swatch(name), componentLabel(name)),
+      cell(before, number, sides.before === undefined),
+      cell(after, number, sides.after === undefined),
+      cell(change[0], signed, isMissing),
+      cell(change[1], signed, isMissing),
+    );
+  });
+  const titles = [unit, "before", "after", "change", "%"];
+  return el(
+    "table",
+    { class: "receiver-changes" },
+    el("caption", {}, ...heading),
+    el("thead", {}, el("tr", {}, ...titles.map((text) => el("th", { scope: "col", text })))),
+    el("tbody", {}, ...body),
+  );
+}
+
+function titleOf(kind: string): string {
+  return `${kind[0]!.toUpperCase()}${kind.slice(1)}`;
+}
+
+function soFar(part: number): HTMLElement[] {
+  return part < 1 ? [el("p", { class: "note", text: `Names of ${Math.floor(100 * part)} % of the receivers read so far.` })] : [];
+}
+
+/** Means of surface and building before and after, and their change. */
+export function changedSums(unit: string, kinds: readonly (readonly [kind: string, sum: ChangedSum])[], part: number): HTMLElement {
+  const cell = (value: number | undefined, text: (value: number) => string): HTMLElement =>
+    value === undefined ? el("td", { text: "–" }) : el("td", { "data-value": value, text: text(value) });
+  const body = kinds.map(([kind, { name, before, after }]) =>
+    el(
+      "tr",
+      { "data-kind": kind },
+      el("th", { scope: "row", title: name, text: titleOf(kind) }),
+      cell(before?.mean, number),
+      cell(after?.mean, number),
+      cell(before && after && after.mean - before.mean, signed),
+    ),
+  );
+  const titles = [`mean, ${unit}`, "before", "after", "change"];
+  const table = el(
+    "table",
+    { class: "receiver-sums" },
+    el("thead", {}, el("tr", {}, ...titles.map((text) => el("th", { scope: "col", text })))),
+    el("tbody", {}, ...body),
+  );
+  return el("div", {}, table, ...soFar(part));
+}
+
 /** Means and sums of surface and building. */
-export function sums(unit: string, wholeUnit: string, rows: readonly { kind: string; name: string; sum: Sum }[], part: number): HTMLElement {
+export function sums(unit: string, wholeUnit: string, rows: readonly NamedSum[], part: number): HTMLElement {
   const body = rows.map(({ kind, name, sum }) =>
     el(
       "tr",
       { "data-kind": kind },
-      el("th", { scope: "row", title: name, text: `${kind[0]!.toUpperCase()}${kind.slice(1)}` }),
+      el("th", { scope: "row", title: name, text: titleOf(kind) }),
       el("td", { text: String(sum.receivers) }),
       el("td", { text: sum.area === null ? "–" : `${number(sum.area)}` }),
       el("td", { "data-value": sum.mean, text: number(sum.mean) }),
@@ -88,5 +178,5 @@ export function sums(unit: string, wholeUnit: string, rows: readonly { kind: str
     el("thead", {}, el("tr", {}, ...titles.map((text) => el("th", { scope: "col", text })))),
     el("tbody", {}, ...body),
   );
-  return el("div", {}, table, ...(part < 1 ? [el("p", { class: "note", text: `Names of ${Math.floor(100 * part)} % of the receivers read so far.` })] : []));
+  return el("div", {}, table, ...soFar(part));
 }

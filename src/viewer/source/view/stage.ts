@@ -96,6 +96,12 @@ export class Stage {
    * of what is around it, if there is much. The camera stands as near as it can with all points in the window, which they fill in one direction.
    */
   frame(points: readonly ArrayLike<number>[], box: Box3, around: Box3): void {
+    this.setHome(points, box, around);
+    this.goHome();
+  }
+
+  /** Such a view becomes that of `goHome`; the camera stays. */
+  setHome(points: readonly ArrayLike<number>[], box: Box3, around: Box3): void {
     const middle = box.getCenter(new Vector3());
     const radius = Math.max(2, box.getSize(new Vector3()).length() / 2);
     this.radius = radius;
@@ -126,7 +132,6 @@ export class Stage {
     const distance = Math.max((most.right + most.left) / (2 * wide), (most.above + most.below) / (2 * tall), most.near + radius / 10);
     const target = middle.addScaledVector(right, aside).addScaledVector(above, up);
     this.home = { position: target.clone().addScaledVector(back, distance), target };
-    this.goHome();
   }
 
   goHome(): void {
