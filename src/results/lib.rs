@@ -18,7 +18,7 @@
 //! | [`run`] | from scene files to a folder of a year's results in one go |
 //! | `tradeoff` | what accuracy costs on a site: [`TradeoffRequest`] |
 //! | `update` | an archive after edits of its scene: [`UpdateRequest`] |
-//! | `viewer` | the page that shows an archive as a file: [`PageRequest`] |
+//! | `viewer` | the page that shows an archive, or two beside each other, as a file: [`PageRequest`], [`open_after`] |
 //! | [`horizon`], `doubts` | what a user should know before results are used |
 //! | [`outputs`] | writers: one model of columns for all tables, maps, pictures, models of others |
 //!
@@ -71,7 +71,7 @@ pub use site_archive::SiteArchiveRequest;
 pub use stream::{CoarseSinks, Sinks, Tile, TileFn, TileSink, TileStream};
 pub use tradeoff::{LadderStep, LadderTable, SettingPoint, TradeoffDone, TradeoffRequest};
 pub use update::{UpdateDone, UpdateRequest};
-pub use viewer::PageRequest;
+pub use viewer::{PageRequest, open_after};
 
 pub use crate::outputs::periods::Every;
 pub use crate::outputs::provenance::Provenance;

@@ -1,5 +1,5 @@
-//! The page that shows an archive in a browser, as one file. In: an archive, weather. Out: an HTML file that holds both, or asks for an archive that is
-//! too large for it.
+//! The page that shows an archive in a browser, or two of them, before and after a change, as one file. In: archives, weather. Out: an HTML file that
+//! holds all of them, or asks for archives that are too large for it.
 
 use std::path::{Path, PathBuf};
 
@@ -8,9 +8,11 @@ use serde::{Deserialize, Serialize};
 use crate::outputs::viewer_page::ViewerPage;
 use crate::resources::Resources;
 use heliotile_builder::writing::guards::guard_output;
-use heliotile_core::archive::Access;
-use heliotile_core::error::Result;
-use heliotile_core::opened::OpenSite;
+use heliotile_core::archive::{Access, Archive};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
+use heliotile_core::opened::{OpenSite, ReceiverMatching, ReceiverPlace};
+use heliotile_core::site::place::Place;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_remote::naming::shown;
@@ -24,7 +26,9 @@ use heliotile_scene::input::weather::read_weather_as;
 pub struct PageRequest {
     /// Path or address of the archive.
     pub archive: PathBuf,
-    /// How it is read.
+    /// Path or address of an archive of the changed site: the page shows the first as before, this one as after, and the change.
+    pub with: Option<PathBuf>,
+    /// How archives are read.
     pub access: Access,
     /// Weather file whose hours and sums are shown.
     pub weather: Option<PathBuf>,
@@ -38,12 +42,20 @@ impl PageRequest {
     /// Writes the page.
     pub fn write(&self, resources: &Resources) -> Result<()> {
         let observer = resources.observer;
-        let inputs: Vec<&Path> =
-            [Some(self.archive.as_path()), self.weather.as_deref()].into_iter().flatten().collect();
+        let inputs = [Some(self.archive.as_path()), self.with.as_deref(), self.weather.as_deref()];
+        let inputs: Vec<&Path> = inputs.into_iter().flatten().collect();
         guard_output(&self.output, &inputs)?;
         let archive = open_archive(&self.archive, self.access)?;
         OpenSite::of(&archive)?;
         let mut page = ViewerPage::default().with_archive(&shown(&self.archive), hold(&self.archive)?.as_ref())?;
+        if let Some(with) = &self.with {
+            let after = open_after(&archive, with, self.access, observer)?;
+            page = page.with_after(&shown(with), hold(with)?.as_ref())?;
+            if !page.holds_after() {
+                let what = "does not fit into the 50 MB of a page: it is opened there by hand, with `Compare with`";
+                observer.warn(&format!("{} {what}", after.path().display()));
+            }
+        }
         if let Some(file) = &self.weather {
             let place = archive.manifest().place;
             let weather = read_weather_as(file, &self.about_weather, &mut || Ok(place))?;
@@ -59,4 +71,40 @@ impl PageRequest {
         }
         page.write(&self.output)
     }
+}
+
+/// Opens the archive of a changed site that is shown beside another one. Errors: an archive of another place or coordinate system, and one
+/// without a receiver of the first; of an equal one `observer` is warned.
+pub fn open_after(before: &Archive, after: &Path, access: Access, observer: &dyn Observer) -> Result<Archive> {
+    let archive = open_archive(after, access)?;
+    let sites = [OpenSite::of(before)?, OpenSite::of(&archive)?];
+    let refuse = |what: String, hint: &str| Err(Error::input(archive.path(), None, what, hint));
+    let first = before.path().display();
+    let [here, there] = [before, &archive].map(|archive| archive.manifest().place);
+    if !Place::is_one_site(here.as_ref(), there.as_ref()) {
+        let [here, there] =
+            [here, there].map(|place| place.map_or("no known place".to_owned(), |place| place.to_string()));
+        let what = format!("lies at {there}, and {first} at {here}: they are not of one site and coordinate system");
+        return refuse(what, "name archives of one site, built in one coordinate system");
+    }
+    if before.root() == archive.root() {
+        observer.warn(&format!("{} and {first} are equal: nothing changes", archive.path().display()));
+        return Ok(archive);
+    }
+    let [one, other] = sites.each_ref().map(receiver_places);
+    if ReceiverMatching::of(&one?, &other?).pairs.is_empty() {
+        let what = format!("has no receiver in common with {first}: no change can be shown");
+        return refuse(what, "build both archives with receivers of the same places or names");
+    }
+    Ok(archive)
+}
+
+/// What all receivers of a site are recognised by, in their order.
+fn receiver_places(site: &OpenSite) -> Result<Vec<ReceiverPlace>> {
+    let mut places = Vec::new();
+    for tile in 0..site.tiles() {
+        let table = site.tile_receivers(tile)?;
+        places.extend(site.tile_parts(tile, &table)?.iter().map(ReceiverPlace::from));
+    }
+    Ok(places)
 }

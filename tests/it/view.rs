@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, Stdio};
 
-use crate::cli::{Folder, golden, stdout};
+use crate::cli::{Folder, golden, stderr, stdout};
 
 /// A program that serves, until the test ends.
 struct Served {
@@ -128,6 +128,83 @@ fn view_serves_the_parts_of_an_atlas() {
     ] {
         assert_eq!(served.ask("GET", path, &[]).0, 404, "{path}");
     }
+}
+
+/// A second site: an archive of other receivers or another place; the command that builds it.
+fn another(folder: &Folder, name: &str, receivers: &str, more: &str) {
+    folder.write("others.csv", receivers);
+    let built =
+        folder.run(&format!("build scene.obj --materials materials.toml --receivers others.csv {more} -o {name}"));
+    assert!(built.status.success(), "{}", stderr(&built));
+}
+
+/// Two receivers of the site and one of its own.
+const CHANGED: &str = "receiver,x,y,z,nx,ny,nz\na,5,5,10.02,0,0,1\nb,5,-0.02,4,0,-1,0\nc,15,9,0.02,0,0,1\n";
+const ELSEWHERE: &str = "receiver,x,y,z,nx,ny,nz\nx,12,9,0.02,0,0,1\n";
+
+/// `view --with` serves the page, which knows of both archives, and the bytes of both by ranges; `export --with` writes one file that holds both, each
+/// under its name. Of equal archives there is a warning and a page.
+#[test]
+fn two_archives() {
+    let folder = Folder::new();
+    folder.build();
+    another(&folder, "changed.helio", CHANGED, "");
+    let served = Served::new(&folder, "view site.helio --with changed.helio --port 0");
+    let page = String::from_utf8(served.ask("GET", "/", &[]).2).expect("text");
+    assert!(page.contains("\"archive\":\"site.helio\"") && page.contains("\"after\":\"after.helio\""));
+    for (name, file) in [("/site.helio", "site.helio"), ("/after.helio", "changed.helio")] {
+        let bytes = fs::read(folder.path(file)).expect("an archive");
+        let (status, head, body) = served.ask("GET", name, &[("Range", "bytes=100-299")]);
+        assert!(status == 206 && head.contains(&format!("bytes 100-299/{}", bytes.len())), "{head}");
+        assert!(body == bytes[100..300]);
+    }
+    assert_eq!(served.ask("GET", "/changed.helio", &[]).0, 404);
+    let alone = Served::new(&folder, "view site.helio --port 0");
+    assert_eq!(alone.ask("GET", "/after.helio", &[]).0, 404);
+
+    let output = folder.run("export site.helio --html page.html --with changed.helio");
+    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    let page = fs::read_to_string(folder.path("page.html")).expect("a page");
+    assert!(page.contains("id=\"archive\" data-name=\"site.helio\""));
+    assert!(page.contains("id=\"after\" data-name=\"changed.helio\""));
+    fs::copy(folder.path("site.helio"), folder.path("copy.helio")).expect("copied");
+    let output = folder.run("export site.helio --html equal.html --with copy.helio");
+    assert!(output.status.success() && stderr(&output).contains("equal"), "{}", stderr(&output));
+}
+
+/// Two archives that cannot be compared are refused with exit code 2, and each message says why and what to do: no receiver in common, another coordinate
+/// system, places 100 km apart, an atlas, none there, no page: 6 of 6 by `view` or `export`.
+#[test]
+fn two_archives_that_do_not_fit() {
+    let folder = Folder::new();
+    folder.build();
+    another(&folder, "elsewhere.helio", ELSEWHERE, "");
+    another(&folder, "dutch.helio", CHANGED, "--latitude 52 --longitude 5");
+    another(&folder, "german.helio", CHANGED, "--latitude 51 --longitude 5");
+    let data = format!("{}/tests/data/hague", crate::ROOT);
+    folder.write("one.csv", "receiver,x,y,z,nx,ny,nz\na,78716.2410,458018.2889,30,0,0,1\n");
+    for (name, crs) in [("grid.helio", "EPSG:28992"), ("other_grid.helio", "EPSG:25832")] {
+        let built =
+            folder.run(&format!("build {data}/scene.obj -m {data}/materials.toml -r one.csv --crs {crs} -o {name}"));
+        assert!(built.status.success(), "{}", stderr(&built));
+    }
+    for command in ["view site.helio --port 0", "export site.helio --html page.html"] {
+        folder.refused(
+            &format!("{command} --with elsewhere.helio"),
+            &["elsewhere.helio", "no receiver in common", "to fix"],
+        );
+        folder.refused(&format!("{command} --with nowhere.helio"), &["nowhere.helio"]);
+    }
+    folder.refused("view grid.helio --with other_grid.helio", &["EPSG:28992", "EPSG:25832", "not of one site"]);
+    folder.refused(
+        "view dutch.helio --with german.helio",
+        &["latitude 51", "not of one site", "built in one coordinate system"],
+    );
+    folder.refused("export site.helio --receiver roof -o r.png --with dutch.helio", &["--receiver", "--with"]);
+    fs::create_dir(folder.path("atlas")).expect("a folder");
+    folder.write("atlas/atlas.json", "{}");
+    folder.refused("view site.helio --with atlas", &["is an atlas"]);
+    assert!(!folder.path("page.html").exists());
 }
 
 /// What cannot be shown is refused before anything is served: 5 of 5, with what to do.

@@ -228,13 +228,16 @@ class Archive(Askable):
         }
         _heliotile.export(json.dumps(request), memory)
 
-    def view(self, output: str | os.PathLike[str], *, weather: Any = None, memory: int = MEMORY) -> None:
+    def view(
+        self, output: str | os.PathLike[str], *, with_: str | os.PathLike[str] | Archive | None = None, weather: Any = None, memory: int = MEMORY
+    ) -> None:
         """Writes a page that shows the archive in a browser, also from a disk: `heliotile export --html`, byte by byte.
 
         An archive of up to 50 MB is inside the page, with the weather if there is some, a file or a `Weather` of one; of a larger one the page asks for
-        the file.
+        the file. `with_` is an archive of the same site after a change: the page then shows before, after and the change.
         """
-        request = {"archive": self.path, "access": self.access, "output": os.fspath(output), **weather_request(weather)}
+        after = with_.path if isinstance(with_, Archive) else None if with_ is None else os.fspath(with_)
+        request = {"archive": self.path, "with": after, "access": self.access, "output": os.fspath(output), **weather_request(weather)}
         _heliotile.view(json.dumps(request), memory)
 
     def _open(self, wanted: WantedArgs) -> _heliotile.ArchiveHandle:

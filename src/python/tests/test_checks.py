@@ -137,10 +137,14 @@ def test_exports_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> No
 
 
 def test_pages_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
-    """A page with weather is the program's byte by byte; one in place of the archive is refused."""
+    """A page with weather, and one of two archives, is the program's byte by byte; one in place of the archive is refused."""
     program("export", site.path, "--weather", DAYS, "--html", tmp_path / "program.html")
     site.view(tmp_path / "python.html", weather=DAYS)
     assert (tmp_path / "program.html").read_bytes() == (tmp_path / "python.html").read_bytes()
+    program("export", site.path, "--with", site.path, "--html", tmp_path / "two.html")
+    for with_ in (site, Path(site.path)):
+        site.view(tmp_path / "two_python.html", with_=with_)
+        assert (tmp_path / "two.html").read_bytes() == (tmp_path / "two_python.html").read_bytes()
     with pytest.raises(heliotile.InputError, match="is also an input"):
         site.view(site.path)
 

@@ -1,4 +1,4 @@
-//! The page that shows an archive, with what it is to show put inside. In: files' names and bytes, or addresses. Out: one HTML file that
+//! The page that shows archives, with what it is to show put inside. In: files' names and bytes, or addresses. Out: one HTML file that
 //! needs no other.
 
 use std::io::{self, Write};
@@ -20,38 +20,65 @@ use heliotile_core::weather::options::{TimeShift, WeatherOptions};
 const PAGE: &str = include_str!("../../viewer/page.html");
 /// Where data go.
 const MARKER: &str = "<!-- heliotile: data -->";
+/// Where data go that the first picture does not need, behind the script.
+const LATER: &str = "<!-- heliotile: later -->";
 
-/// Larger archives do not go into a page: browsers take seconds to read them.
+/// More bytes of archives do not go into a page: browsers take seconds to read them.
 pub const MOST_BYTES: u64 = 50_000_000;
 
 /// What goes into a page.
 #[derive(Default)]
 pub struct ViewerPage {
     scripts: String,
+    later: String,
     options: serde_json::Map<String, Value>,
     holds_archive: bool,
+    /// Bytes of archives that are inside.
+    held: u64,
 }
 
 impl ViewerPage {
     /// An archive, if it is small enough.
     pub fn with_archive(mut self, path: &Path, archive: &dyn ReadAt) -> Result<Self> {
-        let name = name_of(path);
-        if let Some(length) = usize::try_from(archive.length()).ok().filter(|_| archive.length() <= MOST_BYTES) {
-            let bytes = archive.copy_at(0, length).map_err(Error::unread(path))?;
-            self.add("archive", &name, "", &bytes);
-            self.holds_archive = true;
+        self.holds_archive = match self.block("archive", path, archive)? {
+            Some(block) => {
+                self.scripts.push_str(&block);
+                true
+            }
+            None => false,
+        };
+        Ok(self)
+    }
+
+    /// Another archive beside it, after a change, if the first is inside and both together are small enough.
+    pub fn with_after(mut self, path: &Path, archive: &dyn ReadAt) -> Result<Self> {
+        if self.holds_archive
+            && let Some(block) = self.block("after", path, archive)?
+        {
+            self.later.push_str(&block);
         }
         Ok(self)
+    }
+
+    /// An archive that is small enough, besides those that are inside.
+    fn block(&mut self, id: &str, path: &Path, archive: &dyn ReadAt) -> Result<Option<String>> {
+        let all = self.held.saturating_add(archive.length());
+        let Some(length) = usize::try_from(archive.length()).ok().filter(|_| all <= MOST_BYTES) else {
+            return Ok(None);
+        };
+        let bytes = archive.copy_at(0, length).map_err(Error::unread(path))?;
+        self.held = all;
+        Ok(Some(script(id, &name_of(path), "", &bytes)))
     }
 
     /// A weather file's bytes, unpacked.
     pub fn with_weather(mut self, path: &Path, bytes: &[u8]) -> Result<Self> {
         let packed = packed(bytes).map_err(Error::io(path, "pack"))?;
-        self.add("weather", &name_of(path), " data-packed=\"gzip\"", &packed);
+        self.scripts.push_str(&script("weather", &name_of(path), " data-packed=\"gzip\"", &packed));
         Ok(self)
     }
 
-    /// Something that the page is told: `archive` and `weather`, addresses that it reads from.
+    /// Something that the page is told: `archive`, `after` and `weather`, addresses that it reads from.
     pub fn with_option(mut self, name: &str, value: impl Into<Value>) -> Self {
         self.options.insert(name.into(), value.into());
         self
@@ -80,12 +107,9 @@ impl ViewerPage {
         self.holds_archive
     }
 
-    fn add(&mut self, id: &str, name: &str, more: &str, bytes: &[u8]) {
-        let name = escaped(name).replace('"', "&quot;");
-        self.scripts
-            .push_str(&format!("<script type=\"application/octet-stream\" id=\"{id}\" data-name=\"{name}\"{more}>"));
-        BASE64_STANDARD.encode_string(bytes, &mut self.scripts);
-        self.scripts.push_str("</script>\n");
+    /// Whether the archive after went in.
+    pub fn holds_after(&self) -> bool {
+        !self.later.is_empty()
     }
 
     /// Writes the page.
@@ -100,8 +124,18 @@ impl ViewerPage {
         // No text ends a script.
         let options = Value::Object(self.options.clone()).to_string().replace('<', "\\u003c");
         let data = format!("<script type=\"application/json\" id=\"options\">{options}</script>\n{}", self.scripts);
-        PAGE.replacen(MARKER, &data, 1)
+        // The data hold no marker: text in them has no `<` of its own.
+        PAGE.replacen(MARKER, &data, 1).replacen(LATER, &self.later, 1)
     }
+}
+
+/// Bytes that the page takes by their id.
+fn script(id: &str, name: &str, more: &str, bytes: &[u8]) -> String {
+    let name = escaped(name).replace('"', "&quot;");
+    let mut text = format!("<script type=\"application/octet-stream\" id=\"{id}\" data-name=\"{name}\"{more}>");
+    BASE64_STANDARD.encode_string(bytes, &mut text);
+    text.push_str("</script>\n");
+    text
 }
 
 /// Bytes as browsers unpack them themselves.
@@ -119,10 +153,10 @@ fn name_of(path: &Path) -> String {
 mod tests {
     use super::*;
 
-    /// The page has one place for data, and names with `<`, `>` and quotes cannot leave theirs: one script of each kind is in it.
+    /// The page has one place for data and one for data of later, and names with `<`, `>` and quotes cannot leave theirs: one script of each kind is in it.
     #[test]
     fn names_stay_in_their_place() {
-        assert_eq!(PAGE.matches(MARKER).count(), 1);
+        assert_eq!([MARKER, LATER].map(|marker| PAGE.matches(marker).count()), [1, 1]);
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("\"><script>alert(1)<.helio");
         let page = ViewerPage::default().with_archive(&path, &b"not an archive".to_vec()).expect("read");
@@ -130,5 +164,23 @@ mod tests {
         let count = |text: &str| html.matches(text).count() - PAGE.matches(text).count();
         assert_eq!((count("<script>alert"), count("<script type="), count("id=\"archive\"")), (0, 2, 1));
         assert!(html.contains(&BASE64_STANDARD.encode(b"not an archive")));
+    }
+
+    /// Two archives of 30 MB do not fit together, and none goes in beside one that stays outside; small ones stand behind the script: 1 of 3.
+    #[test]
+    fn two_archives_fit_together_or_not() {
+        let page = |sizes: [usize; 2]| {
+            let [one, other] = sizes.map(|bytes| vec![7; bytes]);
+            let page = ViewerPage::default().with_archive(Path::new("a.helio"), &one).expect("read");
+            page.with_after(Path::new("b.helio"), &other).expect("read")
+        };
+        let held = |page: &ViewerPage| [page.holds_archive(), page.holds_after()];
+        assert_eq!(held(&page([30_000_000, 30_000_000])), [true, false]);
+        assert_eq!(held(&page([60_000_000, 10])), [false, false]);
+        let small = page([10, 10]);
+        let html = small.html();
+        let place = |text: &str| html.find(text).expect("there");
+        assert_eq!(held(&small), [true, true]);
+        assert!(place("id=\"archive\"") < place("id=\"engine\"") && place("id=\"engine\"") < place("id=\"after\""));
     }
 }

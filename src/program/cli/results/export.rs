@@ -50,6 +50,9 @@ pub struct ExportArgs {
     /// file if one is given; of a larger one the page asks for the file
     #[arg(long, value_name = "PAGE.html", conflicts_with_all = ["output", "sun", "latitude", "time_zone"])]
     pub html: Option<PathBuf>,
+    /// Archive of the same site after a change, for the page: it shows before, after and the change, as `view --with` does
+    #[arg(long, value_name = "AFTER", conflicts_with_all = ["receiver", "view_factors"])]
+    pub with: Option<PathBuf>,
     /// Draw a panel in place of one picture: six fisheyes of what is seen, the light of --sun by its ways, and all of it, in one scale
     #[arg(long, requires = "sun", conflicts_with_all = ["weather", "latitude"])]
     pub panel: bool,
@@ -98,6 +101,7 @@ impl ExportArgs {
     pub fn page(&self) -> Option<PageRequest> {
         Some(PageRequest {
             archive: self.archive.clone(),
+            with: self.with.clone(),
             access: self.io,
             weather: self.weather.clone(),
             about_weather: WeatherOptions::default(),

@@ -1,9 +1,11 @@
-//! `heliotile view`: an archive or the parts of an atlas in the browser. In: archives, weather. Out: a page on an address of this machine, until Ctrl-C.
+//! `heliotile view`: an archive, two of them, or the parts of an atlas in the browser. In: archives, weather. Out: a page on an address of this machine, until Ctrl-C.
 
 mod server;
 
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::path::Path;
 
+use super::console::terminal::Terminal;
 use super::{Outcome, remark, warn};
 use crate::cli::ViewArgs;
 use heliotile_atlas::Atlas;
@@ -15,6 +17,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::{hold, open_archive};
+use heliotile_results::open_after;
 use heliotile_results::outputs::viewer_page::{ViewerPage, packed};
 use heliotile_scene::input;
 use heliotile_scene::input::weather::read_weather_as;
@@ -43,6 +46,21 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
         true => ViewerPage::default().with_option("archive", server::ARCHIVE),
         false => ViewerPage::default().with_option("parts", PARTS),
     };
+    let mut after = None;
+    if let Some(place) = &args.with {
+        if !parts.is_empty() {
+            let what = "is an atlas, of which the page shows one part at a time";
+            return Err(Error::input(
+                &args.archive,
+                None,
+                what,
+                "name the site.helio of a part: {with} takes an archive",
+            ));
+        }
+        let opened = open_after(&archive, place, Access::Read, &Terminal::default())?;
+        page = page.with_option("after", server::AFTER);
+        after = Some(served(place, opened.path())?);
+    }
     let mut weather = None;
     if let Some(path) = &args.weather {
         let place = archive.manifest().place;
@@ -59,18 +77,24 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
     remark(&format!("{} is shown at http://{address}/ until Ctrl-C\n", shown(&args.archive).display()))?;
     let page = page.html();
     let packed_page = packed(page.as_bytes()).map_err(Error::io(archive.path(), "pack the page of"))?;
-    let file = archive.path().to_path_buf();
-    let archive = match (parts.is_empty(), is_address(&args.archive)) {
-        (false, _) => {
+    let archive = match parts.is_empty() {
+        true => served(&args.archive, archive.path())?,
+        false => {
             let files =
                 parts.iter().filter_map(|part| archive_of(part).map(|(at, path)| (format!("/{at}"), path.clone())));
             ServedArchive::Parts { list: list(&parts), files: files.collect() }
         }
-        (true, true) => ServedArchive::Held(hold(&args.archive)?.into()),
-        (true, false) => ServedArchive::File(file),
     };
-    serve(listener, Served { page, packed_page, archive, weather })?;
+    serve(listener, Served { page, packed_page, archive, after, weather })?;
     Ok(Outcome::Fine)
+}
+
+/// How the archive at a place is served, whose file is at `path` unless it is an address.
+fn served(place: &Path, path: &Path) -> Result<ServedArchive> {
+    Ok(match is_address(place) {
+        true => ServedArchive::Held(hold(place)?.into()),
+        false => ServedArchive::File(path.to_path_buf()),
+    })
 }
 
 /// The port that was asked for, or the usual one, or any.

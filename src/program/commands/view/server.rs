@@ -21,6 +21,7 @@ use heliotile_core::error::{Error, Result};
 
 /// Addresses of the page's files, relative to it.
 pub const ARCHIVE: &str = "site.helio";
+pub const AFTER: &str = "after.helio";
 pub const WEATHER: &str = "weather";
 
 /// Bytes of one answer, of what is passed on.
@@ -32,6 +33,8 @@ pub struct Served {
     /// The page packed by gzip, for browsers that take it.
     pub packed_page: Vec<u8>,
     pub archive: ServedArchive,
+    /// What it is compared with.
+    pub after: Option<ServedArchive>,
     pub weather: Option<Vec<u8>>,
 }
 
@@ -43,6 +46,24 @@ pub enum ServedArchive {
     Held(Arc<dyn ReadAt>),
     /// Files of the parts of an atlas by their addresses, and the list of them.
     Parts { list: String, files: HashMap<String, PathBuf> },
+}
+
+impl ServedArchive {
+    /// With the routes to these bytes, at a name relative to the page; parts have names of their own.
+    fn routed(self, router: Router, name: &str) -> Router {
+        let at = format!("/{name}");
+        match self {
+            ServedArchive::File(path) => router.route_service(&at, ServeFile::new(path)),
+            ServedArchive::Held(bytes) => router.route(&at, get(async move |headers| passed_on(bytes, headers).await)),
+            ServedArchive::Parts { list, files } => {
+                let (list, json) = (Bytes::from(list), (header::CONTENT_TYPE, "application/json"));
+                let files = Arc::new(files);
+                router
+                    .route(&format!("/{PARTS}"), get(async move || ([json], list.clone())))
+                    .route("/parts/{name}/{file}", get(async move |request| part_of(&files, request).await))
+            }
+        }
+    }
 }
 
 /// Serves until the process ends.
@@ -64,17 +85,10 @@ fn router(served: Served, port: u16) -> Router {
         true => ([html, (header::CONTENT_ENCODING, "gzip")], packed.clone()).into_response(),
         false => ([html], plain.clone()).into_response(),
     };
-    let (router, archive) = (Router::new().route("/", get(page)), format!("/{ARCHIVE}"));
-    let router = match served.archive {
-        ServedArchive::File(path) => router.route_service(&archive, ServeFile::new(path)),
-        ServedArchive::Held(bytes) => router.route(&archive, get(async move |headers| passed_on(bytes, headers).await)),
-        ServedArchive::Parts { list, files } => {
-            let (list, json) = (Bytes::from(list), (header::CONTENT_TYPE, "application/json"));
-            let files = Arc::new(files);
-            router
-                .route(&format!("/{PARTS}"), get(async move || ([json], list.clone())))
-                .route("/parts/{name}/{file}", get(async move |request| part_of(&files, request).await))
-        }
+    let router = served.archive.routed(Router::new().route("/", get(page)), ARCHIVE);
+    let router = match served.after {
+        Some(after) => after.routed(router, AFTER),
+        None => router,
     };
     let router = match served.weather.map(Bytes::from) {
         Some(bytes) => router.route(&format!("/{WEATHER}"), get(async move || bytes.clone())),
