@@ -59,7 +59,7 @@ pub use checks::{
 pub use covering::CoverRequest;
 pub use factors::{FactorRows, FactorsRequest};
 pub use files::{
-    AreaChart, CityModelSink, FileRequest, MapFile, ResultRows, ResultSink, crs_of, name_of, surroundings,
+    AreaChart, CityModelSink, FileRequest, MapFile, Question, ResultRows, ResultSink, crs_of, name_of, surroundings,
 };
 pub use places::{PlaceOn, PlacesRequest, PlacesSummary};
 pub use receivers::{PartReceivers, ReceiverChoice, ReceiverSet, TileReceivers};

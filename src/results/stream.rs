@@ -46,6 +46,15 @@ pub struct Tile<'t> {
     pub ids: &'t [String],
     /// Their irradiance, for each label of the series.
     pub values: &'t TileValues,
+    /// Of a comparison: the irradiance of the same receivers in the other archive.
+    pub after: Option<&'t TileValues>,
+}
+
+impl<'t> Tile<'t> {
+    /// The irradiance of all archives.
+    pub fn sides(&self) -> impl Iterator<Item = &'t TileValues> + use<'t> {
+        std::iter::once(self.values).chain(self.after)
+    }
 }
 
 /// What takes tiles.
@@ -126,8 +135,9 @@ impl TileSink for CoarseSinks<'_> {
 
     fn take(&mut self, tile: &Tile) -> Result<bool> {
         let Some(coarsening) = &self.coarsening else { return self.sinks.take(tile) };
-        let values = coarsening.of(tile.values, self.sinks.components());
-        self.sinks.take(&Tile { ids: tile.ids, values: &values })
+        let coarse = |values| coarsening.of(values, self.sinks.components());
+        let (values, after) = (coarse(tile.values), tile.after.map(coarse));
+        self.sinks.take(&Tile { ids: tile.ids, values: &values, after: after.as_ref() })
     }
 }
 
@@ -234,7 +244,7 @@ impl PartReceivers<'_> {
         for (tile, result) in self.tiles().iter().zip(results) {
             let (ids, values) = result?;
             let (ids, values) = self.results(*tile, ids, values);
-            let goes_on = each(&Tile { ids: &ids, values: &values })?;
+            let goes_on = each(&Tile { ids: &ids, values: &values, after: None })?;
             progress.advance(ids.len() as u64);
             if !goes_on {
                 return Ok(false);

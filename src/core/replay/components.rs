@@ -181,6 +181,16 @@ impl ComponentList {
         &self.0
     }
 
+    /// Place of the one that stands for all: the total, or else the first.
+    pub fn main_place(&self) -> usize {
+        self.0.iter().position(|one| *one == Component::Total).unwrap_or_default()
+    }
+
+    /// The one that stands for all.
+    pub fn main(&self) -> Component {
+        self.0.get(self.main_place()).copied().unwrap_or(Component::Total)
+    }
+
     /// The same without order.
     pub fn set(&self) -> ComponentSet {
         ComponentSet::of(&self.0)

@@ -17,7 +17,7 @@ use crate::errors::raised;
 use crate::memory::Block;
 use crate::work;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::components::{Component, ComponentList, ComponentSet};
 use heliotile_results::{
     Archives, ArrowRows, By, Layout, ONE_SIDE, Provenance, RowLabels, SideHours, Tile, TileSink, TileStream,
 };
@@ -29,6 +29,7 @@ const BATCH_ROWS: usize = 1 << 20;
 pub struct Frame {
     pub receivers: usize,
     pub labels: RowLabels,
+    components: ComponentList,
     layout: Layout,
     about: Provenance,
 }
@@ -37,12 +38,12 @@ impl Frame {
     /// Of a stream of so many receivers of what is open at a place.
     pub fn new(stream: &TileStream, receivers: usize, archives: Archives, place: &Path) -> Self {
         let (about, components) = (stream.about(archives, place), stream.light.columns());
-        let layout = Layout { labels: stream.series.kind, by: By::Receiver, components, facts: Vec::new() };
-        Frame { receivers, labels: stream.series.labels.clone(), layout, about }
+        let layout = Layout::of_components(stream.series.kind, By::Receiver, &components);
+        Frame { receivers, labels: stream.series.labels.clone(), components, layout, about }
     }
 
     pub fn components(&self) -> &[Component] {
-        self.layout.components()
+        self.components.as_slice()
     }
 
     /// The place of a column by its name, with or without the ending of sums.

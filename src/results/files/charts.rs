@@ -4,25 +4,29 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::results::Question;
 use crate::Series;
 use crate::outputs::area_means::AreaMeans;
 use crate::outputs::periods::Every;
 use crate::outputs::pictures::bars::{Bars, Stack};
 use crate::outputs::pictures::carpet::{Carpet, HOURS};
-use crate::outputs::pictures::colours::{COMPONENTS, label};
+use crate::outputs::pictures::colours::{COMPONENTS, ColourScale};
 use crate::outputs::provenance::Provenance;
+use crate::outputs::quantities::Quantity;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::{By, Layout};
 use crate::stream::{Tile, TileSink, TileStream};
 use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::site::receiver::Receiver;
 
 /// Longer series have a column of hours for each month, shorter ones for each day.
 const MOST_DAYS: usize = 62;
 /// More bars are thinner than a point.
 const MOST_BARS: usize = 800;
+/// How far a bar's colour lies from the middle of a scale around zero.
+const BAR_SHARE: f32 = 0.6;
 /// Of a total that has no parts.
 const ONE_COLOUR: [u8; 3] = [0x5b, 0x67, 0x72];
 
@@ -102,98 +106,154 @@ pub struct AreaChart<'a> {
     path: &'a Path,
     plot: Plot,
     series: &'a Series<'a>,
-    layout: Layout,
+    components: ComponentList,
     means: AreaMeans,
+    /// Of a comparison: the means after.
+    after: Option<AreaMeans>,
     receivers: Box<dyn Iterator<Item = Result<Receiver>> + 'a>,
 }
 
 impl<'a> AreaChart<'a> {
-    /// A chart in an SVG file: bars of days, months, years or conditions, hours of the day by month of hours.
-    pub fn new(path: &'a Path, stream: &TileStream<'a>) -> Result<Self> {
+    /// A chart in an SVG file: bars of days, months, years or conditions, hours of the day by month of hours. Of a comparison the chart shows
+    /// the change of what stands for all.
+    pub fn new(path: &'a Path, stream: &TileStream<'a>, question: Question) -> Result<Self> {
         let plot = Plot::of(path, stream.series.every)?;
-        let (labels, components) = (stream.series.kind, stream.light.columns());
-        let layout = Layout { labels, by: By::Receiver, components, facts: Vec::new() };
-        let means = AreaMeans::new(layout.components(), stream.series.labels.len());
+        let components = stream.light.columns();
+        let means = AreaMeans::new(components.as_slice(), stream.series.labels.len());
+        let after = (question == Question::Change).then(|| means.clone());
         let receivers = Box::new(stream.receivers.receivers());
-        Ok(AreaChart { path, plot, series: stream.series, layout, means, receivers })
+        Ok(AreaChart { path, plot, series: stream.series, components, means, after, receivers })
     }
 
     /// Writes the chart; `called` says what is shown.
     pub fn finish(self, called: &str, about: &Provenance) -> Result<()> {
-        let AreaChart { path, plot, series, layout, means, .. } = self;
-        let called = format!("{called}; {}", means.called());
-        let svg = match plot {
-            Plot::Hours => carpet(&means, series, &layout, called).svg(),
-            Plot::Bars | Plot::Map => bars(&means, series, &layout, called).svg(),
+        let called = format!("{called}; {}", self.means.called());
+        let svg = match self.plot {
+            Plot::Hours => self.carpet(called).svg(),
+            Plot::Bars | Plot::Map => self.bars(called).svg(),
         };
-        let mut sink = Sink::file(path)?;
-        sink.write_all(about.in_svg(&svg).as_bytes()).map_err(Error::io(path, "write to"))?;
+        let mut sink = Sink::file(self.path)?;
+        sink.write_all(about.in_svg(&svg).as_bytes()).map_err(Error::io(self.path, "write to"))?;
         sink.finish().map(drop)
+    }
+
+    /// The mean of what stands for all, or its change: one a label.
+    fn main(&self) -> Vec<f64> {
+        let of = |means: &AreaMeans| means.mean(self.components.main()).unwrap_or_default();
+        let before = of(&self.means);
+        match &self.after {
+            Some(after) => before.iter().zip(of(after)).map(|(before, after)| after - before).collect(),
+            None => before,
+        }
+    }
+
+    /// The same in words.
+    fn layout(&self) -> Layout {
+        let of = if self.after.is_some() { Layout::of_changes } else { Layout::of_components };
+        of(self.series.kind, By::Receiver, &self.components)
+    }
+
+    fn scale(&self) -> ColourScale {
+        if self.after.is_some() { ColourScale::AroundZero } else { ColourScale::FromZero }
     }
 }
 
 impl TileSink for AreaChart<'_> {
     fn components(&self) -> ComponentSet {
-        self.layout.components.set()
+        self.components.set()
     }
 
     fn take(&mut self, tile: &Tile) -> Result<bool> {
         for (row, receiver) in self.receivers.by_ref().take(tile.ids.len()).enumerate() {
-            self.means.add(&receiver?, tile.values, row);
+            let receiver = receiver?;
+            self.means.add(&receiver, tile.values, row);
+            if let (Some(means), Some(values)) = (&mut self.after, tile.after) {
+                means.add(&receiver, values, row);
+            }
         }
         Ok(true)
     }
 }
 
-fn bars(means: &AreaMeans, series: &Series, layout: &Layout, called: String) -> Bars {
-    let parts = COMPONENTS.iter().filter(|(one, ..)| layout.components().contains(one));
-    let mut stacks: Vec<Stack> = parts
-        .map(|(one, colour, name)| {
-            let values = means.mean(*one).unwrap_or_default();
-            Stack { name: (*name).into(), colour: *colour, values }
-        })
-        .collect();
-    if stacks.is_empty() {
-        let main = layout.main();
-        let values = means.mean(main).unwrap_or_default();
-        stacks.push(Stack { name: label(main), colour: ONE_COLOUR, values });
+impl AreaChart<'_> {
+    fn bars(&self, called: String) -> Bars {
+        let layout = self.layout();
+        let main = layout.main_quantity();
+        let stacks = if self.after.is_some() { self.change(main) } else { self.parts(main) };
+        let what = if self.after.is_some() { main.words.as_str() } else { "sun and sky" };
+        let by = match self.series.every {
+            Some(Every::Day) => "day",
+            Some(Every::Month) => "month",
+            Some(_) => "year",
+            None => "condition",
+        };
+        let title = capital(&format!("{what} by {by}"));
+        let labels = self.series.labels.text.clone();
+        Bars { title, called, unit: layout.unit().into(), labels, stacks, scale: self.scale() }
     }
-    let title = match series.every {
-        Some(Every::Day) => "Sun and sky by day",
-        Some(Every::Month) => "Sun and sky by month",
-        Some(_) => "Sun and sky by year",
-        None => "Sun and sky by condition",
-    };
-    Bars { title: title.into(), called, unit: layout.unit().into(), labels: series.labels.text.clone(), stacks }
+
+    /// The components that add up to the total, as far as they are asked for, or else what stands for all.
+    fn parts(&self, main: &Quantity) -> Vec<Stack> {
+        let parts = COMPONENTS.iter().filter(|(one, ..)| self.components.as_slice().contains(one));
+        let mut stacks: Vec<Stack> = parts
+            .map(|(one, colour, name)| {
+                let values = self.means.mean(*one).unwrap_or_default();
+                Stack { name: (*name).into(), colour: *colour, values }
+            })
+            .collect();
+        if stacks.is_empty() {
+            stacks.push(Stack { name: main.words.clone(), colour: ONE_COLOUR, values: self.main() });
+        }
+        stacks
+    }
+
+    /// Gains and losses, each in its colour.
+    fn change(&self, main: &Quantity) -> Vec<Stack> {
+        let (scale, values) = (self.scale(), self.main());
+        let stack = |name: &str, share: f32, of: fn(f64) -> f64| Stack {
+            name: format!("{name}, {}", main.words),
+            colour: scale.on_paper(share),
+            values: values.iter().copied().map(of).collect(),
+        };
+        let [loss, gain] = scale.ends().unwrap_or_default();
+        vec![stack(gain, BAR_SHARE, |value| value.max(0.0)), stack(loss, -BAR_SHARE, |value| value.min(0.0))]
+    }
+
+    fn carpet(&self, called: String) -> Carpet {
+        let values = self.main();
+        let stamps = || self.series.conditions.iter().map(|condition| condition.stamp);
+        let mut days: Vec<(u32, u32)> = stamps().flatten().map(|stamp| (stamp.date.month, stamp.date.day)).collect();
+        days.sort_unstable();
+        days.dedup();
+        let by_month = days.len() > MOST_DAYS;
+        let (mut labels, mut sums) = (Vec::<String>::new(), Vec::<[(f64, u32); HOURS]>::new());
+        for (stamp, value) in stamps().zip(values) {
+            let Some(stamp) = stamp else { continue };
+            let (date, minutes) = stamp.date.after(stamp.start_min);
+            let name =
+                if by_month { format!("{:02}", date.month) } else { format!("{:02}-{:02}", date.month, date.day) };
+            let place = labels.iter().position(|label| *label == name).unwrap_or_else(|| {
+                labels.push(name);
+                sums.push([(0.0, 0); HOURS]);
+                labels.len() - 1
+            });
+            // Rows of several hours fill them all, as far as their day goes.
+            let first = (minutes / 60.0 + 1e-9) as usize;
+            let hours = (stamp.hours.ceil().max(1.0) as usize).min(HOURS);
+            for cell in sums.get_mut(place).into_iter().flatten().skip(first).take(hours) {
+                *cell = (cell.0 + value, cell.1 + 1);
+            }
+        }
+        let mean = |(sum, count): (f64, u32)| (count > 0).then(|| sum / f64::from(count));
+        let columns = sums.into_iter().map(|hours| hours.map(mean)).collect();
+        let by = if by_month { "month" } else { "day" };
+        let title = format!("{} by hour and {by}, W/m2", self.layout().main_quantity().words);
+        Carpet { title, called, labels, columns, scale: self.scale() }
+    }
 }
 
-fn carpet(means: &AreaMeans, series: &Series, layout: &Layout, called: String) -> Carpet {
-    let main = layout.main();
-    let values = means.mean(main).unwrap_or_default();
-    let stamps = || series.conditions.iter().map(|condition| condition.stamp);
-    let mut days: Vec<(u32, u32)> = stamps().flatten().map(|stamp| (stamp.date.month, stamp.date.day)).collect();
-    days.sort_unstable();
-    days.dedup();
-    let by_month = days.len() > MOST_DAYS;
-    let (mut labels, mut sums) = (Vec::<String>::new(), Vec::<[(f64, u32); HOURS]>::new());
-    for (stamp, value) in stamps().zip(values) {
-        let Some(stamp) = stamp else { continue };
-        let (date, minutes) = stamp.date.after(stamp.start_min);
-        let name = if by_month { format!("{:02}", date.month) } else { format!("{:02}-{:02}", date.month, date.day) };
-        let place = labels.iter().position(|label| *label == name).unwrap_or_else(|| {
-            labels.push(name);
-            sums.push([(0.0, 0); HOURS]);
-            labels.len() - 1
-        });
-        // Rows of several hours fill them all, as far as their day goes.
-        let first = (minutes / 60.0 + 1e-9) as usize;
-        let hours = (stamp.hours.ceil().max(1.0) as usize).min(HOURS);
-        for cell in sums.get_mut(place).into_iter().flatten().skip(first).take(hours) {
-            *cell = (cell.0 + value, cell.1 + 1);
-        }
-    }
-    let mean = |(sum, count): (f64, u32)| (count > 0).then(|| sum / f64::from(count));
-    let columns = sums.into_iter().map(|hours| hours.map(mean)).collect();
-    let by = if by_month { "month" } else { "day" };
-    Carpet { title: format!("{} by hour and {by}, W/m2", label(main)), called, labels, columns }
+/// Words that begin a title.
+fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect()
 }

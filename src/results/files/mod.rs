@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::archives::Archives;
-use super::stream::TileStream;
+use super::stream::{TileSink, TileStream};
 use crate::outputs::city_model::is_city_model;
 use crate::outputs::periods::Every;
 use crate::outputs::results::ResultFormat;
@@ -25,7 +25,7 @@ use heliotile_core::replay::components::ComponentList;
 pub use charts::AreaChart;
 pub use city_model::CityModelSink;
 pub use map::{crs_of, surroundings};
-pub use results::{MapFile, ResultRows, ResultSink};
+pub use results::{MapFile, Question, ResultRows, ResultSink};
 
 /// Where results go.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -76,6 +76,11 @@ impl FileRequest {
         }
     }
 
+    /// Whether a table is asked for. With pictures, the standard output is not asked for by saying nothing.
+    fn wants_table(&self) -> bool {
+        self.plots.is_empty() || self.output != Path::new("-")
+    }
+
     /// Writes the results of a stream; `place` is that of the archive or of the atlas. What was done, where that is worth a sentence.
     pub fn write(&self, stream: &TileStream, archives: Archives, place: &Path) -> Result<Option<String>> {
         let about = stream.about(archives, place);
@@ -86,7 +91,11 @@ impl FileRequest {
                 sink.finish(&about, stream.resources.observer).map(Some)
             }
             (_, Some(folder)) => honeybee::write(stream, self.by, folder, about).map(Some),
-            _ => results::write(self, stream, &about, place).map(|()| None),
+            _ => {
+                let called = format!("{} under {}", name_of(place), stream.series.called);
+                let feed = |sink: &mut dyn TileSink| stream.feed(sink);
+                results::write(self, Question::Irradiance, stream, &called, &about, place, feed).map(|()| None)
+            }
         }
     }
 }

@@ -3,12 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
+use super::FileRequest;
 use super::charts::{AreaChart, Plot};
 use super::map::{MapStart, say_large};
-use super::{FileRequest, name_of};
-use crate::outputs::groups::{GroupMeans, Groups};
+use crate::outputs::groups::{Extent, GroupMeans, Groups};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
+use crate::outputs::quantities::PlaceValues;
 use crate::outputs::result_table::ResultTable;
 use crate::outputs::results::{ResultFormat, ResultWriter};
 use crate::outputs::shapes::writer::MapFormat;
@@ -19,10 +20,22 @@ use crate::stream::{Sinks, Tile, TileSink, TileStream};
 use heliotile_core::error::Result;
 use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
-use heliotile_core::replay::components::ComponentSet;
+use heliotile_core::replay::components::{ComponentList, ComponentSet};
+use heliotile_core::replay::values::TileValues;
+
+/// What the columns of results say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// What places get.
+    Irradiance,
+    /// What places get before and after, and how that changes.
+    Change,
+}
 
 /// The rows of a file: which columns they have, and how many of them each place has.
 pub struct ResultRows {
+    question: Question,
+    components: ComponentList,
     layout: Layout,
     labels: RowLabels,
     every: Option<Every>,
@@ -31,7 +44,8 @@ pub struct ResultRows {
 /// Files of the same rows, being written.
 pub struct ResultSink<'a> {
     rows: &'a ResultRows,
-    means: Option<GroupMeans>,
+    /// Of groups: their means in each archive, in the order of [`Tile::sides`].
+    means: Vec<GroupMeans>,
     /// A table that begins with the first tile.
     table: Option<TableStart<'a>>,
     writers: Vec<(PathBuf, ResultWriter<'a>)>,
@@ -56,19 +70,23 @@ struct TableStart<'a> {
 
 impl ResultRows {
     /// Rows of a stream about receivers or groups of them, and these groups; `place` is that of the archive or of the atlas.
-    pub fn new(stream: &TileStream, by: By, place: &Path) -> Result<(Self, Option<Groups>)> {
-        let series = stream.series;
-        let mut layout = Layout { labels: series.kind, by, components: stream.light.columns(), facts: Vec::new() };
+    pub fn new(stream: &TileStream, question: Question, by: By, place: &Path) -> Result<(Self, Option<Groups>)> {
+        let (series, components) = (stream.series, stream.light.columns());
+        let mut layout = match question {
+            Question::Irradiance => Layout::of_components(series.kind, by, &components),
+            Question::Change => Layout::of_changes(series.kind, by, &components),
+        };
         let groups = match by {
             By::Receiver => None,
             by => {
                 let receivers = stream.receivers;
                 let groups = Groups::new(receivers.receivers(), by, place)?.facing(receivers.north());
-                layout.facts = groups.facts(by, &layout.components);
+                layout.facts = groups.facts(by, layout.has_energy);
                 Some(groups)
             }
         };
-        Ok((ResultRows { layout, labels: series.labels.clone(), every: series.every }, groups))
+        let (labels, every) = (series.labels.clone(), series.every);
+        Ok((ResultRows { question, components, layout, labels, every }, groups))
     }
 
     /// The columns.
@@ -90,15 +108,17 @@ impl ResultRows {
 impl<'a> ResultSink<'a> {
     /// A sink of rows that no file takes yet.
     pub fn new(rows: &'a ResultRows, groups: Option<Groups>, stream: &TileStream) -> Result<Self> {
-        let memory = stream.resources.memory.share(Use::SurfaceSums);
-        let (components, labels) = (rows.layout.components(), rows.labels.len());
-        let means = groups.map(|groups| GroupMeans::new(groups, components, labels, memory)).transpose()?;
-        Ok(ResultSink { rows, means, table: None, writers: Vec::new() })
+        let sides = if rows.question == Question::Change { 2 } else { 1 };
+        let memory = stream.resources.memory.share(Use::SurfaceSums) / sides;
+        let (components, labels) = (rows.components.as_slice(), rows.labels.len());
+        let means = groups.into_iter().flat_map(|groups| (0..sides).map(move |_| groups.clone()));
+        let means = means.map(|groups| GroupMeans::new(groups, components, labels, memory));
+        Ok(ResultSink { rows, means: means.collect::<Result<_>>()?, table: None, writers: Vec::new() })
     }
 
     /// Also writes a table, which begins once the replay is known to work.
     pub fn with_table(mut self, path: &Path, stream: &TileStream<'a>, about: &Provenance) -> Self {
-        let (receivers, groups) = (stream.receivers, self.means.as_ref().map(|means| means.groups().names().to_vec()));
+        let (receivers, groups) = (stream.receivers, self.means.first().map(|means| means.groups().names().to_vec()));
         let count = groups.as_ref().map_or(receivers.count(), |groups| groups.len() as u64);
         let names = move || groups.as_ref().map_or_else(|| receivers.names(), |groups| Ok(groups.clone()));
         let (path, about) = (path.to_owned(), about.clone());
@@ -117,17 +137,27 @@ impl<'a> ResultSink<'a> {
     ) -> Result<Self> {
         for MapFile { path, format } in maps {
             let map = MapStart { path, format: *format, share: maps.len(), rows: self.rows, called, about };
-            let map = map.start(stream, self.means.as_ref().map(GroupMeans::groups), place)?;
+            let map = map.start(stream, self.means.first().map(GroupMeans::groups), place)?;
             self.writers.push((path.clone(), ResultWriter::Map(Box::new(map))));
         }
         Ok(self)
     }
 
+    /// Hands the values of some places in all archives to all files.
+    fn write(&mut self, names: &[String], sides: &[&TileValues], extents: &[Extent]) -> Result<()> {
+        let values = PlaceValues::of(sides, self.rows.components.as_slice());
+        self.writers.iter_mut().try_for_each(|(_, to)| to.write_tile(names, &values, extents))
+    }
+
     /// Completes the files.
     pub fn finish(mut self, observer: &dyn Observer) -> Result<()> {
-        let groups = self.means.take();
-        for (names, values, extents) in groups.iter().flat_map(GroupMeans::tiles) {
-            self.writers.iter_mut().try_for_each(|(_, to)| to.write_tile(&names, &values, extents))?;
+        let means = std::mem::take(&mut self.means);
+        let mut sides: Vec<_> = means.iter().map(GroupMeans::tiles).collect();
+        while let Some(tiles) = sides.iter_mut().map(Iterator::next).collect::<Option<Vec<_>>>() {
+            let values: Vec<&TileValues> = tiles.iter().map(|(_, values, _)| values).collect();
+            // An archive or two always have a first one.
+            let Some((names, _, extents)) = tiles.first() else { break };
+            self.write(names, &values, extents)?;
         }
         for (path, writer) in self.writers {
             if let Some(stats) = writer.finish()? {
@@ -140,7 +170,7 @@ impl<'a> ResultSink<'a> {
 
 impl TileSink for ResultSink<'_> {
     fn components(&self) -> ComponentSet {
-        self.rows.layout.components.set()
+        self.rows.components.set()
     }
 
     fn start(&mut self) -> Result<()> {
@@ -153,38 +183,42 @@ impl TileSink for ResultSink<'_> {
     }
 
     fn take(&mut self, tile: &Tile) -> Result<bool> {
-        match &mut self.means {
-            Some(means) => means.add(tile.values)?,
-            None => self.writers.iter_mut().try_for_each(|(_, to)| to.write_tile(tile.ids, tile.values, &[]))?,
+        match self.means.is_empty() {
+            true => self.write(tile.ids, &tile.sides().collect::<Vec<_>>(), &[])?,
+            false => self.means.iter_mut().zip(tile.sides()).try_for_each(|(means, values)| means.add(values))?,
         }
         Ok(!self.writers.iter().any(|(_, to)| to.is_closed()))
     }
 }
 
-/// Writes the files of a request; `place` is that of the archive or of the atlas.
-pub fn write(request: &FileRequest, stream: &TileStream, about: &Provenance, place: &Path) -> Result<()> {
+/// Writes the files of a request, of what `feed` hands on; `place` is that of the archive or of the atlas, and `called` says what is shown.
+pub fn write<'s>(
+    request: &'s FileRequest,
+    question: Question,
+    stream: &TileStream<'s>,
+    called: &str,
+    about: &Provenance,
+    place: &Path,
+    feed: impl FnOnce(&mut dyn TileSink) -> Result<()>,
+) -> Result<()> {
     let output = request.output.as_path();
     let plots = Plot::all(&request.plots, stream.series)?;
-    let called = format!("{} under {}", name_of(place), stream.series.called);
-    let (rows, groups) = ResultRows::new(stream, request.by, place)?;
+    let (rows, groups) = ResultRows::new(stream, question, request.by, place)?;
     let mut maps = Vec::new();
     let mut sink = ResultSink::new(&rows, groups, stream)?;
     match ResultFormat::of(output, request.geo)? {
         ResultFormat::Map(format) => maps.push(MapFile { path: output.to_owned(), format }),
-        // With pictures, the standard output is not asked for by saying nothing.
-        ResultFormat::Table(_) if plots.is_empty() || output != Path::new("-") => {
-            sink = sink.with_table(output, stream, about);
-        }
+        ResultFormat::Table(_) if request.wants_table() => sink = sink.with_table(output, stream, about),
         ResultFormat::Table(_) => {}
     }
     let drawn = plots.iter().filter(|(_, plot)| *plot == Plot::Map);
     maps.extend(drawn.map(|(path, _)| MapFile { path: path.to_path_buf(), format: MapFormat::Png }));
-    sink = sink.with_maps(&maps, stream, &called, about, place)?;
+    sink = sink.with_maps(&maps, stream, called, about, place)?;
     let charts = plots.iter().filter(|(_, plot)| *plot != Plot::Map);
-    let mut charts = charts.map(|(path, _)| AreaChart::new(path, stream)).collect::<Result<Vec<_>>>()?;
+    let mut charts = charts.map(|(path, _)| AreaChart::new(path, stream, question)).collect::<Result<Vec<_>>>()?;
     let mut sinks = Sinks(vec![&mut sink]);
     sinks.0.extend(charts.iter_mut().map(|chart| chart as &mut dyn TileSink));
-    stream.feed(&mut sinks)?;
+    feed(&mut sinks)?;
     sink.finish(stream.resources.observer)?;
-    charts.into_iter().try_for_each(|chart| chart.finish(&called, about))
+    charts.into_iter().try_for_each(|chart| chart.finish(called, about))
 }

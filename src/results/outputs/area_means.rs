@@ -6,6 +6,7 @@ use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
 
 /// Means over receivers, being added up.
+#[derive(Clone, Debug)]
 pub struct AreaMeans {
     components: Vec<Component>,
     /// `[component][label]`: sums times areas, and plain ones.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::outputs::tables::layout::{By, Fact};
 
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::{Component, ComponentList};
+use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
@@ -148,17 +148,16 @@ impl Groups {
         Error::defect(&self.file, "receivers", "groups", what)
     }
 
-    /// What a table says of them besides: areas and sums where all have an area (sums, if totals are asked for), and where
+    /// What a table says of them besides: areas and sums where all have an area (sums, if they are an energy), and where
     /// surfaces look, if all of them are surfaces and no mere names of several.
-    pub fn facts(&self, by: By, components: &ComponentList) -> Vec<Fact> {
+    pub fn facts(&self, by: By, has_energy: bool) -> Vec<Fact> {
         let has_areas = !self.extents.is_empty() && self.extents.iter().all(|extent| extent.area_m2.is_some());
-        let has_total = components.as_slice().contains(&Component::Total);
         let has_sides = by == By::Surface && self.extents.iter().all(|extent| extent.agreement >= ONE_WAY);
         let facts = [
             (Fact::Area, has_areas),
             (Fact::Tilt, has_sides),
             (Fact::Azimuth, has_sides),
-            (Fact::Sum, has_areas && has_total),
+            (Fact::Sum, has_areas && has_energy),
         ];
         facts.into_iter().filter_map(|(fact, is_known)| is_known.then_some(fact)).collect()
     }

@@ -18,6 +18,7 @@ pub mod periods;
 pub mod pictures;
 pub mod provenance;
 pub mod pv;
+pub mod quantities;
 pub mod receivers;
 pub mod result_table;
 pub mod results;

@@ -1,25 +1,32 @@
-//! Results as a table. In: irradiances of tiles as the engine gives them, and how large groups are. Out: rows in any format of tables.
+//! Results as a table. In: arrays of values of some places, and how large groups are. Out: rows in any format of tables.
 
 use std::borrow::Cow;
 use std::path::Path;
 
 use crate::outputs::groups::Extent;
 use crate::outputs::provenance::Provenance;
+use crate::outputs::quantities::{ChangeKind, PlaceValues, Quantity, ValueSource};
 use crate::outputs::tables::batch::{Batch, Values};
-use crate::outputs::tables::format::Places;
+use crate::outputs::tables::column::Digits;
+use crate::outputs::tables::format::{Format, Places};
 use crate::outputs::tables::layout::{Fact, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::outputs::tables::writer::{Stats, TableWriter};
 use heliotile_core::error::Result;
-use heliotile_core::replay::components::Component;
-use heliotile_core::replay::values::TileValues;
 use heliotile_core::units::tilt_and_azimuth;
 
 /// A table of results being written.
 pub struct ResultTable {
     table: TableWriter,
-    layout: Layout,
+    rows: TableRows,
     labels: usize,
+}
+
+/// What rows hold.
+struct TableRows {
+    layout: Layout,
+    /// Digits of arrays in a format of text: changes are those of the numbers that it shows, so that they add up as these do.
+    rounding: Option<Digits>,
 }
 
 impl ResultTable {
@@ -32,19 +39,20 @@ impl ResultTable {
         about: &Provenance,
     ) -> Result<Self> {
         let table = TableWriter::create(path, layout.columns(labels), *places, Some(about))?;
-        Ok(ResultTable { table, layout: layout.clone(), labels: labels.len() })
+        let rounding = (Format::of(path)? == Format::Csv).then(|| layout.digits_of_irradiance());
+        Ok(ResultTable { table, rows: TableRows { layout: layout.clone(), rounding }, labels: labels.len() })
     }
 
-    /// Appends the rows of a tile; a shape other than names x labels is an error, nothing is written then.
+    /// Appends the rows of some places; a shape other than names x labels is an error, nothing is written then.
     /// `extents` are those of groups, as many as rows have names; none for receivers.
-    pub fn write_tile(&mut self, names: &[String], values: &TileValues, extents: &[Extent]) -> Result<()> {
-        let (came, expected) = ((values.receivers(), values.labels()), (names.len(), self.labels));
+    pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
+        let (came, expected) = ((values.places(), values.labels()), (names.len(), self.labels));
         if came != expected {
             let what =
                 format!("values of {} places x {} labels do not fit {} x {}", came.0, came.1, expected.0, expected.1);
             return Err(self.table.defect(what));
         }
-        self.table.write(&batch(names, values, &self.layout, extents))
+        self.table.write(&self.rows.batch(names, values, extents))
     }
 
     /// Whether the reader of the output has gone away: the caller may stop.
@@ -58,32 +66,66 @@ impl ResultTable {
     }
 }
 
-/// The rows of a tile of receivers, or of groups: `extents` are those of groups.
-fn batch<'v>(names: &'v [String], values: &'v TileValues, layout: &Layout, extents: &[Extent]) -> Batch<'v> {
-    let components = layout.components().iter().map(|component| Cow::Borrowed(values.component(*component)));
-    let facts = layout.facts.iter().map(|fact| Cow::Owned(fact_column(*fact, values, extents)));
-    let columns = components.chain(facts).map(Values::Floats);
-    let places = Values::Texts(Cow::Borrowed(names));
-    Batch { places: names.len(), values: std::iter::once(places).chain(columns).collect() }
+impl TableRows {
+    /// The rows of some receivers, or of groups: `extents` are those of groups.
+    fn batch<'v>(&self, names: &'v [String], values: &PlaceValues<'v>, extents: &[Extent]) -> Batch<'v> {
+        let quantities = self.layout.quantities.iter().map(|quantity| self.column(quantity, values));
+        let facts = self.layout.facts.iter().map(|fact| self.fact(*fact, values, extents));
+        let places = Values::Texts(Cow::Borrowed(names));
+        Batch { places: names.len(), values: std::iter::once(places).chain(quantities).chain(facts).collect() }
+    }
+
+    fn column<'v>(&self, quantity: &Quantity, values: &PlaceValues<'v>) -> Values<'v> {
+        match (quantity.source, self.rounding) {
+            (ValueSource::Array(number), _) => Values::Floats(Cow::Borrowed(values.array(number))),
+            (ValueSource::Change { kind, from, to }, rounding) => {
+                let pairs = values.array(from).iter().zip(values.array(to));
+                Values::Numbers(pairs.map(|(from, to)| change(kind, [*from, *to], rounding)).collect())
+            }
+        }
+    }
+
+    /// What a fact is at each row. One that holds for the whole of the time stands in each row of its group.
+    fn fact(&self, fact: Fact, values: &PlaceValues, extents: &[Extent]) -> Values<'static> {
+        let labels = values.labels();
+        let of_group: fn(&Extent) -> f64 = match fact {
+            Fact::Area => area_m2,
+            Fact::Tilt => |extent| tilt_and_azimuth(extent.normal).0,
+            Fact::Azimuth => |extent| tilt_and_azimuth(extent.normal).1,
+            Fact::Sum => return self.sums(values, extents),
+        };
+        let all = extents.iter().flat_map(|extent| std::iter::repeat_n(of_group(extent) as f32, labels));
+        let all = all.chain(std::iter::repeat(0.0)).take(values.places() * labels);
+        Values::Floats(all.collect())
+    }
+
+    /// What all of a group gets.
+    fn sums(&self, values: &PlaceValues, extents: &[Extent]) -> Values<'static> {
+        let main = self.layout.main_quantity().source;
+        let of_group = |(place, extent): (usize, &Extent)| {
+            let area_m2 = area_m2(extent);
+            (0..values.labels()).map(move |label| (f64::from(values.value(main, place, label)) * area_m2) as f32)
+        };
+        Values::Floats(extents.iter().take(values.places()).enumerate().flat_map(of_group).collect())
+    }
 }
 
-/// What a fact is at each row. One that holds for the whole of the time stands in each row of its group.
-fn fact_column(fact: Fact, values: &TileValues, extents: &[Extent]) -> Vec<f32> {
-    let labels = values.labels();
-    let of_group: fn(&Extent) -> f64 = match fact {
-        Fact::Area => area_m2,
-        Fact::Tilt => |extent| tilt_and_azimuth(extent.normal).0,
-        Fact::Azimuth => |extent| tilt_and_azimuth(extent.normal).1,
-        Fact::Sum => return sums(values, extents),
-    };
-    let all = extents.iter().flat_map(|extent| std::iter::repeat_n(of_group(extent) as f32, labels));
-    all.chain(std::iter::repeat(0.0)).take(values.receivers() * labels).collect()
+/// How a number changes; of numbers as a format of text shows them the difference is exact to their last digit.
+fn change(kind: ChangeKind, pair: [f32; 2], rounding: Option<Digits>) -> Option<f64> {
+    let pair = pair.map(f64::from);
+    let Some(digits) = rounding else { return kind.of(pair[0], pair[1]) };
+    let decimals = pair.map(|value| digits.decimals(value));
+    let shown = [0, 1].map(|side| at_decimals(pair[side], decimals[side]));
+    let found = kind.of(shown[0], shown[1])?;
+    Some(match kind {
+        ChangeKind::Difference => at_decimals(found, decimals.into_iter().flatten().max()),
+        ChangeKind::Percent => found,
+    })
 }
 
-/// What all of a group gets.
-fn sums(values: &TileValues, extents: &[Extent]) -> Vec<f32> {
-    let means = values.component(Component::Total).chunks(values.labels().max(1)).zip(extents);
-    means.flat_map(|(row, extent)| row.iter().map(|mean| (f64::from(*mean) * area_m2(extent)) as f32)).collect()
+/// The number that is shown with so many decimals, or with all of them; no -0.
+fn at_decimals(value: f64, count: Option<usize>) -> f64 {
+    0.0 + count.and_then(|count| format!("{value:.count$}").parse().ok()).unwrap_or(value)
 }
 
 fn area_m2(extent: &Extent) -> f64 {
@@ -95,13 +137,15 @@ mod tests {
     use super::*;
     use crate::outputs::tables::layout::{By, Labels};
     use glam::DVec3;
+    use heliotile_core::replay::components::{Component, ComponentList};
+    use heliotile_core::replay::values::TileValues;
 
     /// Two surfaces of 10 and 4 m2 with totals of 800 and 500 kWh/m2 sum to 8000 and 2000 kWh; the second looks south at 30 degrees.
     #[test]
     fn facts() {
-        let components = "total".parse().expect("a name");
+        let components: ComponentList = "total".parse().expect("a name");
         let facts = vec![Fact::Area, Fact::Tilt, Fact::Azimuth, Fact::Sum];
-        let layout = Layout { labels: Labels::Sums, by: By::Surface, components, facts };
+        let layout = Layout { facts, ..Layout::of_components(Labels::Sums, By::Surface, &components) };
         let mut values = TileValues::new(2, 1);
         values.component_mut(Component::Total).copy_from_slice(&[800.0, 500.0]);
         let extents = [
@@ -109,12 +153,28 @@ mod tests {
             Extent { area_m2: Some(4.0), normal: DVec3::new(0.0, -0.5, 0.75_f64.sqrt()), agreement: 1.0 },
         ];
         let names = ["roof", "wall"].map(str::to_owned);
-        let rows = batch(&names, &values, &layout, &extents);
+        let rows = TableRows { layout: layout.clone(), rounding: None };
+        let values = PlaceValues::of(&[&values], components.as_slice());
+        let rows = rows.batch(&names, &values, &extents);
         let second: Vec<f32> = rows.values.iter().skip(1).map(|column| column.floats()[1]).collect();
         assert_eq!(second, [500.0, 4.0, 30.0, 180.0, 2000.0]);
         assert_eq!(rows.values[5].floats()[..], [8000.0, 2000.0]);
         assert_eq!(rows.misfit(&layout.columns(&RowLabels::words(vec!["total".into()]))), None);
         assert_eq!(layout.names()[2..], ["total_kwh_m2", "area_m2", "tilt_deg", "azimuth_deg", "total_kwh"]);
         assert_eq!(layout.units(), ["kWh/m2", "m2", "deg", "deg", "kWh"]);
+    }
+
+    /// Changes are differences of the numbers that text shows, to their last digit, and those of all digits elsewhere; percent of nothing is
+    /// no number: 7 pairs.
+    #[test]
+    fn changes_add_up_as_text() {
+        let of = |pair: [f32; 2], digits| change(ChangeKind::Difference, pair, Some(digits)).expect("a number");
+        assert_eq!(of([1270.8849, 1265.1251], Digits::Six), -5.75);
+        assert_eq!(of([998.7651, 1012.3449], Digits::Six), 13.575);
+        assert_eq!(of([0.765_432_1, 1012.34], Digits::Six), 1_011.574_568);
+        assert_eq!(of([0.000_4, 12.000_6], Digits::Thousandths), 12.001);
+        assert_eq!(change(ChangeKind::Difference, [1.5, 1.25], None), Some(-0.25));
+        let percent = |pair| change(ChangeKind::Percent, pair, None);
+        assert_eq!((percent([80.0, 60.0]), percent([0.0, 60.0])), (Some(-25.0), None));
     }
 }

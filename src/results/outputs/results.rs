@@ -1,13 +1,13 @@
-//! Results in a format by the ending of their name: a table or a map. In: tiles of values. Out: a file, whole or not there.
+//! Results in a format by the ending of their name: a table or a map. In: values of places. Out: a file, whole or not there.
 
 use std::path::Path;
 
 use crate::outputs::groups::Extent;
+use crate::outputs::quantities::PlaceValues;
 use crate::outputs::result_table::ResultTable;
 use crate::outputs::shapes::writer::{MapFormat, MapStats, MapWriter};
 use crate::outputs::tables::format::Format;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::values::TileValues;
 
 /// The file format of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,8 +54,8 @@ pub enum ResultWriter<'a> {
 }
 
 impl ResultWriter<'_> {
-    /// Appends the rows of a tile; `extents` are those of groups, none for receivers.
-    pub fn write_tile(&mut self, names: &[String], values: &TileValues, extents: &[Extent]) -> Result<()> {
+    /// Appends the rows of some places; `extents` are those of groups, none for receivers.
+    pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
         match self {
             ResultWriter::Table(table) => table.write_tile(names, values, extents),
             ResultWriter::Map(map) => map.write_tile(names, values, extents),

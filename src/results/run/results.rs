@@ -10,8 +10,8 @@ use crate::outputs::annual::{AnnualRow, AnnualTable};
 use crate::outputs::kinds_and_sides::KindsAndSides;
 use crate::outputs::shapes::writer::MapFormat;
 use crate::{
-    Archives, AreaChart, By, CityModelSink, CoarseSinks, Every, LightChoice, MapFile, Provenance, ReceiverSet,
-    ReplayRequest, Resources, ResultRows, ResultSink, Series, Sinks, Tile, TileSink, TileStream, name_of,
+    Archives, AreaChart, By, CityModelSink, CoarseSinks, Every, LightChoice, MapFile, Provenance, Question,
+    ReceiverSet, ReplayRequest, Resources, ResultRows, ResultSink, Series, Sinks, Tile, TileSink, TileStream, name_of,
 };
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
@@ -98,7 +98,7 @@ impl RunResults<'_> {
         let (annual, month) = (of(Every::Total), of(Every::Month));
         let about = annual.about(archives, place);
 
-        let (rows, _) = ResultRows::new(&annual, By::Receiver, place)?;
+        let (rows, _) = ResultRows::new(&annual, Question::Irradiance, By::Receiver, place)?;
         let called = format!("{} under {}", name_of(place), name_of(&asked.weather));
         let paths = if with_annual { self.maps() } else { Vec::new() };
         let sums = with_annual.then(|| {
@@ -110,11 +110,12 @@ impl RunResults<'_> {
         });
         let mut sums = sums.transpose()?;
         let mut maps = ResultSink::new(&rows, None, &annual)?.with_maps(&paths, &annual, &called, &about, place)?;
-        let mut chart = AreaChart::new(&files.chart, &month)?;
+        let mut chart = AreaChart::new(&files.chart, &month, Question::Irradiance)?;
         let model = self.city_model.filter(|_| with_periods);
         let model = model.map(|model| CityModelSink::new(&annual, model, &files.city_model, place));
         let mut model = model.transpose()?;
-        let rows = table_periods.iter().map(|every| Ok((*every, ResultRows::new(&of(*every), asked.by, place)?)));
+        let rows_of = |every: Every| ResultRows::new(&of(every), Question::Irradiance, asked.by, place);
+        let rows = table_periods.iter().map(|every| Ok((*every, rows_of(*every)?)));
         let rows = rows.collect::<Result<Vec<_>>>()?;
         let mut tables = Vec::new();
         for (every, (rows, groups)) in &rows {

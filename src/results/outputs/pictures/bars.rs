@@ -1,7 +1,9 @@
-//! Bars that are stacked: sums of periods by component. In: names, values. Out: SVG, a rectangle for each value above zero.
+//! Bars that are stacked: sums of periods by component, or how these change. In: names, values. Out: SVG, a rectangle for each value above zero,
+//! and below it where there are losses.
 
 use super::canvas::{Rgb, Side};
-use super::scale::{round_steps, words};
+use super::colours::ColourScale;
+use super::scale::words;
 use super::svg::{Axis, BLACK, Frame, LETTERS, SWATCH, Svg, wide};
 
 /// A picture of bars.
@@ -12,15 +14,17 @@ pub struct Bars {
     pub unit: String,
     /// One a bar.
     pub labels: Vec<String>,
-    /// From the bottom up.
+    /// From zero up and down.
     pub stacks: Vec<Stack>,
+    /// Whether bars stand on both sides of zero.
+    pub scale: ColourScale,
 }
 
 /// A part of all bars.
 pub struct Stack {
     pub name: String,
     pub colour: Rgb,
-    /// One a bar; what is below zero has no height.
+    /// One a bar; what is below zero has no height on a scale from zero.
     pub values: Vec<f64>,
 }
 
@@ -33,10 +37,16 @@ impl Bars {
     /// The picture.
     pub fn svg(&self) -> String {
         let count = self.labels.len().max(1) as f64;
-        let total = |bar: usize| self.stacks.iter().map(|stack| stack.height(bar)).sum::<f64>();
-        let ticks = round_steps((0..self.labels.len()).map(total).fold(0.0, f64::max), 5);
+        let side = |bar: usize, is_up: bool| {
+            let heights = self.stacks.iter().map(|stack| self.height(stack, bar));
+            heights.filter(|height| (*height > 0.0) == is_up).sum::<f64>().abs()
+        };
+        let largest = (0..self.labels.len()).flat_map(|bar| [side(bar, true), side(bar, false)]).fold(0.0, f64::max);
+        let ticks = self.scale.ticks(largest);
         let top = ticks.last().copied().unwrap_or(1.0);
-        let ticks: Vec<(f64, String)> = ticks.into_iter().map(|tick| (tick / top, words(tick))).collect();
+        let least = self.scale.least(top);
+        let (zero, whole) = (-least / (top - least), top - least);
+        let ticks: Vec<(f64, String)> = ticks.into_iter().map(|tick| ((tick - least) / whole, words(tick))).collect();
         let middle = |(bar, label): (usize, &String)| ((bar as f64 + 0.5) / count, label.clone());
         let labels: Vec<(f64, String)> = self.labels.iter().enumerate().map(middle).collect();
 
@@ -47,16 +57,19 @@ impl Bars {
         let gap = if count > 60.0 { 0.0 } else { 0.14 };
         for bar in 0..self.labels.len() {
             let [from, to] = [bar as f64 + gap, (bar + 1) as f64 - gap].map(|at| at / count);
-            let mut below = 0.0;
+            let (mut below, mut above) = (zero, zero);
             for stack in &self.stacks {
-                let share = stack.height(bar) / top;
+                let share = self.height(stack, bar) / whole;
                 if share > 0.0 {
                     page.rectangle([FRAME.at(from, below + share), FRAME.at(to, below)], stack.colour);
                     below += share;
+                } else if share < 0.0 {
+                    page.rectangle([FRAME.at(from, above), FRAME.at(to, above + share)], stack.colour);
+                    above += share;
                 }
             }
         }
-        page.line(&[FRAME.at(0.0, 0.0), FRAME.at(1.0, 0.0)], 1.0, BLACK);
+        page.line(&[FRAME.at(0.0, zero), FRAME.at(1.0, zero)], 1.0, BLACK);
         self.legend(&mut page);
         page.finish()
     }
@@ -66,18 +79,19 @@ impl Bars {
         let y = FRAME.top - 18.0;
         page.text(&self.unit, (16.0, y), LETTERS, Side::Left, BLACK);
         let x = 36.0 + LETTERS * wide(&self.unit);
-        let there = || self.stacks.iter().filter(|stack| stack.values.iter().any(|value| *value > 0.0));
+        let bars = 0..self.labels.len();
+        let is_there = |stack: &&Stack| bars.clone().any(|bar| self.height(stack, bar) != 0.0);
+        let there = || self.stacks.iter().filter(is_there);
         let names: Vec<&str> = there().map(|stack| stack.name.as_str()).collect();
         for (stack, (x, y)) in there().zip(page.legend((x, y), &names)) {
             page.rectangle([(x, y - 6.0), (x + SWATCH, y + 6.0)], stack.colour);
         }
     }
-}
 
-impl Stack {
-    /// Of a bar; what is no number above zero has none.
-    fn height(&self, bar: usize) -> f64 {
-        self.values.get(bar).copied().filter(|value| value.is_finite()).unwrap_or_default().max(0.0)
+    /// Of a bar of a stack; what is no number has none.
+    fn height(&self, stack: &Stack, bar: usize) -> f64 {
+        let height = stack.values.get(bar).copied().filter(|value| value.is_finite()).unwrap_or_default();
+        if self.scale == ColourScale::FromZero { height.max(0.0) } else { height }
     }
 }
 
@@ -97,6 +111,7 @@ mod tests {
             unit: bad.into(),
             labels: vec![bad.into(), "b".into(), "c".into()],
             stacks: vec![stack([30.0, -5.0, 50.0]), stack([12.5, 40.0, f64::NAN])],
+            scale: ColourScale::FromZero,
         };
         let svg = bars.svg();
         assert!(!svg.contains("<script") && svg.matches("a&lt;script&gt;").count() == 6, "{svg}");
@@ -114,5 +129,28 @@ mod tests {
             assert!((height - value).abs() < 0.05, "{heights:?}");
         }
         assert_eq!(number(rects[0], "y"), number(rects[1], "y") + number(rects[1], "height"));
+    }
+
+    /// A gain of 40 stands above the line of zero and a loss of 10 hangs below it, on an axis from -40 to 40: 180 and 45 pixels.
+    #[test]
+    fn losses_hang_below() {
+        let stack = |values: [f64; 2], colour| Stack { name: String::new(), colour, values: values.into() };
+        let bars = Bars {
+            title: String::new(),
+            called: String::new(),
+            unit: String::new(),
+            labels: vec!["a".into(), "b".into()],
+            stacks: vec![stack([40.0, 0.0], [1, 2, 3]), stack([0.0, -10.0], [3, 2, 1])],
+            scale: ColourScale::AroundZero,
+        };
+        let svg = bars.svg();
+        let of = |colour: &str| {
+            let line = svg.lines().find(|line| line.starts_with("<rect") && line.contains(colour)).expect("a bar");
+            ["y", "height"].map(|name| {
+                let rest = line.split_once(&format!(" {name}=\"")).expect("an attribute").1;
+                rest.split('"').next().and_then(|n| n.parse::<f64>().ok()).expect("a number")
+            })
+        };
+        assert_eq!((of("#010203"), of("#030201")), ([92.0, 180.0], [272.0, 45.0]));
     }
 }

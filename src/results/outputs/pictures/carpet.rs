@@ -1,8 +1,8 @@
 //! Hours of the day by month or day, as a carpet of colours. In: a value for each hour of each column. Out: SVG in the page's colours.
 
 use super::canvas::Side;
-use super::colours::{STEPS, viridis, viridis_step};
-use super::scale::{round_steps, words};
+use super::colours::{ColourScale, STEPS};
+use super::scale::words;
 use super::svg::{Axis, BLACK, Frame, LETTERS, Svg};
 
 /// Hours of a day.
@@ -17,6 +17,8 @@ pub struct Carpet {
     pub labels: Vec<String>,
     /// `[column][hour of the day]`; hours that nobody knows stay white.
     pub columns: Vec<[Option<f64>; HOURS]>,
+    /// How values become colours.
+    pub scale: ColourScale,
 }
 
 /// Of the page, pixels.
@@ -28,10 +30,12 @@ const LEGEND: Frame = Frame { left: 72.0, right: 584.0, top: 478.0, bottom: 494.
 impl Carpet {
     /// The picture.
     pub fn svg(&self) -> String {
-        let values = self.columns.iter().flatten().flatten();
-        let ends = round_steps(values.copied().filter(|value| value.is_finite()).fold(0.0, f64::max), 5);
+        let values = self.columns.iter().flatten().flatten().copied().filter(|value| value.is_finite());
+        let ends = self.scale.ticks(values.map(|value| self.scale.reach(value as f32).into()).fold(0.0, f64::max));
         let top = ends.last().copied().unwrap_or(1.0);
-        let ends: Vec<(f64, String)> = ends.into_iter().map(|tick| (tick / top, words(tick))).collect();
+        let least = self.scale.least(top);
+        let share = |tick: f64| (tick - least) / (top - least);
+        let ends: Vec<(f64, String)> = ends.into_iter().map(|tick| (share(tick), words(tick))).collect();
         let x = |column: f64| column / self.columns.len().max(1) as f64;
         let y = |hour: usize| hour as f64 / HOURS as f64;
         let hours: Vec<(f64, String)> = (0..=HOURS).step_by(6).map(|hour| (y(hour), format!("{hour}:00"))).collect();
@@ -45,14 +49,18 @@ impl Carpet {
         for (column, hours) in self.columns.iter().enumerate() {
             for (hour, value) in hours.iter().enumerate() {
                 let Some(value) = value else { continue };
-                let colour = viridis(viridis_step((value / top) as f32));
+                let colour = self.scale.on_paper((value / top) as f32);
                 let (left, right) = (x(column as f64), x((column + 1) as f64));
                 page.rectangle([FRAME.at(left, y(hour + 1)), FRAME.at(right, y(hour))], colour);
             }
         }
-        page.colours(&LEGEND, STEPS, |step| viridis(step as u8));
+        page.colours(&LEGEND, STEPS, |step| self.scale.of_legend(step));
         page.axis(&LEGEND, Axis::Below, &ends, false);
         let beside = LEGEND.at(1.0, 0.5);
+        if let Some([low, high]) = self.scale.ends() {
+            page.text(low, (LEGEND.left, LEGEND.top - 10.0), LETTERS, Side::Left, BLACK);
+            page.text(high, (LEGEND.right, LEGEND.top - 10.0), LETTERS, Side::Right, BLACK);
+        }
         page.text("W/m2", (beside.0 + 40.0, beside.1), LETTERS, Side::Left, BLACK);
         page.finish()
     }
@@ -60,6 +68,7 @@ impl Carpet {
 
 #[cfg(test)]
 mod tests {
+    use super::super::colours::viridis;
     use super::*;
 
     /// Of 2 columns, 3 hours known, 3 rectangles stand beside those of the page and of 256 steps, in the colours of 0, a half and all of
@@ -68,7 +77,13 @@ mod tests {
     fn colours_of_hours() {
         let mut columns = vec![[None; HOURS]; 2];
         (columns[0][3], columns[1][12], columns[1][13]) = (Some(0.0), Some(250.0), Some(500.0));
-        let carpet = Carpet { title: "<i>".into(), called: "x".into(), labels: vec!["a".into(), "b".into()], columns };
+        let carpet = Carpet {
+            title: "<i>".into(),
+            called: "x".into(),
+            labels: vec!["a".into(), "b".into()],
+            columns,
+            scale: ColourScale::FromZero,
+        };
         let svg = carpet.svg();
         assert!(svg.contains(">500</text>") && !svg.contains(">600</text>"), "{svg}");
         let rects: Vec<&str> = svg.lines().filter(|line| line.starts_with("<rect")).collect();

@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use super::canvas::Rgb;
+use super::scale::round_steps;
 use heliotile_core::replay::components::Component;
 
 /// Colours of the map `viridis`.
@@ -46,11 +47,103 @@ pub const COMPONENTS: [(Component, Rgb, &str); 6] = [
 pub fn inferno(share: f32) -> Rgb {
     const STOPS: [[f32; 3]; 6] =
         [[0., 0., 4.], [66., 10., 104.], [147., 38., 103.], [221., 81., 58.], [252., 165., 10.], [252., 255., 164.]];
-    let place = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
-    let low = (place as usize).min(STOPS.len() - 2);
+    between(&STOPS, share)
+}
+
+/// The colour at a share from 0 to 1 of the way along stops, linear between them.
+fn between(stops: &[[f32; 3]], share: f32) -> Rgb {
+    let place = share.clamp(0.0, 1.0) * (stops.len() - 1) as f32;
+    let low = (place as usize).min(stops.len() - 2);
     let part = place - low as f32;
-    let (a, b) = (STOPS[low], STOPS[low + 1]);
+    let (a, b) = (stops[low], stops[low + 1]);
     [0, 1, 2].map(|i| (a[i] + (b[i] - a[i]) * part).round() as u8)
+}
+
+/// The map `PuOr` of 11 classes of ColorBrewer (C. Brewer, M. Harrower, Pennsylvania State University 2002, Apache-style licence), which
+/// colour-blind people read, too: from violet over near white to orange.
+const PUOR: [[f32; 3]; 11] = [
+    [45., 0., 75.],
+    [84., 39., 136.],
+    [128., 115., 172.],
+    [178., 171., 210.],
+    [216., 218., 235.],
+    [247., 247., 247.],
+    [254., 224., 182.],
+    [253., 184., 99.],
+    [224., 130., 20.],
+    [179., 88., 6.],
+    [127., 59., 8.],
+];
+
+/// How numbers become colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColourScale {
+    /// From zero to the largest number.
+    FromZero,
+    /// As far below zero as above it: losses are violet, gains orange.
+    AroundZero,
+}
+
+impl ColourScale {
+    /// How far from zero a number needs the scale to reach.
+    pub fn reach(self, value: f32) -> f32 {
+        if self == ColourScale::AroundZero { value.abs() } else { value }
+    }
+
+    /// The least number of a scale whose largest is this.
+    pub fn least(self, largest: f64) -> f64 {
+        if self == ColourScale::AroundZero { -largest } else { 0.0 }
+    }
+
+    /// The colour of a share of the largest number on surfaces in space: -1 to 1 around zero.
+    pub fn on_surfaces(self, share: f32) -> Rgb {
+        match self {
+            ColourScale::FromZero => inferno(share),
+            ColourScale::AroundZero => between(&PUOR, 0.5 * (share.clamp(-1.0, 1.0) + 1.0)),
+        }
+    }
+
+    /// The colour of a share of the largest number on paper, as the page takes it: -1 to 1 around zero.
+    pub fn on_paper(self, share: f32) -> Rgb {
+        match self {
+            ColourScale::FromZero => viridis(viridis_step(share)),
+            ColourScale::AroundZero => self.on_surfaces(share),
+        }
+    }
+
+    /// One of [`STEPS`] colours of a legend, from the least number to the largest.
+    pub fn of_legend(self, step: usize) -> Rgb {
+        match self {
+            ColourScale::FromZero => viridis(step as u8),
+            ColourScale::AroundZero => self.on_surfaces(2.0 * (step as f32 + 0.5) / STEPS as f32 - 1.0),
+        }
+    }
+
+    /// Name of the map of colours on surfaces.
+    pub fn name_on_surfaces(self) -> &'static str {
+        if self == ColourScale::AroundZero { "PuOr" } else { "inferno" }
+    }
+
+    /// Name of the map of colours on paper.
+    pub fn name_on_paper(self) -> &'static str {
+        if self == ColourScale::AroundZero { "PuOr" } else { "viridis" }
+    }
+
+    /// What the ends of a legend say.
+    pub fn ends(self) -> Option<[&'static str; 2]> {
+        (self == ColourScale::AroundZero).then_some(["loss", "gain"])
+    }
+
+    /// Round numbers of a legend, from the least to the largest, which hold a number of this size.
+    pub fn ticks(self, largest: f64) -> Vec<f64> {
+        match self {
+            ColourScale::FromZero => round_steps(largest, 5),
+            ColourScale::AroundZero => {
+                let above = round_steps(largest, 3);
+                above.iter().skip(1).rev().map(|tick| -tick).chain(above.iter().copied()).collect()
+            }
+        }
+    }
 }
 
 /// A component in words.
@@ -67,6 +160,17 @@ mod tests {
     #[test]
     fn ends() {
         assert_eq!((inferno(0.0), inferno(1.0), inferno(f32::NAN)[0] < 255), ([0, 0, 4], [252, 255, 164], true));
+    }
+
+    /// Around zero equal losses and gains are as far from the middle, violet and orange; ticks are round on both sides, and what is no
+    /// number is no panic: 6 of 6.
+    #[test]
+    fn losses_and_gains() {
+        let scale = ColourScale::AroundZero;
+        assert_eq!([-1.0, 0.0, 1.0].map(|share| scale.on_paper(share)), [[45, 0, 75], [247; 3], [127, 59, 8]]);
+        assert_eq!([scale.on_surfaces(-0.6), scale.on_surfaces(0.6)], [[128, 115, 172], [224, 130, 20]]);
+        assert_eq!(scale.ticks(123.0), [-150.0, -100.0, -50.0, 0.0, 50.0, 100.0, 150.0]);
+        assert!(scale.on_paper(f32::NAN)[0] < 255 && scale.reach(-3.0) == 3.0);
     }
 
     /// The page's map has 256 colours, of which 0, 128 and 255 are those of matplotlib; 254 of them differ.

@@ -3,11 +3,11 @@
 use super::row::MapRow;
 use crate::outputs::groups::{Extent, ONE_WAY};
 use crate::outputs::periods::Every;
+use crate::outputs::pictures::colours::ColourScale;
+use crate::outputs::quantities::{PlaceValues, Quantity, ValueSource};
 use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::replay::components::Component;
-use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::units::tilt_and_azimuth;
 
@@ -20,11 +20,11 @@ pub const FACTS: usize = 3;
 /// How labels become columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wide {
-    /// One label: a column for each component.
+    /// One label: a column for each quantity.
     One,
-    /// The sum of all labels by component, then one component by label.
+    /// Each quantity of the sums of all labels, then the main one by label.
     Sums,
-    /// Each component of each label.
+    /// Each quantity of each label.
     Each,
     /// None: values stand elsewhere.
     None,
@@ -38,9 +38,11 @@ pub struct MapColumns {
     pub numbers: Vec<(String, &'static str)>,
     /// The number that gives colours.
     pub colour: usize,
-    components: Vec<Component>,
-    /// The component that stands for all.
-    main: Component,
+    /// Which colours it gives.
+    pub scale: ColourScale,
+    quantities: Vec<Quantity>,
+    /// Place of the quantity that stands for all.
+    main: usize,
     wide: Wide,
     by: By,
     /// Whether the last number is the main one times the area.
@@ -50,8 +52,7 @@ pub struct MapColumns {
 impl MapColumns {
     /// Of a table's layout; `every` is none for a query. Hours and days are refused, and so are too many columns.
     pub fn of(layout: &Layout, labels: &RowLabels, every: Option<Every>) -> Result<Self> {
-        let components = layout.components().to_vec();
-        let main = layout.main();
+        let quantities = layout.quantities.as_slice();
         let wide = match (every, labels.len()) {
             (Some(Every::Hour | Every::Day), 1) => Wide::One,
             (Some(Every::Hour | Every::Day), count) => {
@@ -65,44 +66,34 @@ impl MapColumns {
             (_, 1) => Wide::One,
             _ => Wide::Each,
         };
-        let suffix = suffix(layout);
-        let mut values: Vec<String> = match wide {
-            Wide::One | Wide::Sums => components.iter().map(|one| format!("{}_{suffix}", one.name())).collect(),
+        let ending = ending(layout);
+        let unit = |quantity: &Quantity| layout.unit_of(quantity);
+        let mut values: Vec<(String, &'static str)> = match wide {
+            Wide::One | Wide::Sums => quantities.iter().map(|one| (one.with_ending(ending), unit(one))).collect(),
             Wide::Each | Wide::None => {
                 let of_label = |label: &String| {
-                    let name = |one: &Component| format!("{label}_{}_{suffix}", one.name());
-                    components.iter().map(name).collect::<Vec<_>>()
+                    let column = |one: &Quantity| (format!("{label}_{}", one.with_ending(ending)), unit(one));
+                    quantities.iter().map(column).collect::<Vec<_>>()
                 };
                 labels.text.iter().flat_map(of_label).collect()
             }
         };
+        let main = layout.main_quantity();
         if wide == Wide::Sums {
-            values.extend(months(&labels.text).iter().map(|month| format!("{}_{month}_{suffix}", main.name())));
+            let months = months(&labels.text);
+            values.extend(months.iter().map(|month| (format!("{}_{month}{ending}", main.name), unit(main))));
         }
         if values.len() > MOST_COLUMNS {
             let what = format!(
                 "columns of values of a map, {} of {} components (take fewer with {{columns}} total, or write a table)",
                 labels.len(),
-                components.len()
+                quantities.len()
             );
             return Err(Error::Limit { what, value: values.len() as u64, max: MOST_COLUMNS as u64 });
         }
-        let has_sum = main == Component::Total && wide != Wide::Each;
-        let sum = has_sum
-            .then(|| if layout.labels == Labels::Sums { ("total_kwh".into(), "kWh") } else { ("total_w".into(), "W") });
-        let unit = layout.unit();
-        let numbers = facts().chain(values.into_iter().map(|name| (name, unit))).chain(sum).collect();
-        let place = components.iter().position(|one| *one == main).unwrap_or_default();
-        Ok(MapColumns {
-            texts: texts(layout.by),
-            numbers,
-            colour: FACTS + place,
-            components,
-            main,
-            wide,
-            by: layout.by,
-            has_sum,
-        })
+        let has_sum = layout.has_energy && wide != Wide::Each;
+        let numbers = facts().chain(values).chain(has_sum.then(|| layout.energy())).collect();
+        Ok(MapColumns { numbers, colour: FACTS + layout.main, wide, has_sum, ..MapColumns::of_places(layout) })
     }
 
     /// Without values, which are written for each label apart.
@@ -111,17 +102,21 @@ impl MapColumns {
             texts: texts(layout.by),
             numbers: facts().collect(),
             colour: 0,
-            components: layout.components().to_vec(),
-            main: Component::Total,
+            scale: match layout.main_quantity().source {
+                ValueSource::Array(_) => ColourScale::FromZero,
+                ValueSource::Change { .. } => ColourScale::AroundZero,
+            },
+            quantities: layout.quantities.clone(),
+            main: layout.main,
             wide: Wide::None,
             by: layout.by,
             has_sum: false,
         }
     }
 
-    /// The component that stands for all.
-    pub fn main(&self) -> Component {
-        self.main
+    /// The quantity that stands for all, in words.
+    pub fn main_words(&self) -> &str {
+        self.quantities.get(self.main).map_or("", |main| &main.words)
     }
 
     /// A row without polygons: what the receivers of a place have in common, its extent, and its values in a tile.
@@ -131,7 +126,7 @@ impl MapColumns {
         common: &Receiver,
         extent: &Extent,
         area_m2: f64,
-        values: &TileValues,
+        values: &PlaceValues,
         row: usize,
     ) -> MapRow {
         let of_part = [
@@ -147,34 +142,33 @@ impl MapColumns {
             false => (f64::NAN, f64::NAN),
         };
         let mut numbers = vec![area_m2 as f32, tilt as f32, azimuth as f32];
-        let sum = |one: Component| values.row(one, row).iter().map(|value| f64::from(*value)).sum::<f64>();
+        let sources = || self.quantities.iter().map(|quantity| quantity.source);
+        let main = sources().nth(self.main);
+        let of_label = |label: usize| sources().map(move |source| values.value(source, row, label));
         match self.wide {
-            Wide::One => numbers
-                .extend(self.components.iter().map(|one| values.row(*one, row).first().copied().unwrap_or_default())),
+            Wide::One => numbers.extend(of_label(0)),
             Wide::Sums => {
-                numbers.extend(self.components.iter().map(|one| sum(*one) as f32));
-                numbers.extend(values.row(self.main, row));
+                numbers.extend(sources().map(|source| values.value_of_sums(source, row) as f32));
+                let labels = 0..values.labels();
+                numbers.extend(
+                    main.into_iter().flat_map(|main| labels.clone().map(move |at| values.value(main, row, at))),
+                );
             }
-            Wide::Each => {
-                let of_label = |label: usize| {
-                    self.components.iter().map(move |one| values.row(*one, row).get(label).copied().unwrap_or_default())
-                };
-                numbers.extend((0..values.labels()).flat_map(of_label));
-            }
+            Wide::Each => numbers.extend((0..values.labels()).flat_map(of_label)),
             Wide::None => {}
         }
         if self.has_sum {
-            numbers.push((sum(self.main) * area_m2) as f32);
+            numbers.extend(main.map(|main| (values.value_of_sums(main, row) * area_m2) as f32));
         }
         MapRow { texts, numbers, polygons: Vec::new() }
     }
 }
 
-/// Unit of the values, at the end of their names.
-pub fn suffix(layout: &Layout) -> &'static str {
+/// Unit of irradiance, at the end of names.
+pub fn ending(layout: &Layout) -> &'static str {
     match layout.labels {
-        Labels::Sums => "kwh_m2",
-        Labels::Conditions | Labels::Times => "w_m2",
+        Labels::Sums => "_kwh_m2",
+        Labels::Conditions | Labels::Times => "_w_m2",
     }
 }
 

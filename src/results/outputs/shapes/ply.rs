@@ -5,12 +5,12 @@ use std::io::{self, Write};
 
 use super::columns::MapColumns;
 use super::rows::MapRows;
-use crate::outputs::pictures::colours::inferno;
+use crate::outputs::pictures::colours::ColourScale;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use heliotile_core::error::{Error, Result};
 
-/// Writes the file: the value of the column that gives colours, from 0 (dark) to the largest (bright). Triangles share no corner.
+/// Writes the file: the value of the column that gives colours, in the colours of maps. Triangles share no corner.
 pub fn write(mut sink: Sink, rows: &mut MapRows, columns: &MapColumns, about: &Provenance) -> Result<u64> {
     let path = sink.path().to_owned();
     let failed = |error: io::Error| Error::io(&path, "write to")(error);
@@ -38,8 +38,12 @@ pub fn write(mut sink: Sink, rows: &mut MapRows, columns: &MapColumns, about: &P
     } else {
         String::new()
     };
+    let least = match columns.scale {
+        ColourScale::FromZero => "0".to_owned(),
+        ColourScale::AroundZero => format!("-{largest:.1} (loss)"),
+    };
     let head = format!(
-        "ply\nformat binary_little_endian 1.0\ncomment heliotile: {name}, colours from 0 to {largest:.1}\n{comments}\
+        "ply\nformat binary_little_endian 1.0\ncomment heliotile: {name}, colours from {least} to {largest:.1}\n{comments}\
          element vertex {vertices}\nproperty double x\nproperty double y\nproperty double z\n\
          property float {name}\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n{lists}end_header\n"
     );
@@ -47,7 +51,7 @@ pub fn write(mut sink: Sink, rows: &mut MapRows, columns: &MapColumns, about: &P
     rows.each(|row| {
         let value = row.numbers.get(columns.colour).copied().unwrap_or(f32::NAN);
         let share = if largest > 0.0 { value / largest } else { 0.0 };
-        let colour = inferno(share);
+        let colour = columns.scale.on_surfaces(share);
         for polygon in &row.polygons {
             let corners: Vec<_> = polygon.corners().copied().collect();
             let triangles = polygon.triangles();
@@ -97,10 +101,9 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("map.ply");
         let (labels, by) = (RowLabels::words(vec!["total".into()]), By::Receiver);
-        let components = ComponentList::of(Component::Total);
-        let layout = Layout { labels: Labels::Sums, by, components, facts: Vec::new() };
+        let layout = Layout::of_components(Labels::Sums, by, &ComponentList::of(Component::Total));
         let columns = MapColumns::of(&layout, &labels, Some(Every::Total)).expect("columns");
-        let mut spool = RowSpool::new(folder.path(), 1 << 20, columns.colour);
+        let mut spool = RowSpool::new(folder.path(), 1 << 20, &columns);
         for (number, polygon) in [(0.0, wall()), (1000.0, MapPolygon::point(DVec3::Z))] {
             let numbers = vec![number; columns.numbers.len()];
             let row = MapRow { texts: Vec::new(), numbers, polygons: vec![polygon] };

@@ -4,17 +4,16 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::columns::{MapColumns, suffix};
+use super::columns::{MapColumns, ending};
 use super::rows::MapRows;
 use super::vtu::{self, Step};
 use crate::outputs::provenance::Provenance;
+use crate::outputs::quantities::{PlaceValues, ValueSource};
 use crate::outputs::sink::{Sink, write_texts};
 use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::scratch::{Scratch, ScratchSpace};
-use heliotile_core::replay::components::Component;
-use heliotile_core::replay::values::TileValues;
 
 /// Files of a series at most, and their bytes: each holds the whole geometry.
 const MOST_FILES: u64 = 10_000;
@@ -26,11 +25,11 @@ const AT_ONCE: u64 = 64 << 20;
 /// Values that wait for the geometry.
 pub struct Series {
     scratch: Box<dyn Scratch>,
-    /// Where each tile's values begin, and how many places it has: `[label][component][place]`.
+    /// Where each tile's values begin, and how many places it has: `[label][source][place]`.
     tiles: Vec<(u64, u64)>,
     length: u64,
     labels: RowLabels,
-    components: Vec<Component>,
+    sources: Vec<ValueSource>,
     names: Vec<String>,
 }
 
@@ -40,41 +39,31 @@ impl Series {
             let what = "moments of a time series, each a file (take fewer with {from} and {to}, or a longer {every})";
             return Err(Error::Limit { what: what.into(), value: labels.len() as u64, max: MOST_FILES });
         }
-        let components = layout.components().to_vec();
-        let names = components.iter().map(|one| format!("{}_{}", one.name(), suffix(layout))).collect();
-        Ok(Series {
-            scratch: storage.scratch()?,
-            tiles: Vec::new(),
-            length: 0,
-            labels: labels.clone(),
-            components,
-            names,
-        })
+        let sources = layout.quantities.iter().map(|one| one.source).collect();
+        let names = layout.quantities.iter().map(|one| one.with_ending(ending(layout))).collect();
+        Ok(Series { scratch: storage.scratch()?, tiles: Vec::new(), length: 0, labels: labels.clone(), sources, names })
     }
 
     /// The values of the next places.
-    pub fn add(&mut self, values: &TileValues) -> Result<()> {
+    pub fn add(&mut self, values: &PlaceValues) -> Result<()> {
         let mut bytes = Vec::new();
         for label in 0..values.labels() {
-            for component in &self.components {
-                for place in 0..values.receivers() {
-                    let value = values.row(*component, place).get(label).copied().unwrap_or(f32::NAN);
-                    bytes.extend(value.to_le_bytes());
-                }
+            for source in &self.sources {
+                bytes.extend((0..values.places()).flat_map(|place| values.value(*source, place, label).to_le_bytes()));
             }
         }
         self.scratch.write(self.length, &bytes)?;
-        self.tiles.push((self.length, values.receivers() as u64));
+        self.tiles.push((self.length, values.places() as u64));
         self.length += bytes.len() as u64;
         Ok(())
     }
 
-    /// `[label][component][place]` of some labels.
+    /// `[label][source][place]` of some labels.
     fn read(&self, first: u64, count: u64) -> Result<Vec<Vec<Vec<f32>>>> {
-        let components = self.components.len() as u64;
-        let mut found = vec![vec![Vec::new(); self.components.len()]; count as usize];
+        let sources = self.sources.len() as u64;
+        let mut found = vec![vec![Vec::new(); self.sources.len()]; count as usize];
         for (offset, places) in self.tiles.iter().filter(|(_, places)| *places > 0) {
-            let of_label = 4 * components * places;
+            let of_label = 4 * sources * places;
             let mut bytes = vec![0; (count * of_label) as usize];
             self.scratch.read(offset + first * of_label, &mut bytes)?;
             let values = bytes.as_chunks().0.iter().map(|four| f32::from_le_bytes(*four));
@@ -124,7 +113,7 @@ pub fn write(
     let folder = folder_of(path);
     fs::create_dir_all(&folder).map_err(Error::io(&folder, "create"))?;
     let (stem, times) = (folder.file_name().unwrap_or_default().to_string_lossy().into_owned(), series.times());
-    let of_label = 4 * (series.components.len() as u64 * facts.rows).max(1);
+    let of_label = 4 * (series.sources.len() as u64 * facts.rows).max(1);
     let (at_once, mut bytes) = ((AT_ONCE / of_label).clamp(1, labels.max(1)), 0);
     let mut list = String::new();
     for first in (0..labels).step_by(at_once as usize) {

@@ -4,7 +4,9 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use super::columns::MapColumns;
 use super::row::MapRow;
+use crate::outputs::pictures::colours::ColourScale;
 use heliotile_builder::spill::{Sorted, Sorter};
 use heliotile_core::error::Result;
 
@@ -22,7 +24,7 @@ pub struct MapFacts {
     pub triangles: u64,
     /// Lowest and highest corner, metres.
     pub bounds: [DVec3; 2],
-    /// Of the column that gives colours.
+    /// Of the column that gives colours, on either side of zero where its scale has two.
     pub largest: f32,
 }
 
@@ -30,12 +32,13 @@ pub struct MapFacts {
 pub struct RowSpool {
     sorter: Sorter,
     colour: usize,
+    scale: ColourScale,
     facts: MapFacts,
 }
 
 impl RowSpool {
-    /// `colour` is the number that gives colours; `folder` takes what does not fit into `memory_bytes`.
-    pub fn new(folder: &Path, memory_bytes: usize, colour: usize) -> Self {
+    /// Rows of some columns; `folder` takes what does not fit into `memory_bytes`.
+    pub fn new(folder: &Path, memory_bytes: usize, columns: &MapColumns) -> Self {
         let bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let facts = MapFacts {
             rows: 0,
@@ -47,7 +50,7 @@ impl RowSpool {
             bounds,
             largest: 0.0,
         };
-        RowSpool { sorter: Sorter::new(folder, memory_bytes), colour, facts }
+        RowSpool { sorter: Sorter::new(folder, memory_bytes), colour: columns.colour, scale: columns.scale, facts }
     }
 
     pub fn push(&mut self, row: &MapRow) -> Result<()> {
@@ -64,7 +67,8 @@ impl RowSpool {
                 facts.bounds = [facts.bounds[0].min(*corner), facts.bounds[1].max(*corner)];
             }
         }
-        facts.largest = facts.largest.max(row.numbers.get(self.colour).copied().unwrap_or_default());
+        let value = row.numbers.get(self.colour).copied().unwrap_or_default();
+        facts.largest = facts.largest.max(self.scale.reach(value));
         self.sorter.push(&facts.rows.to_be_bytes(), &row.bytes())?;
         facts.rows += 1;
         Ok(())

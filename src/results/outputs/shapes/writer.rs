@@ -1,4 +1,4 @@
-//! A map in a format by the ending of its name. In: places with their shapes, tiles of values. Out: a file, whole or not there.
+//! A map in a format by the ending of its name. In: places with their shapes and values. Out: a file, whole or not there.
 
 use std::path::{Path, PathBuf};
 
@@ -14,12 +14,12 @@ use super::{flatgeobuf, geojson, geoparquet, glb, ply, pvd, vtu};
 use crate::outputs::groups::Extent;
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
+use crate::outputs::quantities::PlaceValues;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::scratch::ScratchSpace;
-use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 
@@ -154,7 +154,7 @@ impl<'a> MapWriter<'a> {
     /// Starts a map; errors as of [`MapRequest::columns`].
     pub fn create(request: MapRequest<'a>, shapes: PlaceShapes<'a>) -> Result<Self> {
         let columns = request.columns()?;
-        let rows = RowSpool::new(&request.folder, request.memory_bytes, columns.colour);
+        let rows = RowSpool::new(&request.folder, request.memory_bytes, &columns);
         let series = match request.format {
             MapFormat::Pvd => Some(Series::new(request.layout, request.labels, request.storage)?),
             _ => None,
@@ -162,8 +162,8 @@ impl<'a> MapWriter<'a> {
         Ok(MapWriter { request, shapes, columns, rows, series })
     }
 
-    /// Appends the places of a tile, as [`crate::outputs::result_table::ResultTable::write_tile`] does.
-    pub fn write_tile(&mut self, names: &[String], values: &TileValues, extents: &[Extent]) -> Result<()> {
+    /// Appends some places, as [`crate::outputs::result_table::ResultTable::write_tile`] does.
+    pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
         for (i, name) in names.iter().enumerate() {
             let (common, extent, polygons) = match &mut self.shapes {
                 PlaceShapes::Groups(groups) => {
@@ -208,7 +208,8 @@ impl<'a> MapWriter<'a> {
             (MapFormat::Ply, _) => ply::write(sink()?, rows, columns, about)?,
             (MapFormat::Pvd, Some(series)) => pvd::write(request.path, rows, columns, series, about)?,
             (MapFormat::Png, _) => {
-                let (around, unit) = (request.around.as_ref(), request.layout.unit());
+                let unit = request.layout.unit_of(request.layout.main_quantity());
+                let around = request.around.as_ref();
                 let drawn = Drawn { around, north: request.north, called: &request.called, unit };
                 picture::write(sink()?, rows, columns, &drawn, about)?
             }

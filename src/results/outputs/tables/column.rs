@@ -40,6 +40,22 @@ pub enum Digits {
     Fewest,
 }
 
+/// Decimals of [`Digits::Six`] at most.
+const MOST_DECIMALS: f64 = 14.0;
+
+impl Digits {
+    /// Decimals of a number in formats of text; none where there are as many as it takes.
+    pub fn decimals(self, value: f64) -> Option<usize> {
+        match self {
+            Digits::Decimals(count) => Some(count),
+            Digits::Thousandths => Some(3),
+            Digits::Six if value == 0.0 => Some(0),
+            Digits::Six => Some((5.0 - value.abs().log10().floor()).clamp(0.0, MOST_DECIMALS) as usize),
+            Digits::Fewest => None,
+        }
+    }
+}
+
 /// What the values of a column change with.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Along {

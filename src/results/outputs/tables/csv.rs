@@ -286,8 +286,7 @@ fn six_digits(text: &mut Vec<u8>, value: f64) {
         text.push(b'0');
         return;
     }
-    let magnitude = value.abs().log10().floor();
-    let decimals = (5.0 - magnitude).clamp(0.0, 14.0) as usize;
+    let decimals = Digits::Six.decimals(value).unwrap_or_default();
     let _ = write!(text, "{value:.decimals$}");
 }
 

@@ -90,8 +90,7 @@ mod tests {
     /// are strings.
     #[test]
     fn results() {
-        let components = "total".parse().expect("a name");
-        let layout = Layout { labels: Labels::Times, by: By::Receiver, components, facts: Vec::new() };
+        let layout = Layout::of_components(Labels::Times, By::Receiver, &"total".parse().expect("a name"));
         let moment = (Date::new(2019, 3, 1).expect("a date"), 0.0);
         let labels = RowLabels::moments(&[moment], UtcOffset::default(), Precision::Minute);
         let columns = layout.columns(&labels);

@@ -14,12 +14,14 @@ use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::RowAccessor;
 
 use crate::outputs::provenance;
+use crate::outputs::quantities::PlaceValues;
 use crate::outputs::result_table::ResultTable;
 use crate::outputs::tables::format::Places;
 use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::{Precision, RowLabels};
 use crate::outputs::tables::writer::tests::{create, names, tile, value};
 use heliotile_core::replay::components::Component;
+use heliotile_core::replay::values::TileValues;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
@@ -38,7 +40,7 @@ fn written_hours(folder: &tempfile::TempDir, name: &str, zone_hours: f64) -> Pat
     let places = Places { count: 2, names: &|| Ok(receivers.clone()) };
     let about = provenance::tests::example();
     let mut writer = ResultTable::create(&path, &layout, &hours(24, zone_hours), &places, &about).expect("created");
-    writer.write_tile(&receivers, &tile(0, 2, 24), &[]).expect("written");
+    writer.write_tile(&receivers, &two_of(&tile(0, 2, 24)), &[]).expect("written");
     assert_eq!(writer.finish().expect("finished").rows, 48);
     path
 }
@@ -153,8 +155,12 @@ fn csv_times() {
 
 /// Two columns, the last one first.
 fn layout() -> Layout {
-    let components = "total,sky_direct".parse().expect("names");
-    Layout { labels: Labels::Sums, by: By::Surface, components, facts: Vec::new() }
+    Layout::of_components(Labels::Sums, By::Surface, &"total,sky_direct".parse().expect("names"))
+}
+
+/// The same columns of a tile.
+fn two_of(values: &TileValues) -> PlaceValues<'_> {
+    PlaceValues::of(&[values], &[Component::Total, Component::SkyDirect])
 }
 
 /// 2 + 1 receivers x 48 labels in a file of a kind.
@@ -162,8 +168,8 @@ fn written(folder: &tempfile::TempDir, name: &str) -> PathBuf {
     let path = folder.path().join(name);
     let receivers = names("été ", 3);
     let mut writer = create(&path, &layout(), &names("l", 48), &receivers).expect("created");
-    writer.write_tile(&receivers[..2], &tile(0, 2, 48), &[]).expect("written");
-    writer.write_tile(&receivers[2..], &tile(2, 1, 48), &[]).expect("written");
+    writer.write_tile(&receivers[..2], &two_of(&tile(0, 2, 48)), &[]).expect("written");
+    writer.write_tile(&receivers[2..], &two_of(&tile(2, 1, 48)), &[]).expect("written");
     assert_eq!(writer.finish().expect("finished").rows, 144);
     path
 }
@@ -267,7 +273,7 @@ fn npz_round_trip() {
     for name in ["short.npz", "short.npy"] {
         let mut writer =
             create(&folder.path().join(name), &layout(), &names("l", 48), &names("r", 3)).expect("created");
-        writer.write_tile(&names("r", 2), &tile(0, 2, 48), &[]).expect("written");
+        writer.write_tile(&names("r", 2), &two_of(&tile(0, 2, 48)), &[]).expect("written");
         let text = writer.finish().expect_err("too few").to_string();
         assert!(text.contains("2 places came, 3 were announced"), "{text}");
     }

@@ -1,5 +1,6 @@
-//! The columns of a table: a label, a receiver, and the components that are asked for, with their unit.
+//! The columns of a table: a label, a receiver, and the quantities that are asked for, with their unit.
 
+use crate::outputs::quantities::{ChangeKind, Quantity, ValueSource};
 use crate::outputs::tables::column::{Column, Digits, Kind, TableColumns};
 use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::named::NamedValues;
@@ -56,7 +57,7 @@ pub enum Fact {
     Tilt,
     /// ... clockwise from true north.
     Azimuth,
-    /// What all of it gets: total x area.
+    /// What all of it gets: the main quantity x area.
     Sum,
 }
 
@@ -67,13 +68,37 @@ pub struct Layout {
     pub labels: Labels,
     /// What the second is.
     pub by: By,
-    /// The value columns,
-    pub components: ComponentList,
-    /// Of groups; behind the components.
+    /// The value columns, at least one,
+    pub quantities: Vec<Quantity>,
+    /// and which of them stands for all: it gives colours, and sums.
+    pub main: usize,
+    /// Whether the main one times an area is an energy that is worth a column: that of the total is.
+    pub has_energy: bool,
+    /// Of groups; behind the quantities.
     pub facts: Vec<Fact>,
 }
 
 impl Layout {
+    /// The components of a replay.
+    pub fn of_components(labels: Labels, by: By, components: &ComponentList) -> Self {
+        Layout::new(labels, by, components, Quantity::of_components(components))
+    }
+
+    /// What the components of a replay are before and after, and how they change.
+    pub fn of_changes(labels: Labels, by: By, components: &ComponentList) -> Self {
+        Layout::new(labels, by, components, Quantity::of_changes(components))
+    }
+
+    /// Quantities that follow from components, the same number of each of these.
+    fn new(labels: Labels, by: By, components: &ComponentList, quantities: Vec<Quantity>) -> Self {
+        let of_each = quantities.len() / components.as_slice().len().max(1);
+        let first = of_each * components.main_place();
+        let here = quantities.iter().skip(first).take(of_each);
+        let change = here.clone().position(|one| matches!(one.source, ValueSource::Change { .. }));
+        let main = first + change.unwrap_or_default();
+        Layout { labels, by, quantities, main, has_energy: components.main() == Component::Total, facts: Vec::new() }
+    }
+
     /// Name of the first column.
     pub fn label(&self) -> &'static str {
         match self.labels {
@@ -89,29 +114,36 @@ impl Layout {
 
     /// The columns of a table whose rows have these labels.
     pub fn columns(&self, labels: &RowLabels) -> TableColumns {
-        let of_components = match self.labels {
-            Labels::Sums => Digits::Six,
-            Labels::Conditions | Labels::Times => Digits::Thousandths,
-        };
         let label = Column::of_steps(self.label(), Kind::Category, labels);
         let place = Column::of_places(self.place(), Kind::Category);
-        let values = self.values().into_iter().zip(self.units()).enumerate().map(|(i, (name, unit))| {
-            let digits = if i < self.components().len() { of_components } else { Digits::Six };
-            Column::float(name, digits).with_unit(unit)
-        });
+        let digits = self.quantities.iter().map(|quantity| self.digits(quantity.source));
+        let digits = digits.chain(self.facts.iter().map(|_| Digits::Six));
+        let values = self.values().into_iter().zip(self.units()).zip(digits);
+        let values = values.map(|((name, unit), digits)| Column::float(name, digits).with_unit(unit));
         TableColumns::new([label, place].into_iter().chain(values).collect())
     }
 
-    /// The value columns but for facts of groups.
-    pub fn components(&self) -> &[Component] {
-        self.components.as_slice()
+    /// Digits of irradiance in formats of text.
+    pub fn digits_of_irradiance(&self) -> Digits {
+        match self.labels {
+            Labels::Sums => Digits::Six,
+            Labels::Conditions | Labels::Times => Digits::Thousandths,
+        }
+    }
+
+    fn digits(&self, source: ValueSource) -> Digits {
+        match source {
+            ValueSource::Array(_) => self.digits_of_irradiance(),
+            ValueSource::Change { kind: ChangeKind::Difference, .. } => Digits::Fewest,
+            ValueSource::Change { kind: ChangeKind::Percent, .. } => Digits::Thousandths,
+        }
     }
 
     /// Names of the value columns.
     pub fn values(&self) -> Vec<String> {
-        let suffix = if self.labels == Labels::Sums { SUM_SUFFIX } else { "" };
-        let components = self.components().iter().map(|component| format!("{}{suffix}", component.name()));
-        components.chain(self.facts.iter().map(|fact| self.fact(*fact).0.to_owned())).collect()
+        let ending = if self.labels == Labels::Sums { SUM_SUFFIX } else { "" };
+        let quantities = self.quantities.iter().map(|quantity| quantity.with_ending(ending));
+        quantities.chain(self.facts.iter().map(|fact| self.fact(*fact).0)).collect()
     }
 
     /// Names of all columns.
@@ -120,29 +152,41 @@ impl Layout {
     }
 
     /// Name and unit of a fact.
-    fn fact(&self, fact: Fact) -> (&'static str, &'static str) {
-        match (fact, self.labels) {
-            (Fact::Area, _) => ("area_m2", "m2"),
-            (Fact::Tilt, _) => ("tilt_deg", "deg"),
-            (Fact::Azimuth, _) => ("azimuth_deg", "deg"),
-            (Fact::Sum, Labels::Sums) => ("total_kwh", "kWh"),
-            (Fact::Sum, Labels::Conditions | Labels::Times) => ("total_w", "W"),
+    fn fact(&self, fact: Fact) -> (String, &'static str) {
+        match fact {
+            Fact::Area => ("area_m2".into(), "m2"),
+            Fact::Tilt => ("tilt_deg".into(), "deg"),
+            Fact::Azimuth => ("azimuth_deg".into(), "deg"),
+            Fact::Sum => self.energy(),
+        }
+    }
+
+    /// Name and unit of the main quantity x area.
+    pub fn energy(&self) -> (String, &'static str) {
+        let name = &self.main_quantity().name;
+        match self.labels {
+            Labels::Sums => (format!("{name}_kwh"), "kWh"),
+            Labels::Conditions | Labels::Times => (format!("{name}_w"), "W"),
         }
     }
 
     /// Units of the value columns, in the order of [`Layout::values`].
     pub fn units(&self) -> Vec<&'static str> {
-        let components = self.components().iter().map(|_| self.unit());
-        components.chain(self.facts.iter().map(|fact| self.fact(*fact).1)).collect()
+        let quantities = self.quantities.iter().map(|quantity| self.unit_of(quantity));
+        quantities.chain(self.facts.iter().map(|fact| self.fact(*fact).1)).collect()
     }
 
-    /// The component that stands for all: the total, or else the first.
-    pub fn main(&self) -> Component {
-        let all = self.components();
-        all.iter().find(|one| **one == Component::Total).or(all.first()).copied().unwrap_or(Component::Total)
+    /// The quantity that stands for all.
+    pub fn main_quantity(&self) -> &Quantity {
+        &self.quantities[self.main]
     }
 
-    /// Unit of the components.
+    /// Unit of a quantity.
+    pub fn unit_of(&self, quantity: &Quantity) -> &'static str {
+        if quantity.source.is_percent() { "%" } else { self.unit() }
+    }
+
+    /// Unit of irradiance.
     pub fn unit(&self) -> &'static str {
         match self.labels {
             Labels::Sums => "kWh/m2",
@@ -174,22 +218,27 @@ mod tests {
     /// All columns of a query are the 9 of the contract; two columns of sums come in the order asked, with their unit's ending.
     #[test]
     fn names() {
-        let all = Layout {
-            labels: Labels::Conditions,
-            by: By::Receiver,
-            components: ComponentList::all(),
-            facts: Vec::new(),
-        };
+        let all = Layout::of_components(Labels::Conditions, By::Receiver, &ComponentList::all());
         let expected =
             "condition,receiver,sun_direct,sky_direct,sun_diffuse,sky_diffuse,sun_specular,sky_specular,total";
-        assert_eq!((all.names().join(",").as_str(), all.unit()), (expected, "W/m2"));
-        let two = Layout {
-            labels: Labels::Sums,
-            by: By::Surface,
-            components: "total,sky_direct".parse().expect("names"),
-            facts: Vec::new(),
-        };
+        assert_eq!((all.names().join(",").as_str(), all.unit(), all.main), (expected, "W/m2", 6));
+        let list = "total,sky_direct".parse().expect("names");
+        let two = Layout::of_components(Labels::Sums, By::Surface, &list);
         assert_eq!(two.names(), ["time", "surface", "total_kwh_m2", "sky_direct_kwh_m2"]);
-        assert_eq!(two.unit(), "kWh/m2");
+        assert_eq!((two.unit(), two.energy()), ("kWh/m2", ("total_kwh".to_owned(), "kWh")));
+    }
+
+    /// A comparison has four columns a component, with its unit or in percent; the change of the total stands for all of them.
+    #[test]
+    fn changes() {
+        let layout = Layout::of_changes(Labels::Sums, By::Receiver, &"sky_direct,total".parse().expect("names"));
+        let of = |name: &str| ["before", "after", "change"].map(|side| format!("{side}_{name}_kwh_m2"));
+        let names = [of("sky_direct").as_slice(), &["change_sky_direct_percent".into()], &of("total")].concat();
+        assert_eq!(layout.values()[..7], names);
+        assert_eq!((layout.values()[7].as_str(), layout.units()[7]), ("change_total_percent", "%"));
+        assert_eq!((layout.main_quantity().words.as_str(), layout.has_energy), ("change of total", true));
+        let hours = Layout::of_changes(Labels::Times, By::Receiver, &"sun_direct".parse().expect("a name"));
+        let expected = ["before_sun_direct", "after_sun_direct", "change_sun_direct", "change_sun_direct_percent"];
+        assert_eq!((hours.values(), hours.main, hours.has_energy), (expected.map(String::from).to_vec(), 2, false));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::outputs::provenance;
+use crate::outputs::quantities::PlaceValues;
 use crate::outputs::result_table::ResultTable;
 use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::{Precision, RowLabels};
@@ -14,7 +15,7 @@ use heliotile_core::weather::time::utc_offset::UtcOffset;
 
 /// All columns.
 fn all(labels: Labels) -> Layout {
-    Layout { labels, by: By::Receiver, components: ComponentList::all(), facts: Vec::new() }
+    Layout::of_components(labels, By::Receiver, &ComponentList::all())
 }
 
 pub(in crate::outputs) fn create(
@@ -58,6 +59,11 @@ pub(in crate::outputs) fn tile(first: usize, receivers: usize, labels: usize) ->
     t
 }
 
+/// All columns of a tile.
+fn all_of(values: &TileValues) -> PlaceValues<'_> {
+    PlaceValues::of(&[values], &Component::ALL)
+}
+
 /// Two tiles (3 and 2 receivers x 30 labels) come back from CSV with 150 rows in order, to the 3 decimals written.
 #[test]
 fn csv_round_trip() {
@@ -65,8 +71,8 @@ fn csv_round_trip() {
     let path = folder.path().join("t.csv");
     let labels = names("l,", 30);
     let mut writer = create(&path, &all(Labels::Conditions), &labels, &[]).expect("created");
-    writer.write_tile(&names("r", 3), &tile(0, 3, 30), &[]).expect("written");
-    writer.write_tile(&names("s", 2), &tile(3, 2, 30), &[]).expect("written");
+    writer.write_tile(&names("r", 3), &all_of(&tile(0, 3, 30)), &[]).expect("written");
+    writer.write_tile(&names("s", 2), &all_of(&tile(3, 2, 30)), &[]).expect("written");
     let stats = writer.finish().expect("finished");
     let text = std::fs::read_to_string(&path).expect("read");
     let beside = std::fs::metadata(folder.path().join("t.csv-metadata.json")).expect("metadata").len();
@@ -100,7 +106,7 @@ fn parquet_round_trip() {
     let receivers = names("r", 10);
     for (first, count) in [(0, 4), (4, 4), (8, 2)] {
         let part = &receivers[first..first + count];
-        writer.write_tile(part, &tile(first, count, 48), &[]).expect("written");
+        writer.write_tile(part, &all_of(&tile(first, count, 48)), &[]).expect("written");
     }
     let stats = writer.finish().expect("finished");
     let file = std::fs::File::open(&path).expect("open");
@@ -139,9 +145,9 @@ fn refusals_and_empty_tables() {
     for name in ["t.csv", "t.PARQUET", "t.arrow", "t.Feather", "t.npz", "t.npy"] {
         let path = folder.path().join(name);
         let mut writer = create(&path, &all(Labels::Times), &names("t", 2), &[]).expect("created");
-        assert!(writer.write_tile(&names("r", 2), &tile(0, 2, 3), &[]).is_err());
-        assert!(writer.write_tile(&names("r", 3), &tile(0, 2, 2), &[]).is_err());
-        writer.write_tile(&[], &tile(0, 0, 2), &[]).expect("nothing to write");
+        assert!(writer.write_tile(&names("r", 2), &all_of(&tile(0, 2, 3)), &[]).is_err());
+        assert!(writer.write_tile(&names("r", 3), &all_of(&tile(0, 2, 2)), &[]).is_err());
+        writer.write_tile(&[], &all_of(&tile(0, 0, 2)), &[]).expect("nothing to write");
         let stats = writer.finish().expect("finished");
         assert!(stats.rows == 0 && stats.bytes > 70, "{stats:?}");
     }
@@ -169,7 +175,7 @@ fn year_of_rows() {
         let about = provenance::tests::example();
         let mut writer = ResultTable::create(&path, &all(Labels::Times), &labels, &places, &about).expect("created");
         for (tile, names) in tiles.iter().zip(receivers.chunks(64)) {
-            writer.write_tile(names, tile, &[]).expect("written");
+            writer.write_tile(names, &all_of(tile), &[]).expect("written");
         }
         let stats = writer.finish().expect("finished");
         println!("{ending}: {stats:?} {:.2} s", start.elapsed().as_secs_f64());

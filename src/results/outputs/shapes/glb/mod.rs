@@ -16,7 +16,6 @@ use super::columns::MapColumns;
 use super::crs::MapCrs;
 use super::row::MapRow;
 use super::rows::MapRows;
-use crate::outputs::pictures::colours::inferno;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use binary::{ARRAY, Binary, INDICES};
@@ -99,9 +98,10 @@ pub fn write(
     let (colour, _) = columns.numbers.get(columns.colour).cloned().unwrap_or_default();
     let units: Map<String, Value> = columns.numbers.iter().map(|(name, unit)| (name.clone(), json!(unit))).collect();
     let (views, length) = binary.views();
+    let (scale, largest) = (columns.scale, rows.facts.largest);
     let extras = json!({
         "origin_m": origin.to_array(), "epsg": crs.epsg(), "raised_m": raised_m, "units": units,
-        "colours": {"map": "inferno", "column": colour, "from": 0.0, "to": rows.facts.largest}, "heliotile": about.json(),
+        "colours": {"map": scale.name_on_surfaces(), "column": colour, "from": scale.least(largest.into()) as f32, "to": largest}, "heliotile": about.json(),
     });
     let json = json!({
         "asset": {"version": "2.0", "generator": concat!("heliotile ", env!("CARGO_PKG_VERSION")), "extras": extras},
@@ -169,7 +169,7 @@ fn map_mesh(
     let colour_of = |row: &MapRow| row.numbers.get(columns.colour).copied().filter(|value| value.is_finite());
     let share = |row: &MapRow| colour_of(row).map_or(0.0, |value| value / facts.largest.max(f32::MIN_POSITIVE));
     let colour = attribute("VEC4", U16, json!({"normalized": true}), &|_, row| {
-        let steps = inferno(share(row)).map(linear);
+        let steps = columns.scale.on_surfaces(share(row)).map(linear);
         steps.into_iter().chain([u16::MAX]).flat_map(u16::to_le_bytes).collect()
     })?;
     let value =

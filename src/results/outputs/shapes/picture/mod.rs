@@ -14,7 +14,7 @@ use super::glb::Surroundings;
 use super::row::{MapPolygon, MapRow};
 use super::rows::MapRows;
 use crate::outputs::pictures::canvas::{Canvas, Rgb, Side};
-use crate::outputs::pictures::colours::{STEPS, label, viridis, viridis_step};
+use crate::outputs::pictures::colours::{ColourScale, STEPS};
 use crate::outputs::pictures::scale::round_steps;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
@@ -64,7 +64,7 @@ pub fn write(
     drawn: &Drawn,
     about: &Provenance,
 ) -> Result<u64> {
-    let ticks = round_steps(rows.facts.largest.into(), 5);
+    let ticks = columns.scale.ticks(rows.facts.largest.into());
     let top = ticks.last().copied().unwrap_or(1.0);
     let views = [View::above(drawn.north), View::south_west(drawn.north)];
     let (panels, width, height) = arranged(views, extents(rows, views)?);
@@ -79,15 +79,16 @@ pub fn write(
             raster.forget_depth();
         }
         rows.each(|row| {
-            draw_row(&mut raster, panel, row, columns.colour, top);
+            draw_row(&mut raster, panel, row, paint(row, columns.colour, columns.scale, top));
             Ok(())
         })?;
     }
-    let title = format!("{}, {}", label(columns.main()), drawn.unit);
+    let title = format!("{}, {}", columns.main_words(), drawn.unit);
     draw_words(&mut canvas, panels, DVec2::new(width, height), &title, drawn.called, drawn.around.is_some());
-    draw_legend(&mut canvas, &ticks, width, height);
-    let [low, high] = [0.0, top].map(|end| end.to_string());
-    let about = about.clone().with("colours", "viridis").with("colours_from", low).with("colours_to", high);
+    draw_legend(&mut canvas, columns.scale, &ticks, DVec2::new(width, height));
+    let [low, high] = [columns.scale.least(top), top].map(|end| end.to_string());
+    let about =
+        about.clone().with("colours", columns.scale.name_on_paper()).with("colours_from", low).with("colours_to", high);
     let path = sink.path().to_owned();
     sink.write_all(&canvas.png(about.ascii())?).map_err(Error::io(&path, "write to"))?;
     sink.finish()
@@ -162,9 +163,13 @@ fn draw_scene(raster: &mut Raster, panel: Panel, around: &Surroundings) -> Resul
     Ok(())
 }
 
-fn draw_row(raster: &mut Raster, panel: Panel, row: &MapRow, colour: usize, top: f64) {
+/// The colour of a row, by one of its numbers and the top of a scale.
+fn paint(row: &MapRow, colour: usize, scale: ColourScale, top: f64) -> Rgb {
     let value = row.numbers.get(colour).copied().unwrap_or(f32::NAN);
-    let paint = viridis(viridis_step((f64::from(value) / top) as f32));
+    scale.on_paper((f64::from(value) / top) as f32)
+}
+
+fn draw_row(raster: &mut Raster, panel: Panel, row: &MapRow, paint: Rgb) {
     for polygon in &row.polygons {
         let corners: Vec<DVec3> = polygon.corners().copied().collect();
         if let [only] = corners.as_slice() {
@@ -218,22 +223,27 @@ fn draw_words(
     }
 }
 
-fn draw_legend(canvas: &mut Canvas, ticks: &[f64], width: f64, height: f64) {
-    let (left, y, long) = (MARGIN + 26.0, height - 46.0, (width - 2.0 * MARGIN - 52.0).min(640.0));
+fn draw_legend(canvas: &mut Canvas, scale: ColourScale, ticks: &[f64], size: DVec2) {
+    let (left, y, long) = (MARGIN + 26.0, size.y - 46.0, (size.x - 2.0 * MARGIN - 52.0).min(640.0));
     let top = ticks.last().copied().unwrap_or(1.0);
+    let least = scale.least(top);
     let share = |step: usize| step as f64 / STEPS as f64;
     for step in 0..STEPS {
         let (from, to) = (left + long * share(step), left + long * share(step + 1));
         canvas.line(
             &[(0.5 * (from + to), y - 7.0), (0.5 * (from + to), y + 7.0)],
             to - from + 0.5,
-            viridis(step as u8),
+            scale.of_legend(step),
         );
     }
     for tick in ticks {
-        let x = left + long * tick / top;
+        let x = left + long * (tick - least) / (top - least);
         canvas.line(&[(x, y + 8.0), (x, y + 13.0)], 1.0, INK);
         canvas.word(&tick.to_string(), (x, y + 23.0), Side::Center, INK);
+    }
+    if let Some([low, high]) = scale.ends() {
+        canvas.word(low, (left, y - 16.0), Side::Left, INK);
+        canvas.word(high, (left + long, y - 16.0), Side::Right, INK);
     }
 }
 

@@ -5,8 +5,9 @@ use glam::DVec2;
 
 use super::raster::Raster;
 use super::view::{Panel, View};
-use super::{PAPER, draw_row, draw_scene, padded};
+use super::{PAPER, draw_row, draw_scene, padded, paint};
 use crate::outputs::pictures::canvas::Canvas;
+use crate::outputs::pictures::colours::ColourScale;
 use crate::outputs::pictures::scale::round_steps;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::shapes::glb::Surroundings;
@@ -80,8 +81,10 @@ impl ThumbnailFrame {
         }
         // As on maps, what lies below roofs is shown, too.
         raster.forget_depth();
-        draw(&mut |row| draw_row(&mut raster, panel, row, 0, top))?;
-        let about = about.clone().with("colours", "viridis").with("colours_from", 0).with("colours_to", top);
+        let scale = ColourScale::FromZero;
+        draw(&mut |row| draw_row(&mut raster, panel, row, paint(row, 0, scale, top)))?;
+        let about =
+            about.clone().with("colours", scale.name_on_paper()).with("colours_from", 0).with("colours_to", top);
         canvas.png(about.ascii())
     }
 }

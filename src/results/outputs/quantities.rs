@@ -1,0 +1,164 @@
+//! Numbers that places have in results. In: arrays of values, such as the components of a replay. Out: what each column of a table, a map or a
+//! picture holds: an array as it is, or what follows from two of them.
+//!
+//! A further question to archives is a further list of [`Quantity`]; tables, maps and pictures know nothing of components.
+
+use crate::outputs::pictures::colours::label;
+use heliotile_core::replay::components::{Component, ComponentList};
+use heliotile_core::replay::values::TileValues;
+
+/// A number that each place has for each label.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Quantity {
+    /// Name of its column, but for the ending that says the unit: `sun_direct`, `change_total`.
+    pub name: String,
+    /// The number in words, for pictures: `sun, direct`.
+    pub words: String,
+    /// Where its values come from.
+    pub source: ValueSource,
+}
+
+/// Where the values of a quantity come from: arrays of [`PlaceValues`] by their numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ValueSource {
+    /// An array as it is.
+    Array(usize),
+    /// How an array differs from another.
+    Change { kind: ChangeKind, from: usize, to: usize },
+}
+
+/// How a number changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChangeKind {
+    /// The new number less the old one.
+    Difference,
+    /// The difference in percent of the old number.
+    Percent,
+}
+
+/// Ending of the columns of shares in percent.
+const PERCENT: &str = "_percent";
+
+/// What the names of change columns begin with, before the name of the component.
+const BEFORE: &str = "before";
+const AFTER: &str = "after";
+const CHANGE: &str = "change";
+
+impl Quantity {
+    /// Name of its column, where that of irradiance has an ending that says the unit.
+    pub fn with_ending(&self, of_irradiance: &str) -> String {
+        format!("{}{}", self.name, if self.source.is_percent() { PERCENT } else { of_irradiance })
+    }
+
+    /// Components of a replay, whose arrays come in the same order.
+    pub fn of_components(components: &ComponentList) -> Vec<Quantity> {
+        let quantity = |(number, component): (usize, &Component)| Quantity {
+            name: component.name().to_owned(),
+            words: label(*component),
+            source: ValueSource::Array(number),
+        };
+        components.as_slice().iter().enumerate().map(quantity).collect()
+    }
+
+    /// Before, after, change and change in percent of each component; first the arrays of all components before come, then those after.
+    pub fn of_changes(components: &ComponentList) -> Vec<Quantity> {
+        let count = components.as_slice().len();
+        let of_component = |(from, component): (usize, &Component)| {
+            let to = count + from;
+            let words = label(*component);
+            let named = |side: &str, words: String, source| {
+                let name = format!("{side}_{}", component.name());
+                Quantity { name, words, source }
+            };
+            let change = |kind| ValueSource::Change { kind, from, to };
+            [
+                named(BEFORE, format!("{words} before"), ValueSource::Array(from)),
+                named(AFTER, format!("{words} after"), ValueSource::Array(to)),
+                named(CHANGE, format!("change of {words}"), change(ChangeKind::Difference)),
+                named(CHANGE, format!("change of {words}"), change(ChangeKind::Percent)),
+            ]
+        };
+        components.as_slice().iter().enumerate().flat_map(of_component).collect()
+    }
+}
+
+impl ValueSource {
+    /// The value, from those of all arrays; none where there is none.
+    pub fn of(self, array: impl Fn(usize) -> f64) -> Option<f64> {
+        match self {
+            ValueSource::Array(number) => Some(array(number)),
+            ValueSource::Change { kind, from, to } => kind.of(array(from), array(to)),
+        }
+    }
+
+    /// Whether the value is a share in percent.
+    pub fn is_percent(self) -> bool {
+        matches!(self, ValueSource::Change { kind: ChangeKind::Percent, .. })
+    }
+}
+
+impl ChangeKind {
+    /// The change from one number to another; there are no percent of 0.
+    pub fn of(self, from: f64, to: f64) -> Option<f64> {
+        match self {
+            ChangeKind::Difference => Some(to - from),
+            ChangeKind::Percent => (from != 0.0).then(|| 100.0 * (to - from) / from),
+        }
+    }
+}
+
+/// Values of some places.
+#[derive(Clone, Debug)]
+pub struct PlaceValues<'v> {
+    places: usize,
+    labels: usize,
+    /// `[array][place][label]`, row-major.
+    arrays: Vec<&'v [f32]>,
+}
+
+impl<'v> PlaceValues<'v> {
+    /// The components of one archive, or first those of one and then those of another; all have as many receivers and labels as the first.
+    pub fn of(sides: &[&'v TileValues], components: &[Component]) -> Self {
+        let (places, labels) = sides.first().map_or((0, 0), |first| (first.receivers(), first.labels()));
+        let of_side = |side: &&'v TileValues| {
+            let side = *side;
+            components.iter().map(move |component| side.component(*component))
+        };
+        PlaceValues { places, labels, arrays: sides.iter().flat_map(of_side).collect() }
+    }
+
+    /// Number of places, the second axis.
+    pub fn places(&self) -> usize {
+        self.places
+    }
+
+    /// Number of labels, the third axis.
+    pub fn labels(&self) -> usize {
+        self.labels
+    }
+
+    /// `[place][label]` of an array.
+    pub fn array(&self, number: usize) -> &'v [f32] {
+        self.arrays.get(number).copied().unwrap_or_default()
+    }
+
+    /// `[label]` of an array at a place.
+    pub fn row(&self, number: usize, place: usize) -> &'v [f32] {
+        self.array(number).get(place * self.labels..(place + 1) * self.labels).unwrap_or_default()
+    }
+
+    /// The value of a source at a place for a label; NaN where there is none.
+    pub fn value(&self, source: ValueSource, place: usize, label: usize) -> f32 {
+        if let ValueSource::Array(number) = source {
+            return self.row(number, place).get(label).copied().unwrap_or_default();
+        }
+        let array = |number: usize| self.row(number, place).get(label).copied().map_or(f64::NAN, f64::from);
+        source.of(array).map_or(f32::NAN, |value| value as f32)
+    }
+
+    /// The value of a source at a place, of the sums over all labels.
+    pub fn value_of_sums(&self, source: ValueSource, place: usize) -> f64 {
+        let sum = |number: usize| self.row(number, place).iter().map(|value| f64::from(*value)).sum::<f64>();
+        source.of(sum).unwrap_or(f64::NAN)
+    }
+}
