@@ -57,5 +57,6 @@ pub use heliotile_atlas::{ReceiverTotal, SiteRequest};
 pub use heliotile_builder::planning::AccuracyRequest;
 pub use heliotile_core::error::{Error, Result};
 pub use heliotile_core::observer::{Observer, Silent};
+pub use heliotile_results::{CompareRequest, Illumination};
 pub use heliotile_results::{CoverRequest, FileRequest, QueryRequest, ReplayRequest, Resources, SiteArchiveRequest};
 pub use heliotile_scene::request::SceneRequest;

@@ -14,9 +14,9 @@ use heliotile_core::replay::components::{Component, ComponentList, ComponentSet}
 use heliotile_core::weather::series::Weather;
 use heliotile_remote::places::open_archive;
 use heliotile_results::{
-    Archives, BuildingsRequest, BuildingsSummary, Every, FactorsRequest, FileRequest, LightChoice, PlacesRequest,
-    PlacesSummary, Provenance, QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, Sources, Tile,
-    TileStream,
+    Archives, BeforeSide, BuildingsRequest, BuildingsSummary, CompareRequest, CompareSummary, Every, FactorsRequest,
+    FileRequest, Illumination, LightChoice, PlacesRequest, PlacesSummary, Provenance, QueryRequest, ReceiverChoice,
+    ReceiverSet, ReplayRequest, Resources, Sources, Tile, TileStream,
 };
 
 /// An archive, or an atlas whose parts are asked like one archive.
@@ -65,13 +65,9 @@ impl SiteRequest {
         request.check()?;
         let read: Vec<&Path> = request.light.files().chain([request.conditions.as_path()]).collect();
         files.check(request.light.columns.as_ref(), None, &self.inputs(&read))?;
-        let opened = self.open(resources.memory)?;
-        let series = request.series(opened.archives(), about, resources)?;
-        opened.tell_north(resources);
-        let receivers = opened.receivers(&files.output, resources.memory)?;
-        let stream =
-            TileStream { receivers: &receivers, light: &request.light, series: &series, resources: *resources };
-        files.write(&stream, opened.archives(), &self.place)
+        self.query_stream(request, &files.output, about, resources, |stream, archives| {
+            files.write(stream, archives, &self.place)
+        })
     }
 
     /// Irradiance through a weather file.
@@ -88,6 +84,34 @@ impl SiteRequest {
         self.stream(request, &files.output, about, resources, |stream, archives| {
             files.write(stream, archives, &self.place)
         })
+    }
+
+    /// What a change of the site does to its light: this is the site before, the request holds the places of those after.
+    pub fn compare(
+        &self,
+        request: &CompareRequest,
+        files: &FileRequest,
+        about: Provenance,
+        resources: &Resources,
+    ) -> Result<CompareSummary> {
+        request.check(files, &self.inputs(&request.under.files()))?;
+        let output = files.output.as_path();
+        let folder = working_folder(output);
+        let compare = |stream: &TileStream, archives: Archives| {
+            let side = BeforeSide { stream, archives, place: &self.place, choice: &self.receivers, folder: &folder };
+            request.write(files, &side, &|place| Ok(self.beside(place).open(resources.memory)?.sources))
+        };
+        match &request.under {
+            Illumination::Weather(replay) => self.stream(replay, output, about, resources, compare),
+            Illumination::Conditions(query) => self.query_stream(query, output, about, resources, compare),
+        }
+    }
+
+    /// All receivers of another site, of an atlas in the same box, read like this one.
+    fn beside(&self, place: &Path) -> SiteRequest {
+        let selection = self.receivers.within().map(Selection::Bounds);
+        let receivers = ReceiverChoice { selection, ..self.receivers };
+        SiteRequest { place: place.into(), access: self.access, receivers }
     }
 
     /// What each receiver gets over a weather file, kWh/m2, in the order of the archive. Memory grows with the receivers.
@@ -169,6 +193,24 @@ impl SiteRequest {
         [Some(self.place.as_path()), list].into_iter().flatten().chain(others.iter().copied()).collect()
     }
 
+    /// Opens what a query reads and hands on its stream; tells what is odd about conditions and archives.
+    fn query_stream<T>(
+        &self,
+        request: &QueryRequest,
+        output: &Path,
+        about: Provenance,
+        resources: &Resources,
+        then: impl FnOnce(&TileStream, Archives) -> Result<T>,
+    ) -> Result<T> {
+        let opened = self.open(resources.memory)?;
+        let series = request.series(opened.archives(), about, resources)?;
+        opened.tell_north(resources);
+        let receivers = opened.receivers(output, resources.memory)?;
+        let stream =
+            TileStream { receivers: &receivers, light: &request.light, series: &series, resources: *resources };
+        then(&stream, opened.archives())
+    }
+
     /// Opens what a replay reads and hands on its stream; tells what is odd about weather and archives.
     fn stream<T>(
         &self,
@@ -209,6 +251,11 @@ impl SiteRequest {
     }
 }
 
+/// Where what does not fit into memory goes.
+fn working_folder(output: &Path) -> PathBuf {
+    if output == Path::new("-") { std::env::temp_dir() } else { folder_of(output).into() }
+}
+
 impl OpenedSite<'_> {
     fn archives(&self) -> Archives<'_> {
         self.sources.borrowed()
@@ -216,8 +263,7 @@ impl OpenedSite<'_> {
 
     /// The receivers that are asked for; what does not fit into memory goes beside the output.
     fn receivers(&self, output: &Path, memory: MemoryBudget) -> Result<ReceiverSet<'_>> {
-        let folder = if output == Path::new("-") { std::env::temp_dir() } else { folder_of(output).into() };
-        self.request.receivers.of(self.archives(), &folder, memory)
+        self.request.receivers.of(self.archives(), &working_folder(output), memory)
     }
 
     /// Tells where true north is, if suns are turned to it.

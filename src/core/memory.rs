@@ -21,6 +21,10 @@ pub enum Use {
     TileGroup,
     /// Sums by surface, while results are written.
     SurfaceSums,
+    /// Values of an archive that is compared with another one, until the same receivers of that are replayed.
+    ComparedValues,
+    /// Sums by surface of both archives, while a comparison is written.
+    ComparedSums,
     /// Rows of a map, until all are there.
     MapRows,
     /// Patches of receivers, until those of a surface stand together.
@@ -39,8 +43,13 @@ impl Use {
     /// Share of the whole, in sixteenths.
     const fn sixteenths(self) -> u64 {
         match self {
-            Use::SortedReceivers | Use::NameIndex | Use::CellKeys | Use::BounceCells => 2,
-            Use::Radiosity | Use::TileGroup | Use::ReceiverList | Use::ReceiverIds | Use::ExtractedKeys => 4,
+            Use::SortedReceivers | Use::NameIndex | Use::CellKeys | Use::BounceCells | Use::ComparedValues => 2,
+            Use::Radiosity
+            | Use::TileGroup
+            | Use::ReceiverList
+            | Use::ReceiverIds
+            | Use::ExtractedKeys
+            | Use::ComparedSums => 4,
             Use::SurfaceSums => 6,
             Use::MapRows | Use::MapPatches => 1,
         }
@@ -48,11 +57,15 @@ impl Use {
 }
 
 /// What is alive together, by the time of its command when most is.
-pub const TOGETHER: [(&str, &[Use]); 7] = [
+pub const TOGETHER: [(&str, &[Use]); 8] = [
     ("build, cells", &[Use::SortedReceivers, Use::CellKeys, Use::BounceCells]),
     ("build, responses", &[Use::SortedReceivers, Use::Radiosity, Use::TileGroup]),
     ("build, merge, extract, names", &[Use::SortedReceivers, Use::NameIndex]),
     ("replay", &[Use::Radiosity, Use::TileGroup, Use::SurfaceSums, Use::MapRows, Use::MapPatches]),
+    (
+        "compare",
+        &[Use::ComparedValues, Use::Radiosity, Use::TileGroup, Use::ComparedSums, Use::MapRows, Use::MapPatches],
+    ),
     ("replay, choice of receivers", &[Use::ReceiverList]),
     ("merge, diff", &[Use::ReceiverIds, Use::ReceiverIds]),
     // Hits, what probes see, and two waves of what bounce cells see.
@@ -94,7 +107,7 @@ impl MemoryBudget {
 mod tests {
     use super::*;
 
-    /// What is alive together takes at most all: 6 of 6 times.
+    /// What is alive together takes at most all: 8 of 8 times.
     #[test]
     fn the_parts_add_up() {
         let budget = MemoryBudget::new(1 << 30);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::outputs::provenance::Provenance;
-use heliotile_core::archive::{Archive, Manifest};
+use heliotile_core::archive::{Archive, Manifest, format};
 use heliotile_core::error::{Error, Result};
 
 /// Opened archives, at least one.
@@ -70,6 +70,14 @@ impl<'a> Archives<'a> {
     /// The first one.
     pub fn first(self) -> &'a Archive {
         self.first
+    }
+
+    /// The root of the archive, or one for those of the parts of an atlas.
+    pub fn root(self) -> String {
+        match self.only() {
+            Some(archive) => format::hex(&archive.root()),
+            None => Provenance::root_of_parts(&self.iter().map(Archive::root).collect::<Vec<_>>()),
+        }
     }
 
     /// What is known of results, with the archive at a place, or the atlas there and the roots of its parts in their order.

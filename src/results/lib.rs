@@ -10,6 +10,7 @@
 //! | `series` | conditions with labels, coarser periods of them |
 //! | `stream` | [`TileStream`], the one place where a replay is set up, and [`TileSink`], what takes its tiles |
 //! | `files` | [`FileRequest`]: tables, maps, charts, city models and folders of Honeybee as sinks |
+//! | `compare` | what a change of a site does to its light: [`CompareRequest`] |
 //! | `buildings`, `places`, `factors` | further questions |
 //! | `checks` | whether archives are what they say: [`AuditRequest`]; how they are made so again: [`RepairRequest`] |
 //! | [`covering`] | a scene's surfaces with receivers on them, and the table of these |
@@ -31,6 +32,7 @@
 mod archives;
 mod buildings;
 mod checks;
+mod compare;
 pub mod covering;
 mod doubts;
 mod factors;
@@ -56,10 +58,14 @@ pub use checks::{
     AuditReport, AuditRequest, ComponentErrors, HourKindErrors, RepairDone, RepairRequest, SkyViewErrors, Verdict,
     WorstPair, is_time,
 };
+pub use compare::{
+    BeforeSide, CompareRequest, CompareSummary, Illumination, LOSSES_PERCENT, LossCounts, VariantSummary,
+};
 pub use covering::CoverRequest;
 pub use factors::{FactorRows, FactorsRequest};
 pub use files::{
-    AreaChart, CityModelSink, FileRequest, MapFile, Question, ResultRows, ResultSink, crs_of, name_of, surroundings,
+    AreaChart, CityModelSink, FileRequest, MapFile, Question, ResultRows, ResultSink, RowsAbout, crs_of, name_of,
+    surroundings,
 };
 pub use places::{PlaceOn, PlacesRequest, PlacesSummary};
 pub use receivers::{PartReceivers, ReceiverChoice, ReceiverSet, TileReceivers};

@@ -85,6 +85,18 @@ impl<'a> ReceiverSet<'a> {
         Ok(ReceiverSet::new(std::iter::once((archive, OpenSite::of(archive)?)), None))
     }
 
+    /// Those of the chosen receivers for which `wanted`, in their order, is true.
+    #[must_use]
+    pub fn some(&self, wanted: &[bool]) -> ReceiverSet<'a> {
+        let mut wanted = wanted.iter();
+        let part = |part: &PartReceivers<'a>| {
+            let is_kept = |row: usize| part.kept.as_ref().is_none_or(|kept| kept.get(row) == Some(&true));
+            let kept = (0..part.site.receivers() as usize).map(|row| is_kept(row) && wanted.next() == Some(&true));
+            PartReceivers::new(part.archive, part.site.clone(), Some(kept.collect()))
+        };
+        ReceiverSet { parts: self.parts.iter().map(part).collect() }
+    }
+
     /// What is chosen of each archive.
     pub fn parts(&self) -> &[PartReceivers<'a>] {
         &self.parts

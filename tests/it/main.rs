@@ -13,6 +13,7 @@ mod canopy;
 mod cityjson;
 mod cityjson_out;
 mod cli;
+mod compare;
 mod damage;
 mod energyplus;
 mod export;

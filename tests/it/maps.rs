@@ -17,7 +17,7 @@ use parquet::record::{Field, RowAccessor};
 use crate::cli::{Folder, golden, stderr, stdout};
 
 /// Where the cube of the command line tests stands: 85 km and 455 km from the origin of RD New.
-const AT: DVec3 = DVec3::new(80_000.0, 455_000.0, 2.0);
+pub const AT: DVec3 = DVec3::new(80_000.0, 455_000.0, 2.0);
 
 /// A cube of 10 m on a square of 60 m in RD New, its walls and its roof covered with receivers, and an archive that `run` made with maps.
 fn site() -> Folder {
@@ -61,7 +61,7 @@ fn csv(output: &Output) -> BTreeMap<String, BTreeMap<String, f64>> {
 }
 
 /// A row of a map: numbers by name, and closed rings.
-type Place = (BTreeMap<String, f64>, Vec<Vec<DVec3>>);
+pub type Place = (BTreeMap<String, f64>, Vec<Vec<DVec3>>);
 
 /// m2 of polygons without holes (Newell).
 fn area_m2(rings: &[Vec<DVec3>]) -> f64 {
@@ -101,7 +101,7 @@ impl GeomProcessor for Rings {
 }
 
 /// What the library of FlatGeobuf reads: its EPSG number, and rows by name.
-fn fgb(path: &Path) -> (i32, BTreeMap<String, Place>) {
+pub fn fgb(path: &Path) -> (i32, BTreeMap<String, Place>) {
     let mut file = BufReader::new(File::open(path).expect("a file"));
     let reader = FgbReader::open(&mut file).expect("FlatGeobuf");
     let header = reader.header();
@@ -139,7 +139,7 @@ fn wkb(bytes: &[u8]) -> Vec<Vec<DVec3>> {
 }
 
 /// What the library of Parquet reads: the key `geo`, and rows by name.
-fn geoparquet(path: &Path) -> (serde_json::Value, BTreeMap<String, Place>) {
+pub fn geoparquet(path: &Path) -> (serde_json::Value, BTreeMap<String, Place>) {
     let reader = SerializedFileReader::new(File::open(path).expect("a file")).expect("Parquet");
     let metadata = reader.metadata().file_metadata();
     let keys = metadata.key_value_metadata().expect("metadata");
@@ -234,7 +234,7 @@ fn receivers_on_maps() {
 }
 
 /// The JSON of a binary glTF file.
-fn glb_json(path: &Path) -> serde_json::Value {
+pub fn glb_json(path: &Path) -> serde_json::Value {
     let bytes = fs::read(path).expect("a file");
     let length = u32::from_le_bytes(bytes[12..16].try_into().expect("4 bytes")) as usize;
     serde_json::from_slice(&bytes[20..20 + length]).expect("JSON")

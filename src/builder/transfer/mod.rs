@@ -17,7 +17,7 @@ mod rows;
 mod selection;
 mod union;
 
-pub use compare::Difference;
+pub use compare::{Difference, differences};
 pub use diff::{Differences, Names, Parted, diff};
 pub use extract::{Extracted, Whole, extract};
 pub use merge::{Merged, merge};

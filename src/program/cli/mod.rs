@@ -23,8 +23,8 @@ pub use self::line::{
     CompletionsArgs, EverywhereArgs, ManArgs, again, command_of, option_of, parse, quoted, worded, worded_text,
 };
 pub use self::results::{
-    BuildingsArgs, EnergyplusArgs, ExportArgs, FactorsArgs, PlacesArgs, PvArgs, QueryArgs, RecombineArgs, ReplayArgs,
-    SiteArgs, TableArgs, ViewArgs, YearArgs,
+    BuildingsArgs, CompareArgs, EnergyplusArgs, ExportArgs, FactorsArgs, PlacesArgs, PvArgs, QueryArgs, RecombineArgs,
+    ReplayArgs, SiteArgs, TableArgs, ViewArgs, YearArgs,
 };
 pub use self::sites::{
     AccuracyArgs, AuditArgs, BuildArgs, CatalogueArgs, ClockArgs, CoverArgs, FindArgs, MaterialsArgs, Metres,
@@ -71,6 +71,8 @@ pub enum Command {
     Query(QueryArgs),
     /// Irradiance of every receiver through a weather file
     Replay(ReplayArgs),
+    /// What a change of a site takes from its receivers and gives them: before, after and change, with a summary of who loses how much
+    Compare(CompareArgs),
     /// What surroundings reflect on receivers or surfaces over the sun's position: EnergyPlus's factors
     Factors(FactorsArgs),
     /// What a solar cadastre says of buildings and roof faces: usable area, sums by orientation, regions in one piece

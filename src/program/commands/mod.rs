@@ -71,6 +71,7 @@ fn run_command(command: &Command, about: Provenance) -> Result<Outcome> {
         Command::Pv(args) => pv::run(args, about),
         Command::Energyplus(args) => energyplus::run(args),
         Command::Replay(args) => replay::replay(args, about),
+        Command::Compare(args) => replay::compare(args, about),
         Command::Factors(args) => replay::factors(args, about),
         Command::Buildings(args) => replay::buildings(args, about),
         Command::Places(args) => replay::places(args, about),

@@ -1,10 +1,12 @@
-//! What archives are asked for: `query`, `replay`, `buildings`, `places`, `factors`. In: arguments. Out: requests that are run, and a sentence on
+//! What archives are asked for: `query`, `replay`, `compare`, `buildings`, `places`, `factors`. In: arguments. Out: requests that are run, and a sentence on
 //! what was done.
+
+use std::path::Path;
 
 use super::console::terminal::Terminal;
 use super::console::voice::remark_aside;
 use super::{Outcome, remark};
-use crate::cli::{BuildingsArgs, FactorsArgs, PlacesArgs, QueryArgs, ReplayArgs, SiteArgs};
+use crate::cli::{BuildingsArgs, CompareArgs, FactorsArgs, PlacesArgs, QueryArgs, ReplayArgs, SiteArgs};
 use heliotile_builder::spill::SystemTemp;
 use heliotile_core::error::Result;
 use heliotile_core::text::counted;
@@ -27,6 +29,21 @@ pub fn replay(args: &ReplayArgs, about: Provenance) -> Result<Outcome> {
         table.request().replay(&args.request()?, &args.files(), about, resources)
     })?;
     done.map_or(Ok(()), |done| remark(&done))?;
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile compare`.
+pub fn compare(args: &CompareArgs, about: Provenance) -> Result<Outcome> {
+    let (table, request, files) = (&args.common.table, args.request()?, args.common.files());
+    let done = with_resources(&table.site, |resources| table.request().compare(&request, &files, about, resources))?;
+    let stdout = Path::new("-");
+    let has_table = request.has_details(&files) && files.output == stdout && files.plots.is_empty();
+    let is_taken = has_table || [&request.summary, &request.unmatched].into_iter().flatten().any(|to| to == stdout);
+    if is_taken {
+        remark_aside(&done.text())
+    } else {
+        remark(&done.text())?
+    }
     Ok(Outcome::Fine)
 }
 

@@ -179,7 +179,7 @@ impl AreaChart<'_> {
     fn bars(&self, called: String) -> Bars {
         let layout = self.layout();
         let main = layout.main_quantity();
-        let stacks = if self.after.is_some() { self.change(main) } else { self.parts(main) };
+        let stacks = if self.after.is_some() { self.change() } else { self.parts(main) };
         let what = if self.after.is_some() { main.words.as_str() } else { "sun and sky" };
         let by = match self.series.every {
             Some(Every::Day) => "day",
@@ -208,10 +208,10 @@ impl AreaChart<'_> {
     }
 
     /// Gains and losses, each in its colour.
-    fn change(&self, main: &Quantity) -> Vec<Stack> {
+    fn change(&self) -> Vec<Stack> {
         let (scale, values) = (self.scale(), self.main());
         let stack = |name: &str, share: f32, of: fn(f64) -> f64| Stack {
-            name: format!("{name}, {}", main.words),
+            name: name.to_owned(),
             colour: scale.on_paper(share),
             values: values.iter().copied().map(of).collect(),
         };

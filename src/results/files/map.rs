@@ -11,6 +11,7 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::shapes::MapCrs;
 use crate::outputs::shapes::group_patches::{PatchSorter, Shapeless};
 use crate::outputs::shapes::writer::{MapFormat, MapRequest, MapStats, MapWriter, PlaceShapes, Surroundings};
+use crate::receivers::ReceiverSet;
 use crate::stream::TileStream;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
@@ -33,6 +34,8 @@ pub struct MapStart<'a> {
     pub called: &'a str,
     /// What they were made from.
     pub about: &'a Provenance,
+    /// Whose scene is drawn around.
+    pub scene: &'a ReceiverSet<'a>,
 }
 
 impl<'a> MapStart<'a> {
@@ -45,6 +48,7 @@ impl<'a> MapStart<'a> {
         };
         // Parts of an atlas show their neighbours, too.
         let shows = self.format.shows_surroundings() && others.is_empty();
+        let around = self.scene.parts().first().filter(|_| shows);
         let folder = std::env::temp_dir();
         let request = MapRequest {
             path: self.path,
@@ -55,7 +59,7 @@ impl<'a> MapStart<'a> {
             crs: crs_of(first.archive),
             north: receivers.north(),
             called: self.called.to_owned(),
-            around: shows.then(|| surroundings(first.archive, &first.site)).flatten(),
+            around: around.and_then(|part| surroundings(part.archive, &part.site)),
             about: self.about.clone(),
             folder: folder.clone(),
             storage: stream.resources.storage,

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::archives::Archives;
-use super::stream::{TileSink, TileStream};
+use super::stream::TileStream;
 use crate::outputs::city_model::is_city_model;
 use crate::outputs::periods::Every;
 use crate::outputs::results::ResultFormat;
@@ -25,7 +25,8 @@ use heliotile_core::replay::components::ComponentList;
 pub use charts::AreaChart;
 pub use city_model::CityModelSink;
 pub use map::{crs_of, surroundings};
-pub use results::{MapFile, Question, ResultRows, ResultSink};
+pub(crate) use results::write_rows;
+pub use results::{MapFile, Question, ResultRows, ResultSink, RowsAbout};
 
 /// Where results go.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -93,8 +94,8 @@ impl FileRequest {
             (_, Some(folder)) => honeybee::write(stream, self.by, folder, about).map(Some),
             _ => {
                 let called = format!("{} under {}", name_of(place), stream.series.called);
-                let feed = |sink: &mut dyn TileSink| stream.feed(sink);
-                results::write(self, Question::Irradiance, stream, &called, &about, place, feed).map(|()| None)
+                let told = RowsAbout { called, about, place, scene: None };
+                write_rows(self, Question::Irradiance, stream, &told, |sink| stream.feed(sink)).map(|()| None)
             }
         }
     }

@@ -16,6 +16,7 @@ use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::format::Places;
 use crate::outputs::tables::layout::{By, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
+use crate::receivers::ReceiverSet;
 use crate::stream::{Sinks, Tile, TileSink, TileStream};
 use heliotile_core::error::Result;
 use heliotile_core::memory::Use;
@@ -30,6 +31,18 @@ pub enum Question {
     Irradiance,
     /// What places get before and after, and how that changes.
     Change,
+}
+
+/// What files of rows say of themselves.
+pub struct RowsAbout<'a> {
+    /// What the values are of, in words, for pictures.
+    pub called: String,
+    /// What they were made from.
+    pub about: Provenance,
+    /// Where the archive or the atlas lies.
+    pub place: &'a Path,
+    /// Whose scene maps show around; none: that of the receivers.
+    pub scene: Option<&'a ReceiverSet<'a>>,
 }
 
 /// The rows of a file: which columns they have, and how many of them each place has.
@@ -108,8 +121,11 @@ impl ResultRows {
 impl<'a> ResultSink<'a> {
     /// A sink of rows that no file takes yet.
     pub fn new(rows: &'a ResultRows, groups: Option<Groups>, stream: &TileStream) -> Result<Self> {
-        let sides = if rows.question == Question::Change { 2 } else { 1 };
-        let memory = stream.resources.memory.share(Use::SurfaceSums) / sides;
+        let memory = stream.resources.memory;
+        let (sides, memory) = match rows.question {
+            Question::Irradiance => (1, memory.share(Use::SurfaceSums)),
+            Question::Change => (2, memory.share(Use::ComparedSums) / 2),
+        };
         let (components, labels) = (rows.components.as_slice(), rows.labels.len());
         let means = groups.into_iter().flat_map(|groups| (0..sides).map(move |_| groups.clone()));
         let means = means.map(|groups| GroupMeans::new(groups, components, labels, memory));
@@ -126,17 +142,12 @@ impl<'a> ResultSink<'a> {
         self
     }
 
-    /// Also writes maps, which share the memory for them; `place` is that of the archive or of the atlas.
-    pub fn with_maps(
-        mut self,
-        maps: &'a [MapFile],
-        stream: &TileStream<'a>,
-        called: &'a str,
-        about: &'a Provenance,
-        place: &Path,
-    ) -> Result<Self> {
+    /// Also writes maps, which share the memory for them.
+    pub fn with_maps(mut self, maps: &'a [MapFile], stream: &TileStream<'a>, told: &'a RowsAbout<'a>) -> Result<Self> {
+        let RowsAbout { called, about, place, .. } = told;
+        let scene = told.scene.unwrap_or(stream.receivers);
         for MapFile { path, format } in maps {
-            let map = MapStart { path, format: *format, share: maps.len(), rows: self.rows, called, about };
+            let map = MapStart { path, format: *format, share: maps.len(), rows: self.rows, called, about, scene };
             let map = map.start(stream, self.means.first().map(GroupMeans::groups), place)?;
             self.writers.push((path.clone(), ResultWriter::Map(Box::new(map))));
         }
@@ -191,17 +202,15 @@ impl TileSink for ResultSink<'_> {
     }
 }
 
-/// Writes the files of a request, of what `feed` hands on; `place` is that of the archive or of the atlas, and `called` says what is shown.
-pub fn write<'s>(
+/// Writes the files of a request, of what `feed` hands on.
+pub fn write_rows<'s>(
     request: &'s FileRequest,
     question: Question,
     stream: &TileStream<'s>,
-    called: &str,
-    about: &Provenance,
-    place: &Path,
+    told: &'s RowsAbout<'s>,
     feed: impl FnOnce(&mut dyn TileSink) -> Result<()>,
 ) -> Result<()> {
-    let output = request.output.as_path();
+    let (output, RowsAbout { called, about, place, .. }) = (request.output.as_path(), told);
     let plots = Plot::all(&request.plots, stream.series)?;
     let (rows, groups) = ResultRows::new(stream, question, request.by, place)?;
     let mut maps = Vec::new();
@@ -213,7 +222,7 @@ pub fn write<'s>(
     }
     let drawn = plots.iter().filter(|(_, plot)| *plot == Plot::Map);
     maps.extend(drawn.map(|(path, _)| MapFile { path: path.to_path_buf(), format: MapFormat::Png }));
-    sink = sink.with_maps(&maps, stream, called, about, place)?;
+    sink = sink.with_maps(&maps, stream, told)?;
     let charts = plots.iter().filter(|(_, plot)| *plot != Plot::Map);
     let mut charts = charts.map(|(path, _)| AreaChart::new(path, stream, question)).collect::<Result<Vec<_>>>()?;
     let mut sinks = Sinks(vec![&mut sink]);

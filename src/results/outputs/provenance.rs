@@ -49,8 +49,13 @@ impl Provenance {
 
     /// The atlas' name, and one root for those of its parts, in their order.
     pub fn with_parts(self, path: &Path, roots: &[[u8; 32]]) -> Self {
-        let root = blake3::hash(roots.as_flattened());
-        self.with("atlas", file_name(path)).with("parts", roots.len()).with("parts_root", root.to_hex())
+        let root = Provenance::root_of_parts(roots);
+        self.with("atlas", file_name(path)).with("parts", roots.len()).with("parts_root", root)
+    }
+
+    /// One root for those of the parts of an atlas, in their order.
+    pub fn root_of_parts(roots: &[[u8; 32]]) -> String {
+        blake3::hash(roots.as_flattened()).to_hex().to_string()
     }
 
     /// The weather's file name, place and clock; the option `shift` is how far its time stamps were moved, also where that was found.

@@ -11,7 +11,8 @@ use crate::outputs::kinds_and_sides::KindsAndSides;
 use crate::outputs::shapes::writer::MapFormat;
 use crate::{
     Archives, AreaChart, By, CityModelSink, CoarseSinks, Every, LightChoice, MapFile, Provenance, Question,
-    ReceiverSet, ReplayRequest, Resources, ResultRows, ResultSink, Series, Sinks, Tile, TileSink, TileStream, name_of,
+    ReceiverSet, ReplayRequest, Resources, ResultRows, ResultSink, RowsAbout, Series, Sinks, Tile, TileSink,
+    TileStream, name_of,
 };
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
@@ -100,6 +101,7 @@ impl RunResults<'_> {
 
         let (rows, _) = ResultRows::new(&annual, Question::Irradiance, By::Receiver, place)?;
         let called = format!("{} under {}", name_of(place), name_of(&asked.weather));
+        let told = RowsAbout { called, about: about.clone(), place, scene: None };
         let paths = if with_annual { self.maps() } else { Vec::new() };
         let sums = with_annual.then(|| {
             Ok(AnnualSums {
@@ -109,7 +111,7 @@ impl RunResults<'_> {
             })
         });
         let mut sums = sums.transpose()?;
-        let mut maps = ResultSink::new(&rows, None, &annual)?.with_maps(&paths, &annual, &called, &about, place)?;
+        let mut maps = ResultSink::new(&rows, None, &annual)?.with_maps(&paths, &annual, &told)?;
         let mut chart = AreaChart::new(&files.chart, &month, Question::Irradiance)?;
         let model = self.city_model.filter(|_| with_periods);
         let model = model.map(|model| CityModelSink::new(&annual, model, &files.city_model, place));

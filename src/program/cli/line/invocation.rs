@@ -13,7 +13,8 @@ use heliotile_core::text::without_secrets;
 use heliotile_results::outputs::provenance::Provenance;
 
 /// Options that change where results go and how long they take, never their values.
-const NEUTRAL: [&str; 9] = ["output", "plot", "faces", "honeybee", "memory", "io", "replace", "geo", "map"];
+const NEUTRAL: [&str; 11] =
+    ["output", "plot", "faces", "honeybee", "memory", "io", "replace", "geo", "map", "summary", "unmatched"];
 
 /// What files say of how they were made, from the matches of a command line. Paths stand as they were typed.
 pub fn provenance(matches: &ArgMatches) -> Provenance {

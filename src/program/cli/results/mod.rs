@@ -11,5 +11,5 @@ pub use buildings::{BuildingsArgs, PlacesArgs, YearArgs};
 pub use energyplus::EnergyplusArgs;
 pub use export::ExportArgs;
 pub use pv::PvArgs;
-pub use recombine::{FactorsArgs, QueryArgs, RecombineArgs, ReplayArgs, SiteArgs, TableArgs};
+pub use recombine::{CompareArgs, FactorsArgs, QueryArgs, RecombineArgs, ReplayArgs, SiteArgs, TableArgs};
 pub use view::ViewArgs;

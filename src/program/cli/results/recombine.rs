@@ -1,9 +1,9 @@
-//! Arguments of `query`, `replay` and `factors`.
+//! Arguments of `query`, `replay`, `compare` and `factors`.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 
 use crate::cli::WeatherArgs;
 use crate::cli::values::{Bytes, SelectionArgs, choice, parse_depth, parse_memory, table_help};
@@ -21,12 +21,17 @@ use heliotile_core::weather::temperatures::Temperature;
 use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::shapes::writer::MapFormat;
 use heliotile_results::outputs::tables::layout::By;
-use heliotile_results::{FactorsRequest, FileRequest, LightChoice, QueryRequest, ReceiverChoice, ReplayRequest};
+use heliotile_results::{
+    CompareRequest, FactorsRequest, FileRequest, Illumination, LightChoice, QueryRequest, ReceiverChoice, ReplayRequest,
+};
 
 /// Help of --output.
 fn output_help() -> String {
     let maps = MapFormat::ENDINGS.map(|(ending, _)| format!(".{ending}")).join(", ");
-    format!("{}; of `query` and `replay` also maps: {maps}, .parquet with --geo", table_help("Table to write"))
+    format!(
+        "{}; of `query`, `replay` and `compare` also maps: {maps}, .parquet with --geo",
+        table_help("Table to write")
+    )
 }
 
 /// An archive or an atlas, and how it is read.
@@ -192,13 +197,9 @@ impl FactorsArgs {
     }
 }
 
+/// What of a weather file counts, and what rows are about.
 #[derive(Args, Debug)]
-pub struct ReplayArgs {
-    #[command(flatten)]
-    pub common: RecombineArgs,
-    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
-    #[arg(long, short)]
-    pub weather: PathBuf,
+pub struct PeriodArgs {
     /// Rows: means in W/m2, or sums in kWh/m2
     #[arg(long, value_parser = choice::<Every>(), default_value = "hour")]
     pub every: Every,
@@ -230,6 +231,36 @@ pub struct ReplayArgs {
     /// column `temperature_c`; may be repeated, the last one counts [default: the weather file's dry bulb temperature]
     #[arg(long, value_name = "CLASS=CELSIUS|FILE")]
     pub temperature: Vec<Temperature>,
+}
+
+impl PeriodArgs {
+    /// A replay of a weather file.
+    fn request(&self, weather: &Path, common: &RecombineArgs, about: &WeatherArgs) -> Result<ReplayRequest> {
+        let mut light = common.light()?;
+        light.changes.snow = self.snow.map(|snow| (snow, self.snow_reflectance));
+        Ok(ReplayRequest {
+            light,
+            about_weather: about.options(false),
+            span: (self.from, self.to),
+            year: self.year,
+            steps: self.steps.map(usize::from),
+            every: self.every,
+            stamp: self.stamp,
+            temperatures: self.temperature.clone(),
+            ..ReplayRequest::of(weather)
+        })
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct ReplayArgs {
+    #[command(flatten)]
+    pub common: RecombineArgs,
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
+    #[arg(long, short)]
+    pub weather: PathBuf,
+    #[command(flatten)]
+    pub period: PeriodArgs,
     /// City model (CityJSON or a sequence of features) that the receivers were put on: with an output that ends with .city.json or
     /// .city.jsonl it is written again with these sums, and with a material theme `irradiation`
     #[arg(long, value_name = "INPUT.city.json", conflicts_with_all = ["honeybee", "plot"])]
@@ -245,24 +276,65 @@ pub struct ReplayArgs {
 impl ReplayArgs {
     /// What is asked for.
     pub fn request(&self) -> Result<ReplayRequest> {
-        let mut light = self.common.light()?;
-        light.changes.snow = self.snow.map(|snow| (snow, self.snow_reflectance));
-        Ok(ReplayRequest {
-            light,
-            about_weather: self.about_weather.options(false),
-            span: (self.from, self.to),
-            year: self.year,
-            steps: self.steps.map(usize::from),
-            every: self.every,
-            stamp: self.stamp,
-            temperatures: self.temperature.clone(),
-            ..ReplayRequest::of(&self.weather)
-        })
+        self.period.request(&self.weather, &self.common, &self.about_weather)
     }
 
     /// Where results go.
     pub fn files(&self) -> FileRequest {
         FileRequest { model: self.model.clone(), honeybee: self.honeybee.clone(), ..self.common.files() }
+    }
+}
+
+/// Options that only hours of a weather file have a use for.
+const OF_WEATHER: [&str; 9] =
+    ["every", "stamp", "year", "from", "to", "steps", "snow", "snow_reflectance", "temperature"];
+
+#[derive(Args, Debug)]
+#[command(
+    group(ArgGroup::new("suns").required(true).args(["weather", "conditions"])),
+    mut_arg("archive", |arg| arg.index(1).value_name("BEFORE").help("Archive before the change, or the folder of an atlas: a path or an address")),
+    mut_arg("columns", |arg| arg.help("Columns to compare, in this order, such as total,sun_direct, as of `replay` [default: total]")),
+    mut_arg("every", |arg| arg.default_value("total")),
+    // An argument that is changed goes behind the others: AFTER stays behind BEFORE.
+    mut_arg("after", |arg| arg.index(2)),
+)]
+pub struct CompareArgs {
+    #[command(flatten)]
+    pub common: RecombineArgs,
+    /// Archives or atlases after the change; several of them give a summary
+    #[arg(required = true)]
+    pub after: Vec<PathBuf>,
+    /// Weather file, as `replay` takes it
+    #[arg(long, short)]
+    pub weather: Option<PathBuf>,
+    /// Table of conditions in place of weather, as `query` takes it
+    #[arg(long, short, conflicts_with_all = OF_WEATHER)]
+    pub conditions: Option<PathBuf>,
+    #[command(flatten)]
+    pub period: PeriodArgs,
+    #[arg(long, value_name = "FILE", help = table_help("Table with a row for each archive after: means, and how many receivers, windows and buildings lose more than 5, 10 and 20 %"))]
+    pub summary: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", help = table_help("Table of the receivers that exist on one side only"))]
+    pub unmatched: Option<PathBuf>,
+    #[command(flatten)]
+    pub about_weather: WeatherArgs,
+}
+
+impl CompareArgs {
+    /// What is asked for.
+    pub fn request(&self) -> Result<CompareRequest> {
+        let under = match (&self.weather, &self.conditions) {
+            (Some(weather), _) => {
+                let request = self.period.request(weather, &self.common, &self.about_weather)?;
+                Illumination::Weather(Box::new(request))
+            }
+            (None, Some(conditions)) => {
+                Illumination::Conditions(QueryRequest { light: self.common.light()?, conditions: conditions.clone() })
+            }
+            (None, None) => return Err(Error::argument("weather, conditions", "none is given", "give one of them")),
+        };
+        let (after, summary, unmatched) = (self.after.clone(), self.summary.clone(), self.unmatched.clone());
+        Ok(CompareRequest { after, under, summary, unmatched })
     }
 }
 

@@ -131,10 +131,20 @@ impl<'a> Files<'a> {
             Command::Replay(args) => {
                 self.recombined(&args.common);
                 self.read(&args.weather, Wanted::Weather);
-                let temperatures = args.temperature.iter().filter_map(Temperature::file);
+                let temperatures = args.period.temperature.iter().filter_map(Temperature::file);
                 self.inputs.extend(temperatures.map(|table| (table, Wanted::Other)));
                 self.read_if(&args.model, Wanted::Other);
                 self.write_if(&args.honeybee, Written::Folder);
+            }
+            Command::Compare(args) => {
+                self.recombined(&args.common);
+                args.after.iter().for_each(|archive| self.read(archive, Wanted::Archive));
+                self.read_if(&args.weather, Wanted::Weather);
+                self.read_if(&args.conditions, Wanted::Conditions);
+                let temperatures = args.period.temperature.iter().filter_map(Temperature::file);
+                self.inputs.extend(temperatures.map(|table| (table, Wanted::Other)));
+                self.write_if(&args.summary, Written::Table);
+                self.write_if(&args.unmatched, Written::Table);
             }
             Command::Factors(args) => self.table(&args.table),
             Command::Buildings(args) => {

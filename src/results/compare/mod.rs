@@ -1,0 +1,110 @@
+//! What a change of a site does to its light. In: open archives before, the places of others after, suns and skies. Out: tables, maps and
+//! pictures of before, after and change, and a summary of who loses how much.
+//!
+//! Receivers are matched first ([`heliotile_core::opened::ReceiverMatching`]); those of both sides are replayed. Values after wait in sorted
+//! runs, which leave memory where they do not fit, until the same receivers come before.
+
+mod doubts;
+mod pass;
+mod summary;
+mod tally;
+mod variant;
+
+use std::path::{Path, PathBuf};
+
+use super::buildings::check_table;
+use super::files::FileRequest;
+use super::request::{LightChoice, QueryRequest, ReplayRequest};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::{Component, ComponentList};
+
+pub use pass::BeforeSide;
+pub use summary::{CompareSummary, VariantSummary};
+pub use tally::{LOSSES_PERCENT, LossCounts};
+
+/// How archives differ from one before them.
+#[derive(Clone, Debug)]
+pub struct CompareRequest {
+    /// Archives or atlases after, at least one. Files of results hold one; a summary has a row for each.
+    pub after: Vec<PathBuf>,
+    /// Suns and skies, and the light that counts; without columns: the total.
+    pub under: Illumination,
+    /// Table with a row for each archive after.
+    pub summary: Option<PathBuf>,
+    /// Table of the receivers that exist on one side only.
+    pub unmatched: Option<PathBuf>,
+}
+
+/// Suns and skies.
+#[derive(Clone, Debug)]
+pub enum Illumination {
+    /// Those of a weather file.
+    Weather(Box<ReplayRequest>),
+    /// Those of a table.
+    Conditions(QueryRequest),
+}
+
+impl Illumination {
+    /// The light that counts.
+    pub fn light(&self) -> &LightChoice {
+        match self {
+            Illumination::Weather(request) => &request.light,
+            Illumination::Conditions(request) => &request.light,
+        }
+    }
+
+    /// Files that are read besides archives.
+    pub fn files(&self) -> Vec<&Path> {
+        match self {
+            Illumination::Weather(request) => request.files().collect(),
+            Illumination::Conditions(request) => request.light.files().chain([request.conditions.as_path()]).collect(),
+        }
+    }
+}
+
+impl CompareRequest {
+    /// Refuses choices that exclude each other, and files that would replace an input or one another, before anything is read.
+    pub fn check(&self, files: &FileRequest, inputs: &[&Path]) -> Result<()> {
+        let every = match &self.under {
+            Illumination::Weather(request) => request.check().map(|()| Some(request.every))?,
+            Illumination::Conditions(request) => request.check().map(|()| None)?,
+        };
+        if self.after.is_empty() {
+            return Err(Error::argument("summary", "there is no archive after to compare", "give one, or several"));
+        }
+        if files.model.is_some() || files.honeybee.is_some() {
+            let hint = "write a table or a map of the change";
+            return Err(Error::argument("model, honeybee", "hold one archive's results", hint));
+        }
+        let has_details = files.output != Path::new("-") || !files.plots.is_empty();
+        if self.after.len() > 1 && has_details {
+            let what = format!("hold the change by one archive, and {} are given", self.after.len());
+            let hint = "give one archive after, or {summary} FILE for a row for each of them";
+            return Err(Error::argument("output, plot", what, hint));
+        }
+        let inputs: Vec<&Path> = inputs.iter().copied().chain(self.after.iter().map(PathBuf::as_path)).collect();
+        files.check(self.under.light().columns.as_ref(), every, &inputs)?;
+        let tables = [self.summary.as_deref(), self.unmatched.as_deref()];
+        let written = tables.into_iter().flatten().chain([files.output.as_path()]);
+        let written: Vec<&Path> = written.filter(|path| *path != Path::new("-")).collect();
+        for (number, path) in written.iter().enumerate() {
+            if written.iter().take(number).any(|other| other == path) {
+                let what = format!("`{}` is written twice", path.display());
+                return Err(Error::argument("output, summary, unmatched", what, "give each table a name of its own"));
+            }
+        }
+        tables.into_iter().flatten().try_for_each(|table| check_table(table, &inputs))
+    }
+
+    /// Whether rows of places are written, of the only archive after. With a summary or pictures, the standard output is not asked for by
+    /// saying nothing.
+    pub fn has_details(&self, files: &FileRequest) -> bool {
+        let is_asked = files.output != Path::new("-") || !files.plots.is_empty() || self.summary.is_none();
+        self.after.len() == 1 && is_asked
+    }
+
+    /// The columns that are compared.
+    fn columns(&self) -> ComponentList {
+        self.under.light().columns.clone().unwrap_or_else(|| ComponentList::of(Component::Total))
+    }
+}

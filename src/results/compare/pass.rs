@@ -1,0 +1,195 @@
+//! One pass over the receivers before, beside what waits of the archives after. In: a stream before, places of archives after. Out: files and a
+//! summary.
+
+use std::path::{Path, PathBuf};
+
+use super::summary::{CompareSummary, unmatched_table};
+use super::variant::{BeforePlaces, Variant, VariantReplay};
+use super::{CompareRequest, doubts};
+use crate::archives::{Archives, Sources};
+use crate::files::{FileRequest, Question, RowsAbout, name_of, write_rows};
+use crate::outputs::periods::Every;
+use crate::outputs::provenance::Provenance;
+use crate::outputs::tables::layout::{By, Labels, Layout};
+use crate::receivers::{ReceiverChoice, ReceiverSet};
+use crate::request::LightChoice;
+use crate::series::{Coarsening, Series};
+use crate::stream::{Tile, TileSink, TileStream};
+use heliotile_core::error::Result;
+use heliotile_core::memory::Use;
+use heliotile_core::replay::components::{ComponentList, ComponentSet};
+use heliotile_core::replay::values::TileValues;
+use heliotile_core::site::receiver::Receiver;
+
+/// The site before a change, ready to be replayed.
+pub struct BeforeSide<'a> {
+    /// Its chosen receivers under suns and skies.
+    pub stream: &'a TileStream<'a>,
+    /// Its archives.
+    pub archives: Archives<'a>,
+    /// Where the archive or the atlas lies.
+    pub place: &'a Path,
+    /// How its receivers were chosen.
+    pub choice: &'a ReceiverChoice,
+    /// Folder for what does not fit into memory.
+    pub folder: &'a Path,
+}
+
+impl CompareRequest {
+    /// Writes the files and gives the summary; `open` opens the archives at a place.
+    pub fn write(
+        &self,
+        files: &FileRequest,
+        before: &BeforeSide,
+        open: &dyn Fn(&Path) -> Result<Sources>,
+    ) -> Result<CompareSummary> {
+        let (has_details, asked) = (self.has_details(files), self.columns());
+        let columns = if has_details { asked.clone() } else { ComponentList::of(asked.main()) };
+        let patches = Some(before.stream.light.patches_of(before.archives.first()));
+        let light = LightChoice { columns: Some(columns.clone()), patches, ..before.stream.light.clone() };
+        let totals = before.stream.series.by(Every::Total);
+        let series = if has_details { before.stream.series } else { &totals };
+        let stream = TileStream { light: &light, series, ..*before.stream };
+
+        let mut places = BeforePlaces::of(stream.receivers, stream.resources.memory)?;
+        let replay = VariantReplay {
+            before: stream,
+            components: &columns,
+            choice: before.choice,
+            folder: before.folder,
+            memory_bytes: stream.resources.memory.length(Use::ComparedValues) / self.after.len().max(1),
+        };
+        let (mut variants, mut opened) = (Vec::new(), Vec::new());
+        for (place, name) in self.after.iter().zip(names(&self.after)) {
+            let sources = open(place)?;
+            doubts::tell(before.archives, before.place, sources.borrowed(), place, stream.resources.observer)?;
+            variants.push(replay.run(name, place, sources.borrowed(), &mut places)?);
+            opened.push(sources);
+        }
+        let is_matched = places.is_matched;
+        let receivers = stream.receivers.some(&is_matched);
+        let stream = TileStream { receivers: &receivers, ..stream };
+        let about = self.about(&stream, before, &variants);
+        let mut pass = Pass {
+            receivers: Box::new(receivers.receivers()),
+            rows: Box::new((0..).zip(&is_matched).filter_map(|(row, is_matched)| is_matched.then_some(row))),
+            components: &columns,
+            coarsening: series.coarsening(&totals),
+            folder: before.folder,
+            variants: &mut variants,
+        };
+        if has_details {
+            // Maps show the scene that is there after the change.
+            let scene = opened.first().map(|sources| ReceiverSet::all_of(sources.borrowed().first())).transpose()?;
+            let (called, about) = (self.called(&stream, before), about.clone());
+            let told = RowsAbout { called, about, place: before.place, scene: scene.as_ref() };
+            write_rows(files, Question::Change, &stream, &told, |details| {
+                stream.feed(&mut PassSink { pass: &mut pass, details: Some(details) })
+            })?;
+        } else {
+            stream.feed(&mut PassSink { pass: &mut pass, details: None })?;
+        }
+        drop(pass);
+        let layout = Layout::of_changes(sums_of(series), By::Receiver, &ComponentList::of(asked.main()));
+        let summary = CompareSummary::of(name_of(before.place), &series.called, &layout, &variants);
+        if let Some(path) = &self.unmatched {
+            unmatched_table(&variants).write(path, &about)?;
+        }
+        if let Some(path) = &self.summary {
+            summary.table().write(path, &about)?;
+        }
+        Ok(summary)
+    }
+
+    /// What files were made of.
+    fn about(&self, stream: &TileStream, before: &BeforeSide, variants: &[Variant]) -> Provenance {
+        let of_each = |text: fn(&Variant) -> &str| variants.iter().map(text).collect::<Vec<_>>().join(", ");
+        let names = self.after.iter().map(|place| name_of(place)).collect::<Vec<_>>().join(", ");
+        let about = stream.about(before.archives, before.place);
+        about.with("after", names).with("after_root", of_each(|variant| &variant.root))
+    }
+
+    /// What pictures show, in words.
+    fn called(&self, stream: &TileStream, before: &BeforeSide) -> String {
+        let after = self.after.iter().map(|place| name_of(place)).collect::<Vec<_>>().join(", ");
+        format!("{} to {after} under {}", name_of(before.place), stream.series.called)
+    }
+}
+
+/// Sums over all of the time, or under conditions means.
+fn sums_of(series: &Series) -> Labels {
+    if series.kind == Labels::Conditions { Labels::Conditions } else { Labels::Sums }
+}
+
+/// Names of archives that tell them apart: of files, or else their paths.
+fn names(places: &[PathBuf]) -> Vec<String> {
+    let mut names: Vec<String> = places.iter().map(|place| name_of(place)).collect();
+    let mut sorted = names.clone();
+    sorted.sort();
+    sorted.dedup();
+    if sorted.len() < names.len() {
+        names = places.iter().map(|place| place.display().to_string()).collect();
+    }
+    names
+}
+
+/// The receivers before, as their tiles come, and what waits of those after.
+struct Pass<'p> {
+    /// Of the tiles, and their rows before.
+    receivers: Box<dyn Iterator<Item = Result<Receiver>> + 'p>,
+    rows: Box<dyn Iterator<Item = u32> + 'p>,
+    components: &'p ComponentList,
+    /// How labels add up to one; none where there is one already, and under conditions.
+    coarsening: Option<Coarsening>,
+    folder: &'p Path,
+    variants: &'p mut [Variant],
+}
+
+/// Tiles before, to which those after are put.
+struct PassSink<'s, 'p> {
+    pass: &'s mut Pass<'p>,
+    /// What takes the change by the only variant.
+    details: Option<&'s mut dyn TileSink>,
+}
+
+impl Pass<'_> {
+    /// Sums of the main component over the whole time, or its means over conditions: one a receiver.
+    fn sums(&self, values: &TileValues) -> Vec<f64> {
+        let main = self.components.main();
+        let coarse = self.coarsening.as_ref().map(|to| to.of(values, ComponentSet::of(&[main])));
+        let values = coarse.as_ref().unwrap_or(values);
+        let count = values.labels().max(1) as f64;
+        let sum = |row: usize| values.row(main, row).iter().map(|value| f64::from(*value)).sum::<f64>() / count;
+        (0..values.receivers()).map(sum).collect()
+    }
+}
+
+impl TileSink for PassSink<'_, '_> {
+    fn components(&self) -> ComponentSet {
+        self.pass.components.set()
+    }
+
+    fn start(&mut self) -> Result<()> {
+        self.details.as_mut().map_or(Ok(()), |details| details.start())
+    }
+
+    fn take(&mut self, tile: &Tile) -> Result<bool> {
+        let (pass, count, labels) = (&mut *self.pass, tile.ids.len(), tile.values.labels());
+        let receivers: Vec<Receiver> = pass.receivers.by_ref().take(count).collect::<Result<_>>()?;
+        let rows: Vec<u32> = pass.rows.by_ref().take(count).collect();
+        let before = pass.sums(tile.values);
+        let mut wants_more = true;
+        for number in 0..pass.variants.len() {
+            let (is_there, values) = pass.variants[number].values(&rows, pass.components, labels, pass.folder)?;
+            let after = pass.sums(&values);
+            let tally = &mut pass.variants[number].tally;
+            for (row, receiver) in receivers.iter().enumerate().filter(|(row, _)| is_there[*row]) {
+                tally.add(receiver, [before[row], after[row]]);
+            }
+            if let Some(details) = &mut self.details {
+                wants_more = details.take(&Tile { ids: tile.ids, values: tile.values, after: Some(&values) })?;
+            }
+        }
+        Ok(wants_more)
+    }
+}
