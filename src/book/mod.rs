@@ -31,6 +31,9 @@ pub mod command_line {}
 #[doc = include_str!("query-and-replay.md")]
 pub mod query_and_replay {}
 
+#[doc = include_str!("comparing.md")]
+pub mod comparing {}
+
 #[doc = include_str!("maps.md")]
 pub mod maps {}
 
