@@ -13,6 +13,7 @@ from .archive import Archive
 from .askable import Factors, Material, Place
 from .atlas import Atlas, AtlasPart
 from .checks import AuditReport, CheckedArchive, RepairDone, UpdateDone, repair, verify
+from .comparing import Comparison, compare
 from .errors import (
     ArgumentError,
     ChangedError,
@@ -41,6 +42,7 @@ __all__ = [
     "BuildReport",
     "CheckedArchive",
     "ChangedError",
+    "Comparison",
     "CorruptError",
     "Error",
     "Factors",
@@ -64,6 +66,7 @@ __all__ = [
     "Weather",
     "__version__",
     "build",
+    "compare",
     "diff",
     "energyplus",
     "errors",

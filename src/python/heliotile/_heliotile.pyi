@@ -115,6 +115,14 @@ class ArchiveHandle:
         files: str,
         progress: Progress | None,
     ) -> str | None: ...
+    def compare(
+        self,
+        light: dict[str, Any],
+        forcing: dict[str, Any],
+        receivers: Any,
+        request: str,
+        progress: Progress | None,
+    ) -> tuple[str, str]: ...
     def buildings(
         self, light: dict[str, Any], replay: dict[str, Any], files: str, progress: Progress | None
     ) -> tuple[int, int]: ...

@@ -7,6 +7,8 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use serde::Deserialize;
+use serde_json::Value;
 
 use crate::asked::{Filled, Forcing, LightArgs, ReplayArgs, Source};
 use crate::errors::raised;
@@ -18,7 +20,7 @@ use crate::table::columns_of;
 use crate::work;
 
 use heliotile_atlas::opened::check_square;
-use heliotile_atlas::sources::archives;
+use heliotile_atlas::sources::{archives, open};
 use heliotile_builder::spill::SystemTemp;
 use heliotile_builder::transfer;
 use heliotile_builder::transfer::{Bounds, Selection};
@@ -31,9 +33,10 @@ use heliotile_core::named::by_name;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::factors::FACTORS;
 use heliotile_remote::places::open_archive;
+use heliotile_results::outputs::tables::rows::{Cell, Records};
 use heliotile_results::{
-    BuildingsRequest, FactorRows, FileRequest, PartReceivers, PlacesRequest, ReceiverChoice, ReceiverSet, Resources,
-    Sources, TileStream,
+    BeforeSide, BuildingsRequest, CompareRequest, FactorRows, FileRequest, PartReceivers, PlacesRequest,
+    ReceiverChoice, ReceiverSet, Resources, Sources, TileStream,
 };
 use heliotile_scene::input;
 
@@ -58,6 +61,30 @@ pub enum Wanted {
     Ids(Vec<String>),
     File(PathBuf),
     Of(BTreeMap<String, Of>),
+}
+
+/// What is compared with an archive, and where that goes.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Comparison {
+    after: Vec<PathBuf>,
+    files: FileRequest,
+    summary: Option<PathBuf>,
+    unmatched: Option<PathBuf>,
+}
+
+/// Rows of a table by the names of their columns; an empty cell is null.
+fn json_of(records: &Records) -> Value {
+    let cell = |cell: &Cell| match cell {
+        Cell::Text(text) => text.as_str().into(),
+        Cell::Count(count) => (*count).into(),
+        Cell::Number(number) => (*number).into(),
+    };
+    let row = |row: &Vec<Cell>| {
+        let cells = records.columns.iter().zip(row).map(|(column, value)| (column.name.clone(), cell(value)));
+        Value::Object(cells.collect())
+    };
+    records.rows.iter().map(row).collect()
 }
 
 /// Names, or the numbers of a box.
@@ -242,6 +269,31 @@ impl ArchiveHandle {
         self.streamed(py, light, Forcing::of(&forcing)?, receivers, progress, |stream, asked| {
             files.check(asked.light().columns.as_ref(), stream.series.every, &[&self.place])?;
             files.write(stream, self.sources.borrowed(), &self.place)
+        })
+    }
+
+    /// What a change of the site does to its light, into files: the summary as JSON, a row for each archive after, and in words.
+    #[pyo3(signature = (light, forcing, receivers, request, progress))]
+    fn compare(
+        &self,
+        py: Python<'_>,
+        light: LightArgs,
+        forcing: Bound<'_, PyAny>,
+        receivers: Option<Wanted>,
+        request: &str,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<(String, String)> {
+        let Comparison { after, files, summary, unmatched } =
+            crate::studies::request(request).map_err(|error| raised(py, error))?;
+        let selection = receivers.as_ref().map(Wanted::selection).transpose().map_err(|error| raised(py, error))?;
+        let choice = ReceiverChoice { selection, grid_north: self.grid_north };
+        self.streamed(py, light, Forcing::of(&forcing)?, receivers, progress, |stream, asked| {
+            let request = CompareRequest { after, under: asked.request.clone(), summary, unmatched };
+            request.check(&files, &[&self.place])?;
+            let (archives, folder) = (self.sources.borrowed(), std::env::temp_dir());
+            let before = BeforeSide { stream, archives, place: &self.place, choice: &choice, folder: &folder };
+            let done = request.write(&files, &before, &|place| open(place, Access::default()))?;
+            Ok((json_of(&done.table()).to_string(), done.text()))
         })
     }
 

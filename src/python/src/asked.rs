@@ -22,7 +22,9 @@ use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::{WeatherOptions, parse_zone};
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
-use heliotile_results::{Archives, LightChoice, Provenance, QueryRequest, ReplayRequest, Resources, Series};
+use heliotile_results::{
+    Archives, Illumination, LightChoice, Provenance, QueryRequest, ReplayRequest, Resources, Series,
+};
 use heliotile_scene::input;
 
 /// A file, or the bytes that stand in for one of that name.
@@ -93,15 +95,10 @@ impl Forcing {
     }
 }
 
-/// What is asked for.
-pub enum Request {
-    Replay(Box<ReplayRequest>),
-    Query(QueryRequest),
-}
-
 /// A request, and the bytes that stand in for files that it names.
 pub struct Filled {
-    request: Request,
+    /// Suns and skies, and the light that counts.
+    pub request: Illumination,
     given: Given,
     /// Bytes to work in.
     pub memory: MemoryBudget,
@@ -226,13 +223,13 @@ impl Filled {
             Forcing::Conditions(source) => {
                 let request = QueryRequest { light, conditions: given.source(source) };
                 request.check()?;
-                Request::Query(request)
+                Illumination::Conditions(request)
             }
             Forcing::Weather(replay) => {
                 options.extend(replay.options());
                 let request = replay.request(light, &mut given)?;
                 request.check()?;
-                Request::Replay(Box::new(request))
+                Illumination::Weather(Box::new(request))
             }
         };
         options.insert("columns".to_owned(), names(&request.light().columns()).into());
@@ -259,22 +256,15 @@ impl Filled {
         let class = if archives.only().is_some() { "Archive" } else { "Atlas" };
         let about = |method: &str| Provenance::new(format!("heliotile.{class}.{method}"), self.options.clone());
         match &self.request {
-            Request::Query(request) => then(&request.series(archives, about("query"), &resources)?, resources),
-            Request::Replay(request) => {
+            Illumination::Conditions(request) => {
+                then(&request.series(archives, about("query"), &resources)?, resources)
+            }
+            Illumination::Weather(request) => {
                 let weather = request.read_weather(&resources, &mut || Ok(archives.manifest().place))?;
                 let dated = request.dated(&weather, observer)?;
                 request.tell_misfits(archives, &weather, observer);
                 then(&request.series(archives, &weather, &dated, about("replay"), &resources)?, resources)
             }
-        }
-    }
-}
-
-impl Request {
-    fn light(&self) -> &LightChoice {
-        match self {
-            Request::Replay(request) => &request.light,
-            Request::Query(request) => &request.light,
         }
     }
 }

@@ -1,0 +1,131 @@
+"""Variants of a site. In: an archive before a change, archives after it, weather or conditions. Out: what places get before and after, how that
+changes, and a summary of who loses how much."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack
+
+import numpy as np
+
+from .archive import Archive
+from .askable import Askable
+from .given import wrong
+from .options import QueryOptions, ReplayOptions, check, conditions_source, light_args, replay_args, wanted_args
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: A path, or an `Archive`.
+Site = Any
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What places get before and after a change: `comparison["change_total_kwh_m2"]` has the shape (places, labels).
+
+    Without places where several variants are compared, or a file was written: then only the summary is here.
+    """
+
+    summary: list[dict[str, Any]]
+    """A row for each archive after, by the names of the columns of `heliotile compare --summary`."""
+    text: str
+    """The summary in words."""
+    by: str = "receiver"
+    label: str = "time"
+    """`time` or `condition`."""
+    places: list[str] = field(default_factory=list)
+    """Receivers, surfaces and so on of both sides."""
+    labels: list[str] = field(default_factory=list)
+    units: dict[str, str] = field(default_factory=dict)
+    """Names of columns, and their units."""
+    values: np.ndarray = field(default_factory=lambda: np.zeros((0, 0, 0), np.float32))
+    """float32, shape (places, labels, columns); NaN where there is no change in percent."""
+    provenance: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns."""
+        return list(self.units)
+
+    def __getitem__(self, column: str) -> np.ndarray:
+        return self.values[:, :, self.columns.index(column)]
+
+    def __repr__(self) -> str:
+        return self.text
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row for each place and label, named as in files."""
+        import pandas as pd
+
+        count = len(self.labels)
+        names = {self.label: self.labels * len(self.places), self.by: np.repeat(self.places, count)}
+        return pd.DataFrame(names | {column: self[column].ravel() for column in self.columns})
+
+
+def compare(
+    before: Site,
+    after: Site | Sequence[Site],
+    weather: Any = None,
+    *,
+    conditions: Any = None,
+    by: str = "receiver",
+    output: str | os.PathLike[str] | None = None,
+    plots: Sequence[str | os.PathLike[str]] = (),
+    geo: bool = False,
+    summary: str | os.PathLike[str] | None = None,
+    unmatched: str | os.PathLike[str] | None = None,
+    **options: Unpack[ReplayOptions],
+) -> Comparison:
+    """What a change of a site takes from its receivers and gives them: `heliotile compare`, value by value.
+
+    `before` and `after` are paths or archives, `before` may be an `Atlas`; several after give a summary. Give `weather`, with the choices of `Archive.replay` (`every` is
+    `"total"` and `columns` is `["total"]` if nothing else is said), or `conditions`, with those of `Archive.query`. `by`: what rows are about.
+    `output`: a table or a map in place of values in memory; `plots`: pictures. `summary`: a table with a row for each archive after; `unmatched`: a
+    table of the receivers that exist on one side only.
+    """
+    if (weather is None) == (conditions is None):
+        raise wrong("weather, conditions", "one of them has to be given", "give weather, or conditions")
+    check("compare", options, ReplayOptions if conditions is None else QueryOptions)
+    options = {"columns": ["total"], **options}
+    variants = [after] if isinstance(after, (str, os.PathLike, Archive)) else list(after)
+    in_memory = output is None and not plots and len(variants) == 1
+    with tempfile.TemporaryDirectory() as folder:
+        table = Path(folder) / "change.npz"
+        files = {"output": os.fspath(table if in_memory else output or "-"), "by": by, "geo": geo, "plots": [os.fspath(plot) for plot in plots]}
+        request = {"after": [_path(variant) for variant in variants], "files": files}
+        request |= {name: None if path is None else os.fspath(path) for name, path in (("summary", summary), ("unmatched", unmatched))}
+        forcing = conditions_source(conditions) if weather is None else replay_args(weather, {"every": "total", **options})
+        wanted = wanted_args(options.get("receivers"))
+        site = before if isinstance(before, Askable) else Archive.open(before)
+        rows, text = site._open(wanted).compare(light_args(options), forcing, wanted, json.dumps(request), options.get("progress"))
+        made = Comparison(json.loads(rows), text)
+        return _with_values(made, table, by) if in_memory else made
+
+
+def _path(site: Site) -> str:
+    return os.fspath(site.path if isinstance(site, Archive) else site)
+
+
+def _with_values(made: Comparison, table: Path, by: str) -> Comparison:
+    """The same with the values of a table."""
+    with np.load(table) as arrays:
+        names = [str(name) for name in arrays["column"]]
+        label = next(name for name in ("time", "condition") if name in arrays)
+        units = np.broadcast_to(arrays["unit"], len(names))
+        return Comparison(
+            made.summary,
+            made.text,
+            by,
+            label,
+            [str(name) for name in arrays[by]],
+            [str(name) for name in arrays[label]],
+            dict(zip(names, map(str, units), strict=True)),
+            arrays["values"],
+            json.loads(str(arrays["provenance"])),
+        )
