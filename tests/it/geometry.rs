@@ -91,7 +91,7 @@ fn triangles_are_those_that_were_traced() {
     }
     let found = diff(&whole, &bare, &place).expect("a comparison");
     let told: Vec<&str> = found.statements.iter().map(|told| told.item.as_str()).collect();
-    assert!(told == ["shown.overview", "shown.triangles"] && !found.same_root, "{told:?}");
+    assert!(told == ["shown.objects", "shown.overview", "shown.triangles"] && !found.same_root, "{told:?}");
     assert_eq!(found.receivers.different.count, 0);
 
     let side = 256;

@@ -138,7 +138,7 @@ fn resumed_builds_name_misplaced_receivers() {
     let (whole, folder) = (site(&scene, &receivers, &settings), tempfile::tempdir().expect("a folder"));
     let (archive, path) = (Archive::open(&whole.path).expect("an archive"), folder.path().join("site.helio"));
     let job = Job {
-        scene: scene.content_hash(),
+        scene: scene.named_hash(),
         receivers: tiles(&receivers, &scene).content_hash(),
         settings: settings.stated().hash().expect("a hash"),
     };

@@ -429,7 +429,7 @@ fn resumed_builds_have_the_same_bytes() {
     let expected = std::fs::read(&whole).expect("an archive");
     let archive = Archive::open(&whole).expect("an archive");
     let job = Job {
-        scene: scene.content_hash(),
+        scene: scene.named_hash(),
         receivers: tiles(receivers, &scene).content_hash(),
         settings: coarse().stated().hash().expect("a hash"),
     };

@@ -66,6 +66,23 @@ def test_parts_and_unions(site: heliotile.Archive, tmp_path: Path) -> None:
     assert (tmp_path / "program.helio").read_bytes() == (tmp_path / "whole.helio").read_bytes()
 
 
+def test_a_comparison_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
+    """A part of a site holds 39 of its 78 receivers, which change by nothing: values, summary and files are the program's."""
+    ids = site.receivers()["receiver"].tolist()
+    part = site.extract(tmp_path / "part.helio", ids[:39])
+    program("compare", site.path, part.path, "--weather", DAYS, "-o", tmp_path / "program.csv", "--summary", tmp_path / "program-s.csv")
+    found = heliotile.compare(site, part, DAYS, summary=tmp_path / "s.csv")
+    assert found.columns == ["before_total_kwh_m2", "after_total_kwh_m2", "change_total_kwh_m2", "change_total_percent"]
+    assert found.values.shape == (39, 1, 4) and not found["change_total_kwh_m2"].any()
+    assert [row.split(",")[1] for row in rows(tmp_path / "program.csv")[1:]] == found.places and set(found.places) == set(ids[:39])
+    assert rows(tmp_path / "s.csv") == rows(tmp_path / "program-s.csv")
+    assert found.summary[0]["only_before"] == 39 and "39 receivers of both" in found.text
+    several = heliotile.compare(site.path, [part, tmp_path / "part.helio"], DAYS)
+    assert len(several.summary) == 2 and several.places == []
+    with pytest.raises(heliotile.ArgumentError, match="output"):
+        heliotile.compare(site, [part, part], DAYS, output=tmp_path / "x.csv")
+
+
 def test_regions_are_the_programs(tmp_path: Path) -> None:
     """A region of 3 parts has the plan of the program; one part is built and listed in a catalogue."""
     words = ["--part-size", "60m", "--spacing", "8m", "--quality", "draft", "--sample", 0, "--crs", 28992]

@@ -10,12 +10,6 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::site::place::Place;
 
-/// Scenes of one site have their middles this near, degrees of latitude and longitude.
-const SAME_SITE_DEG: f64 = 0.1;
-
-/// Axes of one coordinate system differ by less between the middles of two scenes of a site, degrees.
-const SAME_NORTH_DEG: f64 = 0.5;
-
 /// What differs between the settings of archives is named up to so many times.
 const NAMED: usize = 6;
 
@@ -28,7 +22,7 @@ pub fn tell(
     observer: &dyn Observer,
 ) -> Result<()> {
     let [first, second] = [before, after].map(|side| side.manifest().place);
-    if !is_one_site(first.as_ref(), second.as_ref()) {
+    if !Place::is_one_site(first.as_ref(), second.as_ref()) {
         let words = |place: Option<Place>| place.map_or("no place on Earth".to_owned(), |place| place.to_string());
         let what = format!("lies at {}, {} at {}", words(second), name_of(before_place), words(first));
         return Err(Error::input(place, None, what, "compare archives of one site in one coordinate system"));
@@ -58,34 +52,4 @@ pub fn tell(
         ));
     }
     Ok(())
-}
-
-/// Whether two scenes may be of one site.
-fn is_one_site(before: Option<&Place>, after: Option<&Place>) -> bool {
-    match (before, after) {
-        (None, None) => true,
-        (Some(a), Some(b)) => {
-            let near = |a: f64, b: f64, most: f64| (a - b).abs() <= most;
-            a.epsg == b.epsg
-                && near(a.latitude_deg, b.latitude_deg, SAME_SITE_DEG)
-                && near(a.longitude_deg, b.longitude_deg, SAME_SITE_DEG)
-                && near(a.convergence_deg, b.convergence_deg, SAME_NORTH_DEG)
-        }
-        _ => false,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A scene that grew by a kilometre is of the site; another system, another town, another north and no place are not: 1 of 5.
-    #[test]
-    fn places() {
-        let here = Place { latitude_deg: 52.07, longitude_deg: 4.3, convergence_deg: 0.4, epsg: Some(28992) };
-        let same = |other: Option<Place>| is_one_site(Some(&here), other.as_ref());
-        assert!(same(Some(Place { latitude_deg: 52.08, convergence_deg: 0.41, ..here })));
-        assert!(!same(Some(Place { epsg: Some(7415), ..here })) && !same(Some(Place { latitude_deg: 52.37, ..here })));
-        assert!(!same(Some(Place { convergence_deg: 10.0, ..here })) && !same(None) && is_one_site(None, None));
-    }
 }

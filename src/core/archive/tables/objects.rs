@@ -56,7 +56,8 @@ impl ObjectsTable {
                 columns.into_iter().zip(texts).for_each(|(column, text)| column.push(text));
                 table.beside.push(u8::from(beside));
             }
-            places.push((table.name.len() - 1) as u16);
+            // There are no more than triangles.
+            places.push(u16::try_from(table.name.len().saturating_sub(1)).unwrap_or(u16::MAX));
         }
         let place = |object: &u32| places.get(used.partition_point(|held| held < object)).copied();
         table.row = of_triangle.iter().map(|object| place(object).unwrap_or_default()).collect();
@@ -101,11 +102,7 @@ impl ObjectsTable {
 
 /// As much of a name as an archive holds.
 fn within(name: &str) -> &str {
-    let mut end = name.len().min(MAX_STRING);
-    while !name.is_char_boundary(end) {
-        end -= 1;
-    }
-    name.get(..end).unwrap_or_default()
+    name.get(..name.floor_char_boundary(MAX_STRING)).unwrap_or_default()
 }
 
 #[cfg(all(test, feature = "zstd"))]

@@ -9,19 +9,28 @@ use heliotile_core::replay::components::Component;
 /// Colours of the map `viridis`.
 pub const STEPS: usize = 256;
 
-/// Where the page has them from: one definition for both.
-const PAGE: &str = include_str!("../../../viewer/source/colour/viridis.ts");
+/// Where the page has its maps from: one definition for both.
+const PAGE: [&str; 2] =
+    [include_str!("../../../viewer/source/colour/viridis.ts"), include_str!("../../../viewer/source/colour/puor.ts")];
 
-static VIRIDIS: LazyLock<Vec<Rgb>> = LazyLock::new(|| {
+static VIRIDIS: LazyLock<Vec<Rgb>> = LazyLock::new(|| stops(PAGE[0]));
+
+/// The map `PuOr` of 11 classes of ColorBrewer (C. Brewer, M. Harrower, Pennsylvania State University 2002, Apache-style licence), which
+/// colour-blind people read, too: from violet over near white to orange.
+static PUOR: LazyLock<Vec<[f32; 3]>> =
+    LazyLock::new(|| stops(PAGE[1]).iter().map(|stop| stop.map(f32::from)).collect());
+
+/// The colours of a map of the page.
+fn stops(file: &str) -> Vec<Rgb> {
     // The only quoted words of the file that are digits throughout.
-    let rows = PAGE.split('"').filter(|row| row.len() >= 6 && row.bytes().all(|digit| digit.is_ascii_hexdigit()));
+    let rows = file.split('"').filter(|row| row.len() >= 6 && row.bytes().all(|digit| digit.is_ascii_hexdigit()));
     let digits: String = rows.collect();
     let colour = |six: &[u8; 6]| {
         let part = |two: &[u8]| std::str::from_utf8(two).ok().and_then(|two| u8::from_str_radix(two, 16).ok());
         [0, 2, 4].map(|at| part(&six[at..at + 2]).unwrap_or_default())
     };
     digits.as_bytes().as_chunks().0.iter().map(colour).collect()
-});
+}
 
 /// Number of the colour of a share from 0 to 1 in the map `viridis`, as the page takes it.
 pub fn viridis_step(share: f32) -> u8 {
@@ -58,22 +67,6 @@ fn between(stops: &[[f32; 3]], share: f32) -> Rgb {
     let (a, b) = (stops[low], stops[low + 1]);
     [0, 1, 2].map(|i| (a[i] + (b[i] - a[i]) * part).round() as u8)
 }
-
-/// The map `PuOr` of 11 classes of ColorBrewer (C. Brewer, M. Harrower, Pennsylvania State University 2002, Apache-style licence), which
-/// colour-blind people read, too: from violet over near white to orange.
-const PUOR: [[f32; 3]; 11] = [
-    [45., 0., 75.],
-    [84., 39., 136.],
-    [128., 115., 172.],
-    [178., 171., 210.],
-    [216., 218., 235.],
-    [247., 247., 247.],
-    [254., 224., 182.],
-    [253., 184., 99.],
-    [224., 130., 20.],
-    [179., 88., 6.],
-    [127., 59., 8.],
-];
 
 /// How numbers become colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
