@@ -4,15 +4,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use heliotile_core::archive::format::TileNumber;
-use heliotile_core::archive::tables::{GeometryTable, ObjectRow, ObjectsTable, OverviewTable, PartsTable};
+use heliotile_core::archive::tables::{GeometryTable, ObjectsTable, OverviewTable, PartsTable};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
 use heliotile_core::site::grid::Grid;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::change::TracedScene;
-use heliotile_scene::mesh_objects::{MeshObjects, SceneObject};
-use heliotile_scene::semantics::ObjectNote;
+use heliotile_scene::mesh_objects::MeshObjects;
 
 /// Refuses an archive that does not hold its scene.
 pub fn check_scene(archive: &Archive) -> Result<()> {
@@ -63,14 +62,9 @@ fn held_objects(archive: &Archive, scene: &[GeometryTable]) -> Result<MeshObject
         }
         let first = objects.len() as u32;
         of_triangle.extend(table.row.iter().map(|row| first + u32::from(*row)));
-        objects.extend(table.objects().into_iter().map(object));
+        objects.extend(table.objects());
     }
     Ok(MeshObjects::new(&objects, &of_triangle))
-}
-
-fn object(row: ObjectRow) -> SceneObject {
-    let ObjectRow { name, object, building, object_type, beside } = row;
-    SceneObject { name, note: ObjectNote { object, building, object_type, beside } }
 }
 
 /// The receivers of an archive in its order, with what they stand for and, where it shows them, their patches.

@@ -19,6 +19,7 @@ use heliotile_core::observer::{Observer, Stage};
 use heliotile_core::site::material::Material;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
+use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::text::{counted, with_list};
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::{MOST_POINTS, Piece, cover};
@@ -27,7 +28,7 @@ use heliotile_scene::load::Soup;
 use heliotile_scene::mesh::bounds;
 use heliotile_scene::objects::twins;
 use heliotile_scene::region_part::RegionPart;
-use heliotile_scene::semantics::{ObjectNote, SourceFace, SurfaceKind};
+use heliotile_scene::semantics::{SourceFace, SurfaceKind};
 use heliotile_scene::site::Site;
 
 pub use heliotile_scene::covering::cover::Density;

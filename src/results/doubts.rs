@@ -9,6 +9,7 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_core::replay::reflectances::{Changeable, Changes};
 use heliotile_core::site::material::rounded;
+use heliotile_core::site::place::Place;
 use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::span::Span;
@@ -84,4 +85,16 @@ pub fn dated_rows(
         file.display()
     );
     Ok((dated, Some(note)))
+}
+
+/// Refuses an archive of another site or coordinate system than one before it.
+pub fn check_one_site(before: &Archive, after: &Archive) -> Result<()> {
+    let [here, there] = [before, after].map(|archive| archive.manifest().place);
+    if Place::is_one_site(here.as_ref(), there.as_ref()) {
+        return Ok(());
+    }
+    let words = |place: Option<Place>| place.map_or("no known place".to_owned(), |place| place.to_string());
+    let (here, there, first) = (words(here), words(there), before.path().display());
+    let what = format!("lies at {there}, and {first} at {here}: they are not of one site and coordinate system");
+    Err(Error::input(after.path(), None, what, "name archives of one site, built in one coordinate system"))
 }

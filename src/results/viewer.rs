@@ -5,14 +5,15 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::doubts::check_one_site;
 use crate::outputs::viewer_page::ViewerPage;
+use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
 use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::{OpenSite, ReceiverMatching, ReceiverPlace};
-use heliotile_core::site::place::Place;
 use heliotile_core::weather::distance::far_apart;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_remote::naming::shown;
@@ -77,21 +78,14 @@ impl PageRequest {
 /// without a receiver of the first; of an equal one `observer` is warned.
 pub fn open_after(before: &Archive, after: &Path, access: Access, observer: &dyn Observer) -> Result<Archive> {
     let archive = open_archive(after, access)?;
-    let sites = [OpenSite::of(before)?, OpenSite::of(&archive)?];
     let refuse = |what: String, hint: &str| Err(Error::input(archive.path(), None, what, hint));
     let first = before.path().display();
-    let [here, there] = [before, &archive].map(|archive| archive.manifest().place);
-    if !Place::is_one_site(here.as_ref(), there.as_ref()) {
-        let [here, there] =
-            [here, there].map(|place| place.map_or("no known place".to_owned(), |place| place.to_string()));
-        let what = format!("lies at {there}, and {first} at {here}: they are not of one site and coordinate system");
-        return refuse(what, "name archives of one site, built in one coordinate system");
-    }
+    check_one_site(before, &archive)?;
     if before.root() == archive.root() {
         observer.warn(&format!("{} and {first} are equal: nothing changes", archive.path().display()));
         return Ok(archive);
     }
-    let [one, other] = sites.each_ref().map(receiver_places);
+    let [one, other] = [before, &archive].map(receiver_places);
     if ReceiverMatching::of(&one?, &other?).pairs.is_empty() {
         let what = format!("has no receiver in common with {first}: no change can be shown");
         return refuse(what, "build both archives with receivers of the same places or names");
@@ -99,12 +93,7 @@ pub fn open_after(before: &Archive, after: &Path, access: Access, observer: &dyn
     Ok(archive)
 }
 
-/// What all receivers of a site are recognised by, in their order.
-fn receiver_places(site: &OpenSite) -> Result<Vec<ReceiverPlace>> {
-    let mut places = Vec::new();
-    for tile in 0..site.tiles() {
-        let table = site.tile_receivers(tile)?;
-        places.extend(site.tile_parts(tile, &table)?.iter().map(ReceiverPlace::from));
-    }
-    Ok(places)
+/// What all receivers of an archive are recognised by, in their order.
+fn receiver_places(archive: &Archive) -> Result<Vec<ReceiverPlace>> {
+    ReceiverSet::all_of(archive)?.receivers().map(|receiver| Ok((&receiver?).into())).collect()
 }

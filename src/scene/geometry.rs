@@ -12,8 +12,9 @@ use crate::geocentric::LocalFrame;
 use crate::ground::model::ModelGround;
 use crate::materials::select::MaterialTable;
 use crate::reference::Reference;
-use crate::semantics::{FaceNote, ObjectNote, SourceFace, SurfaceKind};
+use crate::semantics::{FaceNote, SourceFace, SurfaceKind};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::site::scene_object::ObjectNote;
 
 /// Polygons of one file, in its order.
 #[derive(Debug, Default)]

@@ -79,9 +79,10 @@ use heliotile_core::site::content::ContentHasher;
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::Material;
 use heliotile_core::site::place::Place;
+use heliotile_core::site::scene_object::SceneObject;
 use materials::MaterialUse;
 use mesh::{Canonical, Mesh, RawTriangle, canonical};
-use mesh_objects::{MeshObjects, SceneObject, ranked};
+use mesh_objects::{MeshObjects, ranked};
 
 /// Geometry in canonical form, with a checked material for every index of `mesh.triangle_material`.
 #[derive(Clone, Debug)]

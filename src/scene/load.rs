@@ -17,7 +17,7 @@ use crate::ground::missing;
 use crate::ground::missing::{BELOW_M, heights};
 use crate::ground::model::{ModelGround, USUAL};
 use crate::mesh::{Canonical, RawTriangle, bounds, canonical};
-use crate::mesh_objects::{MeshObjects, SceneObject, ranked};
+use crate::mesh_objects::{MeshObjects, ranked};
 use crate::palette::Palette;
 use crate::placing::extent::{Extent, Walls};
 use crate::placing::frame::SiteFrame;
@@ -26,7 +26,7 @@ use crate::placing::whereabouts::place_of;
 use crate::polygon;
 use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
 use crate::region_part::RegionPart;
-use crate::semantics::{ObjectNote, SourceFace};
+use crate::semantics::SourceFace;
 use crate::site::{MissingGround, Part, Site};
 use crate::terrain::focus::Focus;
 use crate::terrain::mosaic::{Tile, joined};
@@ -37,6 +37,7 @@ use crate::{LoadReport, Scene, contested_warning, count_uses, rank_by_name};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::ground::MonthlyGround;
 use heliotile_core::site::material::Class;
+use heliotile_core::site::scene_object::{ObjectNote, SceneObject};
 use heliotile_core::text::with_list;
 
 /// Reasons why faces are left out that get a warning each; more are a list.

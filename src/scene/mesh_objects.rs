@@ -1,22 +1,12 @@
 //! The objects of a scene, triangle by triangle. In: objects as files name them, and the object of each triangle. Out: the same, sorted by name.
 
+use heliotile_core::site::scene_object::SceneObject;
 use rayon::slice::ParallelSliceMut;
-
-use crate::semantics::ObjectNote;
-
-/// An object of a scene.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct SceneObject {
-    /// What its surfaces are called after.
-    pub name: String,
-    /// What is known of it besides.
-    pub note: ObjectNote,
-}
 
 /// Which object each triangle of a mesh is a part of.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeshObjects {
-    /// The objects in use, sorted by name; none where nobody says.
+    /// The objects in use, sorted by name; empty for a scene whose files name no objects.
     pub list: Vec<SceneObject>,
     /// `[triangle of the mesh]`: index into `list`; none without objects.
     pub of_triangle: Vec<u32>,

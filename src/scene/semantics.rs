@@ -104,19 +104,6 @@ impl SourceFace {
     }
 }
 
-/// What a reader knows of an object; a text is empty where the file says nothing.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ObjectNote {
-    /// What tables call the object, if not by the name that its surfaces are called after.
-    pub object: String,
-    /// The whole that it is a part of.
-    pub building: String,
-    /// What the file calls things of this sort.
-    pub object_type: String,
-    /// Whether it stands beside the buildings of a city model: a bridge, a tree, furniture.
-    pub beside: bool,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

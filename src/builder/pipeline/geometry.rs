@@ -11,7 +11,7 @@ use crate::pack::{COMPRESSION, NameIndexWriter, OverviewRow, overview};
 use crate::receiver_tiles::ReceiverTiles;
 use crate::writing::Writer;
 use heliotile_core::archive::format::{Entry, TileNumber, content_id};
-use heliotile_core::archive::tables::{GeometryTable, MAX_TRIANGLES, ObjectRow, ObjectsTable};
+use heliotile_core::archive::tables::{GeometryTable, MAX_TRIANGLES, ObjectsTable};
 use heliotile_core::archive::{Archive, EncodedBlock, format};
 use heliotile_core::error::Result;
 use heliotile_core::memory::Use;
@@ -26,14 +26,13 @@ use heliotile_core::weather::clear::clear_year;
 use heliotile_core::weather::conditions::in_axes;
 use heliotile_scene::Scene;
 use heliotile_scene::mesh::Mesh;
-use heliotile_scene::mesh_objects::SceneObject;
 
 impl SiteTracer<'_> {
-    /// The objects of all triangles, in the same chunks as [`SiteTracer::scene_blocks`]; none where nobody says.
+    /// The objects of all triangles, in the same chunks as [`SiteTracer::scene_blocks`]; no block for a scene that names no objects.
     pub(super) fn object_blocks(&self) -> impl Iterator<Item = Result<EncodedBlock>> {
-        let objects = object_rows(self.scene);
-        (0..).zip(self.scene.objects.of_triangle.chunks(MAX_TRIANGLES)).map(move |(chunk, some)| {
-            ObjectsTable::new(&objects, some).encode(format::OBJECTS, TileNumber(chunk), COMPRESSION)
+        let objects = &self.scene.objects;
+        (0..).zip(objects.of_triangle.chunks(MAX_TRIANGLES)).map(|(chunk, some)| {
+            ObjectsTable::new(&objects.list, some).encode(format::OBJECTS, TileNumber(chunk), COMPRESSION)
         })
     }
 
@@ -134,24 +133,12 @@ impl SiteTracer<'_> {
     }
 }
 
-/// The objects of a scene as archives hold them.
-fn object_rows(scene: &Scene) -> Vec<ObjectRow> {
-    let row = |SceneObject { name, note }: &SceneObject| ObjectRow {
-        name: name.clone(),
-        object: note.object.clone(),
-        building: note.building.clone(),
-        object_type: note.object_type.clone(),
-        beside: note.beside,
-    };
-    scene.objects.list.iter().map(row).collect()
-}
-
 /// Whether an archive that holds its scene calls the objects of its triangles as a scene of the same triangles does.
 pub fn holds_objects(archive: &Archive, scene: &Scene) -> bool {
     let held = archive.entries_of(format::OBJECTS);
-    let (objects, chunks) = (object_rows(scene), || scene.objects.of_triangle.chunks(MAX_TRIANGLES));
+    let chunks = || scene.objects.of_triangle.chunks(MAX_TRIANGLES);
     let same = |(entry, some): (&Entry, &[u32])| {
-        let bytes = ObjectsTable::new(&objects, some).to_bytes();
+        let bytes = ObjectsTable::new(&scene.objects.list, some).to_bytes();
         bytes.is_ok_and(|bytes| content_id(entry.kind, entry.schema, &bytes) == entry.content)
     };
     held.len() == chunks().count() && held.iter().zip(chunks()).all(same)

@@ -1,4 +1,4 @@
-//! The nouns of a site: cells, materials, the ground by month, receivers and their parts of a model, chains of mirrors, the place and its
+//! The nouns of a site: cells, materials, the ground by month, receivers and their parts of a model, objects, chains of mirrors, the place and its
 //! north. In: numbers of readers and of archives. Out: types that both the builder and replay speak of. Never: files, rays, weather.
 
 pub mod cells;
@@ -15,3 +15,4 @@ pub mod ordered;
 pub mod patch;
 pub mod place;
 pub mod receiver;
+pub mod scene_object;

@@ -64,7 +64,7 @@ impl Place {
             && self.epsg == other.epsg
     }
 
-    /// Whether two scenes may be of one site, in coordinates of one system; none: a scene whose place nobody knows.
+    /// Whether two scenes may be of one site, in coordinates of one system; `None` is a scene without a place.
     pub fn is_one_site(before: Option<&Place>, after: Option<&Place>) -> bool {
         let near = |a: f64, b: f64, most: f64| (a - b).abs() <= most;
         match (before, after) {

@@ -4,11 +4,11 @@
 use std::path::Path;
 
 use crate::archives::Archives;
+use crate::doubts::check_one_site;
 use crate::files::name_of;
 use heliotile_builder::transfer::differences;
-use heliotile_core::error::{Error, Result};
+use heliotile_core::error::Result;
 use heliotile_core::observer::Observer;
-use heliotile_core::site::place::Place;
 
 /// What differs between the settings of archives is named up to so many times.
 const NAMED: usize = 6;
@@ -21,12 +21,7 @@ pub fn tell(
     place: &Path,
     observer: &dyn Observer,
 ) -> Result<()> {
-    let [first, second] = [before, after].map(|side| side.manifest().place);
-    if !Place::is_one_site(first.as_ref(), second.as_ref()) {
-        let words = |place: Option<Place>| place.map_or("no place on Earth".to_owned(), |place| place.to_string());
-        let what = format!("lies at {}, {} at {}", words(second), name_of(before_place), words(first));
-        return Err(Error::input(place, None, what, "compare archives of one site in one coordinate system"));
-    }
+    check_one_site(before.first(), after.first())?;
     let names = [before_place, place].map(name_of);
     if before.iter().count() == after.iter().count()
         && before.iter().zip(after.iter()).all(|(a, b)| a.root() == b.root())

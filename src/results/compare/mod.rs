@@ -38,9 +38,9 @@ pub struct CompareRequest {
 /// Suns and skies.
 #[derive(Clone, Debug)]
 pub enum Illumination {
-    /// Those of a weather file.
+    /// The suns and skies of a weather file.
     Weather(Box<ReplayRequest>),
-    /// Those of a table.
+    /// The suns and skies of a table of conditions.
     Conditions(QueryRequest),
 }
 

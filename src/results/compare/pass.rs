@@ -91,7 +91,7 @@ impl CompareRequest {
         }
         drop(pass);
         let layout = Layout::of_changes(sums_of(series), By::Receiver, &ComponentList::of(asked.main()));
-        let summary = CompareSummary::of(name_of(before.place), &series.called, &layout, &variants);
+        let summary = CompareSummary::of(name_of(before.place), &series.called, &layout, asked.main(), &variants);
         if let Some(path) = &self.unmatched {
             unmatched_table(&variants).write(path, &about)?;
         }

@@ -3,10 +3,12 @@
 
 use super::tally::{LOSSES_PERCENT, LossCounts};
 use super::variant::{SideName, Variant};
+use crate::outputs::pictures::colours::label;
 use crate::outputs::quantities::ChangeKind;
 use crate::outputs::tables::column::{Column, Digits};
 use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::rows::{Cell, Records};
+use heliotile_core::replay::components::Component;
 use heliotile_core::text::counted;
 
 /// Archives after in comparison with one before.
@@ -50,8 +52,8 @@ pub struct VariantSummary {
 }
 
 impl CompareSummary {
-    /// Of variants that were tallied; the layout is that of the change of what stands for all.
-    pub(super) fn of(before: String, under: &str, layout: &Layout, variants: &[Variant]) -> Self {
+    /// Of variants that were tallied; the layout is that of the change of the main component.
+    pub(super) fn of(before: String, under: &str, layout: &Layout, main: Component, variants: &[Variant]) -> Self {
         let summary = |variant: &Variant| {
             let (before, after) = (variant.only(SideName::Before), variant.only(SideName::After));
             VariantSummary {
@@ -69,7 +71,7 @@ impl CompareSummary {
         CompareSummary {
             before,
             under: under.to_owned(),
-            what: layout.quantities.first().map(|first| first.words.replace(" before", "")).unwrap_or_default(),
+            what: label(main),
             unit: layout.unit(),
             columns: layout.values(),
             variants: variants.iter().map(summary).collect(),
@@ -95,7 +97,7 @@ impl CompareSummary {
         }
     }
 
-    /// The same in words.
+    /// The rows as lines for people.
     pub fn text(&self) -> String {
         let paragraphs = self.variants.iter().map(|variant| variant.text(self));
         paragraphs.collect::<Vec<_>>().join("\n")

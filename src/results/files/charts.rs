@@ -147,7 +147,7 @@ impl<'a> AreaChart<'a> {
         }
     }
 
-    /// The same in words.
+    /// The columns that the chart shows, with their words and units.
     fn layout(&self) -> Layout {
         let of = if self.after.is_some() { Layout::of_changes } else { Layout::of_components };
         of(self.series.kind, By::Receiver, &self.components)

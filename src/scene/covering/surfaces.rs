@@ -9,10 +9,11 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::load::Soup;
-use crate::semantics::{ObjectNote, SourceFace, SurfaceKind};
+use crate::semantics::{SourceFace, SurfaceKind};
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::morton::lexicographic;
+use heliotile_core::site::scene_object::ObjectNote;
 
 /// Triangles lie in the plane of the first one of their surface if their normals are within this of its normal (cosine of 2 degrees) ...
 const SAME_DIRECTION: f64 = 0.999_390_8;

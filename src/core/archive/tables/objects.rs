@@ -1,24 +1,12 @@
 //! Objects of the scene, triangle by triangle.
 
+use std::collections::BTreeMap;
+
 use rkyv::{Archive, Deserialize, Serialize};
 
 use crate::archive::format::{MAX_STRING, OBJECTS};
 use crate::archive::tables::{Flaw, MAX_TRIANGLES, column, table};
-
-/// What is known of an object of the scene; a text is empty where nobody says.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ObjectRow {
-    /// What its surfaces are called after.
-    pub name: String,
-    /// What tables of results call it, if not so.
-    pub object: String,
-    /// The whole that it is a part of.
-    pub building: String,
-    /// What the model calls objects of this sort.
-    pub object_type: String,
-    /// Whether it stands beside the buildings of a city model: a bridge, a tree, furniture.
-    pub beside: bool,
-}
+use crate::site::scene_object::{ObjectNote, SceneObject};
 
 /// Objects of a chunk of triangles, a row each, and the object of each triangle, schema 1; as many triangles as its block of the scene has.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
@@ -40,42 +28,40 @@ pub struct ObjectsTable {
 table!(ObjectsTable, [OBJECTS]);
 
 impl ObjectsTable {
-    /// Of objects whose names ascend, and the object of each triangle.
-    pub fn new(objects: &[ObjectRow], of_triangle: &[u32]) -> Self {
+    /// Of objects whose names ascend, and the object of each triangle, an index into them. A triangle of another index makes a table that is not
+    /// written.
+    pub fn new(objects: &[SceneObject], of_triangle: &[u32]) -> Self {
         let mut used = of_triangle.to_vec();
         used.sort_unstable();
         used.dedup();
         let mut table = ObjectsTable::default();
-        let mut places: Vec<u16> = Vec::with_capacity(used.len());
-        for known in used.iter().map(|object| objects.get(*object as usize).cloned().unwrap_or_default()) {
-            let ObjectRow { name, object, building, object_type, beside } = known;
+        let mut rows: BTreeMap<u32, u16> = BTreeMap::new();
+        for number in used {
+            let Some(SceneObject { name, note }) = objects.get(number as usize) else { break };
             // Names that were cut may be equal.
-            if table.name.last().is_none_or(|last| *last != within(&name)) {
-                let texts = [name, object, building, object_type].map(|text| within(&text).to_owned());
+            if table.name.last().is_none_or(|last| *last != within(name)) {
+                let texts = [name, &note.object, &note.building, &note.object_type].map(|text| within(text).to_owned());
                 let columns = [&mut table.name, &mut table.object, &mut table.building, &mut table.object_type];
                 columns.into_iter().zip(texts).for_each(|(column, text)| column.push(text));
-                table.beside.push(u8::from(beside));
+                table.beside.push(u8::from(note.beside));
             }
-            // There are no more than triangles.
-            places.push(u16::try_from(table.name.len().saturating_sub(1)).unwrap_or(u16::MAX));
+            rows.insert(number, u16::try_from(table.name.len().saturating_sub(1)).unwrap_or(NO_ROW));
         }
-        let place = |object: &u32| places.get(used.partition_point(|held| held < object)).copied();
-        table.row = of_triangle.iter().map(|object| place(object).unwrap_or_default()).collect();
+        table.row = of_triangle.iter().map(|number| rows.get(number).copied().unwrap_or(NO_ROW)).collect();
         table
     }
 
     /// The objects.
-    pub fn objects(self) -> Vec<ObjectRow> {
+    pub fn objects(self) -> Vec<SceneObject> {
         let ObjectsTable { name, object, building, object_type, beside, .. } = self;
-        let rest = building.into_iter().zip(object_type).zip(beside);
-        let whole = |((name, object), ((building, object_type), beside))| ObjectRow {
-            name,
+        let notes = object.into_iter().zip(building).zip(object_type.into_iter().zip(beside));
+        let notes = notes.map(|((object, building), (object_type, beside))| ObjectNote {
             object,
             building,
             object_type,
             beside: beside == 1,
-        };
-        name.into_iter().zip(object).zip(rest).map(whole).collect()
+        });
+        name.into_iter().zip(notes).map(|(name, note)| SceneObject { name, note }).collect()
     }
 
     /// Number of triangles.
@@ -100,6 +86,9 @@ impl ObjectsTable {
     }
 }
 
+/// No row, unless every triangle of a chunk is an object of its own: then each has a row.
+const NO_ROW: u16 = u16::MAX;
+
 /// As much of a name as an archive holds.
 fn within(name: &str) -> &str {
     name.get(..name.floor_char_boundary(MAX_STRING)).unwrap_or_default()
@@ -113,9 +102,12 @@ mod tests {
     use crate::archive::tables::tests::{block, hostile};
 
     fn three() -> ObjectsTable {
-        let named = |name: &str, beside| ObjectRow { name: name.to_owned(), beside, ..ObjectRow::default() };
-        let barn =
-            ObjectRow { building: "farm".to_owned(), object_type: "BuildingPart".to_owned(), ..named("barn", false) };
+        let named = |name: &str, beside| SceneObject {
+            name: name.to_owned(),
+            note: ObjectNote { beside, ..ObjectNote::default() },
+        };
+        let mut barn = named("barn", false);
+        (barn.note.building, barn.note.object_type) = ("farm".to_owned(), "BuildingPart".to_owned());
         ObjectsTable::new(&[barn, named("house", false), named("tree", true)], &[2, 0, 2])
     }
 
@@ -146,6 +138,8 @@ mod tests {
             |t| t.beside[0] = 2,
             |t| t.building.truncate(1),
         ];
+        // A triangle of an object that is not there.
+        assert!(ObjectsTable::new(&[SceneObject::default()], &[0, 1]).to_bytes().is_err());
         let refused = flaws.iter().filter(|flaw| {
             let mut wrong = three();
             flaw(&mut wrong);
@@ -158,7 +152,7 @@ mod tests {
     #[test]
     fn long_names_are_cut() {
         let names = [format!("{}1", "a".repeat(1029)), format!("{}2", "a".repeat(1029)), "\u{e9}".repeat(515)];
-        let objects = names.map(|name| ObjectRow { name: format!("x{name}"), ..ObjectRow::default() });
+        let objects = names.map(|name| SceneObject { name: format!("x{name}"), ..SceneObject::default() });
         let table = ObjectsTable::new(&objects, &[0, 1, 2]);
         assert_eq!(table.row, [0, 0, 1]);
         assert_eq!(table.clone().objects().len(), 2);

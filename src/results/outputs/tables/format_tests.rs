@@ -158,7 +158,7 @@ fn layout() -> Layout {
     Layout::of_components(Labels::Sums, By::Surface, &"total,sky_direct".parse().expect("names"))
 }
 
-/// The same columns of a tile.
+/// The columns of one tile.
 fn two_of(values: &TileValues) -> PlaceValues<'_> {
     PlaceValues::of(&[values], &[Component::Total, Component::SkyDirect])
 }

@@ -13,9 +13,10 @@ use crate::formats::cityjson::surfaces::{
 };
 use crate::formats::cityjson::templates::{MAX_CORNERS, Template, matrix};
 use crate::geometry::Geometry;
-use crate::semantics::{FaceNote, FaceSource, ObjectNote};
+use crate::semantics::{FaceNote, FaceSource};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::site::scene_object::ObjectNote;
 
 /// Why flat outlines of buildings are left out.
 pub(super) const OUTLINES: &str = "as flat outlines of buildings (LoD 0), which have neither walls nor a roof";

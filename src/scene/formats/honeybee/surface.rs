@@ -12,8 +12,9 @@ use crate::formats::honeybee::document::{Face3D, Room};
 use crate::formats::honeybee::materials::Materials;
 use crate::formats::honeybee::properties::ObjectProperties;
 use crate::geometry::Geometry;
-use crate::semantics::{FaceNote, FaceSource, ObjectNote, SurfaceKind};
+use crate::semantics::{FaceNote, FaceSource, SurfaceKind};
 use heliotile_core::error::Result;
+use heliotile_core::site::scene_object::ObjectNote;
 
 /// What a surface of a model is, besides its place.
 #[derive(Clone, Copy)]

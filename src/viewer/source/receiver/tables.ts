@@ -134,6 +134,17 @@ function soFar(part: number): HTMLElement[] {
   return part < 1 ? [el("p", { class: "note", text: `Names of ${Math.floor(100 * part)} % of the receivers read so far.` })] : [];
 }
 
+/** Rows about surface and building, and how many of the names were read so far. */
+function sumsTable(titles: readonly string[], body: readonly HTMLElement[], part: number): HTMLElement {
+  const table = el(
+    "table",
+    { class: "receiver-sums" },
+    el("thead", {}, el("tr", {}, ...titles.map((text) => el("th", { scope: "col", text })))),
+    el("tbody", {}, ...body),
+  );
+  return el("div", {}, table, ...soFar(part));
+}
+
 /** Means of surface and building before and after, and their change. */
 export function changedSums(unit: string, kinds: readonly (readonly [kind: string, sum: ChangedSum])[], part: number): HTMLElement {
   const cell = (value: number | undefined, text: (value: number) => string): HTMLElement =>
@@ -149,13 +160,7 @@ export function changedSums(unit: string, kinds: readonly (readonly [kind: strin
     ),
   );
   const titles = [`mean, ${unit}`, "before", "after", "change"];
-  const table = el(
-    "table",
-    { class: "receiver-sums" },
-    el("thead", {}, el("tr", {}, ...titles.map((text) => el("th", { scope: "col", text })))),
-    el("tbody", {}, ...body),
-  );
-  return el("div", {}, table, ...soFar(part));
+  return sumsTable(titles, body, part);
 }
 
 /** Means and sums of surface and building. */
@@ -172,11 +177,5 @@ export function sums(unit: string, wholeUnit: string, rows: readonly NamedSum[],
     ),
   );
   const titles = ["", "receivers", "m²", `mean, ${unit}`, wholeUnit];
-  const table = el(
-    "table",
-    { class: "receiver-sums" },
-    el("thead", {}, el("tr", {}, ...titles.map((text) => el("th", { scope: "col", text })))),
-    el("tbody", {}, ...body),
-  );
-  return el("div", {}, table, ...soFar(part));
+  return sumsTable(titles, body, part);
 }
