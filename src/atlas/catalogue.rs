@@ -13,6 +13,7 @@ use crate::opened::Atlas;
 use crate::page::{PARTS, list};
 use crate::state::PartState;
 use crate::thumbnails::Thumbnails;
+use heliotile_builder::held::complete;
 use heliotile_core::archive::{Access, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
@@ -95,6 +96,7 @@ fn text(json: &Value) -> String {
 fn item(part: &ListedPart, path: &Path, atlas: &Atlas, name: &str) -> Result<(StacItem, String)> {
     let plan = &atlas.plan;
     let archive = open_archive(path, Access::Read)?;
+    complete(&archive)?;
     if let Some(planned) = plan.parts.iter().find(|planned| planned.name == part.name) {
         atlas.check_place(planned, &archive)?;
     }

@@ -26,6 +26,15 @@ pub fn check_scene(archive: &Archive) -> Result<()> {
     ))
 }
 
+/// Refuses a preview: some of its layers are from before a change of its scene.
+pub fn complete(archive: &Archive) -> Result<()> {
+    if archive.manifest().preview.is_none() {
+        return Ok(());
+    }
+    let what = "the archive is a preview: some of it is from before its scene was changed";
+    Err(Error::input(archive.path(), None, what, "complete it: give the command that made it, without {preview}"))
+}
+
 /// The scene that an archive was traced of. An error: it does not hold it.
 pub fn held_scene(archive: &Archive) -> Result<TracedScene> {
     check_scene(archive)?;

@@ -28,10 +28,17 @@ pub fn no_longwave(columns: &ComponentList) -> Result<()> {
 }
 
 /// Where effects were left out that bring little under other weather than that of this name.
-pub fn left_out(archive: &Archive, weather: Option<&Path>) -> Option<String> {
+fn left_out(archive: &Archive, weather: Option<&Path>) -> Option<String> {
     let known = archive.manifest().negligible.as_ref()?;
     let other = weather.and_then(Path::file_name).is_none_or(|name| *name != *known.weather);
     other.then(|| format!("{} leaves out {known}; here they may bring more", archive.path().display()))
+}
+
+/// What is odd about an archive whatever is asked of it: it is a preview, or it leaves out effects that bring little under other weather than that
+/// of this name.
+pub fn of_archive(archive: &Archive, weather: Option<&Path>) -> Vec<String> {
+    let preview = archive.manifest().preview.as_ref().map(|known| format!("{} is {known}", archive.path().display()));
+    preview.into_iter().chain(left_out(archive, weather)).collect()
 }
 
 /// Of a query of an archive that states its ground by month: which mean counts, if nothing sets another.

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use super::archives::Archives;
-use super::doubts::{dated_rows, left_out, no_longwave};
+use super::doubts::{dated_rows, no_longwave, of_archive};
 use super::resources::Resources;
 use crate::outputs::periods::Every;
 use heliotile_core::error::{Error, Result};
@@ -156,8 +156,8 @@ impl ReplayRequest {
     /// Tells why this weather may not fit archives: it is of elsewhere, or lights what they leave out.
     pub fn tell_misfits(&self, archives: Archives, weather: &Weather, observer: &dyn Observer) {
         let apart = archives.manifest().place.and_then(|place| far_apart(&place, weather));
-        let left_out = left_out(archives.first(), Some(&self.weather));
-        apart.iter().chain(&left_out).for_each(|text| observer.warn(text));
+        let odd = of_archive(archives.first(), Some(&self.weather));
+        apart.iter().chain(&odd).for_each(|text| observer.warn(text));
     }
 
     /// Temperatures of what longwave radiation comes from, if it is asked for.

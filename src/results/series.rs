@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::archives::Archives;
-use super::doubts::{left_out, mean_ground};
+use super::doubts::{mean_ground, of_archive};
 use super::request::{QueryRequest, ReplayRequest};
 use super::resources::Resources;
 use crate::outputs::periods::{ClockReading, Every, Periods};
@@ -236,7 +236,7 @@ impl QueryRequest {
         let tell = |text: &String| resources.observer.warn(text);
         file.warnings.iter().for_each(tell);
         mean_ground(archives.first(), &self.light.changes)?.iter().for_each(tell);
-        left_out(archives.first(), None).iter().for_each(tell);
+        of_archive(archives.first(), None).iter().for_each(tell);
         let name = self.conditions.file_name().unwrap_or(self.conditions.as_os_str()).to_string_lossy();
         let called = match file.conditions.as_slice() {
             [only] => format!("{name}: {}", only.label),

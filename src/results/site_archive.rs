@@ -170,6 +170,7 @@ pub fn build_or_reuse(
         with_scene: asked.with_scene,
         store: None,
         from: before.as_ref(),
+        preview_percent: None,
     };
     let mut write = |start: Start| {
         let build = Build { scene: &prepared, receivers: &mut receivers, workspace: &workspace, observer };
@@ -202,6 +203,9 @@ fn archive_of(
     }
     if asked.with_scene && !holds_objects(&archive, scene) {
         others.push("objects of the scene have other names than when site.helio was built".to_owned());
+    }
+    if archive.manifest().preview.is_some() {
+        others.push("site.helio is a preview of a changed scene".to_owned());
     }
     if archive.manifest().ground != scene.ground {
         others.push("the ground of the scene has changed since site.helio was built".to_owned());

@@ -35,6 +35,8 @@ pub struct SceneChange {
     pub added: Vec<u32>,
     /// `[material before]`: its number now, if there still is one of its name. Numbers rise as they did.
     pub renumbered: Vec<Option<u16>>,
+    /// Whether some of the triangles that came or went are a canopy's.
+    pub of_canopies: bool,
 }
 
 impl SceneChange {
@@ -71,7 +73,10 @@ impl SceneChange {
             let corners = corners.map(|corner| corner + shift);
             match same.get(usize::from(*material)).copied().flatten() {
                 Some(material) => old.push(Triangle { corners, material }),
-                None => change.removed.push(corners),
+                None => {
+                    change.of_canopies |= is_canopy(&before.materials, *material);
+                    change.removed.push(corners);
+                }
             }
         }
         // Both lists are sorted: equal triangles meet.
@@ -79,13 +84,18 @@ impl SceneChange {
         for ((corners, &material), number) in of_after().zip(&after.mesh.triangle_material).zip(0..) {
             let new = Triangle { corners, material };
             while let Some(gone) = old.next_if(|old| old.order(&new).is_lt()) {
+                change.of_canopies |= is_canopy(&after.materials, gone.material);
                 change.removed.push(gone.corners);
             }
             if old.next_if(|old| old.order(&new).is_eq()).is_none() {
+                change.of_canopies |= is_canopy(&after.materials, material);
                 change.added.push(number);
             }
         }
-        change.removed.extend(old.map(|gone| gone.corners));
+        for gone in old {
+            change.of_canopies |= is_canopy(&after.materials, gone.material);
+            change.removed.push(gone.corners);
+        }
         Some(change)
     }
 
@@ -93,6 +103,10 @@ impl SceneChange {
     pub fn is_empty(&self) -> bool {
         self.removed.is_empty() && self.added.is_empty()
     }
+}
+
+fn is_canopy(materials: &[Material], row: u16) -> bool {
+    materials.get(usize::from(row)).is_some_and(|material| material.transmittance.is_some())
 }
 
 /// A triangle under the numbers of today's materials.
@@ -131,7 +145,7 @@ mod tests {
 
     /// Of 300 triangles of two materials 20 go, 30 come and 10 change their material; a new material before the others moves their numbers,
     /// and a far triangle the origin: 30 are gone, 41 have come, whatever lies between is equal. A mirror of the same name is another triangle,
-    /// another reflectance is not. A scene of less than 4 m has another step, and one of 3 km does not have equal coordinates: neither is
+    /// another reflectance is not, and a canopy is told. A scene of less than 4 m has another step, and one of 3 km does not have equal coordinates: neither is
     /// compared.
     #[test]
     fn what_went_and_what_came() {
@@ -157,7 +171,9 @@ mod tests {
         };
         assert!(painted(Material { diffuse: 0.9, ..material("b") }).is_empty());
         let mirror = painted(Material { diffuse: 0.1, specular: 0.8, ..material("b") });
-        assert_eq!((mirror.removed.len(), mirror.added.len()), (200, 200));
+        assert_eq!((mirror.removed.len(), mirror.added.len(), mirror.of_canopies), (200, 200, false));
+        let leaves = painted(Material { diffuse: 0.0, transmittance: Some(0.4), ..material("b") });
+        assert_eq!((leaves.removed.len(), leaves.added.len(), leaves.of_canopies), (200, 200, true));
         new.push(far(3000.0));
         let wide = Scene::from_triangles(&new, materials).expect("a scene");
         assert!(SceneChange::between(&traced(&before), &wide).is_none());

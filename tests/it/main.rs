@@ -36,6 +36,7 @@ mod physics;
 mod pictures;
 mod place;
 mod plan;
+mod previews;
 mod pv;
 mod reader;
 mod reflectance;

@@ -17,24 +17,24 @@ use heliotile_scene::covering::receivers::read_receivers_with_warnings;
 use crate::scenes::*;
 
 /// What it costs little to trace.
-fn coarse() -> BuildSettings {
+pub fn coarse() -> BuildSettings {
     BuildSettings { sky_base: 32, sky_fine: 128, hit: 16, probe: 16, ..BuildSettings::default() }
 }
 
 /// A site that can be edited.
 #[derive(Clone)]
-struct Model {
-    objects: Vec<Triangles>,
-    materials: Vec<Material>,
-    receivers: Vec<Receiver>,
+pub struct Model {
+    pub objects: Vec<Triangles>,
+    pub materials: Vec<Material>,
+    pub receivers: Vec<Receiver>,
 }
 
 impl Model {
-    fn scene(&self) -> Scene {
+    pub fn scene(&self) -> Scene {
         Scene::from_triangles(&self.objects.concat(), self.materials.clone()).expect("a scene")
     }
 
-    fn build(&self, path: &Path, before: Option<&Archive>) -> BuildReport {
+    pub fn build(&self, path: &Path, before: Option<&Archive>) -> BuildReport {
         let (scene, sources) = (self.scene(), ReusedArchives { before, ..ReusedArchives::default() });
         let receivers = &mut tiles(&self.receivers, &scene);
         build_with(&scene, receivers, &plan(&coarse(), path), &sources).expect("a build")
@@ -51,10 +51,10 @@ impl Model {
 }
 
 /// Kinds of edits.
-const EDITS: usize = 14;
+pub const EDITS: usize = 14;
 
 /// Random numbers of one edit.
-struct Dice(u64);
+pub struct Dice(pub u64);
 
 impl Dice {
     fn up_to(&mut self, most: f64) -> f64 {
@@ -68,7 +68,7 @@ impl Dice {
 }
 
 /// Changes a model in one of 14 ways.
-fn edit(model: &mut Model, way: usize, dice: &mut Dice) {
+pub fn edit(model: &mut Model, way: usize, dice: &mut Dice) {
     let which = dice.one_of(model.objects.len());
     let low = model.objects[which].iter().flat_map(|t| t.0).fold(DVec3::INFINITY, DVec3::min);
     let shift = v(dice.up_to(8.0) - 4.0, dice.up_to(8.0) - 4.0, 0.0);
@@ -165,7 +165,7 @@ fn objects(scene: &Scene) -> Vec<Triangles> {
 }
 
 /// The cut of The Hague with its receivers.
-fn hague() -> Model {
+pub fn hague() -> Model {
     let scene = Scene::load(&data("scene.obj"), Some(&data("materials.toml"))).expect("a scene");
     let receivers = read_receivers_with_warnings(&data("receivers.csv"), &mut Vec::new()).expect("receivers");
     Model { objects: objects(&scene), materials: scene.materials, receivers }
@@ -256,7 +256,7 @@ fn a_variant_has_the_bytes_of_a_fresh_build() {
 }
 
 /// Runs the program in a folder: its exit code and what it said.
-fn run(folder: &Path, line: &str) -> (Option<i32>, String) {
+pub fn run(folder: &Path, line: &str) -> (Option<i32>, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_heliotile"))
         .current_dir(folder)
         .args(line.split(' '))

@@ -9,7 +9,7 @@ use heliotile_core::layers::canopy::Canopy;
 use heliotile_core::layers::cells::{Cells, cells_per_chunk};
 use heliotile_core::site::cells::CellKey;
 
-/// The chunks written so far; all but the last one hold [`Chunks::size`] cells.
+/// The chunks written so far; all but the last one hold [`Chunks::size`] cells, but for those of previews.
 pub struct Chunks {
     kind: CellKind,
     size: usize,
@@ -66,6 +66,24 @@ impl Chunks {
         blocks.into_iter().try_for_each(|block| writer.append(block))?;
         self.firsts.extend(chunk.keys.first());
         self.count += chunk.keys.len() as u64;
+        Ok(())
+    }
+
+    /// Writes the next chunk, of which there are blocks under any number.
+    pub fn add_numbered(
+        &mut self,
+        first: CellKey,
+        cells: u64,
+        blocks: Vec<EncodedBlock>,
+        writer: &mut Writer,
+    ) -> Result<()> {
+        let number = self.next();
+        for mut block in blocks {
+            block.entry.tile = number;
+            writer.append(block)?;
+        }
+        self.firsts.push(first);
+        self.count += cells;
         Ok(())
     }
 

@@ -10,7 +10,7 @@ pub(crate) use chunks::Chunks;
 pub(crate) use name_index::NameIndexWriter;
 pub use overview::{OverviewRow, overview};
 use tile::extra;
-pub(crate) use tile::{responses, tile};
+pub(crate) use tile::{hits, responses, tile};
 
 /// Level of the block compressor: textures are written once and read for years.
 pub const COMPRESSION: i32 = heliotile_core::archive::codec::pack::DEFAULT_LEVEL;

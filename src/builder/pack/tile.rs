@@ -23,13 +23,18 @@ pub fn tile(
     let mut blocks = vec![
         receivers.encode(format::RECEIVERS, number, COMPRESSION)?,
         layer(format::SKY, number, receivers.rows(), &SkyTexture::pack(sky))?,
-        layer(format::HIT, number, receivers.rows(), &hits.pack())?,
+        self::hits(number, receivers.rows(), hits)?,
     ];
     blocks.extend(parts.map(|parts| parts.encode(format::PARTS, number, COMPRESSION)).transpose()?);
     let (mirrors, canopies) = extras.iter().map(|of| (of.mirrors.to_bytes(), of.canopy.to_bytes())).unzip();
     blocks.extend(extra(format::MIRROR, number, mirrors)?);
     blocks.extend(extra(format::CANOPY, number, canopies)?);
     Ok(blocks)
+}
+
+/// The hits of a tile.
+pub fn hits(number: TileNumber, receivers: usize, hits: &HitTile) -> Result<EncodedBlock> {
+    layer(format::HIT, number, receivers, &hits.pack())
 }
 
 /// The block of a layer that only some scenes call for, if anything is in it.

@@ -9,9 +9,10 @@ use rayon::prelude::*;
 use super::known::{Earlier, KnownReceiver, whole_cells};
 use super::mirrors::around_cell;
 use super::prepared::PreparedScene;
+use super::preview::Keeping;
 use super::report::Kept;
 use super::site_tracer::SiteTracer;
-use crate::held::{check_scene, held_scene};
+use crate::held::{check_scene, complete, held_scene};
 use crate::settings::{BuildSettings, Effect};
 use crate::trace::Ray;
 use crate::trace::change::{Change, ChangeInView, KnownSky};
@@ -19,7 +20,7 @@ use crate::trace::hidden::may_be_lit_since;
 use crate::trace::probe::{Directions, known_probe, sky_rays};
 use crate::trace::receiver::{HitTrace, SkyTrace, Viewpoint};
 use crate::trace::sky_fans::SkyFans;
-use crate::trace::surroundings::{looks_around, may_cast};
+use crate::trace::surroundings::{looks_around, may_cast, may_see};
 use heliotile_core::archive::Archive;
 use heliotile_core::archive::format::CellKind;
 use heliotile_core::error::Result;
@@ -27,12 +28,13 @@ use heliotile_core::layers::cells::Cell;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::site::cells::CellKey;
+use heliotile_core::site::material::Material;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
 use heliotile_scene::change::SceneChange;
 
 /// A mean of unit normals that is at least so long is one of a plane.
-const PLANE: f64 = 1.0 - 1e-6;
+pub(super) const PLANE: f64 = 1.0 - 1e-6;
 
 /// Cells a triangle from which it pays to find out to which backs light may come since. With fewer, asking costs more than tracing the doubtful cells
 /// again. Chosen by timing both on a tile of The Hague.
@@ -40,8 +42,19 @@ const CELLS_A_TRIANGLE: u64 = 3;
 
 /// An archive, and what came or went since.
 pub(super) struct Before<'a> {
-    archive: Earlier<'a>,
-    change: Change,
+    pub file: &'a Archive,
+    pub archive: Earlier<'a>,
+    pub change: Change,
+    /// Whether materials have the numbers that they had.
+    pub same_numbers: bool,
+    /// Whether materials that are left are of the class that they were of.
+    pub same_classes: bool,
+    /// Whether materials that are left reflect and transmit what they did.
+    pub same_light: bool,
+    /// Whether canopies came or went.
+    pub of_canopies: bool,
+    /// What need not be derived again, if the archive is to be a preview.
+    pub preview: Option<Keeping>,
     /// With triangles to whose backs light may come since, or no longer: what doubtful cells depend on. `None` where that would cost more to
     /// find out than to trace them.
     in_doubt: Option<Change>,
@@ -49,8 +62,8 @@ pub(super) struct Before<'a> {
     number_then: Vec<Option<u16>>,
     /// `[material then]`: its number now.
     number_now: Vec<Option<u16>>,
-    receivers: AtomicU64,
-    cells: [AtomicU64; 2],
+    pub receivers: AtomicU64,
+    pub cells: [AtomicU64; 2],
 }
 
 impl<'a> Before<'a> {
@@ -70,6 +83,7 @@ impl<'a> Before<'a> {
             useless(&format!("it was built with other settings ({})", differ.join("; ")));
             return Ok(None);
         }
+        complete(archive)?;
         let traced = held_scene(archive)?;
         let Some(found) = SceneChange::between(&traced, scene) else {
             useless("its coordinates are held in another frame, since the scene's size or its middle is another one");
@@ -110,8 +124,22 @@ impl<'a> Before<'a> {
             let mirrors = ready.mirrors.triangles().map(|triangle| scene.mesh.triangle_points(triangle as usize));
             change = change.near_to(mirrors);
         }
+        let same = |of: fn(&Material) -> [f64; 3]| {
+            let then = traced.materials.iter().zip(&found.renumbered);
+            let now = |number: &Option<u16>| number.and_then(|number| scene.materials.get(usize::from(number)));
+            then.filter_map(|(then, number)| Some((then, now(number)?))).all(|(then, now)| of(then) == of(now))
+        };
+        let same_classes = same(|material| [f64::from(material.class.code()), 0.0, 0.0]);
+        let numbers = found.renumbered.iter().copied().eq((0..scene.materials.len() as u16).map(Some));
         Ok(Some(Before {
+            file: archive,
             archive: Earlier::open(OpenSite::of(archive)?),
+            same_numbers: numbers,
+            same_classes,
+            same_light: same_classes
+                && same(|material| [material.diffuse, material.specular, material.transmittance.unwrap_or(-1.0)]),
+            of_canopies: found.of_canopies,
+            preview: None,
             change,
             in_doubt,
             number_then,
@@ -134,7 +162,8 @@ impl<'a> Before<'a> {
         Kept { receivers: self.receivers.load(Ordering::Relaxed), probes, bounce_cells }
     }
 
-    fn now(&self, key: CellKey) -> Option<CellKey> {
+    /// A cell with the number that its material has now; `None` if there is none of its name.
+    pub fn now(&self, key: CellKey) -> Option<CellKey> {
         let material = self.number_now.get(usize::from(key.material)).copied().flatten()?;
         Some(CellKey { material, ..key })
     }
@@ -151,7 +180,8 @@ impl<'a> Before<'a> {
         whole_cells(source, &keys).into_iter().filter_map(|cell| self.renumbered(cell)).collect()
     }
 
-    fn renumbered(&self, cell: Cell) -> Option<Cell> {
+    /// A cell with the numbers that materials have now; `None` if one of them is gone.
+    pub fn renumbered(&self, cell: Cell) -> Option<Cell> {
         let seen = |(up, key): &(bool, Option<CellKey>)| match key {
             Some(key) => self.now(*key).map(|key| (*up, Some(key))),
             None => Some((*up, None)),
@@ -165,24 +195,33 @@ impl<'a> Before<'a> {
         })
     }
 
-    /// The sky of a receiver: rays are cast only where the change may show. Also tells where it lies.
+    /// Where the change lies as seen from a receiver.
+    pub fn seen(&self, view: &Viewpoint, at: &SiteTracer) -> ChangeInView {
+        let origin = DVec3::from(view.origin(at.tracer).map(f64::from));
+        self.change.seen_from(origin, 0.0).before(view.normal)
+    }
+
+    /// The sky of a receiver: rays are cast only where the change may show.
     pub fn sky(
         &self,
         view: &Viewpoint,
         known: &KnownReceiver,
+        seen: &ChangeInView,
         fans: &SkyFans,
         at: &SiteTracer,
-    ) -> (SkyTrace, ChangeInView) {
-        let origin = DVec3::from(view.origin(at.tracer).map(f64::from));
-        let seen = self.change.seen_from(origin, 0.0).before(view.normal);
-        let touched = view.parts_towards(&seen, fans);
+    ) -> SkyTrace {
+        let touched = view.parts_towards(seen, fans);
         if !touched.contains(&true) {
-            let sky = SkyTrace { texture: known.sky.clone(), bits: known.dense.clone(), rays: 0 };
-            return (sky, seen);
+            return SkyTrace { texture: known.sky.clone(), bits: known.dense.clone(), rays: 0 };
         }
         let answers = known.sky.answers();
         let known = KnownSky { answers: &answers, change: &self.change, touched: &touched };
-        (view.sky_after(fans, at.tracer, Some(known)), seen)
+        view.sky_after(fans, at.tracer, Some(known))
+    }
+
+    /// Whether a hit ray of a receiver meets another thing first than before.
+    pub fn alters_hits(&self, view: &Viewpoint, seen: &ChangeInView, at: &SiteTracer) -> bool {
+        self.change.alters(&towards(seen, view.hit_rays(at.settings.hit, at.tracer)), at.tracer)
     }
 
     /// The hits of a receiver, if none of its rays meets what changed.
@@ -195,7 +234,7 @@ impl<'a> Before<'a> {
     ) -> Option<HitTrace> {
         // Mirrors and canopies ask for more of a hit than is stored, and an archive without reflections stores none.
         let stored = at.traces(Effect::Diffuse) && at.reflections.is_none() && at.canopies.is_none();
-        if !stored || self.change.alters_any(&towards(seen, view.hit_rays(at.settings.hit, at.tracer)), at.tracer) {
+        if !stored || self.alters_hits(view, seen, at) {
             return None;
         }
         let now = |key: &Option<CellKey>| match key {
@@ -233,7 +272,7 @@ impl SiteTracer<'_> {
 
     /// Whether a cell of the scene before is one of the scene as it is now: none of the rays that it depends on meets what changed, or goes
     /// by a mirror.
-    fn stands(&self, cell: &Cell, before: &Before, texture: &Directions, rays: usize) -> bool {
+    pub(super) fn stands(&self, cell: &Cell, before: &Before, texture: &Directions, rays: usize) -> bool {
         let (key, change) = (cell.key, &before.change);
         if change.is_nothing() {
             return cell.mirrors.is_empty();
@@ -249,13 +288,13 @@ impl SiteTracer<'_> {
         if normal.length() >= PLANE {
             seen = seen.before(normal);
         }
-        if seen.is_nothing() {
+        if seen.is_nothing() || self.reflections.is_none() && !may_see(key, normal, texture, &seen) {
             return true;
         }
         let probe = known_probe(key, cell.bits.clone(), texture, &self.scene.mesh, self.tracer);
         let looks: Vec<Ray> = looks_around(key, &probe, texture, rays).into_iter().map(|look| look.0).collect();
         let all = sky_rays(key, &probe, texture).chain(looks.iter().copied()).collect();
-        if change.alters_any(&towards(&seen, all), self.tracer) {
+        if change.alters(&towards(&seen, all), self.tracer) {
             return false;
         }
         let Some(reflections) = &self.reflections else { return true };
@@ -282,7 +321,6 @@ impl SiteTracer<'_> {
             return true;
         }
         let probe = known_probe(key, Vec::new(), texture, &self.scene.mesh, self.tracer);
-        let rays = towards(&seen, may_cast(key, &probe, texture, rays));
-        !change.alters_any(&rays, self.tracer)
+        !change.alters(&may_cast(key, &probe, texture, rays, &seen), self.tracer)
     }
 }

@@ -37,12 +37,13 @@ pub(super) struct Cast {
 }
 
 impl Cast {
-    fn and(self, other: Self) -> Self {
+    pub fn and(self, other: Self) -> Self {
         Cast { plain: self.plain + other.plain, mirror: self.mirror + other.mirror }
     }
 }
 
 /// Cells that have been written, and what the next stage needs of them.
+#[derive(Default)]
 pub(super) struct Written {
     pub count: u64,
     pub seen: CellSet,
@@ -56,11 +57,14 @@ impl SiteTracer<'_> {
         writer: &mut Writer,
         rays: &mut RayCounts,
     ) -> Result<Written> {
-        let texture = Directions::new(self.settings.probe);
+        if self.keeping().is_some() {
+            return self.update_probes(keys, writer, rays);
+        }
+        let texture = self.directions(CellKind::Probes);
         let progress = Stage::begin(self.observer, "probes", None);
         let mut chunks = Chunks::probes(self.settings.probe_hits);
         let mut seen = CellSet::default();
-        let looks = if self.traces(Effect::Bounces) { self.settings.probe_hits } else { 0 };
+        let looks = self.looks(CellKind::Probes);
         let mut keys = keys.peekable();
         while keys.peek().is_some() {
             let batch: Vec<CellKey> = keys.by_ref().take(chunks.batch()).collect::<Result<_>>()?;
@@ -77,6 +81,38 @@ impl SiteTracer<'_> {
         drop(progress);
         let count = chunks.finish(writer)?;
         Ok(Written { count, seen })
+    }
+
+    /// Rays that each cell of a kind casts to what it sees besides the sky.
+    pub(super) fn looks(&self, kind: CellKind) -> usize {
+        match kind {
+            CellKind::Probes if !self.traces(Effect::Bounces) => 0,
+            CellKind::Probes => self.settings.probe_hits,
+            CellKind::Bounces => self.settings.bounce_hits,
+        }
+    }
+
+    /// The directions in which cells of a kind look for the sky.
+    pub(super) fn directions(&self, kind: CellKind) -> Directions {
+        Directions::new(match kind {
+            CellKind::Probes => self.settings.probe,
+            CellKind::Bounces => self.settings.bounce_sky,
+        })
+    }
+
+    /// A cell of a kind, and the rays that were cast for it.
+    pub(super) fn trace_cell(&self, kind: CellKind, key: CellKey, texture: &Directions) -> (Cell, Cast) {
+        match kind {
+            CellKind::Probes => self.trace_probe(key, texture),
+            CellKind::Bounces => self.trace_bounce(key, texture),
+        }
+    }
+
+    fn trace_bounce(&self, key: CellKey, texture: &Directions) -> (Cell, Cast) {
+        let (s, mesh) = (self.settings, &self.scene.mesh);
+        let settings = SurroundingSettings { closed_level: level_of(s.closed_m), rays: s.bounce_hits };
+        let (probe, seen) = trace_bounce(key, texture, settings, mesh, self.tracer, self.reflections.as_ref());
+        self.cell(key, probe, seen, texture)
     }
 
     pub(super) fn trace_probe(&self, key: CellKey, texture: &Directions) -> (Cell, Cast) {
@@ -110,50 +146,20 @@ impl SiteTracer<'_> {
 
     /// Traces and writes all bounce cells that can be reached from some: the closed system.
     pub fn write_bounces(&self, start: CellSet, writer: &mut Writer, rays: &mut RayCounts) -> Result<u64> {
-        let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
+        if self.keeping().is_some() {
+            return self.update_bounces(start, writer, rays);
+        }
         if writer.has(format::INDEX, CellKind::Bounces.index()) {
             let index = tables::IndexTable::from_block(&writer.block(format::INDEX, CellKind::Bounces.index())?)?;
             let items = |chunk: u32| Ok(u64::from(writer.block(format::BOUNCE, TileNumber(chunk))?.items()));
             return (0..index.rows() as u32).map(items).sum();
         }
-        let settings = SurroundingSettings { closed_level: level_of(s.closed_m), rays: s.bounce_hits };
-        let texture = Directions::new(s.bounce_sky);
-        let progress = Stage::begin(self.observer, "bounces", None);
-        let mut sorter = Sorter::new(&self.folder, self.memory.length(Use::BounceCells));
-        let mut wave: Vec<CellKey> = start.iter().copied().collect();
-        wave.sort_unstable();
-        let mut met = start;
-        while !wave.is_empty() {
-            let mut next = Vec::new();
-            for part in wave.chunks(WAVE) {
-                let known = self.known_cells(CellKind::Bounces, part, &texture, s.bounce_hits);
-                let trace = |key| {
-                    let (probe, seen) = trace_bounce(key, &texture, settings, mesh, tracer, self.reflections.as_ref());
-                    self.cell(key, probe, seen, &texture)
-                };
-                let (cells, cast) = trace_missing(part, known, trace);
-                rays.bounce += cast.plain;
-                rays.mirror += cast.mirror;
-                for cell in cells {
-                    next.extend(cell.reached().filter(|key| met.insert(*key)));
-                    sorter.push(&cell.key.to_bytes(), &cell.to_bytes())?;
-                }
-                progress.advance(part.len() as u64);
-                self.checkpoint(writer)?;
-            }
-            next.sort_unstable();
-            wave = next;
-        }
-        drop(progress);
-        drop(met);
-        let mut chunks = Chunks::bounces(s.bounce_hits);
-        let mut sorted = sorter.finish()?.peekable();
+        let mut found = BounceCells::new(self, start.iter().copied().collect());
+        self.close(&mut found, start, writer, rays)?;
+        let mut chunks = Chunks::bounces(self.settings.bounce_hits);
+        let mut sorted = found.sorted(self)?.peekable();
         while sorted.peek().is_some() {
-            let cell = |record: Result<(Vec<u8>, Vec<u8>)>| {
-                let (key, cell) = record?;
-                Cell::from_bytes(&key, &cell, s.bounce_sky * s.bounce_sky).ok_or_else(|| damaged(&self.folder))
-            };
-            let batch: Vec<Cell> = sorted.by_ref().take(chunks.batch()).map(cell).collect::<Result<_>>()?;
+            let batch: Vec<Cell> = sorted.by_ref().take(chunks.batch()).collect::<Result<_>>()?;
             let keys: Vec<CellKey> = batch.iter().map(|c| c.key).collect();
             let traced = |keys: &[CellKey]| {
                 let start = batch.partition_point(|c| c.key < keys[0]);
@@ -165,7 +171,67 @@ impl SiteTracer<'_> {
     }
 }
 
+/// Bounce cells on their way to their chunks.
+pub(super) struct BounceCells {
+    sorter: Sorter,
+    /// Cells that are to be traced, before those that they see.
+    pub wave: Vec<CellKey>,
+}
+
+impl BounceCells {
+    pub fn new(at: &SiteTracer, wave: Vec<CellKey>) -> Self {
+        BounceCells { sorter: Sorter::new(&at.folder, at.memory.length(Use::BounceCells)), wave }
+    }
+
+    /// Adds a traced cell, and those that it sees and that were not `met` to the wave.
+    pub fn add(&mut self, cell: &Cell, met: &mut CellSet) -> Result<()> {
+        self.wave.extend(cell.reached().filter(|key| met.insert(*key)));
+        self.push(cell)
+    }
+
+    /// Adds a traced cell.
+    pub fn push(&mut self, cell: &Cell) -> Result<()> {
+        self.sorter.push(&cell.key.to_bytes(), &cell.to_bytes())
+    }
+
+    /// All of them by key.
+    pub fn sorted(self, at: &SiteTracer) -> Result<impl Iterator<Item = Result<Cell>> + use<>> {
+        let (texels, folder) = (at.settings.bounce_sky * at.settings.bounce_sky, at.folder.clone());
+        let cell = move |record: Result<(Vec<u8>, Vec<u8>)>| {
+            let (key, cell) = record?;
+            Cell::from_bytes(&key, &cell, texels).ok_or_else(|| damaged(&folder))
+        };
+        Ok(self.sorter.finish()?.map(cell))
+    }
+}
+
 impl SiteTracer<'_> {
+    /// Traces all cells of a wave and, wave by wave, those that they see and that were not met.
+    pub(super) fn close(
+        &self,
+        found: &mut BounceCells,
+        mut met: CellSet,
+        writer: &mut Writer,
+        rays: &mut RayCounts,
+    ) -> Result<()> {
+        let texture = self.directions(CellKind::Bounces);
+        let progress = Stage::begin(self.observer, "bounces", None);
+        while !found.wave.is_empty() {
+            let mut wave = std::mem::take(&mut found.wave);
+            wave.sort_unstable();
+            for part in wave.chunks(WAVE) {
+                let known = self.known_cells(CellKind::Bounces, part, &texture, self.settings.bounce_hits);
+                let (cells, cast) = trace_missing(part, known, |key| self.trace_bounce(key, &texture));
+                rays.bounce += cast.plain;
+                rays.mirror += cast.mirror;
+                cells.iter().try_for_each(|cell| found.add(cell, &mut met))?;
+                progress.advance(part.len() as u64);
+                self.checkpoint(writer)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Writes the chunks of some keys: sorted, a batch at a time but for the last ones. A chunk that the file holds already is
     /// read instead of traced. Returns the rays cast.
     fn write_chunks<'c>(

@@ -5,13 +5,16 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use heliotile_core::archive::format::{CellKind, TileNumber};
+use heliotile_core::archive::tables::ReceiversTable;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::cells::Cell;
 use heliotile_core::layers::extras::ReceiverExtras;
+use heliotile_core::layers::hit::HitTile;
 use heliotile_core::layers::sky::SkyTexture;
 use heliotile_core::opened::{CellSource, OpenSite, SiteFacts};
 use heliotile_core::site::cells::CellKey;
@@ -107,6 +110,21 @@ impl<'a> Earlier<'a> {
         }
     }
 
+    /// The tile that holds these receivers and no others, in this order, with its table. One that is damaged does not.
+    pub fn tile_of(&self, receivers: &[Receiver]) -> Option<(u32, ReceiversTable)> {
+        let first = receivers.first()?;
+        let hash = place_hash(&first.position.to_array(), &first.normal.to_array());
+        let &(tile, row) = self.receivers.get(&hash)?;
+        let table = self.site.tile_receivers(tile).ok().filter(|_| row == 0)?;
+        let places = table.position.iter().zip(&table.normal).map(|(p, n)| (DVec3::from(*p), DVec3::from(*n)));
+        places.eq(receivers.iter().map(|receiver| (receiver.position, receiver.normal))).then_some((tile, table))
+    }
+
+    /// The hits of so many receivers of a tile; `None` if they are damaged.
+    pub fn hits(&self, tile: u32, receivers: usize) -> Option<HitTile> {
+        self.site.tile_hits(tile, receivers).ok()
+    }
+
     /// Adds layers of those receivers of a tile that have none yet and are known here.
     pub fn fill(&self, tile: &[Receiver], found: &mut [Option<KnownReceiver>]) {
         // By tile of the archive, since a tile is decoded as a whole.
@@ -126,7 +144,7 @@ impl<'a> Earlier<'a> {
     }
 
     /// Layers of a tile; `None` if they are damaged.
-    fn tile(&self, tile: u32) -> Option<Vec<Option<KnownReceiver>>> {
+    pub fn tile(&self, tile: u32) -> Option<Vec<Option<KnownReceiver>>> {
         let count = self.site.block(format::HIT, TileNumber(tile)).ok()?.items() as usize;
         let hits = self.site.tile_hits(tile, count).ok()?;
         let textures = self.site.tile_sky_textures(tile, count).ok()?;

@@ -1,6 +1,7 @@
 //! The manifest of a build: where the archive comes from and what is in it.
 
 use super::plan::Plan;
+use super::preview::Keeping;
 use super::site_tracer::SiteTracer;
 use crate::pack::COMPRESSION;
 use heliotile_core::archive::format::TileNumber;
@@ -87,6 +88,7 @@ impl SiteTracer<'_> {
             settings: self.settings.stated(),
             accuracy: plan.accuracy.clone(),
             negligible: plan.negligible.clone(),
+            preview: self.keeping().map(Keeping::stated),
             place: self.scene.place,
             ground: self.scene.ground.clone(),
             counts: manifest::CellCounts { probes: counts.probes, bounce_cells: counts.bounce_cells },

@@ -12,10 +12,12 @@ mod mirrors;
 mod output;
 mod plan;
 mod prepared;
+mod preview;
 mod report;
 mod sample;
 mod site_tracer;
 mod tiles;
+mod unaltered;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -37,8 +39,10 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::Scene;
 use heliotile_scene::placing::plausible::far_receivers;
 use known::Known;
+use preview::Keeping;
 use report::Clock;
 use site_tracer::SiteTracer;
+use tiles::TilesFound;
 
 pub use forecast::{Forecast, Line, NEGLIGIBLE_W_M2, SKY_W_M2, SUN_W_M2};
 pub use geometry::holds_objects;
@@ -127,8 +131,9 @@ impl Build<'_> {
         let facts = self.facts(settings, &output.path)?;
         let known = Known::new(sources.earlier, &facts);
         let open = |archive| Before::open(archive, self.scene, settings, self.observer);
-        let before = sources.before.map(open).transpose()?.flatten();
-        if before.is_some() {
+        let mut before = sources.before.map(open).transpose()?.flatten();
+        if let Some(before) = &mut before {
+            before.preview = plan.preview_percent.and_then(|percent| self.keeping(percent, before, settings));
             clock.lap("compare");
         }
         let mut writer = output.writer(&Job {
@@ -142,7 +147,7 @@ impl Build<'_> {
         }
         let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known, before);
         let traced = trace(&tracer, plan, self.receivers, &mut writer, &mut clock);
-        if matches!(traced, Err(Error::Io { .. })) {
+        if matches!(traced, Err(Error::Io { .. })) && tracer.keeping().is_none() {
             // Where another file failed, such as a temporary one, what was written can be kept.
             let _ = writer.checkpoint();
         }
@@ -153,7 +158,8 @@ impl Build<'_> {
             let Traced { counts, rays, warnings, lost_in_mirrors, .. } = traced;
             let (bytes, root) = (summary.bytes, summary.root);
             let kept = tracer.before.as_ref().map(Before::kept);
-            Ok(BuildReport { counts, rays, seconds: clock.laps, bytes, root, warnings, lost_in_mirrors, kept })
+            let preview = tracer.keeping().map(Keeping::stated);
+            Ok(BuildReport { counts, rays, seconds: clock.laps, bytes, root, warnings, lost_in_mirrors, kept, preview })
         };
         traced.and_then(finish).map_err(|error| output::kept(error, kept))
     }
@@ -180,8 +186,8 @@ fn trace(
     let mut warnings: Vec<String> = farthest.into_iter().collect();
     let mut rays = RayCounts::default();
 
-    let mut misplaced = Vec::new();
-    let keys = tracer.write_receivers(receivers, writer, &mut rays, &mut misplaced)?;
+    let mut found = TilesFound::default();
+    let keys = tracer.write_receivers(receivers, writer, &mut rays, &mut found)?;
     clock.lap("receivers");
     let probes = tracer.write_probes(keys, writer, &mut rays)?;
     let bounce_cells = tracer.write_bounces(probes.seen, writer, &mut rays)?;
@@ -207,13 +213,13 @@ fn trace(
     }
     let tiles = receivers.tile_count() as u32;
     let counts = BuildCounts { receivers: receivers.count() as u64, tiles, probes: probes.count, bounce_cells };
-    tracer.write_responses(tiles, writer, clock)?;
+    tracer.write_responses(tiles, &found.copied, writer, clock)?;
     if plan.with_scene {
         tracer.write_overview(receivers, writer, clock)?;
     }
     tracer.write_gazetteer(receivers, writer)?;
     let manifest = tracer.manifest(&counts, plan, writer.layers());
-    warnings.extend(tiles::warnings(&misplaced));
+    warnings.extend(tiles::warnings(&found.misplaced));
     let lost_in_mirrors = tracer.lost.each_ref().map(|lost| f64::from_bits(lost.load(Ordering::Relaxed)));
     Ok(Traced { counts, rays, warnings, manifest, lost_in_mirrors })
 }

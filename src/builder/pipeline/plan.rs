@@ -16,21 +16,24 @@ pub struct Plan {
     pub negligible: Option<Negligible>,
     /// Whether the archive holds the scene's triangles, for those who look at it.
     pub with_scene: bool,
+    /// Of a scene that was changed: keep what the change can alter by less than so many percent, see [`Preview`](heliotile_core::archive::preview::Preview).
+    pub preview_percent: Option<f64>,
 }
 
 impl Plan {
     /// Settings whose error nobody has estimated; with the scene.
     pub fn of(settings: BuildSettings) -> Self {
-        Plan { settings, accuracy: None, negligible: None, with_scene: true }
+        Plan { settings, accuracy: None, negligible: None, with_scene: true, preview_percent: None }
     }
 
     /// Names what a build writes: one of another plan does not go on with it.
     pub fn hash(&self) -> Result<[u8; 32]> {
         let settings = self.settings.hash()?;
-        Ok(if self.with_scene {
-            settings
-        } else {
-            *blake3::hash(&[&settings[..], b"without scene"].concat()).as_bytes()
+        let mut more = if self.with_scene { Vec::new() } else { b"without scene".to_vec() };
+        more.extend(self.preview_percent.into_iter().flat_map(f64::to_le_bytes));
+        Ok(match more.is_empty() {
+            true => settings,
+            false => *blake3::hash(&[&settings[..], &more].concat()).as_bytes(),
         })
     }
 }

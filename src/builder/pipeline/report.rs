@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::manifest::BuildCounts;
+use heliotile_core::archive::preview::Preview;
 
 /// What a build did, for people and tables.
 #[derive(Clone, Debug)]
@@ -23,6 +24,8 @@ pub struct BuildReport {
     pub lost_in_mirrors: [f64; 2],
     /// What the archive from before a change gave; `None` where none was used.
     pub kept: Option<Kept>,
+    /// What the archive says of itself, if it is a preview.
+    pub preview: Option<Preview>,
 }
 
 /// What a change of the scene left as it was.

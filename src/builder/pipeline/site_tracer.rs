@@ -8,12 +8,14 @@ use super::Workspace;
 use super::before::Before;
 use super::known::Known;
 use super::prepared::PreparedScene;
+use super::preview::Keeping;
 use crate::settings::{BuildSettings, Effect};
 use crate::trace::Tracer;
 use crate::trace::canopy::Canopies;
 use crate::trace::mirror::Reflections;
 use crate::writing::Writer;
 use heliotile_core::error::{Error, Result};
+use heliotile_core::light::radiosity::centres_f32;
 use heliotile_core::light::reflector::Reflector;
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
@@ -41,6 +43,8 @@ pub(super) struct SiteTracer<'a> {
     pub reflections: Option<Reflections<'a>>,
     /// Largest share of light that was lost behind the last mirror followed, as bits of an f64: of a receiver's, of a cell's.
     pub lost: [AtomicU64; 2],
+    /// Mean directions of the texels of the sky of probes.
+    pub probe_centres: Vec<[f32; 3]>,
     pub observer: &'a dyn Observer,
 }
 
@@ -70,9 +74,15 @@ impl<'a> SiteTracer<'a> {
             before,
             reflections,
             lost: Default::default(),
+            probe_centres: centres_f32(settings.probe),
             canopies,
             observer,
         }
+    }
+
+    /// What need not be derived again, if the archive is to be a preview.
+    pub fn keeping(&self) -> Option<&Keeping> {
+        self.before.as_ref()?.preview.as_ref()
     }
 
     /// Whether an effect is to be traced, if the scene has it.
@@ -83,6 +93,11 @@ impl<'a> SiteTracer<'a> {
 
     /// Makes what was written survive a crash, every now and then; and ends the build if the user wants it to end.
     pub fn checkpoint(&self, writer: &mut Writer) -> Result<()> {
+        if self.keeping().is_some() {
+            // It takes seconds: it begins anew.
+            let stopped = || Error::Stopped { what: "before the preview was whole".into() };
+            return if self.observer.cancelled() { Err(stopped()) } else { Ok(()) };
+        }
         if !self.observer.cancelled() {
             return if writer.due() { writer.checkpoint() } else { Ok(()) };
         }

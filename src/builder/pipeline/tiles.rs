@@ -42,7 +42,7 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::{counted, with_list};
 
 /// A receiver that sees less sky than this and is enclosed lies inside a solid.
-const BLIND: f64 = 1e-4;
+pub(super) const BLIND: f64 = 1e-4;
 
 /// Tiles whose responses are derived together: they share much of what they see.
 const GROUP: usize = 16;
@@ -54,6 +54,25 @@ pub(super) struct TracedTile {
     pub cells: Vec<CellKey>,
     pub rays: RayCounts,
     pub misplaced: Vec<Misplaced>,
+    /// Where it is copied from, if it is.
+    pub copied: Option<CopiedTile>,
+}
+
+/// What is known of the tiles of a build.
+#[derive(Default)]
+pub(super) struct TilesFound {
+    pub misplaced: Vec<Misplaced>,
+    /// Tiles that are copies, with their numbers in the archive before a change.
+    pub copied: Vec<CopiedTile>,
+}
+
+/// A tile, and the tile of the archive before a change that it is a copy of.
+#[derive(Clone, Copy)]
+pub(super) struct CopiedTile {
+    pub tile: u32,
+    pub from: u32,
+    /// Most by which the direct light of its receivers alters: a share of the light on open ground.
+    pub direct: f64,
 }
 
 /// A receiver that lies where it can hardly be meant to.
@@ -120,7 +139,7 @@ impl SiteTracer<'_> {
         receivers: &mut ReceiverTiles,
         writer: &mut Writer,
         rays: &mut RayCounts,
-        misplaced: &mut Vec<Misplaced>,
+        found: &mut TilesFound,
     ) -> Result<impl Iterator<Item = Result<CellKey>> + use<>> {
         let progress = Stage::begin(self.observer, "receivers", Some(receivers.count() as u64));
         let fans = SkyFans::new(self.settings.sky_base, self.settings.sky_fine);
@@ -143,7 +162,8 @@ impl SiteTracer<'_> {
                 rays.hit += tile.rays.hit;
                 rays.mirror += tile.rays.mirror;
                 rays.canopy += tile.rays.canopy;
-                misplaced.extend(tile.misplaced);
+                found.misplaced.extend(tile.misplaced);
+                found.copied.extend(tile.copied);
             }
             first += batch.len() as u32;
             progress.advance(batch.iter().map(|t| t.len() as u64).sum());
@@ -169,11 +189,21 @@ impl SiteTracer<'_> {
             let cells = hits.palette.into_iter().chain(mirrors.iter().flat_map(ReceiverMirrors::cells)).collect();
             return Ok(TracedTile { cells, misplaced, ..TracedTile::default() });
         }
-        self.trace_tile(number, receivers, fans)
+        match self.unaltered_tile(TileNumber(number), receivers, fans)? {
+            Some(tile) => Ok(tile),
+            None => self.trace_tile(number, receivers, fans),
+        }
     }
 
-    /// Derives and writes the responses of all tiles.
-    pub fn write_responses(&self, tiles: u32, writer: &mut Writer, clock: &mut Clock) -> Result<()> {
+    /// Derives and writes the responses of all tiles but those that a preview keeps.
+    pub fn write_responses(
+        &self,
+        tiles: u32,
+        copied: &[CopiedTile],
+        writer: &mut Writer,
+        clock: &mut Clock,
+    ) -> Result<()> {
+        self.keep_responses(copied, writer)?;
         let missing: Vec<u32> = (0..tiles).filter(|&tile| !writer.has(format::RESPONSE, TileNumber(tile))).collect();
         if missing.is_empty() {
             return Ok(());
@@ -239,7 +269,7 @@ impl SiteTracer<'_> {
         let blocks = pack::tile(TileNumber(number), &table, parts.as_ref(), &sky, &hits, &extras)?;
         let in_mirrors = extras.iter().flat_map(|of| of.mirrors.cells());
         let cells = hits.palette.into_iter().chain(in_mirrors).collect();
-        Ok(TracedTile { blocks, cells, rays, misplaced })
+        Ok(TracedTile { blocks, cells, rays, misplaced, copied: None })
     }
 
     /// A receiver that an earlier build traced, as if it had been traced now.
@@ -268,7 +298,8 @@ impl SiteTracer<'_> {
     /// A receiver that was traced before the scene was changed: rays are cast only where the change may show.
     fn changed_receiver(&self, receiver: &Receiver, known: &KnownReceiver, before: &Before, fans: &SkyFans) -> Traced {
         let view = self.viewpoint(receiver);
-        let (sky, seen) = before.sky(&view, known, fans, self);
+        let seen = before.seen(&view, self);
+        let sky = before.sky(&view, known, &seen, fans, self);
         let hits = before.hits(&view, known, &seen, self);
         self.trace_rest(&view, sky, hits, fans)
     }

@@ -73,7 +73,21 @@ pub struct BuildRequest<'a> {
     pub store: Option<Folder>,
     /// Archive of the scene before it was changed: what the change does not alter is taken from there.
     pub from: Option<&'a Archive>,
+    /// Keep what the change can alter by less than so many percent; the archive is a preview then.
+    pub preview_percent: Option<f64>,
 }
+
+/// Refuses a bound that no preview can have.
+pub fn check_preview(percent: Option<f64>) -> Result<()> {
+    if percent.is_none_or(|percent| PREVIEWS.contains(&percent)) {
+        return Ok(());
+    }
+    let hint = format!("give {} to {} percent", PREVIEWS.start(), PREVIEWS.end());
+    Err(Error::argument("preview", "is no bound for a preview", hint))
+}
+
+/// Bounds of previews, percent of the light on open ground.
+const PREVIEWS: RangeInclusive<f64> = 0.01..=20.0;
 
 /// What was planned and what was built.
 #[derive(Clone, Debug)]
@@ -110,17 +124,22 @@ impl Build<'_> {
 
     /// Plans, builds, and tells the observer what is done.
     pub fn plan_and_write(mut self, request: &BuildRequest, output: &Output) -> Result<BuildDone> {
+        check_preview(request.preview_percent)?;
+        if request.preview_percent.is_some() && request.from.is_none() {
+            return Err(Error::argument("preview", "asks for an archive of the scene before it was changed", "{from}"));
+        }
         let planned = self.decide(request)?;
         let observer = self.observer;
         observer.report(&tables::forecast(&planned.forecast));
         planned.losses.iter().for_each(|losses| observer.report(&tables::losses(losses)));
-        let plan = &Plan { with_scene: request.with_scene, ..planned.plan.clone() };
+        let (with_scene, preview_percent) = (request.with_scene, request.preview_percent);
+        let plan = &Plan { with_scene, preview_percent, ..planned.plan.clone() };
         let scene = self.scene.scene;
         let key = StoreKey { scene: scene.content_hash(), settings: plan.settings.hash()? };
         let earlier = request.store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key, observer))?;
         let sources = ReusedArchives { earlier: &earlier, before: request.from };
         let report = self.write(plan, output, &sources)?;
-        if let Some(store) = &request.store {
+        if let Some(store) = request.store.as_ref().filter(|_| report.preview.is_none()) {
             store.add(&key, &output.path, &report.root)?;
         }
         report.warnings.iter().for_each(|warning| observer.warn(warning));

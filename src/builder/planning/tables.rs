@@ -183,6 +183,7 @@ pub fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
             )
         }
     };
+    let preview = report.preview.as_ref().map_or_else(String::new, |preview| format!("  {preview}\n"));
     let kept = report.kept.map_or_else(String::new, |kept| {
         let share = |count: u64, all: u64| format!("{:.1} %", 100.0 * count as f64 / all.max(1) as f64);
         format!(
@@ -194,7 +195,7 @@ pub fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
     });
     format!(
         "{}: {} receivers, {} triangles\n  {} probes, {} bounce cells, {:.1} Mray ({:.0} a receiver), {:.2} MB ({:.0} bytes a \
-         receiver)\n{mirrors}{kept}  {total:.2} s: {}\n  root {}\n",
+         receiver)\n{mirrors}{kept}{preview}  {total:.2} s: {}\n  root {}\n",
         output.display(),
         counts.receivers,
         scene.mesh.triangles.len(),

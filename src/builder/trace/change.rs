@@ -65,30 +65,41 @@ impl Change {
         self.tracer.as_ref().map_or_else(|| vec![false; rays.len()], |tracer| tracer.occluded_many(rays))
     }
 
-    /// Whether some of the rays meet another thing first than before: one of the triangles that came or went, and nothing nearer.
+    /// How many of the rays meet another thing first than before: one of the triangles that came or went, and nothing nearer.
     /// `hits`: what they meet now.
-    pub fn alters(&self, rays: &[Ray], hits: &[Option<Hit>]) -> bool {
-        let Some(changed) = &self.tracer else { return false };
+    pub fn altered_of(&self, rays: &[Ray], hits: &[Option<Hit>]) -> usize {
+        let Some(changed) = &self.tracer else { return 0 };
         let met = rays.iter().zip(hits).zip(self.met(rays)).filter(|ray| ray.1).map(|ray| ray.0);
         let (rays, hits): (Vec<Ray>, Vec<Option<Hit>>) = met.map(|(ray, hit)| (*ray, *hit)).unzip();
-        let hidden = |(near, first): (&Option<Hit>, &Option<Hit>)| {
-            near.as_ref().zip(first.as_ref()).is_some_and(|(near, first)| first.t < near.t)
+        let is_first = |(near, first): &(Option<Hit>, &Option<Hit>)| {
+            near.as_ref().zip(first.as_ref()).is_none_or(|(near, first)| first.t >= near.t)
         };
-        !changed.closest_many(&rays).iter().zip(&hits).all(hidden)
+        changed.closest_many(&rays).into_iter().zip(&hits).filter(is_first).count()
     }
 
-    /// As [`Change::alters`], where it is not known what the rays meet.
-    pub fn alters_any(&self, rays: &[Ray], scene: &Tracer) -> bool {
+    /// As [`Change::altered_of`], where it is not known what the rays meet.
+    pub fn altered(&self, rays: &[Ray], scene: &Tracer) -> usize {
         let met: Vec<Ray> = rays.iter().zip(self.met(rays)).filter(|ray| ray.1).map(|ray| *ray.0).collect();
-        self.alters(&met, &scene.closest_many(&met))
+        self.altered_of(&met, &scene.closest_many(&met))
+    }
+
+    /// Whether some of the rays meet another thing first than before.
+    pub fn alters(&self, rays: &[Ray], scene: &Tracer) -> bool {
+        self.altered(rays, scene) > 0
+    }
+
+    /// The boxes, relative to the origin: lowest and highest corner.
+    pub fn boxes(&self) -> &[[DVec3; 2]] {
+        &self.boxes
     }
 
     /// Where the boxes lie as seen from within `spread_m` of a point relative to the origin.
     pub fn seen_from(&self, point: DVec3, spread_m: f64) -> ChangeInView {
         let ball = |[low, high]: &[DVec3; 2]| {
-            let (way, radius) = (0.5 * (*low + *high) - point, 0.5 * (*high - *low).length());
-            let distance = way.length();
-            (way, radius + spread_m + MARGIN.0 + MARGIN.1 * distance)
+            let way = 0.5 * (*low + *high) - point;
+            let radius = 0.5 * (*high - *low).length() + spread_m + MARGIN.0 + MARGIN.1 * way.length();
+            let beyond = way.length_squared() - radius * radius;
+            Ball { way, radius, least: if beyond > 0.0 { beyond.sqrt() } else { f64::NEG_INFINITY } }
         };
         ChangeInView { balls: self.boxes.iter().map(ball).collect() }
     }
@@ -133,18 +144,27 @@ fn cut(triangles: &mut [[DVec3; 3]], cuts: u32, boxes: &mut Vec<[DVec3; 2]>) {
     }
 }
 
-/// Where what changed lies, as seen from a place: balls by their direction, not scaled, and their radius.
+/// A ball around some of what changed, as seen from a place.
+struct Ball {
+    /// From there to its middle, metres.
+    way: DVec3,
+    radius: f64,
+    /// How far a direction of length 1 leads along `way`, times the length of that, if it touches the ball; -infinity from within it.
+    least: f64,
+}
+
+/// Where what changed lies, as seen from a place.
 pub struct ChangeInView {
-    balls: Vec<(DVec3, f64)>,
+    balls: Vec<Ball>,
 }
 
 /// Normals of a plane cell may be off their mean by so much: where its length tells no more (1e-6), 0.003.
-const FLAT: f64 = 4e-3;
+pub const FLAT: f64 = 4e-3;
 
 impl ChangeInView {
     /// Drops the balls that lie wholly behind a surface at that place.
     pub fn before(mut self, normal: DVec3) -> Self {
-        self.balls.retain(|(way, radius)| way.dot(normal) + radius + FLAT * way.length() > 0.0);
+        self.balls.retain(|ball| ball.way.dot(normal) + ball.radius + FLAT * ball.way.length() > 0.0);
         self
     }
 
@@ -155,17 +175,18 @@ impl ChangeInView {
 
     /// Whether a ray in a direction can meet some.
     pub fn lies_towards(&self, direction: DVec3) -> bool {
-        self.balls.iter().any(|(way, radius)| {
-            let along = way.dot(direction);
-            // The distance of the middle from the ray, or from the place behind which it lies.
-            let aside = way.length_squared() - if along > 0.0 { along * along } else { 0.0 };
-            aside <= radius * radius
-        })
+        // The square of the distance of the middle from the ray is way^2 - along^2.
+        self.balls.iter().any(|ball| ball.way.dot(direction) >= ball.least)
+    }
+
+    /// Whether a ray that does not go up can meet some.
+    pub fn lies_below(&self) -> bool {
+        self.balls.iter().any(|ball| ball.way.z <= ball.radius)
     }
 
     /// Whether a ray of a cone can meet some.
     pub(crate) fn lies_in(&self, cone: &Cone) -> bool {
-        self.balls.iter().any(|(way, radius)| {
+        self.balls.iter().any(|Ball { way, radius, .. }| {
             let distance = way.length();
             if distance <= *radius {
                 return true;

@@ -86,7 +86,7 @@ fn is_lit(triangle: u32, side: FaceSide, mesh: &Mesh, tracer: &Tracer) -> bool {
 /// went.
 pub fn may_be_lit_since(change: &Change, triangle: u32, mesh: &Mesh, tracer: &Tracer) -> bool {
     let mut altered = false;
-    find_lit(triangle, FaceSide::Back, mesh, tracer, &mut |rays, hits| altered |= change.alters(rays, hits));
+    find_lit(triangle, FaceSide::Back, mesh, tracer, &mut |rays, hits| altered |= change.altered_of(rays, hits) > 0);
     altered
 }
 

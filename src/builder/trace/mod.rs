@@ -9,6 +9,7 @@ pub mod kernel;
 pub(crate) mod mirror;
 pub mod placement;
 pub(crate) mod probe;
+pub(crate) mod reach;
 pub mod receiver;
 pub mod sky_fans;
 pub(crate) mod surface;

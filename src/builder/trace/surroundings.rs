@@ -6,9 +6,11 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::trace::change::ChangeInView;
 use crate::trace::kernel::rays::{Hit, Ray, Tracer};
 use crate::trace::mirror::{MirrorRay, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, pick};
+use crate::trace::surface::SurfacePoint;
 use heliotile_core::hemisphere::{Frame, bit, cosine_direction_of, mix, unit};
 use heliotile_core::site::cells::{CellKey, level_of};
 use heliotile_scene::mesh::Mesh;
@@ -126,15 +128,21 @@ fn tries_of(key: CellKey) -> impl Fn(usize) -> DVec2 {
     move |j| (j as f64 * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + offset).fract()
 }
 
-/// All rays that a cell may cast for its sky and, `count` of them, for what else it sees, whichever of its points are hidden.
-pub fn may_cast(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: usize) -> Vec<Ray> {
-    let (directions, square) = (texture.of(key), tries_of(key));
-    let frames: Vec<Frame> = probe.points.iter().map(|p| Frame::of(p.0.normal)).collect();
+/// All rays that a cell may cast for its sky and, `count` of them, for what else it sees, whichever of its points are hidden; but only those that
+/// go towards a change.
+pub fn may_cast(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: usize, seen: &ChangeInView) -> Vec<Ray> {
+    let directions: Vec<DVec3> = texture.of(key).iter().copied().filter(|way| seen.lies_towards(*way)).collect();
     let mut rays = Vec::new();
     for ((point, _), &origin) in probe.points.iter().zip(&probe.origins) {
         let before = directions.iter().filter(|direction| point.normal.dot(**direction) > 0.0);
         rays.extend(before.map(|direction| Ray { origin, direction: direction.as_vec3().to_array() }));
     }
+    let below = |point: &SurfacePoint| (1.0 - point.normal.z) / 2.0 > NEGLIGIBLE;
+    if !seen.lies_below() || !probe.points.iter().any(|(point, _)| below(point)) {
+        return rays;
+    }
+    let frames: Vec<Frame> = probe.points.iter().map(|p| Frame::of(p.0.normal)).collect();
+    let square = tries_of(key);
     // Tries count for a point where they go below its horizon: the last one is known once as many as wanted do for all.
     let mut below_all = 0;
     for j in 0..64 * count {
@@ -143,7 +151,7 @@ pub fn may_cast(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: u
         for (frame, &origin) in frames.iter().zip(&probe.origins) {
             let direction = frame.to_world(tried);
             all &= direction.z <= 0.0;
-            if direction.z <= 0.0 {
+            if direction.z <= 0.0 && seen.lies_towards(direction) {
                 rays.push(Ray { origin, direction: direction.as_vec3().to_array() });
             }
         }
@@ -193,6 +201,13 @@ pub fn seen_from(own: CellKey, distance_m: f64, closed: i8, met: impl Fn(i8) -> 
     let home = |key: CellKey| key.voxel.map(|v| v >> HOME);
     let stays = level > own.level || level >= closed + GROWTH || home(own) == home(seen);
     if stays { seen } else { seen.coarse(level + 1) }
+}
+
+/// Whether a cell of this mean normal can see a change at all: by its texels of the sky, or below the horizon.
+pub fn may_see(key: CellKey, normal: DVec3, texture: &Directions, seen: &ChangeInView) -> bool {
+    // The normal that a cell holds is rounded to f32.
+    (seen.lies_below() && (1.0 - normal.z) / 2.0 > 0.5 * NEGLIGIBLE)
+        || texture.of(key).iter().any(|direction| seen.lies_towards(*direction))
 }
 
 /// Rays above and below the horizon, in proportion to their shares; at least one for each share that matters.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::held::complete;
 use crate::pipeline::Workspace;
 use crate::spill::Sorter;
 use crate::transfer::compare::{differences, objects};
@@ -35,6 +36,7 @@ pub struct Merged {
 
 /// Writes the union of two archives. Archives of parts of a site give the bytes of the whole site's build.
 pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer: &dyn Observer) -> Result<Merged> {
+    [a, b].into_iter().try_for_each(complete)?;
     let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
     check_fit(a, b)?;
     let mut conflicts = Conflicts::default();

@@ -11,6 +11,7 @@ use crate::archive::accuracy::Accuracy;
 use crate::archive::format;
 use crate::archive::format::{BlockKind, Entry, MAX_MANIFEST, MAX_TILE_RECEIVERS, RECEIVERS, TileNumber};
 use crate::archive::negligible::Negligible;
+use crate::archive::preview::Preview;
 pub use crate::archive::settings::Settings;
 use crate::error::{Error, Result};
 use crate::site::ground::MonthlyGround;
@@ -44,6 +45,9 @@ pub struct Manifest {
     /// Why effects were left out, if that rests on some weather.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub negligible: Option<Negligible>,
+    /// What was not derived again after a change of the scene; only a preview says so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub preview: Option<Preview>,
     /// Where on Earth the scene lies, if its files say so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<Place>,

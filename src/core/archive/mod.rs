@@ -35,6 +35,7 @@ pub mod manifest;
 mod mapping;
 pub mod negligible;
 pub mod pointer;
+pub mod preview;
 pub mod read_at;
 pub mod reader;
 pub mod record;

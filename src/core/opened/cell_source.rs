@@ -108,6 +108,11 @@ impl<'a> CellSource<'a> {
         self.firsts.len()
     }
 
+    /// First key of every chunk.
+    pub fn firsts(&self) -> &[CellKey] {
+        &self.firsts
+    }
+
     /// The only chunk that can hold a cell.
     pub fn chunk_of(&self, key: &CellKey) -> Option<usize> {
         self.firsts.partition_point(|first| first <= key).checked_sub(1)

@@ -77,6 +77,7 @@ fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
         with_scene: !args.no_scene,
         store: args.store.as_deref().map(Folder::create).transpose()?,
         from: before.as_ref(),
+        preview_percent: args.preview.map(|Percent(percent)| percent),
     };
     let output = Output {
         path: output.to_owned(),
@@ -110,6 +111,7 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
         with_scene: true,
         store: None,
         from: None,
+        preview_percent: None,
     })?;
     say(&format!(
         "{}: {} receivers, {} triangles, {}\n{}",

@@ -12,7 +12,7 @@ import numpy as np
 from . import _heliotile
 from .askable import Askable
 from .errors import InputError
-from .given import number, whole
+from .given import number, percent, whole
 from .options import MEMORY, Progress, Wanted, WantedArgs, wanted_args
 from .weather import weather_request
 
@@ -132,6 +132,7 @@ class Archive(Askable):
         materials: str | os.PathLike[str] | None = None,
         on: Sequence[str] = (),
         spacing: float | None = None,
+        preview: float | str | None = None,
         fresh: bool = False,
         memory: int = MEMORY,
         progress: Progress | None = None,
@@ -156,6 +157,9 @@ class Archive(Askable):
         on, spacing
             Surfaces of what is new or has another shape to cover with receivers, and the distance between these in metres; default: roofs, walls and
             windows, about as far apart as the archive's own.
+        preview
+            Keeps what the edits can alter by less than so many percent of the light on open ground, in the mean over the sky. The archive says that
+            it is a preview, and the same call without this argument completes it.
         fresh
             Discards an interrupted update that lies there.
         """
@@ -175,6 +179,7 @@ class Archive(Askable):
             "add": added | ({} if materials is None else {"materials": os.fspath(materials)}),
             "cover": {"on": list(on)},
             "density": None if spacing is None else {"spacing": number("spacing", spacing)},
+            "preview_percent": percent("preview", preview),
             "fresh": fresh,
         }
         path, done = checks.update(request, memory, progress)

@@ -173,6 +173,7 @@ def build(
     effects: str = "auto",
     with_scene: bool = True,
     before: str | os.PathLike[str] | None = None,
+    preview: float | str | None = None,
     fresh: bool = False,
     checkpoint: float = 30.0,
     memory: int = MEMORY,
@@ -202,6 +203,9 @@ def build(
     before
         Archive of this scene before it was changed: only what the change can alter is traced, and the new archive has the bytes that it
         would have without.
+    preview
+        With `before`: keeps what the change can alter by less than so many percent of the light on open ground, in the mean over the sky. The
+        archive says that it is a preview, and the same call without this argument completes it.
     fresh
         Discards an interrupted build that lies there. Without it, one of the same inputs goes on: Ctrl-C, and the same call again.
     checkpoint
@@ -236,6 +240,7 @@ def build(
         "effects": effects,
         "with_scene": with_scene,
         "before": given.path(before),
+        "preview": given.percent("preview", preview),
         "fresh": fresh,
         "checkpoint": given.number("checkpoint", checkpoint, "give seconds"),
         "memory": given.whole("memory", memory, "give bytes, as in 1 << 30"),

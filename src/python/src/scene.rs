@@ -78,6 +78,8 @@ pub struct BuildArgs {
     with_scene: bool,
     /// Archive of the scene before it was changed.
     before: Option<PathBuf>,
+    /// Percent that what is kept may be off by.
+    preview: Option<f64>,
     fresh: bool,
     checkpoint: f64,
     memory: u64,
@@ -225,6 +227,7 @@ impl SceneHandle {
                 with_scene: args.with_scene,
                 store: None,
                 from: before.as_ref(),
+                preview_percent: args.preview,
             };
             let output = Output {
                 path: args.output.clone(),

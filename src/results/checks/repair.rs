@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::original;
 use crate::resources::Resources;
-use heliotile_builder::held::held_receivers;
+use heliotile_builder::held::{complete, held_receivers};
 use heliotile_builder::pipeline::{Build, Output, Plan, PreparedScene, ReusedArchives, Start, Workspace};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
@@ -85,6 +85,7 @@ impl RepairRequest {
         }
         // Without header, directory and manifest nothing is known of the rest.
         let archive = Archive::open_with(&self.archive, Access::Read)?;
+        complete(&archive)?;
         let scene = original::scene_of(&archive, &site, self.scene.first(), resources.observer)?;
         let workspace = Workspace { folder: folder_of(output).into(), memory: resources.memory };
         let mut receivers = self.receivers(&archive, &scene, &workspace, resources)?;

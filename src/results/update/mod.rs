@@ -13,7 +13,7 @@ use crate::horizon::black_below_horizon;
 use crate::resources::Resources;
 use heliotile_builder::held::{held_receivers, held_scene};
 use heliotile_builder::pipeline::{Build, BuildReport, Output, Plan, PreparedScene, ReusedArchives, Start, Workspace};
-use heliotile_builder::planning::tables;
+use heliotile_builder::planning::{check_preview, tables};
 use heliotile_builder::receiver_tiles::ReceiverTiles;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_builder::writing::copy::folder_of;
@@ -51,6 +51,8 @@ pub struct UpdateRequest {
     pub cover: CoverRequest,
     /// How many they are; none: as far apart as those of the archive.
     pub density: Option<Density>,
+    /// Keep what the edits can alter by less than so many percent; the archive is a preview then.
+    pub preview_percent: Option<f64>,
     /// Whether an interrupted update of other edits that lies there goes.
     pub fresh: bool,
 }
@@ -99,6 +101,7 @@ impl UpdateRequest {
         }
         let added = if self.add.files.is_empty() { Site::default() } else { self.added_site()? };
         self.cover.check()?;
+        check_preview(self.preview_percent)?;
         check_archive_name(&self.output)?;
         guard_site(&self.output, &added, &[Some(&self.before), self.add.materials.as_deref()])?;
         guard_archive(&self.output)?;
@@ -212,7 +215,8 @@ impl UpdateRequest {
         let budget = workspace.memory.length(Use::SortedReceivers);
         let mut tiles = ReceiverTiles::from_receivers(receivers, scene.mesh.origin, &workspace.folder, budget)?;
         let prepared = PreparedScene::new(scene)?;
-        let plan = Plan::of(BuildSettings::of(&manifest.settings));
+        let preview_percent = self.preview_percent;
+        let plan = Plan { preview_percent, ..Plan::of(BuildSettings::of(&manifest.settings)) };
         let output =
             Output { start: if self.fresh { Start::Fresh } else { Start::Resume }, ..Output::new(self.output.clone()) };
         let sources = ReusedArchives { earlier: &[], before: Some(before) };

@@ -10,7 +10,7 @@ use crate::cli::{AccuracyArgs, ClockArgs, Percent, SceneArgs, parse_negligible};
 use heliotile_builder::settings::{EffectChoice, Share};
 
 /// What the plan of an atlas says of its parts.
-const PLANNED: [&str; 22] = [
+const PLANNED: [&str; 23] = [
     "receivers",
     "output",
     "materials",
@@ -26,6 +26,7 @@ const PLANNED: [&str; 22] = [
     "up",
     "effects",
     "negligible",
+    "preview",
     "weather",
     "store",
     "no_scene",
@@ -76,6 +77,10 @@ pub struct BuildArgs {
     /// traced, and the new archive has the bytes that it would have without this option
     #[arg(long, value_name = "BEFORE.helio")]
     pub from: Option<PathBuf>,
+    /// With --from: keep what the change can alter by less than this share of the light on open ground, in the mean over the sky, such as 1%. The archive is a
+    /// preview, and says so; the same command without this option completes it
+    #[arg(long, value_name = "PERCENT", requires = "from")]
+    pub preview: Option<Percent>,
     /// Leave the scene's triangles out of the archive, for those who may not pass them on
     #[arg(long)]
     pub no_scene: bool,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::cover::Metres;
+use super::quality::Percent;
 use super::scene::{MaterialsArgs, PlaceArgs};
 use crate::cli::values::{Bytes, parse_memory};
 use heliotile_results::UpdateRequest;
@@ -45,6 +46,10 @@ pub struct UpdateArgs {
     /// Distance between receivers there, such as 2m [default: about that of the archive's own]
     #[arg(long, value_name = "LENGTH")]
     pub spacing: Option<Metres>,
+    /// Keep what the edits can alter by less than this share of the light on open ground, in the mean over the sky, such as 1%. The archive is a
+    /// preview, and says so; the same command without this option completes it
+    #[arg(long, value_name = "PERCENT")]
+    pub preview: Option<Percent>,
     /// Discard an interrupted update that lies there and start anew; without it, one of the same edits is gone on with
     #[arg(long)]
     pub fresh: bool,
@@ -68,6 +73,7 @@ impl UpdateArgs {
             add: SceneRequest { frame: self.place.frame(), ..self.surfaces.request(&self.add) },
             cover: CoverRequest { on: self.on.clone(), ..CoverRequest::default() },
             density: self.spacing.map(|Metres(metres)| Density::Spacing(metres)),
+            preview_percent: self.preview.map(|Percent(percent)| percent),
             fresh: self.fresh,
         }
     }

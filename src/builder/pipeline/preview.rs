@@ -1,0 +1,442 @@
+//! Previews: what a change of the scene alters by less than a bound is kept as it was. In: an archive of the scene before, the bound. Out: tiles,
+//! chunks of cells and responses that are copied, and the few that are traced or derived again.
+//!
+//! The bound holds under a uniform sky, or in the mean over suns everywhere in the sky, as a share of the light on open ground:
+//!
+//! - A cell that sees less than `unasked` of the change is kept, so its light is off by less than `unasked / (1 - rho)` with all bounces, and that of
+//!   a receiver by `rho` times as much: `unasked = bound (1 - rho) / rho`.
+//! - A response is kept where the cells that the receiver sees, weighed by how much of its hemisphere they take and what they reflect, alter by less
+//!   than the bound. A cell alters by what it sees of the change, and by what the surfaces that it sees reflect of [`Reach::by_all_ways`].
+//! - Rays of receivers are not cast again either where the change takes less than half of the bound in their view, as few rays towards it tell;
+//!   that counts for their responses.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::Build;
+use super::before::{Before, PLANE};
+use super::cells::{BounceCells, Cast, Written};
+use super::report::RayCounts;
+use super::site_tracer::SiteTracer;
+use super::tiles::CopiedTile;
+use crate::pack::Chunks;
+use crate::settings::BuildSettings;
+use crate::trace::change::{Change, FLAT};
+use crate::trace::probe::Directions;
+use crate::trace::reach::{Reach, Surface};
+use crate::writing::Writer;
+use heliotile_core::archive::format::{CellKind, TileNumber};
+use heliotile_core::archive::preview::Preview;
+use heliotile_core::archive::{EncodedBlock, format};
+use heliotile_core::error::Result;
+use heliotile_core::layers::cells::{Cell, Cells, DOWN, MISS};
+use heliotile_core::light::radiosity::{Surround, each_ray, surround};
+use heliotile_core::light::response::{Viewer, texel_weights};
+use heliotile_core::light::tile_view::TileView;
+use heliotile_core::observer::Stage;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::site::cells::{CellKey, CellMap, CellSet};
+use heliotile_core::site::receiver::Receiver;
+
+/// Tiles whose bounds are found together.
+const GROUP: usize = 64;
+
+/// What a preview keeps.
+pub(super) struct Keeping {
+    percent: f64,
+    reach: Reach,
+    /// Cells that see less of the change than this share of their light are kept.
+    unasked: f64,
+    /// Most by which the light on probes alters; those that are not here alter by less than [`Keeping::small`].
+    alters: Mutex<CellMap<f32>>,
+    /// Receivers whose responses are kept.
+    receivers: AtomicU64,
+}
+
+impl Keeping {
+    /// For the manifest.
+    pub fn stated(&self) -> Preview {
+        let kept_receivers = self.receivers.load(Ordering::Relaxed);
+        Preview { bound_percent: self.percent, kept_receivers, ..Preview::default() }
+    }
+
+    /// The bound.
+    fn share(&self) -> f64 {
+        self.percent / 100.0
+    }
+
+    /// Of cells nothing is noted that alters by less.
+    fn small(&self) -> f64 {
+        self.share() / 4.0
+    }
+
+    /// Most by which direct light at some receivers alters, if their rays are not cast again; `None` if that is too much.
+    pub fn direct(&self, receivers: &[Receiver], at: &SiteTracer, change: &Change) -> Option<f64> {
+        let alters = receivers.iter().map(|receiver| {
+            let view = at.viewpoint(receiver);
+            let middle = DVec3::from(view.origin(at.tracer).map(f64::from));
+            let in_view = self.reach.in_view(Surface { middle, spread_m: 0.0, normal: Some(view.normal) });
+            if in_view <= 0.1 * self.share() {
+                in_view
+            } else {
+                self.reach.shown(&view, view.seed(), change, at.tracer)
+            }
+        });
+        alters
+            .map(|share| (share <= 0.5 * self.share()).then_some(share))
+            .try_fold(0.0, |most: f64, share| Some(most.max(share?)))
+    }
+}
+
+/// Where the surfaces of a cell lie.
+fn surface(cells: &Cells, row: usize, change: &Change) -> Surface {
+    let normal = DVec3::from(cells.normals[row].map(f64::from));
+    let (middle, spread_m) = change.middle(cells.keys[row]);
+    let is_plane = (PLANE..1.0 + FLAT).contains(&normal.length());
+    Surface { middle, spread_m, normal: is_plane.then(|| normal.normalize()) }
+}
+
+impl Build<'_> {
+    /// What is kept within a bound; `None`, and the observer is told why, where nothing can be bounded.
+    pub(super) fn keeping(&self, percent: f64, before: &Before, settings: &BuildSettings) -> Option<Keeping> {
+        if self.scene.reflects(settings) || before.file.has(format::MIRRORS, TileNumber::FIRST) {
+            self.observer.warn(
+                "the scene has mirrors, by which a change may show anywhere: {preview} keeps nothing, the archive is whole",
+            );
+            return None;
+        }
+        let brightest = self.scene.scene.materials.iter().map(|material| material.diffuse).fold(0.0, f64::max);
+        let unasked = (percent / 100.0 * (1.0 - brightest) / brightest).min(1.0);
+        let reach = Reach::new(&before.change, brightest);
+        Some(Keeping { percent, reach, unasked, alters: Mutex::default(), receivers: AtomicU64::new(0) })
+    }
+}
+
+/// A chunk of cells as it will be written, under any number.
+struct Piece {
+    first: CellKey,
+    cells: u64,
+    blocks: Vec<EncodedBlock>,
+}
+
+/// Cells of a chunk that are new or were traced again.
+#[derive(Default)]
+struct Retraced {
+    cells: Vec<Cell>,
+    cast: Cast,
+    /// Most by which the light on cells alters, where that is not small.
+    alters: Vec<(CellKey, f32)>,
+}
+
+/// What became of a chunk of the archive before.
+struct Updated {
+    pieces: Vec<Piece>,
+    retraced: Retraced,
+}
+
+/// A chunk of the archive before, with the numbers that materials have now.
+struct Held {
+    cells: Cells,
+    /// Cells that see one of a material that is gone.
+    lost: Vec<CellKey>,
+}
+
+impl Before<'_> {
+    fn held(&self, kind: CellKind, chunk: usize) -> Result<Held> {
+        let Some(source) = self.archive.source(kind).filter(|source| chunk < source.firsts().len()) else {
+            return Ok(Held { cells: Cells::default(), lost: Vec::new() });
+        };
+        let cells = source.chunk(chunk)?;
+        if self.same_numbers {
+            return Ok(Held { cells, lost: Vec::new() });
+        }
+        let (mut lost, mut kept) = (Vec::new(), Vec::new());
+        for row in 0..cells.rows() {
+            match self.renumbered(cells.cell(row)) {
+                Some(cell) => kept.push(cell),
+                None => lost.extend(self.now(cells.keys[row])),
+            }
+        }
+        Ok(Held { cells: Cells::new(&kept), lost })
+    }
+
+    /// `[chunk]`: a key that none before it reaches and none in it is below; `None` if nothing is left in it or after it.
+    fn starts(&self, kind: CellKind) -> Result<Vec<Option<CellKey>>> {
+        let firsts = self.archive.source(kind).map_or(&[][..], |source| source.firsts());
+        if self.same_numbers {
+            return Ok(firsts.iter().copied().map(Some).collect());
+        }
+        let first = |chunk: usize| {
+            let Held { cells, lost } = self.held(kind, chunk)?;
+            Ok(cells.keys.first().into_iter().chain(lost.first()).min().copied())
+        };
+        let mut starts: Vec<Option<CellKey>> = (0..firsts.len()).into_par_iter().map(first).collect::<Result<_>>()?;
+        for chunk in (1..starts.len()).rev() {
+            starts[chunk - 1] = starts[chunk - 1].or(starts[chunk]);
+        }
+        Ok(starts)
+    }
+}
+
+impl SiteTracer<'_> {
+    /// Writes the probes of the archive before with those of some more keys, which are sorted; traced again where they may see the change.
+    pub(super) fn update_probes(
+        &self,
+        keys: impl Iterator<Item = Result<CellKey>>,
+        writer: &mut Writer,
+        rays: &mut RayCounts,
+    ) -> Result<Written> {
+        let (Some(keeping), kind) = (self.keeping(), CellKind::Probes) else { return Ok(Written::default()) };
+        let texture = self.directions(kind);
+        let mut seen = CellSet::default();
+        let mut alters = CellMap::default();
+        let update = |held: &Held, wanted| {
+            let mut retraced = self.again(kind, held, wanted, &texture);
+            retraced.alters = self.alters_of(&held.cells, &retraced.cells);
+            retraced
+        };
+        let count = self.merge_cells(
+            kind,
+            keys,
+            |key| *key,
+            update,
+            writer,
+            |retraced| {
+                seen.extend(retraced.cells.iter().flat_map(Cell::reached));
+                alters.extend(retraced.alters.iter().copied());
+                rays.probe += retraced.cast.plain;
+            },
+        )?;
+        *keeping.alters.lock().unwrap_or_else(PoisonError::into_inner) = alters;
+        Ok(Written { count, seen })
+    }
+
+    /// Writes the bounce cells of the archive before, with all that can be reached from some more.
+    pub(super) fn update_bounces(&self, start: CellSet, writer: &mut Writer, rays: &mut RayCounts) -> Result<u64> {
+        let (kind, texture) = (CellKind::Bounces, self.directions(CellKind::Bounces));
+        let Some(before) = &self.before else { return Ok(0) };
+        let (mut met, mut reached) = (CellSet::default(), start);
+        let mut found = BounceCells::new(self, Vec::new());
+        let chunks: Vec<usize> = (0..before.starts(kind)?.len()).collect();
+        for batch in chunks.chunks(2 * rayon::current_num_threads()) {
+            let again = |&chunk: &usize| {
+                let held = before.held(kind, chunk)?;
+                let again = self.again(kind, &held, Vec::new(), &texture);
+                Ok((held, again))
+            };
+            for updated in batch.par_iter().map(again).collect::<Vec<Result<_>>>() {
+                let (held, Retraced { cells, cast, .. }) = updated?;
+                rays.bounce += cast.plain;
+                met.extend(held.cells.keys.into_iter().chain(held.lost));
+                for cell in cells {
+                    reached.extend(cell.reached());
+                    found.push(&cell)?;
+                }
+            }
+            self.checkpoint(writer)?;
+        }
+        found.wave = reached.into_iter().filter(|key| met.insert(*key)).collect();
+        self.close(&mut found, met, writer, rays)?;
+        let as_traced = |_: &Held, cells: Vec<Cell>| Retraced { cells, ..Retraced::default() };
+        self.merge_cells(kind, found.sorted(self)?, |cell| cell.key, as_traced, writer, |_| {})
+    }
+
+    /// Traces those cells of a chunk that may see the change, those that see what is gone, and some more.
+    fn again(&self, kind: CellKind, held: &Held, wanted: Vec<CellKey>, texture: &Directions) -> Retraced {
+        let (Some(before), Some(keeping)) = (&self.before, self.keeping()) else { return Retraced::default() };
+        let Held { cells, lost } = held;
+        let altered = |row: &usize| {
+            // Which points of a doubtful cell are hidden hangs on more than what it sees.
+            let asked =
+                cells.doubtful[*row] || keeping.reach.in_view(surface(cells, *row, &before.change)) >= keeping.unasked;
+            asked && !self.stands(&cells.cell(*row), before, texture, self.looks(kind))
+        };
+        let altered: Vec<CellKey> =
+            (0..cells.rows()).into_par_iter().filter(altered).map(|row| cells.keys[row]).collect();
+        before.cells[usize::from(kind == CellKind::Bounces)]
+            .fetch_add((cells.rows() - altered.len()) as u64, Ordering::Relaxed);
+        let mut missing: Vec<CellKey> = wanted
+            .into_iter()
+            .filter(|key| cells.keys.binary_search(key).is_err())
+            .chain(lost.iter().copied())
+            .collect();
+        missing.sort_unstable();
+        missing.dedup();
+        let trace = |key: &CellKey| self.trace_cell(kind, *key, texture);
+        let mut traced: Vec<(Cell, Cast)> = altered.par_iter().map(trace).collect();
+        // Those whose surface is gone stay for the cells that still name them: cells that see so little of the change that they are kept.
+        traced.retain(|(cell, _)| cell.normal != [0.0; 3]);
+        traced.par_extend(missing.par_iter().map(trace));
+        let cast = traced.iter().fold(Cast::default(), |sum, (_, cast)| sum.and(*cast));
+        Retraced { cells: traced.into_iter().map(|(cell, _)| cell).collect(), cast, alters: Vec::new() }
+    }
+
+    /// Most by which the light on each of some probes alters, and on those that are traced again, where that is not small.
+    fn alters_of(&self, cells: &Cells, traced: &[Cell]) -> Vec<(CellKey, f32)> {
+        let (Some(before), Some(keeping)) = (&self.before, self.keeping()) else { return Vec::new() };
+        let replaced: CellSet = traced.iter().map(|cell| cell.key).collect();
+        let traced = Cells::new(traced);
+        let mut alters = Vec::new();
+        for (cells, are_traced) in [(cells, false), (&traced, true)] {
+            let reflected = |key: &CellKey| {
+                let (middle, spread_m) = before.change.middle(*key);
+                let all = keeping.reach.by_all_ways(Surface { middle, spread_m, normal: None });
+                self.reflectors.get(usize::from(key.material)).map_or(0.0, |of| of.diffuse) * all
+            };
+            let seen: Vec<f64> = cells.seen.iter().map(reflected).collect();
+            for row in (0..cells.rows()).filter(|row| are_traced || !replaced.contains(&cells.keys[*row])) {
+                let in_view = keeping.reach.in_view(surface(cells, row, &before.change));
+                // Of others that were asked it is known that they do not see the change.
+                let mut most = if are_traced || in_view < keeping.unasked { in_view } else { 0.0 };
+                let (hits, normal) = (cells.hits_of(row), cells.normals[row]);
+                let from = |around: Surround| -> f64 {
+                    let [below, above] = each_ray(hits, around);
+                    let met = hits.iter().filter(|hit| *hit & !DOWN != MISS);
+                    met.map(|hit| seen[(hit & !DOWN) as usize] * if hit & DOWN == 0 { above } else { below }).sum()
+                };
+                // All that is above the horizon counts first, as if nothing of it were sky.
+                let half = (1.0 + f64::from(normal[2])) / 2.0;
+                if most + from(Surround { up: half, down: 1.0 - half }) > keeping.small() {
+                    most += from(surround(normal, cells.bits_of(row), &self.probe_centres));
+                }
+                if most > keeping.small() {
+                    alters.push((cells.keys[row], most as f32));
+                }
+            }
+        }
+        alters
+    }
+
+    /// Writes the cells of a kind of the archive before, with others that come sorted by key and take the place of those of their key. Chunks
+    /// without any are copied. Returns the number of all cells.
+    fn merge_cells<T: Send>(
+        &self,
+        kind: CellKind,
+        others: impl Iterator<Item = Result<T>>,
+        key: fn(&T) -> CellKey,
+        update: impl Fn(&Held, Vec<T>) -> Retraced + Sync,
+        writer: &mut Writer,
+        mut told: impl FnMut(&Retraced),
+    ) -> Result<u64> {
+        let Some(before) = &self.before else { return Ok(0) };
+        let progress = Stage::begin(self.observer, "cells", None);
+        let mut chunks = match kind {
+            CellKind::Probes => Chunks::probes(self.settings.probe_hits),
+            CellKind::Bounces => Chunks::bounces(self.settings.bounce_hits),
+        };
+        let (starts, mut others) = (before.starts(kind)?, others.peekable());
+        let numbers: Vec<usize> = (0..starts.len().max(1)).collect();
+        for batch in numbers.chunks(2 * rayon::current_num_threads()) {
+            let mut parts = Vec::with_capacity(batch.len());
+            for &chunk in batch {
+                let end = starts.get(chunk + 1).copied().flatten();
+                let before_end = |other: &Result<T>| match (other, end) {
+                    (Ok(other), Some(end)) => key(other) < end,
+                    _ => true,
+                };
+                let mut part = Vec::new();
+                while let Some(other) = others.next_if(before_end) {
+                    part.push(other?);
+                }
+                parts.push((chunk, part));
+            }
+            let updated = |(chunk, part): (usize, Vec<T>)| {
+                let held = before.held(kind, chunk)?;
+                let retraced = update(&held, part);
+                let pieces = self.pieces(kind, chunk, held, &retraced.cells, &chunks)?;
+                Ok(Updated { pieces, retraced })
+            };
+            let done: Vec<Result<Updated>> = parts.into_par_iter().map(updated).collect();
+            for updated in done {
+                let updated = updated?;
+                told(&updated.retraced);
+                for Piece { first, cells, blocks } in updated.pieces {
+                    progress.advance(cells);
+                    chunks.add_numbered(first, cells, blocks, writer)?;
+                }
+            }
+            self.checkpoint(writer)?;
+        }
+        chunks.finish(writer)
+    }
+
+    /// A chunk of the archive before as it is, or with some cells in place of those of their keys.
+    fn pieces(
+        &self,
+        kind: CellKind,
+        chunk: usize,
+        held: Held,
+        changed: &[Cell],
+        chunks: &Chunks,
+    ) -> Result<Vec<Piece>> {
+        let cells = held.cells;
+        let Some(before) = &self.before else { return Ok(Vec::new()) };
+        if let Some(&first) = cells.keys.first().filter(|_| before.same_numbers && changed.is_empty()) {
+            let [mirror, canopy] = kind.extras();
+            let copy = |kind| before.copy(kind, TileNumber(chunk as u32), TileNumber::FIRST).transpose();
+            let blocks = [kind.chunks(), mirror, canopy].into_iter().filter_map(copy).collect::<Result<_>>()?;
+            return Ok(vec![Piece { first, cells: cells.rows() as u64, blocks }]);
+        }
+        let replaced: CellSet = changed.iter().map(|cell| cell.key).collect();
+        let kept = (0..cells.rows()).filter(|row| !replaced.contains(&cells.keys[*row])).map(|row| cells.cell(row));
+        let mut all: Vec<Cell> = kept.chain(changed.iter().cloned()).collect();
+        all.sort_unstable_by_key(|cell| cell.key);
+        let piece = |part: &[Cell]| {
+            let blocks = chunks.encode(TileNumber::FIRST, &Cells::new(part))?;
+            Ok(Piece { first: part[0].key, cells: part.len() as u64, blocks })
+        };
+        all.par_chunks(chunks.size()).map(piece).collect()
+    }
+
+    /// Copies the responses of those tiles that were copied, and whose reflected light alters by less than the bound.
+    pub(super) fn keep_responses(&self, copied: &[CopiedTile], writer: &mut Writer) -> Result<()> {
+        let (Some(before), Some(keeping)) = (&self.before, self.keeping()) else { return Ok(()) };
+        if !before.same_light {
+            self.observer.note("materials reflect or transmit another share: all reflected light is derived again");
+            return Ok(());
+        }
+        let alters = std::mem::take(&mut *keeping.alters.lock().unwrap_or_else(PoisonError::into_inner));
+        for group in copied.chunks(GROUP) {
+            let site = OpenSite::over(&*writer, Arc::clone(&self.facts));
+            let kept = |of: &CopiedTile| {
+                let view = TileView::read(&site, of.tile)?;
+                if self.tile_alters(&view, of.direct, keeping, &alters) > keeping.share() {
+                    return Ok(None);
+                }
+                let block = before.copy(format::RESPONSE, TileNumber(of.from), TileNumber(of.tile))?;
+                Ok(block.inspect(|_| {
+                    keeping.receivers.fetch_add(view.viewers.len() as u64, Ordering::Relaxed);
+                }))
+            };
+            let blocks: Vec<Option<EncodedBlock>> = group.par_iter().map(kept).collect::<Result<_>>()?;
+            blocks.into_iter().flatten().try_for_each(|block| writer.append(block))?;
+            self.checkpoint(writer)?;
+        }
+        Ok(())
+    }
+
+    /// Most that the change alters the light of any receiver of a tile, of which its direct light alters by no more than `direct`: shares of
+    /// the light on open ground.
+    fn tile_alters(&self, view: &TileView, direct: f64, keeping: &Keeping, alters: &CellMap<f32>) -> f64 {
+        let of_cell = |key: &CellKey| {
+            let most = alters.get(key).map_or(keeping.small(), |most| f64::from(*most));
+            // Its material is one of the scene's.
+            self.reflectors[usize::from(key.material)].diffuse * most
+        };
+        let cells: Vec<f64> = view.hits.palette.iter().map(of_cell).collect();
+        let most = cells.iter().copied().fold(0.0, f64::max);
+        let texels = self.settings.hit * self.settings.hit;
+        let bound = |(viewer, texels): (&Viewer, &[u32])| {
+            let at_most = direct + most * (1.0 - viewer.sky_view);
+            if at_most <= keeping.share() {
+                return at_most;
+            }
+            let met = texels.iter().zip(texel_weights(texels, viewer)).filter(|(cell, _)| **cell != 0);
+            direct + met.map(|(cell, weight)| weight * cells[*cell as usize - 1]).sum::<f64>()
+        };
+        view.viewers.iter().zip(view.hits.texels.chunks(texels)).map(bound).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,167 @@
+//! How much of the light at a place a change can alter at most. In: the boxes of what came or went, and how much the scene's brightest surface
+//! reflects. Out: bounds, without a ray.
+//!
+//! The light is that of a uniform sky, or the mean over suns everywhere in the sky, as a share of what open ground gets. No direction is brighter
+//! than that sky then, whatever reflects. So light by directions that meet a change alters by no more than the view factor of the ball around it,
+//! (R/d)^2 at a distance d. What surfaces reflect of altered light is bounded by the integral equation of radiosity: at most (d/D)^2 of a
+//! hemisphere at a distance D is nearer than d to the middle of the ball, so the sum over all bounces is at most the solution of
+//! `M(D) = (R/D)^2 (1 + rho) + rho int_R^D M(d) 2 d / D^2 dd`, which is `M(D) = (1 + rho) (R/D)^(2 - 2 rho)`.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::change::{Change, FLAT};
+use super::kernel::rays::{Ray, Tracer};
+use super::receiver::Viewpoint;
+use heliotile_core::hemisphere::{Frame, mix, unit};
+
+/// Rounding of coordinates, metres.
+const MARGIN_M: f64 = 0.05;
+
+/// A ball, relative to the origin.
+struct Ball {
+    middle: DVec3,
+    radius: f64,
+}
+
+/// What a change can alter, by place.
+pub struct Reach {
+    /// Around what came or went.
+    balls: Vec<Ball>,
+    /// What the brightest surface reflects, below 1.
+    brightest: f64,
+}
+
+/// Where some surface lies: within `spread_m` of a middle relative to the origin; and which way it faces, if it is plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    pub middle: DVec3,
+    pub spread_m: f64,
+    pub normal: Option<DVec3>,
+}
+
+impl Reach {
+    /// Of a change in a scene whose surfaces all reflect no more than `brightest`.
+    pub fn new(change: &Change, brightest: f64) -> Self {
+        let ball = |[low, high]: &[DVec3; 2]| Ball {
+            middle: 0.5 * (*low + *high),
+            radius: 0.5 * (*high - *low).length() + MARGIN_M,
+        };
+        Reach { balls: change.boxes().iter().map(ball).collect(), brightest }
+    }
+
+    /// Share of the light anywhere on a surface that comes by directions that meet the change: at most 1.
+    pub fn in_view(&self, surface: Surface) -> f64 {
+        self.sum(|ball| cap(ball, surface))
+    }
+
+    /// As [`Reach::in_view`] for a point, less what is hidden by other surfaces: as much of each ball as rays towards it tell. Of `RAYS` rays of
+    /// which k meet the change first, it is less than (k + 3) / `RAYS` of the ball by 19 to 1 ("rule of three").
+    pub fn shown(&self, at: &Viewpoint, seed: u64, change: &Change, scene: &Tracer) -> f64 {
+        let origin = at.origin(scene);
+        let middle = DVec3::from(origin.map(f64::from));
+        let point = Surface { middle, spread_m: 0.0, normal: Some(at.normal) };
+        let caps: Vec<f64> = self.balls.iter().map(|ball| cap(ball, point)).collect();
+        let all: f64 = caps.iter().sum();
+        if caps.iter().any(|share| *share > LARGE) {
+            return all.min(1.0);
+        }
+        let shown = |(ball, share): (&Ball, f64)| {
+            let way = ball.middle - middle;
+            let wide = 1.0 - (1.0 - (ball.radius / way.length()).powi(2)).sqrt();
+            let frame = Frame::of(way.normalize());
+            let ray = |i: u64| {
+                // R2 sequence (Roberts 2018), uniform in the cone.
+                let [u, v] = [(12, 0.754_877_666_246_692_8), (13, 0.569_840_290_998_053_3)]
+                    .map(|(k, step)| (unit(mix(seed, k)) + i as f64 * step).fract());
+                let (z, turn) = (1.0 - u * wide, v * TAU);
+                let aside = (1.0 - z * z).sqrt();
+                frame.to_world(DVec3::new(aside * turn.cos(), aside * turn.sin(), z))
+            };
+            let before = (0..RAYS).map(ray).filter(|way| way.dot(at.normal) > 0.0);
+            let rays: Vec<Ray> = before.map(|way| Ray { origin, direction: way.as_vec3().to_array() }).collect();
+            share * ((change.altered(&rays, scene) as f64 + 3.0) / RAYS as f64).min(1.0)
+        };
+        self.balls.iter().zip(caps).filter(|(_, share)| *share > 0.0).map(shown).sum::<f64>().min(1.0)
+    }
+
+    /// Share of the light anywhere on a surface that is other light now, by whatever way it came: at most 1.
+    pub fn by_all_ways(&self, surface: Surface) -> f64 {
+        let (rho, power) = (self.brightest, 2.0 - 2.0 * self.brightest);
+        self.sum(|ball| {
+            let near = ball.radius / (ball.middle.distance(surface.middle) - surface.spread_m).max(ball.radius);
+            (1.0 + rho) * near.powf(power)
+        })
+    }
+
+    fn sum(&self, each: impl Fn(&Ball) -> f64) -> f64 {
+        self.balls.iter().map(each).sum::<f64>().min(1.0)
+    }
+}
+
+/// Rays towards a ball.
+const RAYS: u64 = 64;
+
+/// Of a ball that takes more of the light than this it is not found out how much of it is hidden.
+const LARGE: f64 = 0.1;
+
+/// Most of the light anywhere on a surface that comes from a ball.
+fn cap(ball: &Ball, surface: Surface) -> f64 {
+    let Surface { middle, spread_m, normal } = surface;
+    let (way, radius) = (ball.middle - middle, ball.radius);
+    let distance = way.length();
+    if distance <= radius + spread_m {
+        return 1.0;
+    }
+    // What it takes of the sphere, and the steepest direction into it from anywhere on the surface.
+    let sine = (radius / (distance - spread_m)).min(1.0);
+    let share = 2.0 * (1.0 - (1.0 - sine * sine).sqrt());
+    let steepest = normal.map_or(1.0, |normal| {
+        let aside = (way.dot(normal) / distance).clamp(-1.0, 1.0).acos();
+        (aside - ((radius + spread_m) / distance).asin() - FLAT).max(0.0).cos().max(0.0)
+    });
+    share * steepest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use heliotile_core::site::material::{Class, Material};
+    use heliotile_scene::Scene;
+    use heliotile_scene::change::SceneChange;
+
+    /// A triangle 2 m long, seen from surfaces at 3 to 300 m: what is in view of one that faces it is (R/d)^2 within 12 %, 1 at the triangle,
+    /// nothing where it lies behind, and less than (R/d)^3 at the horizon of a surface. By all ways it is, with all that reflects 0.5, the numerical
+    /// solution of the integral equation within 1 %, never less than what is in view.
+    #[test]
+    fn bounds_fall_with_distance() {
+        let corners = [DVec3::ZERO, DVec3::X * 2.0, DVec3::new(1.0, 1.0, 0.0)];
+        let scene = Scene::from_triangles(&[(corners, 0)], vec![Material::matt("a", 0.5, Class::Ground)]).expect("one");
+        let change = Change::of(&SceneChange { added: vec![0], ..SceneChange::default() }, &scene);
+        let reach = Reach::new(&change, 0.5);
+        let middle = DVec3::new(1.0, 0.5, 0.0) - scene.mesh.origin;
+        let radius = 0.5 * 5_f64.sqrt() + MARGIN_M;
+        let surface = |x: f64, normal| Surface { middle: middle + DVec3::X * x, spread_m: 0.5, normal: Some(normal) };
+        let here = surface(0.0, DVec3::X);
+        assert_eq!((reach.in_view(here), reach.by_all_ways(here)), (1.0, 1.0));
+        for x in [3.0, 10.0, 30.0, 100.0, 300.0] {
+            let near = radius / (x - 0.5);
+            let [towards, along, away] =
+                [-DVec3::X, DVec3::Z, DVec3::X].map(|normal| reach.in_view(surface(x, normal)));
+            assert!((1.0..1.12).contains(&(towards / near.powi(2))), "{x}: {towards}");
+            assert!(
+                away == 0.0 && along > 0.0 && along < 1.5 * near.powi(3) + FLAT * near.powi(2),
+                "{x}: {along} {away}"
+            );
+            // N = M D^2 in steps: N' = 2 rho M D.
+            let (steps, mut n, distance) = (20_000, 1.5 * radius * radius, x - 0.5);
+            for i in 0..steps {
+                let step = (distance - radius) / f64::from(steps);
+                n += step * n / (radius + (f64::from(i) + 0.5) * step);
+            }
+            let (all, whole) = (reach.by_all_ways(surface(x, DVec3::Z)), (n / (distance * distance)).min(1.0));
+            assert!((all / whole - 1.0).abs() < 0.01 && all >= towards, "{x}: {all} {whole}");
+        }
+    }
+}
