@@ -212,7 +212,7 @@ fn wrong_inputs() {
     folder.refused(&format!("{query} -o out.xlsx"), &["out.xlsx", ".csv", ".parquet"]);
     folder.write("conditions.csv", CONDITIONS);
     folder.refused(&format!("{query} -o out.xlsx"), &[".csv", ".parquet"]);
-    folder.refused(&format!("{query} --sky cie:16"), &["cie"]);
+    folder.refused(&format!("{query} --sky cie:17"), &["cie"]);
     folder.refused("query scene.obj --conditions conditions.csv", &["scene.obj"]);
 }
 

@@ -405,13 +405,13 @@ fn view_factors_and_pictures() {
     folder.build();
     let table = stdout(&folder.run("export site.helio --view-factors -o -"));
     let mut lines = table.lines();
-    assert_eq!(lines.next(), Some("receiver,sky_view,ground_view,obstruction_view,nothing_view"));
+    assert_eq!(lines.next(), Some("receiver,sky_view,ground_view,obstruction_view,nothing_view,vsc_percent,no_sky"));
     let mut ids = Vec::new();
     for line in lines {
         let (id, rest) = line.split_once(',').expect("columns");
         let views: Vec<f64> = rest.split(',').map(|v| v.parse().expect("a number")).collect();
-        assert!(views.len() == 4 && (views.iter().sum::<f64>() - 1.0).abs() < 1e-6, "{line}");
-        assert!(id != "roof" || (views[0] - 1.0).abs() < 1e-3, "{line}");
+        assert!(views.len() == 6 && (views[..4].iter().sum::<f64>() - 1.0).abs() < 1e-6 && views[5] == 0.0, "{line}");
+        assert!(id != "roof" || (views[0] - 1.0).abs() < 1e-3 && (views[4] - 100.0).abs() < 0.1, "{line}");
         ids.push(id.to_string());
     }
     ids.sort_unstable();

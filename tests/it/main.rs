@@ -48,6 +48,7 @@ mod results;
 mod scenes;
 mod shared;
 mod site;
+mod sky_components;
 mod store;
 mod study;
 mod sums;

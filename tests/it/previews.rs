@@ -120,10 +120,7 @@ fn previews_say_what_they_are() {
     done(&format!("{after} --preview 1% -o after.helio"));
     let info = Command::new(env!("CARGO_BIN_EXE_heliotile")).current_dir(at).args(["info", "after.helio"]).output();
     let info = String::from_utf8(info.expect("the program").stdout).expect("text");
-    assert!(
-        info.contains("  preview     a preview: light is off by at most 1 % of the light on open ground"),
-        "{info}"
-    );
+    assert!(info.contains("  preview     light is off by at most 1 % of that on open ground"), "{info}");
     let said = done("query after.helio --conditions c.csv -o out.csv");
     assert!(said.contains("after.helio is a preview"), "{said}");
     for line in ["merge after.helio before.helio -o m.helio", "merge whole.helio after.helio -o m.helio"] {

@@ -7,16 +7,19 @@ mod sun_position;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::sources;
-use heliotile_builder::transfer::ArchiveReceivers;
 use heliotile_builder::writing::guards::guard_output;
 use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::sky::model::SkyModel;
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::sky::model::{CieType, SkyModel};
+use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_results::outputs::sink::Sink;
 use heliotile_results::outputs::tables::format::files_of;
@@ -144,12 +147,26 @@ impl ExportRequest {
 
 /// Adds the receivers of an archive; stops where the reader of the table has gone away.
 fn add_rows(table: &mut ViewFactorTable, archive: &Archive) -> Result<()> {
-    for row in ArchiveReceivers::<()>::new(&OpenSite::of(archive)?) {
-        if table.is_closed() {
-            break;
+    let site = OpenSite::of(archive)?;
+    let sky = [Condition::new("overcast".into(), &[], DVec3::Z, 0.0, OVERCAST_W_M2)];
+    let settings = ReplaySettings {
+        sky: SkyModel::Cie(CieType::TRADITIONAL_OVERCAST),
+        components: ComponentSet::of(&[Component::SkyDirect]),
+        ..ReplaySettings::default()
+    };
+    let replay = Replay::new(&site, &sky, settings)?;
+    for (tile, values) in (0..replay.tiles()).zip(replay.results(0..replay.tiles())) {
+        let (receivers, (_, values)) = (site.tile_receivers(tile)?, values?);
+        for (row, (id, views)) in receivers.ids.iter().zip(receivers.views()).enumerate() {
+            if table.is_closed() {
+                return Ok(());
+            }
+            let light = values.row(Component::SkyDirect, row).iter().copied().map(f64::from).sum::<f64>();
+            table.row(id, views, 100.0 * light / OVERCAST_W_M2)?;
         }
-        let row = row?;
-        table.row(&row.receiver.id, row.views)?;
     }
     Ok(())
 }
+
+/// Light of the overcast sky on open ground, of which shares are taken.
+const OVERCAST_W_M2: f64 = 100.0;

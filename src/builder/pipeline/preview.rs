@@ -24,9 +24,9 @@ use super::site_tracer::SiteTracer;
 use super::tiles::CopiedTile;
 use crate::pack::Chunks;
 use crate::settings::BuildSettings;
-use crate::trace::change::{Change, FLAT};
+use crate::trace::change::Change;
 use crate::trace::probe::Directions;
-use crate::trace::reach::{Reach, Surface};
+use crate::trace::reach::{Reach, SurfacePlace};
 use crate::writing::Writer;
 use heliotile_core::archive::format::{CellKind, TileNumber};
 use heliotile_core::archive::preview::Preview;
@@ -78,7 +78,7 @@ impl Keeping {
         let alters = receivers.iter().map(|receiver| {
             let view = at.viewpoint(receiver);
             let middle = DVec3::from(view.origin(at.tracer).map(f64::from));
-            let in_view = self.reach.in_view(Surface { middle, spread_m: 0.0, normal: Some(view.normal) });
+            let in_view = self.reach.in_view(SurfacePlace { middle, spread_m: 0.0, normal: Some(view.normal) });
             if in_view <= 0.1 * self.share() {
                 in_view
             } else {
@@ -92,11 +92,10 @@ impl Keeping {
 }
 
 /// Where the surfaces of a cell lie.
-fn surface(cells: &Cells, row: usize, change: &Change) -> Surface {
+fn surface(cells: &Cells, row: usize, change: &Change) -> SurfacePlace {
     let normal = DVec3::from(cells.normals[row].map(f64::from));
     let (middle, spread_m) = change.middle(cells.keys[row]);
-    let is_plane = (PLANE..1.0 + FLAT).contains(&normal.length());
-    Surface { middle, spread_m, normal: is_plane.then(|| normal.normalize()) }
+    SurfacePlace { middle, spread_m, normal: (normal.length() >= PLANE).then(|| normal.normalize()) }
 }
 
 impl Build<'_> {
@@ -270,6 +269,7 @@ impl SiteTracer<'_> {
         // Those whose surface is gone stay for the cells that still name them: cells that see so little of the change that they are kept.
         traced.retain(|(cell, _)| cell.normal != [0.0; 3]);
         traced.par_extend(missing.par_iter().map(trace));
+        traced.sort_unstable_by_key(|(cell, _)| cell.key);
         let cast = traced.iter().fold(Cast::default(), |sum, (_, cast)| sum.and(*cast));
         Retraced { cells: traced.into_iter().map(|(cell, _)| cell).collect(), cast, alters: Vec::new() }
     }
@@ -283,7 +283,7 @@ impl SiteTracer<'_> {
         for (cells, are_traced) in [(cells, false), (&traced, true)] {
             let reflected = |key: &CellKey| {
                 let (middle, spread_m) = before.change.middle(*key);
-                let all = keeping.reach.by_all_ways(Surface { middle, spread_m, normal: None });
+                let all = keeping.reach.by_all_ways(SurfacePlace { middle, spread_m, normal: None });
                 self.reflectors.get(usize::from(key.material)).map_or(0.0, |of| of.diffuse) * all
             };
             let seen: Vec<f64> = cells.seen.iter().map(reflected).collect();

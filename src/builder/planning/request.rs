@@ -87,7 +87,7 @@ pub fn check_preview(percent: Option<f64>) -> Result<()> {
 }
 
 /// Bounds of previews, percent of the light on open ground.
-const PREVIEWS: RangeInclusive<f64> = 0.01..=20.0;
+pub const PREVIEWS: RangeInclusive<f64> = 0.01..=20.0;
 
 /// What was planned and what was built.
 #[derive(Clone, Debug)]

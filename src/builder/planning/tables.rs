@@ -183,7 +183,7 @@ pub fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
             )
         }
     };
-    let preview = report.preview.as_ref().map_or_else(String::new, |preview| format!("  {preview}\n"));
+    let preview = report.preview.as_ref().map_or_else(String::new, |preview| format!("  a preview: {preview}\n"));
     let kept = report.kept.map_or_else(String::new, |kept| {
         let share = |count: u64, all: u64| format!("{:.1} %", 100.0 * count as f64 / all.max(1) as f64);
         format!(

@@ -35,7 +35,7 @@ pub struct Reach {
 
 /// Where some surface lies: within `spread_m` of a middle relative to the origin; and which way it faces, if it is plane.
 #[derive(Clone, Copy, Debug)]
-pub struct Surface {
+pub struct SurfacePlace {
     pub middle: DVec3,
     pub spread_m: f64,
     pub normal: Option<DVec3>,
@@ -52,7 +52,7 @@ impl Reach {
     }
 
     /// Share of the light anywhere on a surface that comes by directions that meet the change: at most 1.
-    pub fn in_view(&self, surface: Surface) -> f64 {
+    pub fn in_view(&self, surface: SurfacePlace) -> f64 {
         self.sum(|ball| cap(ball, surface))
     }
 
@@ -61,7 +61,7 @@ impl Reach {
     pub fn shown(&self, at: &Viewpoint, seed: u64, change: &Change, scene: &Tracer) -> f64 {
         let origin = at.origin(scene);
         let middle = DVec3::from(origin.map(f64::from));
-        let point = Surface { middle, spread_m: 0.0, normal: Some(at.normal) };
+        let point = SurfacePlace { middle, spread_m: 0.0, normal: Some(at.normal) };
         let caps: Vec<f64> = self.balls.iter().map(|ball| cap(ball, point)).collect();
         let all: f64 = caps.iter().sum();
         if caps.iter().any(|share| *share > LARGE) {
@@ -87,7 +87,7 @@ impl Reach {
     }
 
     /// Share of the light anywhere on a surface that is other light now, by whatever way it came: at most 1.
-    pub fn by_all_ways(&self, surface: Surface) -> f64 {
+    pub fn by_all_ways(&self, surface: SurfacePlace) -> f64 {
         let (rho, power) = (self.brightest, 2.0 - 2.0 * self.brightest);
         self.sum(|ball| {
             let near = ball.radius / (ball.middle.distance(surface.middle) - surface.spread_m).max(ball.radius);
@@ -107,8 +107,8 @@ const RAYS: u64 = 64;
 const LARGE: f64 = 0.1;
 
 /// Most of the light anywhere on a surface that comes from a ball.
-fn cap(ball: &Ball, surface: Surface) -> f64 {
-    let Surface { middle, spread_m, normal } = surface;
+fn cap(ball: &Ball, surface: SurfacePlace) -> f64 {
+    let SurfacePlace { middle, spread_m, normal } = surface;
     let (way, radius) = (ball.middle - middle, ball.radius);
     let distance = way.length();
     if distance <= radius + spread_m {
@@ -142,7 +142,8 @@ mod tests {
         let reach = Reach::new(&change, 0.5);
         let middle = DVec3::new(1.0, 0.5, 0.0) - scene.mesh.origin;
         let radius = 0.5 * 5_f64.sqrt() + MARGIN_M;
-        let surface = |x: f64, normal| Surface { middle: middle + DVec3::X * x, spread_m: 0.5, normal: Some(normal) };
+        let surface =
+            |x: f64, normal| SurfacePlace { middle: middle + DVec3::X * x, spread_m: 0.5, normal: Some(normal) };
         let here = surface(0.0, DVec3::X);
         assert_eq!((reach.in_view(here), reach.by_all_ways(here)), (1.0, 1.0));
         for x in [3.0, 10.0, 30.0, 100.0, 300.0] {

@@ -25,8 +25,8 @@ impl fmt::Display for Preview {
         let Preview { bound_percent, kept_receivers, .. } = self;
         write!(
             f,
-            "a preview: light is off by at most {bound_percent} % of the light on open ground, in the mean over the sky; what surfaces reflect to \
-             {kept_receivers} receivers is from before the change"
+            "light is off by at most {bound_percent} % of that on open ground, in the mean over the sky; reflected light of {kept_receivers} \
+             receivers is from before the change"
         )
     }
 }

@@ -1,16 +1,18 @@
-//! How radiance is spread over a sky, relative to itself: five parameters and a function of two angles, common to Perez' and the CIE's
-//! skies.
+//! How radiance is spread over a sky, relative to itself: some parameters and a function of two angles, common to Perez' and the CIE's skies.
 
 use glam::DVec3;
 
 /// Relative radiance: gradation(zenith angle) x indicatrix(angle from the sun), each clipped at 0. With offset 0 it is Perez,
-/// Seals and Michalsky (1993) equation 1; with offset exp(d pi/2) it is ISO 15469:2004.
+/// Seals and Michalsky (1993) equation 1; with offset exp(d pi/2) it is ISO 15469:2004. With slope 2 and nothing else it is the CIE traditional
+/// overcast sky of Moon and Spencer (1942).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Distribution {
     /// Factor of the gradation from zenith to horizon.
     pub a: f64,
     /// Exponent of the gradation.
     pub b: f64,
+    /// Rise of the gradation with the cosine of the zenith angle.
+    pub slope: f64,
     /// Factor of the glow around the sun.
     pub c: f64,
     /// Exponent of the glow by radian from the sun.
@@ -29,10 +31,10 @@ const SMALLEST_COSINE: f64 = 0.01;
 const SMALLEST_COSINE_RISING: f64 = 0.1;
 
 impl Distribution {
-    /// 1 + a exp(b / cos zeta), not below 0.
+    /// 1 + a exp(b / cos zeta) + slope cos zeta, not below 0.
     pub fn gradation(&self, cos_zenith: f64) -> f64 {
         let floor = if self.b > 0.0 { SMALLEST_COSINE_RISING } else { SMALLEST_COSINE };
-        (1.0 + self.a * (self.b / cos_zenith.max(floor)).exp()).max(0.0)
+        (1.0 + self.a * (self.b / cos_zenith.max(floor)).exp() + self.slope * cos_zenith).max(0.0)
     }
 
     /// 1 + c (exp(d gamma) - offset) + e cos^2 gamma, not below 0.

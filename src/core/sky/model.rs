@@ -39,21 +39,31 @@ pub struct SkyParts {
     pub horizon_w_m2: f64,
 }
 
-/// Number of a CIE standard general sky, 1 (overcast, steep) to 15 (white-blue turbid).
+/// Number of a CIE sky: a standard general sky, 1 (overcast, steep) to 15 (white-blue turbid), or 16, the traditional overcast sky.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CieType(u8);
 
 impl CieType {
-    /// `None` outside 1..=15.
+    /// The traditional overcast sky, three times as bright at the zenith as at the horizon: what daylight rules such as the vertical sky component
+    /// are about.
+    pub const TRADITIONAL_OVERCAST: CieType = CieType(16);
+
+    /// All of them.
+    pub fn all() -> impl Iterator<Item = CieType> {
+        (1..=Self::TRADITIONAL_OVERCAST.0).map(CieType)
+    }
+
+    /// `None` outside 1..=16.
     pub fn new(number: u8) -> Option<Self> {
-        (1..=15).contains(&number).then_some(CieType(number))
+        CieType::all().find(|known| known.0 == number)
     }
 
     fn distribution(self) -> Distribution {
-        // `new` lets no other number pass than 1 to 15.
-        let [a, b, c, d, e] = CIE[usize::from(self.0) - 1];
+        let Some([a, b, c, d, e]) = CIE.get(usize::from(self.0) - 1).copied() else {
+            return Distribution { slope: 2.0, ..Distribution::default() };
+        };
         let offset = (d * std::f64::consts::FRAC_PI_2).exp();
-        Distribution { a, b, c, d, e, offset }
+        Distribution { a, b, c, d, e, offset, slope: 0.0 }
     }
 }
 
@@ -77,7 +87,7 @@ const CIE: [[f64; 5]; 15] = [
 ];
 
 impl SkyModel {
-    /// Names of the models that have no number, and what they are. `cie:1` to `cie:15` name the others.
+    /// Names of the models that have no number, and what they are. `cie:1` to `cie:16` name the others.
     pub const NAMED: [(&'static str, &'static str, SkyModel); 3] = [
         ("perez", "all-weather, 1993", SkyModel::Perez),
         ("perez1990", "tilted surfaces as of EnergyPlus and pvlib", SkyModel::Perez1990),
@@ -86,20 +96,23 @@ impl SkyModel {
 
     /// All models.
     pub fn all() -> impl Iterator<Item = SkyModel> {
-        let general = (1..=15).filter_map(CieType::new).map(SkyModel::Cie);
-        Self::NAMED.iter().map(|(.., sky)| *sky).chain(general)
+        Self::NAMED.iter().map(|(.., sky)| *sky).chain(CieType::all().map(SkyModel::Cie))
     }
 
-    /// Names of all models, for messages: `perez, perez1990, uniform, cie:1 to cie:15`.
+    /// Names of all models, for messages: `perez, perez1990, uniform, cie:1 to cie:16`.
     pub fn names() -> String {
         let names: Vec<&str> = Self::NAMED.iter().map(|(name, ..)| *name).collect();
-        format!("{}, cie:1 to cie:{}", names.join(", "), CIE.len())
+        format!("{}, cie:1 to cie:{}", names.join(", "), CieType::TRADITIONAL_OVERCAST.0)
     }
 
     /// The same with what they are, for help.
     pub fn described() -> String {
         let named: Vec<String> = Self::NAMED.iter().map(|(name, meaning, _)| format!("{name} ({meaning})")).collect();
-        format!("Sky radiance distribution: {}, or cie:1 to cie:{}", named.join(", "), CIE.len())
+        let last = CieType::TRADITIONAL_OVERCAST.0;
+        format!(
+            "Sky radiance distribution: {}, or cie:1 to cie:{last} (the traditional overcast sky)",
+            named.join(", ")
+        )
     }
 
     /// The distribution of the dome of a condition's sky.
@@ -212,6 +225,17 @@ mod tests {
         assert!((ratio / 3.0 - 1.0).abs() < 0.005, "{ratio}");
     }
 
+    /// CIE 16 is (1 + 2 sin a) / 3 of its zenith at 7 altitudes, wherever the sun is, to 1e-12.
+    #[test]
+    fn traditional_overcast() {
+        let (sky, sun) = (CieType::TRADITIONAL_OVERCAST.distribution(), direction_from_degrees(180.0, 40.0));
+        let zenith = sky.relative_radiance(DVec3::Z, sun);
+        for altitude in [0.0, 10.0, 25.0, 42.0, 60.0, 75.0, 90.0_f64] {
+            let found = sky.relative_radiance(direction_from_degrees(200.0, altitude), sun) / zenith;
+            assert!((found - (1.0 + 2.0 * altitude.to_radians().sin()) / 3.0).abs() < 1e-12, "{altitude}: {found}");
+        }
+    }
+
     /// CIE 5 is 1 everywhere, and CIE 12 (clear) 90 deg from the sun is its gradation (offset cancels) at 1e-12.
     #[test]
     fn uniform_and_clear() {
@@ -225,11 +249,11 @@ mod tests {
         assert!((sky.relative_radiance(across, sun) - sky.gradation(0.0)).abs() < 1e-12);
     }
 
-    /// All 15 types are finite and not negative over 10,000 pairs of directions, the sun on the horizon and at the zenith
+    /// All 16 types are finite and not negative over 10,000 pairs of directions, the sun on the horizon and at the zenith
     /// included.
     #[test]
     fn general_skies_are_sane() {
-        for number in 1..=15 {
+        for number in 1..=16 {
             let sky = cie(number);
             for i in 0..10_000_u32 {
                 let sun = direction_from_degrees(0.0, f64::from(i % 10) * 10.0);
@@ -240,18 +264,19 @@ mod tests {
         }
     }
 
-    /// Names read back as written (18 of them); others are refused with the list of choices.
+    /// Names read back as written (19 of them); others are refused with the list of choices.
     #[test]
     fn names() {
         let mut all = vec![SkyModel::Perez, SkyModel::Perez1990, SkyModel::Uniform];
-        all.extend((1..=15).filter_map(CieType::new).map(SkyModel::Cie));
-        assert_eq!(all.len(), 18);
+        all.extend((1..=16).filter_map(CieType::new).map(SkyModel::Cie));
+        assert_eq!(all.len(), 19);
+        assert!(SkyModel::all().eq(all.iter().copied()));
         for model in all {
             assert_eq!(model.to_string().parse::<SkyModel>().expect("own name"), model);
         }
-        for bad in ["", "Perez ", "cie", "cie:", "cie:0", "cie:16", "cie:256", "cie:-1"] {
+        for bad in ["", "Perez ", "cie", "cie:", "cie:0", "cie:17", "cie:256", "cie:-1"] {
             let text = bad.parse::<SkyModel>().expect_err(bad).to_string();
-            assert!(text.contains("perez, perez1990, uniform, cie:1 to cie:15"), "{text}");
+            assert!(text.contains("perez, perez1990, uniform, cie:1 to cie:16"), "{text}");
         }
     }
 }

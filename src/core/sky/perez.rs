@@ -118,7 +118,7 @@ pub fn parameters(epsilon: f64, delta: f64, zenith_rad: f64) -> Distribution {
         c = (delta * (c4[0] + c4[1] * zenith_rad)).powf(c4[2]).exp() - c4[3];
         d = d4[2] + delta * d4[3] - (delta * (d4[0] + d4[1] * zenith_rad)).exp();
     }
-    Distribution { a, b, c, d, e, offset: 0.0 }
+    Distribution { a, b, c, d, e, ..Distribution::default() }
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! View factors of receivers as a table: what each one's hemisphere is filled with. In: the shares that the build stored. Out: a table of any
-//! format.
+//! View factors of receivers as a table: what each one's hemisphere is filled with, and how much of an overcast sky it sees. In: the shares that
+//! the build stored, sky components. Out: a table of any format.
 
 use std::path::Path;
 
@@ -10,6 +10,12 @@ use heliotile_core::error::Result;
 
 /// The columns of shares, which sum to 1.
 const SHARES: [&str; 4] = ["sky_view", "ground_view", "obstruction_view", "nothing_view"];
+
+/// Light of the CIE traditional overcast sky in percent of that on open ground, and whether no sky is seen.
+const SKY: [&str; 2] = ["vsc_percent", "no_sky"];
+
+/// Decimals of percent in CSV.
+const PERCENT_DECIMALS: usize = 3;
 
 /// Decimals of the shares in CSV.
 const DECIMALS: usize = 7;
@@ -23,17 +29,19 @@ impl ViewFactorTable {
     /// Starts a table of so many receivers.
     pub fn create(path: &Path, count: u64, about: &Provenance) -> Result<Self> {
         let shares = SHARES.map(|name| Column::number(name, DECIMALS));
-        let columns = std::iter::once(Column::text("receiver")).chain(shares).collect();
+        let sky = [Column::number(SKY[0], PERCENT_DECIMALS), Column::count(SKY[1])];
+        let columns = std::iter::once(Column::text("receiver")).chain(shares).chain(sky).collect();
         Ok(ViewFactorTable { table: RowWriter::create(path, columns, count, Some(about))? })
     }
 
     /// One row; `views`: cosine-weighted shares of sky, ground and obstructions. What is left meets nothing: below the horizon
-    /// where the scene ends.
-    pub fn row(&mut self, receiver: &str, views: [f32; 3]) -> Result<()> {
+    /// where the scene ends. `vsc_percent`: direct light of the CIE traditional overcast sky, percent of that on open ground.
+    pub fn row(&mut self, receiver: &str, views: [f32; 3], vsc_percent: f64) -> Result<()> {
         let [sky, ground, obstruction] = views.map(f64::from);
         let nothing = (1.0 - sky - ground - obstruction).max(0.0);
         let shares = [sky, ground, obstruction, nothing].map(Cell::from);
-        self.table.row(std::iter::once(receiver.into()).chain(shares))
+        let no_sky = Cell::Count(u64::from(views[0] == 0.0));
+        self.table.row(std::iter::once(receiver.into()).chain(shares).chain([vsc_percent.into(), no_sky]))
     }
 
     /// Whether the reader of the output has gone away.

@@ -83,6 +83,7 @@ export function skyLabel(name: string): string {
     "cie:1": "CIE 1, overcast",
     "cie:5": "CIE 5, uniform",
     "cie:12": "CIE 12, clear",
+    "cie:16": "CIE traditional overcast",
   };
   return known[name] ?? name.replace(/^cie:/, "CIE ");
 }

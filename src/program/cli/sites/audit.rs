@@ -39,7 +39,7 @@ pub struct AuditArgs {
     /// Another number asks about other receivers and hours, along other paths
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Sky radiance distribution: perez, uniform, or cie:1 to cie:15
+    /// Sky radiance distribution: perez, uniform, or cie:1 to cie:16
     #[arg(long, default_value = "perez")]
     pub sky: SkyModel,
     /// Folder to write audit.csv, pictures and index.html into

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::quality::parse_preview;
 use super::{clock_of, weather_files};
 use crate::cli::values::{Bytes, choice, parse_memory};
 use crate::cli::{AccuracyArgs, ClockArgs, Percent, SceneArgs, parse_negligible};
@@ -79,7 +80,7 @@ pub struct BuildArgs {
     pub from: Option<PathBuf>,
     /// With --from: keep what the change can alter by less than this share of the light on open ground, in the mean over the sky, such as 1%. The archive is a
     /// preview, and says so; the same command without this option completes it
-    #[arg(long, value_name = "PERCENT", requires = "from")]
+    #[arg(long, value_name = "PERCENT", value_parser = parse_preview, requires = "from")]
     pub preview: Option<Percent>,
     /// Leave the scene's triangles out of the archive, for those who may not pass them on
     #[arg(long)]

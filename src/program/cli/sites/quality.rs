@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::ClockArgs;
 use crate::cli::values::choice;
-use heliotile_builder::planning::AccuracyRequest;
+use heliotile_builder::planning::{AccuracyRequest, PREVIEWS};
 use heliotile_builder::settings::Quality;
 use heliotile_builder::writing::guards::same_file;
 use heliotile_core::weather::options::WeatherOptions;
@@ -83,11 +83,20 @@ pub fn parse_negligible(text: &str) -> Result<Percent, String> {
     })
 }
 
+/// The bound of a preview, in percent: `1%`.
+pub fn parse_preview(text: &str) -> Result<Percent, String> {
+    let (least, most) = (PREVIEWS.start(), PREVIEWS.end());
+    percent(text, *least)
+        .filter(|Percent(bound)| bound <= most)
+        .ok_or_else(|| format!("`{text}` is no bound for a preview: give {least} to {most} percent, as in 1%"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// `2%`, `0.5 %` and `3` are percents; 5 wrong texts are refused; 0.01 % is no error, but can be left out.
+    /// `2%`, `0.5 %` and `3` are percents; 5 wrong texts are refused; 0.01 % is no error, but can be left out, and be the bound of a preview, which
+    /// 30 % cannot.
     #[test]
     fn percents() {
         for (text, value) in [("2%", 2.0), ("0.5 %", 0.5), ("3", 3.0)] {
@@ -95,7 +104,10 @@ mod tests {
         }
         for text in ["", "%", "0%", "two", "80%"] {
             assert!(text.parse::<Percent>().is_err() && parse_negligible(text).is_err(), "{text}");
+            assert!(parse_preview(text).is_err(), "{text}");
         }
+        assert_eq!(parse_preview("0.01%"), Ok(Percent(0.01)));
+        assert!(parse_preview("30%").is_err());
         assert!("0.01%".parse::<Percent>().is_err());
         assert_eq!(parse_negligible("0.01%"), Ok(Percent(0.01)));
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::cover::Metres;
-use super::quality::Percent;
+use super::quality::{Percent, parse_preview};
 use super::scene::{MaterialsArgs, PlaceArgs};
 use crate::cli::values::{Bytes, parse_memory};
 use heliotile_results::UpdateRequest;
@@ -48,7 +48,7 @@ pub struct UpdateArgs {
     pub spacing: Option<Metres>,
     /// Keep what the edits can alter by less than this share of the light on open ground, in the mean over the sky, such as 1%. The archive is a
     /// preview, and says so; the same command without this option completes it
-    #[arg(long, value_name = "PERCENT")]
+    #[arg(long, value_name = "PERCENT", value_parser = parse_preview)]
     pub preview: Option<Percent>,
     /// Discard an interrupted update that lies there and start anew; without it, one of the same edits is gone on with
     #[arg(long)]
