@@ -203,11 +203,11 @@ mod tests {
     use super::*;
     use crate::units::direction_from_degrees;
 
-    /// All 18 models are called by a name that reads as the same model again, and no two share one.
+    /// All 19 models are called by a name that reads as the same model again, and no two share one.
     #[test]
     fn names_read_as_their_models() {
         let names: std::collections::BTreeSet<String> = SkyModel::all().map(|sky| sky.to_string()).collect();
-        assert_eq!(names.len(), 18);
+        assert_eq!(names.len(), 19);
         assert!(SkyModel::all().all(|sky| sky.to_string().parse::<SkyModel>().is_ok_and(|read| read == sky)));
     }
 
