@@ -37,9 +37,13 @@ fn left_out(archive: &Archive, weather: Option<&Path>) -> Option<String> {
 /// What is odd about an archive whatever is asked of it: it is a preview, or it leaves out effects that bring little under other weather than that
 /// of this name.
 pub fn of_archive(archive: &Archive, weather: Option<&Path>) -> Vec<String> {
-    let preview =
-        archive.manifest().preview.as_ref().map(|known| format!("{} is a preview: {known}", archive.path().display()));
-    preview.into_iter().chain(left_out(archive, weather)).collect()
+    preview(archive).into_iter().chain(left_out(archive, weather)).collect()
+}
+
+/// What a preview says of itself.
+pub fn preview(archive: &Archive) -> Option<String> {
+    let known = archive.manifest().preview.as_ref()?;
+    Some(format!("{} is a preview: {known}", archive.path().display()))
 }
 
 /// Of a query of an archive that states its ground by month: which mean counts, if nothing sets another.

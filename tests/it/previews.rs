@@ -90,7 +90,7 @@ fn errors_stay_below_the_bound() {
     assert!(kept > 0 && rays[0] < rays[1], "{kept} {rays:?}");
 }
 
-/// By hand: a preview says what it is in `build`, `info` and `query`; `merge`, `--from`, `update` and `repair` of a damaged one refuse it; the
+/// By hand: a preview says what it is in `info`, `query` and `compare`; `merge`, `--from`, `update` and `repair` of a damaged one refuse it; the
 /// command without `--preview` completes it, to the byte. Wrong bounds, and none to bound from, are refused.
 #[test]
 fn previews_say_what_they_are() {
@@ -122,7 +122,9 @@ fn previews_say_what_they_are() {
     let info = String::from_utf8(info.expect("the program").stdout).expect("text");
     assert!(info.contains("  preview     light is off by at most 1 % of that on open ground"), "{info}");
     let said = done("query after.helio --conditions c.csv -o out.csv");
-    assert!(said.contains("after.helio is a preview"), "{said}");
+    assert!(said.contains("after.helio is a preview: light is off by at most 1 %"), "{said}");
+    let said = done("compare before.helio after.helio -c c.csv -o change.csv");
+    assert!(said.contains("after.helio is a preview: light is off by at most 1 %"), "{said}");
     for line in ["merge after.helio before.helio -o m.helio", "merge whole.helio after.helio -o m.helio"] {
         refused(line, &["after.helio: the archive is a preview", "complete it"]);
     }

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use crate::archives::Archives;
-use crate::doubts::check_one_site;
+use crate::doubts::{check_one_site, preview};
 use crate::files::name_of;
 use heliotile_builder::transfer::differences;
 use heliotile_core::error::Result;
@@ -29,6 +29,7 @@ pub fn tell(
         observer.note(&format!("{} and {}: the archives are equal", names[0], names[1]));
         return Ok(());
     }
+    after.iter().filter_map(preview).for_each(|text| observer.warn(&text));
     let found = differences(before.first(), after.first())?;
     let settings = found.iter().filter(|one| one.item.starts_with("settings."));
     let named: Vec<String> = settings
