@@ -90,8 +90,8 @@ fn errors_stay_below_the_bound() {
     assert!(kept > 0 && rays[0] < rays[1], "{kept} {rays:?}");
 }
 
-/// By hand: a preview says what it is in `info`, `query` and `compare`; `merge`, `--from`, `update` and `repair` of a damaged one refuse it; the
-/// command without `--preview` completes it, to the byte. Wrong bounds, and none to bound from, are refused.
+/// By hand: a preview says what it is in `info`, `query` and `compare`; `merge`, `--from` and `update` refuse it; the command without `--preview`
+/// completes it, to the byte. Wrong bounds, and none to bound from, are refused.
 #[test]
 fn previews_say_what_they_are() {
     let folder = tempfile::tempdir().expect("a scratch folder");
