@@ -92,7 +92,7 @@ impl EditedScene {
         let origin = scene.mesh.origin;
         for (i, material) in scene.mesh.triangle_material.iter().enumerate() {
             let corners = scene.mesh.triangle_points(i).map(|corner| origin + corner);
-            self.triangles.push((corners, materials.get(usize::from(*material)).copied().unwrap_or_default()));
+            self.triangles.push((corners, materials.get(usize::from(*material)).copied().unwrap_or(u16::MAX)));
         }
         self.of_triangle.extend(scene.objects.of_triangle.iter().map(|object| first + object));
         self.objects.extend(scene.objects.list.iter().cloned());
