@@ -16,7 +16,7 @@ use heliotile_remote::places::open_archive;
 use heliotile_results::{
     Archives, BeforeSide, BuildingsRequest, BuildingsSummary, CompareRequest, CompareSummary, Every, FactorsRequest,
     FileRequest, Illumination, LightChoice, PlacesRequest, PlacesSummary, Provenance, QueryRequest, ReceiverChoice,
-    ReceiverSet, ReplayRequest, Resources, Sources, Tile, TileStream,
+    ReceiverSet, ReplayRequest, Resources, Sources, SunlightDone, SunlightRequest, SunlightSite, Tile, TileStream,
 };
 
 /// An archive, or an atlas whose parts are asked like one archive.
@@ -182,6 +182,24 @@ impl SiteRequest {
         opened.tell_north(resources);
         let receivers = opened.receivers(&request.output, resources.memory)?;
         request.write(&receivers, opened.archives().told_in(about, &self.place), resources)
+    }
+
+    /// Hours of possible sun, and what rules say of them.
+    pub fn sunlight(
+        &self,
+        request: &SunlightRequest,
+        files: &FileRequest,
+        about: Provenance,
+        resources: &Resources,
+    ) -> Result<SunlightDone> {
+        request.check(files, &self.inputs(&[]))?;
+        let opened = self.open(resources.memory)?;
+        opened.tell_north(resources);
+        let receivers = opened.receivers(&files.output, resources.memory)?;
+        let folder = working_folder(&files.output);
+        let site =
+            SunlightSite { archives: opened.archives(), receivers: &receivers, place: &self.place, folder: &folder };
+        request.write(files, &site, about, resources)
     }
 
     /// Files that are read: the archive, the list of receivers, and others.

@@ -34,6 +34,9 @@ pub mod query_and_replay {}
 #[doc = include_str!("comparing.md")]
 pub mod comparing {}
 
+#[doc = include_str!("sunlight.md")]
+pub mod sunlight {}
+
 #[doc = include_str!("maps.md")]
 pub mod maps {}
 

@@ -5,7 +5,7 @@
 //! Rooms from left to right; none imports one to its right, and no two import each other (a test reads the imports).
 //!
 //! ```text
-//! error units text named memory hemisphere | observer | orientation | site | layers | archive | opened weather | sky | light | replay
+//! error units text named memory hemisphere | observer | orientation | site | layers | archive | opened weather | sky | light | replay | sunlight
 //! ```
 //!
 //! | room | in | out |
@@ -19,6 +19,7 @@
 //! | [`sky`] | a condition, a model | radiances of the sky's patches and texels |
 //! | [`light`] | layers and tables of an open site, reflectances | responses: what arrives by way of surfaces, one vector a sky texel |
 //! | [`replay`] | an open site, conditions | irradiance of each receiver by component |
+//! | [`sunlight`] | a site, dates, sky bits | when receivers see the sun, with a bound |
 //!
 //! # What never happens
 //!
@@ -62,6 +63,7 @@ pub mod orientation;
 pub mod replay;
 pub mod site;
 pub mod sky;
+pub mod sunlight;
 pub mod text;
 pub mod units;
 pub mod weather;

@@ -17,6 +17,8 @@
 //! | [`site_archive`] | the archive of a scene's receivers in a folder: the one that is there, or a new one |
 //! | [`pv`] | light on solar modules, their best turns |
 //! | [`run`] | from scene files to a folder of a year's results in one go |
+//! | `sky_components` | what an overcast sky gives beside open ground |
+//! | `sunlight` | hours of possible sun, and rules that ask for them: [`SunlightRequest`] |
 //! | `tradeoff` | what accuracy costs on a site: [`TradeoffRequest`] |
 //! | `update` | an archive after edits of its scene: [`UpdateRequest`] |
 //! | `viewer` | the page that shows an archive, or two beside each other, as a file: [`PageRequest`], [`open_after`] |
@@ -47,7 +49,9 @@ mod resources;
 pub mod run;
 mod series;
 pub mod site_archive;
+mod sky_components;
 mod stream;
+mod sunlight;
 mod tradeoff;
 mod update;
 mod viewer;
@@ -74,7 +78,12 @@ pub use resources::Resources;
 pub use run::{RunDone, RunMap, RunRequest};
 pub use series::Series;
 pub use site_archive::SiteArchiveRequest;
+pub use sky_components::SkyComponents;
 pub use stream::{CoarseSinks, Sinks, Tile, TileFn, TileSink, TileStream};
+pub use sunlight::{
+    ClockHours, ClockZone, DaySpan, DaysTogether, LitPart, Rule, RuleClock, RuleCount, RuleMeasure, ShippedRules,
+    SunlightDone, SunlightRequest, SunlightSite, shipped_rules,
+};
 pub use tradeoff::{LadderStep, LadderTable, SettingPoint, TradeoffDone, TradeoffRequest};
 pub use update::{UpdateDone, UpdateRequest};
 pub use viewer::{PageRequest, open_after};

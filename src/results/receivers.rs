@@ -174,6 +174,11 @@ impl<'a> PartReceivers<'a> {
         }
     }
 
+    /// Whether a row of a tile is among the chosen receivers.
+    pub fn is_chosen(&self, tile: TileReceivers, row: usize) -> bool {
+        self.kept.as_ref().is_none_or(|kept| kept.get(tile.first + row) == Some(&true))
+    }
+
     /// The results of a tile that are asked for.
     pub fn results(&self, tile: TileReceivers, ids: Vec<String>, values: TileValues) -> TileResult {
         let Some(kept) = &self.kept else { return (ids, values) };

@@ -71,6 +71,7 @@ pub use formats::energyplus::idf::{IdfField, idf_fields};
 pub use formats::format_of_name;
 pub use ground::model::USUAL as USUAL_GROUND;
 pub use model_version::ModelVersion;
+pub use text::line_of_offset;
 
 use coordinate::MAX_COORDINATE_M;
 use heliotile_core::error::{Error, Result};

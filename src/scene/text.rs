@@ -138,7 +138,7 @@ pub(super) fn excerpt(bytes: &[u8]) -> String {
 }
 
 /// The 1-based line that the byte at `offset` stands in.
-pub(super) fn line_of_offset(bytes: &[u8], offset: usize) -> usize {
+pub fn line_of_offset(bytes: &[u8], offset: usize) -> usize {
     let before = bytes.get(..offset).unwrap_or(bytes);
     before.iter().filter(|&&byte| byte == b'\n').count() + 1
 }

@@ -52,6 +52,7 @@ mod sky_components;
 mod store;
 mod study;
 mod sums;
+mod sunlight;
 mod tables;
 mod terrain;
 mod tidy;

@@ -7,7 +7,6 @@ mod sun_position;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::sources;
@@ -16,15 +15,12 @@ use heliotile_core::archive::{Access, Archive};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::replay::run::{Replay, ReplaySettings};
-use heliotile_core::sky::model::{CieType, SkyModel};
-use heliotile_core::weather::conditions::Condition;
+use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_results::outputs::sink::Sink;
 use heliotile_results::outputs::tables::format::files_of;
 use heliotile_results::outputs::view_factors::ViewFactorTable;
-use heliotile_results::{Provenance, Resources};
+use heliotile_results::{Provenance, Resources, SkyComponents};
 use layers::{Image, layers_of};
 
 pub use sun_position::SunPosition;
@@ -148,25 +144,16 @@ impl ExportRequest {
 /// Adds the receivers of an archive; stops where the reader of the table has gone away.
 fn add_rows(table: &mut ViewFactorTable, archive: &Archive) -> Result<()> {
     let site = OpenSite::of(archive)?;
-    let sky = [Condition::new("overcast".into(), &[], DVec3::Z, 0.0, OVERCAST_W_M2)];
-    let settings = ReplaySettings {
-        sky: SkyModel::Cie(CieType::TRADITIONAL_OVERCAST),
-        components: ComponentSet::of(&[Component::SkyDirect]),
-        ..ReplaySettings::default()
-    };
-    let replay = Replay::new(&site, &sky, settings)?;
-    for (tile, values) in (0..replay.tiles()).zip(replay.results(0..replay.tiles())) {
-        let (receivers, (_, values)) = (site.tile_receivers(tile)?, values?);
-        for (row, (id, views)) in receivers.ids.iter().zip(receivers.views()).enumerate() {
+    let sky = SkyComponents::of(&site)?;
+    for (tile, percent) in (0..site.tiles()).zip(sky.tiles(0..site.tiles())) {
+        let (receivers, percent) = (site.tile_receivers(tile)?, percent?);
+        let rows = receivers.ids.iter().zip(receivers.views()).zip(percent);
+        for ((id, views), vsc_percent) in rows {
             if table.is_closed() {
                 return Ok(());
             }
-            let light = values.row(Component::SkyDirect, row).iter().copied().map(f64::from).sum::<f64>();
-            table.row(id, views, 100.0 * light / OVERCAST_W_M2)?;
+            table.row(id, views, vsc_percent)?;
         }
     }
     Ok(())
 }
-
-/// Light of the overcast sky on open ground, of which shares are taken.
-const OVERCAST_W_M2: f64 = 100.0;

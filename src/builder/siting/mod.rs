@@ -5,6 +5,7 @@ mod enclosed;
 mod horizon;
 #[cfg(test)]
 mod siting_tests;
+mod sun_rays;
 
 use glam::DVec3;
 
@@ -14,6 +15,7 @@ use heliotile_core::site::material::Class;
 
 pub use enclosed::Enclosed;
 pub use horizon::HorizonLine;
+pub use sun_rays::SunRays;
 
 /// A scene that is asked about places.
 pub struct Siting<'a> {

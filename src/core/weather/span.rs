@@ -60,6 +60,25 @@ impl FromStr for Moment {
     }
 }
 
+impl Moment {
+    /// The day that it is, in a year if it names none (29 February in the year before where that has none); none of a time of a day.
+    pub fn day_in(&self, year: i32) -> Option<Date> {
+        let of = |year: i32| Date::new(year, self.month, self.day);
+        if self.minutes.is_some() {
+            return None;
+        }
+        match self.year {
+            Some(year) => of(year),
+            None => of(year).or_else(|| of(year - 1)).or_else(|| Date::of_no_year(self.month, self.day)),
+        }
+    }
+
+    /// Whether it is of one year.
+    pub fn has_year(&self) -> bool {
+        self.year.is_some()
+    }
+}
+
 impl fmt::Display for Moment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(year) = self.year {

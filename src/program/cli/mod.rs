@@ -24,7 +24,7 @@ pub use self::line::{
 };
 pub use self::results::{
     BuildingsArgs, CompareArgs, EnergyplusArgs, ExportArgs, FactorsArgs, PlacesArgs, PvArgs, QueryArgs, RecombineArgs,
-    ReplayArgs, SiteArgs, TableArgs, ViewArgs, YearArgs,
+    ReplayArgs, RulesArgs, SiteArgs, SunlightArgs, TableArgs, ViewArgs, YearArgs,
 };
 pub use self::sites::{
     AccuracyArgs, AuditArgs, BuildArgs, CatalogueArgs, ClockArgs, CoverArgs, FindArgs, MaterialsArgs, Metres,
@@ -73,6 +73,10 @@ pub enum Command {
     Replay(ReplayArgs),
     /// What a change of a site takes from its receivers and gives them: before, after and change, with a summary of who loses how much
     Compare(CompareArgs),
+    /// Hours of possible sun on days that are asked for, and what rules say of them: windows, facades, gardens
+    Sunlight(SunlightArgs),
+    /// The rules that `sunlight` knows
+    Rules(RulesArgs),
     /// What surroundings reflect on receivers or surfaces over the sun's position: EnergyPlus's factors
     Factors(FactorsArgs),
     /// What a solar cadastre says of buildings and roof faces: usable area, sums by orientation, regions in one piece

@@ -18,6 +18,7 @@ mod scene;
 mod shells;
 pub mod store;
 pub mod study;
+pub mod sunlight;
 pub mod tradeoff;
 pub mod transfer;
 pub mod update;
@@ -72,6 +73,8 @@ fn run_command(command: &Command, about: Provenance) -> Result<Outcome> {
         Command::Energyplus(args) => energyplus::run(args),
         Command::Replay(args) => replay::replay(args, about),
         Command::Compare(args) => replay::compare(args, about),
+        Command::Sunlight(args) => sunlight::run(args, about),
+        Command::Rules(args) => sunlight::rules(args),
         Command::Factors(args) => replay::factors(args, about),
         Command::Buildings(args) => replay::buildings(args, about),
         Command::Places(args) => replay::places(args, about),

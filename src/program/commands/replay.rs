@@ -76,7 +76,7 @@ pub fn factors(args: &FactorsArgs, about: Provenance) -> Result<Outcome> {
 }
 
 /// Hands on what a computation on an archive may use.
-fn with_resources<T>(site: &SiteArgs, then: impl FnOnce(&Resources) -> Result<T>) -> Result<T> {
+pub fn with_resources<T>(site: &SiteArgs, then: impl FnOnce(&Resources) -> Result<T>) -> Result<T> {
     let (storage, terminal) = (SystemTemp, Terminal::default());
     then(&Resources { memory: site.memory.into(), storage: &storage, files: &input::read, observer: &terminal })
 }

@@ -15,6 +15,7 @@ from . import _heliotile
 from .given import wrong
 from .options import MEMORY, Progress, QueryOptions, ReplayOptions, Wanted, WantedArgs, check, conditions_source, light_args, replay_args, wanted_args
 from .results import Results
+from .weather import weather_request
 
 
 if TYPE_CHECKING:
@@ -210,6 +211,45 @@ class Askable(ABC):
         """
         request = {"output": os.fspath(output), "best": best, "module_m": list(module), "on": on, "clearance_m": clearance}
         return self._of_year("places", weather, request, options)
+
+    def sunlight(
+        self,
+        output: str | os.PathLike[str],
+        dates: str | Sequence[str] = (),
+        *,
+        rules: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
+        by: str = "receiver",
+        every: str = "day",
+        zone: str | None = None,
+        year: int = 2017,
+        least_altitude: float = 0.0,
+        lit_share: float = 0.0,
+        exact: bool = False,
+        weather: Any = None,
+        plots: Sequence[str | os.PathLike[str]] = (),
+        geo: bool = False,
+        receivers: Wanted | None = None,
+        memory: int = MEMORY,
+        progress: Progress | None = None,
+    ) -> dict[str, Any]:
+        """Hours of possible sun on some days, or what rules say of them, as files: `heliotile sunlight`.
+
+        `output`: a table or a map by its ending. `dates`: `"03-21"`, `"2026-03-21"`, `"02-19..10-21"` or `"year"`. `rules`: names such as
+        `"tno-light"`, or files that end with .toml. `by`: `"receiver"`, `"surface"`, `"window"`, `"object"`, `"building"` or `"kind"`. `every`:
+        `"day"`, `"month"`, `"year"` or `"total"`. `zone`: `"+01:00"` or `"Europe/Amsterdam"`. `least_altitude` of the sun is in degrees,
+        `lit_share` of the area of a group from 0 to 1. `exact`: moments that hang on an edge are found by rays. Returns numbers of `places`
+        and `days`, and for each of the `rules` how many places meet it, break it, or are too close to it to say.
+        """
+        days = [dates] if isinstance(dates, str) else list(dates)
+        named = [rules] if isinstance(rules, (str, os.PathLike)) else list(rules)
+        request: dict[str, Any] = {"dates": days, "rules": [os.fspath(rule) for rule in named], "every": every, "year": year}
+        request |= {"least_altitude_deg": least_altitude, "lit_share": lit_share, "exact": exact}
+        request |= {} if zone is None else {"zone": zone}
+        request |= weather_request(weather)
+        files = {"output": os.fspath(output), "by": by, "geo": geo, "plots": [os.fspath(plot) for plot in plots]}
+        wanted = wanted_args(receivers)
+        asked = json.dumps({"request": request, "files": files})
+        return json.loads(self._open(wanted).sunlight(wanted, asked, memory, progress))
 
     def _of_year(self, question: str, weather: Any, request: dict[str, Any], options: ReplayOptions) -> tuple[int, int]:
         """Runs a question to the sums of a year."""

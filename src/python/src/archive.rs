@@ -35,8 +35,8 @@ use heliotile_core::replay::factors::FACTORS;
 use heliotile_remote::places::open_archive;
 use heliotile_results::outputs::tables::rows::{Cell, Records};
 use heliotile_results::{
-    BeforeSide, BuildingsRequest, CompareRequest, FactorRows, FileRequest, PartReceivers, PlacesRequest,
-    ReceiverChoice, ReceiverSet, Resources, Sources, TileStream,
+    BeforeSide, BuildingsRequest, CompareRequest, FactorRows, FileRequest, PartReceivers, PlacesRequest, Provenance,
+    ReceiverChoice, ReceiverSet, Resources, Sources, SunlightRequest, SunlightSite, TileStream,
 };
 use heliotile_scene::input;
 
@@ -71,6 +71,14 @@ struct Comparison {
     files: FileRequest,
     summary: Option<PathBuf>,
     unmatched: Option<PathBuf>,
+}
+
+/// What is asked of sunlight, and where that goes.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Sunlight {
+    request: SunlightRequest,
+    files: FileRequest,
 }
 
 /// Rows of a table by the names of their columns; an empty cell is null.
@@ -331,6 +339,30 @@ impl ArchiveHandle {
             let done = request.write(stream, self.sources.borrowed(), &self.place)?;
             Ok((done.places, done.receivers))
         })
+    }
+
+    /// Hours of possible sun, and what rules say of them, into files: what was found, as JSON.
+    #[pyo3(signature = (receivers, asked, memory, progress))]
+    fn sunlight(
+        &self,
+        py: Python<'_>,
+        receivers: Option<Wanted>,
+        asked: &str,
+        memory: u64,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let Sunlight { request, files } = crate::studies::request(asked).map_err(|error| raised(py, error))?;
+        let memory = MemoryBudget::new(memory);
+        let done = work::run(py, progress.as_ref(), |watch| {
+            request.check(&files, &[&self.place])?;
+            let chosen = self.choose(receivers, memory)?;
+            let (storage, folder) = (SystemTemp, std::env::temp_dir());
+            let (archives, place) = (self.sources.borrowed(), self.place.as_path());
+            let site = SunlightSite { archives, receivers: &chosen, place, folder: &folder };
+            let resources = Resources { memory, storage: &storage, files: &input::read, observer: watch };
+            request.write(&files, &site, Provenance::default(), &resources)
+        })?;
+        Ok(serde_json::json!(done).to_string())
     }
 
     /// Writes an archive of some receivers.

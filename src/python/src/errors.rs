@@ -36,6 +36,7 @@ fn keyword(field: &str) -> &str {
         "no_ground" => "ground=False",
         "no_scene" => "with_scene=False",
         "io" => "access",
+        "rule" => "rules",
         field => field,
     }
 }

@@ -150,14 +150,14 @@ def test_pages_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
 
 
 def test_the_book_names_every_command() -> None:
-    """The table of the book has a line for each of the program's 31 commands, and all that it calls exists."""
+    """The table of the book has a line for each of the program's 33 commands, and all that it calls exists."""
     lines = (ROOT / "src" / "book" / "python.md").read_text().splitlines()
     start = lines.index("| program | Python |") + 2
     table = [line.strip("| ").split(" | ", 1) for line in lines[start : lines.index("", start)]]
     commands = {word.split()[0] for left, _ in table for word in re.findall(r"`([^`]+)`", left)}
     listed = printed("--help").split("Commands:")[1].split("\n\n")[0]
     known = {line.split()[0] for line in listed.splitlines() if re.match(r"  [a-z]", line)} - {"help"}
-    assert commands == known and len(known) == 31, commands ^ known
+    assert commands == known and len(known) == 33, commands ^ known
     owners = {"site": heliotile.Archive, "Scene(files)": heliotile.Scene, 'Archive.open("site.helio")': heliotile.Archive, 'Atlas.open("atlas")': heliotile.Atlas}
     for call in (call for _, right in table for call in re.findall(r"`([^`]+)`", right) if not call.startswith("python ")):
         owner = next((owner for owner in owners if call.startswith(owner + ".")), None)
@@ -193,3 +193,16 @@ def test_update_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
         after.update(tmp_path / "no.helio", move={"towr": (1, 2, 3)})
     with pytest.raises(heliotile.ArgumentError, match="is no height"):
         after.update(tmp_path / "no.helio", height={"tower": "tall"})
+
+
+def test_sunlight(site: heliotile.Archive, tmp_path: Path) -> None:
+    """A table of a day and one of a rule are those of the program, and the counts are those of its rows; a wrong day says what is wrong."""
+    days = site.sunlight(tmp_path / "day.csv", "03-21", zone="+01:00", by="surface", weather=YEAR)
+    assert days["days"] == 1 and days["places"] == len((tmp_path / "day.csv").read_text().splitlines()) - 1
+    printed("sunlight", site.path, "--dates", "03-21", "--zone", "+01:00", "--by", "surface", "-w", YEAR, "-o", tmp_path / "program.csv")
+    assert (tmp_path / "day.csv").read_bytes() == (tmp_path / "program.csv").read_bytes()
+    judged = site.sunlight(tmp_path / "rules.parquet", rules=["tno-light", "bre-vsc"], zone="Europe/Amsterdam", weather=YEAR)
+    assert [rule["rule"] for rule in judged["rules"]] == ["tno-light", "bre-vsc"]
+    assert all(rule["met"] + rule["broken"] + rule["close"] + rule["not_asked"] == site.count for rule in judged["rules"])
+    with pytest.raises(heliotile.ArgumentError, match="no day"):
+        site.sunlight(tmp_path / "x.csv", "03-32")

@@ -12,7 +12,7 @@ use crate::outputs::shapes::MapCrs;
 use crate::outputs::shapes::group_patches::{PatchSorter, Shapeless};
 use crate::outputs::shapes::writer::{MapFormat, MapRequest, MapStats, MapWriter, PlaceShapes, Surroundings};
 use crate::receivers::ReceiverSet;
-use crate::stream::TileStream;
+use crate::resources::Resources;
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
@@ -36,13 +36,15 @@ pub struct MapStart<'a> {
     pub about: &'a Provenance,
     /// Whose scene is drawn around.
     pub scene: &'a ReceiverSet<'a>,
+    /// What is drawn, or what is a part of it.
+    pub receivers: &'a ReceiverSet<'a>,
 }
 
 impl<'a> MapStart<'a> {
     /// Starts the map of groups, or of receivers where there are none; receivers that cannot be drawn are an error. `place` is that of the
     /// archive or of the atlas.
-    pub fn start(self, stream: &TileStream<'a>, groups: Option<&Groups>, place: &Path) -> Result<MapWriter<'a>> {
-        let (receivers, memory) = (stream.receivers, stream.resources.memory);
+    pub fn start(self, resources: &Resources<'a>, groups: Option<&Groups>, place: &Path) -> Result<MapWriter<'a>> {
+        let (receivers, memory) = (self.receivers, resources.memory);
         let [first, others @ ..] = receivers.parts() else {
             return Err(Error::argument("receivers", "there is nothing to draw", "choose some receivers"));
         };
@@ -62,7 +64,7 @@ impl<'a> MapStart<'a> {
             around: around.and_then(|part| surroundings(part.archive, &part.site)),
             about: self.about.clone(),
             folder: folder.clone(),
-            storage: stream.resources.storage,
+            storage: resources.storage,
             memory_bytes: memory.length(Use::MapRows) / self.share.max(1),
         };
         request.columns()?;

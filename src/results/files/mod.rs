@@ -25,8 +25,8 @@ use heliotile_core::replay::components::ComponentList;
 pub use charts::AreaChart;
 pub use city_model::CityModelSink;
 pub use map::{crs_of, surroundings};
-pub(crate) use results::write_rows;
 pub use results::{MapFile, Question, ResultRows, ResultSink, RowsAbout};
+pub(crate) use results::{RowFiles, groups_of, write_rows};
 
 /// Where results go.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -78,7 +78,7 @@ impl FileRequest {
     }
 
     /// Whether a table is asked for. With pictures, the standard output is not asked for by saying nothing.
-    fn wants_table(&self) -> bool {
+    pub(crate) fn wants_table(&self) -> bool {
         self.plots.is_empty() || self.output != Path::new("-")
     }
 

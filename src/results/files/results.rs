@@ -17,6 +17,7 @@ use crate::outputs::tables::format::Places;
 use crate::outputs::tables::layout::{By, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::receivers::ReceiverSet;
+use crate::resources::Resources;
 use crate::stream::{Sinks, Tile, TileSink, TileStream};
 use heliotile_core::error::Result;
 use heliotile_core::memory::Use;
@@ -47,21 +48,27 @@ pub struct RowsAbout<'a> {
 
 /// The rows of a file: which columns they have, and how many of them each place has.
 pub struct ResultRows {
-    question: Question,
-    components: ComponentList,
     layout: Layout,
     labels: RowLabels,
     every: Option<Every>,
 }
 
 /// Files of the same rows, being written.
-pub struct ResultSink<'a> {
+pub struct RowFiles<'a> {
     rows: &'a ResultRows,
-    /// Of groups: their means in each archive, in the order of [`Tile::sides`].
-    means: Vec<GroupMeans>,
-    /// A table that begins with the first tile.
+    /// Of groups, where rows are about them.
+    groups: Option<Groups>,
+    /// A table that begins with the first row.
     table: Option<TableStart<'a>>,
     writers: Vec<(PathBuf, ResultWriter<'a>)>,
+}
+
+/// Files of results of a replay or of two of them, being written.
+pub struct ResultSink<'a> {
+    components: ComponentList,
+    /// Of groups: their means in each archive, in the order of [`Tile::sides`].
+    means: Vec<GroupMeans>,
+    files: RowFiles<'a>,
 }
 
 /// A map to write.
@@ -89,17 +96,16 @@ impl ResultRows {
             Question::Irradiance => Layout::of_components(series.kind, by, &components),
             Question::Change => Layout::of_changes(series.kind, by, &components),
         };
-        let groups = match by {
-            By::Receiver => None,
-            by => {
-                let receivers = stream.receivers;
-                let groups = Groups::new(receivers.receivers(), by, place)?.facing(receivers.north());
-                layout.facts = groups.facts(by, layout.has_energy);
-                Some(groups)
-            }
-        };
-        let (labels, every) = (series.labels.clone(), series.every);
-        Ok((ResultRows { question, components, layout, labels, every }, groups))
+        let groups = groups_of(stream.receivers, by, place)?;
+        if let Some(groups) = &groups {
+            layout.facts = groups.facts(by, layout.has_energy);
+        }
+        Ok((ResultRows::of(layout, series.labels.clone(), series.every), groups))
+    }
+
+    /// Rows of these columns and labels.
+    pub fn of(layout: Layout, labels: RowLabels, every: Option<Every>) -> Self {
+        ResultRows { layout, labels, every }
     }
 
     /// The columns.
@@ -118,23 +124,24 @@ impl ResultRows {
     }
 }
 
-impl<'a> ResultSink<'a> {
-    /// A sink of rows that no file takes yet.
-    pub fn new(rows: &'a ResultRows, groups: Option<Groups>, stream: &TileStream) -> Result<Self> {
-        let memory = stream.resources.memory;
-        let (sides, memory) = match rows.question {
-            Question::Irradiance => (1, memory.share(Use::SurfaceSums)),
-            Question::Change => (2, memory.share(Use::ComparedSums) / 2),
-        };
-        let (components, labels) = (rows.components.as_slice(), rows.labels.len());
-        let means = groups.into_iter().flat_map(|groups| (0..sides).map(move |_| groups.clone()));
-        let means = means.map(|groups| GroupMeans::new(groups, components, labels, memory));
-        Ok(ResultSink { rows, means: means.collect::<Result<_>>()?, table: None, writers: Vec::new() })
+/// The groups of receivers that rows are about, facing by true north; none where they are about receivers. `place` is that of the archive or of
+/// the atlas.
+pub fn groups_of(receivers: &ReceiverSet, by: By, place: &Path) -> Result<Option<Groups>> {
+    match by {
+        By::Receiver => Ok(None),
+        by => Ok(Some(Groups::new(receivers.receivers(), by, place)?.facing(receivers.north()))),
+    }
+}
+
+impl<'a> RowFiles<'a> {
+    /// No file yet, of rows about groups, or about receivers where there are none.
+    pub fn new(rows: &'a ResultRows, groups: Option<Groups>) -> Self {
+        RowFiles { rows, groups, table: None, writers: Vec::new() }
     }
 
-    /// Also writes a table, which begins once the replay is known to work.
-    pub fn with_table(mut self, path: &Path, stream: &TileStream<'a>, about: &Provenance) -> Self {
-        let (receivers, groups) = (stream.receivers, self.means.first().map(|means| means.groups().names().to_vec()));
+    /// Also writes a table, which begins with the first row.
+    pub fn with_table(mut self, path: &Path, receivers: &'a ReceiverSet<'a>, about: &Provenance) -> Self {
+        let groups = self.groups.as_ref().map(|groups| groups.names().to_vec());
         let count = groups.as_ref().map_or(receivers.count(), |groups| groups.len() as u64);
         let names = move || groups.as_ref().map_or_else(|| receivers.names(), |groups| Ok(groups.clone()));
         let (path, about) = (path.to_owned(), about.clone());
@@ -143,21 +150,85 @@ impl<'a> ResultSink<'a> {
     }
 
     /// Also writes maps, which share the memory for them.
-    pub fn with_maps(mut self, maps: &'a [MapFile], stream: &TileStream<'a>, told: &'a RowsAbout<'a>) -> Result<Self> {
+    pub fn with_maps(
+        mut self,
+        maps: &'a [MapFile],
+        receivers: &'a ReceiverSet<'a>,
+        told: &'a RowsAbout<'a>,
+        resources: &Resources<'a>,
+    ) -> Result<Self> {
         let RowsAbout { called, about, place, .. } = told;
-        let scene = told.scene.unwrap_or(stream.receivers);
+        let scene = told.scene.unwrap_or(receivers);
         for MapFile { path, format } in maps {
-            let map = MapStart { path, format: *format, share: maps.len(), rows: self.rows, called, about, scene };
-            let map = map.start(stream, self.means.first().map(GroupMeans::groups), place)?;
+            let share = maps.len();
+            let map = MapStart { path, format: *format, share, rows: self.rows, called, about, scene, receivers };
+            let map = map.start(resources, self.groups.as_ref(), place)?;
             self.writers.push((path.clone(), ResultWriter::Map(Box::new(map))));
         }
         Ok(self)
     }
 
+    /// Starts the table: what it is made of is known to work.
+    pub fn start(&mut self) -> Result<()> {
+        if let Some(TableStart { path, names, count, about }) = self.table.take() {
+            let places = Places { count, names: &*names };
+            let table = ResultTable::create(&path, &self.rows.layout, &self.rows.labels, &places, &about)?;
+            self.writers.insert(0, (path, ResultWriter::Table(table)));
+        }
+        Ok(())
+    }
+
+    /// Hands the values of some places to all files; `extents` are those of groups.
+    pub fn write(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
+        self.writers.iter_mut().try_for_each(|(_, to)| to.write_tile(names, values, extents))
+    }
+
+    /// Whether a reader has gone away.
+    pub fn is_closed(&self) -> bool {
+        self.writers.iter().any(|(_, to)| to.is_closed())
+    }
+
+    /// Completes the files.
+    pub fn finish(self, observer: &dyn Observer) -> Result<()> {
+        for (path, writer) in self.writers {
+            if let Some(stats) = writer.finish()? {
+                say_large(&path, &stats, observer);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<'a> ResultSink<'a> {
+    /// A sink of rows that no file takes yet.
+    pub fn new(rows: &'a ResultRows, groups: Option<Groups>, question: Question, stream: &TileStream) -> Result<Self> {
+        let memory = stream.resources.memory;
+        let (sides, memory) = match question {
+            Question::Irradiance => (1, memory.share(Use::SurfaceSums)),
+            Question::Change => (2, memory.share(Use::ComparedSums) / 2),
+        };
+        let components = stream.light.columns();
+        let means = groups.iter().flat_map(|groups| (0..sides).map(move |_| groups.clone()));
+        let means = means.map(|groups| GroupMeans::new(groups, components.as_slice(), rows.labels.len(), memory));
+        let means = means.collect::<Result<_>>()?;
+        Ok(ResultSink { components, means, files: RowFiles::new(rows, groups) })
+    }
+
+    /// Also writes a table, which begins once the replay is known to work.
+    pub fn with_table(mut self, path: &Path, stream: &TileStream<'a>, about: &Provenance) -> Self {
+        self.files = self.files.with_table(path, stream.receivers, about);
+        self
+    }
+
+    /// Also writes maps, which share the memory for them.
+    pub fn with_maps(mut self, maps: &'a [MapFile], stream: &TileStream<'a>, told: &'a RowsAbout<'a>) -> Result<Self> {
+        self.files = self.files.with_maps(maps, stream.receivers, told, &stream.resources)?;
+        Ok(self)
+    }
+
     /// Hands the values of some places in all archives to all files.
     fn write(&mut self, names: &[String], sides: &[&TileValues], extents: &[Extent]) -> Result<()> {
-        let values = PlaceValues::of(sides, self.rows.components.as_slice());
-        self.writers.iter_mut().try_for_each(|(_, to)| to.write_tile(names, &values, extents))
+        self.files.write(names, &PlaceValues::of(sides, self.components.as_slice()), extents)
     }
 
     /// Completes the files.
@@ -170,27 +241,17 @@ impl<'a> ResultSink<'a> {
             let Some((names, _, extents)) = tiles.first() else { break };
             self.write(names, &values, extents)?;
         }
-        for (path, writer) in self.writers {
-            if let Some(stats) = writer.finish()? {
-                say_large(&path, &stats, observer);
-            }
-        }
-        Ok(())
+        self.files.finish(observer)
     }
 }
 
 impl TileSink for ResultSink<'_> {
     fn components(&self) -> ComponentSet {
-        self.rows.components.set()
+        self.components.set()
     }
 
     fn start(&mut self) -> Result<()> {
-        if let Some(TableStart { path, names, count, about }) = self.table.take() {
-            let places = Places { count, names: &*names };
-            let table = ResultTable::create(&path, &self.rows.layout, &self.rows.labels, &places, &about)?;
-            self.writers.insert(0, (path, ResultWriter::Table(table)));
-        }
-        Ok(())
+        self.files.start()
     }
 
     fn take(&mut self, tile: &Tile) -> Result<bool> {
@@ -198,7 +259,7 @@ impl TileSink for ResultSink<'_> {
             true => self.write(tile.ids, &tile.sides().collect::<Vec<_>>(), &[])?,
             false => self.means.iter_mut().zip(tile.sides()).try_for_each(|(means, values)| means.add(values))?,
         }
-        Ok(!self.writers.iter().any(|(_, to)| to.is_closed()))
+        Ok(!self.files.is_closed())
     }
 }
 
@@ -214,7 +275,7 @@ pub fn write_rows<'s>(
     let plots = Plot::all(&request.plots, stream.series)?;
     let (rows, groups) = ResultRows::new(stream, question, request.by, place)?;
     let mut maps = Vec::new();
-    let mut sink = ResultSink::new(&rows, groups, stream)?;
+    let mut sink = ResultSink::new(&rows, groups, question, stream)?;
     match ResultFormat::of(output, request.geo)? {
         ResultFormat::Map(format) => maps.push(MapFile { path: output.to_owned(), format }),
         ResultFormat::Table(_) if request.wants_table() => sink = sink.with_table(output, stream, about),

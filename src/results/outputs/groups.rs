@@ -142,6 +142,16 @@ impl Groups {
         self.places.get(receiver).copied().ok_or_else(|| self.missing(receiver))
     }
 
+    /// Share of the area of its group that a receiver stands for.
+    pub fn share_of(&self, receiver: usize) -> Result<f64> {
+        self.shares.get(receiver).copied().ok_or_else(|| self.missing(receiver))
+    }
+
+    /// How large each is, and where it looks.
+    pub fn extents(&self) -> &[Extent] {
+        &self.extents
+    }
+
     /// The error of a receiver that the groups were not made of.
     fn missing(&self, receiver: usize) -> Error {
         let what = format!("hold {} receivers, and none of number {receiver}", self.places.len());
@@ -152,7 +162,8 @@ impl Groups {
     /// surfaces look, if all of them are surfaces and no mere names of several.
     pub fn facts(&self, by: By, has_energy: bool) -> Vec<Fact> {
         let has_areas = !self.extents.is_empty() && self.extents.iter().all(|extent| extent.area_m2.is_some());
-        let has_sides = by == By::Surface && self.extents.iter().all(|extent| extent.agreement >= ONE_WAY);
+        let has_sides =
+            matches!(by, By::Surface | By::Window) && self.extents.iter().all(|extent| extent.agreement >= ONE_WAY);
         let facts = [
             (Fact::Area, has_areas),
             (Fact::Tilt, has_sides),
@@ -175,6 +186,7 @@ fn name_of(receiver: &Receiver, by: By) -> Option<String> {
     let name = match by {
         By::Receiver => &receiver.id,
         By::Surface => receiver.surface.as_ref()?,
+        By::Window => receiver.surface.as_ref().filter(|_| part.kind == "window")?,
         By::Object => &part.object,
         By::Building => &part.building,
         By::Kind => &part.kind,

@@ -16,6 +16,67 @@ pub struct Quantity {
     pub words: String,
     /// Where its values come from.
     pub source: ValueSource,
+    /// What they measure.
+    pub measure: Measure,
+}
+
+/// What a quantity measures: its unit, and how tables show it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// Irradiance or irradiation, in the unit of the labels.
+    Light,
+    /// A share.
+    Percent,
+    /// A time.
+    Minutes,
+    /// Minutes after midnight; tables show a reading of the clock.
+    Clock,
+    /// A number whose unit another value says.
+    Number,
+    /// Whether a rule is met: a [`Verdict`] as a number; tables show its name.
+    Verdict,
+}
+
+/// What a rule says of a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The rule is broken.
+    Broken,
+    /// The value is as near to the threshold as it is uncertain.
+    Close,
+    /// The rule is met.
+    Met,
+}
+
+impl Verdict {
+    /// All of them with their names, and the numbers that stand for them in maps.
+    const ALL: [(Verdict, &'static str, f32); 3] =
+        [(Verdict::Broken, "broken", 0.0), (Verdict::Close, "close", 0.5), (Verdict::Met, "met", 1.0)];
+
+    /// As a number.
+    pub fn number(self) -> f32 {
+        Verdict::ALL.iter().find(|(verdict, ..)| *verdict == self).map_or(f32::NAN, |(.., number)| *number)
+    }
+
+    /// The name of a number's verdict; empty where there is none.
+    fn name_of(number: f32) -> &'static str {
+        Verdict::ALL.iter().find(|(.., other)| *other == number).map_or("", |(_, name, _)| name)
+    }
+}
+
+impl Measure {
+    /// What tables show of a value, where that is a text; an empty one where there is no value.
+    pub fn text(self, value: f32) -> Option<String> {
+        match self {
+            Measure::Clock if value.is_finite() => {
+                let minutes = f64::from(value).round() as i64;
+                Some(format!("{:02}:{:02}", minutes.div_euclid(60), minutes.rem_euclid(60)))
+            }
+            Measure::Clock => Some(String::new()),
+            Measure::Verdict => Some(Verdict::name_of(value).to_owned()),
+            Measure::Light | Measure::Percent | Measure::Minutes | Measure::Number => None,
+        }
+    }
 }
 
 /// Where the values of a quantity come from: arrays of [`PlaceValues`] by their numbers.
@@ -47,7 +108,12 @@ const CHANGE: &str = "change";
 impl Quantity {
     /// Name of its column, where that of irradiance has an ending that says the unit.
     pub fn with_ending(&self, of_irradiance: &str) -> String {
-        format!("{}{}", self.name, if self.source.is_percent() { PERCENT } else { of_irradiance })
+        let ending = match self.measure {
+            Measure::Light => of_irradiance,
+            Measure::Percent => PERCENT,
+            Measure::Minutes | Measure::Clock | Measure::Number | Measure::Verdict => "",
+        };
+        format!("{}{ending}", self.name)
     }
 
     /// Components of a replay, whose arrays come in the same order.
@@ -56,6 +122,7 @@ impl Quantity {
             name: component.name().to_owned(),
             words: label(*component),
             source: ValueSource::Array(number),
+            measure: Measure::Light,
         };
         components.as_slice().iter().enumerate().map(quantity).collect()
     }
@@ -66,9 +133,10 @@ impl Quantity {
         let of_component = |(from, component): (usize, &Component)| {
             let to = count + from;
             let words = label(*component);
-            let named = |side: &str, words: String, source| {
+            let named = |side: &str, words: String, source: ValueSource| {
                 let name = format!("{side}_{}", component.name());
-                Quantity { name, words, source }
+                let measure = if source.is_percent() { Measure::Percent } else { Measure::Light };
+                Quantity { name, words, source, measure }
             };
             let change = |kind| ValueSource::Change { kind, from, to };
             [
@@ -125,6 +193,11 @@ impl<'v> PlaceValues<'v> {
             components.iter().map(move |component| side.component(*component))
         };
         PlaceValues { places, labels, arrays: sides.iter().flat_map(of_side).collect() }
+    }
+
+    /// Arrays of so many places and labels, `[place][label]`, row-major.
+    pub fn of_arrays(places: usize, labels: usize, arrays: &'v [Vec<f32>]) -> Self {
+        PlaceValues { places, labels, arrays: arrays.iter().map(Vec::as_slice).collect() }
     }
 
     /// Number of places, the second axis.

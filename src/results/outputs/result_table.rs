@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::outputs::groups::Extent;
 use crate::outputs::provenance::Provenance;
-use crate::outputs::quantities::{ChangeKind, PlaceValues, Quantity, ValueSource};
+use crate::outputs::quantities::{ChangeKind, Measure, PlaceValues, Quantity, ValueSource};
 use crate::outputs::tables::batch::{Batch, Values};
 use crate::outputs::tables::column::Digits;
 use crate::outputs::tables::format::{Format, Places};
@@ -76,6 +76,20 @@ impl TableRows {
     }
 
     fn column<'v>(&self, quantity: &Quantity, values: &PlaceValues<'v>) -> Values<'v> {
+        if quantity.measure.text(f32::NAN).is_some() {
+            let of_place = |place: usize| {
+                let texts = move |label| quantity.measure.text(values.value(quantity.source, place, label));
+                (0..values.labels()).map(move |label| texts(label).unwrap_or_default())
+            };
+            return Values::Texts((0..values.places()).flat_map(of_place).collect());
+        }
+        if matches!(quantity.measure, Measure::Minutes | Measure::Number) {
+            let places = 0..values.places() * values.labels();
+            let value = |i: usize| values.value(quantity.source, i / values.labels(), i % values.labels());
+            return Values::Numbers(
+                places.map(|i| Some(f64::from(value(i))).filter(|value| value.is_finite())).collect(),
+            );
+        }
         match (quantity.source, self.rounding) {
             (ValueSource::Array(number), _) => Values::Floats(Cow::Borrowed(values.array(number))),
             (ValueSource::Change { kind, from, to }, rounding) => {

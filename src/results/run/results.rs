@@ -111,7 +111,8 @@ impl RunResults<'_> {
             })
         });
         let mut sums = sums.transpose()?;
-        let mut maps = ResultSink::new(&rows, None, &annual)?.with_maps(&paths, &annual, &told)?;
+        let mut maps =
+            ResultSink::new(&rows, None, Question::Irradiance, &annual)?.with_maps(&paths, &annual, &told)?;
         let mut chart = AreaChart::new(&files.chart, &month, Question::Irradiance)?;
         let model = self.city_model.filter(|_| with_periods);
         let model = model.map(|model| CityModelSink::new(&annual, model, &files.city_model, place));
@@ -122,7 +123,7 @@ impl RunResults<'_> {
         let mut tables = Vec::new();
         for (every, (rows, groups)) in &rows {
             let stream = of(*every);
-            let table = ResultSink::new(rows, groups.clone(), &stream)?;
+            let table = ResultSink::new(rows, groups.clone(), Question::Irradiance, &stream)?;
             let about = stream.about(archives, place);
             tables.push((*every, table.with_table(&files.periods(*every, asked), &stream, &about)));
         }

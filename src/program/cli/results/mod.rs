@@ -5,6 +5,7 @@ mod energyplus;
 mod export;
 mod pv;
 mod recombine;
+mod sunlight;
 mod view;
 
 pub use buildings::{BuildingsArgs, PlacesArgs, YearArgs};
@@ -12,4 +13,5 @@ pub use energyplus::EnergyplusArgs;
 pub use export::ExportArgs;
 pub use pv::PvArgs;
 pub use recombine::{CompareArgs, FactorsArgs, QueryArgs, RecombineArgs, ReplayArgs, SiteArgs, TableArgs};
+pub use sunlight::{RulesArgs, SunlightArgs};
 pub use view::ViewArgs;

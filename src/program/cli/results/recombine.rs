@@ -29,7 +29,7 @@ use heliotile_results::{
 fn output_help() -> String {
     let maps = MapFormat::ENDINGS.map(|(ending, _)| format!(".{ending}")).join(", ");
     format!(
-        "{}; of `query`, `replay` and `compare` also maps: {maps}, .parquet with --geo",
+        "{}; of `query`, `replay`, `compare` and `sunlight` also maps: {maps}, .parquet with --geo",
         table_help("Table to write")
     )
 }

@@ -146,6 +146,12 @@ impl<'a> Files<'a> {
                 self.write_if(&args.summary, Written::Table);
                 self.write_if(&args.unmatched, Written::Table);
             }
+            Command::Sunlight(args) => {
+                self.read_table(&args.table);
+                self.write(&args.table.output, Written::Results { geo: args.geo });
+                args.plot.iter().for_each(|picture| self.write(picture, Written::File));
+                self.read_if(&args.weather, Wanted::Weather);
+            }
             Command::Factors(args) => self.table(&args.table),
             Command::Buildings(args) => {
                 self.year(&args.year);
@@ -208,7 +214,7 @@ impl<'a> Files<'a> {
             Command::Man(args) => self.write(&args.output, Written::Folder),
             Command::Catalogue(args) => self.read(&args.atlas, Wanted::Other),
             // What is an atlas is seen when it is read.
-            Command::Find(_) | Command::Store(_) | Command::Completions(_) => {}
+            Command::Find(_) | Command::Store(_) | Command::Completions(_) | Command::Rules(_) => {}
         }
     }
 

@@ -168,7 +168,7 @@ impl MapColumns {
 pub fn ending(layout: &Layout) -> &'static str {
     match layout.labels {
         Labels::Sums => "_kwh_m2",
-        Labels::Conditions | Labels::Times => "_w_m2",
+        Labels::Conditions | Labels::Times | Labels::Dates | Labels::Rules => "_w_m2",
     }
 }
 

@@ -205,7 +205,8 @@ impl TableColumns {
 }
 
 /// Units by the ending of a column's name, or by the whole of it; longer endings first.
-const UNITS: [(&str, &str); 13] = [
+const UNITS: [(&str, &str); 14] = [
+    ("_minutes", "min"),
     ("_kwh_m2", "kWh/m2"),
     ("_kwh", "kWh"),
     ("_w_m2", "W/m2"),

@@ -1,6 +1,6 @@
 //! The columns of a table: a label, a receiver, and the quantities that are asked for, with their unit.
 
-use crate::outputs::quantities::{ChangeKind, Quantity, ValueSource};
+use crate::outputs::quantities::{ChangeKind, Measure, Quantity, ValueSource};
 use crate::outputs::tables::column::{Column, Digits, Kind, TableColumns};
 use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::named::NamedValues;
@@ -15,6 +15,10 @@ pub enum Labels {
     Times,
     /// `time` (a period), sums in kWh/m2.
     Sums,
+    /// `date`, a day or a period: what is no light.
+    Dates,
+    /// `rule`, and what it says.
+    Rules,
 }
 
 /// What the rows of a table are about.
@@ -26,6 +30,8 @@ pub enum By {
     Receiver,
     /// One for each surface: the mean of its receivers, weighted by their areas, or plain if none has an area
     Surface,
+    /// One for each surface that is a window, as for surfaces
+    Window,
     /// One for each object, as for surfaces: city objects, zones and shades of a model of a building
     Object,
     /// One for each building: what the objects of a city model are parts of
@@ -40,6 +46,7 @@ impl By {
         match self {
             By::Receiver => "receiver",
             By::Surface => "surface",
+            By::Window => "window",
             By::Object => "object",
             By::Building => "building",
             By::Kind => "kind",
@@ -89,6 +96,11 @@ impl Layout {
         Layout::new(labels, by, components, Quantity::of_changes(components))
     }
 
+    /// Quantities that are no light, of which the first stands for all.
+    pub fn of_quantities(labels: Labels, by: By, quantities: Vec<Quantity>) -> Self {
+        Layout { labels, by, quantities, main: 0, has_energy: false, facts: Vec::new() }
+    }
+
     /// Quantities that follow from components, the same number of each of these.
     fn new(labels: Labels, by: By, components: &ComponentList, quantities: Vec<Quantity>) -> Self {
         let of_each = quantities.len() / components.as_slice().len().max(1);
@@ -104,6 +116,8 @@ impl Layout {
         match self.labels {
             Labels::Conditions => "condition",
             Labels::Times | Labels::Sums => "time",
+            Labels::Dates => "date",
+            Labels::Rules => "rule",
         }
     }
 
@@ -116,33 +130,46 @@ impl Layout {
     pub fn columns(&self, labels: &RowLabels) -> TableColumns {
         let label = Column::of_steps(self.label(), Kind::Category, labels);
         let place = Column::of_places(self.place(), Kind::Category);
-        let digits = self.quantities.iter().map(|quantity| self.digits(quantity.source));
-        let digits = digits.chain(self.facts.iter().map(|_| Digits::Six));
-        let values = self.values().into_iter().zip(self.units()).zip(digits);
-        let values = values.map(|((name, unit), digits)| Column::float(name, digits).with_unit(unit));
-        TableColumns::new([label, place].into_iter().chain(values).collect())
+        let of_quantity = |quantity: &Quantity| match quantity.measure {
+            Measure::Clock | Measure::Verdict => Column::text(quantity.with_ending("")),
+            _ => {
+                let name = quantity.with_ending(self.ending());
+                Column::float(name, self.digits(quantity)).with_unit(self.unit_of(quantity))
+            }
+        };
+        let quantities = self.quantities.iter().map(of_quantity);
+        let facts = self.facts.iter().map(|fact| {
+            let (name, unit) = self.fact(*fact);
+            Column::float(name, Digits::Six).with_unit(unit)
+        });
+        TableColumns::new([label, place].into_iter().chain(quantities).chain(facts).collect())
     }
 
     /// Digits of irradiance in formats of text.
     pub fn digits_of_irradiance(&self) -> Digits {
         match self.labels {
             Labels::Sums => Digits::Six,
-            Labels::Conditions | Labels::Times => Digits::Thousandths,
+            Labels::Conditions | Labels::Times | Labels::Dates | Labels::Rules => Digits::Thousandths,
         }
     }
 
-    fn digits(&self, source: ValueSource) -> Digits {
-        match source {
-            ValueSource::Array(_) => self.digits_of_irradiance(),
-            ValueSource::Change { kind: ChangeKind::Difference, .. } => Digits::Fewest,
-            ValueSource::Change { kind: ChangeKind::Percent, .. } => Digits::Thousandths,
+    fn digits(&self, quantity: &Quantity) -> Digits {
+        match (quantity.source, quantity.measure) {
+            (_, Measure::Minutes | Measure::Number) => Digits::Decimals(2),
+            (ValueSource::Array(_), _) => self.digits_of_irradiance(),
+            (ValueSource::Change { kind: ChangeKind::Difference, .. }, _) => Digits::Fewest,
+            (ValueSource::Change { kind: ChangeKind::Percent, .. }, _) => Digits::Thousandths,
         }
+    }
+
+    /// Ending of the names of light.
+    fn ending(&self) -> &'static str {
+        if self.labels == Labels::Sums { SUM_SUFFIX } else { "" }
     }
 
     /// Names of the value columns.
     pub fn values(&self) -> Vec<String> {
-        let ending = if self.labels == Labels::Sums { SUM_SUFFIX } else { "" };
-        let quantities = self.quantities.iter().map(|quantity| quantity.with_ending(ending));
+        let quantities = self.quantities.iter().map(|quantity| quantity.with_ending(self.ending()));
         quantities.chain(self.facts.iter().map(|fact| self.fact(*fact).0)).collect()
     }
 
@@ -166,7 +193,7 @@ impl Layout {
         let name = &self.main_quantity().name;
         match self.labels {
             Labels::Sums => (format!("{name}_kwh"), "kWh"),
-            Labels::Conditions | Labels::Times => (format!("{name}_w"), "W"),
+            Labels::Conditions | Labels::Times | Labels::Dates | Labels::Rules => (format!("{name}_w"), "W"),
         }
     }
 
@@ -183,14 +210,19 @@ impl Layout {
 
     /// Unit of a quantity.
     pub fn unit_of(&self, quantity: &Quantity) -> &'static str {
-        if quantity.source.is_percent() { "%" } else { self.unit() }
+        match quantity.measure {
+            Measure::Light => self.unit(),
+            Measure::Percent => "%",
+            Measure::Minutes | Measure::Clock => "min",
+            Measure::Number | Measure::Verdict => "1",
+        }
     }
 
     /// Unit of irradiance.
     pub fn unit(&self) -> &'static str {
         match self.labels {
             Labels::Sums => "kWh/m2",
-            Labels::Conditions | Labels::Times => "W/m2",
+            Labels::Conditions | Labels::Times | Labels::Dates | Labels::Rules => "W/m2",
         }
     }
 }
@@ -203,6 +235,7 @@ impl NamedValues for By {
             "One for each surface: the mean of its receivers, weighted by their areas, or plain if none has an area",
             By::Surface,
         ),
+        ("window", "One for each surface that is a window", By::Window),
         ("object", "One for each object of the model: city objects, zones and shades", By::Object),
         ("building", "One for each building, with all of its parts", By::Building),
         ("kind", "One for each kind of surface: roof, wall, window, ground, floor, shade", By::Kind),

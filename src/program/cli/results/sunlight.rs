@@ -1,0 +1,82 @@
+//! Arguments of `sunlight` and `rules`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::recombine::TableArgs;
+use crate::cli::WeatherArgs;
+use crate::cli::values::choice;
+use heliotile_results::{ClockZone, DaySpan, Every, FileRequest, SunlightRequest};
+
+#[derive(Args, Debug)]
+pub struct SunlightArgs {
+    #[command(flatten)]
+    pub table: TableArgs,
+    /// Write .parquet as a map, GeoParquet: polygons, one row a place
+    #[arg(long)]
+    pub geo: bool,
+    /// Draw a map of the first date or rule (.png), from above and from the south-west; may be repeated; a table is then written only if
+    /// --output names one
+    #[arg(long, value_name = "FILE")]
+    pub plot: Vec<PathBuf>,
+    /// Days: 03-21, 2026-03-21, 02-19..10-21 or year, separated by commas; with --rule those of rules that have none of their own
+    #[arg(long, value_name = "DAYS", value_delimiter = ',')]
+    pub dates: Vec<DaySpan>,
+    /// The year of days that name none: others differ by a few minutes
+    #[arg(long, default_value_t = SunlightRequest::default().year, value_parser = clap::value_parser!(i32).range(1..=2998))]
+    pub year: i32,
+    /// Rows, without --rule: a day, or all days of a month, a year or all of them
+    #[arg(long, value_parser = choice::<Every>(), default_value = "day")]
+    pub every: Every,
+    /// Rule to judge by: one of those that `heliotile rules` lists, or a file of your own (.toml); may be repeated
+    #[arg(long, value_name = "NAME|FILE")]
+    pub rule: Vec<String>,
+    /// Clock that hours are told by: hours ahead of UTC, such as +01:00, or a name such as Europe/Amsterdam, whose summer time then counts
+    /// [default: that of --weather, or whole hours by the longitude]
+    #[arg(long, value_name = "ZONE", allow_hyphen_values = true)]
+    pub zone: Option<ClockZone>,
+    /// The sun counts from this height on; rules have heights of their own, the higher one counts
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
+    pub least_altitude: f64,
+    /// Of groups, without --rule: a moment counts when this share of their area is lit [default: any of it]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, hide_default_value = true)]
+    pub lit_share: f64,
+    /// Find moments that hang on an edge within a texel by rays of the scene in the archive
+    #[arg(long)]
+    pub exact: bool,
+    /// Weather file whose sunny hours count (DNI of at least 120 W/m2), for rules of probable hours
+    #[arg(long, short)]
+    pub weather: Option<PathBuf>,
+    #[command(flatten)]
+    pub about_weather: WeatherArgs,
+}
+
+impl SunlightArgs {
+    /// What is asked for.
+    pub fn request(&self) -> SunlightRequest {
+        SunlightRequest {
+            dates: self.dates.clone(),
+            year: self.year,
+            every: self.every,
+            rules: self.rule.clone(),
+            zone: self.zone.clone(),
+            least_altitude_deg: self.least_altitude,
+            lit_share: self.lit_share,
+            exact: self.exact,
+            weather: self.weather.clone(),
+            about_weather: self.about_weather.options(false),
+        }
+    }
+
+    /// Where results go.
+    pub fn files(&self) -> FileRequest {
+        FileRequest { geo: self.geo, plots: self.plot.clone(), ..self.table.files() }
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct RulesArgs {
+    /// Print the file of this rule, to be copied and changed [default: list all of them]
+    pub name: Option<String>,
+}

@@ -1,0 +1,45 @@
+//! `heliotile sunlight` and `heliotile rules`: hours of possible sun, and the rules that ask for them.
+
+use std::fmt::Write;
+
+use super::replay::with_resources;
+use super::{Outcome, say};
+use crate::cli::{RulesArgs, SunlightArgs};
+use crate::commands::console::voice::remark_aside;
+use heliotile_core::error::{Error, Result};
+use heliotile_results::{Provenance, shipped_rules};
+
+/// `heliotile sunlight`.
+pub fn run(args: &SunlightArgs, about: Provenance) -> Result<Outcome> {
+    let table = &args.table;
+    let done = with_resources(&table.site, |resources| {
+        table.request().sunlight(&args.request(), &args.files(), about, resources)
+    })?;
+    // Standard output may be the table.
+    remark_aside(&done.text());
+    Ok(Outcome::Fine)
+}
+
+/// `heliotile rules`.
+pub fn rules(args: &RulesArgs) -> Result<Outcome> {
+    let shipped = shipped_rules()?;
+    let Some(name) = &args.name else {
+        let mut text = String::new();
+        for file in &shipped {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{}", file.name);
+            for rule in &file.rules {
+                let _ = writeln!(text, "  {:<20} {}", rule.name, rule.title);
+            }
+        }
+        say(&text)?;
+        return Ok(Outcome::Fine);
+    };
+    let Some(file) = shipped.iter().find(|file| file.name == *name) else {
+        let names: Vec<&str> = shipped.iter().map(|file| file.name).collect();
+        let hint = format!("give {}", names.join(", "));
+        return Err(Error::argument("name", format!("`{name}` is none of the rules that are known"), hint));
+    };
+    say(file.text)?;
+    Ok(Outcome::Fine)
+}

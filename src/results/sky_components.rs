@@ -1,0 +1,41 @@
+//! Sky components: what receivers get of an overcast sky beside open ground. In: a site. Out: percent, tile by tile.
+
+use glam::DVec3;
+
+use heliotile_core::error::Result;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::sky::model::{CieType, SkyModel};
+use heliotile_core::weather::conditions::Condition;
+
+/// Light of the overcast sky on open ground, of which shares are taken.
+const OVERCAST_W_M2: f64 = 100.0;
+
+/// Direct light of the CIE traditional overcast sky, percent of that on open ground: of a vertical surface the vertical sky component (BRE 209).
+pub struct SkyComponents<'a>(Replay<'a>);
+
+impl<'a> SkyComponents<'a> {
+    /// Of a site.
+    pub fn of(site: &OpenSite<'a>) -> Result<Self> {
+        let sky = [Condition::new("overcast".into(), &[], DVec3::Z, 0.0, OVERCAST_W_M2)];
+        let settings = ReplaySettings {
+            sky: SkyModel::Cie(CieType::TRADITIONAL_OVERCAST),
+            components: ComponentSet::of(&[Component::SkyDirect]),
+            ..ReplaySettings::default()
+        };
+        Replay::new(site, &sky, settings).map(SkyComponents)
+    }
+
+    /// Of the receivers of some tiles, `[row]`, percent, one tile after the other.
+    pub fn tiles(&self, tiles: impl IntoIterator<Item = u32>) -> impl Iterator<Item = Result<Vec<f64>>> {
+        self.0.results(tiles).map(|result| {
+            let (ids, values) = result?;
+            let percent = |row: usize| {
+                let light = values.row(Component::SkyDirect, row).iter().copied().map(f64::from).sum::<f64>();
+                100.0 * light / OVERCAST_W_M2
+            };
+            Ok((0..ids.len()).map(percent).collect())
+        })
+    }
+}

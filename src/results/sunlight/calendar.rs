@@ -1,0 +1,106 @@
+//! Days that are asked for. In: text as `03-21`, `2026-03-21`, `02-19..10-21` or `year`. Out: dates in order.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use heliotile_core::weather::span::Moment;
+use heliotile_core::weather::time::calendar::Date;
+
+/// A day, or all days from one to another.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct DaySpan {
+    first: Moment,
+    last: Moment,
+}
+
+/// What is written for all days of a year.
+const YEAR: &str = "year";
+
+/// More days than anyone asks for: a hundred years.
+const MOST_DAYS: i32 = 36_525;
+
+impl FromStr for DaySpan {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = if text == YEAR { "01-01..12-31" } else { text };
+        let (first, last) = text.split_once("..").unwrap_or((text, text));
+        let day = |text: &str| {
+            let moment: Option<Moment> = text.parse().ok().filter(|moment: &Moment| moment.day_in(0).is_some());
+            moment.ok_or_else(|| {
+                format!("`{text}` is no day: give one as 03-21 or 2026-03-21, days from one to another as 02-19..10-21, or year")
+            })
+        };
+        let span = DaySpan { first: day(first)?, last: day(last)? };
+        if span.first.has_year() != span.last.has_year() {
+            return Err(format!("`{text}` has a year once: give it for both days, or for none"));
+        }
+        match span.days(Date::NO_YEAR).len() {
+            0 => Err(format!("`{text}` ends before it begins, or lasts for more than a hundred years")),
+            _ => Ok(span),
+        }
+    }
+}
+
+impl TryFrom<String> for DaySpan {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<DaySpan> for String {
+    fn from(span: DaySpan) -> String {
+        span.to_string()
+    }
+}
+
+impl fmt::Display for DaySpan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.first)?;
+        if self.last == self.first { Ok(()) } else { write!(f, "..{}", self.last) }
+    }
+}
+
+impl DaySpan {
+    /// Its days in order, those without a year in this one; over the new year, into the next.
+    pub fn days(&self, year: i32) -> Vec<Date> {
+        let Some((first, last)) = self.first.day_in(year).zip(self.last.day_in(year)) else { return Vec::new() };
+        let is_over_new_year = last.day_number() < first.day_number() && !self.first.has_year();
+        let last = if is_over_new_year { self.last.day_in(year + 1).unwrap_or(last) } else { last };
+        let numbers = first.day_number()..=last.day_number();
+        match numbers.end() - numbers.start() {
+            0..=MOST_DAYS => numbers.filter_map(Date::of_day_number).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Whether it says of which year its days are.
+    pub fn has_year(&self) -> bool {
+        self.first.has_year()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A day, the 245 of the Dutch rule, 121 days over the new year and a leap year of 366; four texts that are no days are refused.
+    #[test]
+    fn spans() {
+        let days = |text: &str, year| text.parse::<DaySpan>().expect("days").days(year);
+        assert_eq!(days("03-21", 2026), [Date { year: 2026, month: 3, day: 21 }]);
+        assert_eq!(days("2026-03-21", 2017).first().map(|date| date.year), Some(2026));
+        assert_eq!(days("02-19..10-21", 2017).len(), 245);
+        assert_eq!(days("11-01..03-01", 2017).len(), 121);
+        assert_eq!((days("year", 2024).len(), days("year", 2023).len()), (366, 365));
+        assert_eq!("02-19..10-21".parse::<DaySpan>().expect("days").to_string(), "02-19..10-21");
+        for wrong in ["03-32", "2026-03-21..04-01", "2026-05-01..2026-04-01", "03-21T08:00", ""] {
+            assert!(wrong.parse::<DaySpan>().is_err(), "{wrong}");
+        }
+    }
+}

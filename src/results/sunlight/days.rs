@@ -1,0 +1,246 @@
+//! Days and hours that count. In: dates, a place, rules, weather. Out: for each rule its days, and when on these the sun counts.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use super::calendar::DaySpan;
+use super::clock::ClockZone;
+use super::rule::{ClockHours, Rule, RuleClock, RuleMeasure};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::layers::sides::TextureSides;
+use heliotile_core::site::north::North;
+use heliotile_core::sunlight::{Spells, SunDay, SunPasses};
+use heliotile_core::weather::series::Weather;
+use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::sun::Location;
+
+/// Direct normal irradiance from which on the sun shines, W/m2 (World Meteorological Organization, "Guide to instruments and methods of
+/// observation", WMO-No. 8, sunshine duration).
+const SUNSHINE_DNI_W_M2: f64 = 120.0;
+
+/// Minutes of a day, and of the half of it.
+const DAY_MIN: f64 = 1440.0;
+const NOON_MIN: f64 = 720.0;
+
+/// The days that are looked at.
+pub struct DayPlan {
+    /// Where, with the standard time of the clock.
+    pub site: Location,
+    /// The clock that results are told by.
+    pub zone: ClockZone,
+    /// The year of days that name none.
+    year: i32,
+    /// In order, each once.
+    pub dates: Vec<Date>,
+}
+
+/// The sun on these days in the axes of a site, and its ways through the site's textures.
+pub struct SunDays {
+    /// `[date]`
+    pub days: Vec<SunDay>,
+    /// `[date]`
+    pub passes: Vec<SunPasses>,
+}
+
+/// A rule with its days.
+pub struct PlannedRule {
+    /// The rule.
+    pub rule: Rule,
+    /// Its days: places in [`DayPlan::dates`], and when on them the sun counts.
+    pub days: Vec<RuleDay>,
+    /// Minutes that count on open ground, for shares of them.
+    pub open_min: f64,
+}
+
+/// A day of a rule.
+pub struct RuleDay {
+    /// Place in [`DayPlan::dates`].
+    pub number: usize,
+    /// When the sun counts.
+    pub counts: Spells,
+}
+
+/// Stretches of a day in which the sun shines, by month and day.
+pub struct SunnyHours(BTreeMap<MonthDay, Spells>);
+
+/// A day of any year.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct MonthDay {
+    month: u32,
+    day: u32,
+}
+
+impl From<Date> for MonthDay {
+    fn from(date: Date) -> Self {
+        MonthDay { month: date.month, day: date.day }
+    }
+}
+
+impl DayPlan {
+    /// The days of some spans, and of others; those without a year are in this one.
+    pub fn new(site: Location, zone: ClockZone, year: i32, spans: &[&[DaySpan]]) -> Self {
+        let mut dates: Vec<Date> = spans.iter().copied().flatten().flat_map(|span| span.days(year)).collect();
+        dates.sort_by_key(|date| date.day_number());
+        dates.dedup();
+        DayPlan { site, zone, year, dates }
+    }
+
+    /// Places of the days of some spans, in order, each once.
+    pub fn numbers(&self, spans: &[DaySpan]) -> Vec<usize> {
+        let wanted: Vec<i32> =
+            spans.iter().flat_map(|span| span.days(self.year)).map(|date| date.day_number()).collect();
+        let is_wanted = |date: &Date| wanted.contains(&date.day_number());
+        (0..).zip(&self.dates).filter_map(|(number, date)| is_wanted(date).then_some(number)).collect()
+    }
+
+    /// The sun on these days, and its ways through textures.
+    pub fn suns(&self, north: North, sides: TextureSides) -> SunDays {
+        let days: Vec<SunDay> = self.dates.iter().map(|date| SunDay::of(&self.site, *date, north)).collect();
+        SunDays { passes: days.iter().map(|day| day.passes(sides)).collect(), days }
+    }
+
+    /// Rules with their days. An error: a rule without days where none are asked for, one that counts sunny hours without weather.
+    pub fn rules(
+        &self,
+        rules: Vec<Rule>,
+        asked: &[DaySpan],
+        sunny: Option<&SunnyHours>,
+        least_altitude_deg: f64,
+    ) -> Result<Vec<PlannedRule>> {
+        let suns: Vec<SunDay> = self.dates.iter().map(|date| SunDay::of(&self.site, *date, North::default())).collect();
+        let planned = |rule: Rule| {
+            let days = match (rule.needs_days(), rule.dates.is_empty()) {
+                (false, _) => Vec::new(),
+                (true, true) => self.numbers(asked),
+                (true, false) => self.numbers(&rule.dates),
+            };
+            if rule.needs_days() && days.is_empty() {
+                let what = format!("`{}` has no dates, and none are asked for", rule.name);
+                return Err(Error::argument(
+                    "rule, dates",
+                    what,
+                    "give {dates}, or dates in the rule: dates = [\"03-21\"]",
+                ));
+            }
+            let sunny = match (rule.measure, sunny) {
+                (RuleMeasure::ProbablePercent, None) => {
+                    let what = format!("`{}` counts the sunny hours of a weather file, and none is given", rule.name);
+                    return Err(Error::argument("rule, weather", what, "give {weather}, or leave the rule out"));
+                }
+                (RuleMeasure::ProbablePercent, Some(sunny)) => Some(sunny),
+                _ => None,
+            };
+            let altitude_deg = rule.least_altitude_deg.max(least_altitude_deg);
+            let (mut of_rule, mut open_min) = (Vec::new(), 0.0);
+            for number in days {
+                let Some(sun) = suns.get(number) else { continue };
+                let mut counts = if altitude_deg > 0.0 { sun.above(altitude_deg) } else { sun.up.clone() };
+                if let Some(hours) = rule.hours {
+                    counts = counts.within(&self.standard(hours, sun));
+                }
+                if let Some(sunny) = sunny {
+                    counts = counts.within(&sunny.on(sun.date));
+                }
+                open_min += counts.minutes();
+                of_rule.push(RuleDay { number, counts });
+            }
+            Ok(PlannedRule { rule, days: of_rule, open_min })
+        };
+        rules.into_iter().map(planned).collect()
+    }
+
+    /// Hours of a clock as stretches of standard time.
+    fn standard(&self, hours: ClockHours, sun: &SunDay) -> Spells {
+        let later_min = match hours.clock {
+            RuleClock::Standard => 0.0,
+            RuleClock::Legal => -self.zone.ahead_min(sun.date),
+            RuleClock::Solar => solar_noon_min(sun) - NOON_MIN,
+        };
+        Spells::one((hours.from_min + later_min).max(0.0), (hours.to_min + later_min).min(DAY_MIN))
+    }
+}
+
+/// When the sun passes the meridian, minutes of standard time; `sun` goes by true north.
+fn solar_noon_min(sun: &SunDay) -> f64 {
+    let afternoon = sun.when(|direction| -direction.x);
+    afternoon.iter().map(|spell| spell.start_min).find(|start| *start > 0.0).unwrap_or(NOON_MIN)
+}
+
+impl SunnyHours {
+    /// Of weather: stretches with direct irradiance of at least 120 W/m2, sunshine as the World Meteorological Organization counts it.
+    pub fn of(weather: &Weather) -> Self {
+        let mut found: BTreeMap<MonthDay, Spells> = BTreeMap::new();
+        for row in weather.rows.iter().filter(|row| row.dni_w_m2 >= SUNSHINE_DNI_W_M2) {
+            let interval = row.interval;
+            found
+                .entry(interval.date.into())
+                .or_default()
+                .push(interval.start_min.max(0.0), interval.end_min.min(DAY_MIN));
+        }
+        SunnyHours(found)
+    }
+
+    fn on(&self, date: Date) -> Spells {
+        self.0.get(&date.into()).cloned().unwrap_or_default()
+    }
+
+    /// Refuses weather that lacks days of rules that count its hours: hours that are not there are no hours without sun.
+    pub fn check(weather: &Weather, plan: &DayPlan, rules: &[PlannedRule], file: &Path) -> Result<()> {
+        let held: BTreeSet<MonthDay> = weather.rows.iter().map(|row| row.interval.date.into()).collect();
+        let of_weather = rules.iter().filter(|planned| planned.rule.measure == RuleMeasure::ProbablePercent);
+        let dates = of_weather.flat_map(|planned| &planned.days).filter_map(|day| plan.dates.get(day.number));
+        // Files of a typical year have no 29 February.
+        let is_held = |date: &Date| held.contains(&(*date).into()) || (date.month, date.day) == (2, 29);
+        match dates.into_iter().find(|date| !is_held(date)) {
+            None => Ok(()),
+            Some(date) => {
+                let what = format!("has no hours of {:02}-{:02}, which a rule counts", date.month, date.day);
+                Err(Error::input(file, None, what, "give weather of a whole year"))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sunlight::rule_files::read_rules;
+
+    fn plan(zone: &str, longitude_deg: f64) -> DayPlan {
+        let zone: ClockZone = zone.parse().expect("a zone");
+        let offset_h = f64::from(zone.standard(2017).minutes()) / 60.0;
+        let site = Location::new(52.0, longitude_deg, offset_h, 0.0).expect("a site");
+        let spans: Vec<DaySpan> = ["06-21", "01-20", "12-22"].map(|text| text.parse().expect("days")).to_vec();
+        DayPlan::new(site, zone, 2017, &[&spans])
+    }
+
+    /// Hours from 8 to 16 of true solar time are symmetric about the moment at which the sun is highest: on 20 January at 5 degrees east that is
+    /// 12:51 of a clock one hour ahead of UTC (40 minutes of longitude, 11 of the equation of time). From 9 to 15 of summer time are 8 to 14.
+    #[test]
+    fn clocks_of_rules() {
+        let plan = plan("Europe/Amsterdam", 5.0);
+        let rules = read_rules(&["gb-50180".into()]).expect("rules");
+        let planned = plan.rules(rules, &[], None, 0.0).expect("a plan");
+        let counts = &planned[0].days[0].counts;
+        let (first, last) = (counts.first_min().unwrap_or_default(), counts.last_min().unwrap_or_default());
+        assert!((0.5 * (first + last) - 771.0).abs() < 1.0, "{first} {last}");
+        let hours = ClockHours { from_min: 540.0, to_min: 900.0, clock: RuleClock::Legal };
+        let june = SunDay::of(&plan.site, plan.dates[1], North::default());
+        assert_eq!(plan.standard(hours, &june), Spells::one(480.0, 840.0));
+        assert_eq!(plan.standard(ClockHours { clock: RuleClock::Standard, ..hours }, &june), Spells::one(540.0, 900.0));
+    }
+
+    /// A rule of probable hours without weather, and one without dates where none are asked for, are refused; with dates it is planned.
+    #[test]
+    fn what_rules_need() {
+        let plan = plan("+01:00", 5.0);
+        let apsh = plan.rules(read_rules(&["bre-apsh".into()]).expect("rules"), &[], None, 0.0);
+        assert!(apsh.is_err_and(|error| error.to_string().contains("{weather}")));
+        let undated = || -> Rule { toml::from_str("name = \"own\"\nat_least = 60").expect("a rule") };
+        let refused = plan.rules(vec![undated()], &[], None, 0.0);
+        assert!(refused.is_err_and(|error| error.to_string().contains("`own` has no dates")));
+        let days = ["06-21".parse().expect("a day")];
+        let planned = plan.rules(vec![undated()], &days, None, 0.0).expect("a plan");
+        assert_eq!((planned[0].days.len(), planned[0].days[0].number), (1, 1));
+    }
+}

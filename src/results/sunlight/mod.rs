@@ -1,0 +1,24 @@
+//! Hours of possible sun, and the rules that ask for them. In: archives, dates, rules. Out: tables, maps and pictures of minutes by day or period,
+//! or of what each rule says of each place.
+//!
+//! Nothing is replayed: the path of the sun is followed through the sky textures ([`heliotile_core::sunlight`]). Clouds are left out of account
+//! unless a rule counts probable hours. Leaves and screens take nothing.
+
+mod calendar;
+mod clock;
+mod days;
+mod exact;
+mod groups;
+mod measure;
+mod pass;
+mod places;
+mod request;
+mod rule;
+mod rule_files;
+
+pub use calendar::DaySpan;
+pub use clock::ClockZone;
+pub use pass::SunlightSite;
+pub use request::{RuleCount, SunlightDone, SunlightRequest};
+pub use rule::{ClockHours, DaysTogether, LitPart, Rule, RuleClock, RuleMeasure};
+pub use rule_files::{ShippedRules, shipped_rules};

@@ -1,0 +1,371 @@
+//! From answers to files. In: a request, the receivers of open archives. Out: tables, maps and pictures, and what was found.
+
+use std::path::{Path, PathBuf};
+
+use super::clock::ClockZone;
+use super::days::DayPlan;
+use super::groups::{GroupAnswers, check_middles};
+use super::places::{AnswerItem, Asked, DateRows, PlaceAnswer, PlaceQuestions};
+use super::request::{RuleCount, SunlightDone, SunlightRequest};
+use crate::archives::Archives;
+use crate::doubts::preview;
+use crate::files::{FileRequest, MapFile, ResultRows, RowFiles, RowsAbout, groups_of, name_of};
+use crate::outputs::groups::{Extent, Groups};
+use crate::outputs::periods::Every;
+use crate::outputs::provenance::Provenance;
+use crate::outputs::quantities::{Measure, PlaceValues, Quantity, ValueSource, Verdict};
+use crate::outputs::results::ResultFormat;
+use crate::outputs::shapes::writer::MapFormat;
+use crate::outputs::tables::layout::{By, Labels, Layout};
+use crate::outputs::tables::row_labels::RowLabels;
+use crate::receivers::ReceiverSet;
+use crate::resources::Resources;
+use heliotile_core::archive::format;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::hemisphere::HEMISPHERE_SR;
+use heliotile_core::memory::Use;
+use heliotile_core::sunlight::{Spells, SunSeen};
+
+/// Places whose rows are written together.
+const PLACES_AT_ONCE: usize = 256;
+
+/// The sun moves so far in a minute at most, degrees.
+const DEGREES_A_MINUTE: f64 = 0.25;
+
+/// Kind of the surfaces of windows.
+const WINDOW: &str = "window";
+
+/// Open archives of a site, and the receivers that are asked.
+pub struct SunlightSite<'a> {
+    /// The archives.
+    pub archives: Archives<'a>,
+    /// The receivers.
+    pub receivers: &'a ReceiverSet<'a>,
+    /// Where the archive or the atlas lies.
+    pub place: &'a Path,
+    /// Folder for what does not fit into memory.
+    pub folder: &'a Path,
+}
+
+impl SunlightRequest {
+    /// Writes the files.
+    pub fn write(
+        &self,
+        files: &FileRequest,
+        site: &SunlightSite,
+        about: Provenance,
+        resources: &Resources,
+    ) -> Result<SunlightDone> {
+        let (plan, asked) = self.plan(site.archives, resources)?;
+        check_middles(&asked, files.by)?;
+        self.tell(site.archives, resources);
+        let windows = windows_of(site, files.by)?;
+        let receivers = windows.as_ref().unwrap_or(site.receivers);
+        let groups = groups_of(receivers, files.by, site.place)?;
+        let columns = Columns::of(&asked, &plan, groups.is_some());
+        let mut layout = columns.layout(files.by);
+        if let Some(groups) = &groups {
+            layout.facts = groups.facts(files.by, false);
+        }
+        let rows = ResultRows::of(layout, columns.labels(), None);
+        let about = site.archives.told_in(about, site.place);
+        let about = about.with("utc_offset", plan.zone.standard(self.year)).with("clock", &plan.zone);
+        let told = RowsAbout { called: self.called(&columns, site.place), about, place: site.place, scene: None };
+        let maps = maps_of(files)?;
+        let row_files = RowFiles::new(&rows, groups.clone());
+        let row_files = match files.wants_table()
+            && matches!(ResultFormat::of(&files.output, files.geo)?, ResultFormat::Table(_))
+        {
+            true => row_files.with_table(&files.output, receivers, &told.about),
+            false => row_files,
+        };
+        let mut row_files = row_files.with_maps(&maps, receivers, &told, resources)?;
+        let questions = PlaceQuestions {
+            receivers,
+            plan: &plan,
+            asked: &asked,
+            least_altitude_deg: self.least_altitude_deg,
+            exact: self.exact,
+            is_of_groups: groups.is_some(),
+        };
+        row_files.start()?;
+        let mut rows = RowBatch::new(&columns, &asked, groups.as_ref());
+        match &groups {
+            None => questions.each(resources, |answer| rows.add(answer, &mut row_files))?,
+            Some(groups) => {
+                let memory = resources.memory.length(Use::ComparedValues);
+                let mut answers = GroupAnswers::new(groups, site.folder, memory);
+                questions.each(resources, |answer| answers.push(&answer).map(|()| true))?;
+                answers.each(&asked, self.lit_share, |answer| rows.add(answer, &mut row_files))?;
+            }
+        }
+        rows.flush(&mut row_files)?;
+        let rules = std::mem::take(&mut rows.counts);
+        let places = rows.places;
+        row_files.finish(resources.observer)?;
+        Ok(SunlightDone { places, days: plan.dates.len() as u64, rules })
+    }
+
+    /// What is looked at, for pictures.
+    fn called(&self, columns: &Columns, place: &Path) -> String {
+        let first = columns.labels().text.into_iter().next().unwrap_or_default();
+        match self.rules.is_empty() {
+            true if self.every == Every::Day => format!("{} on {first}", name_of(place)),
+            true => format!("{}, {first}", name_of(place)),
+            false => format!("{}: {first}", name_of(place)),
+        }
+    }
+
+    /// Tells what a user should know of archives.
+    fn tell(&self, archives: Archives, resources: &Resources) {
+        let observer = resources.observer;
+        archives.iter().filter_map(preview).for_each(|text| observer.warn(&text));
+        let settings = &archives.manifest().settings;
+        let texel_deg = HEMISPHERE_SR.sqrt().to_degrees() / f64::from(settings.sky_fine);
+        let minutes = texel_deg / DEGREES_A_MINUTE;
+        if minutes > 1.0 && !self.exact {
+            observer.warn(&format!(
+                "{}: a texel of its sky is {texel_deg:.2} degrees wide, and the sun takes {minutes:.1} minutes to pass it: moments are no better \
+                 (build it with {{quality}} standard, or give {{exact}})",
+                archives.first().path().display()
+            ));
+        }
+        let has_leaves = archives.iter().any(|archive| !archive.entries_of(format::CANOPY).is_empty());
+        if has_leaves {
+            observer.note("leaves and screens take nothing of the sun here");
+        }
+    }
+}
+
+/// The receivers of windows, where rows are about these.
+fn windows_of<'a>(site: &SunlightSite<'a>, by: By) -> Result<Option<ReceiverSet<'a>>> {
+    if by != By::Window {
+        return Ok(None);
+    }
+    let is_window = site.receivers.receivers().map(|receiver| Ok(receiver?.part.kind == WINDOW));
+    let is_window: Vec<bool> = is_window.collect::<Result<_>>()?;
+    if !is_window.contains(&true) {
+        let hint = "give {by} surface, or build it of a model with windows";
+        return Err(Error::input(site.place, None, "holds no receiver on a window", hint));
+    }
+    Ok(Some(site.receivers.some(&is_window)))
+}
+
+/// The maps that are asked for: the output, and pictures.
+fn maps_of(files: &FileRequest) -> Result<Vec<MapFile>> {
+    let mut maps = Vec::new();
+    if let ResultFormat::Map(format) = ResultFormat::of(&files.output, files.geo)? {
+        maps.push(MapFile { path: files.output.clone(), format });
+    }
+    let picture = |path: &PathBuf| MapFile { path: path.clone(), format: MapFormat::Png };
+    maps.extend(files.plots.iter().map(picture));
+    Ok(maps)
+}
+
+/// Numbers of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Number {
+    /// Minutes of sun: of a day, or their sum; of groups the mean by area.
+    Sun,
+    /// Of groups: minutes in which enough of the area is lit at a time.
+    Lit,
+    /// Mean and least day.
+    Mean,
+    Least,
+    /// The longest spell; of groups with enough of the area lit.
+    Longest,
+    /// When the first spell starts, when the last ends.
+    First,
+    Last,
+    /// How far the minutes may be off.
+    Uncertain,
+    /// Value of a rule, its threshold, how far the value may be off, what it says.
+    Value,
+    Threshold,
+    ValueUncertain,
+    Verdict,
+}
+
+/// The columns of what is asked.
+struct Columns<'a> {
+    asked: &'a Asked,
+    zone: &'a ClockZone,
+    plan: &'a DayPlan,
+    numbers: Vec<Number>,
+}
+
+impl<'a> Columns<'a> {
+    fn of(asked: &'a Asked, plan: &'a DayPlan, is_of_groups: bool) -> Self {
+        use Number::{
+            First, Last, Least, Lit, Longest, Mean, Sun, Threshold, Uncertain, Value, ValueUncertain, Verdict,
+        };
+        let numbers = match asked {
+            Asked::Dates(DateRows { is_by_day: true, .. }) => vec![Sun, Lit, Longest, First, Last, Uncertain],
+            Asked::Dates(_) => vec![Sun, Mean, Least, Lit, Longest, Uncertain],
+            Asked::Rules(_) => vec![Value, Threshold, ValueUncertain, Verdict],
+        };
+        let numbers = numbers.into_iter().filter(|number| is_of_groups || *number != Lit).collect();
+        Columns { asked, zone: &plan.zone, plan, numbers }
+    }
+
+    fn labels(&self) -> RowLabels {
+        match self.asked {
+            Asked::Dates(rows) => rows.labels.clone(),
+            Asked::Rules(rules) => RowLabels::words(rules.iter().map(|planned| planned.rule.name.clone()).collect()),
+        }
+    }
+
+    fn layout(&self, by: By) -> Layout {
+        let labels = if matches!(self.asked, Asked::Dates(_)) { Labels::Dates } else { Labels::Rules };
+        let is_time = match self.asked {
+            Asked::Dates(_) => true,
+            Asked::Rules(rules) => rules.iter().all(|planned| !planned.rule.measure.is_percent()),
+        };
+        let quantity = |(array, number): (usize, &Number)| {
+            let (name, words, measure) = number.described();
+            // Percent and minutes have no unit together.
+            let measure = if measure == Measure::Number && is_time { Measure::Minutes } else { measure };
+            Quantity { name: name.into(), words: words.into(), source: ValueSource::Array(array), measure }
+        };
+        Layout::of_quantities(labels, by, self.numbers.iter().enumerate().map(quantity).collect())
+    }
+
+    /// The numbers of a place: `[number][label]`.
+    fn values(&self, items: &[Option<AnswerItem>]) -> Vec<Vec<f32>> {
+        match self.asked {
+            Asked::Dates(rows) => {
+                let of_label = |label: usize| {
+                    let dates = (0..).zip(&rows.label_of_date).filter(|(_, of)| **of == label).map(|(date, _)| date);
+                    DayItems { dates: dates.collect(), items }
+                };
+                let labels: Vec<DayItems> = (0..rows.labels.len()).map(of_label).collect();
+                let of_number =
+                    |number: &Number| labels.iter().map(|days| self.of_days(*number, days) as f32).collect();
+                self.numbers.iter().map(of_number).collect()
+            }
+            Asked::Rules(rules) => {
+                let of_rule = |number: Number, rule: usize| {
+                    let Some(threshold) = rules.get(rule).map(|planned| planned.rule.at_least) else { return f64::NAN };
+                    let Some(item) = items.get(rule).and_then(Option::as_ref) else { return f64::NAN };
+                    match number {
+                        Number::Value => item.value.value,
+                        Number::Threshold => threshold,
+                        Number::Verdict => item.value.verdict(threshold).number().into(),
+                        _ => item.value.uncertain(),
+                    }
+                };
+                let of_number = |number: &Number| (0..rules.len()).map(|rule| of_rule(*number, rule) as f32).collect();
+                self.numbers.iter().map(of_number).collect()
+            }
+        }
+    }
+
+    fn of_days(&self, number: Number, days: &DayItems) -> f64 {
+        let minutes = |of: fn(&AnswerItem) -> f64| days.items().map(of);
+        let seen = || days.items().flat_map(|item| &item.days).map(|day: &SunSeen| &day.seen);
+        let ahead_min = days.dates.first().and_then(|date| self.plan.dates.get(*date));
+        let ahead_min = ahead_min.map_or(0.0, |date| self.zone.ahead_min(*date));
+        match number {
+            Number::Sun => minutes(|item| item.value.value).sum(),
+            Number::Mean => minutes(|item| item.value.value).sum::<f64>() / days.dates.len().max(1) as f64,
+            Number::Least => minutes(|item| item.value.value).fold(f64::INFINITY, f64::min),
+            Number::Lit => seen().map(Spells::minutes).sum(),
+            Number::Longest => seen().map(Spells::longest_min).fold(0.0, f64::max),
+            Number::First => seen().next().and_then(Spells::first_min).map_or(f64::NAN, |at| at + ahead_min),
+            Number::Last => seen().next().and_then(Spells::last_min).map_or(f64::NAN, |at| at + ahead_min),
+            _ => minutes(|item| item.value.uncertain()).sum(),
+        }
+    }
+}
+
+impl Number {
+    /// Name of its column, what it is in words, what it measures.
+    fn described(self) -> (&'static str, &'static str, Measure) {
+        match self {
+            Number::Sun => ("sun_minutes", "possible sun", Measure::Minutes),
+            Number::Lit => ("lit_minutes", "enough of it lit", Measure::Minutes),
+            Number::Mean => ("mean_minutes", "possible sun, mean of the days", Measure::Minutes),
+            Number::Least => ("least_minutes", "possible sun, least day", Measure::Minutes),
+            Number::Longest => ("longest_minutes", "longest spell of sun", Measure::Minutes),
+            Number::First => ("first", "first minute of sun", Measure::Clock),
+            Number::Last => ("last", "last minute of sun", Measure::Clock),
+            Number::Uncertain => ("uncertain_minutes", "how far that may be off", Measure::Minutes),
+            Number::Value => ("value", "value of the rule", Measure::Number),
+            Number::Threshold => ("at_least", "threshold of the rule", Measure::Number),
+            Number::ValueUncertain => ("uncertain", "how far the value may be off", Measure::Number),
+            Number::Verdict => ("verdict", "whether the rule is met", Measure::Verdict),
+        }
+    }
+}
+
+/// What is seen of a place on the days of a row.
+struct DayItems<'i> {
+    dates: Vec<usize>,
+    items: &'i [Option<AnswerItem>],
+}
+
+impl DayItems<'_> {
+    fn items(&self) -> impl Iterator<Item = &AnswerItem> {
+        self.dates.iter().filter_map(|date| self.items.get(*date)?.as_ref())
+    }
+}
+
+/// Rows of some places, until they are written.
+struct RowBatch<'a> {
+    columns: &'a Columns<'a>,
+    extents: Option<&'a [Extent]>,
+    names: Vec<String>,
+    /// `[number][place][label]`
+    arrays: Vec<Vec<f32>>,
+    /// Places that were added.
+    places: u64,
+    counts: Vec<RuleCount>,
+}
+
+impl<'a> RowBatch<'a> {
+    fn new(columns: &'a Columns<'a>, asked: &Asked, groups: Option<&'a Groups>) -> Self {
+        let count = |name: &str| RuleCount { rule: name.to_owned(), ..RuleCount::default() };
+        let counts = match asked {
+            Asked::Dates(_) => Vec::new(),
+            Asked::Rules(rules) => rules.iter().map(|planned| count(&planned.rule.name)).collect(),
+        };
+        let arrays = vec![Vec::new(); columns.numbers.len()];
+        RowBatch { columns, extents: groups.map(Groups::extents), names: Vec::new(), arrays, places: 0, counts }
+    }
+
+    /// Adds a place; false once nobody reads any more.
+    fn add(&mut self, answer: PlaceAnswer, files: &mut RowFiles) -> Result<bool> {
+        for (array, values) in self.arrays.iter_mut().zip(self.columns.values(&answer.items)) {
+            array.extend(values);
+        }
+        if let Asked::Rules(rules) = self.columns.asked {
+            for ((count, planned), item) in self.counts.iter_mut().zip(rules).zip(&answer.items) {
+                let verdict = item.as_ref().map(|item| item.value.verdict(planned.rule.at_least));
+                *match verdict {
+                    Some(Verdict::Met) => &mut count.met,
+                    Some(Verdict::Broken) => &mut count.broken,
+                    Some(Verdict::Close) => &mut count.close,
+                    None => &mut count.not_asked,
+                } += 1;
+            }
+        }
+        self.places += 1;
+        self.names.push(answer.name);
+        if self.names.len() == PLACES_AT_ONCE {
+            self.flush(files)?;
+        }
+        Ok(!files.is_closed())
+    }
+
+    fn flush(&mut self, files: &mut RowFiles) -> Result<()> {
+        let (names, arrays) = (std::mem::take(&mut self.names), self.arrays.clone());
+        self.arrays.iter_mut().for_each(Vec::clear);
+        if names.is_empty() {
+            return Ok(());
+        }
+        let first = self.places as usize - names.len();
+        let extents = self.extents.and_then(|all| all.get(first..first + names.len())).unwrap_or_default();
+        let labels = self.columns.labels().len();
+        files.write(&names, &PlaceValues::of_arrays(names.len(), labels, &arrays), extents)
+    }
+}

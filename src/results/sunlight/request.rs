@@ -1,0 +1,217 @@
+//! What is asked of sunlight. In: the choices of a user. Out: the same as one value that was checked; a plan of days and rules.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::calendar::DaySpan;
+use super::clock::ClockZone;
+use super::days::{DayPlan, SunnyHours};
+use super::places::{Asked, DateRows};
+use super::rule_files::read_rules;
+use crate::archives::Archives;
+use crate::files::FileRequest;
+use crate::outputs::periods::{ClockReading, Every, Periods};
+use crate::request::ReplayRequest;
+use crate::resources::Resources;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::place::Place;
+use heliotile_core::text::counted;
+use heliotile_core::weather::conditions::Stamp;
+use heliotile_core::weather::options::WeatherOptions;
+use heliotile_core::weather::time::calendar::Date;
+use heliotile_core::weather::time::sun::Location;
+use heliotile_core::weather::time::utc_offset::UtcOffset;
+use heliotile_core::weather::time::years::Years;
+
+/// Minutes of possible sun on days, or what rules say of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SunlightRequest {
+    /// Days: as `03-21`, `2026-03-21`, `02-19..10-21` or `year`. With rules: those of rules that have none of their own.
+    pub dates: Vec<DaySpan>,
+    /// The year of days that name none.
+    pub year: i32,
+    /// What a row stands for, without rules: a day, or all days of a month, a year or all of them.
+    pub every: Every,
+    /// Names of shipped rules, or files of rules.
+    pub rules: Vec<String>,
+    /// Clock that hours are told by; none: that of the weather, or whole hours by the longitude.
+    pub zone: Option<ClockZone>,
+    /// The sun counts from this height on, degrees.
+    pub least_altitude_deg: f64,
+    /// Of groups without rules: a moment counts when this share of the area is lit; 0: any of it.
+    pub lit_share: f64,
+    /// Whether moments that hang on an edge within a texel are found by rays of the scene in the archive.
+    pub exact: bool,
+    /// Weather file whose sunny hours count, for rules of probable hours.
+    pub weather: Option<PathBuf>,
+    /// What is known of the weather file that it does not state.
+    pub about_weather: WeatherOptions,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SunlightDone {
+    /// Receivers or groups.
+    pub places: u64,
+    /// Days that were looked at.
+    pub days: u64,
+    /// What each rule says.
+    pub rules: Vec<RuleCount>,
+}
+
+/// Places by what a rule says of them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct RuleCount {
+    /// Name of the rule.
+    pub rule: String,
+    /// Places that meet it.
+    pub met: u64,
+    /// Places that break it.
+    pub broken: u64,
+    /// Places whose value is as near to the threshold as it is uncertain.
+    pub close: u64,
+    /// Places that it is not about.
+    pub not_asked: u64,
+}
+
+impl SunlightDone {
+    /// What was found, in lines.
+    pub fn text(&self) -> String {
+        let (places, days) = (counted(self.places, "place"), counted(self.days, "day"));
+        let rule = |count: &RuleCount| {
+            let counts =
+                [(count.met, "met"), (count.broken, "broken"), (count.close, "close"), (count.not_asked, "not asked")];
+            let counts: Vec<String> =
+                counts.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
+            format!("{}: {}\n", count.rule, counts.join(", "))
+        };
+        format!("{places}, {days}\n{}", self.rules.iter().map(rule).collect::<String>())
+    }
+}
+
+impl Default for SunlightRequest {
+    fn default() -> Self {
+        SunlightRequest {
+            dates: Vec::new(),
+            year: Date::NO_YEAR,
+            every: Every::Day,
+            rules: Vec::new(),
+            zone: None,
+            least_altitude_deg: 0.0,
+            lit_share: 0.0,
+            exact: false,
+            weather: None,
+            about_weather: WeatherOptions::default(),
+        }
+    }
+}
+
+impl SunlightRequest {
+    /// Refuses numbers out of range, choices that exclude each other, and files that cannot hold such results, before anything is read.
+    pub fn check(&self, files: &FileRequest, inputs: &[&Path]) -> Result<()> {
+        if self.dates.is_empty() && self.rules.is_empty() {
+            let hint = "give {dates} 03-21, or {rule} with a name such as tno-light";
+            return Err(Error::argument("dates, rule", "there is nothing to look at", hint));
+        }
+        for (field, number, most) in
+            [("least_altitude", self.least_altitude_deg, 90.0), ("lit_share", self.lit_share, 1.0)]
+        {
+            if !(0.0..=most).contains(&number) {
+                return Err(Error::argument(field, format!("is {number}"), format!("give a number from 0 to {most}")));
+            }
+        }
+        if !(1..2999).contains(&self.year) {
+            return Err(Error::argument("year", format!("is {}", self.year), "give a year from 1 to 2998"));
+        }
+        if self.every == Every::Hour {
+            return Err(Error::argument(
+                "every",
+                "a row of an hour says no sum of sun",
+                "give day, month, year or total",
+            ));
+        }
+        if !self.rules.is_empty() && self.every != Every::Day {
+            let hint = "leave it out: rules have days of their own";
+            return Err(Error::argument("every", "is of rows of days, and rules are asked for", hint));
+        }
+        if files.model.is_some() || files.honeybee.is_some() {
+            return Err(Error::argument("model, honeybee", "hold irradiance", "write a table or a map of sunlight"));
+        }
+        if let Some(chart) = files.plots.iter().find(|plot| plot.extension().is_none_or(|ending| ending != "png")) {
+            let what = format!("`{}` is no picture of a map", chart.display());
+            return Err(Error::argument("plot", what, "give a name that ends with .png"));
+        }
+        let inputs: Vec<&Path> = inputs.iter().copied().chain(self.files()).collect();
+        files.check(None, None, &inputs)
+    }
+
+    /// Files that are read besides archives.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let own = self.rules.iter().filter(|name| name.ends_with(".toml")).map(Path::new);
+        own.chain(self.weather.as_deref())
+    }
+
+    /// Days, rules and labels of rows; reads rules and weather, and tells what is odd about these.
+    pub(super) fn plan(&self, archives: Archives, resources: &Resources) -> Result<(DayPlan, Asked)> {
+        let rules = read_rules(&self.rules)?;
+        let place = archives.manifest().place;
+        let weather = match &self.weather {
+            None => None,
+            Some(path) => {
+                let request = ReplayRequest { about_weather: self.about_weather, ..ReplayRequest::of(path) };
+                let weather = request.read_weather(resources, &mut || Ok(place))?;
+                request.tell_misfits(archives, &weather, resources.observer);
+                Some(weather)
+            }
+        };
+        let place = place.or(weather.as_ref().map(|weather| Place {
+            latitude_deg: weather.site.latitude_deg,
+            longitude_deg: weather.site.longitude_deg,
+            convergence_deg: 0.0,
+            epsg: None,
+        }));
+        let Some(place) = place else {
+            let what = "holds no place on Earth, and nothing says where the sun stands";
+            let hint =
+                "build it with {latitude} and {longitude}, or with {crs}, or give {weather}, whose place counts then";
+            return Err(Error::input(archives.first().path(), None, what, hint));
+        };
+        let of_weather = weather.as_ref().map(|weather| ClockZone::Fixed(UtcOffset::of_hours(weather.site.zone_hours)));
+        let zone = self.zone.clone().or(of_weather).unwrap_or_else(|| {
+            let zone = ClockZone::of_longitude(place.longitude_deg);
+            resources.observer.note(&format!("the clock is {zone}, by the longitude; {{zone}} gives another"));
+            zone
+        });
+        let offset_h = f64::from(zone.standard(self.year).minutes()) / 60.0;
+        let site = Location::new(place.latitude_deg, place.longitude_deg, offset_h, 0.0);
+        let site = site.map_err(|what| Error::input(archives.first().path(), None, what, "state another place"))?;
+        let spans: Vec<&[DaySpan]> =
+            rules.iter().map(|rule| rule.dates.as_slice()).chain([self.dates.as_slice()]).collect();
+        let plan = DayPlan::new(site, zone, self.year, &spans);
+        let sunny = weather.as_ref().map(SunnyHours::of);
+        if self.rules.is_empty() {
+            let rows = self.rows(&plan);
+            return Ok((plan, Asked::Dates(rows)));
+        }
+        for rule in rules.iter().filter(|rule| !rule.unconfirmed.is_empty()) {
+            resources.observer.note(&format!("{}: not confirmed: {}", rule.name, rule.unconfirmed));
+        }
+        let rules = plan.rules(rules, &self.dates, sunny.as_ref(), self.least_altitude_deg)?;
+        if let Some((weather, path)) = weather.as_ref().zip(self.weather.as_deref()) {
+            SunnyHours::check(weather, &plan, &rules, path)?;
+        }
+        Ok((plan, Asked::Rules(rules)))
+    }
+
+    /// The rows of days.
+    fn rows(&self, plan: &DayPlan) -> DateRows {
+        let years = if self.dates.iter().all(DaySpan::has_year) { Years::Several } else { Years::Typical };
+        let stamps: Vec<Stamp> =
+            plan.dates.iter().map(|date| Stamp { date: *date, start_min: 0.0, hours: 24.0 }).collect();
+        let reading = ClockReading { offset: plan.zone.standard(self.year), ..ClockReading::default() };
+        let Periods { labels, index_of_condition, .. } = Periods::new(self.every, years, &stamps, reading);
+        DateRows { labels, label_of_date: index_of_condition, is_by_day: self.every == Every::Day }
+    }
+}

@@ -1,0 +1,293 @@
+//! A rule of sunlight: which days and hours count, what of a place has to be lit, and for how long. In: tables of TOML. Out: rules whose numbers
+//! are in range.
+
+use std::fmt;
+
+use serde::Deserialize;
+
+use super::calendar::DaySpan;
+use heliotile_core::named::NamedValues;
+use heliotile_core::serde_by_name;
+
+/// A rule.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "StatedRule")]
+pub struct Rule {
+    /// Name in results.
+    pub name: String,
+    /// What it asks for, in words.
+    pub title: String,
+    /// Where that is written.
+    pub source: String,
+    /// What of it could not be confirmed.
+    pub unconfirmed: String,
+    /// Days that count; none: those that are asked for.
+    pub dates: Vec<DaySpan>,
+    /// How the days become one number.
+    pub days: DaysTogether,
+    /// What is measured.
+    pub measure: RuleMeasure,
+    /// The least value that meets the rule: minutes, or percent.
+    pub at_least: f64,
+    /// Hours of the clock that count, minutes after midnight.
+    pub hours: Option<ClockHours>,
+    /// The sun counts from this height on, degrees.
+    pub least_altitude_deg: f64,
+    /// Shorter spells do not count, minutes.
+    pub least_spell_min: f64,
+    /// The sun counts from this angle to the surface on, degrees.
+    pub least_angle_deg: f64,
+    /// Kinds of surfaces that it is about; none: all.
+    pub kinds: Vec<String>,
+    /// Surfaces that face from one azimuth clockwise to another, degrees from true north; none: all.
+    pub facing_deg: Option<[f64; 2]>,
+    /// What of a surface has to be lit.
+    pub part: LitPart,
+}
+
+/// Hours of a day.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClockHours {
+    /// Minutes after midnight.
+    pub from_min: f64,
+    /// Minutes after midnight, later.
+    pub to_min: f64,
+    /// Which clock tells them.
+    pub clock: RuleClock,
+}
+
+/// What of a surface, or of another group of receivers, has to be lit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LitPart {
+    /// The receiver that is nearest to its middle.
+    Middle,
+    /// This share of its area at a time: a moment counts when so much is lit.
+    AtATime(f64),
+    /// This share of its area, each place for so long, be it at other times.
+    InTurn(f64),
+}
+
+/// How the days of a rule become one number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DaysTogether {
+    /// The least of them: each day has to meet the rule.
+    #[default]
+    Each,
+    /// The most of them: one day has to.
+    Any,
+    /// Their mean.
+    Mean,
+    /// Their sum.
+    Sum,
+}
+
+/// What a rule measures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RuleMeasure {
+    /// Minutes of sun.
+    #[default]
+    Minutes,
+    /// The longest spell, minutes.
+    LongestSpell,
+    /// Hours in which the sun shines by the weather file, percent of all such hours on open ground.
+    ProbablePercent,
+    /// Vertical sky component, percent.
+    VscPercent,
+}
+
+/// Which clock tells hours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RuleClock {
+    /// The zone's standard time.
+    #[default]
+    Standard,
+    /// Its legal time, which may be summer time.
+    Legal,
+    /// True solar time: the sun is highest at 12.
+    Solar,
+}
+
+impl RuleMeasure {
+    /// Whether values are percent, not minutes.
+    pub fn is_percent(self) -> bool {
+        matches!(self, RuleMeasure::ProbablePercent | RuleMeasure::VscPercent)
+    }
+}
+
+impl NamedValues for DaysTogether {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("each", "Each day has to meet the rule", DaysTogether::Each),
+        ("any", "One day has to", DaysTogether::Any),
+        ("mean", "The mean of the days counts", DaysTogether::Mean),
+        ("sum", "Their sum counts", DaysTogether::Sum),
+    ];
+}
+
+impl NamedValues for RuleMeasure {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("minutes", "Minutes of sun", RuleMeasure::Minutes),
+        ("longest_spell", "The longest spell, minutes", RuleMeasure::LongestSpell),
+        ("probable_percent", "Percent of the sunny hours of a weather file", RuleMeasure::ProbablePercent),
+        ("vsc_percent", "Vertical sky component, percent", RuleMeasure::VscPercent),
+    ];
+}
+
+impl NamedValues for RuleClock {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("standard", "The zone's standard time", RuleClock::Standard),
+        ("legal", "Its legal time", RuleClock::Legal),
+        ("solar", "True solar time", RuleClock::Solar),
+    ];
+}
+
+serde_by_name!(DaysTogether, RuleMeasure, RuleClock);
+
+/// A reading of the clock, as `09:30`.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(try_from = "String")]
+struct ClockTime(f64);
+
+impl TryFrom<String> for ClockTime {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        let read = || {
+            let (hours, minutes) = text.split_once(':')?;
+            let number = |part: &str| part.parse::<u32>().ok().filter(|_| part.bytes().all(|b| b.is_ascii_digit()));
+            let (hours, minutes) = (number(hours)?, number(minutes)?);
+            (minutes < 60 && 60 * hours + minutes <= 1440).then(|| ClockTime(f64::from(60 * hours + minutes)))
+        };
+        read().ok_or_else(|| format!("`{text}` is no time of a day: give it as \"09:30\""))
+    }
+}
+
+/// A rule as a file states it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StatedRule {
+    name: String,
+    #[serde(default)]
+    title: String,
+    #[serde(default)]
+    source: String,
+    #[serde(default)]
+    unconfirmed: String,
+    #[serde(default)]
+    dates: Vec<DaySpan>,
+    #[serde(default)]
+    days: DaysTogether,
+    #[serde(default)]
+    measure: RuleMeasure,
+    at_least: f64,
+    from: Option<ClockTime>,
+    to: Option<ClockTime>,
+    #[serde(default)]
+    clock: RuleClock,
+    #[serde(default)]
+    least_altitude_deg: f64,
+    #[serde(default)]
+    least_spell_minutes: f64,
+    #[serde(default)]
+    least_angle_deg: f64,
+    #[serde(default)]
+    kinds: Vec<String>,
+    facing_deg: Option<[f64; 2]>,
+    lit_share: Option<f64>,
+    area_share: Option<f64>,
+}
+
+/// The longest name of a rule: columns of maps begin with it.
+const MOST_LETTERS: usize = 40;
+
+impl TryFrom<StatedRule> for Rule {
+    type Error = String;
+
+    fn try_from(stated: StatedRule) -> Result<Self, String> {
+        let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+        let name = stated.name;
+        if name.is_empty() || name.len() > MOST_LETTERS || !name.chars().all(is_plain) {
+            return Err(format!(
+                "`{name}` is no name of a rule: give small letters, digits and -, {MOST_LETTERS} at most"
+            ));
+        }
+        let is_percent = stated.measure.is_percent();
+        let numbers = [
+            ("at_least", stated.at_least, if is_percent { 100.0 } else { 1e6 }),
+            ("least_altitude_deg", stated.least_altitude_deg, 90.0),
+            ("least_spell_minutes", stated.least_spell_minutes, 1440.0),
+            ("least_angle_deg", stated.least_angle_deg, 90.0),
+            ("lit_share", stated.lit_share.unwrap_or(1.0), 1.0),
+            ("area_share", stated.area_share.unwrap_or(1.0), 1.0),
+        ];
+        for (field, number, most) in numbers {
+            if !(0.0..=most).contains(&number) {
+                return Err(format!("the rule {name}: {field} is {number}, it must be from 0 to {most}"));
+            }
+        }
+        if stated.facing_deg.is_some_and(|facing| facing.iter().any(|azimuth| !(0.0..=360.0).contains(azimuth))) {
+            return Err(format!("the rule {name}: facing_deg holds two azimuths from 0 to 360"));
+        }
+        let part = match (stated.lit_share, stated.area_share) {
+            (Some(_), Some(_)) => return Err(format!("the rule {name}: give lit_share or area_share, not both")),
+            (Some(share), None) => LitPart::AtATime(share),
+            (None, Some(share)) => LitPart::InTurn(share),
+            (None, None) => LitPart::Middle,
+        };
+        let hours = match (stated.from, stated.to) {
+            (None, None) => None,
+            (Some(from), Some(to)) if from.0 < to.0 => {
+                Some(ClockHours { from_min: from.0, to_min: to.0, clock: stated.clock })
+            }
+            _ => return Err(format!("the rule {name}: give from and to, the earlier time first")),
+        };
+        if stated.measure == RuleMeasure::VscPercent && !(stated.dates.is_empty() && hours.is_none()) {
+            return Err(format!("the rule {name}: a sky component has no dates and no hours"));
+        }
+        if stated.measure == RuleMeasure::VscPercent && matches!(part, LitPart::AtATime(_)) {
+            return Err(format!("the rule {name}: a sky component has no lit_share, give area_share"));
+        }
+        if stated.measure == RuleMeasure::ProbablePercent && stated.days != DaysTogether::Sum {
+            return Err(format!("the rule {name}: probable_percent is of all its days: give days = \"sum\""));
+        }
+        Ok(Rule {
+            name,
+            title: stated.title,
+            source: stated.source,
+            unconfirmed: stated.unconfirmed,
+            dates: stated.dates,
+            days: stated.days,
+            measure: stated.measure,
+            at_least: stated.at_least,
+            hours,
+            least_altitude_deg: stated.least_altitude_deg,
+            least_spell_min: stated.least_spell_minutes,
+            least_angle_deg: stated.least_angle_deg,
+            kinds: stated.kinds,
+            facing_deg: stated.facing_deg,
+            part,
+        })
+    }
+}
+
+impl Rule {
+    /// Whether it asks for days of sun, be they its own or those that are asked for.
+    pub fn needs_days(&self) -> bool {
+        self.measure != RuleMeasure::VscPercent
+    }
+
+    /// Whether it is about surfaces of a kind that look to an azimuth; none is known where receivers have no kind, and roofs look nowhere.
+    pub fn is_about(&self, kind: &str, azimuth_deg: Option<f64>) -> bool {
+        let is_kind = self.kinds.is_empty() || kind.is_empty() || self.kinds.iter().any(|one| one == kind);
+        let faces = |[from, to]: [f64; 2], azimuth: f64| match from <= to {
+            true => (from..=to).contains(&azimuth),
+            false => azimuth >= from || azimuth <= to,
+        };
+        is_kind && self.facing_deg.is_none_or(|facing| azimuth_deg.is_some_and(|azimuth| faces(facing, azimuth)))
+    }
+}
+
+impl fmt::Display for Rule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", if self.title.is_empty() { &self.name } else { &self.title })
+    }
+}

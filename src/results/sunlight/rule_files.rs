@@ -1,0 +1,130 @@
+//! Rules in files. In: the name of a shipped file, or the path of one of the user's. Out: rules.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::rule::Rule;
+use heliotile_core::error::{Error, Result};
+use heliotile_scene::input;
+use heliotile_scene::line_of_offset;
+
+/// The rules that come with the program: the name of a file, and its text.
+const SHIPPED: [(&str, &str); 10] = [
+    ("bre-apsh", include_str!("rules/bre-apsh.toml")),
+    ("bre-ground", include_str!("rules/bre-ground.toml")),
+    ("bre-vsc", include_str!("rules/bre-vsc.toml")),
+    ("din-5034", include_str!("rules/din-5034.toml")),
+    ("en-17037", include_str!("rules/en-17037.toml")),
+    ("gb-50180", include_str!("rules/gb-50180.toml")),
+    ("nsw-adg", include_str!("rules/nsw-adg.toml")),
+    ("the-hague", include_str!("rules/the-hague.toml")),
+    ("tno-light", include_str!("rules/tno-light.toml")),
+    ("tno-strict", include_str!("rules/tno-strict.toml")),
+];
+
+/// What a file of rules may hold.
+const KEYS: &str = "give tables [[rule]] with a name, dates, at_least, and what else the shipped ones have ({command:rules} shows them)";
+
+/// A file of rules.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RuleFile {
+    rule: Vec<Rule>,
+}
+
+/// A file of rules that comes with the program.
+#[derive(Clone, Debug)]
+pub struct ShippedRules {
+    /// Its name, as requests give it.
+    pub name: &'static str,
+    /// Its text, TOML.
+    pub text: &'static str,
+    /// Its rules.
+    pub rules: Vec<Rule>,
+}
+
+/// The files that come with the program, by name.
+pub fn shipped_rules() -> Result<Vec<ShippedRules>> {
+    let file = |(name, text): (&'static str, &'static str)| {
+        Ok(ShippedRules { name, text, rules: rules_of(Path::new(name), text)? })
+    };
+    SHIPPED.into_iter().map(file).collect()
+}
+
+/// The rules of files, by the names of shipped ones or by paths that end with .toml.
+pub fn read_rules(names: &[String]) -> Result<Vec<Rule>> {
+    let mut all: Vec<Rule> = Vec::new();
+    for name in names {
+        let (path, text) = match SHIPPED.iter().find(|(shipped, _)| shipped == name) {
+            Some((_, text)) => (Path::new(name), (*text).to_owned()),
+            None if name.ends_with(".toml") => {
+                let path = Path::new(name);
+                (path, String::from_utf8_lossy(&input::read(path)?).into_owned())
+            }
+            None => {
+                let shipped: Vec<&str> = SHIPPED.iter().map(|(shipped, _)| *shipped).collect();
+                let hint = format!("give {}, or a file of your own that ends with .toml", shipped.join(", "));
+                return Err(Error::argument("rule", format!("`{name}` is none of the rules that are known"), hint));
+            }
+        };
+        for rule in rules_of(path, &text)? {
+            if let Some(same) = all.iter().find(|other| other.name == rule.name) {
+                let what = format!("`{}` is the name of two rules", same.name);
+                return Err(Error::input(path, None, what, "give each rule a name of its own, and each file once"));
+            }
+            all.push(rule);
+        }
+    }
+    Ok(all)
+}
+
+fn rules_of(path: &Path, text: &str) -> Result<Vec<Rule>> {
+    let file: RuleFile = toml::from_str(text).map_err(|error| {
+        let line = error.span().map(|span| line_of_offset(text.as_bytes(), span.start));
+        Error::input(path, line, error.message(), KEYS)
+    })?;
+    match file.rule.is_empty() {
+        true => Err(Error::input(path, None, "holds no rule", KEYS)),
+        false => Ok(file.rule),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each of the 10 shipped files is read, each of its rules says what it asks for and where that is written, and their names differ.
+    #[test]
+    fn shipped_rules_are_read() {
+        let names: Vec<String> = SHIPPED.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let rules = read_rules(&names).expect("rules");
+        assert!(rules.len() > 12, "{}", rules.len());
+        assert!(rules.iter().all(|rule| !rule.title.is_empty() && !rule.source.is_empty()));
+    }
+
+    /// Eleven wrong rules are refused with their line, each by what is wrong in it.
+    #[test]
+    fn wrong_rules() {
+        for (lines, says) in [
+            ("at_least = 120", "missing field `name`"),
+            ("name = \"a\"", "missing field `at_least`"),
+            ("name = \"My rule\"\nat_least = 1", "no name of a rule"),
+            ("name = \"a\"\nat_least = -1", "at_least is -1"),
+            ("name = \"a\"\nat_least = 1\nfrom = \"9\"\nto = \"15:00\"", "`9` is no time of a day"),
+            ("name = \"a\"\nat_least = 1\nfrom = \"15:00\"\nto = \"09:00\"", "the earlier time first"),
+            ("name = \"a\"\nat_least = 1\ndates = [\"03-32\"]", "`03-32` is no day"),
+            ("name = \"a\"\nat_least = 1\nlit_share = 0.5\narea_share = 0.5", "not both"),
+            ("name = \"a\"\nat_least = 1\nhours = 2", "unknown field `hours`"),
+            ("name = \"a\"\nat_least = 1\nclock = \"summer\"", "none of standard, legal, solar"),
+            ("name = \"a\"\nat_least = 25\nmeasure = \"vsc_percent\"\ndates = [\"03-21\"]", "no dates"),
+        ] {
+            let text = format!("\n[[rule]]\n{lines}\n");
+            let error = rules_of(Path::new("own.toml"), &text).expect_err(says).to_string();
+            assert!(error.contains(says) && error.contains("own.toml:"), "{says}: {error}");
+        }
+        assert!(read_rules(&["tno".into()]).is_err_and(|error| error.to_string().contains("tno-light")));
+        let twice = read_rules(&["tno-light".into(), "tno-light".into()]);
+        assert!(twice.is_err_and(|error| error.to_string().contains("two rules")));
+    }
+}
