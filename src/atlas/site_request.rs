@@ -199,7 +199,12 @@ impl SiteRequest {
         let folder = working_folder(&files.output);
         let site =
             SunlightSite { archives: opened.archives(), receivers: &receivers, place: &self.place, folder: &folder };
-        request.write(files, &site, about, resources)
+        let Some(place) = &request.before else { return request.write(files, &site, None, about, resources) };
+        let beside = self.beside(place);
+        let opened = beside.open(resources.memory)?;
+        let receivers = opened.receivers(&files.output, resources.memory)?;
+        let before = SunlightSite { archives: opened.archives(), receivers: &receivers, place, folder: &folder };
+        request.write(files, &site, Some(&before), about, resources)
     }
 
     /// Files that are read: the archive, the list of receivers, and others.

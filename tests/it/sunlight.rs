@@ -104,8 +104,8 @@ fn run(folder: &Folder, arguments: &str) -> String {
 }
 
 /// The sun between two vertical edges, over a level edge, and at a window between fins below an overhang, at five latitudes on four dates: 60
-/// sums of a day. All are within what is stated, 95 of 100 within half a minute. With rays of the scene those of edges far away are within six
-/// seconds (the other sun is right to 2.4 at each end), those of fins of a metre within ten: rays start a millimetre off their surface.
+/// sums of a day. All are within what is stated, 95 of 100 within half a minute. With rays of the scene 95 of 100 are within six seconds and all
+/// within ten: the other sun is right to 0.01 degrees, which is seconds where it rises flatly, and rays start a millimetre off their surface.
 #[test]
 fn moments_of_edges() {
     let days = [("03-21", 79), ("06-21", 171), ("11-05", 308), ("12-21", 354)];
@@ -150,7 +150,7 @@ fn moments_of_edges() {
                 assert_eq!(number(by_rays, "uncertain_minutes"), 0.0);
                 off.push(error);
                 let seconds = 60.0 * (number(by_rays, "sun_minutes") - known).abs();
-                assert!(seconds < if name == "fins" { 10.0 } else { 6.0 }, "{latitude_deg} {key:?}: {seconds} s");
+                assert!(seconds < 10.0, "{latitude_deg} {key:?}: {seconds} s");
                 off_exact.push(seconds);
             }
         }
@@ -356,6 +356,50 @@ fn probable_hours() {
     let refused = folder.run(&format!("{ask} short.csv --latitude 52 --longitude 0"));
     assert_eq!(refused.status.code(), Some(2));
     assert!(stderr(&refused).contains("has no hours of"), "{}", stderr(&refused));
+}
+
+/// An endless wall before a facade grows from a profile angle of 25 degrees to 30, and to 40. Its vertical sky component falls from 27.3 % to 24.4,
+/// which is below 27 and above 0.8 of what it was, so the rule is met beside the archive before and broken without it; 18.3 % is newly broken. Lost
+/// minutes are the difference of two tables, and a receiver that was not there before has none.
+#[test]
+fn before_and_after() {
+    let folder = Folder::new();
+    for (name, angle_deg) in [("a", 25.0_f64), ("b", 30.0), ("c", 40.0)] {
+        let height = 1.5 + 10.0 * angle_deg.to_radians().tan();
+        let wall = Rectangle(DVec3::new(-6000.0, -10.0, 0.0), 12_000.0 * DVec3::X, height * DVec3::Z);
+        folder.write(&format!("{name}.obj"), &format!("{GROUND}{}", wall.obj()));
+        let new = if name == "a" { "" } else { "new,20,0,1.5,0,-1,0\n" };
+        folder.write("r.csv", &format!("receiver,x,y,z,nx,ny,nz\nold,0,0,1.5,0,-1,0\n{new}"));
+        run(&folder, &format!("build {name}.obj -r r.csv --latitude 52 --longitude 5 -o {name}.helio"));
+    }
+    let judged = |after: &str, before: &str| {
+        let found = rows(&run(&folder, &format!("sunlight {after}.helio {before} --rule bre-vsc -o -")));
+        let of = |place: &str, column: &str| found[&("bre-vsc".to_owned(), place.to_owned())][column].clone();
+        (of("old", "verdict"), of("new", "verdict"))
+    };
+    assert_eq!(judged("b", ""), ("broken".into(), "broken".into()));
+    assert_eq!(judged("b", "--before a.helio"), ("met".into(), "broken".into()));
+    assert_eq!(judged("c", "--before a.helio"), ("broken".into(), "broken".into()));
+    let told = stderr(&folder.run("sunlight c.helio --before a.helio --rule bre-vsc -o -"));
+    assert!(told.contains("bre-vsc: 2 broken, 1 newly broken"), "{told}");
+    let days = |ask: &str| rows(&run(&folder, &format!("sunlight {ask} --dates 03-21,10-10 -o -")));
+    let (before, after, both) = (days("a.helio"), days("c.helio"), days("c.helio --before a.helio"));
+    for date in ["03-21", "10-10"] {
+        let key = |place: &str| (date.to_owned(), place.to_owned());
+        let number = |rows: &BTreeMap<(String, String), BTreeMap<String, String>>, column: &str| -> f64 {
+            rows[&key("old")][column].parse().expect("a number")
+        };
+        let lost = number(&before, "sun_minutes") - number(&after, "sun_minutes");
+        assert!((number(&both, "lost_minutes") - lost).abs() < 0.011 && lost > 60.0, "{date}: {lost}");
+        assert_eq!(number(&both, "before_minutes"), number(&before, "sun_minutes"));
+        assert_eq!(
+            (both[&key("new")]["before_minutes"].as_str(), both[&key("new")]["lost_minutes"].as_str()),
+            ("", "")
+        );
+    }
+    run(&folder, "build a.obj -r r.csv --latitude 48 --longitude 5 -o far.helio");
+    let refused = folder.run("sunlight c.helio --before far.helio --dates 03-21 -o -");
+    assert!(refused.status.code() == Some(2) && stderr(&refused).contains("not of one site"), "{}", stderr(&refused));
 }
 
 /// Days as tables of all endings, maps and a picture; by month the sums of its days. First and last

@@ -218,6 +218,7 @@ class Askable(ABC):
         dates: str | Sequence[str] = (),
         *,
         rules: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
+        before: str | os.PathLike[str] | None = None,
         by: str = "receiver",
         every: str = "day",
         zone: str | None = None,
@@ -235,7 +236,7 @@ class Askable(ABC):
         """Hours of possible sun on some days, or what rules say of them, as files: `heliotile sunlight`.
 
         `output`: a table or a map by its ending. `dates`: `"03-21"`, `"2026-03-21"`, `"02-19..10-21"` or `"year"`. `rules`: names such as
-        `"tno-light"`, or files that end with .toml. `by`: `"receiver"`, `"surface"`, `"window"`, `"object"`, `"building"` or `"kind"`. `every`:
+        `"tno-light"`, or files that end with .toml. `before`: the archive before a change, whose values stand beside. `by`: `"receiver"`, `"surface"`, `"window"`, `"object"`, `"building"` or `"kind"`. `every`:
         `"day"`, `"month"`, `"year"` or `"total"`. `zone`: `"+01:00"` or `"Europe/Amsterdam"`. `least_altitude` of the sun is in degrees,
         `lit_share` of the area of a group from 0 to 1. `exact`: moments that hang on an edge are found by rays. Returns numbers of `places`
         and `days`, and for each of the `rules` how many places meet it, break it, or are too close to it to say.
@@ -245,6 +246,7 @@ class Askable(ABC):
         request: dict[str, Any] = {"dates": days, "rules": [os.fspath(rule) for rule in named], "every": every, "year": year}
         request |= {"least_altitude_deg": least_altitude, "lit_share": lit_share, "exact": exact}
         request |= {} if zone is None else {"zone": zone}
+        request |= {} if before is None else {"before": os.fspath(before)}
         request |= weather_request(weather)
         files = {"output": os.fspath(output), "by": by, "geo": geo, "plots": [os.fspath(plot) for plot in plots]}
         wanted = wanted_args(receivers)

@@ -360,7 +360,14 @@ impl ArchiveHandle {
             let (archives, place) = (self.sources.borrowed(), self.place.as_path());
             let site = SunlightSite { archives, receivers: &chosen, place, folder: &folder };
             let resources = Resources { memory, storage: &storage, files: &input::read, observer: watch };
-            request.write(&files, &site, Provenance::default(), &resources)
+            let Some(place) = &request.before else {
+                return request.write(&files, &site, None, Provenance::default(), &resources);
+            };
+            let sources = open(place, Access::default())?;
+            let choice = ReceiverChoice { selection: None, grid_north: self.grid_north };
+            let had = choice.of(sources.borrowed(), &folder, memory)?;
+            let before = SunlightSite { archives: sources.borrowed(), receivers: &had, place, folder: &folder };
+            request.write(&files, &site, Some(&before), Provenance::default(), &resources)
         })?;
         Ok(serde_json::json!(done).to_string())
     }

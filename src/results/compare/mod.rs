@@ -21,6 +21,7 @@ use heliotile_core::replay::components::{Component, ComponentList};
 pub use pass::BeforeSide;
 pub use summary::{CompareSummary, VariantSummary};
 pub use tally::{LOSSES_PERCENT, LossCounts};
+pub(crate) use variant::check_memory;
 
 /// How archives differ from one before them.
 #[derive(Clone, Debug)]

@@ -166,7 +166,7 @@ impl Variant {
 }
 
 /// An error if so many receivers cannot be matched within the memory.
-fn check_memory(receivers: u64, memory: MemoryBudget) -> Result<()> {
+pub fn check_memory(receivers: u64, memory: MemoryBudget) -> Result<()> {
     let (bytes, most) = (receivers.saturating_mul(BYTES_OF_RECEIVER), memory.share(Use::ReceiverList));
     if bytes <= most {
         return Ok(());

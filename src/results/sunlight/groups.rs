@@ -95,7 +95,7 @@ fn items_of(parts: &[GroupPart], asked: &Asked, lit_share: f64) -> Vec<Option<An
                 let mean = |of: fn(&RuleValue) -> f64| values().map(|(share, value)| share * of(&value)).sum();
                 let value =
                     RuleValue { value: mean(|one| one.value), low: mean(|one| one.low), high: mean(|one| one.high) };
-                AnswerItem { value, days: covered(lit_share) }
+                AnswerItem { value, days: covered(lit_share), before: None }
             }
             Asked::Rules(rules) => {
                 let planned = rules.get(number)?;
@@ -104,7 +104,7 @@ fn items_of(parts: &[GroupPart], asked: &Asked, lit_share: f64) -> Vec<Option<An
                     LitPart::AtATime(least) => planned.value(&covered(least)),
                     LitPart::InTurn(least) => RuleValue::reached_on(least, &values().collect::<Vec<_>>()),
                 };
-                AnswerItem { value, days: Vec::new() }
+                AnswerItem { value, days: Vec::new(), before: None }
             }
         })
     };
@@ -133,7 +133,7 @@ fn put(bytes: &mut Vec<u8>, value: f64) {
 
 /// An item: how many days it has, its value, their spells; no days and no number where there is none.
 fn put_item(bytes: &mut Vec<u8>, item: Option<&AnswerItem>) {
-    let Some(AnswerItem { value, days }) = item else { return put(bytes, f64::NAN) };
+    let Some(AnswerItem { value, days, .. }) = item else { return put(bytes, f64::NAN) };
     put(bytes, days.len() as f64);
     [value.value, value.low, value.high].iter().for_each(|value| put(bytes, *value));
     for spells in days.iter().flat_map(|day| [&day.seen, &day.sure, &day.possible]) {
@@ -167,7 +167,7 @@ fn part_of(bytes: &[u8]) -> Option<GroupPart> {
         for _ in 0..days as usize {
             of_days.push(SunSeen { seen: spells()?, sure: spells()?, possible: spells()? });
         }
-        items.push(Some(AnswerItem { value, days: of_days }));
+        items.push(Some(AnswerItem { value, days: of_days, before: None }));
     }
     rest.is_empty().then_some(GroupPart { share, answer: PlaceAnswer { name: String::new(), position, items } })
 }

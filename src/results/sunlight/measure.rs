@@ -1,7 +1,7 @@
 //! What a rule measures of spells of sun. In: a rule with its days, the sun that is seen on them. Out: a value, how far it may be off, a verdict.
 
 use super::days::PlannedRule;
-use super::rule::{DaysTogether, RuleMeasure};
+use super::rule::{DaysTogether, Rule, RuleMeasure};
 use crate::outputs::quantities::Verdict;
 use heliotile_core::sunlight::{Spells, SunSeen};
 
@@ -28,6 +28,26 @@ impl RuleValue {
     /// How far the value may be off.
     pub fn uncertain(&self) -> f64 {
         (self.value - self.low).max(self.high - self.value).max(0.0)
+    }
+
+    /// What a rule makes of it, and of what it was before a change.
+    pub fn judged(&self, rule: &Rule, before: Option<&RuleValue>) -> Verdict {
+        let verdict = self.verdict(rule.at_least);
+        match (rule.former_share, before) {
+            // Less than what was asked for before may be enough now, too.
+            (Some(share), Some(before)) if verdict != Verdict::Met => {
+                let of_former = RuleValue {
+                    value: self.value - share * before.value,
+                    low: self.low - share * before.high,
+                    high: self.high - share * before.low,
+                };
+                match of_former.verdict(0.0) {
+                    Verdict::Broken => verdict,
+                    enough => enough,
+                }
+            }
+            _ => verdict,
+        }
     }
 
     /// What the threshold makes of it.

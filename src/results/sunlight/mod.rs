@@ -8,6 +8,7 @@ mod calendar;
 mod clock;
 mod days;
 mod exact;
+mod former;
 mod groups;
 mod measure;
 mod pass;

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use super::clock::ClockZone;
 use super::days::DayPlan;
+use super::former::{FormerValues, NamesAfter};
 use super::groups::{GroupAnswers, check_middles};
 use super::places::{AnswerItem, Asked, DateRows, PlaceAnswer, PlaceQuestions};
 use super::request::{RuleCount, SunlightDone, SunlightRequest};
 use crate::archives::Archives;
-use crate::doubts::preview;
+use crate::doubts::{check_one_site, preview};
 use crate::files::{FileRequest, MapFile, ResultRows, RowFiles, RowsAbout, groups_of, name_of};
 use crate::outputs::groups::{Extent, Groups};
 use crate::outputs::periods::Every;
@@ -36,6 +37,7 @@ const DEGREES_A_MINUTE: f64 = 0.25;
 const WINDOW: &str = "window";
 
 /// Open archives of a site, and the receivers that are asked.
+#[derive(Clone, Copy)]
 pub struct SunlightSite<'a> {
     /// The archives.
     pub archives: Archives<'a>,
@@ -48,27 +50,35 @@ pub struct SunlightSite<'a> {
 }
 
 impl SunlightRequest {
-    /// Writes the files.
+    /// Writes the files; `before` is the site before a change, where one is asked for.
     pub fn write(
         &self,
         files: &FileRequest,
         site: &SunlightSite,
+        before: Option<&SunlightSite>,
         about: Provenance,
         resources: &Resources,
     ) -> Result<SunlightDone> {
+        if let Some(before) = before {
+            check_one_site(before.archives.first(), site.archives.first())?;
+        }
         let (plan, asked) = self.plan(site.archives, resources)?;
         check_middles(&asked, files.by)?;
         self.tell(site.archives, resources);
         let windows = windows_of(site, files.by)?;
         let receivers = windows.as_ref().unwrap_or(site.receivers);
         let groups = groups_of(receivers, files.by, site.place)?;
-        let columns = Columns::of(&asked, &plan, groups.is_some());
+        let columns = Columns::of(&asked, &plan, groups.is_some(), before.is_some());
         let mut layout = columns.layout(files.by);
         if let Some(groups) = &groups {
             layout.facts = groups.facts(files.by, false);
         }
         let rows = ResultRows::of(layout, columns.labels(), None);
         let about = site.archives.told_in(about, site.place);
+        let about = match before {
+            Some(before) => about.with("root_before", before.archives.root()),
+            None => about,
+        };
         let about = about.with("utc_offset", plan.zone.standard(self.year)).with("clock", &plan.zone);
         let told = RowsAbout { called: self.called(&columns, site.place), about, place: site.place, scene: None };
         let maps = maps_of(files)?;
@@ -88,22 +98,63 @@ impl SunlightRequest {
             exact: self.exact,
             is_of_groups: groups.is_some(),
         };
+        let former = match before {
+            Some(before) => self.former(files.by, before, &questions, resources)?,
+            None => FormerValues::default(),
+        };
         row_files.start()?;
         let mut rows = RowBatch::new(&columns, &asked, groups.as_ref());
-        match &groups {
-            None => questions.each(resources, |answer| rows.add(answer, &mut row_files))?,
-            Some(groups) => {
-                let memory = resources.memory.length(Use::ComparedValues);
-                let mut answers = GroupAnswers::new(groups, site.folder, memory);
-                questions.each(resources, |answer| answers.push(&answer).map(|()| true))?;
-                answers.each(&asked, self.lit_share, |answer| rows.add(answer, &mut row_files))?;
-            }
-        }
+        self.each(&questions, groups.as_ref(), site.folder, resources, |mut answer| {
+            former.join(&mut answer);
+            rows.add(answer, &mut row_files)
+        })?;
         rows.flush(&mut row_files)?;
         let rules = std::mem::take(&mut rows.counts);
         let places = rows.places;
         row_files.finish(resources.observer)?;
         Ok(SunlightDone { places, days: plan.dates.len() as u64, rules })
+    }
+
+    /// Hands on the answers of receivers, or of their groups.
+    fn each(
+        &self,
+        questions: &PlaceQuestions,
+        groups: Option<&Groups>,
+        folder: &Path,
+        resources: &Resources,
+        take: impl FnMut(PlaceAnswer) -> Result<bool>,
+    ) -> Result<()> {
+        let Some(groups) = groups else { return questions.each(resources, take) };
+        let mut answers = GroupAnswers::new(groups, folder, resources.memory.length(Use::ComparedValues));
+        questions.each(resources, |answer| answers.push(&answer).map(|()| true))?;
+        answers.each(questions.asked, self.lit_share, take)
+    }
+
+    /// The values of the site before, by the names of places after.
+    fn former(
+        &self,
+        by: By,
+        before: &SunlightSite,
+        of_after: &PlaceQuestions,
+        resources: &Resources,
+    ) -> Result<FormerValues> {
+        self.tell(before.archives, resources);
+        let windows = windows_of(before, by)?;
+        let receivers = windows.as_ref().unwrap_or(before.receivers);
+        let site = SunlightSite { receivers, ..*before };
+        let groups = groups_of(receivers, by, before.place)?;
+        let names = match &groups {
+            Some(_) => NamesAfter::Same,
+            None => NamesAfter::of(&site, of_after.receivers, resources)?,
+        };
+        let places = groups.as_ref().map_or(receivers.count(), |groups| groups.names().len() as u64);
+        let mut former = FormerValues::with_room(places, of_after.items() as u64, resources)?;
+        let questions = PlaceQuestions { receivers, ..*of_after };
+        self.each(&questions, groups.as_ref(), before.folder, resources, |answer| {
+            former.add(&answer, &names);
+            Ok(true)
+        })?;
+        Ok(former)
     }
 
     /// What is looked at, for pictures.
@@ -179,11 +230,17 @@ enum Number {
     Last,
     /// How far the minutes may be off.
     Uncertain,
+    /// Minutes before, and how many of them are lost.
+    Before,
+    Lost,
     /// Value of a rule, its threshold, how far the value may be off, what it says.
     Value,
     Threshold,
     ValueUncertain,
     Verdict,
+    /// Value and verdict before.
+    ValueBefore,
+    VerdictBefore,
 }
 
 /// The columns of what is asked.
@@ -195,16 +252,23 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    fn of(asked: &'a Asked, plan: &'a DayPlan, is_of_groups: bool) -> Self {
+    fn of(asked: &'a Asked, plan: &'a DayPlan, is_of_groups: bool, has_before: bool) -> Self {
         use Number::{
-            First, Last, Least, Lit, Longest, Mean, Sun, Threshold, Uncertain, Value, ValueUncertain, Verdict,
+            Before, First, Last, Least, Lit, Longest, Lost, Mean, Sun, Threshold, Uncertain, Value, ValueBefore,
+            ValueUncertain, Verdict, VerdictBefore,
         };
         let numbers = match asked {
             Asked::Dates(DateRows { is_by_day: true, .. }) => vec![Sun, Lit, Longest, First, Last, Uncertain],
             Asked::Dates(_) => vec![Sun, Mean, Least, Lit, Longest, Uncertain],
             Asked::Rules(_) => vec![Value, Threshold, ValueUncertain, Verdict],
         };
-        let numbers = numbers.into_iter().filter(|number| is_of_groups || *number != Lit).collect();
+        let former: &[Number] = match (has_before, asked) {
+            (false, _) => &[],
+            (true, Asked::Dates(_)) => &[Before, Lost],
+            (true, Asked::Rules(_)) => &[ValueBefore, VerdictBefore],
+        };
+        let numbers = numbers.into_iter().filter(|number| is_of_groups || *number != Lit);
+        let numbers = numbers.chain(former.iter().copied()).collect();
         Columns { asked, zone: &plan.zone, plan, numbers }
     }
 
@@ -245,12 +309,16 @@ impl<'a> Columns<'a> {
             }
             Asked::Rules(rules) => {
                 let of_rule = |number: Number, rule: usize| {
-                    let Some(threshold) = rules.get(rule).map(|planned| planned.rule.at_least) else { return f64::NAN };
+                    let Some(asked) = rules.get(rule).map(|planned| &planned.rule) else { return f64::NAN };
                     let Some(item) = items.get(rule).and_then(Option::as_ref) else { return f64::NAN };
+                    let before = item.before.as_ref();
+                    let verdict_before = || before.map(|before| before.verdict(asked.at_least).number().into());
                     match number {
                         Number::Value => item.value.value,
-                        Number::Threshold => threshold,
-                        Number::Verdict => item.value.verdict(threshold).number().into(),
+                        Number::Threshold => asked.at_least,
+                        Number::Verdict => item.value.judged(asked, before).number().into(),
+                        Number::ValueBefore => before.map_or(f64::NAN, |before| before.value),
+                        Number::VerdictBefore => verdict_before().unwrap_or(f64::NAN),
                         _ => item.value.uncertain(),
                     }
                 };
@@ -266,7 +334,12 @@ impl<'a> Columns<'a> {
         let ahead_min = days.dates.first().and_then(|date| self.plan.dates.get(*date));
         let ahead_min = ahead_min.map_or(0.0, |date| self.zone.ahead_min(*date));
         match number {
-            Number::Sun => minutes(|item| item.value.value).sum(),
+            Number::Sun => minutes(|item| item.value.value).fold(0.0, |sum, minutes| sum + minutes),
+            // A place that was not there before has none.
+            Number::Before => minutes(|item| item.before.map_or(f64::NAN, |before| before.value)).sum(),
+            Number::Lost => {
+                minutes(|item| item.before.map_or(f64::NAN, |before| before.value - item.value.value)).sum()
+            }
             Number::Mean => minutes(|item| item.value.value).sum::<f64>() / days.dates.len().max(1) as f64,
             Number::Least => minutes(|item| item.value.value).fold(f64::INFINITY, f64::min),
             Number::Lit => seen().map(Spells::minutes).sum(),
@@ -290,6 +363,10 @@ impl Number {
             Number::First => ("first", "first minute of sun", Measure::Clock),
             Number::Last => ("last", "last minute of sun", Measure::Clock),
             Number::Uncertain => ("uncertain_minutes", "how far that may be off", Measure::Minutes),
+            Number::Before => ("before_minutes", "possible sun before", Measure::Minutes),
+            Number::Lost => ("lost_minutes", "possible sun that is lost", Measure::Minutes),
+            Number::ValueBefore => ("before", "value of the rule before", Measure::Number),
+            Number::VerdictBefore => ("verdict_before", "whether the rule was met before", Measure::Verdict),
             Number::Value => ("value", "value of the rule", Measure::Number),
             Number::Threshold => ("at_least", "threshold of the rule", Measure::Number),
             Number::ValueUncertain => ("uncertain", "how far the value may be off", Measure::Number),
@@ -340,7 +417,10 @@ impl<'a> RowBatch<'a> {
         }
         if let Asked::Rules(rules) = self.columns.asked {
             for ((count, planned), item) in self.counts.iter_mut().zip(rules).zip(&answer.items) {
-                let verdict = item.as_ref().map(|item| item.value.verdict(planned.rule.at_least));
+                let before = item.as_ref().and_then(|item| item.before.as_ref());
+                let verdict = item.as_ref().map(|item| item.value.judged(&planned.rule, before));
+                let was_broken = before.is_none_or(|before| before.verdict(planned.rule.at_least) == Verdict::Broken);
+                count.newly_broken += u64::from(verdict == Some(Verdict::Broken) && !was_broken);
                 *match verdict {
                     Some(Verdict::Met) => &mut count.met,
                     Some(Verdict::Broken) => &mut count.broken,

@@ -58,9 +58,12 @@ pub struct AnswerItem {
     pub value: RuleValue,
     /// What is seen on the date, or on each day of the rule; none where only the value counts.
     pub days: Vec<SunSeen>,
+    /// The value before a change, where there was one.
+    pub before: Option<RuleValue>,
 }
 
 /// Receivers that are asked, and how.
+#[derive(Clone, Copy)]
 pub struct PlaceQuestions<'a> {
     /// Which receivers.
     pub receivers: &'a ReceiverSet<'a>,
@@ -125,6 +128,14 @@ impl PlaceQuestions<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Items of an answer.
+    pub fn items(&self) -> usize {
+        match self.asked {
+            Asked::Dates(_) => self.plan.dates.len(),
+            Asked::Rules(rules) => rules.len(),
+        }
     }
 
     fn wants_sky(&self) -> bool {
@@ -194,7 +205,7 @@ impl PartQuestions<'_> {
                     };
                     let of = |spells: &Spells| spells.minutes();
                     let value = RuleValue { value: of(&seen.seen), low: of(&seen.sure), high: of(&seen.possible) };
-                    Some(AnswerItem { value, days: vec![seen] })
+                    Some(AnswerItem { value, days: vec![seen], before: None })
                 };
                 seen.into_iter().enumerate().map(of_date).collect()
             }
@@ -218,7 +229,11 @@ impl PartQuestions<'_> {
         vsc_percent: Option<f64>,
     ) -> AnswerItem {
         if planned.rule.measure == RuleMeasure::VscPercent {
-            return AnswerItem { value: RuleValue::certain(vsc_percent.unwrap_or_default()), days: Vec::new() };
+            return AnswerItem {
+                value: RuleValue::certain(vsc_percent.unwrap_or_default()),
+                days: Vec::new(),
+                before: None,
+            };
         }
         let least_deg = planned.rule.least_angle_deg;
         let of_day = |day: &RuleDay| {
@@ -231,6 +246,6 @@ impl PartQuestions<'_> {
         let days: Vec<SunSeen> = planned.days.iter().map(of_day).collect();
         let value = planned.value(&days);
         let is_wanted = self.all.is_of_groups && matches!(planned.rule.part, LitPart::AtATime(_));
-        AnswerItem { value, days: if is_wanted { days } else { Vec::new() } }
+        AnswerItem { value, days: if is_wanted { days } else { Vec::new() }, before: None }
     }
 }

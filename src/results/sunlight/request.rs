@@ -36,6 +36,8 @@ pub struct SunlightRequest {
     pub every: Every,
     /// Names of shipped rules, or files of rules.
     pub rules: Vec<String>,
+    /// Archive or atlas before a change, whose values stand beside.
+    pub before: Option<PathBuf>,
     /// Clock that hours are told by; none: that of the weather, or whole hours by the longitude.
     pub zone: Option<ClockZone>,
     /// The sun counts from this height on, degrees.
@@ -74,6 +76,8 @@ pub struct RuleCount {
     pub close: u64,
     /// Places that it is not about.
     pub not_asked: u64,
+    /// Places that break it and did not before.
+    pub newly_broken: u64,
 }
 
 impl SunlightDone {
@@ -81,8 +85,13 @@ impl SunlightDone {
     pub fn text(&self) -> String {
         let (places, days) = (counted(self.places, "place"), counted(self.days, "day"));
         let rule = |count: &RuleCount| {
-            let counts =
-                [(count.met, "met"), (count.broken, "broken"), (count.close, "close"), (count.not_asked, "not asked")];
+            let counts = [
+                (count.met, "met"),
+                (count.broken, "broken"),
+                (count.close, "close"),
+                (count.not_asked, "not asked"),
+                (count.newly_broken, "newly broken"),
+            ];
             let counts: Vec<String> =
                 counts.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
             format!("{}: {}\n", count.rule, counts.join(", "))
@@ -98,6 +107,7 @@ impl Default for SunlightRequest {
             year: Date::NO_YEAR,
             every: Every::Day,
             rules: Vec::new(),
+            before: None,
             zone: None,
             least_altitude_deg: 0.0,
             lit_share: 0.0,
@@ -150,7 +160,7 @@ impl SunlightRequest {
     /// Files that are read besides archives.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let own = self.rules.iter().filter(|name| name.ends_with(".toml")).map(Path::new);
-        own.chain(self.weather.as_deref())
+        own.chain(self.weather.as_deref()).chain(self.before.as_deref())
     }
 
     /// Days, rules and labels of rows; reads rules and weather, and tells what is odd about these.

@@ -43,6 +43,8 @@ pub struct Rule {
     pub facing_deg: Option<[f64; 2]>,
     /// What of a surface has to be lit.
     pub part: LitPart,
+    /// Beside an archive before a change: a value below the threshold is no fault if it is at least this share of what it was.
+    pub former_share: Option<f64>,
 }
 
 /// Hours of a day.
@@ -194,6 +196,7 @@ struct StatedRule {
     facing_deg: Option<[f64; 2]>,
     lit_share: Option<f64>,
     area_share: Option<f64>,
+    former_share: Option<f64>,
 }
 
 /// The longest name of a rule: columns of maps begin with it.
@@ -218,6 +221,7 @@ impl TryFrom<StatedRule> for Rule {
             ("least_angle_deg", stated.least_angle_deg, 90.0),
             ("lit_share", stated.lit_share.unwrap_or(1.0), 1.0),
             ("area_share", stated.area_share.unwrap_or(1.0), 1.0),
+            ("former_share", stated.former_share.unwrap_or(1.0), 1.0),
         ];
         for (field, number, most) in numbers {
             if !(0.0..=most).contains(&number) {
@@ -265,6 +269,7 @@ impl TryFrom<StatedRule> for Rule {
             kinds: stated.kinds,
             facing_deg: stated.facing_deg,
             part,
+            former_share: stated.former_share,
         })
     }
 }

@@ -32,6 +32,9 @@ pub struct SunlightArgs {
     /// Rule to judge by: one of those that `heliotile rules` lists, or a file of your own (.toml); may be repeated
     #[arg(long, value_name = "NAME|FILE")]
     pub rule: Vec<String>,
+    /// Archive or atlas before a change: what it said stands beside, minutes that are lost, rules that are newly broken
+    #[arg(long, value_name = "BEFORE")]
+    pub before: Option<PathBuf>,
     /// Clock that hours are told by: hours ahead of UTC, such as +01:00, or a name such as Europe/Amsterdam, whose summer time then counts
     /// [default: that of --weather, or whole hours by the longitude]
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true)]
@@ -60,6 +63,7 @@ impl SunlightArgs {
             year: self.year,
             every: self.every,
             rules: self.rule.clone(),
+            before: self.before.clone(),
             zone: self.zone.clone(),
             least_altitude_deg: self.least_altitude,
             lit_share: self.lit_share,

@@ -151,6 +151,7 @@ impl<'a> Files<'a> {
                 self.write(&args.table.output, Written::Results { geo: args.geo });
                 args.plot.iter().for_each(|picture| self.write(picture, Written::File));
                 self.read_if(&args.weather, Wanted::Weather);
+                self.read_if(&args.before, Wanted::Archive);
             }
             Command::Factors(args) => self.table(&args.table),
             Command::Buildings(args) => {
