@@ -13,8 +13,8 @@ fn sun(day: f64, latitude_deg: f64, longitude_deg: f64) -> DVec3 {
     // 2017-01-01 00:00 is JD 2457754.5; delta T is 69 s.
     let julian = 2_457_754.5 + day;
     let t = (julian + 69.0 / 86_400.0 - 2_451_545.0) / 36_525.0;
-    let mean_longitude = 280.46646 + 36_000.76983 * t + 0.000_303_2 * t * t;
-    let anomaly = (357.52911 + 35_999.05029 * t - 0.000_153_7 * t * t).to_radians();
+    let mean_longitude = 280.46646 + 36_000.769_83 * t + 0.000_303_2 * t * t;
+    let anomaly = (357.52911 + 35_999.050_29 * t - 0.000_153_7 * t * t).to_radians();
     let centre = (1.914602 - 0.004817 * t) * anomaly.sin()
         + (0.019993 - 0.000101 * t) * (2.0 * anomaly).sin()
         + 0.000289 * (3.0 * anomaly).sin();
@@ -400,6 +400,28 @@ fn before_and_after() {
     run(&folder, "build a.obj -r r.csv --latitude 48 --longitude 5 -o far.helio");
     let refused = folder.run("sunlight c.helio --before far.helio --dates 03-21 -o -");
     assert!(refused.status.code() == Some(2) && stderr(&refused).contains("not of one site"), "{}", stderr(&refused));
+}
+
+/// `run --rule` writes a table of rules beside the others, with the rows of `sunlight` on its archive; a rule that is none is refused before
+/// anything is built.
+#[test]
+fn beside_a_run() {
+    let folder = Folder::new();
+    let weather = crate::cli::golden();
+    let ask = format!(
+        "run scene.obj --materials materials.toml --receivers receivers.csv --weather {} -o out",
+        weather.display()
+    );
+    let refused = folder.run(&format!("{ask} --rule tno"));
+    assert!(refused.status.code() == Some(2) && stderr(&refused).contains("tno-light"), "{}", stderr(&refused));
+    assert!(!folder.path("out/site.helio").exists());
+    run(&folder, &format!("{ask} --rule tno-light --rule bre-vsc"));
+    let table = std::fs::read_to_string(folder.path("out/golden_3_days/rules.csv")).expect("a table");
+    let own = run(
+        &folder,
+        &format!("sunlight out/site.helio --rule tno-light --rule bre-vsc --weather {}", weather.display()),
+    );
+    assert!(table == own && table.contains("bre-vsc,roof,"), "{table}");
 }
 
 /// Days as tables of all endings, maps and a picture; by month the sums of its days. First and last

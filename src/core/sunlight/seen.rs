@@ -9,8 +9,8 @@ use crate::sunlight::spells::Spells;
 ///
 /// A texel knows what is seen in its middle. One whose neighbours see the same as itself is taken to see that throughout: this holds wherever
 /// edges are straight over the width of a texel, since a line that cuts a part of a texel off also cuts off the middle of the texel or of one of
-/// its eight neighbours. In all others the sun may be seen or not, and so it may below the middle of the lowest base texels: nothing is known
-/// of what is lower.
+/// its eight neighbours. In all others the sun may be seen or not. So it may below the middle of the lowest base texels where these are open: nothing
+/// is known of what is lower. What hides the sky there is taken to stand on the ground.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SunSeen {
     /// By the bits of the texture.
@@ -101,9 +101,7 @@ impl<'s> SeenSky<'s> {
         let is_outer = [0, last].contains(&column) || [0, last].contains(&row);
         let found = match self.sky.texel(column, row) {
             Texel::Open if !is_outer && around.all(|(c, r)| self.sky.texel(c, r) == Texel::Open) => BaseKind::Open,
-            Texel::Closed if !is_outer && around.all(|(c, r)| self.sky.texel(c, r) == Texel::Closed) => {
-                BaseKind::Closed
-            }
+            Texel::Closed if around.all(|(c, r)| self.sky.texel(c, r) == Texel::Closed) => BaseKind::Closed,
             _ => {
                 let first = self.edges.len() as u32;
                 self.add_edges(column, row);
@@ -116,8 +114,8 @@ impl<'s> SeenSky<'s> {
         found
     }
 
-    /// Appends the edges of a base texel: its texels among whose 3 x 3 neighbours some are sky and some are not, and those that are lower than
-    /// what is known.
+    /// Appends the edges of a base texel: its texels among whose 3 x 3 neighbours some are sky and some are not, and those of sky
+    /// that are lower than what is known.
     fn add_edges(&mut self, column: usize, row: usize) {
         let block = self.block();
         let words = (block * block).div_ceil(64);
@@ -139,8 +137,10 @@ impl<'s> SeenSky<'s> {
         for (r, three) in rows.windows(3).enumerate() {
             let all = three.iter().fold(Window::MAX, |all, row| all & row & row >> 1 & row >> 2);
             let any = three.iter().fold(0, |any, row| any | row | row >> 1 | row >> 2);
+            let low = if is_inner(top + r) { outer } else { all_columns };
+            let open = three.get(1).map_or(0, |row| (row >> 1) as u64);
             // A row of up to 64 texels lies in one word: both are powers of two.
-            let edges = (!all & any) as u64 & all_columns | outer | if is_inner(top + r) { 0 } else { all_columns };
+            let edges = (!all & any) as u64 & all_columns | low & open;
             if let Some(word) = self.edges.get_mut(first + r * block / 64) {
                 *word |= edges << (r * block % 64);
             }
@@ -317,7 +317,8 @@ mod tests {
                         let is_seen = texture.get(c, r);
                         let near = |at: usize| at.saturating_sub(1)..(at + 2).min(fine);
                         let is_low = [c, r].iter().any(|at| *at < block.div_ceil(2) || *at >= fine - block.div_ceil(2));
-                        let is_edge = is_low || near(r).any(|r| near(c).any(|c| texture.get(c, r) != is_seen));
+                        let is_edge =
+                            is_low && is_seen || near(r).any(|r| near(c).any(|c| texture.get(c, r) != is_seen));
                         if is_seen {
                             plain.seen.push(start_min, end_min);
                         }

@@ -47,6 +47,7 @@ def run(
     error: float | str | None = None,
     error_weather: Any = None,
     every: Sequence[str] = (),
+    rules: Sequence[str | os.PathLike[str]] = (),
     by: str = "receiver",
     year: int | None = None,
     format: str = "csv",
@@ -66,6 +67,8 @@ def run(
         Where receivers are put, as in `Scene.cover` (`{"on": ["roof"], "spacing": 1.0}`), or the path of their table.
     quality, error, error_weather
         As in `build`.
+    rules
+        Rules of sunlight, such as `"tno-light"` or files that end with .toml: a table of what they say.
     every, by, year, format
         Tables of these periods, what their rows are about, the year they are put into, the ending of their names.
     maps
@@ -80,6 +83,7 @@ def run(
         "accuracy": _accuracy(quality, error, error_weather),
         "with_scene": with_scene,
         "every": [every] if isinstance(every, str) else list(every),
+        "rules": [rules] if isinstance(rules, str) else [os.fspath(rule) for rule in rules],
         "by": by,
         "year": given.whole("year", year),
         "format": format,

@@ -64,6 +64,15 @@ impl RunFiles {
             Every::Year => "years",
             Every::Total => "total",
         };
+        self.table_of(stem, request)
+    }
+
+    /// The table of rules of sunlight.
+    pub fn rules(&self, request: &RunRequest) -> PathBuf {
+        self.table_of("rules", request)
+    }
+
+    fn table_of(&self, stem: &str, request: &RunRequest) -> PathBuf {
         let by = if request.by == By::default() { String::new() } else { format!(".{}", name_of(&request.by)) };
         self.results.join(format!("{stem}{by}.{}", request.format))
     }
@@ -80,8 +89,9 @@ impl RunFiles {
     fn written(&self, request: &RunRequest) -> Vec<PathBuf> {
         let periods = request.every.iter().map(|every| self.periods(*every, request));
         let maps = request.maps.iter().map(|format| self.further_map(*format));
+        let rules = (!request.rules.is_empty()).then(|| self.rules(request));
         let always = [&self.table, &self.map, &self.picture, &self.chart, &self.page];
-        always.into_iter().cloned().chain(maps).chain(periods).collect()
+        always.into_iter().cloned().chain(maps).chain(periods).chain(rules).collect()
     }
 
     /// The same with what is said of them beside them.

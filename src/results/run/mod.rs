@@ -10,14 +10,18 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use crate::archives::Archives;
 use crate::covering::{CoverRequest, cover_site};
+use crate::files::FileRequest;
 use crate::horizon::black_below_horizon;
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::tables::layout::By;
 use crate::outputs::viewer_page::ViewerPage;
+use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
 use crate::site_archive::{TraceRequest, WaysOut, build_or_reuse};
+use crate::sunlight::{SunlightRequest, SunlightSite};
 use folder::RunFiles;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::planning::{AccuracyRequest, EffectsUnder};
@@ -63,6 +67,8 @@ pub struct RunRequest {
     pub from: Option<PathBuf>,
     /// Tables of these periods, too.
     pub every: Vec<Every>,
+    /// Rules of sunlight, by name or as files of TOML: a table of what they say, too.
+    pub rules: Vec<String>,
     /// What rows of these tables are about.
     pub by: By,
     /// Which moment of its interval a row of hours is labelled with.
@@ -111,6 +117,7 @@ impl RunRequest {
             with_scene: true,
             from: None,
             every: Vec::new(),
+            rules: Vec::new(),
             by: By::default(),
             stamp: StampedAt::default(),
             year: None,
@@ -125,6 +132,9 @@ impl RunRequest {
         let site = self.scene.site()?;
         let files = RunFiles::of(self, &site);
         files.guard(&site, self)?;
+        let sunlight = self.sunlight();
+        let rules = FileRequest { by: self.by, ..FileRequest::of(files.rules(self)) };
+        sunlight.iter().try_for_each(|request| request.check(&rules, &[&self.weather]))?;
         let city_model = self.maps.contains(&RunMap::CityModel).then(|| maps::city_model_of(&site)).transpose()?;
         let (archive, weather) = self.archive(&site, &files, resources)?;
         resources.observer.stop_if_cancelled("after site.helio was complete")?;
@@ -132,8 +142,25 @@ impl RunRequest {
         let results =
             RunResults { request: self, files: &files, city_model, archive: &archive, weather: &weather, about };
         let table = results.write(resources)?;
+        if let Some(request) = &sunlight {
+            let receivers = ReceiverSet::all_of(&archive)?;
+            let (archives, place, folder) = (Archives::one(&archive), &*files.archive, &*files.folder);
+            let site = SunlightSite { archives, receivers: &receivers, place, folder };
+            let done = request.write(&rules, &site, None, results.about.clone(), resources)?;
+            resources.observer.report(&done.text());
+        }
         self.write_page(&files)?;
         Ok(RunDone { files: files.names(self), folder: files.folder, archive: files.archive, table })
+    }
+
+    /// What rules are asked, if any are.
+    fn sunlight(&self) -> Option<SunlightRequest> {
+        (!self.rules.is_empty()).then(|| SunlightRequest {
+            rules: self.rules.clone(),
+            weather: Some(self.weather.clone()),
+            about_weather: self.about_weather,
+            ..SunlightRequest::default()
+        })
     }
 
     /// The archive of the scene, and the weather. What tracing needed is gone afterwards.

@@ -119,7 +119,8 @@ impl Default for SunlightRequest {
 }
 
 impl SunlightRequest {
-    /// Refuses numbers out of range, choices that exclude each other, and files that cannot hold such results, before anything is read.
+    /// Refuses numbers out of range, choices that exclude each other, rules that are none, and files that cannot hold such results, before an
+    /// archive is opened.
     pub fn check(&self, files: &FileRequest, inputs: &[&Path]) -> Result<()> {
         if self.dates.is_empty() && self.rules.is_empty() {
             let hint = "give {dates} 03-21, or {rule} with a name such as tno-light";
@@ -153,6 +154,7 @@ impl SunlightRequest {
             let what = format!("`{}` is no picture of a map", chart.display());
             return Err(Error::argument("plot", what, "give a name that ends with .png"));
         }
+        read_rules(&self.rules)?;
         let inputs: Vec<&Path> = inputs.iter().copied().chain(self.files()).collect();
         files.check(None, None, &inputs)
     }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 
 use crate::cli::values::{Bytes, choice, parse_memory, table_endings};
 use crate::cli::{AccuracyArgs, ClockArgs, CoverArgs, Percent, SceneArgs, parse_negligible};
@@ -12,6 +12,7 @@ use heliotile_results::outputs::tables::layout::By;
 use heliotile_results::{RunMap, RunRequest};
 
 #[derive(Args, Debug)]
+#[command(group(ArgGroup::new("tables").args(["every", "rule"]).multiple(true)))]
 pub struct RunArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -41,8 +42,12 @@ pub struct RunArgs {
     /// Also write a table of each hour, day, month, year or of all, as `replay` does: months.csv and so on; several with commas
     #[arg(long, value_name = "PERIOD", value_parser = choice::<Every>(), value_delimiter = ',')]
     pub every: Vec<Every>,
+    /// Also write a table of what a rule of sunlight says, rules.csv: one of those that `heliotile rules` lists, or a file of your own (.toml); may
+    /// be repeated
+    #[arg(long, value_name = "NAME|FILE")]
+    pub rule: Vec<String>,
     /// What rows of these tables are about
-    #[arg(long, value_parser = choice::<By>(), default_value = "receiver", requires = "every")]
+    #[arg(long, value_parser = choice::<By>(), default_value = "receiver", requires = "tables")]
     pub by: By,
     /// Which moment of its interval a row of hours is labelled with
     #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start", requires = "every")]
@@ -51,7 +56,7 @@ pub struct RunArgs {
     #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999), requires = "every")]
     pub year: Option<i32>,
     /// Ending of these tables, which chooses their format
-    #[arg(long, value_parser = table_endings(), default_value = "csv", requires = "every")]
+    #[arg(long, value_parser = table_endings(), default_value = "csv", requires = "tables")]
     pub format: String,
     /// Write the annual sums as a further map beside annual.ply, annual.glb and so on, or into the city model of the scene; may be repeated, or
     /// several with commas
@@ -82,6 +87,7 @@ impl RunArgs {
             with_scene: !self.no_scene,
             from: self.from.clone(),
             every: self.every.clone(),
+            rules: self.rule.clone(),
             by: self.by,
             stamp: self.stamp,
             year: self.year,
