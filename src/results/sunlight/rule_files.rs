@@ -121,7 +121,7 @@ mod tests {
         ] {
             let text = format!("\n[[rule]]\n{lines}\n");
             let error = rules_of(Path::new("own.toml"), &text).expect_err(says).to_string();
-            assert!(error.contains(says) && error.contains("own.toml:"), "{says}: {error}");
+            assert!(error.contains(says) && error.contains("own.toml, line "), "{says}: {error}");
         }
         assert!(read_rules(&["tno".into()]).is_err_and(|error| error.to_string().contains("tno-light")));
         let twice = read_rules(&["tno-light".into(), "tno-light".into()]);
