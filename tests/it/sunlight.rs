@@ -344,6 +344,14 @@ fn probable_hours() {
     folder.write("w.csv", &weather);
     let ask = "sunlight s.helio --rule bre-apsh -o - -w";
     let found = rows(&run(&folder, &format!("{ask} w.csv --latitude 52 --longitude 0")));
+    // Told by another clock, hours and suns move together.
+    for zone in ["+05:00", "-09:30"] {
+        let moved = rows(&run(&folder, &format!("{ask} w.csv --latitude 52 --longitude 0 --zone {zone}")));
+        for (key, row) in &found {
+            let [here, there] = [row, &moved[key]].map(|row| row["value"].parse::<f64>().unwrap_or(-1.0));
+            assert!((here - there).abs() < 0.3, "{zone} {key:?}: {here} {there}");
+        }
+    }
     let value = |place: &str| found[&("bre-apsh".to_owned(), place.to_owned())]["value"].parse::<f64>();
     let (south, east, west) = (value("south"), value("east"), value("west"));
     // The sun is south of east and west from 8 to 12 in June: some 90 % of the mornings of a year.

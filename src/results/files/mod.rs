@@ -16,6 +16,7 @@ use super::stream::TileStream;
 use crate::outputs::city_model::is_city_model;
 use crate::outputs::periods::Every;
 use crate::outputs::results::ResultFormat;
+use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::format::files_of;
 use crate::outputs::tables::layout::By;
 use heliotile_builder::writing::guards::guard_output;
@@ -78,8 +79,19 @@ impl FileRequest {
     }
 
     /// Whether a table is asked for. With pictures, the standard output is not asked for by saying nothing.
-    pub(crate) fn wants_table(&self) -> bool {
-        self.plots.is_empty() || self.output != Path::new("-")
+    pub(crate) fn wants_table(&self) -> Result<bool> {
+        let is_table = matches!(ResultFormat::of(&self.output, self.geo)?, ResultFormat::Table(_));
+        Ok(is_table && (self.plots.is_empty() || self.output != Path::new("-")))
+    }
+
+    /// The maps that are asked for: the output if it is one, and those of the pictures that are `drawn` as maps.
+    pub(crate) fn maps<'p>(&self, drawn: impl Iterator<Item = &'p Path>) -> Result<Vec<MapFile>> {
+        let output = match ResultFormat::of(&self.output, self.geo)? {
+            ResultFormat::Map(format) => Some(MapFile { path: self.output.clone(), format }),
+            ResultFormat::Table(_) => None,
+        };
+        let picture = |path: &Path| MapFile { path: path.to_path_buf(), format: MapFormat::Png };
+        Ok(output.into_iter().chain(drawn.map(picture)).collect())
     }
 
     /// Writes the results of a stream; `place` is that of the archive or of the atlas. What was done, where that is worth a sentence.

@@ -11,7 +11,7 @@ use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::PlaceValues;
 use crate::outputs::result_table::ResultTable;
-use crate::outputs::results::{ResultFormat, ResultWriter};
+use crate::outputs::results::ResultWriter;
 use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::format::Places;
 use crate::outputs::tables::layout::{By, Layout};
@@ -271,18 +271,15 @@ pub fn write_rows<'s>(
     told: &'s RowsAbout<'s>,
     feed: impl FnOnce(&mut dyn TileSink) -> Result<()>,
 ) -> Result<()> {
-    let (output, RowsAbout { called, about, place, .. }) = (request.output.as_path(), told);
+    let RowsAbout { called, about, place, .. } = told;
     let plots = Plot::all(&request.plots, stream.series)?;
     let (rows, groups) = ResultRows::new(stream, question, request.by, place)?;
-    let mut maps = Vec::new();
+    let drawn = plots.iter().filter(|(_, plot)| *plot == Plot::Map).map(|(path, _)| *path);
+    let maps = request.maps(drawn)?;
     let mut sink = ResultSink::new(&rows, groups, question, stream)?;
-    match ResultFormat::of(output, request.geo)? {
-        ResultFormat::Map(format) => maps.push(MapFile { path: output.to_owned(), format }),
-        ResultFormat::Table(_) if request.wants_table() => sink = sink.with_table(output, stream, about),
-        ResultFormat::Table(_) => {}
+    if request.wants_table()? {
+        sink = sink.with_table(&request.output, stream, about);
     }
-    let drawn = plots.iter().filter(|(_, plot)| *plot == Plot::Map);
-    maps.extend(drawn.map(|(path, _)| MapFile { path: path.to_path_buf(), format: MapFormat::Png }));
     sink = sink.with_maps(&maps, stream, told)?;
     let charts = plots.iter().filter(|(_, plot)| *plot != Plot::Map);
     let mut charts = charts.map(|(path, _)| AreaChart::new(path, stream, question)).collect::<Result<Vec<_>>>()?;

@@ -13,6 +13,7 @@ use heliotile_core::sunlight::{Spells, SunDay, SunPasses};
 use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::sun::Location;
+use heliotile_core::weather::time::utc_offset::UtcOffset;
 
 /// Direct normal irradiance from which on the sun shines, W/m2 (World Meteorological Organization, "Guide to instruments and methods of
 /// observation", WMO-No. 8, sunshine duration).
@@ -167,15 +168,23 @@ fn solar_noon_min(sun: &SunDay) -> f64 {
 }
 
 impl SunnyHours {
-    /// Of weather: stretches with direct irradiance of at least 120 W/m2, sunshine as the World Meteorological Organization counts it.
-    pub fn of(weather: &Weather) -> Self {
+    /// Of weather, told by a clock so far ahead of UTC: stretches with direct irradiance of at least 120 W/m2, sunshine as the World Meteorological
+    /// Organization counts it.
+    pub fn of(weather: &Weather, offset: UtcOffset) -> Self {
+        let later_min = f64::from(offset.minutes()) - 60.0 * weather.site.zone_hours;
         let mut found: BTreeMap<MonthDay, Spells> = BTreeMap::new();
+        let mut add = |date: Date, start_min: f64, end_min: f64| {
+            let spells = found.entry(date.into()).or_default();
+            // The last rows of a year may lie in its first day by another clock.
+            *spells = spells.and(&Spells::one(start_min, end_min));
+        };
         for row in weather.rows.iter().filter(|row| row.dni_w_m2 >= SUNSHINE_DNI_W_M2) {
-            let interval = row.interval;
-            found
-                .entry(interval.date.into())
-                .or_default()
-                .push(interval.start_min.max(0.0), interval.end_min.min(DAY_MIN));
+            let (date, start_min) = row.interval.date.after(row.interval.start_min + later_min);
+            let end_min = start_min + 60.0 * row.interval.hours();
+            add(date, start_min, end_min.min(DAY_MIN));
+            if end_min > DAY_MIN {
+                add(date.after(DAY_MIN).0, 0.0, end_min - DAY_MIN);
+            }
         }
         SunnyHours(found)
     }

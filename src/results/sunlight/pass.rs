@@ -10,13 +10,11 @@ use super::places::{AnswerItem, Asked, DateRows, PlaceAnswer, PlaceQuestions};
 use super::request::{RuleCount, SunlightDone, SunlightRequest};
 use crate::archives::Archives;
 use crate::doubts::{check_one_site, preview};
-use crate::files::{FileRequest, MapFile, ResultRows, RowFiles, RowsAbout, groups_of, name_of};
+use crate::files::{FileRequest, ResultRows, RowFiles, RowsAbout, groups_of, name_of};
 use crate::outputs::groups::{Extent, Groups};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::quantities::{Measure, PlaceValues, Quantity, ValueSource, Verdict};
-use crate::outputs::results::ResultFormat;
-use crate::outputs::shapes::writer::MapFormat;
 use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::receivers::ReceiverSet;
@@ -81,14 +79,11 @@ impl SunlightRequest {
         };
         let about = about.with("utc_offset", plan.zone.standard(self.year)).with("clock", &plan.zone);
         let told = RowsAbout { called: self.called(&columns, site.place), about, place: site.place, scene: None };
-        let maps = maps_of(files)?;
-        let row_files = RowFiles::new(&rows, groups.clone());
-        let row_files = match files.wants_table()
-            && matches!(ResultFormat::of(&files.output, files.geo)?, ResultFormat::Table(_))
-        {
-            true => row_files.with_table(&files.output, receivers, &told.about),
-            false => row_files,
-        };
+        let maps = files.maps(files.plots.iter().map(PathBuf::as_path))?;
+        let mut row_files = RowFiles::new(&rows, groups.clone());
+        if files.wants_table()? {
+            row_files = row_files.with_table(&files.output, receivers, &told.about);
+        }
         let mut row_files = row_files.with_maps(&maps, receivers, &told, resources)?;
         let questions = PlaceQuestions {
             receivers,
@@ -109,8 +104,7 @@ impl SunlightRequest {
             rows.add(answer, &mut row_files)
         })?;
         rows.flush(&mut row_files)?;
-        let rules = std::mem::take(&mut rows.counts);
-        let places = rows.places;
+        let RowBatch { counts: rules, places, .. } = rows;
         row_files.finish(resources.observer)?;
         Ok(SunlightDone { places, days: plan.dates.len() as u64, rules })
     }
@@ -200,17 +194,6 @@ fn windows_of<'a>(site: &SunlightSite<'a>, by: By) -> Result<Option<ReceiverSet<
         return Err(Error::input(site.place, None, "holds no receiver on a window", hint));
     }
     Ok(Some(site.receivers.some(&is_window)))
-}
-
-/// The maps that are asked for: the output, and pictures.
-fn maps_of(files: &FileRequest) -> Result<Vec<MapFile>> {
-    let mut maps = Vec::new();
-    if let ResultFormat::Map(format) = ResultFormat::of(&files.output, files.geo)? {
-        maps.push(MapFile { path: files.output.clone(), format });
-    }
-    let picture = |path: &PathBuf| MapFile { path: path.clone(), format: MapFormat::Png };
-    maps.extend(files.plots.iter().map(picture));
-    Ok(maps)
 }
 
 /// Numbers of a row.

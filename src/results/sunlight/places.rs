@@ -1,7 +1,6 @@
 //! What each receiver sees of the sun. In: receivers, days, what is asked. Out: an answer a receiver, in order.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -83,7 +82,7 @@ pub struct PlaceQuestions<'a> {
 const LEVEL_DEG: f64 = 5.0;
 
 /// When surfaces of a normal see the sun's side: by the bits of the normal.
-type Fronts = HashMap<[u64; 3], Arc<Vec<Spells>>>;
+type Fronts = HashMap<[u64; 3], Vec<Spells>>;
 
 /// What a part of the receivers is asked with.
 struct PartQuestions<'p> {
@@ -103,15 +102,17 @@ impl PlaceQuestions<'_> {
         for part in self.receivers.parts().iter().filter(|part| !part.tiles().is_empty()) {
             let scene = self.exact.then(|| scene_of(part.archive)).transpose()?;
             let prepared = scene.as_ref().map(PreparedScene::new).transpose()?;
+            let suns = self.plan.suns(part.site.north(), part.site.settings().sides());
+            let least_deg = self.least_altitude_deg;
+            let high = (least_deg > 0.0).then(|| suns.days.iter().map(|day| day.above(least_deg)).collect());
             let questions = PartQuestions {
                 all: self,
                 part,
-                suns: self.plan.suns(part.site.north(), part.site.settings().sides()),
-                high: None,
+                suns,
+                high,
                 sky: self.wants_sky().then(|| SkyComponents::of(&part.site)).transpose()?,
                 rays: prepared.as_ref().map(Siting::new),
             };
-            let questions = PartQuestions { high: questions.high_enough(), ..questions };
             for tiles in part.tiles().chunks(questions.tiles_at_once(resources)) {
                 let answers: Vec<Result<Vec<PlaceAnswer>>> =
                     tiles.par_iter().map(|tile| questions.tile(*tile)).collect();
@@ -154,11 +155,6 @@ impl PartQuestions<'_> {
         usize::try_from(fit).unwrap_or(1).clamp(1, rayon::current_num_threads())
     }
 
-    fn high_enough(&self) -> Option<Vec<Spells>> {
-        let least_deg = self.all.least_altitude_deg;
-        (least_deg > 0.0).then(|| self.suns.days.iter().map(|day| day.above(least_deg)).collect())
-    }
-
     fn tile(&self, tile: TileReceivers) -> Result<Vec<PlaceAnswer>> {
         let site = &self.part.site;
         let table = site.tile_receivers(tile.number)?;
@@ -173,7 +169,7 @@ impl PartQuestions<'_> {
             }
             let front = fronts.entry(receiver.normal.to_array().map(f64::to_bits)).or_insert_with(|| {
                 let days = self.suns.days.iter();
-                Arc::new(days.map(|day| day.before(receiver.normal, 0.0).within(&day.up)).collect())
+                days.map(|day| day.before(receiver.normal, 0.0).within(&day.up)).collect()
             });
             let mut sky = SeenSky::new(sky);
             let rays = self.rays.as_ref().map(|siting| siting.sun_rays(receiver.position, receiver.normal));

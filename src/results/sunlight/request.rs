@@ -190,19 +190,27 @@ impl SunlightRequest {
                 "build it with {latitude} and {longitude}, or with {crs}, or give {weather}, whose place counts then";
             return Err(Error::input(archives.first().path(), None, what, hint));
         };
+        if archives.manifest().place.is_none() {
+            resources
+                .observer
+                .note(&format!("the archive holds no place: the sun is that of the weather file, {place}"));
+        }
         let of_weather = weather.as_ref().map(|weather| ClockZone::Fixed(UtcOffset::of_hours(weather.site.zone_hours)));
         let zone = self.zone.clone().or(of_weather).unwrap_or_else(|| {
             let zone = ClockZone::of_longitude(place.longitude_deg);
             resources.observer.note(&format!("the clock is {zone}, by the longitude; {{zone}} gives another"));
             zone
         });
-        let offset_h = f64::from(zone.standard(self.year).minutes()) / 60.0;
+        let offset = zone.standard(self.year);
+        let offset_h = f64::from(offset.minutes()) / 60.0;
         let site = Location::new(place.latitude_deg, place.longitude_deg, offset_h, 0.0);
         let site = site.map_err(|what| Error::input(archives.first().path(), None, what, "state another place"))?;
-        let spans: Vec<&[DaySpan]> =
-            rules.iter().map(|rule| rule.dates.as_slice()).chain([self.dates.as_slice()]).collect();
+        // Days that are asked for are those of rules that have none.
+        let are_used = rules.is_empty() || rules.iter().any(|rule| rule.needs_days() && rule.dates.is_empty());
+        let asked = are_used.then_some(self.dates.as_slice());
+        let spans: Vec<&[DaySpan]> = rules.iter().map(|rule| rule.dates.as_slice()).chain(asked).collect();
         let plan = DayPlan::new(site, zone, self.year, &spans);
-        let sunny = weather.as_ref().map(SunnyHours::of);
+        let sunny = weather.as_ref().map(|weather| SunnyHours::of(weather, offset));
         if self.rules.is_empty() {
             let rows = self.rows(&plan);
             return Ok((plan, Asked::Dates(rows)));
