@@ -18,7 +18,7 @@
 //! | [`pv`] | light on solar modules, their best turns |
 //! | [`run`] | from scene files to a folder of a year's results in one go |
 //! | `sky_components` | what an overcast sky gives beside open ground |
-//! | `sunlight` | hours of possible sun, and rules that ask for them: [`SunlightRequest`] |
+//! | `sunlight` | hours of possible sun, the sun in mirrors, and rules about either: [`SunlightRequest`] |
 //! | `tradeoff` | what accuracy costs on a site: [`TradeoffRequest`] |
 //! | `update` | an archive after edits of its scene: [`UpdateRequest`] |
 //! | `viewer` | the page that shows an archive, or two beside each other, as a file: [`PageRequest`], [`open_after`] |
@@ -81,8 +81,8 @@ pub use site_archive::SiteArchiveRequest;
 pub use sky_components::SkyComponents;
 pub use stream::{CoarseSinks, Sinks, Tile, TileFn, TileSink, TileStream};
 pub use sunlight::{
-    ClockHours, ClockZone, DaySpan, DaysTogether, LitPart, Rule, RuleClock, RuleCount, RuleMeasure, ShippedRules,
-    SunlightDone, SunlightRequest, SunlightSite, shipped_rules,
+    ClockHours, ClockZone, DaySpan, DaysTogether, GlareChoice, LitPart, Rule, RuleClock, RuleCount, RuleMeasure,
+    ShippedRules, SunlightDone, SunlightRequest, SunlightSite, Threshold, shipped_rules,
 };
 pub use tradeoff::{LadderStep, LadderTable, SettingPoint, TradeoffDone, TradeoffRequest};
 pub use update::{UpdateDone, UpdateRequest};

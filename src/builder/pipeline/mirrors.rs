@@ -1,5 +1,6 @@
 //! What receivers and cells see in mirrors: traced here, packed as `layers/mirror.rs` says.
 
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DVec2, DVec3};
@@ -49,7 +50,7 @@ impl SiteTracer<'_> {
     pub(super) fn mirror_windows(&self, view: &Viewpoint, rays: &mut u64) -> Vec<Window> {
         let Some(reflections) = &self.reflections else { return Vec::new() };
         let (base, fine) = (self.settings.sky_base, self.settings.sky_fine);
-        let around = reflections.around(base, view.seed(), |_| (view.position, view.normal));
+        let around = reflections.around_mirrors(base, FINER, view, rays);
         let origin = lifted(view.position, view.normal, self.tracer);
         let mut windows = Vec::new();
         for (chain, texels) in reflections.reached(&around, base, rays) {
@@ -66,11 +67,20 @@ impl SiteTracer<'_> {
                 let scale = (n / side as usize) as u32;
                 let whole: Vec<(u32, u32)> =
                     texels.iter().map(|&(c, r)| (c + column * scale, r + row * scale)).collect();
-                let look = |&(c, r): &(u32, u32)| {
-                    let sky = texel_direction(c as usize, r as usize, base * scale as usize, DVec2::splat(0.5));
+                let look = |&(c, r): &(u32, u32), n: usize| {
+                    let sky = texel_direction(c as usize, r as usize, n, DVec2::splat(0.5));
                     Look { chain: 0, sky, origin, normal: view.normal }
                 };
-                reflections.lit(&[(chain, map)], &whole.iter().map(look).collect::<Vec<_>>(), rays)
+                let n = base * scale as usize;
+                let split = (base * FINER / n).max(1) as u32;
+                let parts = |&(c, r): &(u32, u32)| {
+                    let part = move |i: u32| (c * split + i % split, r * split + i / split);
+                    (0..split * split).map(move |i| look(&part(i), n * split as usize))
+                };
+                let looks: Vec<Look> = whole.iter().flat_map(parts).collect();
+                let lit = reflections.lit(&[(chain, map)], &looks, rays);
+                let of_texel = lit.chunks((split * split) as usize);
+                refinable(texels, &of_texel.map(SeenPart::of).collect::<Vec<SeenPart>>())
             };
             let (texture, dense) =
                 SkyTexture::trace(front, side as usize * (fine / base), TexelBlock::by_texels(visible));
@@ -114,6 +124,51 @@ impl SiteTracer<'_> {
         note_lost(&self.lost[1], lost / surroundings.seen.len().max(1) as f64);
         CellMirrors { windows: cell_windows(reflections, key, probe, texture, rays), paths }
     }
+}
+
+/// The parts of a base texel, a side, that are asked where mirrors may be: panes are often narrower than a base texel.
+const FINER: usize = 4;
+
+/// What is seen of a texel by its parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum SeenPart {
+    Nothing,
+    Some,
+    All,
+}
+
+impl SeenPart {
+    fn of(parts: &[bool]) -> Self {
+        match parts.iter().filter(|part| **part).count() {
+            0 => SeenPart::Nothing,
+            count if count == parts.len() => SeenPart::All,
+            _ => SeenPart::Some,
+        }
+    }
+}
+
+/// Answers for texels that are to be refined where a part of them is seen: [`SkyTexture::trace`] refines what differs from a neighbour, so these
+/// differ from one of theirs.
+fn refinable(texels: &[(u32, u32)], seen: &[SeenPart]) -> Vec<bool> {
+    let of = |((column, row), seen): (&(u32, u32), &SeenPart)| match seen {
+        SeenPart::Nothing => false,
+        SeenPart::All => true,
+        SeenPart::Some => (column + row) % 2 == 0,
+    };
+    let mut bits: Vec<bool> = texels.iter().zip(seen).map(of).collect();
+    if !seen.contains(&SeenPart::Some) {
+        return bits;
+    }
+    let places: HashMap<(u32, u32), usize> = texels.iter().copied().zip(0..).collect();
+    for (place, (column, row)) in texels.iter().enumerate().filter(|(place, _)| seen[*place] == SeenPart::Some) {
+        let near = |at: &u32| at.saturating_sub(1)..at + 2;
+        let mut around = near(row).flat_map(|r| near(column).map(move |c| (c, r)));
+        let own = bits[place];
+        if around.all(|at| places.get(&at).is_none_or(|other| bits[*other] == own)) {
+            bits[place] = !own;
+        }
+    }
+    bits
 }
 
 /// Keeps the largest share of light that is lost behind the last mirror that is followed.

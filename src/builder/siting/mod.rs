@@ -3,6 +3,7 @@
 
 mod enclosed;
 mod horizon;
+mod mirror_rays;
 #[cfg(test)]
 mod siting_tests;
 mod sun_rays;
@@ -15,6 +16,7 @@ use heliotile_core::site::material::Class;
 
 pub use enclosed::Enclosed;
 pub use horizon::HorizonLine;
+pub use mirror_rays::{MirrorObserver, MirrorRays};
 pub use sun_rays::SunRays;
 
 /// A scene that is asked about places.

@@ -11,8 +11,10 @@ use glam::{DMat3, DVec3};
 
 use crate::trace::kernel::rays::{Hit, Ray, Tracer};
 use crate::trace::probe::lifted;
+use crate::trace::receiver::Viewpoint;
 use crate::trace::surroundings::cell_of;
-use heliotile_core::hemisphere::{Frame, jitter, mix, texel_direction, texel_of, texels_in_blocks};
+use heliotile_core::hemisphere::{Frame, HEMISPHERE_SR, jitter, mix, texel_direction, texel_of, texels_in_blocks};
+use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::chain::{Chain, MOST_MIRRORS, MirrorPlane, MirrorStep};
 use heliotile_scene::mesh::Mesh;
@@ -23,6 +25,8 @@ pub struct Reflections<'a> {
     mesh: &'a Mesh,
     tracer: &'a Tracer,
     mirrors: &'a Mirrors,
+    /// Triangles that are mirrors.
+    triangles: Vec<u32>,
     /// The mirrors alone: most rays miss them, and are soon done with.
     alone: Tracer,
 }
@@ -78,8 +82,9 @@ struct Way {
 
 impl<'a> Reflections<'a> {
     pub fn new(mesh: &'a Mesh, tracer: &'a Tracer, mirrors: &'a Mirrors) -> Self {
-        let alone = Tracer::of(mesh, &mirrors.triangles().collect::<Vec<u32>>());
-        Reflections { mesh, tracer, mirrors, alone }
+        let triangles: Vec<u32> = mirrors.triangles().collect();
+        let alone = Tracer::of(mesh, &triangles);
+        Reflections { mesh, tracer, mirrors, triangles, alone }
     }
 
     pub fn orientations(&self) -> &[MirrorPlane] {
@@ -236,6 +241,50 @@ impl<'a> Reflections<'a> {
             texels.dedup();
         }
         found
+    }
+
+    /// Rays from a point to those parts of its hemisphere where mirrors may be, were there nothing else: of the texels of an n x n texture in which a
+    /// ray or a corner or the middle of a mirror's triangle tells of one, and of those around, `finer` x `finer` rays each. `rays` counts.
+    pub fn around_mirrors(&self, n: usize, finer: usize, view: &Viewpoint, rays: &mut u64) -> Vec<(DVec3, Ray)> {
+        let mut near = BitSquare::new(n);
+        let mut mark = |column: usize, row: usize, far: usize| {
+            let around = |at: usize| at.saturating_sub(far)..(at + far + 1).min(n);
+            around(row).for_each(|r| around(column).for_each(|c| near.set(c, r, true)));
+        };
+        let coarse = self.around(n, view.seed(), |_| (view.position, view.normal));
+        *rays += coarse.len() as u64;
+        let cast: Vec<Ray> = coarse.iter().map(|ray| ray.1).collect();
+        let meets = self.towards_mirrors(&cast);
+        for ((column, row), _) in texels_in_blocks(n).zip(meets).filter(|(_, meets)| *meets) {
+            mark(column, row, 1);
+        }
+        let origin = view.origin(self.tracer);
+        let (from, frame) = (DVec3::from(origin.map(f64::from)), Frame::of(view.normal));
+        // Rays are this far from each other; what is much narrower is met by chance only.
+        let narrow = HEMISPHERE_SR.sqrt() / (n * finer) as f64 / 4.0;
+        for triangle in &self.triangles {
+            let corners = self.mesh.triangle_points(*triangle as usize).map(|corner| corner - from);
+            let [a, b, c] = corners;
+            let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+            if longest < narrow * narrow * a.length_squared() {
+                continue;
+            }
+            for point in [a, b, c, (a + b + c) / 3.0] {
+                let local = frame.to_local(point.normalize_or_zero());
+                if local.z > 0.0 {
+                    let (column, row) = texel_of(local, n);
+                    mark(column, row, 0);
+                }
+            }
+        }
+        let seed = mix(view.seed(), 0x6669_6e65);
+        let part = |(column, row): (u32, u32), i: usize| {
+            let (c, r) = (column as usize * finer + i % finer, row as usize * finer + i / finer);
+            let inside = jitter(seed, (r * n * finer + c) as u64);
+            let direction = frame.to_world(texel_direction(c, r, n * finer, inside));
+            (direction, Ray { origin, direction: direction.as_vec3().to_array() })
+        };
+        near.ones().flat_map(|texel| (0..finer * finer).map(move |i| part(texel, i))).collect()
     }
 
     /// Rays from points over an n x n texture of their surface's hemisphere, one a texel; `point(texel)` gives place and normal.

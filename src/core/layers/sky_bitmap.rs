@@ -43,6 +43,15 @@ impl BaseTexels for &SkyBitmap {
     }
 }
 
+/// Place of a base texel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BaseTexel {
+    /// Counted from the left.
+    pub column: usize,
+    /// Counted from the first row.
+    pub row: usize,
+}
+
 impl SkyBitmap {
     /// The bitmaps of a raw `sky` block; `None` if the bytes do not describe `count` textures exactly.
     pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<SkyBitmap>> {

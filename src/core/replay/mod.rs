@@ -3,7 +3,7 @@
 //! the crate has no code that could.
 
 pub mod components;
-mod direct;
+pub(crate) mod direct;
 pub mod factors;
 pub mod interactive;
 mod longwave;
@@ -18,5 +18,5 @@ mod sun_sample;
 mod sun_texels;
 mod through_canopy;
 pub mod tile;
-mod tile_layers;
+pub(crate) mod tile_layers;
 pub mod values;

@@ -109,7 +109,7 @@ impl TileLayers {
 }
 
 /// What the receivers of a tile see of the sky in mirrors, ready to be looked up.
-fn mirror_views(
+pub fn mirror_views(
     site: &OpenSite,
     tile: u32,
     mirrors: &[ReceiverMirrors],

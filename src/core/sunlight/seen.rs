@@ -1,7 +1,7 @@
 //! What a receiver sees of the sun on a day. In: its sky bits, the texels that the sun passes. Out: spells of sun, those that are sure, and those that
 //! are possible.
 
-use crate::layers::sky_bitmap::{SkyBitmap, Texel};
+use crate::layers::sky_bitmap::{BaseTexel, SkyBitmap, Texel};
 use crate::sunlight::path::SunPasses;
 use crate::sunlight::spells::Spells;
 
@@ -21,10 +21,14 @@ pub struct SunSeen {
     pub possible: Spells,
 }
 
-/// The sky of a receiver as the sun's path is looked up in it.
+/// The sky of a receiver, or the part of it that is seen by some mirrors, as the sun's path is looked up in it.
 pub struct SeenSky<'s> {
     sky: &'s SkyBitmap,
-    /// `[base texel]`, found when it is first passed.
+    /// First base texel of `sky` in the whole sky.
+    first: BaseTexel,
+    /// Base texels a side of the whole sky.
+    whole: usize,
+    /// `[base texel]` of `sky` and of a rim of one around it, found when it is first passed.
     kinds: Vec<BaseKind>,
     /// Bits of texels with an edge near, of base texels that are mixed: as those of the sky.
     edges: Vec<u64>,
@@ -42,9 +46,15 @@ enum BaseKind {
 }
 
 impl<'s> SeenSky<'s> {
-    /// Of a texture.
+    /// Of a texture of the whole sky.
     pub fn new(sky: &'s SkyBitmap) -> Self {
-        SeenSky { sky, kinds: vec![BaseKind::Unknown; sky.side() * sky.side()], edges: Vec::new() }
+        SeenSky::of_part(sky, BaseTexel::default(), sky.side())
+    }
+
+    /// Of a part of a sky of so many base texels a side, from one of them on; nothing is seen elsewhere.
+    pub fn of_part(sky: &'s SkyBitmap, first: BaseTexel, whole: usize) -> Self {
+        let with_rim = sky.side() + 2;
+        SeenSky { sky, first, whole, kinds: vec![BaseKind::Unknown; with_rim * with_rim], edges: Vec::new() }
     }
 
     /// When the sun is seen on a day within a stretch of time, such as that when it stands before the surface.
@@ -58,8 +68,8 @@ impl<'s> SeenSky<'s> {
                 BaseKind::Mixed(first) => {
                     let (places, ends_min) = passes.fine_of(base);
                     let edges = self.edges.get(first as usize..).unwrap_or_default();
-                    let (side, number) = (self.sky.side(), base.texel as usize);
-                    let texel = self.sky.texel(number % side, number / side);
+                    let (column, row) = self.own(base.texel);
+                    let texel = self.texel(column, row);
                     if let Some(is_seen) = throughout(texel, edges, passed) {
                         found.turn(is_seen, base.start_min, base.start_min, base.end_min);
                         continue;
@@ -83,25 +93,63 @@ impl<'s> SeenSky<'s> {
         found.finish().within(within)
     }
 
+    /// When the sun passes base texels that something is known of: those of this part of the sky and of the rim around it.
+    pub fn reach(&self, passes: &SunPasses) -> Spells {
+        let rim = -1..=self.sky.side() as isize;
+        let mut spells = Spells::default();
+        for base in &passes.bases {
+            let (column, row) = self.own(base.texel);
+            if rim.contains(&column) && rim.contains(&row) {
+                spells.push(base.start_min, base.end_min);
+            }
+        }
+        spells
+    }
+
     /// Fine texels to a side of a base texel.
     fn block(&self) -> usize {
         self.sky.block()
     }
 
-    fn kind(&mut self, texel: u32) -> BaseKind {
+    /// Column and row of a base texel of the whole sky in this one.
+    #[inline(always)]
+    fn own(&self, texel: u32) -> (isize, isize) {
         let number = texel as usize;
-        let Some(kind) = self.kinds.get(number).copied() else { return BaseKind::Unknown };
+        let (column, row) = (number % self.whole, number / self.whole);
+        (column as isize - self.first.column as isize, row as isize - self.first.row as isize)
+    }
+
+    /// What a base texel holds: nothing beyond this part of the sky.
+    #[inline(always)]
+    fn texel(&self, column: isize, row: isize) -> Texel<'s> {
+        let side = self.sky.side() as isize;
+        let is_here = (0..side).contains(&column) && (0..side).contains(&row);
+        if is_here { self.sky.texel(column as usize, row as usize) } else { Texel::Closed }
+    }
+
+    /// The same of a fine texel.
+    fn get(&self, column: isize, row: isize) -> bool {
+        let side = (self.sky.side() * self.block()) as isize;
+        let is_here = (0..side).contains(&column) && (0..side).contains(&row);
+        is_here && self.sky.get(column as usize, row as usize)
+    }
+
+    fn kind(&mut self, texel: u32) -> BaseKind {
+        let with_rim = self.sky.side() + 2;
+        let (column, row) = self.own(texel);
+        // In the rim the sky itself is closed, but an edge may be near.
+        let in_rim = |at: isize| usize::try_from(at + 1).ok().filter(|at| *at < with_rim);
+        let Some((c, r)) = in_rim(column).zip(in_rim(row)) else { return BaseKind::Closed };
+        let number = r * with_rim + c;
+        let Some(kind) = self.kinds.get(number).copied() else { return BaseKind::Closed };
         if kind != BaseKind::Unknown {
             return kind;
         }
-        let (side, column, row) = (self.sky.side(), number % self.sky.side(), number / self.sky.side());
-        let near = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
+        let near = |at: isize| at - 1..at + 2;
         let mut around = near(row).flat_map(|row| near(column).map(move |column| (column, row)));
-        let last = side - 1;
-        let is_outer = [0, last].contains(&column) || [0, last].contains(&row);
-        let found = match self.sky.texel(column, row) {
-            Texel::Open if !is_outer && around.all(|(c, r)| self.sky.texel(c, r) == Texel::Open) => BaseKind::Open,
-            Texel::Closed if around.all(|(c, r)| self.sky.texel(c, r) == Texel::Closed) => BaseKind::Closed,
+        let found = match self.texel(column, row) {
+            Texel::Open if around.all(|(c, r)| self.texel(c, r) == Texel::Open) => BaseKind::Open,
+            Texel::Closed if around.all(|(c, r)| self.texel(c, r) == Texel::Closed) => BaseKind::Closed,
             _ => {
                 let first = self.edges.len() as u32;
                 self.add_edges(column, row);
@@ -116,7 +164,7 @@ impl<'s> SeenSky<'s> {
 
     /// Appends the edges of a base texel: its texels among whose 3 x 3 neighbours some are sky and some are not, and those of sky
     /// that are lower than what is known.
-    fn add_edges(&mut self, column: usize, row: usize) {
+    fn add_edges(&mut self, column: isize, row: isize) {
         let block = self.block();
         let words = (block * block).div_ceil(64);
         let first = self.edges.len();
@@ -126,18 +174,18 @@ impl<'s> SeenSky<'s> {
             return;
         }
         self.edges.resize(first + words, 0);
-        let side = self.sky.side() * block;
-        let rim = block.div_ceil(2);
-        let is_inner = |at: usize| (rim..side - rim).contains(&at);
+        let rim = block.div_ceil(2) as isize;
+        let is_inner = |at: isize| (rim..(self.whole * block) as isize - rim).contains(&at);
         let all_columns = u64::MAX >> (64 - block);
-        let outer = (0..block).filter(|c| !is_inner(column * block + c)).fold(0, |bits, c| bits | 1_u64 << c);
-        let (left, top) = (column * block, row * block);
-        let rows: Vec<Window> =
-            (0..block + 2).map(|r| self.window(left, (top + r).saturating_sub(1).min(side - 1))).collect();
+        let (left, top) = (column * block as isize, row * block as isize);
+        let whole_left = left + (self.first.column * block) as isize;
+        let whole_top = top + (self.first.row * block) as isize;
+        let outer = (0..block).filter(|c| !is_inner(whole_left + *c as isize)).fold(0, |bits, c| bits | 1_u64 << c);
+        let rows: Vec<Window> = (-1..=block as isize).map(|r| self.window(left, top + r)).collect();
         for (r, three) in rows.windows(3).enumerate() {
             let all = three.iter().fold(Window::MAX, |all, row| all & row & row >> 1 & row >> 2);
             let any = three.iter().fold(0, |any, row| any | row | row >> 1 | row >> 2);
-            let low = if is_inner(top + r) { outer } else { all_columns };
+            let low = if is_inner(whole_top + r as isize) { outer } else { all_columns };
             let open = three.get(1).map_or(0, |row| (row >> 1) as u64);
             // A row of up to 64 texels lies in one word: both are powers of two.
             let edges = (!all & any) as u64 & all_columns | low & open;
@@ -147,20 +195,21 @@ impl<'s> SeenSky<'s> {
         }
     }
 
-    /// Bits of a row of a base texel, with one of each neighbour's: that to the left first. Beyond the square there is what is at its border.
-    fn window(&self, left: usize, row: usize) -> Window {
-        let (block, last) = (self.block(), self.sky.side() * self.block() - 1);
-        let bit = |column: usize| Window::from(self.sky.get(column, row));
-        let of_texel = match self.sky.texel(left / block, row / block) {
+    /// Bits of a row of a base texel, with one of each neighbour's: that to the left first. Beyond the square nothing is seen.
+    fn window(&self, left: isize, row: isize) -> Window {
+        let block = self.block();
+        let bit = |column: isize| Window::from(self.get(column, row));
+        let wide = block as isize;
+        let of_texel = match self.texel(left.div_euclid(wide), row.div_euclid(wide)) {
             Texel::Closed => 0,
             Texel::Open => Window::MAX >> (Window::BITS as usize - block),
             Texel::Mixed(bits) => {
-                let place = row % block * block;
+                let place = row.rem_euclid(wide) as usize * block;
                 let word = bits.get(place / 64).map_or(0, |word| word >> (place % 64));
                 Window::from(word) & (Window::MAX >> (Window::BITS as usize - block))
             }
         };
-        bit(left.saturating_sub(1)) | of_texel << 1 | bit((left + block).min(last)) << (block + 1)
+        bit(left - 1) | of_texel << 1 | bit(left + wide) << (block + 1)
     }
 }
 
@@ -239,6 +288,13 @@ impl SunSeen {
     /// Seen in these spells and no others, without a doubt.
     pub fn certain(seen: Spells) -> Self {
         SunSeen { sure: seen.clone(), possible: seen.clone(), seen }
+    }
+
+    /// What is seen here, there, or in both.
+    #[must_use]
+    pub fn and(&self, other: &SunSeen) -> Self {
+        let SunSeen { seen, sure, possible } = other;
+        SunSeen { seen: self.seen.and(seen), sure: self.sure.and(sure), possible: self.possible.and(possible) }
     }
 
     /// What of it lies within some spells.

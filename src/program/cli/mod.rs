@@ -23,8 +23,8 @@ pub use self::line::{
     CompletionsArgs, EverywhereArgs, ManArgs, again, command_of, option_of, parse, quoted, worded, worded_text,
 };
 pub use self::results::{
-    BuildingsArgs, CompareArgs, EnergyplusArgs, ExportArgs, FactorsArgs, PlacesArgs, PvArgs, QueryArgs, RecombineArgs,
-    ReplayArgs, RulesArgs, SiteArgs, SunlightArgs, TableArgs, ViewArgs, YearArgs,
+    BuildingsArgs, CompareArgs, EnergyplusArgs, ExportArgs, FactorsArgs, GlareArgs, PlacesArgs, PvArgs, QueryArgs,
+    RecombineArgs, ReplayArgs, RulesArgs, SiteArgs, SunlightArgs, TableArgs, ViewArgs, YearArgs,
 };
 pub use self::sites::{
     AccuracyArgs, AuditArgs, BuildArgs, CatalogueArgs, ClockArgs, CoverArgs, FindArgs, MaterialsArgs, Metres,
@@ -75,7 +75,9 @@ pub enum Command {
     Compare(CompareArgs),
     /// Hours of possible sun on days that are asked for, and what rules say of them: windows, facades, gardens
     Sunlight(SunlightArgs),
-    /// The rules that `sunlight` knows
+    /// When mirrors and glass facades throw the sun at receivers, which pane does, and what rules say of it
+    Glare(GlareArgs),
+    /// The rules that `sunlight` and `glare` know
     Rules(RulesArgs),
     /// What surroundings reflect on receivers or surfaces over the sun's position: EnergyPlus's factors
     Factors(FactorsArgs),

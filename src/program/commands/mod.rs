@@ -74,6 +74,7 @@ fn run_command(command: &Command, about: Provenance) -> Result<Outcome> {
         Command::Replay(args) => replay::replay(args, about),
         Command::Compare(args) => replay::compare(args, about),
         Command::Sunlight(args) => sunlight::run(args, about),
+        Command::Glare(args) => sunlight::glare(args, about),
         Command::Rules(args) => sunlight::rules(args),
         Command::Factors(args) => replay::factors(args, about),
         Command::Buildings(args) => replay::buildings(args, about),

@@ -1,20 +1,26 @@
-//! `heliotile sunlight` and `heliotile rules`: hours of possible sun, and the rules that ask for them.
+//! `heliotile sunlight`, `heliotile glare` and `heliotile rules`: hours of possible sun, the sun in mirrors, and rules about them.
 
 use std::fmt::Write;
 
 use super::replay::with_resources;
 use super::{Outcome, say};
-use crate::cli::{RulesArgs, SunlightArgs};
+use crate::cli::{GlareArgs, RulesArgs, SunlightArgs, TableArgs};
 use crate::commands::console::voice::remark_aside;
 use heliotile_core::error::{Error, Result};
-use heliotile_results::{Provenance, shipped_rules};
+use heliotile_results::{FileRequest, Provenance, SunlightRequest, shipped_rules};
 
 /// `heliotile sunlight`.
 pub fn run(args: &SunlightArgs, about: Provenance) -> Result<Outcome> {
-    let table = &args.table;
-    let done = with_resources(&table.site, |resources| {
-        table.request().sunlight(&args.request(), &args.files(), about, resources)
-    })?;
+    write(&args.table, &args.request(), &args.files(), about)
+}
+
+/// `heliotile glare`.
+pub fn glare(args: &GlareArgs, about: Provenance) -> Result<Outcome> {
+    write(&args.table, &args.request(), &args.files(), about)
+}
+
+fn write(table: &TableArgs, request: &SunlightRequest, files: &FileRequest, about: Provenance) -> Result<Outcome> {
+    let done = with_resources(&table.site, |resources| table.request().sunlight(request, files, about, resources))?;
     // Standard output may be the table.
     remark_aside(&done.text());
     Ok(Outcome::Fine)

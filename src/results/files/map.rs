@@ -44,33 +44,12 @@ impl<'a> MapStart<'a> {
     /// Starts the map of groups, or of receivers where there are none; receivers that cannot be drawn are an error. `place` is that of the
     /// archive or of the atlas.
     pub fn start(self, resources: &Resources<'a>, groups: Option<&Groups>, place: &Path) -> Result<MapWriter<'a>> {
+        let request = self.request(resources)?;
         let (receivers, memory) = (self.receivers, resources.memory);
-        let [first, others @ ..] = receivers.parts() else {
-            return Err(Error::argument("receivers", "there is nothing to draw", "choose some receivers"));
-        };
-        // Parts of an atlas show their neighbours, too.
-        let shows = self.format.shows_surroundings() && others.is_empty();
-        let around = self.scene.parts().first().filter(|_| shows);
-        let folder = std::env::temp_dir();
-        let request = MapRequest {
-            path: self.path,
-            format: self.format,
-            layout: self.rows.layout(),
-            labels: self.rows.labels(),
-            every: self.rows.every(),
-            crs: crs_of(first.archive),
-            north: receivers.north(),
-            called: self.called.to_owned(),
-            around: around.and_then(|part| surroundings(part.archive, &part.site)),
-            about: self.about.clone(),
-            folder: folder.clone(),
-            storage: resources.storage,
-            memory_bytes: memory.length(Use::MapRows) / self.share.max(1),
-        };
-        request.columns()?;
         let shapes = match groups {
             Some(groups) => {
-                let mut patches = PatchSorter::new(&folder, memory.length(Use::MapPatches) / self.share.max(1));
+                let most = memory.length(Use::MapPatches) / self.share.max(1);
+                let mut patches = PatchSorter::new(&request.folder, most);
                 for (number, receiver) in receivers.shown().enumerate() {
                     patches.push(groups.place_of(number)?, receiver?)?;
                 }
@@ -84,6 +63,37 @@ impl<'a> MapStart<'a> {
             }
         };
         MapWriter::create(request, shapes)
+    }
+
+    /// Starts a map of other places.
+    pub fn with_shapes(self, shapes: PlaceShapes<'a>, resources: &Resources<'a>) -> Result<MapWriter<'a>> {
+        MapWriter::create(self.request(resources)?, shapes)
+    }
+
+    fn request(&self, resources: &Resources<'a>) -> Result<MapRequest<'a>> {
+        let [first, others @ ..] = self.receivers.parts() else {
+            return Err(Error::argument("receivers", "there is nothing to draw", "choose some receivers"));
+        };
+        // Parts of an atlas show their neighbours, too.
+        let shows = self.format.shows_surroundings() && others.is_empty();
+        let around = self.scene.parts().first().filter(|_| shows);
+        let request = MapRequest {
+            path: self.path,
+            format: self.format,
+            layout: self.rows.layout(),
+            labels: self.rows.labels(),
+            every: self.rows.every(),
+            crs: crs_of(first.archive),
+            north: self.receivers.north(),
+            called: self.called.to_owned(),
+            around: around.and_then(|part| surroundings(part.archive, &part.site)),
+            about: self.about.clone(),
+            folder: std::env::temp_dir(),
+            storage: resources.storage,
+            memory_bytes: resources.memory.length(Use::MapRows) / self.share.max(1),
+        };
+        request.columns()?;
+        Ok(request)
     }
 }
 

@@ -25,6 +25,7 @@ use heliotile_core::replay::components::ComponentList;
 
 pub use charts::AreaChart;
 pub use city_model::CityModelSink;
+pub(crate) use map::{MapStart, say_large};
 pub use map::{crs_of, surroundings};
 pub use results::{MapFile, Question, ResultRows, ResultSink, RowsAbout};
 pub(crate) use results::{RowFiles, groups_of, write_rows};

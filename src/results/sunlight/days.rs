@@ -6,6 +6,8 @@ use std::path::Path;
 use super::calendar::DaySpan;
 use super::clock::ClockZone;
 use super::rule::{ClockHours, Rule, RuleClock, RuleMeasure};
+use rayon::prelude::*;
+
 use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::sides::TextureSides;
 use heliotile_core::site::north::North;
@@ -33,6 +35,8 @@ pub struct DayPlan {
     year: i32,
     /// In order, each once.
     pub dates: Vec<Date>,
+    /// Whether results name the year of a day.
+    pub names_years: bool,
 }
 
 /// The sun on these days in the axes of a site, and its ways through the site's textures.
@@ -83,7 +87,13 @@ impl DayPlan {
         let mut dates: Vec<Date> = spans.iter().copied().flatten().flat_map(|span| span.days(year)).collect();
         dates.sort_by_key(|date| date.day_number());
         dates.dedup();
-        DayPlan { site, zone, year, dates }
+        let names_years = !spans.is_empty() && spans.iter().copied().flatten().all(DaySpan::has_year);
+        DayPlan { site, zone, year, dates, names_years }
+    }
+
+    /// A day as results name it.
+    pub fn label(&self, Date { year, month, day }: Date) -> String {
+        if self.names_years { format!("{year:04}-{month:02}-{day:02}") } else { format!("{month:02}-{day:02}") }
     }
 
     /// Places of the days of some spans, in order, each once.
@@ -96,8 +106,8 @@ impl DayPlan {
 
     /// The sun on these days, and its ways through textures.
     pub fn suns(&self, north: North, sides: TextureSides) -> SunDays {
-        let days: Vec<SunDay> = self.dates.iter().map(|date| SunDay::of(&self.site, *date, north)).collect();
-        SunDays { passes: days.iter().map(|day| day.passes(sides)).collect(), days }
+        let days: Vec<SunDay> = self.dates.par_iter().map(|date| SunDay::of(&self.site, *date, north)).collect();
+        SunDays { passes: days.par_iter().map(|day| day.passes(sides)).collect(), days }
     }
 
     /// Rules with their days. An error: a rule without days where none are asked for, one that counts sunny hours without weather.

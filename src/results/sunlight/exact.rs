@@ -4,36 +4,44 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use heliotile_builder::held::{complete, held_scene};
-use heliotile_builder::siting::SunRays;
-use heliotile_core::archive::Archive;
-use heliotile_core::error::Result;
+use heliotile_core::archive::format::TileNumber;
+use heliotile_core::archive::{Archive, format};
+use heliotile_core::error::{Error, Result};
 use heliotile_core::sunlight::{Spells, SunDay, SunSeen};
 use heliotile_scene::Scene;
 
-/// Minutes between rays where the texture does not say.
-const RAY_STEP_MIN: f64 = 0.1;
+/// Minutes between rays near edges.
+pub const EDGE_STEP_MIN: f64 = 0.1;
 
-/// Halvings of that: moments are found to a tenth of a second.
+/// Minutes between rays towards mirrors.
+pub const MIRROR_STEP_MIN: f64 = 0.25;
+
+/// Halvings of these: moments are found to a quarter of a second.
 const BISECTIONS: usize = 6;
 
 /// The scene that an archive was traced of, ready to be asked. An error: the archive does not hold it, or is a preview.
 pub fn scene_of(archive: &Archive) -> Result<Scene> {
+    if !archive.has(format::SCENE, TileNumber::FIRST) {
+        let what = "the archive does not hold its scene, so no ray can be cast";
+        let hint = "build it again without {no_scene}, or leave out {exact}, {spells}, {panes} and calendars";
+        return Err(Error::input(archive.path(), None, what, hint));
+    }
     complete(archive)?;
     let held = held_scene(archive)?;
     let origin = held.grid.origin;
     let place = |corners: &[DVec3; 3]| corners.map(|corner| origin + corner);
     let triangles: Vec<([DVec3; 3], u16)> = held.triangles.par_iter().map(place).zip(held.triangle_material).collect();
-    Scene::from_triangles(&triangles, held.materials)
+    Scene::from_objects(&triangles, held.materials, &held.objects, None)
 }
 
-/// What is seen of the sun on a day, where the texture does not say by rays.
-pub fn refined(seen: &SunSeen, day: &SunDay, rays: &SunRays) -> SunSeen {
+/// What is seen of the sun on a day, where the texture does not say by rays so many minutes apart: `sees` tells which of some suns a receiver sees.
+pub fn refined(seen: &SunSeen, day: &SunDay, step_min: f64, sees: impl Fn(&[DVec3]) -> Vec<bool>) -> SunSeen {
     let mut by_rays = Spells::default();
     for doubt in seen.possible.without(&seen.sure).iter() {
-        let steps = (doubt.minutes() / RAY_STEP_MIN).ceil().max(1.0) as usize;
+        let steps = (doubt.minutes() / step_min).ceil().max(1.0) as usize;
         let moment = |step: usize| doubt.start_min + doubt.minutes() * step as f64 / steps as f64;
         let suns: Vec<DVec3> = (0..=steps).map(|step| day.sun(moment(step))).collect();
-        let lit = rays.sees(&suns);
+        let lit = sees(&suns);
         let mut since = doubt.start_min;
         for (step, two) in lit.windows(2).enumerate() {
             if two[0] == two[1] {
@@ -42,7 +50,7 @@ pub fn refined(seen: &SunSeen, day: &SunDay, rays: &SunRays) -> SunSeen {
             let (mut low, mut high) = (moment(step), moment(step + 1));
             for _ in 0..BISECTIONS {
                 let middle = 0.5 * (low + high);
-                let is_as_before = rays.sees(&[day.sun(middle)]) == [two[0]];
+                let is_as_before = sees(&[day.sun(middle)]) == [two[0]];
                 if is_as_before { low = middle } else { high = middle }
             }
             let change = 0.5 * (low + high);

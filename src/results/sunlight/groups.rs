@@ -12,7 +12,7 @@ use crate::outputs::groups::Groups;
 use crate::outputs::tables::layout::By;
 use heliotile_builder::spill::{Sorter, damaged};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::sunlight::{Spells, SunSeen};
+use heliotile_core::sunlight::{Spells, Strongest, SunSeen};
 
 /// Answers of receivers, sorted by group.
 pub struct GroupAnswers<'a> {
@@ -62,7 +62,8 @@ impl<'a> GroupAnswers<'a> {
                 parts.push(part_of(&record?.1).ok_or_else(|| damaged(folder))?);
             }
             let items = items_of(&parts, asked, lit_share);
-            if !take(PlaceAnswer { name: name.clone(), position: middle(&parts), items })? {
+            let (name, position) = (name.clone(), middle(&parts));
+            if !take(PlaceAnswer { name, position, items, spells: Vec::new() })? {
                 break;
             }
         }
@@ -95,16 +96,19 @@ fn items_of(parts: &[GroupPart], asked: &Asked, lit_share: f64) -> Vec<Option<An
                 let mean = |of: fn(&RuleValue) -> f64| values().map(|(share, value)| share * of(&value)).sum();
                 let value =
                     RuleValue { value: mean(|one| one.value), low: mean(|one| one.low), high: mean(|one| one.high) };
-                AnswerItem { value, days: covered(lit_share), before: None }
+                let strongest = about.iter().filter_map(|(_, item)| item.strongest).reduce(Strongest::and);
+                AnswerItem { value, days: covered(lit_share), strongest, before: None }
             }
             Asked::Rules(rules) => {
                 let planned = rules.get(number)?;
                 let value = match planned.rule.part {
                     LitPart::Middle => nearest_to_middle(&about, &shares)?.value,
                     LitPart::AtATime(least) => planned.value(&covered(least)),
-                    LitPart::InTurn(least) => RuleValue::reached_on(least, &values().collect::<Vec<_>>()),
+                    LitPart::InTurn(least) => {
+                        RuleValue::reached_on(least, planned.rule.threshold, &values().collect::<Vec<_>>())
+                    }
                 };
-                AnswerItem { value, days: Vec::new(), before: None }
+                AnswerItem::of(value)
             }
         })
     };
@@ -133,9 +137,10 @@ fn put(bytes: &mut Vec<u8>, value: f64) {
 
 /// An item: how many days it has, its value, their spells; no days and no number where there is none.
 fn put_item(bytes: &mut Vec<u8>, item: Option<&AnswerItem>) {
-    let Some(AnswerItem { value, days, .. }) = item else { return put(bytes, f64::NAN) };
+    let Some(AnswerItem { value, days, strongest, .. }) = item else { return put(bytes, f64::NAN) };
     put(bytes, days.len() as f64);
-    [value.value, value.low, value.high].iter().for_each(|value| put(bytes, *value));
+    let strongest = strongest.map_or([f64::NAN; 2], |one| [one.irradiance_w_m2, one.deflection_deg]);
+    [value.value, value.low, value.high].iter().chain(&strongest).for_each(|value| put(bytes, *value));
     for spells in days.iter().flat_map(|day| [&day.seen, &day.sure, &day.possible]) {
         put(bytes, spells.iter().count() as f64);
         spells.iter().for_each(|spell| [spell.start_min, spell.end_min].iter().for_each(|value| put(bytes, *value)));
@@ -156,6 +161,8 @@ fn part_of(bytes: &[u8]) -> Option<GroupPart> {
             continue;
         }
         let value = RuleValue { value: next()?, low: next()?, high: next()? };
+        let strongest = Strongest { irradiance_w_m2: next()?, deflection_deg: next()? };
+        let strongest = Some(strongest).filter(|one| one.irradiance_w_m2.is_finite());
         let mut spells = || {
             let mut spells = Spells::default();
             for _ in 0..next()? as usize {
@@ -167,9 +174,12 @@ fn part_of(bytes: &[u8]) -> Option<GroupPart> {
         for _ in 0..days as usize {
             of_days.push(SunSeen { seen: spells()?, sure: spells()?, possible: spells()? });
         }
-        items.push(Some(AnswerItem { value, days: of_days, before: None }));
+        items.push(Some(AnswerItem { value, days: of_days, strongest, before: None }));
     }
-    rest.is_empty().then_some(GroupPart { share, answer: PlaceAnswer { name: String::new(), position, items } })
+    rest.is_empty().then_some(GroupPart {
+        share,
+        answer: PlaceAnswer { name: String::new(), position, items, spells: Vec::new() },
+    })
 }
 
 /// Refuses rules about the middle of what has none.

@@ -1,7 +1,7 @@
 //! What a rule measures of spells of sun. In: a rule with its days, the sun that is seen on them. Out: a value, how far it may be off, a verdict.
 
 use super::days::PlannedRule;
-use super::rule::{DaysTogether, Rule, RuleMeasure};
+use super::rule::{DaysTogether, Rule, RuleMeasure, Threshold};
 use crate::outputs::quantities::Verdict;
 use heliotile_core::sunlight::{Spells, SunSeen};
 
@@ -32,7 +32,7 @@ impl RuleValue {
 
     /// What a rule makes of it, and of what it was before a change.
     pub fn judged(&self, rule: &Rule, before: Option<&RuleValue>) -> Verdict {
-        let verdict = self.verdict(rule.at_least);
+        let verdict = self.verdict(rule.threshold);
         match (rule.former_share, before) {
             // Less than what was asked for before may be enough now, too.
             (Some(share), Some(before)) if verdict != Verdict::Met => {
@@ -41,7 +41,7 @@ impl RuleValue {
                     low: self.low - share * before.high,
                     high: self.high - share * before.low,
                 };
-                match of_former.verdict(0.0) {
+                match of_former.verdict(Threshold::AtLeast(0.0)) {
                     Verdict::Broken => verdict,
                     enough => enough,
                 }
@@ -51,20 +51,28 @@ impl RuleValue {
     }
 
     /// What the threshold makes of it.
-    pub fn verdict(&self, at_least: f64) -> Verdict {
-        let reaches = |value: f64| value >= at_least - ON_IT;
-        match (reaches(self.low), reaches(self.high)) {
+    pub fn verdict(&self, threshold: Threshold) -> Verdict {
+        // Whether the worst and the best that it may be are good enough.
+        let (worst, best) = match threshold {
+            Threshold::AtLeast(least) => (self.low >= least - ON_IT, self.high >= least - ON_IT),
+            Threshold::AtMost(most) => (self.high <= most + ON_IT, self.low <= most + ON_IT),
+        };
+        match (worst, best) {
             (true, _) => Verdict::Met,
             (_, false) => Verdict::Broken,
             _ => Verdict::Close,
         }
     }
 
-    /// The least value that is reached on this share of an area: of parts with their values, whose shares add up to 1.
-    pub fn reached_on(share: f64, parts: &[(f64, RuleValue)]) -> Self {
+    /// The value that is reached, or not exceeded, on this share of an area: of parts with their values, whose shares add up to 1.
+    pub fn reached_on(share: f64, threshold: Threshold, parts: &[(f64, RuleValue)]) -> Self {
         let reached = |of: fn(&RuleValue) -> f64| {
             let mut sorted: Vec<(f64, f64)> = parts.iter().map(|(share, value)| (of(value), *share)).collect();
-            sorted.sort_by(|a, b| b.0.total_cmp(&a.0));
+            // The best parts first.
+            sorted.sort_by(|a, b| match threshold {
+                Threshold::AtLeast(_) => b.0.total_cmp(&a.0),
+                Threshold::AtMost(_) => a.0.total_cmp(&b.0),
+            });
             let mut sum = 0.0;
             let at = sorted.iter().find(|(_, part)| {
                 sum += part;
@@ -101,11 +109,13 @@ impl PlannedRule {
 
     fn together(&self, minutes: &[f64]) -> f64 {
         let (sum, count) = (minutes.iter().sum::<f64>(), minutes.len().max(1) as f64);
-        let joined = match self.rule.days {
-            DaysTogether::Each => minutes.iter().copied().reduce(f64::min).unwrap_or_default(),
-            DaysTogether::Any => minutes.iter().copied().fold(0.0, f64::max),
-            DaysTogether::Mean => sum / count,
-            DaysTogether::Sum => sum,
+        let least = || minutes.iter().copied().reduce(f64::min).unwrap_or_default();
+        let most = || minutes.iter().copied().fold(0.0, f64::max);
+        let joined = match (self.rule.days, self.rule.threshold) {
+            (DaysTogether::Each, Threshold::AtLeast(_)) | (DaysTogether::Any, Threshold::AtMost(_)) => least(),
+            (DaysTogether::Any, Threshold::AtLeast(_)) | (DaysTogether::Each, Threshold::AtMost(_)) => most(),
+            (DaysTogether::Mean, _) => sum / count,
+            (DaysTogether::Sum, _) => sum,
         };
         match self.rule.measure {
             RuleMeasure::ProbablePercent if self.open_min > 0.0 => 100.0 * joined / self.open_min,
@@ -118,19 +128,27 @@ impl PlannedRule {
 mod tests {
     use super::*;
 
-    /// 120 minutes that may be 119 to 121 are close to a threshold of 120, and 121 on the safe side of it; a half of an area reaches what its
-    /// better parts of 30 and 20 % do, a tenth of it the best part's value.
+    /// 120 minutes that may be 119 to 121 are close to a threshold of 120, meet one of 119 and break one of 121.5; they are close to at most 119,
+    /// meet at most 121 and break at most 118. A half of an area reaches what its better parts of 30 and 20 % do, a tenth of it the best part's
+    /// value; six tenths of it do not exceed the middle value.
     #[test]
     fn verdicts_and_areas() {
         let value = RuleValue { value: 120.0, low: 119.0, high: 121.0 };
         assert_eq!(
-            (value.verdict(120.0), value.verdict(119.0), value.verdict(121.5)),
+            (
+                value.verdict(Threshold::AtLeast(120.0)),
+                value.verdict(Threshold::AtLeast(119.0)),
+                value.verdict(Threshold::AtLeast(121.5))
+            ),
             (Verdict::Close, Verdict::Met, Verdict::Broken)
         );
-        assert_eq!(RuleValue::certain(120.0).verdict(120.0), Verdict::Met);
+        assert_eq!(RuleValue::certain(120.0).verdict(Threshold::AtLeast(120.0)), Verdict::Met);
+        let most = [119.0, 121.0, 118.0].map(|most| value.verdict(Threshold::AtMost(most)));
+        assert_eq!(most, [Verdict::Close, Verdict::Met, Verdict::Broken]);
         assert_eq!(value.uncertain(), 1.0);
         let parts = [(0.5, 10.0), (0.3, 200.0), (0.2, 130.0)].map(|(share, value)| (share, RuleValue::certain(value)));
-        let reached = |share| RuleValue::reached_on(share, &parts).value;
+        let reached = |share| RuleValue::reached_on(share, Threshold::AtLeast(0.0), &parts).value;
         assert_eq!((reached(0.5), reached(0.1), reached(0.51), reached(1.0)), (130.0, 200.0, 10.0, 10.0));
+        assert_eq!(RuleValue::reached_on(0.6, Threshold::AtMost(0.0), &parts).value, 130.0);
     }
 }

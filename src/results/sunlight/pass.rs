@@ -5,9 +5,12 @@ use std::path::{Path, PathBuf};
 use super::clock::ClockZone;
 use super::days::DayPlan;
 use super::former::{FormerValues, NamesAfter};
+use super::glare::{GlareChoice, PaneFile, SpellRecord, write_calendar};
 use super::groups::{GroupAnswers, check_middles};
+use super::panes::PaneList;
 use super::places::{AnswerItem, Asked, DateRows, PlaceAnswer, PlaceQuestions};
 use super::request::{RuleCount, SunlightDone, SunlightRequest};
+use super::rule::Threshold;
 use crate::archives::Archives;
 use crate::doubts::{check_one_site, preview};
 use crate::files::{FileRequest, ResultRows, RowFiles, RowsAbout, groups_of, name_of};
@@ -23,7 +26,9 @@ use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::hemisphere::HEMISPHERE_SR;
 use heliotile_core::memory::Use;
-use heliotile_core::sunlight::{Spells, SunSeen};
+use heliotile_core::opened::OpenSite;
+use heliotile_core::sunlight::{Spells, Strongest, SunSeen};
+use heliotile_core::text::counted;
 
 /// Places whose rows are written together.
 const PLACES_AT_ONCE: usize = 256;
@@ -62,11 +67,12 @@ impl SunlightRequest {
         }
         let (plan, asked) = self.plan(site.archives, resources)?;
         check_middles(&asked, files.by)?;
+        self.check_mirrors(&asked, site.archives)?;
         self.tell(site.archives, resources);
         let windows = windows_of(site, files.by)?;
         let receivers = windows.as_ref().unwrap_or(site.receivers);
         let groups = groups_of(receivers, files.by, site.place)?;
-        let columns = Columns::of(&asked, &plan, groups.is_some(), before.is_some());
+        let columns = Columns::of(&asked, &plan, groups.is_some(), before.is_some(), self.glare.is_some());
         let mut layout = columns.layout(files.by);
         if let Some(groups) = &groups {
             layout.facts = groups.facts(files.by, false);
@@ -79,15 +85,23 @@ impl SunlightRequest {
         };
         let about = about.with("utc_offset", plan.zone.standard(self.year)).with("clock", &plan.zone);
         let told = RowsAbout { called: self.called(&columns, site.place), about, place: site.place, scene: None };
-        let maps = files.maps(files.plots.iter().map(PathBuf::as_path))?;
+        let calendars: Vec<&Path> = self.calendars(files).collect();
+        let drawn = files.plots.iter().map(PathBuf::as_path).filter(|plot| !calendars.contains(plot));
+        let maps = files.maps(drawn)?;
         let mut row_files = RowFiles::new(&rows, groups.clone());
         if files.wants_table()? {
             row_files = row_files.with_table(&files.output, receivers, &told.about);
         }
         let mut row_files = row_files.with_maps(&maps, receivers, &told, resources)?;
+        let glare = self.glare.as_ref();
+        let panes = PaneList::default();
+        let wants_spells = !calendars.is_empty() || glare.is_some_and(|glare| glare.files().next().is_some());
+        let mut record = wants_spells.then(|| SpellRecord::new(resources));
         let questions = PlaceQuestions {
             receivers,
             plan: &plan,
+            glare: glare.map(GlareChoice::angles),
+            panes: wants_spells.then_some(&panes),
             asked: &asked,
             least_altitude_deg: self.least_altitude_deg,
             exact: self.exact,
@@ -99,28 +113,55 @@ impl SunlightRequest {
         };
         row_files.start()?;
         let mut rows = RowBatch::new(&columns, &asked, groups.as_ref());
-        self.each(&questions, groups.as_ref(), site.folder, resources, |mut answer| {
+        let mut keep = |answer: &mut PlaceAnswer| match &mut record {
+            Some(record) => record.add(&answer.name, std::mem::take(&mut answer.spells)),
+            None => Ok(()),
+        };
+        self.each(&questions, groups.as_ref(), site.folder, resources, &mut keep, |mut answer| {
             former.join(&mut answer);
             rows.add(answer, &mut row_files)
         })?;
         rows.flush(&mut row_files)?;
         let RowBatch { counts: rules, places, .. } = rows;
         row_files.finish(resources.observer)?;
+        if let Some((glare, record)) = glare.zip(record.as_ref()) {
+            if let Some(path) = &glare.spells {
+                record.table(&plan).write(path, &told.about)?;
+            }
+            if let Some(path) = &glare.panes {
+                let file = PaneFile { path, receivers, place: site.place, about: &told.about };
+                file.write(record, &panes, &plan, resources)?;
+            }
+            let called = format!("{}, {}", name_of(site.place), counted(receivers.count(), "receiver"));
+            let calendar = (!calendars.is_empty()).then(|| record.calendar(&plan, called));
+            for (path, calendar) in calendars.iter().flat_map(|path| calendar.iter().map(move |one| (path, one))) {
+                write_calendar(calendar, path, &told.about)?;
+            }
+        }
         Ok(SunlightDone { places, days: plan.dates.len() as u64, rules })
     }
 
-    /// Hands on the answers of receivers, or of their groups.
+    /// Hands on the answers of receivers, or of their groups; `keep` sees those of receivers first.
     fn each(
         &self,
         questions: &PlaceQuestions,
         groups: Option<&Groups>,
         folder: &Path,
         resources: &Resources,
-        take: impl FnMut(PlaceAnswer) -> Result<bool>,
+        keep: &mut dyn FnMut(&mut PlaceAnswer) -> Result<()>,
+        mut take: impl FnMut(PlaceAnswer) -> Result<bool>,
     ) -> Result<()> {
-        let Some(groups) = groups else { return questions.each(resources, take) };
+        let Some(groups) = groups else {
+            return questions.each(resources, |mut answer| {
+                keep(&mut answer)?;
+                take(answer)
+            });
+        };
         let mut answers = GroupAnswers::new(groups, folder, resources.memory.length(Use::ComparedValues));
-        questions.each(resources, |answer| answers.push(&answer).map(|()| true))?;
+        questions.each(resources, |mut answer| {
+            keep(&mut answer)?;
+            answers.push(&answer).map(|()| true)
+        })?;
         answers.each(questions.asked, self.lit_share, take)
     }
 
@@ -143,8 +184,8 @@ impl SunlightRequest {
         };
         let places = groups.as_ref().map_or(receivers.count(), |groups| groups.names().len() as u64);
         let mut former = FormerValues::with_room(places, of_after.items() as u64, resources)?;
-        let questions = PlaceQuestions { receivers, ..*of_after };
-        self.each(&questions, groups.as_ref(), before.folder, resources, |answer| {
+        let questions = PlaceQuestions { receivers, panes: None, ..*of_after };
+        self.each(&questions, groups.as_ref(), before.folder, resources, &mut |_| Ok(()), |answer| {
             former.add(&answer, &names);
             Ok(true)
         })?;
@@ -159,6 +200,27 @@ impl SunlightRequest {
             true => format!("{}, {first}", name_of(place)),
             false => format!("{}: {first}", name_of(place)),
         }
+    }
+
+    /// Refuses archives that know nothing of mirrors, where these are asked for.
+    fn check_mirrors(&self, asked: &Asked, archives: Archives) -> Result<()> {
+        let is_asked = match asked {
+            Asked::Dates(_) => self.glare.is_some(),
+            Asked::Rules(rules) => rules.iter().any(|planned| planned.rule.measure.is_of_mirrors()),
+        };
+        if !is_asked && self.glare.is_none() {
+            return Ok(());
+        }
+        for archive in archives.iter() {
+            if !OpenSite::of(archive)?.orientations().is_empty() {
+                return Ok(());
+            }
+        }
+        let archive = archives.first();
+        let what = "knows of no mirror and no glass, so nothing is thrown at its receivers";
+        let hint =
+            "give materials of facades `glass = true` or a `specular` share in {materials}, and build it with mirrors";
+        Err(Error::input(archive.path(), None, what, hint))
     }
 
     /// Tells what a user should know of archives.
@@ -203,9 +265,10 @@ enum Number {
     Sun,
     /// Of groups: minutes in which enough of the area is lit at a time.
     Lit,
-    /// Mean and least day.
+    /// Mean and least day; of the sun in mirrors the day with the most.
     Mean,
     Least,
+    Most,
     /// The longest spell; of groups with enough of the area lit.
     Longest,
     /// When the first spell starts, when the last ends.
@@ -213,12 +276,16 @@ enum Number {
     Last,
     /// How far the minutes may be off.
     Uncertain,
-    /// Minutes before, and how many of them are lost.
+    /// Minutes before, and how many of them are lost; or come, of the sun in mirrors.
     Before,
     Lost,
-    /// Value of a rule, its threshold, how far the value may be off, what it says.
+    /// How strong the sun in mirrors is, and how near to the sun itself.
+    Irradiance,
+    Deflection,
+    /// Value of a rule, the least or the most that meets it, how far the value may be off, what it says.
     Value,
-    Threshold,
+    AtLeast,
+    AtMost,
     ValueUncertain,
     Verdict,
     /// Value and verdict before.
@@ -231,19 +298,31 @@ struct Columns<'a> {
     asked: &'a Asked,
     zone: &'a ClockZone,
     plan: &'a DayPlan,
+    /// Whether days are of the sun in mirrors.
+    is_glare: bool,
     numbers: Vec<Number>,
 }
 
 impl<'a> Columns<'a> {
-    fn of(asked: &'a Asked, plan: &'a DayPlan, is_of_groups: bool, has_before: bool) -> Self {
+    fn of(asked: &'a Asked, plan: &'a DayPlan, is_of_groups: bool, has_before: bool, is_glare: bool) -> Self {
         use Number::{
-            Before, First, Last, Least, Lit, Longest, Lost, Mean, Sun, Threshold, Uncertain, Value, ValueBefore,
-            ValueUncertain, Verdict, VerdictBefore,
+            AtLeast, AtMost, Before, Deflection, First, Irradiance, Last, Least, Lit, Longest, Lost, Mean, Most, Sun,
+            Uncertain, Value, ValueBefore, ValueUncertain, Verdict, VerdictBefore,
         };
         let numbers = match asked {
             Asked::Dates(DateRows { is_by_day: true, .. }) => vec![Sun, Lit, Longest, First, Last, Uncertain],
+            Asked::Dates(_) if is_glare => vec![Sun, Most, Lit, Longest, Uncertain],
             Asked::Dates(_) => vec![Sun, Mean, Least, Lit, Longest, Uncertain],
-            Asked::Rules(_) => vec![Value, Threshold, ValueUncertain, Verdict],
+            Asked::Rules(rules) => {
+                let asks = |is_such: fn(&Threshold) -> bool| rules.iter().any(|one| is_such(&one.rule.threshold));
+                let least = asks(|threshold| matches!(threshold, Threshold::AtLeast(_))).then_some(AtLeast);
+                let most = asks(|threshold| matches!(threshold, Threshold::AtMost(_))).then_some(AtMost);
+                [Some(Value), least, most, Some(ValueUncertain), Some(Verdict)].into_iter().flatten().collect()
+            }
+        };
+        let of_mirrors: &[Number] = match asked {
+            Asked::Dates(_) if is_glare => &[Irradiance, Deflection],
+            _ => &[],
         };
         let former: &[Number] = match (has_before, asked) {
             (false, _) => &[],
@@ -251,8 +330,8 @@ impl<'a> Columns<'a> {
             (true, Asked::Rules(_)) => &[ValueBefore, VerdictBefore],
         };
         let numbers = numbers.into_iter().filter(|number| is_of_groups || *number != Lit);
-        let numbers = numbers.chain(former.iter().copied()).collect();
-        Columns { asked, zone: &plan.zone, plan, numbers }
+        let numbers = numbers.chain(of_mirrors.iter().chain(former).copied()).collect();
+        Columns { asked, zone: &plan.zone, plan, is_glare, numbers }
     }
 
     fn labels(&self) -> RowLabels {
@@ -269,9 +348,10 @@ impl<'a> Columns<'a> {
             Asked::Rules(rules) => rules.iter().all(|planned| !planned.rule.measure.is_percent()),
         };
         let quantity = |(array, number): (usize, &Number)| {
-            let (name, words, measure) = number.described();
+            let (name, words, measure) = number.described(self.is_glare);
             // Percent and minutes have no unit together.
-            let measure = if measure == Measure::Number && is_time { Measure::Minutes } else { measure };
+            let is_of_rule = matches!(self.asked, Asked::Rules(_));
+            let measure = if measure == Measure::Number && is_time && is_of_rule { Measure::Minutes } else { measure };
             Quantity { name: name.into(), words: words.into(), source: ValueSource::Array(array), measure }
         };
         Layout::of_quantities(labels, by, self.numbers.iter().enumerate().map(quantity).collect())
@@ -295,10 +375,14 @@ impl<'a> Columns<'a> {
                     let Some(asked) = rules.get(rule).map(|planned| &planned.rule) else { return f64::NAN };
                     let Some(item) = items.get(rule).and_then(Option::as_ref) else { return f64::NAN };
                     let before = item.before.as_ref();
-                    let verdict_before = || before.map(|before| before.verdict(asked.at_least).number().into());
+                    let verdict_before = || before.map(|before| before.verdict(asked.threshold).number().into());
                     match number {
                         Number::Value => item.value.value,
-                        Number::Threshold => asked.at_least,
+                        Number::AtLeast | Number::AtMost => match (number, asked.threshold) {
+                            (Number::AtLeast, Threshold::AtLeast(least)) => least,
+                            (Number::AtMost, Threshold::AtMost(most)) => most,
+                            _ => f64::NAN,
+                        },
                         Number::Verdict => item.value.judged(asked, before).number().into(),
                         Number::ValueBefore => before.map_or(f64::NAN, |before| before.value),
                         Number::VerdictBefore => verdict_before().unwrap_or(f64::NAN),
@@ -314,6 +398,7 @@ impl<'a> Columns<'a> {
     fn of_days(&self, number: Number, days: &DayItems) -> f64 {
         let minutes = |of: fn(&AnswerItem) -> f64| days.items().map(of);
         let seen = || days.items().flat_map(|item| &item.days).map(|day: &SunSeen| &day.seen);
+        let strongest = || days.items().filter_map(|item| item.strongest).reduce(Strongest::and);
         let ahead_min = days.dates.first().and_then(|date| self.plan.dates.get(*date));
         let ahead_min = ahead_min.map_or(0.0, |date| self.zone.ahead_min(*date));
         match number {
@@ -321,8 +406,13 @@ impl<'a> Columns<'a> {
             // A place that was not there before has none.
             Number::Before => minutes(|item| item.before.map_or(f64::NAN, |before| before.value)).sum(),
             Number::Lost => {
-                minutes(|item| item.before.map_or(f64::NAN, |before| before.value - item.value.value)).sum()
+                let sign = if self.is_glare { -1.0 } else { 1.0 };
+                let lost = |item: &AnswerItem| item.before.map_or(f64::NAN, |before| before.value - item.value.value);
+                sign * minutes(lost).sum::<f64>()
             }
+            Number::Most => minutes(|item| item.value.value).fold(0.0, f64::max),
+            Number::Irradiance => strongest().map_or(0.0, |one| one.irradiance_w_m2),
+            Number::Deflection => strongest().map_or(f64::NAN, |one| one.deflection_deg),
             Number::Mean => minutes(|item| item.value.value).sum::<f64>() / days.dates.len().max(1) as f64,
             Number::Least => minutes(|item| item.value.value).fold(f64::INFINITY, f64::min),
             Number::Lit => seen().map(Spells::minutes).sum(),
@@ -336,8 +426,18 @@ impl<'a> Columns<'a> {
 
 impl Number {
     /// Name of its column, what it is in words, what it measures.
-    fn described(self) -> (&'static str, &'static str, Measure) {
+    fn described(self, is_glare: bool) -> (&'static str, &'static str, Measure) {
         match self {
+            Number::Sun if is_glare => ("glare_minutes", "sun in mirrors", Measure::Minutes),
+            Number::Lit if is_glare => ("any_minutes", "sun in mirrors at any of it", Measure::Minutes),
+            Number::Longest if is_glare => ("longest_minutes", "longest spell of sun in mirrors", Measure::Minutes),
+            Number::First if is_glare => ("first", "first minute of sun in mirrors", Measure::Clock),
+            Number::Last if is_glare => ("last", "last minute of sun in mirrors", Measure::Clock),
+            Number::Before if is_glare => ("before_minutes", "sun in mirrors before", Measure::Minutes),
+            Number::Lost if is_glare => ("added_minutes", "sun in mirrors that is new", Measure::Minutes),
+            Number::Most => ("most_minutes", "sun in mirrors, day with the most", Measure::Minutes),
+            Number::Irradiance => ("irradiance_w_m2", "irradiance by the sun in mirrors at most", Measure::Number),
+            Number::Deflection => ("deflection_deg", "least angle between the sun and its image", Measure::Number),
             Number::Sun => ("sun_minutes", "possible sun", Measure::Minutes),
             Number::Lit => ("lit_minutes", "enough of it lit", Measure::Minutes),
             Number::Mean => ("mean_minutes", "possible sun, mean of the days", Measure::Minutes),
@@ -351,7 +451,8 @@ impl Number {
             Number::ValueBefore => ("before", "value of the rule before", Measure::Number),
             Number::VerdictBefore => ("verdict_before", "whether the rule was met before", Measure::Verdict),
             Number::Value => ("value", "value of the rule", Measure::Number),
-            Number::Threshold => ("at_least", "threshold of the rule", Measure::Number),
+            Number::AtLeast => ("at_least", "least value that meets the rule", Measure::Number),
+            Number::AtMost => ("at_most", "most that meets the rule", Measure::Number),
             Number::ValueUncertain => ("uncertain", "how far the value may be off", Measure::Number),
             Number::Verdict => ("verdict", "whether the rule is met", Measure::Verdict),
         }
@@ -402,7 +503,7 @@ impl<'a> RowBatch<'a> {
             for ((count, planned), item) in self.counts.iter_mut().zip(rules).zip(&answer.items) {
                 let before = item.as_ref().and_then(|item| item.before.as_ref());
                 let verdict = item.as_ref().map(|item| item.value.judged(&planned.rule, before));
-                let was_broken = before.is_none_or(|before| before.verdict(planned.rule.at_least) == Verdict::Broken);
+                let was_broken = before.is_none_or(|before| before.verdict(planned.rule.threshold) == Verdict::Broken);
                 count.newly_broken += u64::from(verdict == Some(Verdict::Broken) && !was_broken);
                 *match verdict {
                     Some(Verdict::Met) => &mut count.met,

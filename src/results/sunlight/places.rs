@@ -6,19 +6,24 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::days::{DayPlan, PlannedRule, RuleDay, SunDays};
-use super::exact::{refined, scene_of};
+use super::exact::{EDGE_STEP_MIN, MIRROR_STEP_MIN, refined, scene_of};
+use super::glare::{GlareSpell, SpellTeller};
 use super::measure::RuleValue;
+use super::panes::{PaneList, ScenePanes};
 use super::rule::{LitPart, RuleMeasure};
 use crate::outputs::tables::row_labels::RowLabels;
 use crate::receivers::{PartReceivers, ReceiverSet, TileReceivers};
 use crate::resources::Resources;
 use crate::sky_components::SkyComponents;
 use heliotile_builder::pipeline::PreparedScene;
-use heliotile_builder::siting::Siting;
-use heliotile_core::error::Result;
+use heliotile_builder::siting::{MirrorObserver, MirrorRays, Siting};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::hemisphere::HEMISPHERE_SR;
+use heliotile_core::light::mirrors::MirrorTable;
 use heliotile_core::memory::Use;
+use heliotile_core::site::chain::Chain;
 use heliotile_core::site::receiver::Receiver;
-use heliotile_core::sunlight::{SeenSky, Spells, SunSeen};
+use heliotile_core::sunlight::{GlareAngles, MirrorSpells, SeenSky, Spells, Strongest, SunSeen, TileMirrors, in_any};
 use heliotile_core::units::tilt_and_azimuth;
 
 /// What rows are.
@@ -40,7 +45,7 @@ pub struct DateRows {
 }
 
 /// What a receiver or a group sees.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct PlaceAnswer {
     /// Name of the receiver, or of the group.
     pub name: String,
@@ -48,6 +53,8 @@ pub struct PlaceAnswer {
     pub position: DVec3,
     /// One a date, or one a rule; none of a rule that is not about it.
     pub items: Vec<Option<AnswerItem>>,
+    /// Spells of sun in mirrors, where these are asked for; none of groups.
+    pub spells: Vec<GlareSpell>,
 }
 
 /// What is seen on a date, or by a rule.
@@ -57,6 +64,8 @@ pub struct AnswerItem {
     pub value: RuleValue,
     /// What is seen on the date, or on each day of the rule; none where only the value counts.
     pub days: Vec<SunSeen>,
+    /// How strong the sun in mirrors is, on dates on which it is seen.
+    pub strongest: Option<Strongest>,
     /// The value before a change, where there was one.
     pub before: Option<RuleValue>,
 }
@@ -72,6 +81,10 @@ pub struct PlaceQuestions<'a> {
     pub asked: &'a Asked,
     /// The sun counts from this height on, degrees; rules have heights of their own.
     pub least_altitude_deg: f64,
+    /// Of rows of days: the sun in mirrors that counts, in place of the sun itself.
+    pub glare: Option<GlareAngles>,
+    /// Where panes are told, if spells of sun in mirrors are asked for.
+    pub panes: Option<&'a PaneList>,
     /// Whether edges within texels are found by rays.
     pub exact: bool,
     /// Whether groups will need the spells of rules that count parts of an area at a time.
@@ -92,7 +105,39 @@ struct PartQuestions<'p> {
     /// `[date]`: when the sun stands high enough, where a height is asked for.
     high: Option<Vec<Spells>>,
     sky: Option<SkyComponents<'p>>,
+    /// Where the sun itself is asked for.
+    wants_sun: bool,
     rays: Option<Siting<'p>>,
+    mirrors: Option<PartMirrors<'p>>,
+}
+
+/// The mirrors of a part.
+struct PartMirrors<'p> {
+    table: MirrorTable,
+    rays: Option<PartRays<'p>>,
+}
+
+/// Rays by way of mirrors.
+struct PartRays<'p> {
+    rays: MirrorRays<'p>,
+    /// `[number in the archive]`: the scene's number of a mirror.
+    numbers: Vec<u16>,
+    /// Where spells are told.
+    panes: Option<ScenePanes>,
+}
+
+/// What a receiver sees: `[date]`, none of what is not asked for.
+struct ReceiverSees<'m> {
+    sun: Vec<SunSeen>,
+    /// By chain.
+    mirrors: Vec<Vec<MirrorSpells<'m>>>,
+}
+
+impl AnswerItem {
+    /// Only the value counts.
+    pub fn of(value: RuleValue) -> Self {
+        AnswerItem { value, days: Vec::new(), strongest: None, before: None }
+    }
 }
 
 impl PlaceQuestions<'_> {
@@ -100,7 +145,8 @@ impl PlaceQuestions<'_> {
     pub fn each(&self, resources: &Resources, mut take: impl FnMut(PlaceAnswer) -> Result<bool>) -> Result<()> {
         let progress = self.receivers.progress(resources.observer);
         for part in self.receivers.parts().iter().filter(|part| !part.tiles().is_empty()) {
-            let scene = self.exact.then(|| scene_of(part.archive)).transpose()?;
+            let needs_scene = self.exact || self.panes.is_some();
+            let scene = needs_scene.then(|| scene_of(part.archive)).transpose()?;
             let prepared = scene.as_ref().map(PreparedScene::new).transpose()?;
             let suns = self.plan.suns(part.site.north(), part.site.settings().sides());
             let least_deg = self.least_altitude_deg;
@@ -111,7 +157,9 @@ impl PlaceQuestions<'_> {
                 suns,
                 high,
                 sky: self.wants_sky().then(|| SkyComponents::of(&part.site)).transpose()?,
-                rays: prepared.as_ref().map(Siting::new),
+                wants_sun: self.wants(false),
+                rays: prepared.as_ref().filter(|_| self.exact).map(Siting::new),
+                mirrors: self.wants(true).then(|| self.mirrors(part, prepared.as_ref())).transpose()?,
             };
             for tiles in part.tiles().chunks(questions.tiles_at_once(resources)) {
                 let answers: Vec<Result<Vec<PlaceAnswer>>> =
@@ -139,6 +187,41 @@ impl PlaceQuestions<'_> {
         }
     }
 
+    /// Whether the sun in mirrors is asked for, or the sun itself.
+    fn wants(&self, in_mirrors: bool) -> bool {
+        match self.asked {
+            Asked::Dates(_) => self.glare.is_some() == in_mirrors,
+            Asked::Rules(rules) => {
+                let of_spells = in_mirrors && self.panes.is_some();
+                let is_such =
+                    |rule: &PlannedRule| rule.rule.needs_days() && rule.rule.measure.is_of_mirrors() == in_mirrors;
+                of_spells || rules.iter().any(is_such)
+            }
+        }
+    }
+
+    /// The mirrors of a part, with its scene where rays are cast.
+    fn mirrors<'p>(&self, part: &PartReceivers, prepared: Option<&'p PreparedScene<'p>>) -> Result<PartMirrors<'p>> {
+        let table = MirrorTable::of(&part.site);
+        let rays = match prepared {
+            None => None,
+            Some(prepared) => {
+                let rays = MirrorRays::new(prepared);
+                let numbers = rays.numbers_of(&table.orientations).ok_or_else(|| {
+                    let what = "its scene lacks a mirror that its receivers see";
+                    Error::input(part.archive.path(), None, what, "build the archive again")
+                })?;
+                let panes = self.panes.map(|list| {
+                    let panes = ScenePanes::of(prepared.scene);
+                    list.add(&panes);
+                    panes
+                });
+                Some(PartRays { rays, numbers, panes })
+            }
+        };
+        Ok(PartMirrors { table, rays })
+    }
+
     fn wants_sky(&self) -> bool {
         let Asked::Rules(rules) = self.asked else { return false };
         rules.iter().any(|planned| planned.rule.measure == RuleMeasure::VscPercent)
@@ -159,58 +242,129 @@ impl PartQuestions<'_> {
         let site = &self.part.site;
         let table = site.tile_receivers(tile.number)?;
         let receivers = site.tile_parts(tile.number, &table)?;
-        let skies = site.tile_sky(tile.number, receivers.len())?;
+        let skies = if self.wants_sun { site.tile_sky(tile.number, receivers.len())? } else { Vec::new() };
+        let mirrors = self.mirrors.as_ref();
+        let mirrors = mirrors.map(|of| TileMirrors::read(site, tile.number, receivers.len(), &of.table)).transpose()?;
         let vsc = self.sky.as_ref().and_then(|sky| sky.tiles([tile.number]).next()).transpose()?;
         let mut fronts = Fronts::new();
         let mut answers = Vec::new();
-        for (row, (receiver, sky)) in receivers.iter().zip(&skies).enumerate() {
+        for (row, receiver) in receivers.iter().enumerate() {
             if !self.part.is_chosen(tile, row) {
                 continue;
             }
-            let front = fronts.entry(receiver.normal.to_array().map(f64::to_bits)).or_insert_with(|| {
-                let days = self.suns.days.iter();
-                days.map(|day| day.before(receiver.normal, 0.0).within(&day.up)).collect()
-            });
-            let mut sky = SeenSky::new(sky);
-            let rays = self.rays.as_ref().map(|siting| siting.sun_rays(receiver.position, receiver.normal));
-            let days = self.suns.passes.iter().zip(&self.suns.days).zip(front.iter());
-            let seen: Vec<SunSeen> = days
-                .map(|((passes, day), front)| {
-                    let seen = sky.sun(passes, front);
-                    match &rays {
-                        Some(rays) => refined(&seen, day, rays),
-                        None => seen,
-                    }
-                })
-                .collect();
+            let sun = match skies.get(row) {
+                None => Vec::new(),
+                Some(sky) => {
+                    let front = fronts.entry(receiver.normal.to_array().map(f64::to_bits)).or_insert_with(|| {
+                        let days = self.suns.days.iter();
+                        days.map(|day| day.before(receiver.normal, 0.0).within(&day.up)).collect()
+                    });
+                    self.sun(receiver, SeenSky::new(sky), front)
+                }
+            };
+            let of_mirrors = mirrors.as_ref().map(|mirrors| self.mirrored(receiver, mirrors, row));
+            let sees = ReceiverSees { sun, mirrors: of_mirrors.unwrap_or_default() };
             let vsc = vsc.as_ref().and_then(|vsc| vsc.get(row)).copied();
-            let items = self.items(receiver, seen, vsc);
-            answers.push(PlaceAnswer { name: receiver.id.clone(), position: receiver.position, items });
+            let (items, spells) = (self.items(receiver, &sees, vsc), self.spells(receiver, &sees));
+            answers.push(PlaceAnswer { name: receiver.id.clone(), position: receiver.position, items, spells });
         }
         Ok(answers)
     }
 
-    fn items(&self, receiver: &Receiver, seen: Vec<SunSeen>, vsc_percent: Option<f64>) -> Vec<Option<AnswerItem>> {
+    /// What a receiver sees of the sun itself.
+    fn sun(&self, receiver: &Receiver, mut sky: SeenSky, front: &[Spells]) -> Vec<SunSeen> {
+        let rays = self.rays.as_ref().map(|siting| siting.sun_rays(receiver.position, receiver.normal));
+        let days = self.suns.passes.iter().zip(&self.suns.days).zip(front);
+        let of_day = |((passes, day), front)| {
+            let seen = sky.sun(passes, front);
+            match &rays {
+                Some(rays) => refined(&seen, day, EDGE_STEP_MIN, |suns| rays.sees(suns)),
+                None => seen,
+            }
+        };
+        days.map(of_day).collect()
+    }
+
+    /// What it sees of the sun in mirrors.
+    fn mirrored<'m>(&self, receiver: &Receiver, mirrors: &'m TileMirrors, row: usize) -> Vec<Vec<MirrorSpells<'m>>> {
+        let mut suns = mirrors.of_receiver(row, receiver.normal);
+        let rays = self.mirrors.as_ref().and_then(|mirrors| mirrors.rays.as_ref()).filter(|_| self.all.exact);
+        let observer = rays.map(|of| (of, of.rays.observer(receiver.position, receiver.normal)));
+        let days = self.suns.passes.iter().zip(&self.suns.days);
+        let of_day = |(passes, day)| {
+            let found = suns.on(day, passes, observer.is_some());
+            let Some((of, observer)) = &observer else { return found };
+            let refine = |mirror: MirrorSpells<'m>| {
+                let number = |number: u16| of.numbers.get(usize::from(number)).copied().unwrap_or(number);
+                let chain = Chain::new(&mirror.chain.numbers().map(number).collect::<Vec<u16>>());
+                mirror.with_seen(refined(&mirror.seen, day, MIRROR_STEP_MIN, |suns| observer.sees(chain, suns)))
+            };
+            found.into_iter().map(refine).collect()
+        };
+        days.map(of_day).collect()
+    }
+
+    /// The spells of sun in mirrors, where they are told.
+    fn spells(&self, receiver: &Receiver, sees: &ReceiverSees) -> Vec<GlareSpell> {
+        let rays = self.mirrors.as_ref().and_then(|mirrors| mirrors.rays.as_ref());
+        let Some((of, panes)) = rays.and_then(|of| of.panes.as_ref().map(|panes| (of, panes))) else {
+            return Vec::new();
+        };
+        let observer: MirrorObserver = of.rays.observer(receiver.position, receiver.normal);
+        let texel_rad = HEMISPHERE_SR.sqrt() / self.part.site.settings().sky_fine as f64;
+        let teller = SpellTeller { panes, observer, north: self.part.site.north(), texel_rad };
+        let angles = self.all.glare.unwrap_or(GlareAngles::ALL);
+        let mut all = Vec::new();
+        for (number, (mirrors, day)) in sees.mirrors.iter().zip(&self.suns.days).enumerate() {
+            for mirror in mirrors {
+                let counted = mirror.with_seen(self.high(number, mirror.within(day, angles)));
+                all.extend(teller.spells(&counted, day));
+            }
+        }
+        all
+    }
+
+    /// What is seen while the sun stands high enough.
+    fn high(&self, number: usize, seen: SunSeen) -> SunSeen {
+        match self.high.as_ref().and_then(|high| high.get(number)) {
+            Some(high) => seen.within(high),
+            None => seen,
+        }
+    }
+
+    fn items(&self, receiver: &Receiver, sees: &ReceiverSees, vsc_percent: Option<f64>) -> Vec<Option<AnswerItem>> {
         match self.all.asked {
             Asked::Dates(_) => {
-                let of_date = |(number, seen): (usize, SunSeen)| {
-                    let high = self.high.as_ref().and_then(|high| high.get(number));
-                    let seen = match high {
-                        Some(high) => seen.within(high),
-                        None => seen,
-                    };
-                    let of = |spells: &Spells| spells.minutes();
+                let of = |spells: &Spells| spells.minutes();
+                let item = |seen: SunSeen, strongest: Option<Strongest>| {
                     let value = RuleValue { value: of(&seen.seen), low: of(&seen.sure), high: of(&seen.possible) };
-                    Some(AnswerItem { value, days: vec![seen], before: None })
+                    Some(AnswerItem { value, days: vec![seen], strongest, before: None })
                 };
-                seen.into_iter().enumerate().map(of_date).collect()
+                match self.all.glare {
+                    None => {
+                        let days = sees.sun.iter().cloned().enumerate();
+                        days.map(|(number, seen)| item(self.high(number, seen), None)).collect()
+                    }
+                    Some(angles) => {
+                        let days = sees.mirrors.iter().zip(&self.suns.days).enumerate();
+                        let of_date = |(number, (mirrors, day))| {
+                            let mirrors: &Vec<MirrorSpells> = mirrors;
+                            let counted: Vec<(SunSeen, &MirrorSpells)> =
+                                mirrors.iter().map(|one| (self.high(number, one.within(day, angles)), one)).collect();
+                            let strongest =
+                                counted.iter().filter_map(|(seen, mirror)| Strongest::of(mirror, day, &seen.seen));
+                            item(in_any(counted.iter().map(|(seen, _)| seen)), strongest.reduce(Strongest::and))
+                        };
+                        days.map(of_date).collect()
+                    }
+                }
             }
             Asked::Rules(rules) => {
                 let (tilt, azimuth) = tilt_and_azimuth(self.part.site.north().to_true(receiver.normal));
                 let azimuth = (LEVEL_DEG..180.0 - LEVEL_DEG).contains(&tilt).then_some(azimuth);
                 let of_rule = |planned: &PlannedRule| {
                     let is_about = planned.rule.is_about(&receiver.part.kind, azimuth);
-                    is_about.then(|| self.of_rule(planned, receiver, &seen, vsc_percent))
+                    is_about.then(|| self.of_rule(planned, receiver, sees, vsc_percent))
                 };
                 rules.iter().map(of_rule).collect()
             }
@@ -221,27 +375,33 @@ impl PartQuestions<'_> {
         &self,
         planned: &PlannedRule,
         receiver: &Receiver,
-        seen: &[SunSeen],
+        sees: &ReceiverSees,
         vsc_percent: Option<f64>,
     ) -> AnswerItem {
-        if planned.rule.measure == RuleMeasure::VscPercent {
-            return AnswerItem {
-                value: RuleValue::certain(vsc_percent.unwrap_or_default()),
-                days: Vec::new(),
-                before: None,
-            };
+        let rule = &planned.rule;
+        if rule.measure == RuleMeasure::VscPercent {
+            return AnswerItem::of(RuleValue::certain(vsc_percent.unwrap_or_default()));
         }
-        let least_deg = planned.rule.least_angle_deg;
+        let least_deg = rule.least_angle_deg;
         let of_day = |day: &RuleDay| {
-            let seen = seen.get(day.number).cloned().unwrap_or_default().within(&day.counts);
-            match self.suns.days.get(day.number).filter(|_| least_deg > 0.0) {
+            let sun = self.suns.days.get(day.number);
+            let seen = match sun.filter(|_| rule.measure.is_of_mirrors()) {
+                Some(sun) => {
+                    let mirrors = sees.mirrors.get(day.number).map_or(&[][..], Vec::as_slice);
+                    let counted: Vec<SunSeen> = mirrors.iter().map(|one| one.within(sun, rule.angles)).collect();
+                    in_any(counted.iter())
+                }
+                None => sees.sun.get(day.number).cloned().unwrap_or_default(),
+            };
+            let seen = seen.within(&day.counts);
+            match sun.filter(|_| least_deg > 0.0) {
                 Some(sun) => seen.within(&sun.before(receiver.normal, least_deg)),
                 None => seen,
             }
         };
         let days: Vec<SunSeen> = planned.days.iter().map(of_day).collect();
         let value = planned.value(&days);
-        let is_wanted = self.all.is_of_groups && matches!(planned.rule.part, LitPart::AtATime(_));
-        AnswerItem { value, days: if is_wanted { days } else { Vec::new() }, before: None }
+        let is_wanted = self.all.is_of_groups && matches!(rule.part, LitPart::AtATime(_));
+        AnswerItem { days: if is_wanted { days } else { Vec::new() }, ..AnswerItem::of(value) }
     }
 }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::calendar::DaySpan;
 use super::clock::ClockZone;
 use super::days::{DayPlan, SunnyHours};
+use super::glare::GlareChoice;
 use super::places::{Asked, DateRows};
 use super::rule_files::read_rules;
 use crate::archives::Archives;
@@ -44,6 +45,8 @@ pub struct SunlightRequest {
     pub least_altitude_deg: f64,
     /// Of groups without rules: a moment counts when this share of the area is lit; 0: any of it.
     pub lit_share: f64,
+    /// The sun in mirrors, in place of the sun itself.
+    pub glare: Option<GlareChoice>,
     /// Whether moments that hang on an edge within a texel are found by rays of the scene in the archive.
     pub exact: bool,
     /// Weather file whose sunny hours count, for rules of probable hours.
@@ -111,6 +114,7 @@ impl Default for SunlightRequest {
             zone: None,
             least_altitude_deg: 0.0,
             lit_share: 0.0,
+            glare: None,
             exact: false,
             weather: None,
             about_weather: WeatherOptions::default(),
@@ -150,13 +154,31 @@ impl SunlightRequest {
         if files.model.is_some() || files.honeybee.is_some() {
             return Err(Error::argument("model, honeybee", "hold irradiance", "write a table or a map of sunlight"));
         }
-        if let Some(chart) = files.plots.iter().find(|plot| plot.extension().is_none_or(|ending| ending != "png")) {
+        if let Some(chart) = self.calendars(files).next().filter(|_| self.glare.is_none()) {
             let what = format!("`{}` is no picture of a map", chart.display());
             return Err(Error::argument("plot", what, "give a name that ends with .png"));
         }
         read_rules(&self.rules)?;
         let inputs: Vec<&Path> = inputs.iter().copied().chain(self.files()).collect();
+        if let Some(glare) = &self.glare {
+            glare.check(&inputs)?;
+            let mut others: Vec<&Path> =
+                files.plots.iter().map(PathBuf::as_path).chain([files.output.as_path()]).collect();
+            for path in glare.files() {
+                if others.contains(&path) {
+                    let what = format!("`{}` is written twice", path.display());
+                    return Err(Error::argument("spells, panes", what, "give each output a name of its own"));
+                }
+                others.push(path);
+            }
+        }
         files.check(None, None, &inputs)
+    }
+
+    /// The pictures that are calendars.
+    pub(super) fn calendars<'f>(&self, files: &'f FileRequest) -> impl Iterator<Item = &'f Path> {
+        let is_calendar = |plot: &&Path| plot.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
+        files.plots.iter().map(PathBuf::as_path).filter(is_calendar)
     }
 
     /// Files that are read besides archives.
@@ -227,7 +249,7 @@ impl SunlightRequest {
 
     /// The rows of days.
     fn rows(&self, plan: &DayPlan) -> DateRows {
-        let years = if self.dates.iter().all(DaySpan::has_year) { Years::Several } else { Years::Typical };
+        let years = if plan.names_years { Years::Several } else { Years::Typical };
         let stamps: Vec<Stamp> =
             plan.dates.iter().map(|date| Stamp { date: *date, start_min: 0.0, hours: 24.0 }).collect();
         let reading = ClockReading { offset: plan.zone.standard(self.year), ..ClockReading::default() };

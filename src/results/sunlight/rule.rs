@@ -1,4 +1,4 @@
-//! A rule of sunlight: which days and hours count, what of a place has to be lit, and for how long. In: tables of TOML. Out: rules whose numbers
+//! A rule of sunlight or of the sun in mirrors: which days and hours count, what of a place has to be lit, and for how long. In: tables of TOML. Out: rules whose numbers
 //! are in range.
 
 use std::fmt;
@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::calendar::DaySpan;
 use heliotile_core::named::NamedValues;
 use heliotile_core::serde_by_name;
+use heliotile_core::sunlight::GlareAngles;
 
 /// A rule.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -27,8 +28,8 @@ pub struct Rule {
     pub days: DaysTogether,
     /// What is measured.
     pub measure: RuleMeasure,
-    /// The least value that meets the rule: minutes, or percent.
-    pub at_least: f64,
+    /// Which values meet the rule.
+    pub threshold: Threshold,
     /// Hours of the clock that count, minutes after midnight.
     pub hours: Option<ClockHours>,
     /// The sun counts from this height on, degrees.
@@ -37,6 +38,8 @@ pub struct Rule {
     pub least_spell_min: f64,
     /// The sun counts from this angle to the surface on, degrees.
     pub least_angle_deg: f64,
+    /// Of the sun in mirrors: which of it counts.
+    pub angles: GlareAngles,
     /// Kinds of surfaces that it is about; none: all.
     pub kinds: Vec<String>,
     /// Surfaces that face from one azimuth clockwise to another, degrees from true north; none: all.
@@ -45,6 +48,15 @@ pub struct Rule {
     pub part: LitPart,
     /// Beside an archive before a change: a value below the threshold is no fault if it is at least this share of what it was.
     pub former_share: Option<f64>,
+}
+
+/// Which values meet a rule: minutes, or percent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Threshold {
+    /// This one, or more.
+    AtLeast(f64),
+    /// This one, or less.
+    AtMost(f64),
 }
 
 /// Hours of a day.
@@ -95,6 +107,8 @@ pub enum RuleMeasure {
     ProbablePercent,
     /// Vertical sky component, percent.
     VscPercent,
+    /// Minutes in which mirrors throw the sun at a place.
+    GlareMinutes,
 }
 
 /// Which clock tells hours.
@@ -114,6 +128,11 @@ impl RuleMeasure {
     pub fn is_percent(self) -> bool {
         matches!(self, RuleMeasure::ProbablePercent | RuleMeasure::VscPercent)
     }
+
+    /// Whether the sun in mirrors is measured, not the sun.
+    pub fn is_of_mirrors(self) -> bool {
+        self == RuleMeasure::GlareMinutes
+    }
 }
 
 impl NamedValues for DaysTogether {
@@ -131,6 +150,7 @@ impl NamedValues for RuleMeasure {
         ("longest_spell", "The longest spell, minutes", RuleMeasure::LongestSpell),
         ("probable_percent", "Percent of the sunny hours of a weather file", RuleMeasure::ProbablePercent),
         ("vsc_percent", "Vertical sky component, percent", RuleMeasure::VscPercent),
+        ("glare_minutes", "Minutes in which mirrors throw the sun at a place", RuleMeasure::GlareMinutes),
     ];
 }
 
@@ -180,7 +200,8 @@ struct StatedRule {
     days: DaysTogether,
     #[serde(default)]
     measure: RuleMeasure,
-    at_least: f64,
+    at_least: Option<f64>,
+    at_most: Option<f64>,
     from: Option<ClockTime>,
     to: Option<ClockTime>,
     #[serde(default)]
@@ -191,6 +212,8 @@ struct StatedRule {
     least_spell_minutes: f64,
     #[serde(default)]
     least_angle_deg: f64,
+    least_deflection_deg: Option<f64>,
+    view_angle_deg: Option<f64>,
     #[serde(default)]
     kinds: Vec<String>,
     facing_deg: Option<[f64; 2]>,
@@ -214,11 +237,15 @@ impl TryFrom<StatedRule> for Rule {
             ));
         }
         let is_percent = stated.measure.is_percent();
+        let most = if is_percent { 100.0 } else { 1e6 };
         let numbers = [
-            ("at_least", stated.at_least, if is_percent { 100.0 } else { 1e6 }),
+            ("at_least", stated.at_least.unwrap_or_default(), most),
+            ("at_most", stated.at_most.unwrap_or_default(), most),
             ("least_altitude_deg", stated.least_altitude_deg, 90.0),
             ("least_spell_minutes", stated.least_spell_minutes, 1440.0),
             ("least_angle_deg", stated.least_angle_deg, 90.0),
+            ("least_deflection_deg", stated.least_deflection_deg.unwrap_or_default(), 180.0),
+            ("view_angle_deg", stated.view_angle_deg.unwrap_or_default(), 90.0),
             ("lit_share", stated.lit_share.unwrap_or(1.0), 1.0),
             ("area_share", stated.area_share.unwrap_or(1.0), 1.0),
             ("former_share", stated.former_share.unwrap_or(1.0), 1.0),
@@ -231,6 +258,25 @@ impl TryFrom<StatedRule> for Rule {
         if stated.facing_deg.is_some_and(|facing| facing.iter().any(|azimuth| !(0.0..=360.0).contains(azimuth))) {
             return Err(format!("the rule {name}: facing_deg holds two azimuths from 0 to 360"));
         }
+        let threshold = match (stated.at_least, stated.at_most) {
+            (Some(least), None) => Threshold::AtLeast(least),
+            (None, Some(most)) => Threshold::AtMost(most),
+            _ => return Err(format!("the rule {name}: give at_least or at_most")),
+        };
+        if matches!(threshold, Threshold::AtMost(_)) && stated.former_share.is_some() {
+            return Err(format!("the rule {name}: former_share is about losses, and at_most asks for less"));
+        }
+        let has_angles = stated.least_deflection_deg.is_some() || stated.view_angle_deg.is_some();
+        if has_angles && !stated.measure.is_of_mirrors() {
+            return Err(format!("the rule {name}: least_deflection_deg and view_angle_deg are about glare_minutes"));
+        }
+        if stated.least_angle_deg > 0.0 && stated.measure.is_of_mirrors() {
+            return Err(format!("the rule {name}: least_angle_deg is about the sun itself, give view_angle_deg"));
+        }
+        let angles = GlareAngles {
+            least_deflection_deg: stated.least_deflection_deg.unwrap_or(GlareAngles::ALL.least_deflection_deg),
+            view_angle_deg: stated.view_angle_deg.unwrap_or(GlareAngles::ALL.view_angle_deg),
+        };
         let part = match (stated.lit_share, stated.area_share) {
             (Some(_), Some(_)) => return Err(format!("the rule {name}: give lit_share or area_share, not both")),
             (Some(share), None) => LitPart::AtATime(share),
@@ -261,16 +307,26 @@ impl TryFrom<StatedRule> for Rule {
             dates: stated.dates,
             days: stated.days,
             measure: stated.measure,
-            at_least: stated.at_least,
+            threshold,
             hours,
             least_altitude_deg: stated.least_altitude_deg,
             least_spell_min: stated.least_spell_minutes,
             least_angle_deg: stated.least_angle_deg,
+            angles,
             kinds: stated.kinds,
             facing_deg: stated.facing_deg,
             part,
             former_share: stated.former_share,
         })
+    }
+}
+
+impl Threshold {
+    /// The number.
+    pub fn number(self) -> f64 {
+        match self {
+            Threshold::AtLeast(number) | Threshold::AtMost(number) => number,
+        }
     }
 }
 

@@ -10,13 +10,14 @@ use heliotile_scene::input;
 use heliotile_scene::line_of_offset;
 
 /// The rules that come with the program: the name of a file, and its text.
-const SHIPPED: [(&str, &str); 10] = [
+const SHIPPED: [(&str, &str); 11] = [
     ("bre-apsh", include_str!("rules/bre-apsh.toml")),
     ("bre-ground", include_str!("rules/bre-ground.toml")),
     ("bre-vsc", include_str!("rules/bre-vsc.toml")),
     ("din-5034", include_str!("rules/din-5034.toml")),
     ("en-17037", include_str!("rules/en-17037.toml")),
     ("gb-50180", include_str!("rules/gb-50180.toml")),
+    ("lai", include_str!("rules/lai.toml")),
     ("nsw-adg", include_str!("rules/nsw-adg.toml")),
     ("the-hague", include_str!("rules/the-hague.toml")),
     ("tno-light", include_str!("rules/tno-light.toml")),
@@ -94,7 +95,7 @@ fn rules_of(path: &Path, text: &str) -> Result<Vec<Rule>> {
 mod tests {
     use super::*;
 
-    /// Each of the 10 shipped files is read, each of its rules says what it asks for and where that is written, and their names differ.
+    /// Each of the 11 shipped files is read, each of its rules says what it asks for and where that is written, and their names differ.
     #[test]
     fn shipped_rules_are_read() {
         let names: Vec<String> = SHIPPED.iter().map(|(name, _)| (*name).to_owned()).collect();
@@ -103,12 +104,14 @@ mod tests {
         assert!(rules.iter().all(|rule| !rule.title.is_empty() && !rule.source.is_empty()));
     }
 
-    /// Eleven wrong rules are refused with their line, each by what is wrong in it.
+    /// Thirteen wrong rules are refused with their line, each by what is wrong in it.
     #[test]
     fn wrong_rules() {
         for (lines, says) in [
             ("at_least = 120", "missing field `name`"),
-            ("name = \"a\"", "missing field `at_least`"),
+            ("name = \"a\"", "give at_least or at_most"),
+            ("name = \"a\"\nat_least = 1\nat_most = 2", "give at_least or at_most"),
+            ("name = \"a\"\nat_most = 1\nview_angle_deg = 20", "are about glare_minutes"),
             ("name = \"My rule\"\nat_least = 1", "no name of a rule"),
             ("name = \"a\"\nat_least = -1", "at_least is -1"),
             ("name = \"a\"\nat_least = 1\nfrom = \"9\"\nto = \"15:00\"", "`9` is no time of a day"),

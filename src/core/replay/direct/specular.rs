@@ -5,8 +5,9 @@ use glam::DVec3;
 use crate::hemisphere::texel_of;
 use crate::layers::mirror::Window;
 use crate::layers::sides::TextureSides;
-use crate::layers::sky_bitmap::{SkyBitmap, Texel};
+use crate::layers::sky_bitmap::{BaseTexel, SkyBitmap, Texel};
 use crate::light::mirrors::{MirrorTable, Reflection};
+use crate::site::chain::Chain;
 use crate::sky::horizon::{BandTexel, HorizonBand};
 use crate::sky::projection::Projection;
 
@@ -14,6 +15,8 @@ use crate::sky::projection::Projection;
 #[derive(Clone, Debug)]
 pub struct MirrorView {
     pub reflection: Reflection,
+    /// The chain by the numbers of its mirrors.
+    pub chain: Chain,
     /// First base texel of the window.
     column: usize,
     row: usize,
@@ -29,6 +32,7 @@ impl MirrorView {
         let mut sky = SkyBitmap::unpack(&window.texture, 1, side, side * block)?;
         Some(MirrorView {
             reflection: Reflection::new(window.chain, table)?,
+            chain: window.chain,
             column: usize::from(window.column),
             row: usize::from(window.row),
             whole: sides.sky_fine,
@@ -39,6 +43,21 @@ impl MirrorView {
     /// About how many bytes it takes.
     pub fn bytes(&self) -> usize {
         self.sky.bytes() + 512
+    }
+
+    /// What it shows of the sky.
+    pub fn sky(&self) -> &SkyBitmap {
+        &self.sky
+    }
+
+    /// Its first base texel in the whole sky.
+    pub fn first(&self) -> BaseTexel {
+        BaseTexel { column: self.column, row: self.row }
+    }
+
+    /// Base texels a side of the whole sky.
+    pub fn whole_base(&self) -> usize {
+        self.whole / self.sky.block().max(1)
     }
 
     /// What a base texel of the whole sky holds.

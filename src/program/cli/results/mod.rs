@@ -13,5 +13,5 @@ pub use energyplus::EnergyplusArgs;
 pub use export::ExportArgs;
 pub use pv::PvArgs;
 pub use recombine::{CompareArgs, FactorsArgs, QueryArgs, RecombineArgs, ReplayArgs, SiteArgs, TableArgs};
-pub use sunlight::{RulesArgs, SunlightArgs};
+pub use sunlight::{GlareArgs, RulesArgs, SunlightArgs};
 pub use view::ViewArgs;

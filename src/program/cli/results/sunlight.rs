@@ -1,4 +1,4 @@
-//! Arguments of `sunlight` and `rules`.
+//! Arguments of `sunlight`, `glare` and `rules`.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,46 @@ use clap::Args;
 use super::recombine::TableArgs;
 use crate::cli::WeatherArgs;
 use crate::cli::values::choice;
-use heliotile_results::{ClockZone, DaySpan, Every, FileRequest, SunlightRequest};
+use heliotile_results::{ClockZone, DaySpan, Every, FileRequest, GlareChoice, SunlightRequest};
+
+/// Days and rules.
+#[derive(Args, Debug)]
+pub struct DayArgs {
+    /// The year of days that name none: others differ by a few minutes
+    #[arg(long, default_value_t = SunlightRequest::default().year, value_parser = clap::value_parser!(i32).range(1..=2998))]
+    pub year: i32,
+    /// Rule to judge by: one of those that `heliotile rules` lists, or a file of your own (.toml); may be repeated
+    #[arg(long, value_name = "NAME|FILE")]
+    pub rule: Vec<String>,
+    /// Archive or atlas before a change: what it said stands beside, minutes that changed, rules that are newly broken
+    #[arg(long, value_name = "BEFORE")]
+    pub before: Option<PathBuf>,
+    /// Clock that hours are told by: hours ahead of UTC, such as +01:00, or a name such as Europe/Amsterdam, whose summer time then counts
+    /// [default: that of --weather, or whole hours by the longitude]
+    #[arg(long, value_name = "ZONE", allow_hyphen_values = true)]
+    pub zone: Option<ClockZone>,
+    /// The sun counts from this height on; rules have heights of their own, the higher one counts
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
+    pub least_altitude: f64,
+    /// Find moments that hang on an edge within a texel by rays of the scene in the archive
+    #[arg(long)]
+    pub exact: bool,
+}
+
+impl DayArgs {
+    /// What is asked for.
+    fn request(&self) -> SunlightRequest {
+        SunlightRequest {
+            year: self.year,
+            rules: self.rule.clone(),
+            before: self.before.clone(),
+            zone: self.zone.clone(),
+            least_altitude_deg: self.least_altitude,
+            exact: self.exact,
+            ..SunlightRequest::default()
+        }
+    }
+}
 
 #[derive(Args, Debug)]
 pub struct SunlightArgs {
@@ -23,31 +62,14 @@ pub struct SunlightArgs {
     /// Days: 03-21, 2026-03-21, 02-19..10-21 or year, separated by commas; with --rule those of rules that have none of their own
     #[arg(long, value_name = "DAYS", value_delimiter = ',')]
     pub dates: Vec<DaySpan>,
-    /// The year of days that name none: others differ by a few minutes
-    #[arg(long, default_value_t = SunlightRequest::default().year, value_parser = clap::value_parser!(i32).range(1..=2998))]
-    pub year: i32,
     /// Rows, without --rule: a day, or all days of a month, a year or all of them
     #[arg(long, value_parser = choice::<Every>(), default_value = "day")]
     pub every: Every,
-    /// Rule to judge by: one of those that `heliotile rules` lists, or a file of your own (.toml); may be repeated
-    #[arg(long, value_name = "NAME|FILE")]
-    pub rule: Vec<String>,
-    /// Archive or atlas before a change: what it said stands beside, minutes that are lost, rules that are newly broken
-    #[arg(long, value_name = "BEFORE")]
-    pub before: Option<PathBuf>,
-    /// Clock that hours are told by: hours ahead of UTC, such as +01:00, or a name such as Europe/Amsterdam, whose summer time then counts
-    /// [default: that of --weather, or whole hours by the longitude]
-    #[arg(long, value_name = "ZONE", allow_hyphen_values = true)]
-    pub zone: Option<ClockZone>,
-    /// The sun counts from this height on; rules have heights of their own, the higher one counts
-    #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
-    pub least_altitude: f64,
+    #[command(flatten)]
+    pub days: DayArgs,
     /// Of groups, without --rule: a moment counts when this share of their area is lit [default: any of it]
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, hide_default_value = true)]
     pub lit_share: f64,
-    /// Find moments that hang on an edge within a texel by rays of the scene in the archive
-    #[arg(long)]
-    pub exact: bool,
     /// Weather file whose sunny hours count (DNI of at least 120 W/m2), for rules of probable hours
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
@@ -60,17 +82,65 @@ impl SunlightArgs {
     pub fn request(&self) -> SunlightRequest {
         SunlightRequest {
             dates: self.dates.clone(),
-            year: self.year,
             every: self.every,
-            rules: self.rule.clone(),
-            before: self.before.clone(),
-            zone: self.zone.clone(),
-            least_altitude_deg: self.least_altitude,
             lit_share: self.lit_share,
-            exact: self.exact,
             weather: self.weather.clone(),
             about_weather: self.about_weather.options(false),
+            ..self.days.request()
         }
+    }
+
+    /// Where results go.
+    pub fn files(&self) -> FileRequest {
+        FileRequest { geo: self.geo, plots: self.plot.clone(), ..self.table.files() }
+    }
+}
+
+#[derive(Args, Debug)]
+pub struct GlareArgs {
+    #[command(flatten)]
+    pub table: TableArgs,
+    /// Write .parquet as a map, GeoParquet: polygons, one row a place
+    #[arg(long)]
+    pub geo: bool,
+    /// Draw a calendar, days by clock, coloured by pane (.svg), or a map of the first row or rule (.png); may be repeated; a table is then
+    /// written only if --output names one
+    #[arg(long, value_name = "FILE")]
+    pub plot: Vec<PathBuf>,
+    /// Table with a row for each spell of sun: receiver, day, start, end, pane, irradiance, angles
+    #[arg(long, value_name = "FILE")]
+    pub spells: Option<PathBuf>,
+    /// Table or map of the panes: minutes that each throws the sun at receivers
+    #[arg(long, value_name = "FILE")]
+    pub panes: Option<PathBuf>,
+    /// Days: 03-21, 2026-03-21, 02-19..10-21 or year, separated by commas; with --rule those of rules that have none of their own
+    #[arg(long, value_name = "DAYS", value_delimiter = ',', default_value = "year")]
+    pub dates: Vec<DaySpan>,
+    /// Rows, without --rule: a day, or all days of a month, a year or all of them [default: total]
+    #[arg(long, value_parser = choice::<Every>())]
+    pub every: Option<Every>,
+    #[command(flatten)]
+    pub days: DayArgs,
+    /// Suns in mirrors count that are seen at least so far from the sun itself; rules have an angle of their own
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
+    pub least_deflection: f64,
+    /// Suns in mirrors count that are seen within so much of the direction in which a receiver looks, its normal: 30 for a driver; likewise
+    #[arg(long, value_name = "DEGREES", default_value_t = 90.0)]
+    pub view_angle: f64,
+}
+
+impl GlareArgs {
+    /// What is asked for.
+    pub fn request(&self) -> SunlightRequest {
+        let glare = GlareChoice {
+            least_deflection_deg: self.least_deflection,
+            view_angle_deg: self.view_angle,
+            spells: self.spells.clone(),
+            panes: self.panes.clone(),
+        };
+        let usual = if self.days.rule.is_empty() { Every::Total } else { Every::Day };
+        let every = self.every.unwrap_or(usual);
+        SunlightRequest { dates: self.dates.clone(), every, glare: Some(glare), ..self.days.request() }
     }
 
     /// Where results go.

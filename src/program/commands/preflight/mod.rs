@@ -151,7 +151,15 @@ impl<'a> Files<'a> {
                 self.write(&args.table.output, Written::Results { geo: args.geo });
                 args.plot.iter().for_each(|picture| self.write(picture, Written::File));
                 self.read_if(&args.weather, Wanted::Weather);
-                self.read_if(&args.before, Wanted::Archive);
+                self.read_if(&args.days.before, Wanted::Archive);
+            }
+            Command::Glare(args) => {
+                self.read_table(&args.table);
+                self.write(&args.table.output, Written::Results { geo: args.geo });
+                args.plot.iter().for_each(|picture| self.write(picture, Written::File));
+                self.write_if(&args.spells, Written::Table);
+                self.write_if(&args.panes, Written::Results { geo: false });
+                self.read_if(&args.days.before, Wanted::Archive);
             }
             Command::Factors(args) => self.table(&args.table),
             Command::Buildings(args) => {

@@ -1,6 +1,7 @@
 //! Pictures: what a receiver sees, as images; curves. In: maps of a receiver, series of numbers. Out: bytes of EXR, PNG and SVG files.
 
 pub mod bars;
+pub mod calendar;
 pub mod canvas;
 pub mod carpet;
 pub mod colours;

@@ -39,7 +39,7 @@ pub enum Style {
 
 /// Of the series in turn. Okabe and Ito, "Color Universal Design", 2008, which colour-blind people tell apart, without its yellow,
 /// which white swallows.
-const COLOURS: [Rgb; 7] =
+pub const COLOURS: [Rgb; 7] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], BLACK, [204, 121, 167], [230, 159, 0], [86, 180, 233]];
 /// Of lines within decades.
 const MINOR: Rgb = [240, 243, 245];

@@ -1,0 +1,141 @@
+//! Spells of a year by day and clock. In: spells of some series on days. Out: SVG: days from left to right, hours upwards, a colour for each series.
+
+use super::canvas::{Rgb, Side};
+use super::plot::COLOURS;
+use super::svg::{Axis, BLACK, Frame, LETTERS, SWATCH, Svg};
+use heliotile_core::sunlight::Spell;
+use heliotile_core::weather::time::calendar::Date;
+
+/// A picture of spells.
+pub struct Calendar {
+    pub title: String,
+    /// Below the title.
+    pub called: String,
+    /// Names in the order of colours; those beyond the last colour share one.
+    pub series: Vec<String>,
+    /// From left to right.
+    pub days: Vec<CalendarDay>,
+}
+
+/// A day.
+pub struct CalendarDay {
+    pub date: Date,
+    /// When the sun is up, by the clock.
+    pub up: Vec<Spell>,
+    /// Those of the first series are drawn last.
+    pub spells: Vec<CalendarSpell>,
+}
+
+/// A spell of a series.
+pub struct CalendarSpell {
+    /// Index into `series`.
+    pub series: usize,
+    /// By the clock.
+    pub spell: Spell,
+}
+
+/// Of the page, pixels.
+const SIZE: (f64, f64) = (900.0, 560.0);
+const FRAME: Frame = Frame { left: 72.0, right: 880.0, top: 70.0, bottom: 460.0 };
+/// Where the legend begins.
+const LEGEND: (f64, f64) = (72.0, 506.0);
+/// Of the night, and of series beyond the last colour.
+const NIGHT: Rgb = [225, 230, 234];
+const OTHERS: Rgb = [128, 128, 128];
+/// What series beyond the last colour are called.
+const OTHERS_NAME: &str = "others";
+/// What stands for light without a name.
+const UNKNOWN: &str = "unknown";
+
+/// Bars reach so far into the next one, pixels: no white lines in between.
+const OVERLAP: f64 = 0.4;
+
+const DAY_MIN: f64 = 1440.0;
+const HOUR_MIN: f64 = 60.0;
+
+impl Calendar {
+    /// The picture.
+    pub fn svg(&self) -> String {
+        let x = |day: usize| day as f64 / self.days.len().max(1) as f64;
+        // Whole hours from the first sunrise to the last sunset.
+        let up = || self.days.iter().flat_map(|day| &day.up);
+        let first = up().map(|spell| spell.start_min).fold(DAY_MIN, f64::min);
+        let last = up().map(|spell| spell.end_min).fold(0.0, f64::max);
+        let low = (first / HOUR_MIN).floor().clamp(0.0, 23.0);
+        let high = (last / HOUR_MIN).ceil().clamp(low + 1.0, 25.0);
+        let y = |minutes: f64| ((minutes / HOUR_MIN - low) / (high - low)).clamp(0.0, 1.0);
+        let mut page = Svg::new(SIZE.0, SIZE.1);
+        page.heading(&self.title, &self.called);
+        let bar = |page: &mut Svg, day: usize, spell: &Spell, colour: Rgb| {
+            let (left, top) = FRAME.at(x(day), y(spell.end_min));
+            let (right, bottom) = FRAME.at(x(day + 1), y(spell.start_min));
+            page.rectangle([(left, top), ((right + OVERLAP).min(FRAME.right), bottom)], colour);
+        };
+        page.rectangle([(FRAME.left, FRAME.top), (FRAME.right, FRAME.bottom)], NIGHT);
+        for (number, day) in self.days.iter().enumerate() {
+            day.up.iter().for_each(|spell| bar(&mut page, number, spell, super::svg::WHITE));
+        }
+        let hours = (low as usize..=high as usize).step_by(2);
+        let hours: Vec<(f64, String)> = hours.map(|hour| (y(hour as f64 * HOUR_MIN), format!("{hour}:00"))).collect();
+        page.axis(&FRAME, Axis::Left, &hours, true);
+        page.axis(&FRAME, Axis::Below, &self.marks(), true);
+        for (number, day) in self.days.iter().enumerate() {
+            for CalendarSpell { series, spell } in day.spells.iter().rev() {
+                bar(&mut page, number, spell, colour_of(*series));
+            }
+        }
+        let named = self.series.iter().take(COLOURS.len()).map(|name| if name.is_empty() { UNKNOWN } else { name });
+        let others = (self.series.len() > COLOURS.len()).then_some(OTHERS_NAME);
+        let names: Vec<&str> = named.chain(others).collect();
+        for (number, (left, middle)) in page.legend(LEGEND, &names).into_iter().enumerate() {
+            let half = 0.4 * LETTERS;
+            page.rectangle([(left, middle - half), (left + SWATCH, middle + half)], colour_of(number));
+        }
+        if names.is_empty() {
+            page.text("no sun in mirrors", LEGEND, LETTERS, Side::Left, BLACK);
+        }
+        page.finish()
+    }
+
+    /// First days of months, or all days where there are few.
+    fn marks(&self) -> Vec<(f64, String)> {
+        let count = self.days.len().max(1) as f64;
+        let has_months = self.days.iter().filter(|day| day.date.day == 1).count() > 1;
+        let is_marked = |day: &CalendarDay| !has_months || day.date.day == 1;
+        let marked = self.days.iter().enumerate().filter(|(_, day)| is_marked(day));
+        let name = |date: Date| format!("{:02}-{:02}", date.month, date.day);
+        marked.map(|(number, day)| (number as f64 / count, name(day.date))).collect()
+    }
+}
+
+fn colour_of(series: usize) -> Rgb {
+    COLOURS.get(series).copied().unwrap_or(OTHERS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two days with the sun up from 6 to 18 and a spell of either of two series from 12 to 13: the night, two bars of white, two of colours and
+    /// two in the legend; a bar is a twelfth of the frame high and half as wide as it.
+    #[test]
+    fn bars_of_spells() {
+        let spell = |start_min: f64, end_min: f64| Spell { start_min, end_min };
+        let day = |number: u32| CalendarDay {
+            date: Date { year: 2017, month: 3, day: number },
+            up: vec![spell(360.0, 1080.0)],
+            spells: vec![CalendarSpell { series: number as usize - 20, spell: spell(720.0, 780.0) }],
+        };
+        let calendar = Calendar {
+            title: "<i>".into(),
+            called: "x".into(),
+            series: vec!["a".into(), String::new()],
+            days: vec![day(20), day(21)],
+        };
+        let svg = calendar.svg();
+        let rects: Vec<&str> = svg.lines().filter(|line| line.starts_with("<rect")).collect();
+        assert_eq!(rects.len(), 1 + 1 + 2 + 2 + 2);
+        assert!(rects[4].contains("height=\"32.5\"") && rects[4].contains("width=\"404.4\""), "{}", rects[4]);
+        assert!(svg.contains(">unknown</text>") && svg.contains(">03-20</text>") && !svg.contains("<i>"));
+    }
+}

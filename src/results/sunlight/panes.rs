@@ -1,0 +1,120 @@
+//! Panes: the surfaces of a scene that reflect like mirrors. In: the scene in an archive. Out: panes with names and outlines, and which of them is
+//! seen in a direction.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::DVec3;
+
+use heliotile_core::site::material::Material;
+use heliotile_core::site::patch::Patch;
+use heliotile_core::site::receiver::Receiver;
+use heliotile_scene::Scene;
+use heliotile_scene::covering::surfaces::{Surface, Surfaces};
+use heliotile_scene::load::Soup;
+
+/// What a scene without objects is called.
+const SCENE: &str = "scene";
+
+/// A surface that reflects like a mirror.
+#[derive(Clone, Debug)]
+pub struct Pane {
+    /// Name of the surface, as receivers on it have it.
+    pub name: String,
+    /// What it is made of.
+    pub material: String,
+    surface: Surface,
+}
+
+/// The panes of a scene.
+pub struct ScenePanes {
+    panes: Vec<Arc<Pane>>,
+    /// By triangle of the mesh.
+    of_triangle: BTreeMap<usize, usize>,
+}
+
+/// The panes of all archives that are asked, by name.
+#[derive(Default)]
+pub struct PaneList(Mutex<BTreeMap<String, Arc<Pane>>>);
+
+impl ScenePanes {
+    /// Those of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let mut of_triangle = BTreeMap::new();
+        let surfaces = Surfaces::find(&soup_of(scene), &scene.materials);
+        let mut panes = Vec::new();
+        for surface in surfaces.list {
+            let Some(material) = material_of(scene, surface.material).filter(|material| material.mirrors()) else {
+                continue;
+            };
+            of_triangle.extend(surface.faces.iter().map(|triangle| (*triangle as usize, panes.len())));
+            panes.push(Arc::new(Pane { name: surface.name.clone(), material: material.name.clone(), surface }));
+        }
+        ScenePanes { panes, of_triangle }
+    }
+
+    /// The pane that a triangle of the mesh is a part of.
+    pub fn of_triangle(&self, triangle: usize) -> Option<&Arc<Pane>> {
+        self.panes.get(*self.of_triangle.get(&triangle)?)
+    }
+}
+
+impl PaneList {
+    /// Adds those of a scene; of equal names the first one counts.
+    pub fn add(&self, scene: &ScenePanes) {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        for pane in &scene.panes {
+            all.entry(pane.name.clone()).or_insert_with(|| Arc::clone(pane));
+        }
+    }
+
+    /// All of them in the order of their names.
+    pub fn all(&self) -> Vec<Arc<Pane>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).values().cloned().collect()
+    }
+}
+
+impl Pane {
+    /// As what is drawn of a receiver that stands for all of it.
+    pub fn drawn(&self) -> Receiver {
+        let Surface { triangles, area_m2, normal, .. } = &self.surface;
+        let corners = triangles.len() * 3;
+        let middle = triangles.iter().flatten().sum::<DVec3>() / corners.max(1) as f64;
+        let patch = Patch::of_triangles(middle, *normal, triangles);
+        Receiver { area: Some(*area_m2), patch, ..Receiver::new(self.name.clone(), middle, *normal) }
+    }
+}
+
+fn material_of(scene: &Scene, number: u16) -> Option<&Material> {
+    scene.materials.get(usize::from(number))
+}
+
+/// The objects of a scene that have mirrors, a face for each triangle.
+fn soup_of(scene: &Scene) -> Soup {
+    let (mesh, objects) = (&scene.mesh, &scene.objects);
+    let object_of = |triangle: usize| objects.of_triangle.get(triangle).copied().unwrap_or_default();
+    let number_of = |triangle: usize| mesh.triangle_material.get(triangle).copied().unwrap_or_default();
+    let mirrors = |triangle: &usize| material_of(scene, number_of(*triangle)).is_some_and(Material::mirrors);
+    let all = 0..mesh.triangles.len();
+    let mut has_mirrors = vec![false; objects.list.len().max(1)];
+    for triangle in all.clone().filter(mirrors) {
+        if let Some(has) = has_mirrors.get_mut(object_of(triangle) as usize) {
+            *has = true;
+        }
+    }
+    let mut soup = Soup::default();
+    for triangle in all.filter(|triangle| has_mirrors.get(object_of(*triangle) as usize) == Some(&true)) {
+        let first = soup.positions.len() as u32;
+        soup.positions.extend(mesh.triangle_points(triangle).map(|corner| mesh.origin + corner));
+        soup.triangles.push([first, first + 1, first + 2]);
+        soup.materials.push(number_of(triangle));
+        soup.objects.push(object_of(triangle));
+        soup.faces.push(triangle as u32);
+    }
+    soup.object_names = objects.list.iter().map(|object| object.name.clone()).collect();
+    soup.object_notes = objects.list.iter().map(|object| object.note.clone()).collect();
+    if soup.object_names.is_empty() {
+        soup.object_names.push(SCENE.to_owned());
+    }
+    soup
+}
