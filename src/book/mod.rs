@@ -37,6 +37,9 @@ pub mod comparing {}
 #[doc = include_str!("sunlight.md")]
 pub mod sunlight {}
 
+#[doc = include_str!("glare.md")]
+pub mod glare {}
+
 #[doc = include_str!("maps.md")]
 pub mod maps {}
 

@@ -450,7 +450,7 @@ pub fn write<'a>(
             name: &name,
             position,
             normal: piece.normal,
-            area_m2: piece.area_m2,
+            area_m2: Some(piece.area_m2),
             surface: &surface.name,
             part: covered.part(piece, surface),
             patch: Patch::of_triangles(position, piece.normal, &piece.triangles),

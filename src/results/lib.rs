@@ -31,6 +31,7 @@
 //!   requests.
 //! - A file is complete, or it is not there at all.
 
+pub mod along;
 mod archives;
 mod buildings;
 mod checks;

@@ -92,3 +92,33 @@ test("Sums of the year, the months of a receiver and sums of its building are th
   assert.ok(Math.abs(whole / Number(row.total_kwh) - 1) < 1e-4, `${whole}, ${row.total_kwh}`);
   assert.deepEqual(page.complaints, []);
 });
+
+/** Of a street between a mirror and a wall, 52 N. */
+function street() {
+  const square = (x, y, z, wide, high) => `v ${x} ${y} ${z}\nv ${x + wide} ${y} ${z}\nv ${x + wide} ${y} ${z + high}\nv ${x} ${y} ${z + high}\nf -4 -3 -2 -1\n`;
+  const ground = "v -90 -90 0\nv 90 -90 0\nv 90 90 0\nv -90 90 0\nf -4 -3 -2 -1\n";
+  writeFileSync(`${out}street.obj`, `usemtl ground\n${ground}usemtl wall\n${square(-30, -12, 0, 40, 9)}usemtl mirror\n${square(-8, 10, 0, 16, 12)}`);
+  writeFileSync(`${out}street.toml`, "[ground]\ndiffuse = 0.2\n[wall]\ndiffuse = 0.3\n[mirror]\ndiffuse = 0.0\nspecular = 0.8\n");
+  heliotile("receivers", `${out}street.obj`, "-m", `${out}street.toml`, "--on", "ground", "--spacing", "9m", "--quiet", "-o", `${out}street.csv`);
+  heliotile("build", `${out}street.obj`, "-m", `${out}street.toml`, "-r", `${out}street.csv`, "--latitude", "52", "--longitude", "5", "--quiet", "-o", `${out}street.helio`);
+  return `${out}street.helio`;
+}
+
+test("Hours of sun, and minutes of sun in mirrors, are those of `sunlight` and `glare` on three days.", async () => {
+  const page = await open();
+  const archive = street();
+  await go(page, inlined("street", archive));
+  for (const [day, date] of [[80, "03-21"], [172, "06-21"], [355, "12-21"]]) {
+    for (const [show, column, command, unit] of [["sunlight", "sun_hours", "sunlight", 60], ["glare", "glare_minutes", "glare", 1]]) {
+      await wish(page, [["show", show], ["dayOfYear", String(day)]]);
+      const shown = parseCsv(await savedCsv(page));
+      const rows = parseCsv(heliotile(command, archive, "--dates", date, "--every", "day", "--year", "2021", "--quiet", "-o", "-"));
+      const byId = new Map(rows.map((row) => [row.receiver, Number(row[command === "glare" ? "glare_minutes" : "sun_minutes"])]));
+      assert.equal(shown.length, rows.length);
+      for (const row of shown) assert.ok(Math.abs(unit * Number(row[column]) - byId.get(row.receiver)) < 0.02, `${show} ${date} ${row.receiver}: ${row[column]}, ${byId.get(row.receiver)}`);
+      assert.ok(Math.max(...byId.values()) > 30, `${show} ${date}`);
+    }
+  }
+  assert.match(await page.textContent("#show-note"), /21 December/);
+  assert.deepEqual(page.complaints, []);
+});

@@ -255,9 +255,9 @@ fn verdicts_by_hand() {
 }
 
 /// A wall above an endless lake gets the sun from it whenever it sees the sun itself, and with 10 degrees between the two whenever the sun is
-/// higher than 5. Its irradiance is that of a clear sky times Fresnel's share: at noon on 21 June at 52 N the sun is 61.4 degrees high, the air
-/// mass 1.14, DNI 0.7^(1.14^0.678) of 1,322 W/m2, 894; double glass (15.1 % straight on) reflects 16.1 % at 28.6 degrees: 144 W/m2. By surface the
-/// wall's two receivers have one row; before the lake there was nothing.
+/// higher than 5. On 21 June at 52 N the sun is 30.3 degrees high when it comes before the wall and when it goes: DNI of a clear sky 807 W/m2 (air
+/// mass 1.98), and double glass reflects 23.8 % at 59.7 degrees (four surfaces of n = 1.52: 47.1 and 0.5 % of the two polarisations): 192 W/m2, the
+/// most of the day. By surface the wall's two receivers have one row; before the lake there was nothing.
 #[test]
 fn lake_before_a_wall() {
     let folder = Folder::new();
@@ -284,7 +284,7 @@ fn lake_before_a_wall() {
         assert!((minutes(&all, "glare_minutes") - minutes(&sun, "sun_minutes")).abs() < 0.5, "{date}");
         assert!((minutes(&counted, "glare_minutes") - minutes(&low, "sun_minutes")).abs() < 0.2, "{date}");
         if date == "06-21" {
-            assert!((minutes(&all, "irradiance_w_m2") - 144.0).abs() < 45.0, "{}", minutes(&all, "irradiance_w_m2"));
+            assert!((minutes(&all, "irradiance_w_m2") - 192.0).abs() < 3.0, "{}", minutes(&all, "irradiance_w_m2"));
         }
     }
     let groups =

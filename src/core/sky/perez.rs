@@ -88,7 +88,7 @@ pub fn brightness(dhi_w_m2: f64, extraterrestrial_w_m2: f64, zenith_rad: f64) ->
 
 /// Relative optical air mass, Kasten, "A new table and approximation formula for the relative optical air mass", Archiv fuer
 /// Meteorologie B 14, 1966; zenith angles 0 to 90 deg, where it is 36.5.
-pub fn air_mass(zenith_rad: f64) -> f64 {
+fn air_mass(zenith_rad: f64) -> f64 {
     let zenith_rad = zenith_rad.clamp(0.0, FRAC_PI_2);
     1.0 / (zenith_rad.cos() + 0.15 * (93.885 - zenith_rad.to_degrees()).powf(-1.253))
 }

@@ -10,12 +10,10 @@ use crate::opened::OpenSite;
 use crate::replay::direct::specular::MirrorView;
 use crate::replay::tile_layers::mirror_views;
 use crate::site::chain::Chain;
-use crate::sky::perez::air_mass;
 use crate::sunlight::path::{SunDay, SunPasses};
 use crate::sunlight::seen::{SeenSky, SunSeen};
 use crate::sunlight::spells::Spells;
-use crate::weather::time::calendar::Date;
-use crate::weather::time::sun::extraterrestrial_w_m2;
+use crate::weather::clear::clear_sky;
 
 /// What a receiver sees of the sun in mirrors.
 pub struct MirrorSuns<'m> {
@@ -132,15 +130,6 @@ impl MirrorView {
     }
 }
 
-/// Direct normal irradiance of a clear sky at sea level, W/m2: Meinel and Meinel, "Applied solar energy", 1976: E0 x 0.7^(AM^0.678).
-pub fn clear_dni_w_m2(date: Date, sun: DVec3) -> f64 {
-    if sun.z <= 0.0 {
-        return 0.0;
-    }
-    let mass = air_mass(sun.z.clamp(0.0, 1.0).acos());
-    extraterrestrial_w_m2(date) * 0.7_f64.powf(mass.powf(0.678))
-}
-
 /// The union of what several chains show.
 pub fn in_any<'s>(all: impl Iterator<Item = &'s SunSeen>) -> SunSeen {
     all.fold(SunSeen::default(), |sum, one| if sum.possible.is_empty() { one.clone() } else { sum.and(one) })
@@ -167,7 +156,8 @@ impl Strongest {
         });
         let at = |minutes: f64| {
             let sun = day.sun(minutes);
-            let irradiance_w_m2 = clear_dni_w_m2(day.date, sun) * mirror.share(sun);
+            let dni_w_m2 = if sun.z > 0.0 { clear_sky(sun.z).0 } else { 0.0 };
+            let irradiance_w_m2 = dni_w_m2 * mirror.share(sun);
             Strongest { irradiance_w_m2, deflection_deg: mirror.deflection_deg(sun) }
         };
         moments.map(at).reduce(Strongest::and)

@@ -59,8 +59,9 @@ pub struct SunPasses {
 /// The way through a base texel.
 #[derive(Clone, Debug)]
 pub(super) struct BasePass {
-    /// Base texel, row-major.
-    pub texel: u32,
+    /// Base texel.
+    pub column: u16,
+    pub row: u16,
     pub start_min: f64,
     pub end_min: f64,
     /// The fine texels on it.
@@ -70,7 +71,6 @@ pub(super) struct BasePass {
 /// A way through fine texels, being followed.
 struct FineWay<'p> {
     passes: &'p mut SunPasses,
-    sky_base: usize,
     block: usize,
     /// A new spell of sun is a new way, though the base texel may be that of the last one.
     is_new: bool,
@@ -90,42 +90,41 @@ impl SunDay {
     pub fn sun(&self, minutes: f64) -> DVec3 {
         let at = (minutes / KNOT_MIN).clamp(0.0, (self.knots.len() - 4) as f64 + 1.0);
         let knot = (at as usize).min(self.knots.len() - 4);
-        let t = at - knot as f64;
-        // Lagrange's polynomials of -1, 0, 1 and 2.
-        let weights = [
-            -t * (t - 1.0) * (t - 2.0) / 6.0,
-            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-            -(t + 1.0) * t * (t - 2.0) / 2.0,
-            (t + 1.0) * t * (t - 1.0) / 6.0,
-        ];
-        let four = self.knots.iter().skip(knot).zip(weights);
+        let four = self.knots.iter().skip(knot).zip(cubic(at - knot as f64));
         four.map(|(direction, weight)| weight * *direction).sum::<DVec3>().normalize_or_zero()
     }
 
     /// When a function of the sun's direction is above 0; changes that last less than four minutes may be missed.
     pub fn when(&self, function: impl Fn(DVec3) -> f64) -> Spells {
-        self.looked_at(1, function)
+        let at = |knot: usize| self.knots.get(knot).map_or(f64::NAN, |sun| function(*sun));
+        self.looked_at(1, at, |knot| {
+            let (start_min, next) = ((knot - 1) as f64 * KNOT_MIN, knot + 1);
+            zero(start_min, at(knot), start_min + KNOT_MIN, at(next), |minutes| function(self.sun(minutes)))
+        })
     }
 
-    /// The same by a look at every so many knots; what changes twice between two of them is missed.
-    fn looked_at(&self, stride: usize, function: impl Fn(DVec3) -> f64) -> Spells {
-        let step_min = stride as f64 * KNOT_MIN;
-        let knots = self.knots.iter().skip(1).take(self.knots.len() - 2).step_by(stride);
-        let (mut spells, mut since, mut last) = (Spells::default(), 0.0, f64::NAN);
-        for (number, sun) in knots.enumerate() {
-            let (at, now) = (number as f64 * step_min, function(*sun));
-            // Nothing compares with the value before the first.
-            if (last > 0.0 && now <= 0.0) || (last <= 0.0 && now > 0.0) {
-                let change = zero(at - step_min, last, at, now, |minutes| function(self.sun(minutes)));
-                if last > 0.0 {
-                    spells.push(since, change);
+    /// When values at knots are above 0, by a look at every so many; what changes twice between two of them is missed. `change` finds the moment
+    /// between a knot and the next one.
+    fn looked_at(&self, stride: usize, at: impl Fn(usize) -> f64, change: impl Fn(usize) -> f64) -> Spells {
+        // The first knot and the last one lie outside of the day.
+        let last = self.knots.len().saturating_sub(2);
+        let (mut spells, mut since_min, mut was) = (Spells::default(), 0.0, at(1) > 0.0);
+        let mut from = 1;
+        while from < last {
+            let to = (from + stride).min(last);
+            let is = at(to) > 0.0;
+            if is != was {
+                let knot = (from..to).find(|knot| (at(knot + 1) > 0.0) != was).unwrap_or(from);
+                let change_min = change(knot);
+                if was {
+                    spells.push(since_min, change_min);
                 }
-                since = change;
+                (since_min, was) = (change_min, is);
             }
-            last = now;
+            from = to;
         }
-        if last > 0.0 {
-            spells.push(since, DAY_MIN);
+        if was {
+            spells.push(since_min, DAY_MIN);
         }
         spells
     }
@@ -140,7 +139,17 @@ impl SunDay {
     /// 0.04 degrees of the plane, are missed.
     pub fn before(&self, normal: DVec3, angle_deg: f64) -> Spells {
         let sine = angle_deg.to_radians().sin();
-        self.looked_at(PLANE_STRIDE, |sun| normal.dot(sun) - sine)
+        let at = |knot: usize| self.knots.get(knot).map_or(f64::NAN, |sun| normal.dot(*sun) - sine);
+        // The dot product of a cubic is the cubic of dot products.
+        self.looked_at(PLANE_STRIDE, at, |knot| {
+            let four = [at(knot - 1), at(knot), at(knot + 1), at(knot + 2)];
+            let start_min = (knot - 1) as f64 * KNOT_MIN;
+            let of = |minutes: f64| {
+                let weights = cubic((minutes - start_min) / KNOT_MIN);
+                four.iter().zip(weights).map(|(value, weight)| value * weight).sum()
+            };
+            zero(start_min, four[1], start_min + KNOT_MIN, four[2], of)
+        })
     }
 
     /// The texels of a texture that the sun passes while it is up.
@@ -150,7 +159,7 @@ impl SunDay {
         let texel = |minutes: f64| texel_of(self.sun(minutes), sides.sky_fine);
         for spell in self.up.iter() {
             let (mut place, mut start_min, mut last) = (texel(spell.start_min), spell.start_min, spell.start_min);
-            let mut way = FineWay { passes: &mut passes, sky_base: sides.sky_base, block, is_new: true };
+            let mut way = FineWay { passes: &mut passes, block, is_new: true };
             while last < spell.end_min {
                 let at = (last + LOOK_MIN).min(spell.end_min);
                 let next = texel(at);
@@ -171,12 +180,14 @@ impl FineWay<'_> {
     /// Appends a fine texel that was passed.
     fn leave(&mut self, column: usize, row: usize, start_min: f64, end_min: f64) {
         let (block, passes) = (self.block, &mut *self.passes);
-        let texel = (row / block * self.sky_base + column / block) as u32;
+        let (base_column, base_row) = ((column / block) as u16, (row / block) as u16);
+        let is_here = |last: &BasePass| (last.column, last.row) == (base_column, base_row);
         let count = passes.places.len() as u32;
-        match passes.bases.last_mut().filter(|last| !self.is_new && last.texel == texel) {
+        match passes.bases.last_mut().filter(|last| !self.is_new && is_here(last)) {
             Some(last) => (last.end_min, last.fine.end) = (end_min, count + 1),
             None => {
-                passes.bases.push(BasePass { texel, start_min, end_min, fine: count..count + 1 });
+                let (column, row, fine) = (base_column, base_row, count..count + 1);
+                passes.bases.push(BasePass { column, row, start_min, end_min, fine });
                 passes.passed.resize(passes.passed.len() + passes.words, 0);
             }
         }
@@ -205,6 +216,17 @@ impl SunPasses {
         let bases = self.bases.get(first..last).unwrap_or_default();
         bases.iter().zip(self.passed.chunks_exact(self.words.max(1)).skip(first))
     }
+}
+
+/// Weights of four neighbouring values in the cubic through them, at a share of the way from the second to the third: Lagrange's polynomials of -1,
+/// 0, 1 and 2.
+fn cubic(t: f64) -> [f64; 4] {
+    [
+        -t * (t - 1.0) * (t - 2.0) / 6.0,
+        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+        -(t + 1.0) * t * (t - 2.0) / 2.0,
+        (t + 1.0) * t * (t - 1.0) / 6.0,
+    ]
 }
 
 /// The zero of a smooth function between two moments with values of different signs, to 1e-9 minutes: regula falsi in the variant of Illinois.
@@ -292,7 +314,7 @@ mod tests {
             let (places, ends_min) = passes.fine_of(base);
             for (place, end_min) in places.iter().zip(ends_min) {
                 let (column, row) = texel_of(march.sun(0.5 * (at + f64::from(*end_min))), 1024);
-                assert_eq!(base.texel as usize, row / 8 * 128 + column / 8);
+                assert_eq!((usize::from(base.column), usize::from(base.row)), (column / 8, row / 8));
                 assert_eq!(usize::from(*place), row % 8 * 8 + column % 8);
                 at = f64::from(*end_min);
             }

@@ -2,7 +2,7 @@
 //! are possible.
 
 use crate::layers::sky_bitmap::{BaseTexel, SkyBitmap, Texel};
-use crate::sunlight::path::SunPasses;
+use crate::sunlight::path::{BasePass, SunPasses};
 use crate::sunlight::spells::Spells;
 
 /// When the sun's centre is seen on a day.
@@ -62,13 +62,13 @@ impl<'s> SeenSky<'s> {
         let mut found = Found::default();
         let Some((first_min, last_min)) = within.first_min().zip(within.last_min()) else { return found.seen };
         for (base, passed) in passes.bases_in(first_min, last_min) {
-            match self.kind(base.texel) {
+            match self.kind(base) {
                 BaseKind::Open => found.turn(SEEN, base.start_min, base.start_min, base.end_min),
                 BaseKind::Closed | BaseKind::Unknown => found.turn(0, base.start_min, base.start_min, base.end_min),
                 BaseKind::Mixed(first) => {
                     let (places, ends_min) = passes.fine_of(base);
                     let edges = self.edges.get(first as usize..).unwrap_or_default();
-                    let (column, row) = self.own(base.texel);
+                    let (column, row) = self.own(base);
                     let texel = self.texel(column, row);
                     if let Some(is_seen) = throughout(texel, edges, passed) {
                         found.turn(is_seen, base.start_min, base.start_min, base.end_min);
@@ -98,7 +98,7 @@ impl<'s> SeenSky<'s> {
         let rim = -1..=self.sky.side() as isize;
         let mut spells = Spells::default();
         for base in &passes.bases {
-            let (column, row) = self.own(base.texel);
+            let (column, row) = self.own(base);
             if rim.contains(&column) && rim.contains(&row) {
                 spells.push(base.start_min, base.end_min);
             }
@@ -113,10 +113,9 @@ impl<'s> SeenSky<'s> {
 
     /// Column and row of a base texel of the whole sky in this one.
     #[inline(always)]
-    fn own(&self, texel: u32) -> (isize, isize) {
-        let number = texel as usize;
-        let (column, row) = (number % self.whole, number / self.whole);
-        (column as isize - self.first.column as isize, row as isize - self.first.row as isize)
+    fn own(&self, base: &BasePass) -> (isize, isize) {
+        let own = |at: u16, first: usize| at as isize - first as isize;
+        (own(base.column, self.first.column), own(base.row, self.first.row))
     }
 
     /// What a base texel holds: nothing beyond this part of the sky.
@@ -134,9 +133,9 @@ impl<'s> SeenSky<'s> {
         is_here && self.sky.get(column as usize, row as usize)
     }
 
-    fn kind(&mut self, texel: u32) -> BaseKind {
+    fn kind(&mut self, base: &BasePass) -> BaseKind {
         let with_rim = self.sky.side() + 2;
-        let (column, row) = self.own(texel);
+        let (column, row) = self.own(base);
         // In the rim the sky itself is closed, but an edge may be near.
         let in_rim = |at: isize| usize::try_from(at + 1).ok().filter(|at| *at < with_rim);
         let Some((c, r)) = in_rim(column).zip(in_rim(row)) else { return BaseKind::Closed };
@@ -368,8 +367,9 @@ mod tests {
                     let mut start_min = way.start_min;
                     let (places, ends_min) = passes.fine_of(way);
                     for (place, end_min) in places.iter().zip(ends_min) {
-                        let (texel, place, end_min) = (way.texel as usize, usize::from(*place), f64::from(*end_min));
-                        let (c, r) = (texel % base * block + place % block, texel / base * block + place / block);
+                        let (place, end_min) = (usize::from(*place), f64::from(*end_min));
+                        let (column, row) = (usize::from(way.column), usize::from(way.row));
+                        let (c, r) = (column * block + place % block, row * block + place / block);
                         let is_seen = texture.get(c, r);
                         let near = |at: usize| at.saturating_sub(1)..(at + 2).min(fine);
                         let is_low = [c, r].iter().any(|at| *at < block.div_ceil(2) || *at >= fine - block.div_ceil(2));

@@ -1,4 +1,4 @@
-//! `heliotile receivers`: the surfaces of a scene covered with receivers. In: a scene. Out: `receivers.csv`, without those that are
+//! `heliotile receivers`: the surfaces of a scene covered with receivers, or lines in it. In: a scene. Out: `receivers.csv`, without those that are
 //! buried in a neighbour or the terrain, which are counted.
 
 use std::path::Path;
@@ -8,8 +8,10 @@ use super::console::voice::remark_aside;
 use super::{Outcome, remark};
 use crate::cli::ReceiversArgs;
 use heliotile_builder::trace::placement::Placement;
-use heliotile_builder::writing::guards::guard_site;
+use heliotile_builder::writing::guards::{guard_output, guard_site};
 use heliotile_core::error::Result;
+use heliotile_core::text::counted;
+use heliotile_results::along::write_points;
 use heliotile_results::covering::{cover_site, summary, write};
 
 /// `heliotile receivers`.
@@ -22,6 +24,15 @@ pub fn run(args: &ReceiversArgs) -> Result<Outcome> {
     if let Some(buried) = &args.buried {
         guard_site(buried, &site, &[Some(&args.output)])?;
     }
+    if let Some(along) = args.along() {
+        if to_file {
+            guard_output(&args.output, &[&along.lines])?;
+        }
+        let points = along.points(&site, &Terminal::default())?;
+        write_points(&args.output, &points)?;
+        let text = format!("{}, {} m above the road\n", counted(points.len() as u64, "receiver"), along.height_m);
+        return tell(to_file, &args.output, &text);
+    }
     let (scene, covered) = cover_site(&site, &args.cover.request(), &Terminal::default())?;
     let offset_m = args.cover.offset.0;
     write(&args.output, &covered, covered.free(), offset_m, false)?;
@@ -30,11 +41,16 @@ pub fn run(args: &ReceiversArgs) -> Result<Outcome> {
         write(path, &covered, buried, offset_m, true)?;
     }
     let text = summary(&covered, &scene);
+    tell(to_file, &args.output, &text)
+}
+
+/// Says what was written.
+fn tell(to_file: bool, output: &Path, text: &str) -> Result<Outcome> {
     // Standard output may be the table.
     if to_file {
-        remark(&format!("{}: {text}", args.output.display()))?
+        remark(&format!("{}: {text}", output.display()))?
     } else {
-        remark_aside(&text)
+        remark_aside(text)
     }
     Ok(Outcome::Fine)
 }

@@ -73,6 +73,29 @@ class Factors:
         return xr.Dataset({name: (dims, values, {"units": "1"}) for name, values in self.values.items()}, coordinates)
 
 
+@dataclass(frozen=True)
+class DayChoice:
+    """Days, rules and the clock of questions about the sun."""
+
+    dates: str | Sequence[str]
+    rules: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
+    before: str | os.PathLike[str] | None
+    zone: str | None
+    year: int
+    least_altitude: float
+    exact: bool
+
+    def request(self) -> dict[str, Any]:
+        """As the library takes it."""
+        days = [self.dates] if isinstance(self.dates, str) else list(self.dates)
+        named = [self.rules] if isinstance(self.rules, (str, os.PathLike)) else list(self.rules)
+        request: dict[str, Any] = {"dates": days, "rules": [os.fspath(rule) for rule in named], "year": self.year}
+        request |= {"least_altitude_deg": self.least_altitude, "exact": self.exact}
+        request |= {} if self.zone is None else {"zone": self.zone}
+        return request | ({} if self.before is None else {"before": os.fspath(self.before)})
+
+
+
 class Askable(ABC):
     """A site that was traced: replay any weather, ask for any sun and sky."""
 
@@ -241,14 +264,57 @@ class Askable(ABC):
         `lit_share` of the area of a group from 0 to 1. `exact`: moments that hang on an edge are found by rays. Returns numbers of `places`
         and `days`, and for each of the `rules` how many places meet it, break it, or are too close to it to say.
         """
-        days = [dates] if isinstance(dates, str) else list(dates)
-        named = [rules] if isinstance(rules, (str, os.PathLike)) else list(rules)
-        request: dict[str, Any] = {"dates": days, "rules": [os.fspath(rule) for rule in named], "every": every, "year": year}
-        request |= {"least_altitude_deg": least_altitude, "lit_share": lit_share, "exact": exact}
-        request |= {} if zone is None else {"zone": zone}
-        request |= {} if before is None else {"before": os.fspath(before)}
-        request |= weather_request(weather)
+        request: dict[str, Any] = {"every": every, "lit_share": lit_share} | weather_request(weather)
+        days = DayChoice(dates, rules, before, zone, year, least_altitude, exact)
         files = {"output": os.fspath(output), "by": by, "geo": geo, "plots": [os.fspath(plot) for plot in plots]}
+        return self._of_days(request | days.request(), files, receivers, memory, progress)
+
+    def glare(
+        self,
+        output: str | os.PathLike[str],
+        dates: str | Sequence[str] = "year",
+        *,
+        rules: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
+        before: str | os.PathLike[str] | None = None,
+        by: str = "receiver",
+        every: str | None = None,
+        zone: str | None = None,
+        year: int = 2017,
+        least_altitude: float = 0.0,
+        least_deflection: float = 0.0,
+        view_angle: float = 90.0,
+        exact: bool = False,
+        spells: str | os.PathLike[str] | None = None,
+        panes: str | os.PathLike[str] | None = None,
+        plots: Sequence[str | os.PathLike[str]] = (),
+        geo: bool = False,
+        receivers: Wanted | None = None,
+        memory: int = MEMORY,
+        progress: Progress | None = None,
+    ) -> dict[str, Any]:
+        """When mirrors and glass throw the sun at receivers, or what rules say of that, as files: `heliotile glare`.
+
+        As `sunlight`, but for: `every` is `"total"` without `rules`. Suns in mirrors count that are seen at least `least_deflection` degrees from the
+        sun itself, and at most `view_angle` degrees from the direction in which the receiver looks. `spells`: a table with a row for each spell.
+        `panes`: a table or map of the panes and the minutes that each causes. A plot that ends with .svg is a calendar.
+        """
+        files = {"output": os.fspath(output), "by": by, "geo": geo, "plots": [os.fspath(plot) for plot in plots]}
+        glare: dict[str, Any] = {"least_deflection_deg": least_deflection, "view_angle_deg": view_angle}
+        named = {"spells": spells, "panes": panes}
+        glare |= {name: os.fspath(path) for name, path in named.items() if path is not None}
+        days = DayChoice(dates, rules, before, zone, year, least_altitude, exact)
+        request = days.request() | {"glare": glare, "every": every or ("day" if rules else "total")}
+        return self._of_days(request, files, receivers, memory, progress)
+
+    def _of_days(
+        self,
+        request: dict[str, Any],
+        files: dict[str, Any],
+        receivers: Wanted | None,
+        memory: int,
+        progress: Progress | None,
+    ) -> dict[str, Any]:
+        """Asks for the sun on days, or for that in mirrors."""
         wanted = wanted_args(receivers)
         asked = json.dumps({"request": request, "files": files})
         return json.loads(self._open(wanted).sunlight(wanted, asked, memory, progress))

@@ -150,14 +150,14 @@ def test_pages_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
 
 
 def test_the_book_names_every_command() -> None:
-    """The table of the book has a line for each of the program's 33 commands, and all that it calls exists."""
+    """The table of the book has a line for each of the program's 34 commands, and all that it calls exists."""
     lines = (ROOT / "src" / "book" / "python.md").read_text().splitlines()
     start = lines.index("| program | Python |") + 2
     table = [line.strip("| ").split(" | ", 1) for line in lines[start : lines.index("", start)]]
     commands = {word.split()[0] for left, _ in table for word in re.findall(r"`([^`]+)`", left)}
     listed = printed("--help").split("Commands:")[1].split("\n\n")[0]
     known = {line.split()[0] for line in listed.splitlines() if re.match(r"  [a-z]", line)} - {"help"}
-    assert commands == known and len(known) == 33, commands ^ known
+    assert commands == known and len(known) == 34, commands ^ known
     owners = {"site": heliotile.Archive, "Scene(files)": heliotile.Scene, 'Archive.open("site.helio")': heliotile.Archive, 'Atlas.open("atlas")': heliotile.Atlas}
     for call in (call for _, right in table for call in re.findall(r"`([^`]+)`", right) if not call.startswith("python ")):
         owner = next((owner for owner in owners if call.startswith(owner + ".")), None)
@@ -206,3 +206,27 @@ def test_sunlight(site: heliotile.Archive, tmp_path: Path) -> None:
     assert all(rule["met"] + rule["broken"] + rule["close"] + rule["not_asked"] == site.count for rule in judged["rules"])
     with pytest.raises(heliotile.ArgumentError, match="no day"):
         site.sunlight(tmp_path / "x.csv", "03-32")
+
+
+def test_glare(site: heliotile.Archive, tmp_path: Path) -> None:
+    """Minutes, spells and panes of a mirror are those of the program; a site without mirrors says so."""
+    square = "v -3 8 0\nv 3 8 0\nv 3 8 5\nv -3 8 5\n"
+    (tmp_path / "s.obj").write_text(f"o ground\nv -90 -90 0\nv 90 -90 0\nv 90 90 0\nv -90 90 0\nusemtl ground\nf 1 2 3 4\no pane\n{square}usemtl mirror\nf 5 6 7 8\n")
+    (tmp_path / "m.toml").write_text("[ground]\ndiffuse = 0.2\n[mirror]\ndiffuse = 0.0\nspecular = 0.8\n")
+    (tmp_path / "r.csv").write_text("receiver,x,y,z,nx,ny,nz\na,0,0,1,0,1,0\n")
+    scene = heliotile.Scene(tmp_path / "s.obj", materials=tmp_path / "m.toml", latitude=52.0, longitude=5.0)
+    mirror = heliotile.build(scene, tmp_path / "r.csv", tmp_path / "s.helio")
+    files = {"spells": tmp_path / "spells.csv", "panes": tmp_path / "panes.csv"}
+    done = mirror.glare(tmp_path / "t.csv", zone="+01:00", plots=[tmp_path / "year.svg"], view_angle=60.0, **files)
+    assert done["places"] == 1 and done["days"] == 365
+    asked = ("--zone", "+01:00", "--view-angle", "60", "--spells", tmp_path / "s.csv", "--panes", tmp_path / "p.csv")
+    printed("glare", mirror.path, *asked, "-o", tmp_path / "program.csv")
+    for own, program in (("t.csv", "program.csv"), ("spells.csv", "s.csv"), ("panes.csv", "p.csv")):
+        assert (tmp_path / own).read_bytes() == (tmp_path / program).read_bytes()
+    assert "pane</text>" in (tmp_path / "year.svg").read_text()
+    judged = mirror.glare(tmp_path / "lai.csv", rules="lai", zone="+01:00")
+    assert [(rule["rule"], rule["broken"]) for rule in judged["rules"]] == [("lai-day", 1), ("lai-year", 1)]
+    with pytest.raises(heliotile.InputError, match="no mirror and no glass"):
+        site.glare(tmp_path / "x.csv", zone="+01:00")
+    with pytest.raises(heliotile.ArgumentError, match="view_angle"):
+        mirror.glare(tmp_path / "x.csv", view_angle=91.0)

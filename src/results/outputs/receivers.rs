@@ -18,7 +18,8 @@ pub struct ReceiverRow<'a> {
     /// Input coordinates, metres, written to 0.1 mm.
     pub position: DVec3,
     pub normal: DVec3,
-    pub area_m2: f64,
+    /// None of a point.
+    pub area_m2: Option<f64>,
     pub surface: &'a str,
     pub part: ModelPart,
     /// The part of the surface that it stands for.
@@ -62,7 +63,7 @@ impl ReceiverTable {
         let mut cells = vec![Cell::from(row.name)];
         cells.extend(row.position.to_array().map(|metres| Cell::from(rounded(metres, 1e4))));
         cells.extend(row.normal.to_array().map(|share| Cell::from(rounded(share, 1e6))));
-        cells.extend([Cell::from(row.area_m2.max(1e-4)), row.surface.into()]);
+        cells.extend([Cell::from(row.area_m2.map(|area| area.max(1e-4))), row.surface.into()]);
         cells.extend(row.part.texts().map(Cell::from));
         cells.push(Cell::Text(row.patch.to_string()));
         cells.extend(row.reason.filter(|_| self.with_reason).map(Cell::from));

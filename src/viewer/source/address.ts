@@ -2,7 +2,7 @@
 
 import { DEFAULTS, type Place, type Show, type State, type Store, type Variant } from "./state";
 
-const SHOWS: readonly string[] = ["sky", "reference", "year", "month", "day", "moment"] satisfies Show[];
+const SHOWS: readonly string[] = ["sky", "reference", "sunlight", "glare", "year", "month", "day", "moment"] satisfies Show[];
 const LIGHTS: readonly string[] = ["weather", "clear", "overcast", "own"];
 const VARIANTS: readonly string[] = ["before", "after", "change"] satisfies Variant[];
 /** Stands before the place of a receiver of the archive after. */

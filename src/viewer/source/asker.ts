@@ -4,7 +4,7 @@ import type { Card } from "./card/card";
 import { Loader } from "./card/loader";
 import type { Session } from "./session";
 import { shineOf, type Shine } from "./light";
-import { isSum, type State, type Store } from "./state";
+import { isOfSun, isSum, type State, type Store } from "./state";
 import { Values } from "./values";
 
 /** A sun that does not move for so long rests, ms: then the core's values replace those of the card. */
@@ -29,6 +29,9 @@ function wish(state: State, weather: boolean): string {
     case "sky":
     case "reference":
       return state.show;
+    case "sunlight":
+    case "glare":
+      return JSON.stringify([state.show, weather, state.dayOfYear]);
     case "year":
       return JSON.stringify([state.show, weather, changes]);
     case "month":
@@ -44,6 +47,8 @@ function wish(state: State, weather: boolean): string {
 
 export class Asker {
   readonly values: Values;
+  /** Of the sun on a day, or of the sun in mirrors. */
+  readonly minutes: Values;
   /** True when all that can be known of the newest wish is known. */
   settled = true;
   shine: Shine | null = null;
@@ -66,6 +71,7 @@ export class Asker {
   ) {
     this.loader = card && new Loader(card, session);
     this.values = new Values(session.site.components, session.site.receivers);
+    this.minutes = new Values(["minutes"], session.site.receivers);
     this.stop = store.subscribe(() => this.update());
   }
 
@@ -127,16 +133,17 @@ export class Asker {
 
   /** True when it came to its end, false when a newer ask took its place. */
   private async askEngine(isNewest: () => boolean): Promise<boolean> {
-    const { session, values, hooks } = this;
+    const { session, hooks } = this;
     const { engine, site } = session;
     const state: State = { ...this.store.state };
     const kind = state.show;
+    const values = isOfSun(kind) ? this.minutes : this.values;
     const forget = kind !== this.shown;
     // What another kind of ask still computes is of no use any more.
     if (forget && isSum(this.shown as State["show"]) && !isSum(kind)) void this.drop("sums");
     if (forget && this.shown === "moment" && kind !== "moment") void this.drop("moment");
     const sums = isSum(kind);
-    if (!sums && kind !== "moment") {
+    if (!sums && !isOfSun(kind) && kind !== "moment") {
       this.shown = kind;
       return true;
     }
@@ -159,6 +166,10 @@ export class Asker {
       if (lost) values.lose(lost.first, lost.count);
       hooks.onDamage(tile, message);
     };
+    if (isOfSun(kind)) {
+      begin();
+      return engine.sunMinutes({ dayOfYear: state.dayOfYear, inMirrors: kind === "glare", tiles }, onTile, onDamage);
+    }
     if (sums) {
       begin();
       if (!session.weather) return true;

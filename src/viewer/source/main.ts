@@ -22,7 +22,7 @@ import { SurfacesPanel } from "./panel/surfaces";
 import { listenToTabs } from "./panel/tabs";
 import { VariantPanel } from "./panel/variant";
 import { namesBeyond, nameOf, Session } from "./session";
-import { DEFAULTS, isSum, Store, type State } from "./state";
+import { DEFAULTS, isOfSun, isSum, Store, type State } from "./state";
 import { listenToView } from "./view/keys";
 import { Stage } from "./view/stage";
 
@@ -268,6 +268,8 @@ class Main {
     if (given.component !== undefined && !site.components.includes(given.component)) delete given.component;
     if (given.sky !== undefined && !site.skies.includes(given.sky)) delete given.sky;
     if (given.show === "reference" && !site.hasReference) delete given.show;
+    if (given.show !== undefined && isOfSun(given.show) && !site.place) delete given.show;
+    if (given.show === "glare" && !site.materials.some(({ mirror }) => mirror)) delete given.show;
     return { ...given, ...this.knownChanges(site) };
   }
 

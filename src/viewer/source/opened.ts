@@ -18,7 +18,7 @@ import type { VariantPanel } from "./panel/variant";
 import type { Quantity } from "./quantity";
 import { ReceiverPanel, type Side } from "./receiver/panel";
 import type { Session } from "./session";
-import { isSum, type Place, type State, type Store, type Variant } from "./state";
+import { isOfSun, isSum, type Place, type State, type Store, type Variant } from "./state";
 import { Overlay } from "./view/overlay";
 import { Picker } from "./view/pick";
 import { corners, type Stage } from "./view/stage";
@@ -221,7 +221,7 @@ export class OpenedSite {
         this.overlay.showSun(shine.altitude > 0 && store.state.light !== "overcast" ? shine.azimuth : null);
       },
       onProgress: (progress) => {
-        const told = progress && (isSum(store.state.show) || !session.ready) ? progress : null;
+        const told = progress && (isSum(store.state.show) || isOfSun(store.state.show) || !session.ready) ? progress : null;
         if (told) this.reading.set(layer, told);
         else this.reading.delete(layer);
         this.showProgress();
@@ -346,7 +346,7 @@ export class OpenedSite {
     if (quantity.title === "Sky view" && !isChange) return [0, 100];
     const what = `${quantity.shownTitle} ${quantity.unit} ${this.layers.length}`;
     const fresh = what !== this.rangeOf || this.settledRange === null;
-    if (quantity.column && (fresh || (this.isSettled && !playing) || isSum(show))) {
+    if (quantity.column && (fresh || (this.isSettled && !playing) || isSum(show) || isOfSun(show))) {
       // Before and after are coloured alike.
       const columns = this.layers.map((layer) => layer.quantity().column).filter((column) => column !== null);
       const found = isChange ? symmetricRange(quantity.column) : autoRange(...columns);

@@ -2,7 +2,7 @@
 
 import type { Asker } from "./asker";
 import type { Session } from "./session";
-import { isSum, type State } from "./state";
+import { isOfSun, isSum, type State } from "./state";
 import { componentLabel, dayName, KWH_M2, MONTHS, number, W_M2 } from "./words";
 
 export interface Quantity {
@@ -30,6 +30,7 @@ export function quantityOf(state: State, session: Session, asker: Asker): Quanti
     return single("Sky view", "%", "%·m²", "sky_view_percent", percent);
   }
   if (show === "reference") return single("Clear year", KWH_M2, "kWh", "reference_kwh_m2", session.reference);
+  if (isOfSun(show)) return ofSun(state, asker);
   const titles = { year: "Year", month: MONTHS[state.month - 1] ?? "Month", day: dayName(state.dayOfYear), moment: "This moment" };
   const sums = isSum(show);
   const unit = sums ? KWH_M2 : W_M2;
@@ -46,6 +47,14 @@ export function quantityOf(state: State, session: Session, asker: Asker): Quanti
     of: (index) => values.of(index),
     label: (value) => `${number(value)} ${unit}`,
   };
+}
+
+/** Hours of sun on the day, or minutes of sun in mirrors. */
+function ofSun({ show, dayOfYear }: State, { minutes }: Asker): Quantity {
+  const column = minutes.column("minutes")!;
+  const title = show === "glare" ? `Sun in mirrors, ${dayName(dayOfYear)}` : `Possible sun, ${dayName(dayOfYear)}`;
+  if (show === "glare") return single(title, "min", "min·m²", "glare_minutes", column);
+  return single(title, "h", "h·m²", "sun_hours", column.map((value) => value / 60));
 }
 
 function single(title: string, unit: string, wholeUnit: string, name: string, column: Float32Array): Quantity {

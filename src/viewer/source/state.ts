@@ -1,6 +1,6 @@
 // What the user has chosen, and who wants to know. All of it goes into the address and comes back from there (address.ts).
 
-export type Show = "sky" | "reference" | "year" | "month" | "day" | "moment";
+export type Show = "sky" | "reference" | "sunlight" | "glare" | "year" | "month" | "day" | "moment";
 export type LightFrom = "weather" | "clear" | "overcast" | "own";
 /** Which of two archives is shown, or what one has more than the other. */
 export type Variant = "before" | "after" | "change";
@@ -87,6 +87,11 @@ export class Store {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);
   }
+}
+
+/** Hours of sun on a day, or minutes of sun in mirrors. */
+export function isOfSun(show: Show): show is "sunlight" | "glare" {
+  return show === "sunlight" || show === "glare";
 }
 
 export function isSum(show: Show): boolean {

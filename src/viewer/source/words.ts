@@ -10,6 +10,8 @@ export const COMPONENT_LABELS: Record<string, string> = {
   sky_specular: "Sky, mirrored",
   sky_view_percent: "Sky view",
   reference_kwh_m2: "Clear year",
+  sun_hours: "Possible sun",
+  glare_minutes: "Sun in mirrors",
 };
 
 // Okabe and Ito's colours, told apart by the colour-blind.

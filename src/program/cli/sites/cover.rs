@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::Args;
 
 use crate::cli::SceneArgs;
+use heliotile_results::along::AlongRequest;
 use heliotile_results::covering::{CoverRequest, Density};
 
 #[derive(Args, Debug)]
@@ -20,6 +21,16 @@ pub struct ReceiversArgs {
     /// Table to write of those that are buried, the same with a column `reason`
     #[arg(long, value_name = "FILE")]
     pub buried: Option<PathBuf>,
+    /// Put receivers along lines in place of surfaces, --spacing apart, looking in the direction of travel: a CSV file of corners, x and y with z
+    /// and line (a name) if there are
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["on", "types", "per_surface", "buried"])]
+    pub along: Option<PathBuf>,
+    /// Height of eyes above the road, or above the ground of the scene where --along states no z
+    #[arg(long, value_name = "LENGTH", default_value = "1.2m", requires = "along")]
+    pub height: Metres,
+    /// Of --along: people travel back as well
+    #[arg(long, requires = "along")]
+    pub both_ways: bool,
 }
 
 /// Where receivers are put.
@@ -45,6 +56,15 @@ pub struct CoverArgs {
     /// Surfaces with less area than this get no receiver, m2
     #[arg(long, value_name = "AREA", default_value_t = 0.1, value_parser = parse_area)]
     pub min_area: f64,
+}
+
+impl ReceiversArgs {
+    /// The lines that are asked for.
+    pub fn along(&self) -> Option<AlongRequest> {
+        let lines = self.along.clone()?;
+        let (spacing_m, height_m) = (self.cover.spacing.0, self.height.0);
+        Some(AlongRequest { lines, spacing_m, height_m, both_ways: self.both_ways })
+    }
 }
 
 impl CoverArgs {

@@ -89,6 +89,7 @@ impl<'a> Files<'a> {
                 self.scene(&args.scene);
                 self.write(&args.output, Written::Csv);
                 self.write_if(&args.buried, Written::Csv);
+                self.read_if(&args.along, Wanted::Other);
             }
             Command::Build(args) => {
                 // What is an atlas is seen when it is read.

@@ -106,6 +106,15 @@ pub struct SumAsk {
     pub components: Vec<String>,
 }
 
+/// Minutes of a day.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "camelCase")]
+pub struct MinutesAsk {
+    pub day_of_year: u32,
+    /// Of the sun in mirrors, not of the sun.
+    pub in_mirrors: bool,
+}
+
 /// Columns by their names, in the order asked for.
 pub fn columns(names: &[String]) -> Result<Vec<Component>> {
     let of = |name: &String| Component::ALL.into_iter().find(|component| component.name() == name);

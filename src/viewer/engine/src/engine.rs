@@ -1,7 +1,10 @@
 //! One engine: an archive, a weather file, what was recombined. In: a request. Out: its answer.
 
+use heliotile_core::sunlight::DayMinutes;
+use serde_json::json;
+
 use crate::Answered;
-use crate::answer::Answer;
+use crate::answer::{Answer, Numbers};
 use crate::asked::{Span, SumAsk, columns};
 use crate::failure::{Failure, Kind};
 use crate::interactive::InteractiveTiles;
@@ -23,6 +26,8 @@ pub struct Engine {
     weather: Option<LoadedWeather>,
     recombinations: Recombinations,
     moments: InteractiveTiles,
+    /// The day of the year that minutes of sun were asked of last.
+    day: Option<(u32, DayMinutes)>,
 }
 
 impl Engine {
@@ -33,7 +38,7 @@ impl Engine {
         if let Request::Open { name, bytes, beside } = request {
             return self.open(&name, bytes, beside.as_ref());
         }
-        let Engine { opened, weather, recombinations, moments } = self;
+        let Engine { opened, weather, recombinations, moments, day } = self;
         let opened = opened.as_ref().ok_or_else(|| Failure::new(Kind::Other, "no archive is open", "open one"))?;
         let manifest = opened.archive.manifest();
         match request {
@@ -45,6 +50,7 @@ impl Engine {
             Request::LoadWeather { name, clock } => {
                 let loaded = LoadedWeather::read(&name, &bytes, &clock.options()?, manifest)?;
                 recombinations.clear();
+                *day = None;
                 moments.clear();
                 Ok(weather.insert(loaded).info(&name))
             }
@@ -75,6 +81,19 @@ impl Engine {
                 let key = Key::Sums(ask);
                 let values = recombinations.values(opened, &key, tile, force)?;
                 of_tile(opened, tile, &key.columns()?, &values)
+            }
+            Request::SunMinutes { ask, tile } => {
+                let tile = opened.tile(tile)?;
+                if day.as_ref().is_none_or(|(of, _)| *of != ask.day_of_year) {
+                    let location = weather::location(weather.as_ref(), manifest.place)?;
+                    let date = weather::date(weather.as_ref(), ask.day_of_year)?;
+                    *day = Some((ask.day_of_year, DayMinutes::of(&opened.site, &location, date)));
+                }
+                let none = || Failure::new(Kind::Other, "there is no day", "");
+                let (_, day) = day.as_ref().ok_or_else(none)?;
+                let of = if ask.in_mirrors { DayMinutes::glare } else { DayMinutes::sun };
+                let answer = Answer::of(json!({ "tile": tile, "first": opened.first(tile) }));
+                Ok(answer.with("minutes", Numbers::F32(&of(day, &opened.site, tile)?)))
             }
             Request::Months { tile, row, sky, changes } => {
                 let force = || light::span(opened, weather.as_mut(), Span::Year, Every::Month, &changes);

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::asked::{Changes, Clock, MomentAsk, SumAsk};
+use crate::asked::{Changes, Clock, MinutesAsk, MomentAsk, SumAsk};
 use crate::matching::AskedPlace;
 use crate::site::Beside;
 
@@ -53,6 +53,8 @@ pub enum Request {
     },
     /// A tile's sums over weather.
     Sums { ask: SumAsk, tile: u32 },
+    /// A tile's minutes of sun on a day, or of sun in mirrors.
+    SunMinutes { ask: MinutesAsk, tile: u32 },
     /// Sums of one receiver by month.
     Months { tile: u32, row: usize, sky: String, changes: Changes },
     /// The hours of a day of one receiver.

@@ -154,12 +154,15 @@ pub fn clear(weather: Option<&LoadedWeather>, place: Option<Place>, day_of_year:
 }
 
 fn direction(weather: Option<&LoadedWeather>, place: Option<Place>, day_of_year: u32, minutes: f64) -> Result<DVec3> {
-    let location = location(weather, place)?;
+    Ok(location(weather, place)?.sun(date(weather, day_of_year)?, minutes))
+}
+
+/// A day of the year, in the year of the weather file where it has one.
+pub fn date(weather: Option<&LoadedWeather>, day_of_year: u32) -> Result<Date> {
     let of_year = || {
         let first = Date::new(YEAR, 1, 1)?.day_number();
         Date::of_day_number(first.saturating_add(i32::try_from(day_of_year).ok()?.saturating_sub(1)))
     };
     let date = weather.and_then(|loaded| loaded.date(day_of_year)).or_else(of_year);
-    let date = date.ok_or_else(|| Error::argument("dayOfYear", day_of_year.to_string(), "give 1 to 366"))?;
-    Ok(location.sun(date, minutes))
+    date.ok_or_else(|| Error::argument("dayOfYear", day_of_year.to_string(), "give 1 to 366"))
 }

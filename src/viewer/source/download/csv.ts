@@ -4,7 +4,7 @@ import { percentOf, type Partners } from "../change";
 import type { ReceiverInfo } from "../engine/client";
 import type { Layer } from "../layer";
 import type { Session } from "../session";
-import { isSum, type State } from "../state";
+import { isOfSun, isSum, type State } from "../state";
 
 /** Of one archive, or of two of which one is before. */
 interface Site {
@@ -21,10 +21,11 @@ export function provenance(state: State, { before, after }: Site): string[] {
   if (after) lines.push(`archive after: ${after.session.site.name}`, `root after: ${after.session.site.root}`, `written after by: ${after.session.site.creator}`);
   const shown: Record<State["show"], string> = {
     sky: "sky view, share of an open sky", reference: "a clear year, kWh/m2", year: "sums of the year, kWh/m2",
+    sunlight: `hours of possible sun on day ${state.dayOfYear} of the year`, glare: `minutes of sun in mirrors on day ${state.dayOfYear} of the year`,
     month: `sums of month ${state.month}, kWh/m2`, day: `sums of day ${state.dayOfYear} of the year, kWh/m2`, moment: "irradiance of a moment, W/m2",
   };
   lines.push(`shown: ${shown[state.show]}`);
-  if (state.show === "sky" || state.show === "reference") return lines;
+  if (state.show === "sky" || state.show === "reference" || isOfSun(state.show)) return lines;
   if (weather && (isSum(state.show) || state.light === "weather")) lines.push(`weather: ${weather.name}, ${weather.place}`);
   if (state.show === "moment" && shine) {
     if (shine.label !== null) lines.push(`hour: ${shine.label}`);
@@ -47,7 +48,7 @@ function figures(value: number): string {
 
 /** Names of columns: of two archives, before, after, change and percent of each component. */
 function columnsOf(components: readonly string[], suffix: string, isPair: boolean): string[] {
-  const ending = (name: string): string => (name.endsWith("_m2") || name.endsWith("_percent") ? "" : suffix);
+  const ending = (name: string): string => (name.endsWith("_m2") || name.endsWith("_percent") || name.startsWith("sun_hours") || name === "glare_minutes" ? "" : suffix);
   return components.flatMap((name) => {
     const whole = name + ending(name);
     return isPair ? [`before_${whole}`, `after_${whole}`, `change_${whole}`, `change_${name}_percent`] : [whole];

@@ -3,7 +3,7 @@
 import { EngineError } from "./failure";
 import type { Call, FromWorker, ToWorker } from "./messages";
 import type {
-  Changes, ClearSky, Clock, Fisheye, LightTexels, Matching, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, ReceiverPlace, Scene, Series, Site, Source,
+  Changes, ClearSky, Clock, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, ReceiverPlace, Scene, Series, Site, Source,
   SumAsk, Sun, TileTextures, TileValues, Traffic, WeatherInfo,
 } from "./types";
 
@@ -113,6 +113,11 @@ export class Engine {
   /** Sums over the weather file, likewise. */
   sums(ask: SumAsk, onTile: (tile: TileValues) => void, onDamage: (tile: number, message: string) => void): Promise<boolean> {
     return this.call("sums", [ask], { onTile, onDamage });
+  }
+
+  /** Minutes of sun on a day, likewise. */
+  sunMinutes(ask: MinutesAsk, onTile: (tile: TileValues) => void, onDamage: (tile: number, message: string) => void): Promise<boolean> {
+    return this.call("sunMinutes", [ask], { onTile, onDamage });
   }
 
   /** Sums of one receiver by month. */

@@ -4,7 +4,7 @@
 import { FileBytes, MemoryBytes, type Bytes } from "./bytes";
 import { EngineError } from "./failure";
 import type {
-  Changes, ClearSky, Clock, Fisheye, LightTexels, Matching, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, ReceiverPlace, Scene, Series, Site, Source,
+  Changes, ClearSky, Clock, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, ReceiverPlace, Scene, Series, Site, Source,
   SumAsk, Sun, TileTextures, TileValues, Traffic, WeatherInfo,
 } from "./types";
 import { UrlBytes } from "./url";
@@ -25,7 +25,7 @@ export class Tasks {
   /** Columns of the archive that is open. */
   private components: string[] = [];
   /** Numbers of the last calls, which supersede those before. */
-  private readonly newest = { moment: 0, sums: 0, open: 0 };
+  private readonly newest = { moment: 0, sums: 0, sunMinutes: 0, open: 0 };
 
   constructor(private readonly module: WebAssembly.Module, private readonly pause: () => Promise<void>) {}
 
@@ -34,6 +34,7 @@ export class Tasks {
     const turn = ++this.newest.open;
     this.newest.moment++;
     this.newest.sums++;
+    this.newest.sunMinutes++;
     const bytes = await bytesOf(source);
     const wasm = await Wasm.start(this.module, bytes);
     const { value } = wasm.call({ request: "open", name: bytes.name, bytes: bytes.length, beside });
@@ -95,6 +96,11 @@ export class Tasks {
     return this.each("sums", rest, ask.components, tiles, onTile, onDamage);
   }
 
+  sunMinutes(ask: MinutesAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
+    const { tiles, ...rest } = ask;
+    return this.each("sunMinutes", rest, ["minutes"], tiles, onTile, onDamage);
+  }
+
   months(ask: ReceiverAsk): Series {
     return this.series(this.call({ request: "months", ...ask }));
   }
@@ -118,7 +124,7 @@ export class Tasks {
 
   /** Tile after tile of an ask, until a newer one comes. */
   private async each(
-    request: "moment" | "sums", ask: object, components: string[], tiles: number[], onTile: OnTile, onDamage: OnDamage,
+    request: "moment" | "sums" | "sunMinutes", ask: object, components: string[], tiles: number[], onTile: OnTile, onDamage: OnDamage,
   ): Promise<boolean> {
     const turn = ++this.newest[request];
     let started = performance.now();

@@ -203,6 +203,14 @@ export interface SumAsk {
   tiles: number[];
 }
 
+/** Minutes of a day. */
+export interface MinutesAsk {
+  dayOfYear: number;
+  /** Of the sun in mirrors, not of the sun. */
+  inMirrors: boolean;
+  tiles: number[];
+}
+
 export interface TileValues {
   tile: number;
   /** Number of the tile's first receiver in the archive. */

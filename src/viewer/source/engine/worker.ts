@@ -3,7 +3,7 @@
 import { failureOf } from "./failure";
 import type { Call, FromWorker, ToWorker } from "./messages";
 import { Tasks } from "./tasks";
-import type { MomentAsk, SumAsk, TileValues } from "./types";
+import type { MinutesAsk, MomentAsk, SumAsk, TileValues } from "./types";
 
 interface Scope {
   onmessage: ((event: MessageEvent<ToWorker>) => void) | null;
@@ -46,6 +46,8 @@ async function answer(number: number, call: Call, args: unknown[]): Promise<unkn
       return tasks.moment(args[0] as MomentAsk, onTile, onDamage);
     case "sums":
       return tasks.sums(args[0] as SumAsk, onTile, onDamage);
+    case "sunMinutes":
+      return tasks.sunMinutes(args[0] as MinutesAsk, onTile, onDamage);
     default: {
       const method = tasks[call] as (...args: unknown[]) => unknown;
       return await method.apply(tasks, args);

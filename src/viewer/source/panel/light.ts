@@ -3,7 +3,7 @@
 import { byId, el, options } from "../dom";
 import type { Session } from "../session";
 import { knowsClearSkies, type Shine } from "../light";
-import type { LightFrom, Store } from "../state";
+import { isOfSun, type LightFrom, type Store } from "../state";
 import { clock, dayName, skyLabel, W_M2 } from "../words";
 import { Dial } from "./dial";
 
@@ -64,7 +64,7 @@ export class LightPanel {
   /** Touching the sun or the sky shows the moment, unless sums are shown that depend on it. */
   private change(changes: Parameters<Store["set"]>[0]): void {
     const { show } = this.store.state;
-    const ofDay = show === "day" && Object.keys(changes).every((key) => key === "dayOfYear");
+    const ofDay = (show === "day" || isOfSun(show)) && Object.keys(changes).every((key) => key === "dayOfYear");
     this.store.set(ofDay ? changes : { ...changes, show: "moment", ...(show === "moment" ? {} : { range: null }) });
   }
 

@@ -62,10 +62,14 @@ export class ShowPanel {
     if (!session) return;
     const { state } = this.store;
     const dry = session.weather === null;
+    const placed = session.site.place !== null || !dry;
+    const mirrors = session.site.materials.some(({ mirror }) => mirror);
     const hint = dry ? " – needs weather" : "";
     options(this.what, [
       { value: "reference", label: `Clear year, ${KWH_M2}`, disabled: !session.site.hasReference },
       { value: "sky", label: "Sky view, %" },
+      { value: "sunlight", label: placed ? "Possible sun on a day, h" : "Possible sun on a day – needs a place", disabled: !placed },
+      ...(mirrors ? [{ value: "glare", label: "Sun in mirrors on a day, min", disabled: !placed }] : []),
       { value: "moment", label: `This moment, ${W_M2}` },
       { value: "day", label: `Day, ${KWH_M2}${hint}`, disabled: dry },
       { value: "month", label: `Month, ${KWH_M2}${hint}`, disabled: dry },
@@ -80,6 +84,8 @@ export class ShowPanel {
     const notes: Partial<Record<Show, string>> = {
       reference: "A year of cloudless days at this site, made with the archive: for a first look.",
       sky: "How much of an open sky each receiver sees.",
+      sunlight: `Hours in which each receiver can see the sun on ${dayName(state.dayOfYear)}, without clouds; the day is chosen below.`,
+      glare: `Minutes in which mirrors and glass throw the sun at each receiver on ${dayName(state.dayOfYear)}, without clouds; the day is chosen below.`,
       day: `The weather file's ${dayName(state.dayOfYear)}; the day is chosen below.`,
     };
     const isChange = this.partners !== null && state.variant === "change";

@@ -1,0 +1,51 @@
+//! Minutes of sun of all receivers of a tile on one day, as a page asks for that lets the day be chosen. In: a site, a date. Out: minutes.
+
+use crate::error::Result;
+use crate::light::mirrors::MirrorTable;
+use crate::opened::OpenSite;
+use crate::sunlight::mirrored::{TileMirrors, in_any};
+use crate::sunlight::path::{SunDay, SunPasses};
+use crate::sunlight::seen::{SeenSky, SunSeen};
+use crate::weather::time::calendar::Date;
+use crate::weather::time::sun::Location;
+
+/// A day over a site.
+pub struct DayMinutes {
+    day: SunDay,
+    passes: SunPasses,
+    mirrors: MirrorTable,
+}
+
+impl DayMinutes {
+    /// The sun over a site as its place and clock are known.
+    pub fn of(site: &OpenSite, location: &Location, date: Date) -> Self {
+        let day = SunDay::of(location, date, site.north());
+        DayMinutes { passes: day.passes(site.settings().sides()), day, mirrors: MirrorTable::of(site) }
+    }
+
+    /// Minutes in which each receiver of a tile sees the sun.
+    pub fn sun(&self, site: &OpenSite, tile: u32) -> Result<Vec<f32>> {
+        let normals = site.tile_receivers(tile)?.receivers().into_iter().map(|receiver| receiver.normal);
+        let skies = site.tile_sky(tile, normals.len())?;
+        let of = |(normal, sky)| {
+            let front = self.day.before(normal, 0.0).within(&self.day.up);
+            minutes(&SeenSky::new(sky).sun(&self.passes, &front))
+        };
+        Ok(normals.zip(&skies).map(of).collect())
+    }
+
+    /// Minutes in which mirrors throw the sun at each of them.
+    pub fn glare(&self, site: &OpenSite, tile: u32) -> Result<Vec<f32>> {
+        let normals = site.tile_receivers(tile)?.receivers().into_iter().map(|receiver| receiver.normal);
+        let mirrors = TileMirrors::read(site, tile, normals.len(), &self.mirrors)?;
+        let of = |(row, normal)| {
+            let shown = mirrors.of_receiver(row, normal).on(&self.day, &self.passes, false);
+            minutes(&in_any(shown.iter().map(|one| &one.seen)))
+        };
+        Ok(normals.enumerate().map(of).collect())
+    }
+}
+
+fn minutes(seen: &SunSeen) -> f32 {
+    seen.seen.minutes() as f32
+}

@@ -1,0 +1,100 @@
+//! Receivers along lines, looking in the direction of travel. In: a scene, a file of lines. Out: the table that builds read.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use crate::outputs::receivers::{ReceiverRow, ReceiverTable};
+use heliotile_builder::pipeline::PreparedScene;
+use heliotile_builder::siting::Siting;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
+use heliotile_core::site::model_part::ModelPart;
+use heliotile_core::site::patch::Patch;
+use heliotile_scene::Scene;
+use heliotile_scene::covering::cover::MOST_POINTS;
+use heliotile_scene::covering::lines::{TravelLine, TravelPoint, read_lines};
+use heliotile_scene::site::Site;
+
+/// Receivers along lines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AlongRequest {
+    /// CSV file of the lines: columns `x` and `y`, `z` and `line` if there are.
+    pub lines: PathBuf,
+    /// Distance between receivers.
+    pub spacing_m: f64,
+    /// Height of eyes above the road.
+    pub height_m: f64,
+    /// Whether people travel back as well.
+    pub both_ways: bool,
+}
+
+/// A receiver that looks ahead.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EyePoint {
+    /// Name of the line with a number.
+    pub name: String,
+    /// Input coordinates.
+    pub position: DVec3,
+    /// The direction of travel.
+    pub ahead: DVec3,
+}
+
+/// Ending of the names of lines that go back.
+const BACK: &str = "-back";
+
+impl AlongRequest {
+    /// The receivers of a site. An error: numbers out of range, lines that cannot be read, no ground below a point.
+    pub fn points(&self, site: &Site, observer: &dyn Observer) -> Result<Vec<EyePoint>> {
+        for (field, metres) in [("spacing", self.spacing_m), ("height", self.height_m)] {
+            if !(0.001..=10_000.0).contains(&metres) {
+                return Err(Error::argument(field, format!("is {metres} m"), "give 0.001 to 10000 metres"));
+            }
+        }
+        let lines = read_lines(&self.lines)?;
+        let count: f64 = lines.iter().map(|line| line.length_m() / self.spacing_m).sum();
+        if count > MOST_POINTS {
+            let what = format!("{} m would give {:.0} million receivers", self.spacing_m, count / 1e6);
+            return Err(Error::argument("spacing", what, "give a wider one, or shorter lines"));
+        }
+        let scene = Scene::load_site(site)?;
+        scene.report.tell(observer);
+        let prepared = PreparedScene::new(&scene)?;
+        let siting = Siting::new(&prepared);
+        let mesh = &scene.mesh;
+        let highest_m = mesh.origin.z + mesh.bounds().1.z;
+        let back = |line: &TravelLine| line.back(format!("{}{BACK}", line.name));
+        let all = lines.iter().flat_map(|line| [Some(line.clone()), self.both_ways.then(|| back(line))]).flatten();
+        let mut points = Vec::new();
+        for line in all {
+            for (number, TravelPoint { at, ahead }) in (1..).zip(line.points(self.spacing_m)) {
+                let ground = || siting.ground_below(at.at.extend(highest_m + 1.0)).map(|below| below.z);
+                let z = at.z.or_else(ground).ok_or_else(|| {
+                    let what = format!("there is no ground below line `{}` at {}, {}", line.name, at.at.x, at.at.y);
+                    Error::input(&self.lines, None, what, "give a column z, or a scene with ground there")
+                })?;
+                let name = format!("{}#{number}", line.name);
+                points.push(EyePoint { name, position: at.at.extend(z + self.height_m), ahead });
+            }
+        }
+        Ok(points)
+    }
+}
+
+/// Writes a table of them; `-` is the standard output.
+pub fn write_points(path: &Path, points: &[EyePoint]) -> Result<()> {
+    let mut table = ReceiverTable::create(path, false)?;
+    for EyePoint { name, position, ahead } in points {
+        table.write(&ReceiverRow {
+            name,
+            position: *position,
+            normal: *ahead,
+            area_m2: None,
+            surface: "",
+            part: ModelPart::default(),
+            patch: Patch::default(),
+            reason: None,
+        })?;
+    }
+    table.finish()
+}

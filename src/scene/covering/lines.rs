@@ -1,0 +1,164 @@
+//! Lines that people move along: roads, paths, tracks. In: a CSV file of their corners. Out: lines, and points on them with the direction of travel.
+
+use std::path::Path;
+
+use glam::{DVec2, DVec3};
+
+use super::rows::CsvRows;
+use heliotile_core::error::{Error, Result};
+
+/// A line in the order of travel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TravelLine {
+    /// Its name: that of the column `line`, or of the file.
+    pub name: String,
+    /// Its corners, input coordinates, metres.
+    pub corners: Vec<TravelCorner>,
+}
+
+/// A corner of a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TravelCorner {
+    /// In plan.
+    pub at: DVec2,
+    /// Height of the road, if the file states it.
+    pub z: Option<f64>,
+}
+
+/// A point on a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TravelPoint {
+    /// Where.
+    pub at: TravelCorner,
+    /// The direction of travel, level, unit length.
+    pub ahead: DVec3,
+}
+
+/// What a file of lines may hold.
+const HINT: &str = "give columns x and y, metres, and if you like z, the height of the road, and line, a name";
+
+/// Reads `x,y` with optional `z` and `line`, in any order: a corner a row, in the order of travel; rows with the same name that stand together are a
+/// line. An error: a cell that is no number, a line without length.
+pub fn read_lines(file: &Path) -> Result<Vec<TravelLine>> {
+    let mut rows = CsvRows::open(file)?;
+    if !rows.advance()? {
+        return Err(Error::input(file, None, "the file is empty", HINT));
+    }
+    let header: Vec<String> = rows.record.iter().map(str::to_lowercase).collect();
+    let place = |name: &str| header.iter().position(|column| column == name);
+    let (Some(x), Some(y)) = (place("x"), place("y")) else {
+        return Err(rows.error("there is no column `x` or no column `y`", HINT));
+    };
+    let (z, name) = (place("z"), place("line"));
+    let usual = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let mut lines: Vec<TravelLine> = Vec::new();
+    while rows.advance()? {
+        let cell = |column: usize| rows.record.get(column).unwrap_or_default();
+        let number = |column: usize| {
+            let text = cell(column);
+            let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+            let name = header.get(column).map_or("", String::as_str);
+            number.ok_or_else(|| rows.cell_error(name, text, "no number", "give metres, such as 12.5"))
+        };
+        let z = match z {
+            Some(z) if !cell(z).is_empty() => Some(number(z)?),
+            _ => None,
+        };
+        let corner = TravelCorner { at: DVec2::new(number(x)?, number(y)?), z };
+        let name = name.map_or(usual.as_str(), cell);
+        let known = lines.iter().position(|line| line.name == name);
+        match known {
+            None => lines.push(TravelLine { name: name.to_owned(), corners: vec![corner] }),
+            Some(number) if number + 1 == lines.len() => {
+                lines.last_mut().into_iter().for_each(|line| line.corners.push(corner));
+            }
+            Some(_) => {
+                let hint = "put the corners of a line one after the other";
+                return Err(rows.error(format!("line `{name}` comes twice"), hint));
+            }
+        }
+    }
+    match lines.iter().find(|line| line.length_m() <= 0.0) {
+        _ if lines.is_empty() => Err(Error::input(file, None, "the file holds a header but no corners", HINT)),
+        Some(line) => {
+            let what = format!("line `{}` has no length", line.name);
+            Err(Error::input(file, None, what, "give at least two corners, in the order of travel"))
+        }
+        None => Ok(lines),
+    }
+}
+
+impl TravelLine {
+    /// Its length in plan.
+    pub fn length_m(&self) -> f64 {
+        self.corners.windows(2).map(|two| two[0].at.distance(two[1].at)).sum()
+    }
+
+    /// The same from its end to its start.
+    #[must_use]
+    pub fn back(&self, name: String) -> Self {
+        TravelLine { name, corners: self.corners.iter().rev().copied().collect() }
+    }
+
+    /// Points so far apart, the first half as far from its start.
+    pub fn points(&self, spacing_m: f64) -> Vec<TravelPoint> {
+        let (mut points, mut done_m, mut next_m) = (Vec::new(), 0.0, 0.5 * spacing_m.min(self.length_m()));
+        for two in self.corners.windows(2) {
+            let [from, to] = [two[0], two[1]];
+            let length_m = from.at.distance(to.at);
+            while length_m > 0.0 && next_m <= done_m + length_m {
+                let share = (next_m - done_m) / length_m;
+                let z = from.z.zip(to.z).map(|(a, b)| a + share * (b - a));
+                let ahead = ((to.at - from.at) / length_m).extend(0.0);
+                points.push(TravelPoint { at: TravelCorner { at: from.at.lerp(to.at, share), z }, ahead });
+                next_m += spacing_m;
+            }
+            done_m += length_m;
+        }
+        points
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Vec<TravelLine>> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("road.csv");
+        std::fs::write(&path, text).expect("written");
+        read_lines(&path)
+    }
+
+    /// A road of 10 and 6 m around a corner with a point every 4 m: four, from 2 to 14 m on, the last two to the north and 3 and 7 m higher or lower
+    /// as the heights say; back they are at the same distances from its end. A second line has its name, a short one a point in its middle.
+    #[test]
+    fn points_along() {
+        let lines = read("line,x,y,z\na,0,0,0\na,10,0,10\na,10,6,4\nb,0,1,\nb,1,1,\n").expect("lines");
+        let [a, b] = lines.as_slice() else { panic!("{lines:?}") };
+        let points = a.points(4.0);
+        let places: Vec<(f64, f64, Option<f64>)> = points.iter().map(|p| (p.at.at.x, p.at.at.y, p.at.z)).collect();
+        assert_eq!(
+            places,
+            [(2.0, 0.0, Some(2.0)), (6.0, 0.0, Some(6.0)), (10.0, 0.0, Some(10.0)), (10.0, 4.0, Some(6.0))]
+        );
+        assert_eq!((points[0].ahead, points[3].ahead), (DVec3::X, DVec3::Y));
+        let back = a.back("back".into()).points(4.0);
+        assert_eq!((back.len(), back[0].at.at, back[0].ahead), (4, DVec2::new(10.0, 4.0), DVec3::NEG_Y));
+        assert_eq!((b.name.as_str(), b.points(4.0)[0].at), ("b", TravelCorner { at: DVec2::new(0.5, 1.0), z: None }));
+    }
+
+    /// Five files that are no lines are refused, each by what is wrong.
+    #[test]
+    fn wrong_lines() {
+        for (text, says) in [
+            ("", "empty"),
+            ("x,z\n1,2\n", "no column"),
+            ("x,y\n1,2\n1,two\n", "line 3"),
+            ("x,y\n1,2\n1,2\n", "no length"),
+            ("line,x,y\na,0,0\na,1,0\nb,0,0\nb,1,1\na,2,2\n", "comes twice"),
+        ] {
+            assert!(read(text).is_err_and(|error| error.to_string().contains(says)), "{says}");
+        }
+    }
+}
