@@ -57,7 +57,7 @@ impl Use {
 }
 
 /// What is alive together, by the time of its command when most is.
-pub const TOGETHER: [(&str, &[Use]); 8] = [
+pub const TOGETHER: [(&str, &[Use]); 9] = [
     ("build, cells", &[Use::SortedReceivers, Use::CellKeys, Use::BounceCells]),
     ("build, responses", &[Use::SortedReceivers, Use::Radiosity, Use::TileGroup]),
     ("build, merge, extract, names", &[Use::SortedReceivers, Use::NameIndex]),
@@ -67,6 +67,7 @@ pub const TOGETHER: [(&str, &[Use]); 8] = [
         &[Use::ComparedValues, Use::Radiosity, Use::TileGroup, Use::ComparedSums, Use::MapRows, Use::MapPatches],
     ),
     ("replay, choice of receivers", &[Use::ReceiverList]),
+    ("glare", &[Use::ReceiverList, Use::TileGroup, Use::ComparedValues, Use::MapRows, Use::MapPatches]),
     ("merge, diff", &[Use::ReceiverIds, Use::ReceiverIds]),
     // Hits, what probes see, and two waves of what bounce cells see.
     ("extract", &[Use::ExtractedKeys, Use::ExtractedKeys, Use::ExtractedKeys, Use::ExtractedKeys]),

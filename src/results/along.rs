@@ -1,5 +1,6 @@
 //! Receivers along lines, looking in the direction of travel. In: a scene, a file of lines. Out: the table that builds read.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -65,8 +66,12 @@ impl AlongRequest {
         let highest_m = mesh.origin.z + mesh.bounds().1.z;
         let back = |line: &TravelLine| line.back(format!("{}{BACK}", line.name));
         let all = lines.iter().flat_map(|line| [Some(line.clone()), self.both_ways.then(|| back(line))]).flatten();
-        let mut points = Vec::new();
+        let (mut points, mut names) = (Vec::new(), BTreeSet::new());
         for line in all {
+            if !names.insert(line.name.clone()) {
+                let what = format!("`{}` is the name of a line, and of another on the way back", line.name);
+                return Err(Error::input(&self.lines, None, what, "give one of them another name"));
+            }
             for (number, TravelPoint { at, ahead }) in (1..).zip(line.points(self.spacing_m)) {
                 let ground = || siting.ground_below(at.at.extend(highest_m + 1.0)).map(|below| below.z);
                 let z = at.z.or_else(ground).ok_or_else(|| {

@@ -214,7 +214,8 @@ fn moments_by_the_image_method() {
 /// - the longest day, in December (cos 14.6 / (15 cos 23.4) hours a degree): 5.9, 16.9 and 33.8 minutes: only the last breaks 30 minutes.
 /// - the year, with the mean of 12.8, 15.1 and 16.9 minutes over 8: 26, 76 and 150 hours: only the first meets 30 hours.
 ///
-/// A driver who looks north sees images up to 30 degrees high: those of December, none of June. `sunlight` judges by the same rule alike.
+/// A driver who looks north sees images up to 30 degrees high: those of December, none of June. An eye that looks 14.6 degrees up sees the image of
+/// 21 December pass within 1.5 degrees for 3 / (15 cos 23.4) hours, 13.1 minutes. `sunlight` judges by the same rule alike.
 #[test]
 fn verdicts_by_hand() {
     let folder = Folder::new();
@@ -227,7 +228,7 @@ fn verdicts_by_hand() {
     folder.write("m.toml", MATERIALS);
     folder.write(
         "r.csv",
-        "receiver,x,y,z,nx,ny,nz\nnarrow,0,0,1.5,0,1,0\nmiddle,400,0,1.5,0,1,0\nwide,800,0,1.5,0,1,0\n",
+        "receiver,x,y,z,nx,ny,nz\nnarrow,0,0,1.5,0,1,0\nmiddle,400,0,1.5,0,1,0\nwide,800,0,1.5,0,1,0\neye,800,0,1.5,0,0.9677,0.2521\n",
     );
     run(&folder, "build s.obj -m m.toml -r r.csv --latitude 52 --longitude 5 -o s.helio");
     let table = run(&folder, "glare s.helio --rule lai --exact -o -");
@@ -252,12 +253,16 @@ fn verdicts_by_hand() {
     let minutes = |date: &str| driver[&(date.to_owned(), "wide".to_owned())]["glare_minutes"].clone();
     assert_eq!(minutes("06-21"), "0.00");
     assert!((minutes("12-21").parse::<f64>().expect("a number") - 33.8).abs() < 1.0, "{}", minutes("12-21"));
+    let eye = rows(&run(&folder, "glare s.helio --dates 12-21 --every day --view-angle 1.5 --exact -o -"));
+    let seen: f64 = eye[&("12-21".to_owned(), "eye".to_owned())]["glare_minutes"].parse().expect("a number");
+    assert!((seen - 13.1).abs() < 0.3, "{seen}");
 }
 
 /// A wall above an endless lake gets the sun from it whenever it sees the sun itself, and with 10 degrees between the two whenever the sun is
 /// higher than 5. On 21 June at 52 N the sun is 30.3 degrees high when it comes before the wall and when it goes: DNI of a clear sky 807 W/m2 (air
 /// mass 1.98), and double glass reflects 23.8 % at 59.7 degrees (four surfaces of n = 1.52: 47.1 and 0.5 % of the two polarisations): 192 W/m2, the
-/// most of the day. By surface the wall's two receivers have one row; before the lake there was nothing.
+/// most of the day. By surface the wall's two receivers have one row; before the lake there was nothing, and
+/// after it all is gone.
 #[test]
 fn lake_before_a_wall() {
     let folder = Folder::new();
@@ -291,6 +296,9 @@ fn lake_before_a_wall() {
         rows(&run(&folder, "glare s.helio --before dry.helio --by surface --spells spells.csv --panes panes.csv -o -"));
     let row = &groups[&("total".to_owned(), "wall".to_owned())];
     assert_eq!((row["before_minutes"].as_str(), &row["added_minutes"]), ("0.00", &row["glare_minutes"]));
+    let gone = rows(&run(&folder, "glare dry.helio --before s.helio --by surface -o -"));
+    let after = &gone[&("total".to_owned(), "wall".to_owned())];
+    assert_eq!((&after["glare_minutes"], &after["before_minutes"]), (&"0.00".to_owned(), &row["glare_minutes"]));
     let panes = std::fs::read_to_string(folder.path("panes.csv")).expect("panes");
     let pane: Vec<&str> = panes.lines().nth(1).expect("a pane").split(',').collect();
     assert_eq!((pane[0], pane[1], pane[4]), ("01-01..12-31", "lake", "2.00"), "{panes}");
@@ -299,7 +307,7 @@ fn lake_before_a_wall() {
     assert!((of_pane / (2.0 * of_wall) - 1.0).abs() < 1e-4, "{of_pane} {of_wall}");
 }
 
-/// Tables, maps and the calendar of panes are written by the endings of their names; eleven wrong requests are refused with what to do, and leave
+/// Tables, maps and the calendar of panes are written by the endings of their names; fourteen wrong requests are refused with what to do, and leave
 /// nothing behind.
 #[test]
 fn files_and_wrong_input() {
@@ -322,6 +330,8 @@ fn files_and_wrong_input() {
     let calendar = std::fs::read_to_string(folder.path("year.svg")).expect("a calendar");
     assert!(calendar.contains(">pane</text>") && calendar.matches("<rect").count() > 500, "{calendar}");
     run(&folder, "glare bare.helio -o bare.csv");
+    let judged = folder.run("sunlight dry.helio --rule lai -o -");
+    assert!(judged.status.success() && stderr(&judged).contains("rules about that are met"), "{}", stderr(&judged));
     folder.write(
         "own.toml",
         "[[rule]]\nname = \"own\"\nmeasure = \"glare_minutes\"\nat_most = 10\nleast_angle_deg = 5\n",
@@ -335,6 +345,9 @@ fn files_and_wrong_input() {
         ("s.helio --view-angle 91", "--view-angle"),
         ("s.helio --spells y.glb", "y.glb"),
         ("s.helio --panes x.csv", "written twice"),
+        ("s.helio --spells ./x.csv", "written twice"),
+        ("s.helio --panes p.geojson", "--panes"),
+        ("s.helio --rule lai --spells y.csv", "--least-deflection"),
         ("s.helio --plot y.pdf", ".png"),
         ("s.helio --rule own.toml", "view_angle_deg"),
         ("s.helio --every hour", "--every"),
@@ -343,5 +356,37 @@ fn files_and_wrong_input() {
         assert_eq!(output.status.code(), Some(2), "{arguments}: {}", stderr(&output));
         assert!(stderr(&output).contains(says), "{arguments}: {}", stderr(&output));
         assert!(!folder.path("x.csv").exists() && !folder.path("y.csv").exists(), "{arguments}");
+    }
+}
+
+/// A road of 30 and 14.8 m around a corner has nine receivers 5 m apart, 1.2 m above the ground, that look ahead: the first to the east, the last
+/// north-north-east; there and back eighteen, which a build takes. Four wrong requests are refused.
+#[test]
+fn receivers_along_a_road() {
+    let folder = Folder::new();
+    folder.write("s.obj", GROUND);
+    folder.write("road.csv", "x,y\n-35,-8\n-5,-8\n2,5\n");
+    let table = run(&folder, "receivers s.obj --along road.csv --spacing 5m -o -");
+    let lines: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    assert_eq!(
+        (lines.len(), &lines[0][..7]),
+        (9, &["road#1", "-32.5000", "-8.0000", "1.2000", "1.000000", "0.000000", "0.000000"][..])
+    );
+    assert_eq!(lines[8][4..7], ["0.474100", "0.880471", "0.000000"]);
+    run(&folder, "receivers s.obj --along road.csv --spacing 5m --both-ways -o back.csv");
+    let back = std::fs::read_to_string(folder.path("back.csv")).expect("receivers");
+    assert!(back.lines().count() == 19 && back.contains("road-back#9,"), "{back}");
+    run(&folder, "build s.obj -r back.csv --latitude 52 --longitude 5 -o s.helio");
+    folder.write("far.csv", "x,y\n30000,0\n30010,0\n");
+    folder.write("twice.csv", "line,x,y\na,0,0\na,9,0\na-back,0,1\na-back,9,1\n");
+    for (arguments, says) in [
+        ("--along far.csv", "no ground below line `far`"),
+        ("--along twice.csv --both-ways", "`a-back` is the name of a line"),
+        ("--along road.csv --on wall", "--on"),
+        ("--height 2m", "--along"),
+    ] {
+        let output = folder.run(&format!("receivers s.obj {arguments} -o x.csv"));
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {}", stderr(&output));
+        assert!(stderr(&output).contains(says) && !folder.path("x.csv").exists(), "{arguments}: {}", stderr(&output));
     }
 }

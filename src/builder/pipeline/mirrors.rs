@@ -72,7 +72,8 @@ impl SiteTracer<'_> {
                     Look { chain: 0, sky, origin, normal: view.normal }
                 };
                 let n = base * scale as usize;
-                let split = (base * FINER / n).max(1) as u32;
+                // What is not refined any more is what its middle is.
+                let split = if n < fine { (base * FINER / n).max(1) as u32 } else { 1 };
                 let parts = |&(c, r): &(u32, u32)| {
                     let part = move |i: u32| (c * split + i % split, r * split + i / split);
                     (0..split * split).map(move |i| look(&part(i), n * split as usize))

@@ -243,8 +243,8 @@ impl<'a> Reflections<'a> {
         found
     }
 
-    /// Rays from a point to those parts of its hemisphere where mirrors may be, were there nothing else: of the texels of an n x n texture in which a
-    /// ray or a corner or the middle of a mirror's triangle tells of one, and of those around, `finer` x `finer` rays each. `rays` counts.
+    /// Rays from a point to those parts of its hemisphere where mirrors may be, were there nothing else: `finer` x `finer` rays in each of those texels of
+    /// an n x n texture in which a corner or the middle of a mirror's triangle lies, or in or beside which a ray meets a mirror. `rays` counts.
     pub fn around_mirrors(&self, n: usize, finer: usize, view: &Viewpoint, rays: &mut u64) -> Vec<(DVec3, Ray)> {
         let mut near = BitSquare::new(n);
         let mut mark = |column: usize, row: usize, far: usize| {

@@ -47,6 +47,15 @@ pub struct GlareAngles {
 impl GlareAngles {
     /// All before the surface.
     pub const ALL: GlareAngles = GlareAngles { least_deflection_deg: 0.0, view_angle_deg: 90.0 };
+
+    /// What both count.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        GlareAngles {
+            least_deflection_deg: self.least_deflection_deg.max(other.least_deflection_deg),
+            view_angle_deg: self.view_angle_deg.min(other.view_angle_deg),
+        }
+    }
 }
 
 impl TileMirrors {

@@ -135,13 +135,15 @@ impl SunDay {
         self.when(|sun| sun.z - sine)
     }
 
-    /// When the sun's centre stands before a surface, at an angle of at least so much to it; visits of less than 16 minutes, which stay within
-    /// 0.04 degrees of the plane, are missed.
+    /// When the sun's centre stands before a surface, at an angle of at least so much to it: within a cone about the normal. Visits of less than
+    /// 16 minutes are missed where the angle is 0, which stay within 0.04 degrees of the plane, and else those of less than four.
     pub fn before(&self, normal: DVec3, angle_deg: f64) -> Spells {
         let sine = angle_deg.to_radians().sin();
         let at = |knot: usize| self.knots.get(knot).map_or(f64::NAN, |sun| normal.dot(*sun) - sine);
         // The dot product of a cubic is the cubic of dot products.
-        self.looked_at(PLANE_STRIDE, at, |knot| {
+        // The rim of a narrow cone is passed soon.
+        let stride = if angle_deg > 0.0 { 1 } else { PLANE_STRIDE };
+        self.looked_at(stride, at, |knot| {
             let four = [at(knot - 1), at(knot), at(knot + 1), at(knot + 2)];
             let start_min = (knot - 1) as f64 * KNOT_MIN;
             let of = |minutes: f64| {

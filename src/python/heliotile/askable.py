@@ -95,7 +95,6 @@ class DayChoice:
         return request | ({} if self.before is None else {"before": os.fspath(self.before)})
 
 
-
 class Askable(ABC):
     """A site that was traced: replay any weather, ask for any sun and sky."""
 

@@ -38,7 +38,7 @@ heliotile_core::serde_by_name!(RunMap);
 /// Refuses maps that a scene of this place cannot have, before any work.
 pub fn check(maps: &[RunMap], place: Option<&Place>) -> Result<()> {
     let crs = MapCrs::of(place, DVec3::ZERO);
-    formats(maps).try_for_each(|format| format.check(&crs))
+    formats(maps).try_for_each(|format| format.check(&crs, "map"))
 }
 
 /// Formats of the further maps.

@@ -136,7 +136,11 @@ impl DayPlan {
             let sunny = match (rule.measure, sunny) {
                 (RuleMeasure::ProbablePercent, None) => {
                     let what = format!("`{}` counts the sunny hours of a weather file, and none is given", rule.name);
-                    return Err(Error::argument("rule, weather", what, "give {weather}, or leave the rule out"));
+                    return Err(Error::argument(
+                        "rule, weather",
+                        what,
+                        "give {weather}, which {command:sunlight} takes, or leave the rule out",
+                    ));
                 }
                 (RuleMeasure::ProbablePercent, Some(sunny)) => Some(sunny),
                 _ => None,

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::days::DayPlan;
 use super::panes::{Pane, PaneList, ScenePanes};
-use crate::files::{MapStart, ResultRows, name_of, say_large};
+use crate::files::{MapStart, ResultRows, crs_of, name_of, say_large};
 use crate::outputs::groups::Extent;
 use crate::outputs::pictures::calendar::{Calendar, CalendarDay, CalendarSpell};
 use crate::outputs::provenance::Provenance;
@@ -24,7 +24,7 @@ use crate::outputs::tables::column::Column;
 use crate::outputs::tables::format::{Format, Places};
 use crate::outputs::tables::layout::{By, Fact, Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
-use crate::outputs::tables::rows::{Cell, Records};
+use crate::outputs::tables::rows::{Cell, RowWriter};
 use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
 use heliotile_builder::siting::MirrorObserver;
@@ -34,6 +34,7 @@ use heliotile_core::memory::Use;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sunlight::{GlareAngles, MirrorSpells, Spell, Spells, Strongest, SunDay};
+use heliotile_core::text::counted;
 use heliotile_core::units::tilt_and_azimuth;
 use heliotile_core::weather::time::calendar::Date;
 
@@ -103,6 +104,13 @@ pub struct GlareSpell {
     strongest: Strongest,
     /// In the middle of the spell, by true north.
     sun: DVec3,
+}
+
+impl GlareSpell {
+    /// When it starts.
+    pub fn start_min(&self) -> f64 {
+        self.spell.start_min
+    }
 }
 
 /// Minutes between rays that tell which pane it is.
@@ -192,14 +200,16 @@ impl SpellTeller<'_> {
     }
 }
 
-/// How far the length of a spell may be off.
+/// How far the length of a spell may be off: by what of it is in doubt, or by what is possible around it and not seen.
 fn uncertain_min(mirror: &MirrorSpells, spell: Spell) -> f64 {
     let own = Spells::one(spell.start_min, spell.end_min);
-    let sure = mirror.seen.sure.within(&own).minutes();
-    let around =
-        mirror.seen.possible.iter().find(|one| one.start_min <= spell.start_min && one.end_min >= spell.end_min);
-    let possible = around.map_or(spell.minutes(), Spell::minutes);
-    (spell.minutes() - sure).max(possible - spell.minutes()).max(0.0)
+    let in_doubt = spell.minutes() - mirror.seen.sure.within(&own).minutes();
+    let is_around = |one: &&Spell| one.start_min <= spell.start_min && one.end_min >= spell.end_min;
+    let unseen = mirror.seen.possible.iter().find(is_around).map_or(0.0, |around| {
+        let within = Spells::one(around.start_min, around.end_min);
+        around.minutes() - mirror.seen.seen.within(&within).minutes()
+    });
+    in_doubt.max(unseen).max(0.0)
 }
 
 /// All spells that were found.
@@ -234,27 +244,8 @@ impl SpellRecord {
         Ok(())
     }
 
-    /// The spells as a table.
-    pub fn table(&self, plan: &DayPlan) -> Records {
-        let row = |(number, spell): &(u32, GlareSpell)| {
-            let ahead_min = plan.zone.ahead_min(spell.date);
-            let clock = |at: f64| Cell::Text(seconds_clock(at + ahead_min));
-            let (zenith_deg, azimuth_deg) = tilt_and_azimuth(spell.sun);
-            let numbers = [spell.spell.minutes(), spell.uncertain_min];
-            let after =
-                [spell.strongest.irradiance_w_m2, spell.strongest.deflection_deg, azimuth_deg, 90.0 - zenith_deg];
-            let texts = [self.names.get(*number as usize).map_or("", String::as_str), &plan.label(spell.date)];
-            texts
-                .into_iter()
-                .map(Cell::from)
-                .chain([clock(spell.spell.start_min), clock(spell.spell.end_min)])
-                .chain(numbers.map(Cell::from))
-                .chain([Cell::from(spell.pane.as_ref().map_or("", |pane| &pane.name))])
-                .chain([Cell::from(spell.pane.as_ref().map_or("", |pane| &pane.material))])
-                .chain([Cell::Count(spell.mirrors as u64)])
-                .chain(after.map(Cell::from))
-                .collect()
-        };
+    /// Writes the spells as a table.
+    pub fn write(&self, path: &Path, plan: &DayPlan, about: &Provenance) -> Result<()> {
         let texts = ["receiver", "date", "start", "end"].map(Column::text);
         let minutes = ["minutes", "uncertain_minutes"].map(|name| Column::number(name, 2).with_unit("min"));
         let panes = ["pane", "material"].map(Column::text);
@@ -265,7 +256,27 @@ impl SpellRecord {
             Column::number("sun_altitude_deg", 2).with_unit("deg"),
         ];
         let columns = texts.into_iter().chain(minutes).chain(panes).chain([Column::count("mirrors")]).chain(facts);
-        Records { columns: columns.collect(), rows: self.spells.iter().map(row).collect() }
+        let mut table = RowWriter::create(path, columns.collect(), self.spells.len() as u64, Some(about))?;
+        for (number, spell) in &self.spells {
+            let ahead_min = plan.zone.ahead_min(spell.date);
+            let clock = |at: f64| Cell::Text(seconds_clock(at + ahead_min));
+            let (zenith_deg, azimuth_deg) = tilt_and_azimuth(spell.sun);
+            let pane = spell.pane.as_deref();
+            let facts =
+                [spell.strongest.irradiance_w_m2, spell.strongest.deflection_deg, azimuth_deg, 90.0 - zenith_deg];
+            let texts = [self.names.get(*number as usize).map_or("", String::as_str), &plan.label(spell.date)];
+            let names = [pane.map_or("", |pane| pane.name.as_str()), pane.map_or("", |pane| pane.material.as_str())];
+            let cells = texts
+                .into_iter()
+                .map(Cell::from)
+                .chain([clock(spell.spell.start_min), clock(spell.spell.end_min)])
+                .chain([spell.spell.minutes(), spell.uncertain_min].map(Cell::from))
+                .chain(names.map(Cell::from))
+                .chain([Cell::Count(spell.mirrors as u64)])
+                .chain(facts.map(Cell::from));
+            table.row(cells)?;
+        }
+        table.finish().map(drop)
     }
 
     /// The calendar: on each day the spells of each pane, of all receivers together.
@@ -302,18 +313,26 @@ impl SpellRecord {
         Calendar { title, called, series, days: plan.dates.iter().map(day).collect() }
     }
 
-    /// Minutes that a pane causes, summed over receivers, and how many of these see it.
+    /// Minutes that a pane causes, summed over receivers, and how many of these see it. A minute in which it does so by several chains counts once.
     fn of_panes(&self) -> BTreeMap<&str, PaneSum> {
         let mut sums: BTreeMap<&str, PaneSum> = BTreeMap::new();
-        for (receiver, spell) in &self.spells {
-            let Some(pane) = &spell.pane else { continue };
-            let sum = sums.entry(&pane.name).or_default();
-            sum.minutes += spell.spell.minutes();
-            if sum.last != Some(*receiver) {
-                (sum.last, sum.receivers, sum.of_last) = (Some(*receiver), sum.receivers + 1, 0.0);
+        for of_receiver in self.spells.chunk_by(|a, b| a.0 == b.0) {
+            let mut by_day: BTreeMap<(&str, i32), Spells> = BTreeMap::new();
+            for (_, spell) in of_receiver {
+                let Some(pane) = &spell.pane else { continue };
+                let day = by_day.entry((&pane.name, spell.date.day_number())).or_default();
+                *day = day.and(&Spells::one(spell.spell.start_min, spell.spell.end_min));
             }
-            sum.of_last += spell.spell.minutes();
-            sum.most = sum.most.max(sum.of_last);
+            let mut minutes: BTreeMap<&str, f64> = BTreeMap::new();
+            for ((pane, _), spells) in by_day {
+                *minutes.entry(pane).or_default() += spells.minutes();
+            }
+            for (pane, minutes) in minutes {
+                let sum = sums.entry(pane).or_default();
+                sum.minutes += minutes;
+                sum.receivers += 1;
+                sum.most = sum.most.max(minutes);
+            }
         }
         sums
     }
@@ -326,8 +345,17 @@ struct PaneSum {
     receivers: u32,
     /// Minutes at the receiver that gets most of them.
     most: f64,
-    last: Option<u32>,
-    of_last: f64,
+}
+
+/// All days as one label.
+fn label_of(plan: &DayPlan) -> String {
+    let (Some(first), Some(last)) = (plan.dates.first(), plan.dates.last()) else { return String::new() };
+    let lasts = last.day_number() - first.day_number() + 1;
+    match plan.dates.len() {
+        1 => plan.label(*first),
+        count if count as i32 == lasts => format!("{}..{}", plan.label(*first), plan.label(*last)),
+        count => counted(count as u64, "day"),
+    }
 }
 
 /// A file of panes.
@@ -339,6 +367,14 @@ pub struct PaneFile<'a> {
 }
 
 impl PaneFile<'_> {
+    /// Refuses a map that cannot be drawn, before anything is computed.
+    pub fn check(&self) -> Result<()> {
+        match (ResultFormat::of(self.path, false)?, self.receivers.parts().first()) {
+            (ResultFormat::Map(format), Some(part)) => format.check(&crs_of(part.archive), "panes"),
+            _ => Ok(()),
+        }
+    }
+
     /// Writes it.
     pub fn write(&self, record: &SpellRecord, panes: &PaneList, plan: &DayPlan, resources: &Resources) -> Result<()> {
         let columns = [
@@ -355,9 +391,7 @@ impl PaneFile<'_> {
         let quantities = columns.into_iter().enumerate().map(quantity).collect();
         let mut layout = Layout::of_quantities(Labels::Dates, By::Surface, quantities);
         layout.facts = vec![Fact::Area, Fact::Tilt, Fact::Azimuth];
-        let days =
-            [plan.dates.first(), plan.dates.last()].map(|date| date.map_or(String::new(), |date| plan.label(*date)));
-        let days = if days[0] == days[1] { days[0].clone() } else { days.join("..") };
+        let days = label_of(plan);
         let rows = ResultRows::of(layout, RowLabels::words(vec![days.clone()]), None);
         let drawn: Vec<Receiver> = panes.all().iter().map(|pane| pane.drawn()).collect();
         let names: Vec<String> = drawn.iter().map(|pane| pane.id.clone()).collect();

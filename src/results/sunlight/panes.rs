@@ -19,7 +19,7 @@ const SCENE: &str = "scene";
 /// A surface that reflects like a mirror.
 #[derive(Clone, Debug)]
 pub struct Pane {
-    /// Name of the surface, as receivers on it have it.
+    /// Name of its object, with a number behind it where that has several.
     pub name: String,
     /// What it is made of.
     pub material: String,
@@ -41,14 +41,20 @@ impl ScenePanes {
     /// Those of a scene.
     pub fn of(scene: &Scene) -> Self {
         let mut of_triangle = BTreeMap::new();
-        let surfaces = Surfaces::find(&soup_of(scene), &scene.materials);
+        let Surfaces { list, objects, .. } = Surfaces::find(&soup_of(scene), &scene.materials);
         let mut panes = Vec::new();
-        for surface in surfaces.list {
-            let Some(material) = material_of(scene, surface.material).filter(|material| material.mirrors()) else {
-                continue;
-            };
-            of_triangle.extend(surface.faces.iter().map(|triangle| (*triangle as usize, panes.len())));
-            panes.push(Arc::new(Pane { name: surface.name.clone(), material: material.name.clone(), surface }));
+        for of_object in list.chunk_by(|a, b| a.object == b.object) {
+            for (number, surface) in (1..).zip(of_object) {
+                let object = objects.get(surface.object).map_or("", |(name, _)| name.as_str());
+                // Kinds that a model states are not in archives, so these are not the names of surfaces.
+                let name = match of_object {
+                    [_] => object.to_owned(),
+                    _ => format!("{object}/pane{number}"),
+                };
+                of_triangle.extend(surface.faces.iter().map(|triangle| (*triangle as usize, panes.len())));
+                let material = material_of(scene, surface.material).map_or(String::new(), |one| one.name.clone());
+                panes.push(Arc::new(Pane { name, material, surface: surface.clone() }));
+            }
         }
         ScenePanes { panes, of_triangle }
     }
@@ -89,26 +95,20 @@ fn material_of(scene: &Scene, number: u16) -> Option<&Material> {
     scene.materials.get(usize::from(number))
 }
 
-/// The objects of a scene that have mirrors, a face for each triangle.
+/// The mirrors of a scene, a face for each triangle.
 fn soup_of(scene: &Scene) -> Soup {
     let (mesh, objects) = (&scene.mesh, &scene.objects);
-    let object_of = |triangle: usize| objects.of_triangle.get(triangle).copied().unwrap_or_default();
-    let number_of = |triangle: usize| mesh.triangle_material.get(triangle).copied().unwrap_or_default();
-    let mirrors = |triangle: &usize| material_of(scene, number_of(*triangle)).is_some_and(Material::mirrors);
-    let all = 0..mesh.triangles.len();
-    let mut has_mirrors = vec![false; objects.list.len().max(1)];
-    for triangle in all.clone().filter(mirrors) {
-        if let Some(has) = has_mirrors.get_mut(object_of(triangle) as usize) {
-            *has = true;
-        }
-    }
     let mut soup = Soup::default();
-    for triangle in all.filter(|triangle| has_mirrors.get(object_of(*triangle) as usize) == Some(&true)) {
+    for triangle in 0..mesh.triangles.len() {
+        let number = mesh.triangle_material.get(triangle).copied().unwrap_or_default();
+        if !material_of(scene, number).is_some_and(Material::mirrors) {
+            continue;
+        }
         let first = soup.positions.len() as u32;
         soup.positions.extend(mesh.triangle_points(triangle).map(|corner| mesh.origin + corner));
         soup.triangles.push([first, first + 1, first + 2]);
-        soup.materials.push(number_of(triangle));
-        soup.objects.push(object_of(triangle));
+        soup.materials.push(number);
+        soup.objects.push(objects.of_triangle.get(triangle).copied().unwrap_or_default());
         soup.faces.push(triangle as u32);
     }
     soup.object_names = objects.list.iter().map(|object| object.name.clone()).collect();

@@ -67,7 +67,7 @@ impl SunlightRequest {
         }
         let (plan, asked) = self.plan(site.archives, resources)?;
         check_middles(&asked, files.by)?;
-        self.check_mirrors(&asked, site.archives)?;
+        self.check_mirrors(&asked, site.archives, before, resources)?;
         self.tell(site.archives, resources);
         let windows = windows_of(site, files.by)?;
         let receivers = windows.as_ref().unwrap_or(site.receivers);
@@ -97,6 +97,13 @@ impl SunlightRequest {
         let panes = PaneList::default();
         let wants_spells = !calendars.is_empty() || glare.is_some_and(|glare| glare.files().next().is_some());
         let mut record = wants_spells.then(|| SpellRecord::new(resources));
+        let pane_file = glare.and_then(|glare| glare.panes.as_deref()).map(|path| PaneFile {
+            path,
+            receivers,
+            place: site.place,
+            about: &told.about,
+        });
+        pane_file.iter().try_for_each(PaneFile::check)?;
         let questions = PlaceQuestions {
             receivers,
             plan: &plan,
@@ -126,10 +133,9 @@ impl SunlightRequest {
         row_files.finish(resources.observer)?;
         if let Some((glare, record)) = glare.zip(record.as_ref()) {
             if let Some(path) = &glare.spells {
-                record.table(&plan).write(path, &told.about)?;
+                record.write(path, &plan, &told.about)?;
             }
-            if let Some(path) = &glare.panes {
-                let file = PaneFile { path, receivers, place: site.place, about: &told.about };
+            if let Some(file) = &pane_file {
                 file.write(record, &panes, &plan, resources)?;
             }
             let called = format!("{}, {}", name_of(site.place), counted(receivers.count(), "receiver"));
@@ -202,25 +208,35 @@ impl SunlightRequest {
         }
     }
 
-    /// Refuses archives that know nothing of mirrors, where these are asked for.
-    fn check_mirrors(&self, asked: &Asked, archives: Archives) -> Result<()> {
+    /// Refuses the question of the sun in mirrors where nothing has any, now or before; rules are met there, which is said.
+    fn check_mirrors(
+        &self,
+        asked: &Asked,
+        archives: Archives,
+        before: Option<&SunlightSite>,
+        resources: &Resources,
+    ) -> Result<()> {
         let is_asked = match asked {
-            Asked::Dates(_) => self.glare.is_some(),
+            Asked::Dates(_) => false,
             Asked::Rules(rules) => rules.iter().any(|planned| planned.rule.measure.is_of_mirrors()),
         };
         if !is_asked && self.glare.is_none() {
             return Ok(());
         }
-        for archive in archives.iter() {
+        for archive in archives.iter().chain(before.iter().flat_map(|before| before.archives.iter())) {
             if !OpenSite::of(archive)?.orientations().is_empty() {
                 return Ok(());
             }
         }
-        let archive = archives.first();
+        let path = archives.first().path();
         let what = "knows of no mirror and no glass, so nothing is thrown at its receivers";
+        if self.glare.is_none() {
+            resources.observer.note(&format!("{} {what}: rules about that are met", path.display()));
+            return Ok(());
+        }
         let hint =
             "give materials of facades `glass = true` or a `specular` share in {materials}, and build it with mirrors";
-        Err(Error::input(archive.path(), None, what, hint))
+        Err(Error::input(path, None, what, hint))
     }
 
     /// Tells what a user should know of archives.

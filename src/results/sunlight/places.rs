@@ -316,10 +316,10 @@ impl PartQuestions<'_> {
         let angles = self.all.glare.unwrap_or(GlareAngles::ALL);
         let mut all = Vec::new();
         for (number, (mirrors, day)) in sees.mirrors.iter().zip(&self.suns.days).enumerate() {
-            for mirror in mirrors {
-                let counted = mirror.with_seen(self.high(number, mirror.within(day, angles)));
-                all.extend(teller.spells(&counted, day));
-            }
+            let counted = mirrors.iter().map(|one| one.with_seen(self.high(number, one.within(day, angles))));
+            let mut of_day: Vec<GlareSpell> = counted.flat_map(|one| teller.spells(&one, day)).collect();
+            of_day.sort_by(|a, b| a.start_min().total_cmp(&b.start_min()));
+            all.append(&mut of_day);
         }
         all
     }
@@ -383,12 +383,13 @@ impl PartQuestions<'_> {
             return AnswerItem::of(RuleValue::certain(vsc_percent.unwrap_or_default()));
         }
         let least_deg = rule.least_angle_deg;
+        let angles = self.all.glare.map_or(rule.angles, |asked| rule.angles.and(asked));
         let of_day = |day: &RuleDay| {
             let sun = self.suns.days.get(day.number);
             let seen = match sun.filter(|_| rule.measure.is_of_mirrors()) {
                 Some(sun) => {
                     let mirrors = sees.mirrors.get(day.number).map_or(&[][..], Vec::as_slice);
-                    let counted: Vec<SunSeen> = mirrors.iter().map(|one| one.within(sun, rule.angles)).collect();
+                    let counted: Vec<SunSeen> = mirrors.iter().map(|one| one.within(sun, angles)).collect();
                     in_any(counted.iter())
                 }
                 None => sees.sun.get(day.number).cloned().unwrap_or_default(),

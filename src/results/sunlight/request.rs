@@ -103,6 +103,12 @@ impl SunlightDone {
     }
 }
 
+/// Whether two names are of one file, as far as names tell.
+fn is_same_name(a: &Path, b: &Path) -> bool {
+    let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    whole(a) == whole(b)
+}
+
 impl Default for SunlightRequest {
     fn default() -> Self {
         SunlightRequest {
@@ -162,10 +168,16 @@ impl SunlightRequest {
         let inputs: Vec<&Path> = inputs.iter().copied().chain(self.files()).collect();
         if let Some(glare) = &self.glare {
             glare.check(&inputs)?;
+            let wants_spells = glare.files().next().is_some() || self.calendars(files).next().is_some();
+            if wants_spells && !self.rules.is_empty() {
+                let what = "show all suns in mirrors, and rules count by hours and angles of their own";
+                let hint = "leave out {rule}, and give {dates}, {least_deflection} and {view_angle}";
+                return Err(Error::argument("spells, panes, plot", what, hint));
+            }
             let mut others: Vec<&Path> =
                 files.plots.iter().map(PathBuf::as_path).chain([files.output.as_path()]).collect();
             for path in glare.files() {
-                if others.contains(&path) {
+                if others.iter().any(|other| is_same_name(other, path)) {
                     let what = format!("`{}` is written twice", path.display());
                     return Err(Error::argument("spells, panes", what, "give each output a name of its own"));
                 }
@@ -208,8 +220,7 @@ impl SunlightRequest {
         }));
         let Some(place) = place else {
             let what = "holds no place on Earth, and nothing says where the sun stands";
-            let hint =
-                "build it with {latitude} and {longitude}, or with {crs}, or give {weather}, whose place counts then";
+            let hint = "build it with {latitude} and {longitude}, or with {crs}; {command:sunlight} takes {weather} for it, too";
             return Err(Error::input(archives.first().path(), None, what, hint));
         };
         if archives.manifest().place.is_none() {

@@ -1,5 +1,5 @@
-//! A rule of sunlight or of the sun in mirrors: which days and hours count, what of a place has to be lit, and for how long. In: tables of TOML. Out: rules whose numbers
-//! are in range.
+//! A rule of sunlight or of the sun in mirrors: which days and hours count, what of a place has to be lit, and for how long. In: tables of TOML.
+//! Out: rules whose numbers are in range.
 
 use std::fmt;
 
@@ -318,15 +318,6 @@ impl TryFrom<StatedRule> for Rule {
             part,
             former_share: stated.former_share,
         })
-    }
-}
-
-impl Threshold {
-    /// The number.
-    pub fn number(self) -> f64 {
-        match self {
-            Threshold::AtLeast(number) | Threshold::AtMost(number) => number,
-        }
     }
 }
 

@@ -65,7 +65,7 @@ pub fn read_lines(file: &Path) -> Result<Vec<TravelLine>> {
             _ => None,
         };
         let corner = TravelCorner { at: DVec2::new(number(x)?, number(y)?), z };
-        let name = name.map_or(usual.as_str(), cell);
+        let name = name.map(cell).filter(|name| !name.is_empty()).unwrap_or(&usual);
         let known = lines.iter().position(|line| line.name == name);
         match known {
             None => lines.push(TravelLine { name: name.to_owned(), corners: vec![corner] }),

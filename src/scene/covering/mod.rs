@@ -1,4 +1,5 @@
-//! Covering: where receivers stand. In: surfaces of a scene, lines that people move along, or `receivers.csv`. Out: receivers, each with what it stands for.
+//! Covering: where receivers stand. In: surfaces of a scene, lines that people move along, or `receivers.csv`. Out: receivers, each with what it
+//! stands for.
 
 pub mod cover;
 pub mod lines;

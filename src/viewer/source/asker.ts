@@ -141,6 +141,7 @@ export class Asker {
     const forget = kind !== this.shown;
     // What another kind of ask still computes is of no use any more.
     if (forget && isSum(this.shown as State["show"]) && !isSum(kind)) void this.drop("sums");
+    if (forget && isOfSun(this.shown as State["show"]) && !isOfSun(kind)) void this.drop("sunMinutes");
     if (forget && this.shown === "moment" && kind !== "moment") void this.drop("moment");
     const sums = isSum(kind);
     if (!sums && !isOfSun(kind) && kind !== "moment") {
@@ -220,11 +221,12 @@ export class Asker {
     void this.loader.load(this.session.changes(state), this.hooks.target());
   }
 
-  private async drop(what: "sums" | "moment"): Promise<void> {
+  private async drop(what: "sums" | "sunMinutes" | "moment"): Promise<void> {
     const nothing = { sky: this.store.state.sky, changes: { reflectance: [], transmittance: [] }, components: ["total"], tiles: [] };
     const ignore = (): void => undefined;
     try {
-      if (what === "sums") await this.session.engine.sums({ span: { kind: "year" }, ...nothing }, ignore, ignore);
+      if (what === "sunMinutes") await this.session.engine.sunMinutes({ dayOfYear: 1, inMirrors: false, tiles: [] }, ignore, ignore);
+      else if (what === "sums") await this.session.engine.sums({ span: { kind: "year" }, ...nothing }, ignore, ignore);
       else await this.session.engine.moment({ light: { kind: "sun", azimuth: 0, altitude: -1, dni: 0, dhi: 0 }, ...nothing }, ignore, ignore);
     } catch {
       // Whoever asks next gets the engine's error.

@@ -22,7 +22,7 @@ pub struct DayArgs {
     #[arg(long, value_name = "BEFORE")]
     pub before: Option<PathBuf>,
     /// Clock that hours are told by: hours ahead of UTC, such as +01:00, or a name such as Europe/Amsterdam, whose summer time then counts
-    /// [default: that of --weather, or whole hours by the longitude]
+    /// [default: that of a weather file that is given, or whole hours by the longitude]
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true)]
     pub zone: Option<ClockZone>,
     /// The sun counts from this height on; rules have heights of their own, the higher one counts

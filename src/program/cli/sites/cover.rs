@@ -23,7 +23,7 @@ pub struct ReceiversArgs {
     pub buried: Option<PathBuf>,
     /// Put receivers along lines in place of surfaces, --spacing apart, looking in the direction of travel: a CSV file of corners, x and y with z
     /// and line (a name) if there are
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["on", "types", "per_surface", "buried"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["on", "types", "per_surface", "buried", "offset", "min_area"])]
     pub along: Option<PathBuf>,
     /// Height of eyes above the road, or above the ground of the scene where --along states no z
     #[arg(long, value_name = "LENGTH", default_value = "1.2m", requires = "along")]

@@ -54,8 +54,8 @@ impl MapFormat {
         (MapFormat::Pvd.ending(), MapFormat::Pvd),
     ];
 
-    /// Refuses coordinates that the format cannot have.
-    pub fn check(self, crs: &MapCrs) -> Result<()> {
+    /// Refuses coordinates that the format cannot have; `field` names the file.
+    pub fn check(self, crs: &MapCrs, field: &str) -> Result<()> {
         if self != MapFormat::GeoJson || crs.has_degrees() {
             return Ok(());
         }
@@ -66,7 +66,7 @@ impl MapFormat {
             None => "GeoJSON has latitudes, and nothing says which coordinate system the scene is in".into(),
         };
         let hint = "write .fgb, .glb or .vtu, or build the archive with {crs}, as in {crs} 28992";
-        Err(Error::argument("output", what, hint))
+        Err(Error::argument(field, what, hint))
     }
 
     /// Whether the scene is drawn around.
@@ -126,7 +126,7 @@ pub struct MapRequest<'a> {
 impl MapRequest<'_> {
     /// The columns; an error where the map cannot be written, before any work.
     pub fn columns(&self) -> Result<MapColumns> {
-        self.format.check(&self.crs)?;
+        self.format.check(&self.crs, "output")?;
         match self.format {
             MapFormat::Pvd => Ok(MapColumns::of_places(self.layout)),
             _ => MapColumns::of(self.layout, self.labels, self.every),
