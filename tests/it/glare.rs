@@ -74,9 +74,12 @@ fn minutes_of(clock: &str) -> f64 {
     parts[0] * 60.0 + parts[1] + parts[2] / 60.0
 }
 
+/// Pane, start, end, how far its length may be off.
+type FoundSpell = (String, f64, f64, f64);
+
 /// Spells by one mirror, by receiver and day: pane, start, end, how far its length may be off.
-fn spells_of(table: &str) -> BTreeMap<(String, String), Vec<(String, f64, f64, f64)>> {
-    let mut found: BTreeMap<(String, String), Vec<(String, f64, f64, f64)>> = BTreeMap::new();
+fn spells_of(table: &str) -> BTreeMap<(String, String), Vec<FoundSpell>> {
+    let mut found: BTreeMap<(String, String), Vec<FoundSpell>> = BTreeMap::new();
     for line in table.lines().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
         if cells[8] != "1" {

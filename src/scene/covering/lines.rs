@@ -91,7 +91,7 @@ pub fn read_lines(file: &Path) -> Result<Vec<TravelLine>> {
 impl TravelLine {
     /// Its length in plan.
     pub fn length_m(&self) -> f64 {
-        self.corners.windows(2).map(|two| two[0].at.distance(two[1].at)).sum()
+        self.corners.array_windows().map(|[from, to]| from.at.distance(to.at)).sum()
     }
 
     /// The same from its end to its start.
@@ -103,8 +103,7 @@ impl TravelLine {
     /// Points so far apart, the first half as far from its start.
     pub fn points(&self, spacing_m: f64) -> Vec<TravelPoint> {
         let (mut points, mut done_m, mut next_m) = (Vec::new(), 0.0, 0.5 * spacing_m.min(self.length_m()));
-        for two in self.corners.windows(2) {
-            let [from, to] = [two[0], two[1]];
+        for [from, to] in self.corners.array_windows() {
             let length_m = from.at.distance(to.at);
             while length_m > 0.0 && next_m <= done_m + length_m {
                 let share = (next_m - done_m) / length_m;
