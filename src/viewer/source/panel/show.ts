@@ -68,8 +68,8 @@ export class ShowPanel {
     options(this.what, [
       { value: "reference", label: `Clear year, ${KWH_M2}`, disabled: !session.site.hasReference },
       { value: "sky", label: "Sky view, %" },
-      { value: "sunlight", label: placed ? "Possible sun on a day, h" : "Possible sun on a day – needs a place", disabled: !placed },
-      ...(mirrors ? [{ value: "glare", label: "Sun in mirrors on a day, min", disabled: !placed }] : []),
+      { value: "sunlight", label: placed ? "Day, possible sun, h" : "Day, possible sun – needs a place", disabled: !placed },
+      ...(mirrors ? [{ value: "glare", label: "Day, sun in mirrors, min", disabled: !placed }] : []),
       { value: "moment", label: `This moment, ${W_M2}` },
       { value: "day", label: `Day, ${KWH_M2}${hint}`, disabled: dry },
       { value: "month", label: `Month, ${KWH_M2}${hint}`, disabled: dry },
