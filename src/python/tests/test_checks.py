@@ -208,7 +208,7 @@ def test_sunlight(site: heliotile.Archive, tmp_path: Path) -> None:
         site.sunlight(tmp_path / "x.csv", "03-32")
 
 
-def test_glare(site: heliotile.Archive, tmp_path: Path) -> None:
+def test_glare(tmp_path: Path) -> None:
     """Minutes, spells and panes of a mirror are those of the program; a site without mirrors says so."""
     square = "v -3 8 0\nv 3 8 0\nv 3 8 5\nv -3 8 5\n"
     (tmp_path / "s.obj").write_text(f"o ground\nv -90 -90 0\nv 90 -90 0\nv 90 90 0\nv -90 90 0\nusemtl ground\nf 1 2 3 4\no pane\n{square}usemtl mirror\nf 5 6 7 8\n")
@@ -226,7 +226,10 @@ def test_glare(site: heliotile.Archive, tmp_path: Path) -> None:
     assert "pane</text>" in (tmp_path / "year.svg").read_text()
     judged = mirror.glare(tmp_path / "lai.csv", rules="lai", zone="+01:00")
     assert [(rule["rule"], rule["broken"]) for rule in judged["rules"]] == [("lai-day", 1), ("lai-year", 1)]
+    (tmp_path / "matt.toml").write_text("[ground]\ndiffuse = 0.2\n[mirror]\ndiffuse = 0.5\n")
+    scene = heliotile.Scene(tmp_path / "s.obj", materials=tmp_path / "matt.toml", latitude=52.0, longitude=5.0)
+    matt = heliotile.build(scene, tmp_path / "r.csv", tmp_path / "matt.helio")
     with pytest.raises(heliotile.InputError, match="no mirror and no glass"):
-        site.glare(tmp_path / "x.csv", zone="+01:00")
+        matt.glare(tmp_path / "x.csv", zone="+01:00")
     with pytest.raises(heliotile.ArgumentError, match="view_angle"):
         mirror.glare(tmp_path / "x.csv", view_angle=91.0)
