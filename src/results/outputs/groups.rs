@@ -185,7 +185,7 @@ fn name_of(receiver: &Receiver, by: By) -> Option<String> {
     let part = &receiver.part;
     let name = match by {
         By::Receiver => &receiver.id,
-        By::Surface => receiver.surface.as_ref()?,
+        By::Surface | By::Pane => receiver.surface.as_ref()?,
         By::Window => receiver.surface.as_ref().filter(|_| part.kind == "window")?,
         By::Object => &part.object,
         By::Building => &part.building,

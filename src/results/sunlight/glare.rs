@@ -389,7 +389,7 @@ impl PaneFile<'_> {
             measure,
         };
         let quantities = columns.into_iter().enumerate().map(quantity).collect();
-        let mut layout = Layout::of_quantities(Labels::Dates, By::Surface, quantities);
+        let mut layout = Layout::of_quantities(Labels::Dates, By::Pane, quantities);
         layout.facts = vec![Fact::Area, Fact::Tilt, Fact::Azimuth];
         let days = label_of(plan);
         let rows = ResultRows::of(layout, RowLabels::words(vec![days.clone()]), None);

@@ -42,7 +42,7 @@ impl Grids {
                 By::Receiver | By::Object => part.object,
                 By::Building => part.building,
                 By::Kind => part.kind,
-                By::Surface | By::Window => receiver.surface.unwrap_or_default(),
+                By::Surface | By::Window | By::Pane => receiver.surface.unwrap_or_default(),
             };
             let next = found.len() as u32;
             let name = if name.is_empty() { "site".to_owned() } else { name };

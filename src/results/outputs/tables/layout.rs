@@ -38,6 +38,8 @@ pub enum By {
     Building,
     /// One for each kind of surface: roof, wall, window, ground, floor, shade
     Kind,
+    /// One for each surface that reflects like a mirror: no group of receivers, and nothing that is asked for
+    Pane,
 }
 
 impl By {
@@ -50,6 +52,7 @@ impl By {
             By::Object => "object",
             By::Building => "building",
             By::Kind => "kind",
+            By::Pane => "pane",
         }
     }
 }
