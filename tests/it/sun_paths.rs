@@ -44,7 +44,7 @@ impl Rectangle {
         self.stops_before(origin, direction, f64::INFINITY)
     }
 
-    /// The same within a distance.
+    /// Whether a ray meets it within a distance.
     pub fn stops_before(&self, origin: DVec3, direction: DVec3, most: f64) -> bool {
         let Rectangle(corner, a, b) = *self;
         let normal = a.cross(b);

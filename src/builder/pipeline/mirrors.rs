@@ -148,8 +148,8 @@ impl SeenPart {
     }
 }
 
-/// Answers for texels that are to be refined where a part of them is seen: [`SkyTexture::trace`] refines what differs from a neighbour, so these
-/// differ from one of theirs.
+/// Bits of texels such that each texel that is seen in part is refined: [`SkyTexture::trace`] refines a texel that differs from a neighbour, so a
+/// texel that is seen in part gets a bit that does.
 fn refinable(texels: &[(u32, u32)], seen: &[SeenPart]) -> Vec<bool> {
     let of = |((column, row), seen): (&(u32, u32), &SeenPart)| match seen {
         SeenPart::Nothing => false,

@@ -59,12 +59,12 @@ impl GlareAngles {
 }
 
 impl TileMirrors {
-    /// Reads those of a tile of so many receivers.
+    /// Reads the windows of a tile with so many receivers.
     pub fn read(site: &OpenSite, tile: u32, receivers: usize, table: &MirrorTable) -> Result<Self> {
         mirror_views(site, tile, &site.tile_mirrors(tile, receivers)?, table).map(TileMirrors)
     }
 
-    /// Those of a receiver with its normal.
+    /// The mirrors that a receiver sees, by its row and normal.
     pub fn of_receiver(&self, row: usize, normal: DVec3) -> MirrorSuns<'_> {
         let views = self.0.get(row).map_or(&[][..], Vec::as_slice);
         MirrorSuns { views: views.iter().map(|view| (view, view.seen_sky())).collect(), normal }
@@ -124,7 +124,7 @@ impl MirrorSpells<'_> {
         self.image(sun).angle_between(sun).to_degrees()
     }
 
-    /// The same with other spells.
+    /// The chain with other spells.
     #[must_use]
     pub fn with_seen(&self, seen: SunSeen) -> Self {
         MirrorSpells { seen, ..*self }

@@ -126,7 +126,7 @@ impl<'s> SeenSky<'s> {
         if is_here { self.sky.texel(column as usize, row as usize) } else { Texel::Closed }
     }
 
-    /// The same of a fine texel.
+    /// Whether a fine texel is seen: none beyond this part of the sky is.
     fn get(&self, column: isize, row: isize) -> bool {
         let side = (self.sky.side() * self.block()) as isize;
         let is_here = (0..side).contains(&column) && (0..side).contains(&row);

@@ -11,12 +11,12 @@ use heliotile_results::{FileRequest, Provenance, SunlightRequest, shipped_rules}
 
 /// `heliotile sunlight`.
 pub fn run(args: &SunlightArgs, about: Provenance) -> Result<Outcome> {
-    write(&args.table, &args.request(), &args.files(), about)
+    write(&args.table, &args.request(), &args.days.files(&args.table, &args.plot), about)
 }
 
 /// `heliotile glare`.
 pub fn glare(args: &GlareArgs, about: Provenance) -> Result<Outcome> {
-    write(&args.table, &args.request(), &args.files(), about)
+    write(&args.table, &args.request(), &args.days.files(&args.table, &args.plot), about)
 }
 
 fn write(table: &TableArgs, request: &SunlightRequest, files: &FileRequest, about: Provenance) -> Result<Outcome> {

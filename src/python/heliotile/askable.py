@@ -73,6 +73,11 @@ class Factors:
         return xr.Dataset({name: (dims, values, {"units": "1"}) for name, values in self.values.items()}, coordinates)
 
 
+def files_request(output: str | os.PathLike[str], by: str, geo: bool, plots: Sequence[str | os.PathLike[str]]) -> dict[str, Any]:
+    """Where results go, as the library takes it."""
+    return {"output": os.fspath(output), "by": by, "geo": geo, "plots": [os.fspath(plot) for plot in plots]}
+
+
 @dataclass(frozen=True)
 class DayChoice:
     """Days, rules and the clock of questions about the sun."""
@@ -189,7 +194,7 @@ class Askable(ABC):
         was done, where that is worth a sentence.
         """
         check("write", options, ReplayOptions if conditions is None else QueryOptions)
-        files = {"output": os.fspath(output), "by": by, "geo": geo, "plots": [os.fspath(plot) for plot in plots]}
+        files = files_request(output, by, geo, plots)
         files |= {name: os.fspath(path) for name, path in (("model", model), ("honeybee", honeybee)) if path is not None}
         wanted = wanted_args(options.get("receivers"))
         if (weather is None) == (conditions is None):
@@ -265,7 +270,7 @@ class Askable(ABC):
         """
         request: dict[str, Any] = {"every": every, "lit_share": lit_share} | weather_request(weather)
         days = DayChoice(dates, rules, before, zone, year, least_altitude, exact)
-        files = {"output": os.fspath(output), "by": by, "geo": geo, "plots": [os.fspath(plot) for plot in plots]}
+        files = files_request(output, by, geo, plots)
         return self._of_days(request | days.request(), files, receivers, memory, progress)
 
     def glare(
@@ -297,7 +302,7 @@ class Askable(ABC):
         sun itself, and at most `view_angle` degrees from the direction in which the receiver looks. `spells`: a table with a row for each spell.
         `panes`: a table or map of the panes and the minutes that each causes. A plot that ends with .svg is a calendar.
         """
-        files = {"output": os.fspath(output), "by": by, "geo": geo, "plots": [os.fspath(plot) for plot in plots]}
+        files = files_request(output, by, geo, plots)
         glare: dict[str, Any] = {"least_deflection_deg": least_deflection, "view_angle_deg": view_angle}
         named = {"spells": spells, "panes": panes}
         glare |= {name: os.fspath(path) for name, path in named.items() if path is not None}

@@ -94,7 +94,8 @@ impl GlareChoice {
 #[derive(Clone, Debug)]
 pub struct GlareSpell {
     date: Date,
-    spell: Spell,
+    /// When.
+    pub spell: Spell,
     /// How far its length may be off.
     uncertain_min: f64,
     /// What is seen first in the direction of the sun; none where rays meet no mirror there.
@@ -106,20 +107,16 @@ pub struct GlareSpell {
     sun: DVec3,
 }
 
-impl GlareSpell {
-    /// When it starts.
-    pub fn start_min(&self) -> f64 {
-        self.spell.start_min
-    }
-}
-
 /// Minutes between rays that tell which pane it is.
 const PANE_STEP_MIN: f64 = 1.0;
 
 /// Halvings of that: changes from pane to pane are found to two seconds.
 const BISECTIONS: usize = 5;
 
-/// The scene as spells are told by.
+/// Directions around one that are looked in for a pane.
+const AROUND: usize = 8;
+
+/// Names the panes of spells by rays of the scene.
 pub struct SpellTeller<'a> {
     pub panes: &'a ScenePanes,
     pub observer: MirrorObserver<'a>,
@@ -181,12 +178,7 @@ impl SpellTeller<'_> {
         parts.push((Spell { start_min, end_min: spell.end_min }, last));
         parts
     }
-}
 
-/// Directions around one that are looked in for a pane.
-const AROUND: usize = 8;
-
-impl SpellTeller<'_> {
     /// The pane that is seen within two texels of a direction.
     fn near(&self, image: DVec3) -> Option<Arc<Pane>> {
         let (u, v) = image.any_orthonormal_pair();

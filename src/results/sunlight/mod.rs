@@ -6,6 +6,7 @@
 
 mod calendar;
 mod clock;
+mod columns;
 mod days;
 mod exact;
 mod former;

@@ -38,7 +38,7 @@ pub struct ScenePanes {
 pub struct PaneList(Mutex<BTreeMap<String, Arc<Pane>>>);
 
 impl ScenePanes {
-    /// Those of a scene.
+    /// Finds the panes of a scene.
     pub fn of(scene: &Scene) -> Self {
         let mut of_triangle = BTreeMap::new();
         let Surfaces { list, objects, .. } = Surfaces::find(&soup_of(scene), &scene.materials);

@@ -2,24 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
-use super::clock::ClockZone;
-use super::days::DayPlan;
+use super::columns::DayColumns;
 use super::former::{FormerValues, NamesAfter};
 use super::glare::{GlareChoice, PaneFile, SpellRecord, write_calendar};
 use super::groups::{GroupAnswers, check_middles};
 use super::panes::PaneList;
-use super::places::{AnswerItem, Asked, DateRows, PlaceAnswer, PlaceQuestions};
+use super::places::{Asked, PlaceAnswer, PlaceQuestions};
 use super::request::{RuleCount, SunlightDone, SunlightRequest};
-use super::rule::Threshold;
 use crate::archives::Archives;
 use crate::doubts::{check_one_site, preview};
 use crate::files::{FileRequest, ResultRows, RowFiles, RowsAbout, groups_of, name_of};
 use crate::outputs::groups::{Extent, Groups};
 use crate::outputs::periods::Every;
 use crate::outputs::provenance::Provenance;
-use crate::outputs::quantities::{Measure, PlaceValues, Quantity, ValueSource, Verdict};
-use crate::outputs::tables::layout::{By, Labels, Layout};
-use crate::outputs::tables::row_labels::RowLabels;
+use crate::outputs::quantities::{PlaceValues, Verdict};
+use crate::outputs::tables::layout::By;
 use crate::receivers::ReceiverSet;
 use crate::resources::Resources;
 use heliotile_core::archive::format;
@@ -27,7 +24,6 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::hemisphere::HEMISPHERE_SR;
 use heliotile_core::memory::Use;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::sunlight::{Spells, Strongest, SunSeen};
 use heliotile_core::text::counted;
 
 /// Places whose rows are written together.
@@ -72,7 +68,7 @@ impl SunlightRequest {
         let windows = windows_of(site, files.by)?;
         let receivers = windows.as_ref().unwrap_or(site.receivers);
         let groups = groups_of(receivers, files.by, site.place)?;
-        let columns = Columns::of(&asked, &plan, groups.is_some(), before.is_some(), self.glare.is_some());
+        let columns = DayColumns::of(&asked, &plan, groups.is_some(), before.is_some(), self.glare.is_some());
         let mut layout = columns.layout(files.by);
         if let Some(groups) = &groups {
             layout.facts = groups.facts(files.by, false);
@@ -199,7 +195,7 @@ impl SunlightRequest {
     }
 
     /// What is looked at, for pictures.
-    fn called(&self, columns: &Columns, place: &Path) -> String {
+    fn called(&self, columns: &DayColumns, place: &Path) -> String {
         let first = columns.labels().text.into_iter().next().unwrap_or_default();
         match self.rules.is_empty() {
             true if self.every == Every::Day => format!("{} on {first}", name_of(place)),
@@ -274,222 +270,9 @@ fn windows_of<'a>(site: &SunlightSite<'a>, by: By) -> Result<Option<ReceiverSet<
     Ok(Some(site.receivers.some(&is_window)))
 }
 
-/// Numbers of a row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Number {
-    /// Minutes of sun: of a day, or their sum; of groups the mean by area.
-    Sun,
-    /// Of groups: minutes in which enough of the area is lit at a time.
-    Lit,
-    /// Mean and least day; of the sun in mirrors the day with the most.
-    Mean,
-    Least,
-    Most,
-    /// The longest spell; of groups with enough of the area lit.
-    Longest,
-    /// When the first spell starts, when the last ends.
-    First,
-    Last,
-    /// How far the minutes may be off.
-    Uncertain,
-    /// Minutes before, and how many of them are lost; or come, of the sun in mirrors.
-    Before,
-    Lost,
-    /// How strong the sun in mirrors is, and how near to the sun itself.
-    Irradiance,
-    Deflection,
-    /// Value of a rule, the least or the most that meets it, how far the value may be off, what it says.
-    Value,
-    AtLeast,
-    AtMost,
-    ValueUncertain,
-    Verdict,
-    /// Value and verdict before.
-    ValueBefore,
-    VerdictBefore,
-}
-
-/// The columns of what is asked.
-struct Columns<'a> {
-    asked: &'a Asked,
-    zone: &'a ClockZone,
-    plan: &'a DayPlan,
-    /// Whether days are of the sun in mirrors.
-    is_glare: bool,
-    numbers: Vec<Number>,
-}
-
-impl<'a> Columns<'a> {
-    fn of(asked: &'a Asked, plan: &'a DayPlan, is_of_groups: bool, has_before: bool, is_glare: bool) -> Self {
-        use Number::{
-            AtLeast, AtMost, Before, Deflection, First, Irradiance, Last, Least, Lit, Longest, Lost, Mean, Most, Sun,
-            Uncertain, Value, ValueBefore, ValueUncertain, Verdict, VerdictBefore,
-        };
-        let numbers = match asked {
-            Asked::Dates(DateRows { is_by_day: true, .. }) => vec![Sun, Lit, Longest, First, Last, Uncertain],
-            Asked::Dates(_) if is_glare => vec![Sun, Most, Lit, Longest, Uncertain],
-            Asked::Dates(_) => vec![Sun, Mean, Least, Lit, Longest, Uncertain],
-            Asked::Rules(rules) => {
-                let asks = |is_such: fn(&Threshold) -> bool| rules.iter().any(|one| is_such(&one.rule.threshold));
-                let least = asks(|threshold| matches!(threshold, Threshold::AtLeast(_))).then_some(AtLeast);
-                let most = asks(|threshold| matches!(threshold, Threshold::AtMost(_))).then_some(AtMost);
-                [Some(Value), least, most, Some(ValueUncertain), Some(Verdict)].into_iter().flatten().collect()
-            }
-        };
-        let of_mirrors: &[Number] = match asked {
-            Asked::Dates(_) if is_glare => &[Irradiance, Deflection],
-            _ => &[],
-        };
-        let former: &[Number] = match (has_before, asked) {
-            (false, _) => &[],
-            (true, Asked::Dates(_)) => &[Before, Lost],
-            (true, Asked::Rules(_)) => &[ValueBefore, VerdictBefore],
-        };
-        let numbers = numbers.into_iter().filter(|number| is_of_groups || *number != Lit);
-        let numbers = numbers.chain(of_mirrors.iter().chain(former).copied()).collect();
-        Columns { asked, zone: &plan.zone, plan, is_glare, numbers }
-    }
-
-    fn labels(&self) -> RowLabels {
-        match self.asked {
-            Asked::Dates(rows) => rows.labels.clone(),
-            Asked::Rules(rules) => RowLabels::words(rules.iter().map(|planned| planned.rule.name.clone()).collect()),
-        }
-    }
-
-    fn layout(&self, by: By) -> Layout {
-        let labels = if matches!(self.asked, Asked::Dates(_)) { Labels::Dates } else { Labels::Rules };
-        let is_time = match self.asked {
-            Asked::Dates(_) => true,
-            Asked::Rules(rules) => rules.iter().all(|planned| !planned.rule.measure.is_percent()),
-        };
-        let quantity = |(array, number): (usize, &Number)| {
-            let (name, words, measure) = number.described(self.is_glare);
-            // Percent and minutes have no unit together.
-            let is_of_rule = matches!(self.asked, Asked::Rules(_));
-            let measure = if measure == Measure::Number && is_time && is_of_rule { Measure::Minutes } else { measure };
-            Quantity { name: name.into(), words: words.into(), source: ValueSource::Array(array), measure }
-        };
-        Layout::of_quantities(labels, by, self.numbers.iter().enumerate().map(quantity).collect())
-    }
-
-    /// The numbers of a place: `[number][label]`.
-    fn values(&self, items: &[Option<AnswerItem>]) -> Vec<Vec<f32>> {
-        match self.asked {
-            Asked::Dates(rows) => {
-                let of_label = |label: usize| {
-                    let dates = (0..).zip(&rows.label_of_date).filter(|(_, of)| **of == label).map(|(date, _)| date);
-                    DayItems { dates: dates.collect(), items }
-                };
-                let labels: Vec<DayItems> = (0..rows.labels.len()).map(of_label).collect();
-                let of_number =
-                    |number: &Number| labels.iter().map(|days| self.of_days(*number, days) as f32).collect();
-                self.numbers.iter().map(of_number).collect()
-            }
-            Asked::Rules(rules) => {
-                let of_rule = |number: Number, rule: usize| {
-                    let Some(asked) = rules.get(rule).map(|planned| &planned.rule) else { return f64::NAN };
-                    let Some(item) = items.get(rule).and_then(Option::as_ref) else { return f64::NAN };
-                    let before = item.before.as_ref();
-                    let verdict_before = || before.map(|before| before.verdict(asked.threshold).number().into());
-                    match number {
-                        Number::Value => item.value.value,
-                        Number::AtLeast | Number::AtMost => match (number, asked.threshold) {
-                            (Number::AtLeast, Threshold::AtLeast(least)) => least,
-                            (Number::AtMost, Threshold::AtMost(most)) => most,
-                            _ => f64::NAN,
-                        },
-                        Number::Verdict => item.value.judged(asked, before).number().into(),
-                        Number::ValueBefore => before.map_or(f64::NAN, |before| before.value),
-                        Number::VerdictBefore => verdict_before().unwrap_or(f64::NAN),
-                        _ => item.value.uncertain(),
-                    }
-                };
-                let of_number = |number: &Number| (0..rules.len()).map(|rule| of_rule(*number, rule) as f32).collect();
-                self.numbers.iter().map(of_number).collect()
-            }
-        }
-    }
-
-    fn of_days(&self, number: Number, days: &DayItems) -> f64 {
-        let minutes = |of: fn(&AnswerItem) -> f64| days.items().map(of);
-        let seen = || days.items().flat_map(|item| &item.days).map(|day: &SunSeen| &day.seen);
-        let strongest = || days.items().filter_map(|item| item.strongest).reduce(Strongest::and);
-        let ahead_min = days.dates.first().and_then(|date| self.plan.dates.get(*date));
-        let ahead_min = ahead_min.map_or(0.0, |date| self.zone.ahead_min(*date));
-        match number {
-            Number::Sun => minutes(|item| item.value.value).fold(0.0, |sum, minutes| sum + minutes),
-            // A place that was not there before has none.
-            Number::Before => minutes(|item| item.before.map_or(f64::NAN, |before| before.value)).sum(),
-            Number::Lost => {
-                let sign = if self.is_glare { -1.0 } else { 1.0 };
-                let lost = |item: &AnswerItem| item.before.map_or(f64::NAN, |before| before.value - item.value.value);
-                sign * minutes(lost).sum::<f64>()
-            }
-            Number::Most => minutes(|item| item.value.value).fold(0.0, f64::max),
-            Number::Irradiance => strongest().map_or(0.0, |one| one.irradiance_w_m2),
-            Number::Deflection => strongest().map_or(f64::NAN, |one| one.deflection_deg),
-            Number::Mean => minutes(|item| item.value.value).sum::<f64>() / days.dates.len().max(1) as f64,
-            Number::Least => minutes(|item| item.value.value).fold(f64::INFINITY, f64::min),
-            Number::Lit => seen().map(Spells::minutes).sum(),
-            Number::Longest => seen().map(Spells::longest_min).fold(0.0, f64::max),
-            Number::First => seen().next().and_then(Spells::first_min).map_or(f64::NAN, |at| at + ahead_min),
-            Number::Last => seen().next().and_then(Spells::last_min).map_or(f64::NAN, |at| at + ahead_min),
-            _ => minutes(|item| item.value.uncertain()).sum(),
-        }
-    }
-}
-
-impl Number {
-    /// Name of its column, what it is in words, what it measures.
-    fn described(self, is_glare: bool) -> (&'static str, &'static str, Measure) {
-        match self {
-            Number::Sun if is_glare => ("glare_minutes", "sun in mirrors", Measure::Minutes),
-            Number::Lit if is_glare => ("any_minutes", "sun in mirrors at any of it", Measure::Minutes),
-            Number::Longest if is_glare => ("longest_minutes", "longest spell of sun in mirrors", Measure::Minutes),
-            Number::First if is_glare => ("first", "first minute of sun in mirrors", Measure::Clock),
-            Number::Last if is_glare => ("last", "last minute of sun in mirrors", Measure::Clock),
-            Number::Before if is_glare => ("before_minutes", "sun in mirrors before", Measure::Minutes),
-            Number::Lost if is_glare => ("added_minutes", "sun in mirrors that is new", Measure::Minutes),
-            Number::Most => ("most_minutes", "sun in mirrors, day with the most", Measure::Minutes),
-            Number::Irradiance => ("irradiance_w_m2", "irradiance by the sun in mirrors at most", Measure::Number),
-            Number::Deflection => ("deflection_deg", "least angle between the sun and its image", Measure::Number),
-            Number::Sun => ("sun_minutes", "possible sun", Measure::Minutes),
-            Number::Lit => ("lit_minutes", "enough of it lit", Measure::Minutes),
-            Number::Mean => ("mean_minutes", "possible sun, mean of the days", Measure::Minutes),
-            Number::Least => ("least_minutes", "possible sun, least day", Measure::Minutes),
-            Number::Longest => ("longest_minutes", "longest spell of sun", Measure::Minutes),
-            Number::First => ("first", "first minute of sun", Measure::Clock),
-            Number::Last => ("last", "last minute of sun", Measure::Clock),
-            Number::Uncertain => ("uncertain_minutes", "how far that may be off", Measure::Minutes),
-            Number::Before => ("before_minutes", "possible sun before", Measure::Minutes),
-            Number::Lost => ("lost_minutes", "possible sun that is lost", Measure::Minutes),
-            Number::ValueBefore => ("before", "value of the rule before", Measure::Number),
-            Number::VerdictBefore => ("verdict_before", "whether the rule was met before", Measure::Verdict),
-            Number::Value => ("value", "value of the rule", Measure::Number),
-            Number::AtLeast => ("at_least", "least value that meets the rule", Measure::Number),
-            Number::AtMost => ("at_most", "most that meets the rule", Measure::Number),
-            Number::ValueUncertain => ("uncertain", "how far the value may be off", Measure::Number),
-            Number::Verdict => ("verdict", "whether the rule is met", Measure::Verdict),
-        }
-    }
-}
-
-/// What is seen of a place on the days of a row.
-struct DayItems<'i> {
-    dates: Vec<usize>,
-    items: &'i [Option<AnswerItem>],
-}
-
-impl DayItems<'_> {
-    fn items(&self) -> impl Iterator<Item = &AnswerItem> {
-        self.dates.iter().filter_map(|date| self.items.get(*date)?.as_ref())
-    }
-}
-
 /// Rows of some places, until they are written.
 struct RowBatch<'a> {
-    columns: &'a Columns<'a>,
+    columns: &'a DayColumns<'a>,
     extents: Option<&'a [Extent]>,
     names: Vec<String>,
     /// `[number][place][label]`
@@ -500,13 +283,13 @@ struct RowBatch<'a> {
 }
 
 impl<'a> RowBatch<'a> {
-    fn new(columns: &'a Columns<'a>, asked: &Asked, groups: Option<&'a Groups>) -> Self {
+    fn new(columns: &'a DayColumns<'a>, asked: &Asked, groups: Option<&'a Groups>) -> Self {
         let count = |name: &str| RuleCount { rule: name.to_owned(), ..RuleCount::default() };
         let counts = match asked {
             Asked::Dates(_) => Vec::new(),
             Asked::Rules(rules) => rules.iter().map(|planned| count(&planned.rule.name)).collect(),
         };
-        let arrays = vec![Vec::new(); columns.numbers.len()];
+        let arrays = vec![Vec::new(); columns.count()];
         RowBatch { columns, extents: groups.map(Groups::extents), names: Vec::new(), arrays, places: 0, counts }
     }
 

@@ -192,10 +192,7 @@ impl PlaceQuestions<'_> {
         match self.asked {
             Asked::Dates(_) => self.glare.is_some() == in_mirrors,
             Asked::Rules(rules) => {
-                let of_spells = in_mirrors && self.panes.is_some();
-                let is_such =
-                    |rule: &PlannedRule| rule.rule.needs_days() && rule.rule.measure.is_of_mirrors() == in_mirrors;
-                of_spells || rules.iter().any(is_such)
+                rules.iter().any(|rule| rule.rule.needs_days() && rule.rule.measure.is_of_mirrors() == in_mirrors)
             }
         }
     }
@@ -318,7 +315,7 @@ impl PartQuestions<'_> {
         for (number, (mirrors, day)) in sees.mirrors.iter().zip(&self.suns.days).enumerate() {
             let counted = mirrors.iter().map(|one| one.with_seen(self.high(number, one.within(day, angles))));
             let mut of_day: Vec<GlareSpell> = counted.flat_map(|one| teller.spells(&one, day)).collect();
-            of_day.sort_by(|a, b| a.start_min().total_cmp(&b.start_min()));
+            of_day.sort_by(|a, b| a.spell.start_min.total_cmp(&b.spell.start_min));
             all.append(&mut of_day);
         }
         all

@@ -94,7 +94,7 @@ impl TravelLine {
         self.corners.array_windows().map(|[from, to]| from.at.distance(to.at)).sum()
     }
 
-    /// The same from its end to its start.
+    /// The line in the other direction of travel.
     #[must_use]
     pub fn back(&self, name: String) -> Self {
         TravelLine { name, corners: self.corners.iter().rev().copied().collect() }

@@ -9,9 +9,12 @@ use crate::cli::WeatherArgs;
 use crate::cli::values::choice;
 use heliotile_results::{ClockZone, DaySpan, Every, FileRequest, GlareChoice, SunlightRequest};
 
-/// Days and rules.
+/// Days, rules and the format of maps.
 #[derive(Args, Debug)]
 pub struct DayArgs {
+    /// Write .parquet as a map, GeoParquet: polygons, one row a place
+    #[arg(long)]
+    pub geo: bool,
     /// The year of days that name none: others differ by a few minutes
     #[arg(long, default_value_t = SunlightRequest::default().year, value_parser = clap::value_parser!(i32).range(1..=2998))]
     pub year: i32,
@@ -34,6 +37,11 @@ pub struct DayArgs {
 }
 
 impl DayArgs {
+    /// Where results go.
+    pub fn files(&self, table: &TableArgs, plots: &[PathBuf]) -> FileRequest {
+        FileRequest { geo: self.geo, plots: plots.to_vec(), ..table.files() }
+    }
+
     /// What is asked for.
     fn request(&self) -> SunlightRequest {
         SunlightRequest {
@@ -52,9 +60,6 @@ impl DayArgs {
 pub struct SunlightArgs {
     #[command(flatten)]
     pub table: TableArgs,
-    /// Write .parquet as a map, GeoParquet: polygons, one row a place
-    #[arg(long)]
-    pub geo: bool,
     /// Draw a map of the first date or rule (.png), from above and from the south-west; may be repeated; a table is then written only if
     /// --output names one
     #[arg(long, value_name = "FILE")]
@@ -89,20 +94,12 @@ impl SunlightArgs {
             ..self.days.request()
         }
     }
-
-    /// Where results go.
-    pub fn files(&self) -> FileRequest {
-        FileRequest { geo: self.geo, plots: self.plot.clone(), ..self.table.files() }
-    }
 }
 
 #[derive(Args, Debug)]
 pub struct GlareArgs {
     #[command(flatten)]
     pub table: TableArgs,
-    /// Write .parquet as a map, GeoParquet: polygons, one row a place
-    #[arg(long)]
-    pub geo: bool,
     /// Draw a calendar, days by clock, coloured by pane (.svg), or a map of the first row or rule (.png); may be repeated; a table is then
     /// written only if --output names one
     #[arg(long, value_name = "FILE")]
@@ -121,10 +118,10 @@ pub struct GlareArgs {
     pub every: Option<Every>,
     #[command(flatten)]
     pub days: DayArgs,
-    /// Suns in mirrors count that are seen at least so far from the sun itself; rules have an angle of their own
+    /// Suns in mirrors count that are seen at least so far from the sun itself; of this and a rule's angle the larger counts
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub least_deflection: f64,
-    /// Suns in mirrors count that are seen within so much of the direction in which a receiver looks, its normal: 30 for a driver; likewise
+    /// Suns in mirrors count that are seen within so much of the direction in which a receiver looks, its normal: 30 for a driver; of this and a rule's angle the smaller counts
     #[arg(long, value_name = "DEGREES", default_value_t = 90.0)]
     pub view_angle: f64,
 }
@@ -141,11 +138,6 @@ impl GlareArgs {
         let usual = if self.days.rule.is_empty() { Every::Total } else { Every::Day };
         let every = self.every.unwrap_or(usual);
         SunlightRequest { dates: self.dates.clone(), every, glare: Some(glare), ..self.days.request() }
-    }
-
-    /// Where results go.
-    pub fn files(&self) -> FileRequest {
-        FileRequest { geo: self.geo, plots: self.plot.clone(), ..self.table.files() }
     }
 }
 

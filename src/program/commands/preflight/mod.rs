@@ -149,14 +149,14 @@ impl<'a> Files<'a> {
             }
             Command::Sunlight(args) => {
                 self.read_table(&args.table);
-                self.write(&args.table.output, Written::Results { geo: args.geo });
+                self.write(&args.table.output, Written::Results { geo: args.days.geo });
                 args.plot.iter().for_each(|picture| self.write(picture, Written::File));
                 self.read_if(&args.weather, Wanted::Weather);
                 self.read_if(&args.days.before, Wanted::Archive);
             }
             Command::Glare(args) => {
                 self.read_table(&args.table);
-                self.write(&args.table.output, Written::Results { geo: args.geo });
+                self.write(&args.table.output, Written::Results { geo: args.days.geo });
                 args.plot.iter().for_each(|picture| self.write(picture, Written::File));
                 self.write_if(&args.spells, Written::Table);
                 self.write_if(&args.panes, Written::Results { geo: false });

@@ -22,7 +22,7 @@ pub struct CalendarDay {
     pub date: Date,
     /// When the sun is up, by the clock.
     pub up: Vec<Spell>,
-    /// Those of the first series are drawn last.
+    /// Drawn from the last to the first, so that the first series lies on top.
     pub spells: Vec<CalendarSpell>,
 }
 
