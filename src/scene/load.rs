@@ -25,6 +25,7 @@ use crate::placing::plausible::doubts;
 use crate::placing::whereabouts::place_of;
 use crate::polygon;
 use crate::polygon::{OFF_PLANE_M, Triangulation, object_name};
+use crate::reference::Reference;
 use crate::region_part::RegionPart;
 use crate::semantics::SourceFace;
 use crate::site::{MissingGround, Part, Site};
@@ -144,6 +145,7 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
             described: palette.described(part.materials.as_deref()),
             lod: part.lod.clone(),
             local_frame,
+            system: site.frame.epsg.or_else(|| pile.system()),
             assume_version: part.assume_version,
         };
         match formats::read(&part.file, &asked)? {
@@ -168,6 +170,14 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
 }
 
 impl Pile {
+    /// The coordinate system of the first file that states one, by its EPSG number.
+    fn system(&self) -> Option<u32> {
+        self.extents.iter().find_map(Extent::reference).and_then(|reference| match reference {
+            Reference::Epsg(epsg) => Some(epsg),
+            Reference::Place { .. } => None,
+        })
+    }
+
     /// Puts aside what receivers in a part of the region do not see.
     fn cut(&mut self, part: &RegionPart, palette: &Palette) {
         let is_ground = |material| palette.class(material).0 == Class::Ground;

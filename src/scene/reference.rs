@@ -74,6 +74,11 @@ impl PlaneSystem {
         self.from.to_meter()
     }
 
+    /// What turns coordinates into those of the system, radians on both sides of it.
+    pub(crate) fn proj(&self) -> &Proj {
+        &self.from
+    }
+
     /// Latitude and longitude on WGS 84 of a point in the system's own unit, degrees. The shift between datums is that of three or seven
     /// parameters, so some systems are a metre off what grids of shifts would say.
     pub fn degrees(&self, x: f64, y: f64) -> Option<(f64, f64)> {

@@ -48,6 +48,8 @@ pub(super) struct Asked {
     pub lod: Option<String>,
     /// Where geocentric coordinates become metres about: that of the files before, if one had such.
     pub local_frame: Option<LocalFrame>,
+    /// Plane system, by its EPSG number, that degrees become metres of: that of the scene, if it has one by now.
+    pub system: Option<u32>,
     /// Version of EnergyPlus that models are taken for, whatever they state.
     pub assume_version: Option<ModelVersion>,
 }

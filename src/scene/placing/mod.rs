@@ -3,6 +3,7 @@
 
 pub mod extent;
 pub mod frame;
+pub(crate) mod from_degrees;
 pub mod plausible;
 #[cfg(test)]
 mod tests;
