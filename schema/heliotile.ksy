@@ -198,13 +198,14 @@ types:
       tile: { pos: 'columns[4].start', type: u4, repeat: expr, repeat-expr: 'columns[4].count' }
   table_objects:
     instances:
-      columns: { pos: _io.size - 48, type: 'column(_io.size - 48 + 8 * _index)', repeat: expr, repeat-expr: 6 }
+      columns: { pos: _io.size - 56, type: 'column(_io.size - 56 + 8 * _index)', repeat: expr, repeat-expr: 7 }
       name: { pos: 0, type: 'string(columns[0].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[0].count' }
       object: { pos: 0, type: 'string(columns[1].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[1].count' }
       building: { pos: 0, type: 'string(columns[2].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[2].count' }
       object_type: { pos: 0, type: 'string(columns[3].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[3].count' }
       beside: { pos: 'columns[4].start', type: u1, repeat: expr, repeat-expr: 'columns[4].count' }
       row: { pos: 'columns[5].start', type: u2, repeat: expr, repeat-expr: 'columns[5].count' }
+      attributes: { pos: 0, type: 'string(columns[6].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[6].count' }
   layer_hit:
     doc: The rest is four byte planes of the texels, lowest first.
     seq:

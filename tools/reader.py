@@ -43,8 +43,8 @@ def share(x):
     return 0 <= x <= 1
 
 
-def text(least):
-    return lambda s: least <= len(s) <= MAX_STRING
+def text(least, most=MAX_STRING):
+    return lambda s: least <= len(s) <= most
 
 
 # Columns: name, values in a row and their struct letter (s is a string), range of a value.
@@ -71,14 +71,14 @@ EXTENTS = [(name, "3d", lambda p: all(map(math.isfinite, p))) for name in ("low"
 NAMES = [("of", "1B", lambda o: o <= 3), ("shared", "1H", lambda n: n <= MAX_STRING),
          ("own", "1H", lambda n: n <= MAX_STRING), ("text", "1B", None), ("tile", "1I", None)]
 OBJECTS = [(name, "s", text(0)) for name in ("name", "object", "building", "object_type")]
-OBJECTS += [("beside", "1B", share), ("row", "1H", None)]
+OBJECTS += [("beside", "1B", share), ("row", "1H", None), ("attributes", "s", text(0, 16384))]
 KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None), 4: ("response", 2, None),
          5: ("probes", 4, CELLS), 6: ("bounce", 4, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
          9: ("canopy", 1, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
          12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 1, None),
          15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
          18: ("scene", 1, SCENE), 19: ("overview", 1, OVERVIEW), 20: ("extents", 1, EXTENTS),
-         21: ("names", 1, NAMES), 22: ("objects", 1, OBJECTS)}
+         21: ("names", 1, NAMES), 22: ("objects", 2, OBJECTS)}
 EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
 # Which cells are seen in mirrors.
 MIRRORED = {"mirror": "probes", "probe-mirror": "bounce", "bounce-mirror": "bounce"}

@@ -7,6 +7,9 @@ pub mod first_hour {}
 #[doc = include_str!("scenes.md")]
 pub mod scenes {}
 
+#[doc = include_str!("footprints.md")]
+pub mod footprints {}
+
 #[doc = include_str!("place.md")]
 pub mod place {}
 

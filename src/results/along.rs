@@ -47,7 +47,7 @@ const BACK: &str = "-back";
 impl AlongRequest {
     /// The receivers of a site. An error: numbers out of range, lines that cannot be read, no ground below a point.
     pub fn points(&self, site: &Site, observer: &dyn Observer) -> Result<Vec<EyePoint>> {
-        for (field, metres) in [("spacing", self.spacing_m), ("height", self.height_m)] {
+        for (field, metres) in [("spacing", self.spacing_m), ("eye_height", self.height_m)] {
             if !(0.001..=10_000.0).contains(&metres) {
                 return Err(Error::argument(field, format!("is {metres} m"), "give 0.001 to 10000 metres"));
             }

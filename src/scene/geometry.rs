@@ -8,6 +8,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::footprints::footprint::Footprint;
 use crate::geocentric::LocalFrame;
 use crate::ground::model::ModelGround;
 use crate::materials::select::MaterialTable;
@@ -47,12 +48,16 @@ pub(super) struct Geometry {
     /// Of a format that always has ground, which is no face of the file.
     pub ground: Option<ModelGround>,
     pub warnings: Vec<String>,
+    /// What was decided that nobody asked for.
+    pub remarks: Vec<String>,
     /// Sentences about faces, which begin with a number of them.
     pub doubts: Vec<String>,
     /// Numbers of faces of buildings without semantics, ascending: their tilt says what they are, once their outside is known.
     pub by_tilt: Vec<usize>,
     /// Faces (or other pieces) that the reader left out, by reason: "with fewer than three corners".
     pub left_out: BTreeMap<String, usize>,
+    /// Outlines of buildings, which become faces once the ground below is known.
+    pub footprints: Vec<Footprint>,
 }
 
 #[derive(Debug)]

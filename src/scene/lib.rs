@@ -29,12 +29,14 @@
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable))]
 
+mod attributes;
 pub mod change;
 mod coordinate;
 pub mod covering;
 pub mod edit;
 mod epsg_numbers;
 mod facing;
+pub mod footprints;
 mod formats;
 mod geocentric;
 mod geometry;
@@ -218,11 +220,11 @@ impl Scene {
 
     /// BLAKE3 over [`Scene::content_hash`] and the objects: equal for scenes that an archive holds alike.
     pub fn named_hash(&self) -> [u8; 32] {
-        let mut content = ContentHasher::new("heliotile scene with objects 1");
+        let mut content = ContentHasher::new("heliotile scene with objects 2");
         content.raw(&self.content_hash());
         content.length(self.objects.list.len());
         for SceneObject { name, note } in &self.objects.list {
-            [name, &note.object, &note.building, &note.object_type]
+            [name, &note.object, &note.building, &note.object_type, &note.attributes]
                 .into_iter()
                 .for_each(|text| content.bytes(text.as_bytes()));
             content.raw(&[u8::from(note.beside)]);

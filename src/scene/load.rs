@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::coordinate::is_position;
+use crate::footprints::ground_below::GroundBelow;
+use crate::footprints::raised::{FootprintFile, raise};
 use crate::formats;
 use crate::formats::{Asked, Content};
 use crate::geometry::{Geometry, Names};
@@ -114,6 +116,39 @@ struct Aside {
     faces: Vec<u32>,
 }
 
+/// A file of footprints, in scene coordinates.
+struct Outlined {
+    part: Part,
+    geometry: Geometry,
+}
+
+impl Outlined {
+    fn new(part: Part, mut geometry: Geometry) -> Self {
+        geometry.vertices.iter_mut().for_each(|vertex| *vertex = part.place(*vertex));
+        for corner in geometry.footprints.iter_mut().flat_map(|footprint| &mut footprint.polygons).flatten().flatten() {
+            *corner = part.place(corner.extend(0.0)).truncate();
+        }
+        Outlined { part, geometry }
+    }
+
+    /// Number of its plane system.
+    fn epsg(&self) -> Option<u32> {
+        match self.part.reference.or(self.geometry.reference) {
+            Some(Reference::Epsg(epsg)) => Some(epsg),
+            _ => None,
+        }
+    }
+
+    fn file(&mut self) -> FootprintFile<'_> {
+        FootprintFile {
+            file: &self.part.file,
+            elevation_m: self.part.shift().z,
+            footprints: std::mem::take(&mut self.geometry.footprints),
+            geometry: &mut self.geometry,
+        }
+    }
+}
+
 impl Scene {
     /// Reads one file with the reflectances that the file itself gives, but for those in `materials.toml`. No ground is assumed.
     pub fn load(file: &Path, materials: Option<&Path>) -> Result<Scene> {
@@ -134,7 +169,7 @@ impl Scene {
 /// Reads all files; without `keep` the soup is empty.
 fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
     let (mut palette, mut pile) = (Palette::default(), Pile { keep, ..Pile::default() });
-    let (mut rasters, mut local_frame) = (Vec::new(), None);
+    let (mut rasters, mut outlines, mut local_frame) = (Vec::new(), Vec::new(), None);
     pile.report.warnings.extend(site.unused_up());
     for part in &site.parts {
         if let Some(path) = &part.materials {
@@ -145,23 +180,30 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
             described: palette.described(part.materials.as_deref()),
             lod: part.lod.clone(),
             local_frame,
-            system: site.frame.epsg.or_else(|| pile.system()),
+            system: site.frame.epsg.or_else(|| pile.system()).or_else(|| outlines.iter().find_map(Outlined::epsg)),
             assume_version: part.assume_version,
+            footprints: part.footprints.clone(),
         };
         match formats::read(&part.file, &asked)? {
             Content::Polygons(geometry) => {
                 local_frame = local_frame.or(geometry.local_frame);
                 let part = part.in_frame(&site.frame);
-                pile.add(&part, *geometry, &mut palette, Some(&|p| part.place(p)))?;
+                match geometry.footprints.is_empty() {
+                    true => pile.add(&part, *geometry, &mut palette, Some(&|p| part.place(p)))?,
+                    false => outlines.push(Outlined::new(part, *geometry)),
+                }
             }
             Content::Terrain(raster) => rasters.push((part, raster)),
         }
     }
+    let has_terrain = !rasters.is_empty();
+    let outlined = outlines.iter().find_map(Outlined::epsg).map(Reference::Epsg);
+    let terrain = pile.placed_rasters(rasters, &site.frame, outlined)?;
+    pile.add_footprints(outlines, &terrain, &mut palette)?;
     if let Some(part) = &site.within {
         pile.cut(part, &palette);
     }
-    let has_terrain = !rasters.is_empty();
-    pile.add_rasters(rasters, &site.frame, &mut palette)?;
+    pile.add_rasters(terrain, &mut palette)?;
     let mut ground = palette.ground();
     if ground.is_none() && !has_terrain && site.missing_ground == MissingGround::Assume {
         ground = pile.assume_ground(&mut palette);
@@ -193,16 +235,45 @@ impl Pile {
         };
     }
 
-    /// Meshes rasters as the horizon of what was added before, if anything was.
-    fn add_rasters(&mut self, rasters: Vec<(&Part, Raster)>, frame: &SiteFrame, palette: &mut Palette) -> Result<()> {
+    /// Rasters in scene coordinates, those of one grid joined; `outlined` is the system of footprints that are not added yet.
+    fn placed_rasters<'p>(
+        &mut self,
+        rasters: Vec<(&'p Part, Raster)>,
+        frame: &SiteFrame,
+        outlined: Option<Reference>,
+    ) -> Result<Vec<Tile<'p>>> {
         let [stated, _] = frame.references();
-        let system = stated.or_else(|| self.extents.iter().find_map(Extent::reference));
+        let system = stated.or_else(|| self.extents.iter().find_map(Extent::reference)).or(outlined);
         let mut placed = Vec::new();
         for (part, raster) in rasters {
             placed.push((part, raster.placed(part, frame, part.reference.or(system))?));
         }
         let (rasters, notes) = joined(placed);
         self.report.notes.extend(notes);
+        Ok(rasters)
+    }
+
+    /// Adds buildings on the ground that was read: rasters, and triangles of class ground.
+    fn add_footprints(&mut self, mut outlines: Vec<Outlined>, terrain: &[Tile], palette: &mut Palette) -> Result<()> {
+        if outlines.is_empty() {
+            return Ok(());
+        }
+        let corner = |corner: u32| self.positions.get(corner as usize).copied().unwrap_or_default();
+        let ground =
+            self.triangles.iter().filter(|triangle| palette.class(triangle.material) == (Class::Ground, false));
+        let ground = ground.map(|triangle| triangle.corners.map(corner)).collect();
+        let below = GroundBelow::new(terrain.iter().map(|tile| &tile.raster).collect(), ground);
+        let mut files: Vec<FootprintFile> = outlines.iter_mut().map(Outlined::file).collect();
+        self.report.notes.extend(raise(&mut files, &below)?);
+        for Outlined { part, geometry } in outlines {
+            // They were placed before they were raised.
+            self.add(&part, geometry, palette, Some(&|p| p))?;
+        }
+        Ok(())
+    }
+
+    /// Meshes rasters as the horizon of what was added before, if anything was.
+    fn add_rasters(&mut self, rasters: Vec<Tile>, palette: &mut Palette) -> Result<()> {
         let used = self.triangles.iter().flat_map(|t| t.corners).filter_map(|i| self.positions.get(i as usize));
         let (low, high) = bounds(used.copied());
         let near = (!rasters.is_empty() && low.is_finite() && high.is_finite()).then_some((low, high));
@@ -226,7 +297,7 @@ impl Pile {
 
     /// The plane of a scene whose files have no ground, and the number of its material; says so.
     fn assume_ground(&mut self, palette: &mut Palette) -> Option<(EndlessGround, u32)> {
-        let Pile { positions, triangles, objects, models, report, .. } = self;
+        let Pile { positions, triangles, objects, models, report, names, notes, .. } = self;
         let of_model = |i: &usize| models.iter().any(|model| model.triangles.contains(i));
         let others: Vec<&RawTriangle> =
             triangles.iter().enumerate().filter(|(i, _)| !of_model(i)).map(|(_, triangle)| triangle).collect();
@@ -243,7 +314,8 @@ impl Pile {
                 return None;
             }
             let plane_m = low - BELOW_M;
-            report.warnings.push(missing::warning(positions, triangles, objects, plane_m));
+            let wholes: Vec<u32> = objects.iter().map(|object| whole_of(*object, names, notes)).collect();
+            report.warnings.push(missing::warning(positions, triangles, &wholes, plane_m));
             let (material, name) = palette.add_ground(Path::new(""), USUAL);
             report.assumed.push(name);
             return Some((EndlessGround { elevation_m: Some(plane_m) }, material));
@@ -366,6 +438,7 @@ impl Pile {
         report.degenerate_dropped += cut.degenerate_faces;
         report.concave_faces += cut.concave_faces;
         report.warnings.extend(geometry.warnings.iter().cloned());
+        report.notes.extend(geometry.remarks.iter().cloned());
         report.warnings.extend(geometry.doubts.iter().map(|doubt| format!("{file}: {doubt}")));
         let mut left_out: Vec<String> =
             geometry.left_out.iter().map(|(reason, count)| format!("{count} left out {reason}")).collect();
@@ -457,6 +530,12 @@ impl Pile {
         };
         Ok((Scene { mesh, materials, objects: mesh_objects, place, ground: by_month, report }, soup))
     }
+}
+
+/// The building that an object is a part of, by its number; itself where no other has that name.
+fn whole_of(object: u32, names: &mut Names, notes: &HashMap<u32, ObjectNote>) -> u32 {
+    let building = notes.get(&object).map(|note| note.building.as_str()).filter(|building| !building.is_empty());
+    building.map_or(object, |building| names.id(building))
 }
 
 /// Takes out what is not kept; of a list that is shorter, the rest counts as none.

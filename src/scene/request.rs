@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::footprints::options::FootprintOptions;
 use crate::model_version::ModelVersion;
 use crate::placing::frame::SiteFrame;
 use crate::site::{MissingGround, Site};
@@ -27,6 +28,9 @@ pub struct SceneRequest {
     /// Version of EnergyPlus that models are taken for; none: the one that they state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub assume_version: Option<ModelVersion>,
+    /// Where heights of footprints come from, unless a list of files says it.
+    #[serde(default, skip_serializing_if = "FootprintOptions::is_default")]
+    pub footprints: FootprintOptions,
     /// Where the scene lies, how it is turned, and the unit of its files.
     #[serde(default)]
     pub frame: SiteFrame,
@@ -43,6 +47,7 @@ impl SceneRequest {
     pub fn site(&self) -> Result<Site> {
         let hint = "give what the scene's coordinates are in";
         self.frame.check().map_err(|(field, what)| Error::argument(field, what, hint))?;
+        self.footprints.check().map_err(|(field, what)| Error::argument(field, what, "give metres above 0"))?;
         let mut site = Site::of(&self.files, self.materials.as_deref())?;
         if !self.no_ground {
             site.missing_ground = MissingGround::Assume;
@@ -50,6 +55,7 @@ impl SceneRequest {
         for part in &mut site.parts {
             part.materials_only |= self.materials_only;
             part.assume_version = self.assume_version.or(part.assume_version);
+            part.footprints = part.footprints.or(&self.footprints);
         }
         Ok(site.framed(&self.frame))
     }
@@ -64,7 +70,7 @@ impl SceneRequest {
 mod tests {
     use super::*;
 
-    /// A request is read again as it was written, with 3 of its 6 fields in 1 object each; what is not known is refused.
+    /// A request is read again as it was written, with 3 of its 7 fields in 1 object each; what is not known is refused.
     #[test]
     fn requests_are_kept() {
         let request = SceneRequest {

@@ -7,6 +7,7 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use crate::coordinate::is_position;
+use crate::footprints::options::{FootprintOptions, HeightSource};
 use crate::input;
 use crate::model_version::ModelVersion;
 use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};
@@ -68,6 +69,8 @@ pub struct Part {
     /// Largest angle by which a raster beside other geometry may misplace the horizon, degrees; 0 keeps every sample. Without it
     /// 0.2 beside other geometry, and every sample where rasters are the whole scene.
     pub horizon_deg: Option<f64>,
+    /// Where heights of footprints come from.
+    pub footprints: FootprintOptions,
 }
 
 impl Part {
@@ -87,6 +90,7 @@ impl Part {
             lod: None,
             assume_version: None,
             horizon_deg: None,
+            footprints: FootprintOptions::default(),
         }
     }
 
@@ -168,12 +172,25 @@ struct Entry {
     lod: Option<String>,
     assume_version: Option<String>,
     horizon_deg: Option<f64>,
+    height: Option<Heights>,
+    storey_height: Option<f64>,
+    base: Option<HeightSource>,
+}
+
+/// `height = "HGT"`, `height = 9.5`, or a list of such.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Heights {
+    Metres(f64),
+    One(HeightSource),
+    Several(Vec<HeightSource>),
 }
 
 const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.json\" and optionally materials = \"town.toml\", \
                     materials_only = true, offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", \
                     rotate_deg = 30 (clockwise), elevation_m = 512, epsg = 28992 or latitude_deg and longitude_deg, \
-                     lod = \"2.2\", assume_version = \"25.2\" of EnergyPlus, and for terrain horizon_deg = 0.2; what holds for all \
+                     lod = \"2.2\", assume_version = \"25.2\" of EnergyPlus, for footprints height = \"height\" (a column, metres, or a list of such), \
+                     storey_height = 3.0 and base = \"ground\", and for terrain horizon_deg = 0.2; what holds for all \
                      files stands in a table [site]: epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale, up";
 
 impl Site {
@@ -278,7 +295,21 @@ fn part(entry: &Entry, folder: &Path, materials: Option<&Path>) -> std::result::
         lod: entry.lod.clone(),
         assume_version: entry.assume_version.as_ref().map(|text| text.parse()).transpose()?,
         horizon_deg: entry.horizon_deg,
+        footprints: footprints_of(entry)?,
     })
+}
+
+/// What an entry says of footprints.
+fn footprints_of(entry: &Entry) -> std::result::Result<FootprintOptions, String> {
+    let height = match &entry.height {
+        None => Vec::new(),
+        Some(Heights::Metres(metres)) => vec![HeightSource::Metres(*metres)],
+        Some(Heights::One(source)) => vec![source.clone()],
+        Some(Heights::Several(sources)) => sources.clone(),
+    };
+    let options = FootprintOptions { height, storey_height_m: entry.storey_height, base: entry.base.clone() };
+    options.check().map_err(|(_, what)| what)?;
+    Ok(options)
 }
 
 #[cfg(test)]

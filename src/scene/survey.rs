@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::formats;
 use crate::formats::{Asked, Content};
 use crate::geometry::Geometry;
+use crate::reference::Reference;
 use crate::semantics::SurfaceKind;
 use crate::site::{Part, Site};
 use heliotile_core::error::{Error, Result};
@@ -36,12 +37,33 @@ pub struct SurveyedObject {
 impl Site {
     /// Looks through all files, in their order.
     pub fn survey(&self) -> Result<Vec<FileSurvey>> {
-        self.parts.par_iter().map(|part| survey(part, self)).collect()
+        let all: Vec<Surveyed> = self.parts.par_iter().map(|part| survey(part, self)).collect::<Result<_>>()?;
+        let mut systems = all.iter().filter_map(|one| Some((&one.found.file, one.system?)));
+        let first = systems.next();
+        let other = systems.find(|(_, system)| first.is_some_and(|(_, first)| !first.is_same(system)));
+        if let (Some((first, system)), Some((file, other))) = (first, other) {
+            let what = format!("its footprints are in {other}, those of {} in {system}", first.display());
+            return Err(Error::input(file, None, what, "give one coordinate system for all files as {crs}"));
+        }
+        Ok(all.into_iter().map(|one| one.found).collect())
     }
 }
 
-fn survey(part: &Part, site: &Site) -> Result<FileSurvey> {
-    let asked = Asked { lod: part.lod.clone(), assume_version: part.assume_version, ..Asked::default() };
+/// What lies in a file, and the plane system of its footprints, if it holds such.
+struct Surveyed {
+    found: FileSurvey,
+    system: Option<Reference>,
+}
+
+fn survey(part: &Part, site: &Site) -> Result<Surveyed> {
+    let asked = Asked {
+        lod: part.lod.clone(),
+        assume_version: part.assume_version,
+        system: site.frame.epsg,
+        footprints: part.footprints.clone(),
+        ..Asked::default()
+    };
+    let mut system = None;
     let (bounds, objects) = match formats::read(&part.file, &asked)? {
         Content::Polygons(geometry) => {
             // Each file by itself would have an origin of its own.
@@ -51,6 +73,7 @@ fn survey(part: &Part, site: &Site) -> Result<FileSurvey> {
             }
             let part = part.in_frame(&site.frame);
             let objects = objects(&geometry, |p| part.place(p));
+            system = geometry.reference.filter(|_| !geometry.footprints.is_empty());
             (joined(objects.iter().map(|object| object.bounds)), objects)
         }
         Content::Terrain(raster) => {
@@ -60,7 +83,7 @@ fn survey(part: &Part, site: &Site) -> Result<FileSurvey> {
     if !(bounds[0].is_finite() && bounds[1].is_finite()) {
         return Err(Error::input(&part.file, None, "holds no face and no height", "leave it out of the site"));
     }
-    Ok(FileSurvey { file: part.file.clone(), bounds, objects })
+    Ok(Surveyed { found: FileSurvey { file: part.file.clone(), bounds, objects }, system })
 }
 
 fn objects(geometry: &Geometry, place: impl Fn(DVec3) -> DVec3) -> Vec<SurveyedObject> {
@@ -78,6 +101,18 @@ fn objects(geometry: &Geometry, place: impl Fn(DVec3) -> DVec3) -> Vec<SurveyedO
         if let Some(object) = found.get_mut(*number as usize) {
             object.is_usual &= !note.beside;
         }
+    }
+    for footprint in &geometry.footprints {
+        let [low, high] = footprint.bounds();
+        let [foot_m, roof_m] = [footprint.heights.foot_m, footprint.heights.roof_m];
+        let corners = [
+            low.extend(foot_m),
+            DVec3::new(low.x, high.y, foot_m),
+            DVec3::new(high.x, low.y, foot_m),
+            high.extend(roof_m),
+        ];
+        let bounds = corners.map(&place).into_iter().fold(NOTHING, |[low, high], p| [low.min(p), high.max(p)]);
+        found.push(SurveyedObject { bounds, is_usual: true });
     }
     found.retain(|object| object.bounds[0].is_finite());
     found

@@ -386,7 +386,7 @@ fn receivers_along_a_road() {
         ("--along far.csv", "no ground below line `far`"),
         ("--along twice.csv --both-ways", "`a-back` is the name of a line"),
         ("--along road.csv --on wall", "--on"),
-        ("--height 2m", "--along"),
+        ("--eye-height 2m", "--along"),
     ] {
         let output = folder.run(&format!("receivers s.obj {arguments} -o x.csv"));
         assert_eq!(output.status.code(), Some(2), "{arguments}: {}", stderr(&output));

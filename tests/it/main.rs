@@ -18,6 +18,7 @@ mod damage;
 mod energyplus;
 mod export;
 mod figures;
+mod footprints;
 mod gazetteer;
 mod geometry;
 mod glare;

@@ -191,7 +191,7 @@ pub const KINDS: [(BlockKind, &str, u16); 22] = [
     (OVERVIEW, "overview", 1),
     (EXTENTS, "extents", 1),
     (NAMES, "names", 1),
-    (OBJECTS, "objects", 1),
+    (OBJECTS, "objects", 2),
 ];
 
 /// Name of a kind; a kind of a later release gets its number.

@@ -20,4 +20,6 @@ pub struct ObjectNote {
     pub object_type: String,
     /// Whether it stands beside the buildings of a city model: a bridge, a tree, furniture.
     pub beside: bool,
+    /// What its file states of it, such as a name or a year: a JSON object without nested values.
+    pub attributes: String,
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, Subcommand};
 
 use super::values::{Bytes, SelectionArgs, choice, parse_memory};
-use super::{MaterialsArgs, PlaceArgs, SceneArgs};
+use super::{FootprintArgs, MaterialsArgs, PlaceArgs, SceneArgs};
 use heliotile_atlas::VerifyRequest;
 use heliotile_core::archive::Access;
 use heliotile_results::RepairRequest;
@@ -95,6 +95,8 @@ pub struct InfoArgs {
     pub surfaces: MaterialsArgs,
     #[command(flatten)]
     pub place: PlaceArgs,
+    #[command(flatten)]
+    pub footprints: FootprintArgs,
     /// How the archive is read
     #[arg(long, value_parser = choice::<Access>(), default_value = "map")]
     pub io: Access,

@@ -27,9 +27,9 @@ pub use self::results::{
     RecombineArgs, ReplayArgs, RulesArgs, SiteArgs, SunlightArgs, TableArgs, ViewArgs, YearArgs,
 };
 pub use self::sites::{
-    AccuracyArgs, AuditArgs, BuildArgs, CatalogueArgs, ClockArgs, CoverArgs, FindArgs, MaterialsArgs, Metres,
-    PartitionArgs, Percent, PlaceArgs, PlanArgs, RaySquare, ReceiversArgs, RunArgs, SceneArgs, StudyArgs, StudyCommand,
-    TradeoffArgs, UpdateArgs, WallArgs, WeatherArgs, parse_negligible,
+    AccuracyArgs, AuditArgs, BuildArgs, CatalogueArgs, ClockArgs, CoverArgs, FindArgs, FootprintArgs, MaterialsArgs,
+    Metres, PartitionArgs, Percent, PlaceArgs, PlanArgs, RaySquare, ReceiversArgs, RunArgs, SceneArgs, StudyArgs,
+    StudyCommand, TradeoffArgs, UpdateArgs, WallArgs, WeatherArgs, parse_negligible,
 };
 pub use self::values::Bytes;
 

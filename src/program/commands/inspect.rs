@@ -17,6 +17,7 @@ use heliotile_core::text::counted;
 use heliotile_remote::places::open_archive;
 use heliotile_results::horizon::black_below_horizon;
 use heliotile_scene::placing::frame::SiteFrame;
+use heliotile_scene::request::SceneRequest;
 
 /// Numbers of the first of two lines.
 const SETTINGS_A_LINE: usize = 7;
@@ -39,11 +40,19 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     }
     let path = match args.files.as_slice() {
         [path] if is_archive(path) => path,
-        files => return scene::info(&args.surfaces.site(files)?.framed(&args.place.frame())),
+        files => {
+            let (frame, footprints) = (args.place.frame(), args.footprints.options());
+            let request = SceneRequest { frame, footprints, ..args.surfaces.request(files) };
+            return scene::info(&request.site()?);
+        }
     };
     if args.place.frame() != SiteFrame::default() {
         let hint = "leave --crs, --latitude, --longitude, --rotate-deg, --elevation and --scale out";
         return Err(Error::input(path, None, "is an archive, whose place was stated when it was built", hint));
+    }
+    if !args.footprints.options().is_default() {
+        let hint = "leave --height, --storey-height and --base out";
+        return Err(Error::input(path, None, "is an archive, no file of footprints", hint));
     }
     let MaterialsArgs { materials, materials_only, no_ground, assume_version } = &args.surfaces;
     if materials.is_some() || *materials_only || *no_ground || assume_version.is_some() {

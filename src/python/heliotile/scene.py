@@ -36,6 +36,9 @@ class Scene:
         Direction of y clockwise from north, degrees; height of z = 0 above the sea, metres; metres a unit.
     up
         The axis that points up in OBJ, PLY and STL files: `"z"`, with y to the north, or `"y"`, with z to the south.
+    height, storey_height, base
+        Of footprints: a column of heights above the base, metres for all, or several of which the first that is stated counts; metres a storey; a
+        column or metres of where buildings begin.
     """
 
     def __init__(
@@ -52,6 +55,9 @@ class Scene:
         elevation: float | None = None,
         scale: float | None = None,
         up: str | None = None,
+        height: str | float | Sequence[str | float] = (),
+        storey_height: float | None = None,
+        base: str | float | None = None,
     ) -> None:
         listed = [files] if isinstance(files, (str, os.PathLike)) else files
         self.files = [os.fspath(file) for file in listed]
@@ -67,6 +73,9 @@ class Scene:
             "elevation": given.number("elevation", elevation),
             "scale": given.number("scale", scale),
             "up": up,
+            "height": [str(source) for source in ([height] if isinstance(height, (str, float, int)) else height)],
+            "storey_height": given.number("storey_height", storey_height, "give metres"),
+            "base": None if base is None else str(base),
         }
         self._handle = _heliotile.SceneHandle.load(self._args)
 
@@ -124,6 +133,9 @@ class Scene:
         frame |= {"scale": "scale", "up": "up"}
         said = {key: self._args[name] for name, key in frame.items() if self._args[name] is not None}
         request = {"files": self.files, "materials_only": self._args["materials_only"], "no_ground": not self._args["assume_ground"], "frame": said}
+        footprints = {"height": self._args["height"], "storey_height_m": self._args["storey_height"], "base": self._args["base"]}
+        footprints = {name: value for name, value in footprints.items() if value not in (None, [])}
+        request |= {"footprints": footprints} if footprints else {}
         return request | ({} if self._args["materials"] is None else {"materials": self._args["materials"]})
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -28,6 +28,7 @@ use heliotile_remote::places::open_archive;
 use heliotile_results::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
 use heliotile_results::horizon::black_below_horizon;
 use heliotile_scene::Scene;
+use heliotile_scene::footprints::options::{FootprintOptions, HeightSource};
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
@@ -54,6 +55,9 @@ pub struct SceneArgs {
     elevation: Option<f64>,
     scale: Option<f64>,
     up: Option<String>,
+    height: Vec<String>,
+    storey_height: Option<f64>,
+    base: Option<String>,
 }
 
 /// Points that get light: a file, or the bytes of one.
@@ -112,7 +116,16 @@ impl CoverArgs {
 impl SceneArgs {
     fn request(self) -> Result<SceneRequest> {
         let up = self.up.map(|name| by_name::<UpAxis>("up", &name)).transpose()?;
+        let source = |field: &'static str, text: &String| {
+            text.parse::<HeightSource>().map_err(wrong(field, "give the name of a column, or metres such as 9.5m"))
+        };
+        let footprints = FootprintOptions {
+            height: self.height.iter().map(|text| source("height", text)).collect::<Result<_>>()?,
+            storey_height_m: self.storey_height,
+            base: self.base.as_ref().map(|text| source("base", text)).transpose()?,
+        };
         Ok(SceneRequest {
+            footprints,
             files: self.files,
             materials: self.materials,
             materials_only: self.materials_only,

@@ -119,6 +119,22 @@ def test_files_are_the_programs(block: heliotile.Archive, conditions: Path, tmp_
         block.write(tmp_path / "none.csv")
 
 
+def test_footprints_give_their_attributes_back(tmp_path: Path) -> None:
+    """A town of footprints in degrees has 9 buildings, whose years come back as whole numbers in GeoParquet, as DuckDB reads it."""
+    import duckdb
+
+    town = DATA / "footprints" / "town.geojson"
+    scene = heliotile.Scene(town, height=["height", "levels"], storey_height=3.0)
+    assert scene.place == (pytest.approx(48.138, abs=0.01), pytest.approx(11.576, abs=0.01))
+    assert any("UTM of its middle" in note for note in scene.notes)
+    done = heliotile.run(scene, DAYS, tmp_path / "out", quality="draft", cover={"spacing": 6.0})
+    done.open().write(tmp_path / "map.parquet", DAYS, every="total", by="building", geo=True)
+    years = duckdb.sql(f"select building, year, typeof(year) from '{tmp_path}/map.parquet' order by building").fetchall()
+    assert len(years) == 9 and ("tower", 1974, "BIGINT") in years
+    with pytest.raises(heliotile.ArgumentError, match="storey_height"):
+        heliotile.Scene(town, storey_height=300.0)
+
+
 def test_a_text_is_an_id(site: heliotile.Archive, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """`receivers="x"` means the receiver x, also where a file of that name lies in the folder; a path is a list of ids."""
     first, second = site.receivers()["receiver"][:2].tolist()

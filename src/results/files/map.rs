@@ -91,6 +91,7 @@ impl<'a> MapStart<'a> {
             folder: std::env::temp_dir(),
             storage: resources.storage,
             memory_bytes: resources.memory.length(Use::MapRows) / self.share.max(1),
+            archives: self.receivers.parts().iter().map(|part| part.archive).collect(),
         };
         request.columns()?;
         Ok(request)

@@ -6,6 +6,7 @@ mod ascii_grid;
 mod building;
 mod cityjson;
 pub(crate) mod energyplus;
+mod features;
 mod gdal_metadata;
 mod geokeys;
 mod geotiff;
@@ -22,12 +23,14 @@ mod stl;
 #[cfg(test)]
 mod test_solids;
 mod tiff_directory;
+mod unread;
 mod wkt;
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::facing;
+use crate::footprints::options::FootprintOptions;
 use crate::geocentric::{LocalFrame, is_geocentric, to_local};
 use crate::geometry::Geometry;
 use crate::input;
@@ -35,6 +38,7 @@ use crate::input::NamedBytes;
 use crate::model_version::ModelVersion;
 use crate::terrain::raster::Raster;
 use crate::text::{excerpt, utf8};
+use features::FeatureFormat;
 use heliotile_core::error::{Error, Result};
 
 /// What is asked of a reader besides the geometry.
@@ -50,6 +54,8 @@ pub(super) struct Asked {
     pub local_frame: Option<LocalFrame>,
     /// Plane system, by its EPSG number, that degrees become metres of: that of the scene, if it has one by now.
     pub system: Option<u32>,
+    /// Where heights of footprints come from.
+    pub footprints: FootprintOptions,
     /// Version of EnergyPlus that models are taken for, whatever they state.
     pub assume_version: Option<ModelVersion>,
 }
@@ -72,6 +78,7 @@ enum Format {
     AsciiGrid,
     CityJson,
     EnergyPlus,
+    Features(FeatureFormat),
     GeoTiff,
     Gltf,
     Honeybee,
@@ -83,27 +90,33 @@ enum Format {
 }
 
 /// What names end with, in lower case; `.gz` or `.zip` may stand behind each.
-const ENDINGS: [(&str, Format); 16] = [
+const ENDINGS: [(&str, Format); 22] = [
     ("asc", Format::AsciiGrid),
     ("cityjson", Format::CityJson),
     ("cityjsonl", Format::CityJson),
     ("dem", Format::AsciiGrid),
     ("epjson", Format::EnergyPlus),
+    ("geojson", Format::Features(FeatureFormat::GeoJson)),
+    ("geojsonl", Format::Features(FeatureFormat::GeoJson)),
+    ("geoparquet", Format::Features(FeatureFormat::GeoParquet)),
     ("glb", Format::Gltf),
     ("gltf", Format::Gltf),
+    ("gpkg", Format::Features(FeatureFormat::GeoPackage)),
     ("hbjson", Format::Honeybee),
     ("idf", Format::EnergyPlus),
     ("json", Format::Json),
     ("jsonl", Format::CityJson),
     ("obj", Format::Obj),
+    ("parquet", Format::Features(FeatureFormat::GeoParquet)),
     ("ply", Format::Ply),
+    ("shp", Format::Features(FeatureFormat::Shapefile)),
     ("stl", Format::Stl),
     ("tif", Format::GeoTiff),
     ("tiff", Format::GeoTiff),
 ];
 
 const SUPPORTED: &str = ".json, .jsonl, .cityjson and .cityjsonl (CityJSON), .tif, .tiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .hbjson \
-                         (Honeybee), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz or .zip behind it, and site.toml";
+                         (Honeybee), .geojson, .geojsonl, .shp, .gpkg, .parquet and .geoparquet (footprints), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz or .zip behind it, and site.toml";
 
 /// The format of scenes that a name certainly belongs to, `.gz` or not; `None` also for `.json`, which may be much else.
 pub fn format_of_name(path: &Path) -> Option<&'static str> {
@@ -120,6 +133,7 @@ impl Format {
     /// Whether files are nothing but text, which may be UTF-16.
     fn is_text(self) -> bool {
         !matches!(self, Format::GeoTiff | Format::Gltf | Format::Ply | Format::Stl)
+            && (!matches!(self, Format::Features(_)) || self == Format::Features(FeatureFormat::GeoJson))
     }
 
     fn name(self) -> Option<&'static str> {
@@ -127,6 +141,10 @@ impl Format {
             Format::AsciiGrid => "ASCII grid",
             Format::CityJson => "CityJSON",
             Format::EnergyPlus => "EnergyPlus",
+            Format::Features(FeatureFormat::GeoJson) => "GeoJSON",
+            Format::Features(FeatureFormat::GeoPackage) => "GeoPackage",
+            Format::Features(FeatureFormat::GeoParquet) => "GeoParquet",
+            Format::Features(FeatureFormat::Shapefile) => "shapefile",
             Format::GeoTiff => "TIFF",
             Format::Gltf => "glTF",
             Format::Honeybee => "Honeybee",
@@ -147,7 +165,15 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
         input::check(path)?;
         return Err(unknown_ending(path, &ending));
     }
-    let NamedBytes { name, bytes } = input::read_named(path, "read")?;
+    // SQLite reads a GeoPackage itself.
+    let is_database = known(&ending) == Some(Format::Features(FeatureFormat::GeoPackage));
+    if packed && let Some(geometry) = features::zipped_shapefile(path, asked)? {
+        return settled(geometry);
+    }
+    let NamedBytes { name, bytes } = match is_database {
+        true => input::check(path).map(|()| NamedBytes { name: None, bytes: Vec::new() }),
+        false => input::read_named(path, "read"),
+    }?;
     if let Some(name) = name.filter(|_| known(&ending).is_none()) {
         ending = input::ending(Path::new(&name));
     }
@@ -157,10 +183,12 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
         Format::AsciiGrid => return ascii_grid::parse(&bytes, path).map(Content::Terrain),
         Format::GeoTiff => return geotiff::parse(&bytes, path).map(Content::Terrain),
         Format::EnergyPlus => energyplus::parse(&bytes, path, asked),
+        Format::Features(kind) => features::parse(kind, &bytes, path, asked),
         Format::Gltf => gltf::parse(&bytes, path, asked),
         Format::Honeybee => honeybee::parse(&bytes, path, asked),
         Format::Json if honeybee::is_model(&bytes) => honeybee::parse(&bytes, path, asked),
         Format::Json if energyplus::is_model(&bytes) => energyplus::parse(&bytes, path, asked),
+        Format::Json if features::is_geojson(&bytes) => features::parse(FeatureFormat::GeoJson, &bytes, path, asked),
         Format::CityJson | Format::Json => cityjson::parse(&bytes, path, asked),
         Format::Obj => obj::read(&bytes, path, asked),
         Format::Ply => ply::parse(&bytes, path),
@@ -186,6 +214,11 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
             hint,
         ));
     }
+    settled(geometry)
+}
+
+/// Geometry whose faces look outwards.
+fn settled(mut geometry: Geometry) -> Result<Content> {
     facing::settle(&mut geometry);
     // Names of some faces depend on where they look.
     cityjson::name_by_tilt(&mut geometry);
@@ -197,6 +230,9 @@ fn is_zip(path: &Path) -> bool {
 }
 
 fn unknown_ending(path: &Path, ending: &str) -> Error {
+    if let Some(refusal) = unread::refusal(path, ending) {
+        return refusal;
+    }
     Error::Unsupported {
         what: format!("the scene {}", path.display()),
         found: if ending.is_empty() {
@@ -227,11 +263,11 @@ mod tests {
         assert!(SUPPORTED.contains(".gz"));
     }
 
-    /// Of 16 endings 15 belong to one format, packed or not.
+    /// Of 22 endings 21 belong to one format, packed or not.
     #[test]
     fn formats_of_names() {
         let named = |ending: &str, more: &str| format_of_name(Path::new(&format!("A.{}{more}", ending.to_uppercase())));
-        assert_eq!(ENDINGS.iter().filter(|(ending, _)| named(ending, "").is_some()).count(), 15);
+        assert_eq!(ENDINGS.iter().filter(|(ending, _)| named(ending, "").is_some()).count(), 21);
         assert!(ENDINGS.iter().all(|(ending, _)| named(ending, "") == named(ending, ".gz")));
         assert_eq!((named("hbjson", ".gz"), named("json", ""), named("csv", "")), (Some("Honeybee"), None, None));
     }

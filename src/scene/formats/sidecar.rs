@@ -28,6 +28,11 @@ fn beside(raster: &Path, endings: &[&str]) -> Option<PathBuf> {
     names.map(|ending| raster.with_file_name(format!("{stem}.{ending}"))).find(|path| path.is_file())
 }
 
+/// The bytes of the file of the same name with another ending, if there is one.
+pub(super) fn bytes_beside(file: &Path, ending: &str) -> Result<Option<Vec<u8>>> {
+    beside(file, &[ending]).map(|path| input::read(&path)).transpose()
+}
+
 /// The text of a file beside.
 fn text_of(path: &Path) -> Result<String> {
     Ok(String::from_utf8_lossy(&utf8(input::read(path)?)).into_owned())

@@ -15,6 +15,7 @@ use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
+pub(crate) use self::zip::{ShapefileParts, shapefile as shapefile_in_zip};
 use heliotile_core::error::{Error, Result};
 
 /// The bytes of a file: at most 4 GiB unpacked, and beyond 256 MiB 200 times as many as packed.

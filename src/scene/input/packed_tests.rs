@@ -127,8 +127,8 @@ fn zips() {
     assert_eq!(hash(&at("a.zip")), hash(&at("b.obj.zip")));
     assert_eq!(hash(&at("c.zip")), hash(&at("plain.city.jsonl")));
     zip("two.zip", &[("a.obj", obj), ("b.obj", obj)]);
-    zip("other.zip", &[("a.ifc", b"x")]);
-    for (name, expected) in [("two.zip", "holds 2 files, not one"), ("other.zip", "found a name that ends with .ifc")] {
+    zip("other.zip", &[("a.abc", b"x")]);
+    for (name, expected) in [("two.zip", "holds 2 files, not one"), ("other.zip", "found a name that ends with .abc")] {
         let found = Scene::load(&at(name), None).expect_err(name).to_string();
         assert!(found.contains(expected), "{found}");
     }
@@ -139,13 +139,13 @@ fn zips() {
 fn refused_in_words() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     fs::write(folder.path().join("town.obj"), "").expect("written");
-    fs::write(folder.path().join("town.ifc.gz"), "").expect("written");
+    fs::write(folder.path().join("town.abc.gz"), "").expect("written");
     fs::write(folder.path().join("town"), "").expect("written");
     for (name, expected) in [
         ("", "is a folder without a site.toml\n  to fix: name the scene files in it"),
         ("a/town.obj", ": No such file: there is no folder `a` in "),
         ("twon.obj", "town.obj?"),
-        ("town.ifc.gz", "found a name that ends with .ifc, this release supports .json, .jsonl, .cityjson"),
+        ("town.abc.gz", "found a name that ends with .abc, this release supports .json, .jsonl, .cityjson"),
         ("town", "found a name without ending, this release supports .json"),
     ] {
         let found = Site::of(&[folder.path().join(name)], None).and_then(|site| Scene::load_site(&site));

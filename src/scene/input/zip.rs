@@ -62,6 +62,56 @@ pub(super) fn single(bytes: &[u8], file: &Path) -> Result<Option<Single>> {
     Ok(Some(Single { name: name.clone(), bytes: plain }))
 }
 
+/// Parts of a shapefile.
+pub(crate) struct ShapefileParts {
+    /// The `.shp`.
+    pub shapes: Vec<u8>,
+    /// The `.dbf`.
+    pub table: Option<Vec<u8>>,
+    /// The `.prj`.
+    pub system: Option<Vec<u8>>,
+}
+
+/// The one shapefile in a zip; `None` for what is no zip, or one without a shapefile.
+pub(crate) fn shapefile(bytes: &[u8], file: &Path) -> Result<Option<ShapefileParts>> {
+    if !bytes.starts_with(MAGIC) {
+        return Ok(None);
+    }
+    let refuse = |what: String| Error::input(file, None, what, UNPACK);
+    let damaged = |error: &dyn std::fmt::Display| refuse(format!("the zip is damaged or cut off: {error}"));
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(&error))?;
+    let names: Vec<String> =
+        zip.file_names().filter_map(|name| Some(name.ok()?.into_owned())).filter(|name| is_file(name)).collect();
+    let ends = |name: &&String, ending: &str| name.to_lowercase().ends_with(ending);
+    let shapes: Vec<&String> = names.iter().filter(|name| ends(name, ".shp")).collect();
+    let (first, others) = match shapes.as_slice() {
+        [] => return Ok(None),
+        [first, others @ ..] => (*first, others),
+    };
+    if let Some(other) = others.first() {
+        let [first, other] = [first, *other].map(|name| excerpt(name.as_bytes()));
+        return Err(refuse(format!("the zip holds several shapefiles: `{first}`, `{other}`")));
+    }
+    let stem = first.get(..first.len() - 4).unwrap_or_default();
+    let mut part = |ending: &str| -> Result<Option<Vec<u8>>> {
+        let wanted = names.iter().find(|name| {
+            name.get(..stem.len()) == Some(stem)
+                && name.get(stem.len()..).is_some_and(|end| end.eq_ignore_ascii_case(ending))
+        });
+        let Some(name) = wanted else { return Ok(None) };
+        let entry = zip.by_name(name).map_err(|error| damaged(&error))?;
+        let most = most(entry.compressed_size().min(bytes.len() as u64));
+        let mut plain = Vec::new();
+        entry.take(most + 1).read_to_end(&mut plain).map_err(|error| damaged(&error))?;
+        if plain.len() as u64 > most {
+            return Err(refuse(format!("`{}` in the zip unpacks to more than {most} bytes", excerpt(name.as_bytes()))));
+        }
+        Ok(Some(plain))
+    };
+    let shapes = part(".shp")?.unwrap_or_default();
+    Ok(Some(ShapefileParts { shapes, table: part(".dbf")?, system: part(".prj")? }))
+}
+
 fn is_file(name: &str) -> bool {
     let last = name.rsplit('/').next().unwrap_or_default();
     !name.ends_with('/') && !name.starts_with("__MACOSX/") && last != ".DS_Store" && !last.starts_with("._")

@@ -23,7 +23,7 @@ pub use geometry::{GeometryTable, MAX_TRIANGLES};
 pub use index::IndexTable;
 pub use materials::MaterialsTable;
 pub use names::{NAMES_A_CHUNK, NameOf, NameRow, NamesTable};
-pub use objects::ObjectsTable;
+pub use objects::{MAX_ATTRIBUTES, ObjectsTable};
 pub use optics::{MirrorsTable, OpticsTable};
 pub use overview::{NORMAL_STEPS, OverviewTable};
 pub use parts::PartsTable;

@@ -8,7 +8,7 @@ use crate::archive::format::{MAX_STRING, OBJECTS};
 use crate::archive::tables::{Flaw, MAX_TRIANGLES, column, table};
 use crate::site::scene_object::{ObjectNote, SceneObject};
 
-/// Objects of a chunk of triangles, a row each, and the object of each triangle, schema 1; as many triangles as its block of the scene has.
+/// Objects of a chunk of triangles, a row each, and the object of each triangle, schema 2; as many triangles as its block of the scene has.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct ObjectsTable {
     /// Each one greater than the one before by its bytes.
@@ -23,7 +23,12 @@ pub struct ObjectsTable {
     pub beside: Vec<u8>,
     /// Row of `name`, one for each triangle.
     pub row: Vec<u16>,
+    /// A JSON object or nothing, row by row as `name`.
+    pub attributes: Vec<String>,
 }
+
+/// Most bytes of the attributes of an object.
+pub const MAX_ATTRIBUTES: usize = 16_384;
 
 table!(ObjectsTable, [OBJECTS]);
 
@@ -44,6 +49,7 @@ impl ObjectsTable {
                 let columns = [&mut table.name, &mut table.object, &mut table.building, &mut table.object_type];
                 columns.into_iter().zip(texts).for_each(|(column, text)| column.push(text));
                 table.beside.push(u8::from(note.beside));
+                table.attributes.push(kept(&note.attributes).to_owned());
             }
             rows.insert(number, u16::try_from(table.name.len().saturating_sub(1)).unwrap_or(NO_ROW));
         }
@@ -53,13 +59,14 @@ impl ObjectsTable {
 
     /// The objects.
     pub fn objects(self) -> Vec<SceneObject> {
-        let ObjectsTable { name, object, building, object_type, beside, .. } = self;
-        let notes = object.into_iter().zip(building).zip(object_type.into_iter().zip(beside));
-        let notes = notes.map(|((object, building), (object_type, beside))| ObjectNote {
+        let ObjectsTable { name, object, building, object_type, beside, attributes, .. } = self;
+        let notes = object.into_iter().zip(building).zip(object_type.into_iter().zip(beside)).zip(attributes);
+        let notes = notes.map(|(((object, building), (object_type, beside)), attributes)| ObjectNote {
             object,
             building,
             object_type,
             beside: beside == 1,
+            attributes,
         });
         name.into_iter().zip(notes).map(|(name, note)| SceneObject { name, note }).collect()
     }
@@ -81,6 +88,7 @@ impl ObjectsTable {
         if !self.name.array_windows().all(|[a, b]| a < b) {
             return Err(Flaw::new("a name after one that belongs behind it", "names in order"));
         }
+        column("attributes", &self.attributes, names, "0 to 16384 bytes", |text| text.len() <= MAX_ATTRIBUTES)?;
         column("beside", &self.beside, names, "0 or 1", |beside| *beside <= 1)?;
         column("row", &self.row, rows, "a row of the names", |row| usize::from(*row) < names)
     }
@@ -88,6 +96,11 @@ impl ObjectsTable {
 
 /// No row, unless every triangle of a chunk is an object of its own: then each has a row.
 const NO_ROW: u16 = u16::MAX;
+
+/// Attributes that an archive holds: a part of a JSON object is none.
+fn kept(attributes: &str) -> &str {
+    if attributes.len() <= MAX_ATTRIBUTES { attributes } else { "" }
+}
 
 /// As much of a name as an archive holds.
 fn within(name: &str) -> &str {
@@ -108,6 +121,7 @@ mod tests {
         };
         let mut barn = named("barn", false);
         (barn.note.building, barn.note.object_type) = ("farm".to_owned(), "BuildingPart".to_owned());
+        barn.note.attributes = r#"{"year":1901}"#.to_owned();
         ObjectsTable::new(&[barn, named("house", false), named("tree", true)], &[2, 0, 2])
     }
 
@@ -126,17 +140,18 @@ mod tests {
         assert!(refused > 100 && refused + accepted > 1100, "{refused} {accepted}");
     }
 
-    /// Each of 6 values out of range is refused: names out of order, twice and too long, an object that has no name, a mark that is none, a
-    /// column that is too short.
+    /// Each of 7 values out of range is refused: names out of order, twice and too long, an object that has no name, a mark that is none, a
+    /// column that is too short, attributes that are too long.
     #[test]
     fn ranges_are_checked() {
-        let flaws: [fn(&mut ObjectsTable); 6] = [
+        let flaws: [fn(&mut ObjectsTable); 7] = [
             |t| t.name.reverse(),
             |t| t.name[1] = "barn".into(),
             |t| t.name[1] = "x".repeat(1025),
             |t| t.row[1] = 2,
             |t| t.beside[0] = 2,
             |t| t.building.truncate(1),
+            |t| t.attributes[0] = "x".repeat(16_385),
         ];
         // A triangle of an object that is not there.
         assert!(ObjectsTable::new(&[SceneObject::default()], &[0, 1]).to_bytes().is_err());
@@ -145,7 +160,7 @@ mod tests {
             flaw(&mut wrong);
             wrong.to_bytes().is_err()
         });
-        assert_eq!(refused.count(), 6);
+        assert_eq!(refused.count(), 7);
     }
 
     /// Names of 1030 bytes are cut to 1024, or to 1023 where a letter ends there; two that are then equal are one object.

@@ -8,8 +8,9 @@ use glam::DVec3;
 use crate::cli::Metres;
 use crate::cli::sites::parse_crs;
 use crate::cli::values::{Bytes, choice, parse_memory};
-use crate::cli::{AccuracyArgs, MaterialsArgs};
+use crate::cli::{AccuracyArgs, FootprintArgs, MaterialsArgs};
 use heliotile_energyplus::{EnergyplusRequest, Physics};
+use heliotile_scene::request::SceneRequest;
 
 #[derive(Args, Debug)]
 pub struct EnergyplusArgs {
@@ -52,6 +53,8 @@ pub struct EnergyplusArgs {
     #[command(flatten)]
     pub surfaces: MaterialsArgs,
     #[command(flatten)]
+    pub footprints: FootprintArgs,
+    #[command(flatten)]
     pub accuracy: AccuracyArgs,
     /// Replace what the folder holds of another model, scene, spacing or accuracy, which is refused otherwise
     #[arg(long)]
@@ -76,7 +79,7 @@ impl EnergyplusArgs {
             run: self.run,
             energyplus: self.energyplus.clone(),
             spacing_m: self.spacing.0,
-            surfaces: self.surfaces.request(&[]),
+            surfaces: SceneRequest { footprints: self.footprints.options(), ..self.surfaces.request(&[]) },
             accuracy: self.accuracy.request(),
             replace: self.replace,
         }

@@ -27,7 +27,7 @@ pub struct ReceiversArgs {
     pub along: Option<PathBuf>,
     /// Height of eyes above the road, or above the ground of the scene where --along states no z
     #[arg(long, value_name = "LENGTH", default_value = "1.2m", requires = "along")]
-    pub height: Metres,
+    pub eye_height: Metres,
     /// Of --along: people travel back as well
     #[arg(long, requires = "along")]
     pub both_ways: bool,
@@ -62,7 +62,7 @@ impl ReceiversArgs {
     /// The lines that are asked for.
     pub fn along(&self) -> Option<AlongRequest> {
         let lines = self.along.clone()?;
-        let (spacing_m, height_m) = (self.cover.spacing.0, self.height.0);
+        let (spacing_m, height_m) = (self.cover.spacing.0, self.eye_height.0);
         Some(AlongRequest { lines, spacing_m, height_m, both_ways: self.both_ways })
     }
 }

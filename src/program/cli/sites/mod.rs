@@ -18,7 +18,7 @@ pub use cover::{CoverArgs, Metres, ReceiversArgs};
 pub use partition::{CatalogueArgs, FindArgs, PartitionArgs};
 pub use quality::{AccuracyArgs, Percent, parse_negligible};
 pub use run::RunArgs;
-pub use scene::{MaterialsArgs, PlaceArgs, SceneArgs, parse_crs, parse_latitude, parse_longitude};
+pub use scene::{FootprintArgs, MaterialsArgs, PlaceArgs, SceneArgs, parse_crs, parse_latitude, parse_longitude};
 pub use study::{RaySquare, StudyArgs, StudyCommand, WallArgs};
 pub use tradeoff::TradeoffArgs;
 pub use update::UpdateArgs;

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::cli::Metres;
 use clap::Args;
 use heliotile_core::error;
 use heliotile_scene::ModelVersion;
+use heliotile_scene::footprints::options::{FootprintOptions, HeightSource};
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis, check_elevation, check_epsg, check_rotation, check_scale};
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
@@ -12,14 +14,42 @@ use heliotile_scene::site::Site;
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
     /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl, .cityjson), terrain (.tif,
-    /// .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz or .zip;
-    /// metres, x east, y north, z up
+    /// .asc, .dem), footprints (.geojson, .shp, .gpkg, .parquet), EnergyPlus (.epjson, .idf), Honeybee (.hbjson), glTF (.gltf, .glb), .obj,
+    /// .ply, .stl, each maybe .gz or .zip; metres, x east, y north, z up; footprints may be in degrees
     #[arg(required = true, value_name = "SCENE")]
     pub scene: Vec<PathBuf>,
     #[command(flatten)]
     pub surfaces: MaterialsArgs,
     #[command(flatten)]
     pub place: PlaceArgs,
+    #[command(flatten)]
+    pub footprints: FootprintArgs,
+}
+
+/// Where buildings of footprints begin and end.
+#[derive(Args, Clone, Debug, Default)]
+pub struct FootprintArgs {
+    /// Heights of buildings above their base, for files of footprints: a column, or metres for all, or several of which the first that is stated
+    /// counts, as in HGT,9m [default: height, building:height and the like, then storeys]
+    #[arg(long, value_delimiter = ',', value_name = "COLUMN|METRES")]
+    pub height: Vec<HeightSource>,
+    /// Height of a storey, for footprints that state storeys and no height [default: 3m]
+    #[arg(long, value_name = "LENGTH")]
+    pub storey_height: Option<Metres>,
+    /// Where buildings of footprints begin: a column, or metres [default: the lowest terrain below the outline, 0 without terrain]
+    #[arg(long, value_name = "COLUMN|METRES")]
+    pub base: Option<HeightSource>,
+}
+
+impl FootprintArgs {
+    /// What is said here.
+    pub fn options(&self) -> FootprintOptions {
+        FootprintOptions {
+            height: self.height.clone(),
+            storey_height_m: self.storey_height.map(|length| length.0),
+            base: self.base.clone(),
+        }
+    }
 }
 
 /// What surfaces reflect, and whether there is ground.
@@ -50,13 +80,8 @@ impl MaterialsArgs {
             materials_only: self.materials_only,
             no_ground: self.no_ground,
             assume_version: self.assume_version,
-            frame: SiteFrame::default(),
+            ..SceneRequest::default()
         }
-    }
-
-    /// A site of files.
-    pub fn site(&self, files: &[PathBuf]) -> error::Result<Site> {
-        self.request(files).site()
     }
 }
 
@@ -90,7 +115,8 @@ pub struct PlaceArgs {
 impl SceneArgs {
     /// The scene that is asked for.
     pub fn request(&self) -> SceneRequest {
-        SceneRequest { frame: self.place.frame(), ..self.surfaces.request(&self.scene) }
+        let (frame, footprints) = (self.place.frame(), self.footprints.options());
+        SceneRequest { frame, footprints, ..self.surfaces.request(&self.scene) }
     }
 
     /// The files of the scene.

@@ -1,6 +1,7 @@
 //! The columns of a map. In: the layout of a table, its labels. Out: names and units, wide: one row a place, and a tile's values in that order.
 
 use super::row::MapRow;
+use super::stated::{StatedColumns, TextKind};
 use crate::outputs::groups::{Extent, ONE_WAY};
 use crate::outputs::periods::Every;
 use crate::outputs::pictures::colours::ColourScale;
@@ -33,7 +34,10 @@ enum Wide {
 /// Columns of a map.
 #[derive(Clone, Debug)]
 pub struct MapColumns {
+    /// Names: of the place, of what it is a part of, then of what the model states.
     pub texts: Vec<String>,
+    /// `[column of texts]`: what its values are.
+    pub kinds: Vec<TextKind>,
     /// Names and units.
     pub numbers: Vec<(String, &'static str)>,
     /// The number that gives colours.
@@ -99,6 +103,7 @@ impl MapColumns {
     /// Without values, which are written for each label apart.
     pub fn of_places(layout: &Layout) -> Self {
         MapColumns {
+            kinds: texts(layout.by).iter().map(|_| TextKind::Text).collect(),
             texts: texts(layout.by),
             numbers: facts().collect(),
             colour: 0,
@@ -112,6 +117,20 @@ impl MapColumns {
             by: layout.by,
             has_sum: false,
         }
+    }
+
+    /// The same with what the model states of objects.
+    pub fn stating(mut self, stated: &StatedColumns) -> Self {
+        for (name, kind) in &stated.columns {
+            self.texts.push(name.clone());
+            self.kinds.push(*kind);
+        }
+        self
+    }
+
+    /// Names of all columns.
+    pub fn names(&self) -> Vec<String> {
+        self.texts.iter().cloned().chain(self.numbers.iter().map(|(name, _)| name.clone())).collect()
     }
 
     /// The quantity that stands for all, in words.

@@ -10,6 +10,7 @@ use super::columns::MapColumns;
 use super::crs::MapCrs;
 use super::row::MapRow;
 use super::rows::MapRows;
+use super::stated::TextKind;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use heliotile_core::error::{Error, Result};
@@ -68,8 +69,14 @@ pub fn write(sink: Sink, rows: &mut MapRows, columns: &MapColumns, crs: &MapCrs,
         ..FgbWriterOptions::default()
     };
     let mut writer = FgbWriter::create_with_options(&name, kind, options).map_err(|error| failed(&path, error))?;
-    for name in &columns.texts {
-        writer.add_column(name, ColumnType::String, |_, _| {});
+    for (name, kind) in columns.texts.iter().zip(&columns.kinds) {
+        let kind = match kind {
+            TextKind::Text => ColumnType::String,
+            TextKind::Whole => ColumnType::Long,
+            TextKind::Number => ColumnType::Double,
+            TextKind::Truth => ColumnType::Bool,
+        };
+        writer.add_column(name, kind, |_, _| {});
     }
     for (name, unit) in &columns.numbers {
         writer.add_column(name, ColumnType::Float, |builder, column| {
@@ -80,7 +87,12 @@ pub fn write(sink: Sink, rows: &mut MapRows, columns: &MapColumns, crs: &MapCrs,
         columns.texts.iter().map(String::as_str).chain(columns.numbers.iter().map(|(name, _)| name.as_str())).collect();
     rows.each(|row| {
         let mut properties = Ok(());
-        let texts = row.texts.iter().map(|text| (!text.is_empty()).then_some(ColumnValue::String(text)));
+        let texts = row.texts.iter().zip(&columns.kinds).map(|(text, kind)| match kind {
+            TextKind::Text => (!text.is_empty()).then_some(ColumnValue::String(text)),
+            TextKind::Whole => text.parse().ok().map(ColumnValue::Long),
+            TextKind::Number => text.parse().ok().map(ColumnValue::Double),
+            TextKind::Truth => text.parse().ok().map(ColumnValue::Bool),
+        });
         let numbers = row.numbers.iter().map(|number| number.is_finite().then_some(ColumnValue::Float(*number)));
         let added = writer.add_feature_geom(Shape { row, crs, multi }, |feature| {
             for (i, (value, name)) in texts.chain(numbers).zip(&names).enumerate() {

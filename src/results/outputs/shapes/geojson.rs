@@ -45,8 +45,8 @@ pub fn write(
 }
 
 fn feature(row: &MapRow, columns: &MapColumns, crs: &MapCrs) -> Option<Value> {
-    let texts = columns.texts.iter().zip(&row.texts);
-    let texts = texts.map(|(name, text)| (name.clone(), if text.is_empty() { Value::Null } else { json!(text) }));
+    let texts = columns.texts.iter().zip(&columns.kinds).zip(&row.texts);
+    let texts = texts.map(|((name, kind), text)| (name.clone(), kind.json(text)));
     let numbers = columns.numbers.iter().zip(&row.numbers);
     // As few digits as a 32-bit number needs; what is not finite is null in JSON.
     let short = |number: &f32| number.to_string().parse::<f64>().map_or(Value::Null, |number| json!(number));

@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
-use arrow_array::builder::{BinaryBuilder, Float32Builder, Float64Builder, StringBuilder};
+use arrow_array::builder::{
+    BinaryBuilder, BooleanBuilder, Float32Builder, Float64Builder, Int64Builder, StringBuilder,
+};
 use arrow_array::{ArrayRef, RecordBatch, StructArray};
 use arrow_schema::{DataType, Field, Fields, Metadata, Schema};
 use parquet::arrow::ArrowWriter;
@@ -17,6 +19,7 @@ use super::columns::MapColumns;
 use super::crs::MapCrs;
 use super::row::MapRow;
 use super::rows::MapRows;
+use super::stated::TextKind;
 use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use heliotile_core::error::{Error, Result};
@@ -36,17 +39,54 @@ const MULTIPOLYGON_Z: u32 = 1006;
 
 /// Columns of some rows.
 struct Batch {
-    texts: Vec<StringBuilder>,
+    texts: Vec<TextColumn>,
     numbers: Vec<Float32Builder>,
     corners: [Float64Builder; 4],
     geometry: BinaryBuilder,
     rows: usize,
 }
 
+/// A column of texts, or of what they stand for.
+enum TextColumn {
+    Text(StringBuilder),
+    Whole(Int64Builder),
+    Number(Float64Builder),
+    Truth(BooleanBuilder),
+}
+
+impl TextColumn {
+    fn new(kind: TextKind) -> Self {
+        match kind {
+            TextKind::Text => TextColumn::Text(StringBuilder::new()),
+            TextKind::Whole => TextColumn::Whole(Int64Builder::new()),
+            TextKind::Number => TextColumn::Number(Float64Builder::new()),
+            TextKind::Truth => TextColumn::Truth(BooleanBuilder::new()),
+        }
+    }
+
+    fn append(&mut self, text: &str) {
+        match self {
+            TextColumn::Text(column) => column.append_option((!text.is_empty()).then_some(text)),
+            TextColumn::Whole(column) => column.append_option(text.parse().ok()),
+            TextColumn::Number(column) => column.append_option(text.parse().ok()),
+            TextColumn::Truth(column) => column.append_option(text.parse().ok()),
+        }
+    }
+
+    fn finish(&mut self) -> ArrayRef {
+        match self {
+            TextColumn::Text(column) => Arc::new(column.finish()),
+            TextColumn::Whole(column) => Arc::new(column.finish()),
+            TextColumn::Number(column) => Arc::new(column.finish()),
+            TextColumn::Truth(column) => Arc::new(column.finish()),
+        }
+    }
+}
+
 impl Batch {
     fn new(columns: &MapColumns) -> Self {
         Batch {
-            texts: columns.texts.iter().map(|_| StringBuilder::new()).collect(),
+            texts: columns.kinds.iter().map(|kind| TextColumn::new(*kind)).collect(),
             numbers: columns.numbers.iter().map(|_| Float32Builder::new()).collect(),
             corners: Default::default(),
             geometry: BinaryBuilder::new(),
@@ -56,7 +96,7 @@ impl Batch {
 
     fn add(&mut self, row: &MapRow, crs: &MapCrs) {
         for (column, text) in self.texts.iter_mut().zip(&row.texts) {
-            column.append_option((!text.is_empty()).then_some(text));
+            column.append(text);
         }
         for (column, number) in self.numbers.iter_mut().zip(&row.numbers) {
             column.append_option(number.is_finite().then_some(*number));
@@ -74,7 +114,7 @@ impl Batch {
     fn finish(&mut self, schema: &Arc<Schema>) -> std::result::Result<RecordBatch, ParquetError> {
         let corners = self.corners.iter_mut().map(|column| Arc::new(column.finish()) as ArrayRef).collect();
         let boxes = StructArray::new(box_fields(), corners, None);
-        let texts = self.texts.iter_mut().map(|column| Arc::new(column.finish()) as ArrayRef);
+        let texts = self.texts.iter_mut().map(TextColumn::finish);
         let numbers = self.numbers.iter_mut().map(|column| Arc::new(column.finish()) as ArrayRef);
         let mut columns: Vec<ArrayRef> = texts.chain(numbers).collect();
         columns.push(Arc::new(boxes));
@@ -139,7 +179,15 @@ fn box_fields() -> Fields {
 }
 
 fn schema(columns: &MapColumns, about: &Provenance) -> Schema {
-    let texts = columns.texts.iter().map(|name| Field::new(name, DataType::Utf8, true));
+    let texts = columns.texts.iter().zip(&columns.kinds).map(|(name, kind)| {
+        let kind = match kind {
+            TextKind::Text => DataType::Utf8,
+            TextKind::Whole => DataType::Int64,
+            TextKind::Number => DataType::Float64,
+            TextKind::Truth => DataType::Boolean,
+        };
+        Field::new(name, kind, true)
+    });
     let numbers = columns.numbers.iter().map(|(name, unit)| {
         let unit = Metadata::from([("unit".to_string(), (*unit).to_string())]);
         Field::new(name, DataType::Float32, true).with_metadata(unit)

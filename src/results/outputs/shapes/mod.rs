@@ -17,6 +17,7 @@ mod ply;
 mod pvd;
 pub mod row;
 mod rows;
+pub mod stated;
 mod vtu;
 pub mod writer;
 

@@ -10,6 +10,7 @@ use super::picture::{self, Drawn};
 use super::pvd::Series;
 use super::row::MapPolygon;
 use super::rows::{MapFacts, MapRows, RowSpool};
+use super::stated::StatedColumns;
 use super::{flatgeobuf, geojson, geoparquet, glb, ply, pvd, vtu};
 use crate::outputs::groups::Extent;
 use crate::outputs::periods::Every;
@@ -18,6 +19,7 @@ use crate::outputs::quantities::PlaceValues;
 use crate::outputs::sink::Sink;
 use crate::outputs::tables::layout::Layout;
 use crate::outputs::tables::row_labels::RowLabels;
+use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::site::north::North;
@@ -121,6 +123,8 @@ pub struct MapRequest<'a> {
     pub folder: PathBuf,
     pub storage: &'a dyn ScratchSpace,
     pub memory_bytes: usize,
+    /// Archives whose objects have attributes.
+    pub archives: Vec<&'a Archive>,
 }
 
 impl MapRequest<'_> {
@@ -146,6 +150,7 @@ pub struct MapWriter<'a> {
     request: MapRequest<'a>,
     shapes: PlaceShapes<'a>,
     columns: MapColumns,
+    stated: StatedColumns,
     rows: RowSpool,
     series: Option<Series>,
 }
@@ -154,12 +159,14 @@ impl<'a> MapWriter<'a> {
     /// Starts a map; errors as of [`MapRequest::columns`].
     pub fn create(request: MapRequest<'a>, shapes: PlaceShapes<'a>) -> Result<Self> {
         let columns = request.columns()?;
+        let stated = StatedColumns::of(request.archives.iter().copied(), &columns.names())?;
+        let columns = columns.stating(&stated);
         let rows = RowSpool::new(&request.folder, request.memory_bytes, &columns);
         let series = match request.format {
             MapFormat::Pvd => Some(Series::new(request.layout, request.labels, request.storage)?),
             _ => None,
         };
-        Ok(MapWriter { request, shapes, columns, rows, series })
+        Ok(MapWriter { request, shapes, columns, stated, rows, series })
     }
 
     /// Appends some places, as [`crate::outputs::result_table::ResultTable::write_tile`] does.
@@ -188,6 +195,7 @@ impl<'a> MapWriter<'a> {
             let drawn_m2 = || polygons.iter().map(MapPolygon::area_m2).sum();
             let area_m2 = extent.area_m2.unwrap_or_else(drawn_m2);
             let mut row = self.columns.row(name, &common, &extent, area_m2, values, i);
+            row.texts.extend(self.stated.row(&common.part));
             row.polygons = polygons;
             self.rows.push(&row)?;
         }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::epsg_numbers::{Axes, axes_of};
+use crate::epsg_numbers::{Axes, axes_of, epsg_in_text};
 use crate::formats::cityjson::document::Document;
 use crate::reference::Reference;
 use crate::text::excerpt;
@@ -46,7 +46,7 @@ impl Frame {
 
 /// Where `metadata.referenceSystem` says that coordinates lie; coordinates in degrees are an error.
 pub(super) fn reference(text: &str, file: &Path, warnings: &mut Vec<String>) -> Result<Option<Reference>> {
-    let number = epsg(text);
+    let number = epsg_in_text(text);
     let axes = number.and_then(axes_of);
     if axes == Some(Axes::Geocentric) {
         let what = format!("coordinates are geocentric: `metadata.referenceSystem` is `{}`", excerpt(text.as_bytes()));
@@ -69,15 +69,6 @@ pub(super) fn reference(text: &str, file: &Path, warnings: &mut Vec<String>) -> 
     Ok(number.map(Reference::Epsg))
 }
 
-/// The number behind the first `EPSG`: of `https://www.opengis.net/def/crs/EPSG/0/7415`, `urn:ogc:def:crs:EPSG::7415`,
-/// `EPSG:7415`, and the first, horizontal one of `urn:ogc:def:crs,crs:EPSG::28992,crs:EPSG::5709`.
-fn epsg(text: &str) -> Option<u32> {
-    let upper = text.to_ascii_uppercase();
-    let (_, behind) = upper.split_once("EPSG")?;
-    let words = behind.split([',', '&', '+', '?']).next().unwrap_or_default();
-    words.split(['/', ':', '#']).rfind(|word| !word.is_empty())?.parse().ok()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -97,7 +88,7 @@ mod tests {
             ("EPSG", None),
             ("Amersfoort / RD New", None),
         ] {
-            assert_eq!(epsg(text), expected, "{text}");
+            assert_eq!(epsg_in_text(text), expected, "{text}");
         }
     }
 

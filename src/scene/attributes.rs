@@ -1,0 +1,75 @@
+//! What files state of objects besides geometry. In: JSON values. Out: one JSON object of texts, numbers and truth values, as archives keep it.
+
+use heliotile_core::archive::tables::MAX_ATTRIBUTES;
+use serde_json::{Map, Value};
+
+/// Objects within objects are taken apart so deep: `names.primary` of Overture.
+const DEPTH: usize = 3;
+/// Longer texts are no names or numbers.
+const LONGEST_TEXT: usize = 1000;
+
+/// Attributes without nested values, by dotted names; lists, empty values and what is too long are left out.
+pub(crate) fn flat(attributes: &Map<String, Value>) -> Map<String, Value> {
+    let mut all = Map::new();
+    add(&mut all, "", attributes, DEPTH);
+    all
+}
+
+fn add(all: &mut Map<String, Value>, before: &str, attributes: &Map<String, Value>, depth: usize) {
+    for (name, value) in attributes {
+        let name = format!("{before}{name}");
+        match value {
+            Value::Object(inner) if depth > 1 => add(all, &format!("{name}."), inner, depth - 1),
+            Value::Number(_) | Value::Bool(_) => drop(all.insert(name, value.clone())),
+            Value::String(text) if !text.is_empty() && text.len() <= LONGEST_TEXT => {
+                all.insert(name, value.clone());
+            }
+            _ => {}
+        }
+    }
+}
+
+/// As a text that an archive can keep: names of the alphabet's end go where there is no room for all. Nothing for no attributes.
+pub(crate) fn text_of(mut attributes: Map<String, Value>) -> String {
+    loop {
+        if attributes.is_empty() {
+            return String::new();
+        }
+        let names: Vec<String> = attributes.keys().cloned().collect();
+        let text = Value::Object(attributes.clone()).to_string();
+        if text.len() <= MAX_ATTRIBUTES {
+            return text;
+        }
+        // Half of them at a time.
+        let mut names = names;
+        names.sort_unstable();
+        for name in names.iter().skip(names.len() / 2) {
+            attributes.remove(name);
+        }
+    }
+}
+
+/// The same of a text that may be no JSON object.
+pub(crate) fn object_of(text: &str) -> Map<String, Value> {
+    serde_json::from_str(text).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    /// Of 7 attributes 4 are kept, one of them from within another; of 400 texts of 100 bytes so many are kept as 16 KiB hold.
+    #[test]
+    fn attributes_become_flat() {
+        let value = json!({
+            "id": 7, "name": "Hall", "listed": true, "names": {"primary": "H", "rules": [1]}, "none": null, "empty": "", "list": [1]
+        });
+        let flat = flat(value.as_object().expect("an object"));
+        assert_eq!(text_of(flat), r#"{"id":7,"listed":true,"name":"Hall","names.primary":"H"}"#);
+        let many: Map<String, Value> = (0..400).map(|i| (format!("k{i:03}"), json!("x".repeat(100)))).collect();
+        let text = text_of(many);
+        assert!(text.len() <= MAX_ATTRIBUTES && object_of(&text).len() == 100);
+        assert_eq!((text_of(Map::new()), object_of("[1]").len()), (String::new(), 0));
+    }
+}

@@ -1,0 +1,144 @@
+//! The ground that buildings stand on. In: rasters in scene coordinates, and triangles of class ground. Out: the height of the ground at a place,
+//! the lowest one below an outline.
+
+use glam::{DVec2, DVec3};
+
+use crate::footprints::footprint::PlanRing;
+use crate::terrain::raster::Raster;
+
+/// The ground is looked up at the corners of an outline and so far apart along its sides, metres.
+const STEP_M: f64 = 5.0;
+/// Places along one side at most.
+const MOST_STEPS: f64 = 200.0;
+
+/// Triangles of terrain have as many cells as there are triangles, but for these.
+const LEAST_CELL_M: f64 = 0.5;
+/// Cells that a triangle is listed in at most: one that reaches over more of them is asked for every place.
+const MOST_CELLS: i64 = 4096;
+
+/// Terrain of all files of a scene.
+pub(crate) struct GroundBelow<'a> {
+    rasters: Vec<&'a Raster>,
+    triangles: Vec<[DVec3; 3]>,
+    low: DVec2,
+    cell_m: f64,
+    /// Cell and triangle, sorted.
+    cells: Vec<([i64; 2], u32)>,
+    /// Triangles of too many cells.
+    large: Vec<u32>,
+}
+
+impl<'a> GroundBelow<'a> {
+    pub(crate) fn new(rasters: Vec<&'a Raster>, triangles: Vec<[DVec3; 3]>) -> Self {
+        let corners = || triangles.iter().flatten().map(|corner| corner.truncate());
+        let low = corners().fold(DVec2::INFINITY, DVec2::min);
+        let size = corners().fold(DVec2::NEG_INFINITY, DVec2::max) - low;
+        let cell_m = (size.x * size.y / triangles.len().max(1) as f64).sqrt();
+        let cell_m = if cell_m.is_finite() { cell_m.max(LEAST_CELL_M) } else { LEAST_CELL_M };
+        let mut ground = GroundBelow { rasters, triangles, low, cell_m, cells: Vec::new(), large: Vec::new() };
+        for (number, triangle) in (0..).zip(&ground.triangles) {
+            let [a, b, c] = triangle.map(|corner| corner.truncate());
+            let ([x0, y0], [x1, y1]) = (ground.cell(a.min(b).min(c)), ground.cell(a.max(b).max(c)));
+            if (x1 - x0 + 1).saturating_mul(y1 - y0 + 1) > MOST_CELLS {
+                ground.large.push(number);
+                continue;
+            }
+            for x in x0..=x1 {
+                ground.cells.extend((y0..=y1).map(|y| ([x, y], number)));
+            }
+        }
+        ground.cells.sort_unstable();
+        ground
+    }
+
+    /// Whether there is any.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.rasters.is_empty() && self.triangles.is_empty()
+    }
+
+    /// The lowest ground below some outlines; `None` where there is none.
+    pub(crate) fn lowest<'r>(&self, rings: impl Iterator<Item = &'r PlanRing>) -> Option<f64> {
+        let mut lowest: Option<f64> = None;
+        for ring in rings {
+            for (a, b) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+                let steps = (a.distance(*b) / STEP_M).ceil().clamp(1.0, MOST_STEPS);
+                for step in 0..steps as u32 {
+                    let height = self.height(a.lerp(*b, f64::from(step) / steps));
+                    lowest = height.map(|height| lowest.map_or(height, |lowest| lowest.min(height))).or(lowest);
+                }
+            }
+        }
+        lowest
+    }
+
+    /// Height of the ground at a place: of the first raster that has one, else of the highest triangle.
+    fn height(&self, at: DVec2) -> Option<f64> {
+        let of_raster = self.rasters.iter().find_map(|raster| of_raster(raster, at));
+        of_raster.or_else(|| {
+            let cell = self.cell(at);
+            let first = self.cells.partition_point(|(other, _)| *other < cell);
+            let own = self.cells.get(first..).unwrap_or_default().iter().take_while(|(other, _)| *other == cell);
+            let near = own.map(|(_, number)| *number).chain(self.large.iter().copied());
+            let heights = near.filter_map(|number| of_triangle(self.triangles.get(number as usize)?, at));
+            heights.reduce(f64::max)
+        })
+    }
+
+    fn cell(&self, at: DVec2) -> [i64; 2] {
+        // Saturates far away.
+        ((at - self.low) / self.cell_m).floor().to_array().map(|count| count as i64)
+    }
+}
+
+/// Between the four samples around a place; half a cell beyond the outermost ones, theirs.
+fn of_raster(raster: &Raster, at: DVec2) -> Option<f64> {
+    let grid = &raster.grid;
+    let place = (at - grid.first) / grid.step * DVec2::new(1.0, -1.0);
+    let last = DVec2::new(grid.columns as f64 - 1.0, grid.rows as f64 - 1.0);
+    if place.cmplt(DVec2::splat(-0.5)).any() || place.cmpgt(last + 0.5).any() {
+        return None;
+    }
+    let place = place.clamp(DVec2::ZERO, last);
+    let corner = place.floor().min(last - 1.0).max(DVec2::ZERO);
+    let ([column, row], [x, y]) = (corner.to_array().map(|count| count as i64), (place - corner).to_array());
+    let (mut height, mut weight) = (0.0, 0.0);
+    for (dx, dy, share) in [(0, 0, (1.0 - x) * (1.0 - y)), (1, 0, x * (1.0 - y)), (0, 1, (1.0 - x) * y), (1, 1, x * y)]
+    {
+        let sample = f64::from(raster.height(column + dx, row + dy));
+        if sample.is_finite() && share > 0.0 {
+            height += share * sample;
+            weight += share;
+        }
+    }
+    (weight > 0.0).then(|| height / weight)
+}
+
+fn of_triangle(triangle: &[DVec3; 3], at: DVec2) -> Option<f64> {
+    let [a, b, c] = *triangle;
+    let (ab, ac, p) = ((b - a).truncate(), (c - a).truncate(), at - a.truncate());
+    let turn = ab.perp_dot(ac);
+    let (u, v) = (p.perp_dot(ac) / turn, ab.perp_dot(p) / turn);
+    let inside = u >= -1e-9 && v >= -1e-9 && u + v <= 1.0 + 1e-9;
+    inside.then(|| a.z + u * (b.z - a.z) + v * (c.z - a.z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On a slope of 1 in 10, of two triangles of 100 m, the lowest ground below a house of 10 m at 20 m is 2 m high within 1e-9; beside it there is
+    /// none.
+    #[test]
+    fn the_lowest_corner_counts() {
+        let at = |x: f64, y: f64| DVec3::new(x, y, 0.1 * x);
+        let corners = [at(0., 0.), at(100., 0.), at(100., 100.), at(0., 100.)];
+        let slope = vec![[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]];
+        let ground = GroundBelow::new(Vec::new(), slope);
+        let house = |x: f64| -> PlanRing {
+            [(0., 0.), (10., 0.), (10., 10.), (0., 10.)].map(|(dx, dy)| DVec2::new(x + dx, 50.0 + dy)).to_vec()
+        };
+        assert!((ground.lowest([house(20.0)].iter()).expect("ground") - 2.0).abs() < 1e-9);
+        assert_eq!(ground.lowest([house(200.0)].iter()), None);
+        assert!(!ground.is_empty() && GroundBelow::new(Vec::new(), Vec::new()).is_empty());
+    }
+}

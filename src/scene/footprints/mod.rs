@@ -1,0 +1,31 @@
+//! Buildings from their footprints. In: outlines with heights, as files of footprints state them, and the ground below. Out: flat roofs and vertical
+//! walls, without the walls between buildings that touch.
+//!
+//! | file | what it holds |
+//! | --- | --- |
+//! | `options` | where heights come from: a column, storeys, or a number |
+//! | `stated` | height, foot and base of a building, from the attributes of its feature |
+//! | `footprint` | the outline of a building with its heights |
+//! | `region` | areas in plan: repaired, cut out of each other, measured |
+//! | `ground_below` | the height of terrain at a place |
+//! | `overlaps` | parts that stand on, in or under others |
+//! | `nodes` | corners of neighbours that lie in one place become one |
+//! | `shared_walls` | what of a wall a neighbour leaves free |
+//! | `raised` | faces: roofs, walls, undersides |
+//!
+//! # What never happens
+//!
+//! - A wall between two buildings that both stand there is kept.
+//! - The order of features decides where faces are.
+
+pub(crate) mod footprint;
+pub(crate) mod ground_below;
+mod nodes;
+pub mod options;
+mod overlaps;
+pub(crate) mod raised;
+pub(crate) mod region;
+mod shared_walls;
+pub(crate) mod stated;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,145 @@
+//! What is asked of footprints. In: texts of options and of `site.toml`. Out: where heights of buildings come from.
+
+use std::fmt::{self, Display};
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+/// Metres from floor to floor where nothing else is said: what OSM's page "Simple 3D Buildings" and 3D viewers of its data assume.
+pub const STOREY_HEIGHT_M: f64 = 3.0;
+
+/// Tallest building that is believed, metres: the tallest one of today has 828 m.
+pub const MAX_HEIGHT_M: f64 = 1000.0;
+
+/// The international foot.
+pub(crate) const FOOT_M: f64 = 0.3048;
+
+/// Where a height comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum HeightSource {
+    /// A column (attribute) of the features.
+    Column {
+        /// Its name.
+        name: String,
+        /// Metres a unit of its numbers.
+        unit_m: f64,
+    },
+    /// A number of metres for all of them.
+    Metres(f64),
+}
+
+/// Where heights of footprints come from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FootprintOptions {
+    /// Height of the roof above the base: the first of these that a feature states counts; none: the usual columns, then storeys.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub height: Vec<HeightSource>,
+    /// Metres from floor to floor, for features that state storeys and no height; none: [`STOREY_HEIGHT_M`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub storey_height_m: Option<f64>,
+    /// Height of the base in the scene; none: the lowest ground below the outline, or 0 without ground.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<HeightSource>,
+}
+
+impl FootprintOptions {
+    /// What is stated here, and for the rest what `other` states.
+    pub(crate) fn or(&self, other: &FootprintOptions) -> FootprintOptions {
+        FootprintOptions {
+            height: if self.height.is_empty() { other.height.clone() } else { self.height.clone() },
+            storey_height_m: self.storey_height_m.or(other.storey_height_m),
+            base: self.base.clone().or_else(|| other.base.clone()),
+        }
+    }
+
+    /// Whether nothing is stated.
+    pub fn is_default(&self) -> bool {
+        *self == FootprintOptions::default()
+    }
+
+    /// Refuses numbers that are out of range; an error names the field.
+    pub fn check(&self) -> Result<(), (&'static str, String)> {
+        let tall = self.height.iter().find(
+            |source| matches!(source, HeightSource::Metres(metres) if !(*metres > 0.0 && *metres <= MAX_HEIGHT_M)),
+        );
+        if let Some(source) = tall {
+            return Err(("height", format!("the height is {source}, not from 0 to {MAX_HEIGHT_M} m")));
+        }
+        match self.storey_height_m {
+            Some(metres) if !(1.0..=20.0).contains(&metres) => {
+                Err(("storey_height", format!("a storey is {metres} m high, not from 1 to 20 m")))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl FromStr for HeightSource {
+    type Err = String;
+
+    /// `9.5m` or `9.5` are metres, anything else is the name of a column, of feet as `HEIGHTROOF[ft]`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        let number = text.strip_suffix('m').unwrap_or(text).trim_end();
+        match number.parse::<f64>() {
+            Ok(metres) if metres.is_finite() && metres.abs() <= 9000.0 => Ok(HeightSource::Metres(metres)),
+            Ok(metres) => Err(format!("{metres} m is no height on Earth")),
+            Err(_) if text.is_empty() => Err("give the name of a column, or metres such as 9.5m".to_owned()),
+            Err(_) => Ok(match text.strip_suffix("[ft]") {
+                Some(name) => HeightSource::Column { name: name.trim_end().to_owned(), unit_m: FOOT_M },
+                None => HeightSource::Column { name: text.to_owned(), unit_m: 1.0 },
+            }),
+        }
+    }
+}
+
+impl TryFrom<String> for HeightSource {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<HeightSource> for String {
+    fn from(source: HeightSource) -> String {
+        source.to_string()
+    }
+}
+
+impl Display for HeightSource {
+    fn fmt(&self, to: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            HeightSource::Column { name, unit_m: 1.0 } => to.write_str(name),
+            HeightSource::Column { name, .. } => write!(to, "{name}[ft]"),
+            HeightSource::Metres(metres) => write!(to, "{metres}m"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three texts are metres, three are columns, one of them of feet, two are refused, and each comes back from its own text.
+    #[test]
+    fn sources() {
+        let of = |text: &str| text.parse::<HeightSource>();
+        for (text, expected) in [
+            ("9.5m", HeightSource::Metres(9.5)),
+            ("9.5 m", HeightSource::Metres(9.5)),
+            ("12", HeightSource::Metres(12.0)),
+            ("building:height", HeightSource::Column { name: "building:height".into(), unit_m: 1.0 }),
+            ("h_m", HeightSource::Column { name: "h_m".into(), unit_m: 1.0 }),
+            ("HEIGHTROOF[ft]", HeightSource::Column { name: "HEIGHTROOF".into(), unit_m: 0.3048 }),
+        ] {
+            assert_eq!(of(text), Ok(expected.clone()), "{text}");
+            assert_eq!(of(&expected.to_string()), Ok(expected));
+        }
+        assert!(of(" ").is_err() && of("1e9").is_err());
+        let tall = FootprintOptions { height: vec![HeightSource::Metres(-1.0)], ..FootprintOptions::default() };
+        assert!(tall.check().is_err_and(|(field, _)| field == "height"));
+    }
+}

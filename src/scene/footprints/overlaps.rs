@@ -1,0 +1,233 @@
+//! Footprints that lie over each other. In: blocks, each with its polygons and heights. Out: the same blocks, without what another block fills; what
+//! of their roofs and undersides is free; which of them belong together.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::footprints::footprint::PlanRing;
+use crate::footprints::region::{area_m2, shared_m2, without};
+
+/// Footprints overlap if they share more, m2, and more than this share of the smaller one: what is less is the accuracy of surveys.
+const OVERLAP_M2: f64 = 0.25;
+const OVERLAP_SHARE: f64 = 0.002;
+
+/// Heights this near are one, metres.
+const SAME_HEIGHT_M: f64 = 0.01;
+
+/// A part belongs to the outline that covers more than this share of it.
+const MOST: f64 = 0.5;
+
+/// A prism.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Block {
+    pub polygons: Vec<Vec<PlanRing>>,
+    pub foot_m: f64,
+    pub roof_m: f64,
+    pub is_part: bool,
+    /// What of the roof is outdoors, if that is not all of it.
+    pub free_roof: Option<Vec<Vec<PlanRing>>>,
+    /// Likewise of the underside.
+    pub free_underside: Option<Vec<Vec<PlanRing>>>,
+}
+
+/// Two blocks that overlap in plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Pair {
+    pub first: usize,
+    pub second: usize,
+}
+
+/// Pairs that overlap in plan.
+pub(super) fn overlapping(shapes: &[&[Vec<PlanRing>]]) -> Vec<Pair> {
+    let boxes: Vec<[DVec2; 2]> = shapes.iter().map(|polygons| bounds(polygons)).collect();
+    let mut order: Vec<usize> = (0..shapes.len()).collect();
+    let west = |i: usize| boxes.get(i).map_or(f64::INFINITY, |[low, _]| low.x);
+    order.sort_unstable_by(|&a, &b| west(a).total_cmp(&west(b)).then(a.cmp(&b)));
+    let near: Vec<Pair> = order
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(|(rank, &i)| {
+            let [low, high] = boxes.get(i).copied().unwrap_or_default();
+            let after = order.get(rank + 1..).unwrap_or_default().iter().take_while(move |&&j| west(j) < high.x);
+            let boxes = &boxes;
+            after.filter_map(move |&j| {
+                let [from, to] = boxes.get(j).copied()?;
+                let shared = (high.min(to) - low.max(from)).max(DVec2::ZERO);
+                (shared.x * shared.y > OVERLAP_M2).then(|| Pair { first: i.min(j), second: i.max(j) })
+            })
+        })
+        .collect();
+    let shape = |i: usize| shapes.get(i).copied().unwrap_or_default();
+    let mut pairs: Vec<Pair> = near
+        .into_par_iter()
+        .filter(|pair| {
+            let (first, second) = (shape(pair.first), shape(pair.second));
+            let least = OVERLAP_M2.max(OVERLAP_SHARE * area_m2(first).min(area_m2(second)));
+            shared_m2(first, second) > least
+        })
+        .collect();
+    pairs.sort_unstable();
+    pairs
+}
+
+fn bounds(polygons: &[Vec<PlanRing>]) -> [DVec2; 2] {
+    let none = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+    let outlines = polygons.iter().filter_map(|polygon| polygon.first()).flatten();
+    outlines.fold(none, |[low, high], corner| [low.min(*corner), high.max(*corner)])
+}
+
+/// The whole that each part lies in, and the outlines without their parts: a building with parts is what its parts are.
+pub(super) fn outlines_without_parts(blocks: &mut [Block], pairs: &[Pair]) -> Vec<Option<usize>> {
+    let mut wholes: Vec<Option<usize>> = vec![None; blocks.len()];
+    let mut parts: Vec<Vec<usize>> = vec![Vec::new(); blocks.len()];
+    for &Pair { first, second } in pairs {
+        for (part, whole) in [(first, second), (second, first)] {
+            let (Some(a), Some(b)) = (blocks.get(part), blocks.get(whole)) else { continue };
+            if !a.is_part || b.is_part {
+                continue;
+            }
+            if shared_m2(&a.polygons, &b.polygons) > MOST * area_m2(&a.polygons)
+                && let Some(slot) = wholes.get_mut(part)
+            {
+                slot.get_or_insert(whole);
+            }
+            parts.get_mut(whole).into_iter().for_each(|list| list.push(part));
+        }
+    }
+    for (whole, parts) in parts.into_iter().enumerate() {
+        let covering: Vec<Vec<PlanRing>> =
+            parts.iter().filter_map(|part| blocks.get(*part)).flat_map(|block| block.polygons.clone()).collect();
+        if let Some(block) = blocks.get_mut(whole).filter(|_| !covering.is_empty()) {
+            block.polygons = without(&block.polygons, &covering);
+        }
+    }
+    wholes
+}
+
+/// Takes out of each block what another one fills, and out of roofs and undersides what another one covers. Gives the number of blocks that were
+/// changed.
+pub(super) fn settle(blocks: &mut [Block], pairs: &[Pair]) -> usize {
+    let mut changed = vec![false; blocks.len()];
+    let mut open = Vec::new();
+    for &Pair { first, second } in pairs {
+        let (Some(a), Some(b)) = (blocks.get(first), blocks.get(second)) else { continue };
+        // What its parts have taken over fills nothing.
+        if a.polygons.is_empty() || b.polygons.is_empty() {
+            continue;
+        }
+        let [inner, outer] = match (fills(a, b), fills(b, a)) {
+            (true, _) => [second, first],
+            (_, true) => [first, second],
+            _ => {
+                open.push(Pair { first, second });
+                continue;
+            }
+        };
+        let filled = blocks.get(outer).map(|block| block.polygons.clone()).unwrap_or_default();
+        if let Some(block) = blocks.get_mut(inner).filter(|block| !block.polygons.is_empty()) {
+            block.polygons = without(&block.polygons, &filled);
+        }
+        changed.get_mut(inner).into_iter().for_each(|flag| *flag = true);
+    }
+    for Pair { first, second } in open {
+        for [lower, upper] in [[first, second], [second, first]] {
+            let (Some(a), Some(b)) = (blocks.get(lower), blocks.get(upper)) else { continue };
+            let is_roof_covered = b.foot_m <= a.roof_m + SAME_HEIGHT_M && b.roof_m > a.roof_m + SAME_HEIGHT_M;
+            let is_underside_covered = is_roof_covered && b.foot_m >= a.foot_m - SAME_HEIGHT_M;
+            let roof = is_roof_covered.then(|| without(a.free_roof.as_ref().unwrap_or(&a.polygons), &b.polygons));
+            let underside =
+                is_underside_covered.then(|| without(b.free_underside.as_ref().unwrap_or(&b.polygons), &a.polygons));
+            if let (Some(roof), Some(block)) = (roof, blocks.get_mut(lower)) {
+                block.free_roof = Some(roof);
+            }
+            if let (Some(underside), Some(block)) = (underside, blocks.get_mut(upper)) {
+                block.free_underside = Some(underside);
+            }
+        }
+    }
+    changed.iter().filter(|changed| **changed).count()
+}
+
+/// Whether a block stands at all heights at which another one does.
+fn fills(outer: &Block, inner: &Block) -> bool {
+    outer.foot_m <= inner.foot_m + SAME_HEIGHT_M && outer.roof_m >= inner.roof_m - SAME_HEIGHT_M
+}
+
+/// The lowest index of all that hang together by pairs, for each.
+pub(super) fn groups(count: usize, pairs: &[Pair]) -> Vec<usize> {
+    let mut root: Vec<usize> = (0..count).collect();
+    fn find(root: &mut [usize], mut i: usize) -> usize {
+        while let Some(&above) = root.get(i)
+            && above != i
+        {
+            // Halves the way for who comes next.
+            let next = root.get(above).copied().unwrap_or(above);
+            if let Some(slot) = root.get_mut(i) {
+                *slot = next;
+            }
+            i = next;
+        }
+        i
+    }
+    for &Pair { first, second } in pairs {
+        let (a, b) = (find(&mut root, first), find(&mut root, second));
+        if let Some(slot) = root.get_mut(a.max(b)) {
+            *slot = a.min(b);
+        }
+    }
+    (0..count).map(|i| find(&mut root, i)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(x: f64, side: f64) -> Vec<Vec<PlanRing>> {
+        let at = |dx: f64, y: f64| DVec2::new(x + dx, y);
+        vec![vec![vec![at(0., 0.), at(side, 0.), at(side, side), at(0., side)]]]
+    }
+
+    fn block(x: f64, side: f64, foot_m: f64, roof_m: f64) -> Block {
+        Block { polygons: square(x, side), foot_m, roof_m, ..Block::default() }
+    }
+
+    /// A tower of 30 m on a podium of 100 m2 and 10 m takes its 25 m2 out of the podium; one that begins at 10 m leaves the podium whole, 75 m2 of
+    /// its roof and nothing of the tower's underside; of twins one is left.
+    #[test]
+    fn towers_on_podiums() {
+        let settled = |mut blocks: Vec<Block>| {
+            let shapes: Vec<&[Vec<PlanRing>]> = blocks.iter().map(|block| block.polygons.as_slice()).collect();
+            let pairs = overlapping(&shapes);
+            assert_eq!(pairs, [Pair { first: 0, second: 1 }]);
+            settle(&mut blocks, &pairs);
+            blocks
+        };
+        let through = settled(vec![block(0., 10., 0., 10.), block(0., 5., 0., 30.)]);
+        assert!((area_m2(&through[0].polygons) - 75.0).abs() < 1e-6 && through[0].free_roof.is_none());
+        let upon = settled(vec![block(0., 10., 0., 10.), block(0., 5., 10., 30.)]);
+        assert!((area_m2(&upon[0].polygons) - 100.0).abs() < 1e-6);
+        assert!((area_m2(upon[0].free_roof.as_ref().expect("covered")) - 75.0).abs() < 1e-6);
+        assert_eq!(upon[1].free_underside.as_ref().map(Vec::len), Some(0));
+        let twins = settled(vec![block(0., 10., 0., 10.), block(0., 10., 0., 10.)]);
+        assert!((area_m2(&twins[0].polygons) + area_m2(&twins[1].polygons) - 100.0).abs() < 1e-6);
+    }
+
+    /// An outline of 100 m2 with parts of 25 and 50 m2 keeps 25 m2; both parts are of it. Neighbours that touch are no pair.
+    #[test]
+    fn parts_take_the_place_of_outlines() {
+        let part = |mut block: Block| {
+            block.is_part = true;
+            block
+        };
+        let mut half = part(block(0., 10., 0., 20.));
+        half.polygons =
+            vec![vec![[(0., 5.), (10., 5.), (10., 10.), (0., 10.)].map(|(x, y)| DVec2::new(x, y)).to_vec()]];
+        let mut blocks = vec![block(0., 10., 0., 10.), part(block(0., 5., 0., 30.)), half, block(10., 10., 0., 10.)];
+        let shapes: Vec<&[Vec<PlanRing>]> = blocks.iter().map(|block| block.polygons.as_slice()).collect();
+        let pairs = overlapping(&shapes);
+        assert_eq!(pairs.len(), 2);
+        assert_eq!(outlines_without_parts(&mut blocks, &pairs), [None, Some(0), Some(0), None]);
+        assert!((area_m2(&blocks[0].polygons) - 25.0).abs() < 1e-6);
+        assert_eq!(groups(4, &pairs), [0, 0, 0, 3]);
+    }
+}

@@ -1,0 +1,261 @@
+//! Features become footprints and faces. In: features one by one, then the system of their coordinates. Out: the geometry of the file in metres.
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+use glam::{DVec2, DVec3};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::scene_object::ObjectNote;
+use heliotile_core::text::with_list;
+
+use super::feature::{Feature, FeaturePolygon};
+use super::hstore;
+use super::system::{FeatureSystem, Placing};
+use crate::attributes::{flat, text_of};
+use crate::coordinate::{MAX_COORDINATE_M, is_position};
+use crate::footprints::footprint::Footprint;
+use crate::footprints::region::{is_crossed, oriented, repaired};
+use crate::footprints::stated::{NO_HEIGHT, Stated};
+use crate::formats::Asked;
+use crate::geometry::Geometry;
+use crate::semantics::FaceNote;
+
+/// A polygon whose corners are at heights that differ by more rises, metres.
+const LEVEL_M: f64 = 0.01;
+/// A body has as many faces at least: a tetrahedron.
+const LEAST_FACES: usize = 4;
+
+/// The material of faces until their tilt says what they are.
+const FACE: &str = "WallSurface";
+
+/// Features as far as they were read.
+pub(super) struct Collector<'a> {
+    file: &'a Path,
+    asked: &'a Asked,
+    geometry: Geometry,
+    names: HashSet<String>,
+    /// How often a name was taken.
+    repeated: HashMap<String, usize>,
+    features: usize,
+    /// Names of footprints that were repaired.
+    mended: Vec<String>,
+    has_heights: bool,
+}
+
+impl<'a> Collector<'a> {
+    pub(super) fn new(file: &'a Path, asked: &'a Asked) -> Self {
+        Collector {
+            file,
+            asked,
+            geometry: Geometry::default(),
+            names: HashSet::new(),
+            repeated: HashMap::new(),
+            features: 0,
+            mended: Vec::new(),
+            has_heights: false,
+        }
+    }
+
+    /// Takes the next feature, in coordinates of the file.
+    pub(super) fn add(&mut self, mut feature: Feature) -> Result<()> {
+        self.features += 1;
+        hstore::unfold(&mut feature.attributes);
+        if feature.polygons.is_empty() {
+            let reason =
+                if feature.has_others { "as points or lines, which shade nothing" } else { "without a geometry" };
+            self.geometry.leave_out(reason);
+            return Ok(());
+        }
+        let corners = || feature.polygons.iter().flatten().flatten();
+        if let Some(bad) = corners().find(|p| !p.is_finite() || p.abs().max_element() > MAX_COORDINATE_M) {
+            let what = format!("feature {} has a corner at {bad}", self.features);
+            return Err(Error::input(self.file, None, what, "coordinates are degrees or metres, at most 1e9 in size"));
+        }
+        let attributes = flat(&feature.attributes);
+        let stated = Stated::new(&attributes, &self.asked.footprints);
+        if let Some(reason) = stated.is_other() {
+            self.geometry.leave_out(reason);
+            return Ok(());
+        }
+        let id = feature.id.take().filter(|id| !id.trim().is_empty()).or_else(|| stated.id());
+        let name = self.name(id);
+        if feature.is_body || (stated.heights().is_err() && are_faces(&feature.polygons)) {
+            let object = self.geometry.objects.id(&name);
+            let note = ObjectNote {
+                building: stated.whole().unwrap_or(name),
+                object_type: "Building".to_owned(),
+                attributes: text_of(attributes),
+                ..ObjectNote::default()
+            };
+            self.geometry.object_notes.insert(object, note);
+            return feature.polygons.iter().try_for_each(|polygon| self.face(object, polygon));
+        }
+        self.has_heights |= corners().any(|corner| corner.z != 0.0);
+        let heights = match stated.heights() {
+            Ok(heights) => heights,
+            Err(reason) => {
+                self.geometry.leave_out(reason);
+                return Ok(());
+            }
+        };
+        let mut polygons = Vec::new();
+        for polygon in &feature.polygons {
+            let plan = |ring: &Vec<DVec3>| ring.iter().map(|corner| corner.truncate()).collect();
+            match oriented(polygon.iter().map(plan).collect()) {
+                Some(whole) => polygons.push(whole),
+                None => self.geometry.leave_out("as outlines with fewer than three corners"),
+            }
+        }
+        if polygons.is_empty() {
+            return Ok(());
+        }
+        self.geometry.footprints.push(Footprint {
+            building: stated.whole().unwrap_or_default(),
+            is_part: stated.is_part(),
+            name,
+            number: self.features,
+            polygons,
+            heights,
+            attributes: text_of(attributes),
+        });
+        Ok(())
+    }
+
+    /// A name that no other feature of the file has.
+    fn name(&mut self, id: Option<String>) -> String {
+        let wanted = id.unwrap_or_else(|| format!("feature {}", self.features));
+        let mut name = wanted.clone();
+        while !self.names.insert(name.clone()) {
+            let count = self.repeated.entry(wanted.clone()).or_insert(1);
+            *count += 1;
+            name = format!("{wanted}-{count}");
+        }
+        name
+    }
+
+    /// A face of a body, whose tilt says later what it is.
+    fn face(&mut self, object: u32, polygon: &FeaturePolygon) -> Result<()> {
+        let is_face = |ring: &&Vec<DVec3>| opened(ring).len() > 2;
+        if !polygon.first().as_ref().is_some_and(is_face) {
+            self.geometry.leave_out("with fewer than three corners");
+            return Ok(());
+        }
+        for (number, ring) in polygon.iter().filter(is_face).enumerate() {
+            if number > 0 {
+                self.geometry.begin_hole();
+            }
+            for corner in opened(ring) {
+                let corner = self.geometry.push_vertex(self.file, *corner)?;
+                self.geometry.push_corner(corner);
+            }
+        }
+        let material = self.geometry.materials.id(FACE);
+        self.geometry.by_tilt.push(self.geometry.face_count());
+        self.geometry.end_face(material, object, 0);
+        self.geometry.note_face(FaceNote::default());
+        Ok(())
+    }
+
+    /// The geometry in metres.
+    pub(super) fn finish(mut self, system: FeatureSystem) -> Result<Geometry> {
+        self.refuse_nothing()?;
+        let outlines = self.geometry.footprints.iter().flat_map(Footprint::rings).flatten().copied();
+        let all = outlines.chain(self.geometry.vertices.iter().map(|vertex| vertex.truncate()));
+        let bounds = all.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)]);
+        let placing = Placing::of(self.file, &system, bounds, self.asked.system)?;
+        let place = |at: DVec2| {
+            placing.to_metres.place(at).filter(|p| is_position(p.extend(0.0))).ok_or_else(|| {
+                let what = format!("the corner at {:.5} {:.5} has no place in the system of the scene", at.x, at.y);
+                Error::input(self.file, None, what, "correct it, or give another system as {crs}")
+            })
+        };
+        for vertex in &mut self.geometry.vertices {
+            *vertex = place(vertex.truncate())?.extend(vertex.z) + 0.0;
+        }
+        for footprint in &mut self.geometry.footprints {
+            for corner in footprint.polygons.iter_mut().flatten().flatten() {
+                *corner = place(*corner)?;
+            }
+        }
+        self.geometry.reference = placing.reference;
+        self.geometry.in_metres = placing.in_metres;
+        self.geometry.remarks.extend(placing.note);
+        self.mend();
+        self.say();
+        Ok(self.geometry)
+    }
+
+    /// Repairs outlines that cross themselves.
+    fn mend(&mut self) {
+        for footprint in &mut self.geometry.footprints {
+            if footprint.polygons.iter().any(|polygon| is_crossed(polygon)) {
+                footprint.polygons = footprint.polygons.iter().flat_map(|polygon| repaired(polygon)).collect();
+                self.mended.push(footprint.name.clone());
+            }
+        }
+        let before = self.geometry.footprints.len();
+        self.geometry.footprints.retain(|footprint| !footprint.polygons.is_empty());
+        (self.geometry.footprints.len()..before).for_each(|_| self.geometry.leave_out("as outlines without an area"));
+    }
+
+    fn say(&mut self) {
+        let file = self.file.display();
+        if !self.mended.is_empty() {
+            let sentence = format!(
+                "{} outlines crossed themselves: what an odd number of their loops encloses counts",
+                self.mended.len()
+            );
+            self.geometry.doubts.push(with_list(&sentence, self.mended.drain(..)));
+        }
+        if let Some(count) = self.geometry.left_out.remove(NO_HEIGHT) {
+            self.geometry.doubts.push(format!(
+                "{count} of {} features state neither a height nor storeys and are left out: {{height}} height,9m takes 9 m for them",
+                self.features
+            ));
+        }
+        if self.has_heights && !self.geometry.footprints.is_empty() {
+            self.geometry.remarks.push(format!(
+                "{file}: heights of the corners of outlines are not read; {{base}} says where buildings begin"
+            ));
+        }
+    }
+
+    /// An error where nothing of a file is left.
+    fn refuse_nothing(&self) -> Result<()> {
+        if !self.geometry.footprints.is_empty() || self.geometry.face_count() > 0 {
+            return Ok(());
+        }
+        let refuse = |what: String, hint: &str| Err(Error::input(self.file, None, what, hint));
+        if self.features == 0 {
+            return refuse("the file holds no features".to_owned(), "export outlines of buildings with their heights");
+        }
+        let reasons: Vec<String> =
+            self.geometry.left_out.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
+        let what = format!("none of its {} features becomes a building: {}", self.features, reasons.join(", "));
+        match self.geometry.left_out.contains_key(NO_HEIGHT) {
+            true => refuse(
+                what,
+                "name the column of heights in {height} (as in {height} HGT), or give one for all: {height} 9m",
+            ),
+            false => refuse(what, "export outlines of buildings as polygons, with a column of heights"),
+        }
+    }
+}
+
+/// A ring without the corner that closes it.
+fn opened(ring: &[DVec3]) -> &[DVec3] {
+    match ring {
+        [first, .., last] if first == last => ring.get(..ring.len() - 1).unwrap_or_default(),
+        _ => ring,
+    }
+}
+
+/// Whether polygons are the faces of a body: several, of which some rise. A single outline with the heights of the ground at its corners is none.
+fn are_faces(polygons: &[FeaturePolygon]) -> bool {
+    let rises = |polygon: &FeaturePolygon| {
+        let heights = polygon.iter().flatten().map(|corner| corner.z);
+        let [low, high] = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
+        high - low > LEVEL_M
+    };
+    polygons.len() >= LEAST_FACES && polygons.iter().any(rises)
+}

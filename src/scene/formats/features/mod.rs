@@ -1,0 +1,65 @@
+//! Files of features: footprints of buildings with attributes. In: GeoJSON, shapefiles, GeoPackage, GeoParquet. Out: outlines with the heights
+//! that their attributes state, in metres; faces where a file holds walls and roofs (multipatches, polygons that are not level).
+//!
+//! | file | what it holds |
+//! | --- | --- |
+//! | `feature` | a feature as every format has it |
+//! | `system` | coordinate systems of such files; degrees become metres |
+//! | `collector` | features become footprints and faces |
+//! | `shapes` | polygons of geometries as the crate `geozero` reads them: well-known binary |
+//! | `geojson`, `shapefile`, `geopackage`, `geoparquet` | a reader each |
+//!
+//! Points and lines are left out, and said.
+
+mod collector;
+mod feature;
+mod geojson;
+mod geopackage;
+mod geoparquet;
+mod hstore;
+mod shapefile;
+mod shapes;
+mod system;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use crate::formats::Asked;
+use crate::geometry::Geometry;
+use crate::input;
+use collector::Collector;
+use heliotile_core::error::Result;
+
+pub(super) use geojson::is_geojson;
+
+/// Formats of features.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FeatureFormat {
+    GeoJson,
+    GeoPackage,
+    GeoParquet,
+    Shapefile,
+}
+
+/// Reads a file of features; `bytes` are its own where they were read, plain.
+pub(super) fn parse(format: FeatureFormat, bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
+    let mut collector = Collector::new(file, asked);
+    let mut take = |feature| collector.add(feature);
+    let system = match format {
+        FeatureFormat::GeoJson => geojson::read(bytes, file, &mut take),
+        FeatureFormat::GeoPackage => geopackage::read(file, &mut take),
+        FeatureFormat::GeoParquet => geoparquet::read(bytes, file, &mut take),
+        FeatureFormat::Shapefile => shapefile::read(bytes, file, &mut take),
+    }?;
+    collector.finish(system)
+}
+
+/// Reads the shapefile in a zip; `None` if it holds none.
+pub(super) fn zipped_shapefile(file: &Path, asked: &Asked) -> Result<Option<Geometry>> {
+    let bytes = std::fs::read(file).map_err(heliotile_core::error::Error::io(file, "read"))?;
+    let Some(members) = input::shapefile_in_zip(&bytes, file)? else { return Ok(None) };
+    let mut collector = Collector::new(file, asked);
+    let system = shapefile::read_parts(&members, file, &mut |feature| collector.add(feature))?;
+    collector.finish(system).map(Some)
+}

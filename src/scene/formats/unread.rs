@@ -1,0 +1,112 @@
+//! Formats that are not read. In: the ending of a name. Out: what it is, and the program that makes something of it that is read.
+
+use std::path::Path;
+
+use heliotile_core::error::Error;
+
+/// Endings, what they belong to, and what makes a scene of it.
+const UNREAD: [(&[&str], &str, &str); 17] = [
+    (
+        &["ifc", "ifczip", "ifcxml"],
+        "a building model in IFC",
+        "convert it with IfcOpenShell: `IfcConvert --y-up model.ifc model.glb`, and give model.glb",
+    ),
+    (
+        &["rvt", "rfa"],
+        "a model of Revit",
+        "export IFC from Revit, convert it with IfcOpenShell: `IfcConvert --y-up model.ifc model.glb`, and give model.glb",
+    ),
+    (
+        &["gbxml"],
+        "a building model in gbXML",
+        "convert it to Honeybee: `honeybee translate-gbxml model.gbxml --output-file model.hbjson` (honeybee-openstudio), and give model.hbjson",
+    ),
+    (
+        &["osm"],
+        "a model of OpenStudio, or data of OpenStreetMap",
+        "of OpenStudio save IDF (File, Export); of OpenStreetMap take the buildings: `ogr2ogr town.gpkg town.osm multipolygons -where \"building is not null\"`",
+    ),
+    (
+        &["pbf"],
+        "data of OpenStreetMap",
+        "take the buildings: `ogr2ogr town.gpkg town.osm.pbf multipolygons -where \"building is not null\"`, and give town.gpkg",
+    ),
+    (
+        &["las", "laz", "copc", "e57"],
+        "a cloud of points",
+        "make a raster of its highest points: `pdal translate points.laz dsm.tif --writers.gdal.resolution=0.5 --writers.gdal.output_type=max`, and give dsm.tif as {dsm}",
+    ),
+    (
+        &["b3dm", "i3dm", "cmpt"],
+        "a tile of 3D Tiles",
+        "take the glTF out of it: `npx 3d-tiles-tools b3dmToGlb -i tile.b3dm -o tile.glb` (i3dmToGlb, cmptToGlb), and give the .glb; tiles have no names of buildings, so prefer CityGML or CityJSON of the same city",
+    ),
+    (
+        &["pnts"],
+        "a cloud of points of 3D Tiles",
+        "make a raster of its highest points with PDAL, and give that as {dsm}",
+    ),
+    (&["skp"], "a model of SketchUp", "export glTF (.glb) or OBJ from SketchUp"),
+    (&["3dm"], "a model of Rhino", "export glTF (.glb) or OBJ from Rhino"),
+    (
+        &["dwg", "dxf"],
+        "a drawing",
+        "export meshes as OBJ or STL; outlines of buildings as GeoPackage: `ogr2ogr town.gpkg drawing.dxf`",
+    ),
+    (
+        &["blend", "fbx", "dae", "usd", "usda", "usdc", "usdz", "max", "3ds"],
+        "a model of a 3D program",
+        "export glTF from Blender: File, Export, glTF 2.0 (.glb)",
+    ),
+    (
+        &["fgb", "kml", "kmz", "gpx", "tab", "mif"],
+        "features that GDAL reads",
+        "convert them: `ogr2ogr town.gpkg town.kml`, and give town.gpkg",
+    ),
+    (
+        &["gdb", "mdb"],
+        "a geodatabase of Esri",
+        "take the buildings: `ogr2ogr town.gpkg data.gdb buildings`, and give town.gpkg",
+    ),
+    (
+        &["nc", "hgt", "vrt", "jp2", "img", "bil", "flt", "xyz", "ecw"],
+        "a raster that GDAL reads",
+        "convert it: `gdal_translate -co COMPRESS=DEFLATE in.vrt out.tif`, and give out.tif",
+    ),
+    (&["shx", "dbf", "prj", "cpg", "sbn"], "a part of a shapefile", "give the .shp beside it"),
+    (
+        &["epw", "csv", "wea"],
+        "no geometry",
+        "weather goes to {weather}, receivers to {receivers}; here scene files are asked for",
+    ),
+];
+
+/// The error of a file that is not read, if its ending is known.
+pub(super) fn refusal(path: &Path, ending: &str) -> Option<Error> {
+    let (_, what, hint) = UNREAD.iter().find(|(endings, _, _)| endings.contains(&ending))?;
+    Some(Error::input(path, None, format!("is {what}, which is not read"), *hint))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each of 50 endings and more is known once, in small letters, with a sentence that says what to do.
+    #[test]
+    fn endings_are_known_once() {
+        let mut all: Vec<&str> = UNREAD.iter().flat_map(|(endings, _, _)| endings.iter().copied()).collect();
+        let count = all.len();
+        all.sort_unstable();
+        all.dedup();
+        assert!(
+            count > 50 && all.len() == count && all.iter().all(|ending| *ending == ending.to_lowercase()),
+            "{count}"
+        );
+        let message = refusal(Path::new("a.ifc"), "ifc").expect("known").to_string();
+        assert!(
+            message.contains("a building model in IFC, which is not read") && message.contains("IfcConvert"),
+            "{message}"
+        );
+        assert!(refusal(Path::new("a.obj"), "obj").is_none());
+    }
+}
