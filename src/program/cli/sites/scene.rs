@@ -11,8 +11,8 @@ use heliotile_scene::site::Site;
 
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
-    /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl, .cityjson), terrain (.tif,
-    /// .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz or .zip;
+    /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl, .cityjson), CityGML (.gml,
+    /// .xml, or a folder of tiles), terrain (.tif, .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz or .zip;
     /// metres, x east, y north, z up
     #[arg(required = true, value_name = "SCENE")]
     pub scene: Vec<PathBuf>,

@@ -36,13 +36,14 @@ pub(super) fn add(reader: &mut Reader, levels: &mut Levels, draft: Draft) -> Res
     let Draft { mut store, features, .. } = draft;
     let ids: Vec<String> = features.iter().map(|feature| feature.id.clone()).collect();
     let name = |number: usize| ids.get(number).cloned().unwrap_or_default();
+    count_instances(reader, &store, &features)?;
     let mut document = Document::default();
     let mut numbers = Numbers::default();
     for feature in features {
         let Feature { id, kind, line, parent, attributes, pieces, mut wrong, .. } = feature;
         let mut by_level: BTreeMap<_, Surfaces> = BTreeMap::new();
         for piece in pieces {
-            match surfaces_of(&mut store, &piece, &mut reader.instanced) {
+            match surfaces_of(&mut store, &piece) {
                 Ok(sides) => by_level.entry(piece.lod).or_default().add(piece.part, sides),
                 Err(what) => {
                     let what = format!("object `{}`: {what}", excerpt(id.as_bytes()));
@@ -50,7 +51,6 @@ pub(super) fn add(reader: &mut Reader, levels: &mut Levels, draft: Draft) -> Res
                 }
             }
         }
-        check_instances(reader)?;
         if let Some(wrong) = wrong {
             reader.skipped.push(wrong);
             continue;
@@ -81,8 +81,12 @@ pub(super) fn add(reader: &mut Reader, levels: &mut Levels, draft: Draft) -> Res
     reader.add(&document)
 }
 
-/// Refuses more places of templates than memory may hold.
-fn check_instances(reader: &Reader) -> Result<()> {
+/// Refuses more places of templates than memory may hold before the first is made.
+fn count_instances(reader: &mut Reader, store: &Store, features: &[Feature]) -> Result<()> {
+    for piece in features.iter().flat_map(|feature| &feature.pieces).filter(|piece| piece.instance.is_some()) {
+        let sides = follow(store, piece.members.clone()).sides;
+        reader.instanced += sides.iter().map(|side| store.corners_of(side.polygon)).sum::<u64>();
+    }
     if reader.instanced <= MAX_CORNERS {
         return Ok(());
     }
@@ -94,7 +98,7 @@ fn check_instances(reader: &Reader) -> Result<()> {
 }
 
 /// Polygons of a piece; an error is what is wrong with it.
-fn surfaces_of(store: &mut Store, piece: &Piece, instanced: &mut u64) -> std::result::Result<Vec<Side>, String> {
+fn surfaces_of(store: &mut Store, piece: &Piece) -> std::result::Result<Vec<Side>, String> {
     let found = follow(store, piece.members.clone());
     for _ in &found.missing {
         store.leave_out(NOWHERE);
@@ -102,7 +106,7 @@ fn surfaces_of(store: &mut Store, piece: &Piece, instanced: &mut u64) -> std::re
     (0..found.endless).for_each(|_| store.leave_out(ENDLESS));
     let sides = match piece.instance {
         None => found.sides,
-        Some(instance) => placed(store, &found.sides, instance, instanced)?,
+        Some(instance) => placed(store, &found.sides, instance)?,
     };
     if let PiecePart::Surface(Some(name)) = piece.part {
         for side in &sides {
@@ -119,13 +123,8 @@ fn placed(
     store: &mut Store,
     sides: &[Side],
     instance: Instance,
-    instanced: &mut u64,
 ) -> std::result::Result<Vec<Side>, String> {
     let template = store.lift(sides);
-    *instanced += template.corners();
-    if *instanced > MAX_CORNERS {
-        return Ok(Vec::new());
-    }
     let place = |vertex| instance.matrix.transform_point3(vertex) + instance.at;
     if let Some(far) = template.vertices.iter().map(|vertex| place(*vertex)).find(|place| !is_position(*place)) {
         return Err(format!("its template would have a corner at {far}, beyond all positions on Earth"));

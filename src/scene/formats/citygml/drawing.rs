@@ -11,10 +11,11 @@ use heliotile_core::error::{Error, Result};
 #[derive(Clone, Copy, Default)]
 pub(super) struct Around {
     /// Numbers a position, where it is stated.
-    dimension: Option<u8>,
+    pub dimension: Option<u8>,
     /// Whether positions are those of a template, metres about its own origin.
     pub is_template: bool,
-    is_reversed: bool,
+    /// Whether something around it turns its surfaces to their other side.
+    pub is_reversed: bool,
     /// The thematic surface that it is of: a number of a name.
     pub name: Option<u16>,
 }
@@ -173,7 +174,7 @@ impl Scan<'_> {
     }
 
     /// The numbers of an element go behind those before; whether all of them are such.
-    fn read_numbers(&mut self, line: usize) -> Result<bool> {
+    pub(super) fn read_numbers(&mut self, line: usize) -> Result<bool> {
         let text = self.xml.text()?;
         let words = text.split(|byte| byte.is_ascii_whitespace() || *byte == b',').filter(|word| !word.is_empty());
         for word in words {

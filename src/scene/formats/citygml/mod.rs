@@ -28,6 +28,8 @@ mod closed;
 mod coordinates;
 mod drawing;
 mod feature;
+#[cfg(test)]
+mod hostile_tests;
 mod levels;
 mod library;
 mod members;
@@ -35,6 +37,8 @@ mod northing_first;
 mod scan;
 mod srs_name;
 mod store;
+#[cfg(test)]
+mod tests;
 mod xml;
 
 use std::collections::BTreeSet;

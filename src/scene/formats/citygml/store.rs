@@ -119,6 +119,11 @@ impl Store {
         corners.split_inclusive(|corner| *corner == END).filter_map(|ring| ring.strip_suffix(&[END]))
     }
 
+    /// How many corners a polygon has, with the ends of its rings.
+    pub(super) fn corners_of(&self, polygon: u32) -> u64 {
+        self.polygon(polygon).map_or(0, |polygon| polygon.rings.len() as u64)
+    }
+
     pub(super) fn position(&self, vertex: u32) -> DVec3 {
         self.vertices.get(vertex as usize).copied().unwrap_or_default()
     }

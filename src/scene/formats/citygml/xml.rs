@@ -71,11 +71,6 @@ impl<'f> Xml<'f> {
         Xml { reader, buffer: Vec::new(), text: Vec::new(), file, line: 1, depth: 0 }
     }
 
-    /// 1-based line that is being read.
-    pub(super) fn line(&self) -> usize {
-        self.line
-    }
-
     pub(super) fn file(&self) -> &'f Path {
         self.file
     }
@@ -215,7 +210,8 @@ fn element(tag: &BytesStart, line: usize) -> Element {
 
 /// The letter that `&...;` stands for; `None` for entities of no meaning in XML itself.
 fn letter_of(name: &BytesRef) -> Option<char> {
-    match name.as_ref() {
+    let name_bytes: &[u8] = name;
+    match name_bytes {
         b"amp" => Some('&'),
         b"lt" => Some('<'),
         b"gt" => Some('>'),

@@ -27,7 +27,7 @@ pub(in crate::formats) struct Document<'a> {
 pub(in crate::formats) struct Text<'a>(pub(in crate::formats) Cow<'a, str>);
 
 #[derive(Debug, PartialEq, Deserialize)]
-pub(super) struct Transform {
+pub(in crate::formats) struct Transform {
     pub scale: [f64; 3],
     pub translate: [f64; 3],
 }
@@ -44,6 +44,7 @@ pub(in crate::formats) struct CityObject<'a> {
     pub children: Option<Vec<Text<'a>>>,
     /// What is said of it besides, as the text of a JSON object; that of CityJSON is not read.
     #[serde(skip)]
+    #[cfg_attr(not(test), expect(dead_code, reason = "objects of a scene have no attributes yet"))]
     pub attributes: Option<String>,
 }
 
@@ -82,7 +83,7 @@ pub(in crate::formats) struct SurfaceKind<'a> {
 }
 
 #[derive(Debug, Default, Deserialize)]
-pub(super) struct Templates<'a> {
+pub(in crate::formats) struct Templates<'a> {
     #[serde(default, borrow)]
     pub templates: Vec<Shape<'a>>,
     #[serde(default, rename = "vertices-templates", deserialize_with = "vertices")]
