@@ -41,7 +41,12 @@ impl Site {
 }
 
 fn survey(part: &Part, site: &Site) -> Result<FileSurvey> {
-    let asked = Asked { lod: part.lod.clone(), assume_version: part.assume_version, ..Asked::default() };
+    let asked = Asked {
+        lod: part.lod.clone(),
+        system: site.frame.epsg,
+        assume_version: part.assume_version,
+        ..Asked::default()
+    };
     let (bounds, objects) = match formats::read(&part.file, &asked)? {
         Content::Polygons(geometry) => {
             // Each file by itself would have an origin of its own.

@@ -235,6 +235,10 @@ impl Numbers {
         }
         boundaries.close();
         values.close();
+        // Lines name surfaces only where each has its own; texts without line breaks have one.
+        if !lines.is_sorted_by(|a, b| a < b) && lines.iter().collect::<HashSet<_>>().len() < lines.len() {
+            lines.clear();
+        }
         let surfaces = store.names.iter().map(|name| SurfaceKind { kind: text(name.clone()) }).collect();
         Shape {
             kind: Text("MultiSurface".into()),

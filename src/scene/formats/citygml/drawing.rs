@@ -192,8 +192,11 @@ impl Scan<'_> {
 
     /// Makes a ring of the numbers that were read.
     fn corners(&mut self, ring: &Element, around: Around) -> Result<Ring> {
-        let numbers = std::mem::take(&mut self.numbers);
+        let mut numbers = std::mem::take(&mut self.numbers);
         self.ring_corners.clear();
+        // The last corner of a ring repeats the first one.
+        let repeated = numbers.len() > 3 && numbers.first_chunk::<3>() == numbers.last_chunk::<3>();
+        numbers.truncate(numbers.len() - if repeated { 3 } else { 0 });
         let mut found = Ok(Ring::Sound);
         for corner in numbers.as_chunks::<3>().0 {
             match self.vertex(*corner, around) {
@@ -210,10 +213,6 @@ impl Scan<'_> {
             }
         }
         self.numbers = numbers;
-        // The last corner of a ring repeats the first one.
-        if self.ring_corners.len() > 1 && self.ring_corners.first() == self.ring_corners.last() {
-            self.ring_corners.pop();
-        }
         self.corners_read += self.ring_corners.len() as u64;
         if self.corners_read > MAX_CORNERS {
             return Err(Error::Limit {

@@ -27,8 +27,9 @@ fn a_wrong_object_costs_no_other() {
         let geometry = read(&model(&(one("a", &sound) + &one("b", &wrong) + &one("c", &sound))));
         assert_eq!(geometry.face_count(), 12, "{to}");
         let [warning] = geometry.warnings.as_slice() else { panic!("{:?}", geometry.warnings) };
-        assert!(warning.contains("1 city object left out") && warning.contains("line 4, object `b`: "), "{warning}");
-        assert!(warning.contains(said), "{warning}");
+        assert!(warning.contains("1 city object left out") && warning.contains("object `b`: "), "{warning}");
+        let line = if to.starts_with("10 ") { "line 11, " } else { "line 10, " };
+        assert!(warning.contains(said) && warning.contains(line), "{warning}");
     }
 }
 
@@ -47,7 +48,7 @@ fn refusals() {
         (with("EPSG:25832", "EPSG:4978"), "geocentric"),
         (with("EPSG:25832", "EPSG:6697").replace("10 10 5", "139 35 5").replace("0 0", "139 35"), "swapped"),
         (with("<?xml version=\"1.0\"?>", "<!DOCTYPE a [<!ENTITY x \"y\">]>"), "DOCTYPE declares"),
-        (sound[..sound.len() / 2].to_owned(), "town.gml, line 3"),
+        (sound[..sound.len() / 2].to_owned(), "the file ends within"),
     ] {
         let message = refused(&text);
         assert!(message.contains("town.gml") && message.contains(said), "{said}: {message}");

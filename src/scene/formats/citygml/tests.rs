@@ -6,7 +6,10 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::formats::Asked;
+use crate::formats::citygml::coordinates::Coordinates;
 use crate::formats::citygml::read_all;
+use crate::formats::citygml::scan::Scan;
+use crate::formats::citygml::xml::Xml;
 use crate::geometry::Geometry;
 use crate::reference::Reference;
 use crate::semantics::SurfaceKind;
@@ -61,7 +64,7 @@ pub(super) fn polygon(face: usize, up: u32) -> String {
 }
 
 fn members(faces: &[usize], up: u32) -> String {
-    faces.iter().map(|face| format!("<gml:surfaceMember>{}</gml:surfaceMember>", polygon(*face, up))).collect()
+    faces.iter().map(|face| format!("<gml:surfaceMember>{}</gml:surfaceMember>\n", polygon(*face, up))).collect()
 }
 
 /// The faces as a solid of a level of detail.
@@ -115,7 +118,10 @@ fn a_solid_without_thematic_surfaces() {
     assert_eq!((geometry.face_count(), geometry.vertices.len()), (6, 8));
     assert_eq!((count(&geometry, "RoofSurface"), count(&geometry, "GroundSurface"), count(&geometry, "WallSurface")), (1, 1, 4));
     assert_eq!((geometry.reference, geometry.in_metres), (Some(Reference::Epsg(25832)), false));
-    assert_eq!(geometry.source_faces().next().expect("a face").name("b"), "line 3");
+    let names: Vec<String> = geometry.source_faces().map(|face| face.name("b")).collect();
+    assert_eq!(names, ["line 3", "line 4", "line 5", "line 6", "line 7", "line 8"]);
+    let one_line = read(&building(&solid(1, &ALL)).replace('\n', " "));
+    assert_eq!(one_line.source_faces().nth(2).expect("a face").name("b"), "geometry[0].boundaries[2]");
     assert_eq!(geometry.vertices.iter().fold(DVec3::ZERO, |high, vertex| high.max(*vertex)), DVec3::new(10., 10., 5.));
     assert_eq!((geometry.warnings.len(), geometry.doubts.len(), left_out(&geometry)), (0, 0, 0));
 }
@@ -298,6 +304,28 @@ fn degrees() {
     assert!((sides[0] - 10.01).abs() < 0.02 && (sides[1] - 11.09).abs() < 0.02, "{sides:?}");
     let own = read_as(&text, &Asked { system: Some(6677), ..Asked::default() }).expect("readable");
     assert!((own.vertices[0] - DVec3::new(-12_133.41, -83_197.58, 1.0)).length() < 0.1, "{}", own.vertices[0]);
+}
+
+/// Attributes of a building in version 2.0 and of its part in 3.0 are kept by name, 7 of them; those of extensions and addresses are not.
+#[test]
+fn attributes_of_objects() {
+    let text = building(
+        r#"<gml:name>Town hall</gml:name><bldg:usage>1000</bldg:usage><bldg:usage>1010</bldg:usage><bldg:measuredHeight uom="m">7.50</bldg:measuredHeight>
+        <gen:stringAttribute name="owner"><gen:value>A &amp; B</gen:value></gen:stringAttribute><uro:surveyYear>2020</uro:surveyYear>
+        <bldg:address><core:Address><name>no</name></core:Address></bldg:address>
+        <buildingPart><BuildingPart><genericAttribute><gen:IntAttribute><gen:name>flats</gen:name><gen:value>3</gen:value></gen:IntAttribute></genericAttribute>
+        <class>x</class></BuildingPart></buildingPart>"#,
+    );
+    let mut coordinates = Coordinates::new(None);
+    let xml = Xml::new(Box::new(text.as_bytes()), Path::new("town.gml"));
+    let mut found = Vec::new();
+    let read = Scan::new(xml, &mut coordinates, 0).all(&mut |draft| {
+        found.extend(draft.features.into_iter().map(|feature| feature.attributes.into_json().unwrap_or_default()));
+        Ok(())
+    });
+    assert_eq!(read.expect("readable"), 0);
+    let own = r#"{"measuredHeight":7.5,"name":"Town hall","owner":"A & B","usage":["1000","1010"]}"#;
+    assert_eq!(found, [own, r#"{"class":"x","flats":3}"#]);
 }
 
 /// Holes, points one by one and coordinates of GML 2 are read: 1 face of 8 corners, of 4 of them a hole, and 1 of 4.

@@ -295,7 +295,7 @@ mod tests {
             let message = loop {
                 match xml.child() {
                     Err(error) => break error.to_string(),
-                    Ok(found) => assert!(found.is_some(), "{said}"),
+                    Ok(_) => {}
                 }
             };
             assert!(message.contains("a.gml, line 1") && message.contains(said), "{message}");

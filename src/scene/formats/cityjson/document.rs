@@ -44,7 +44,7 @@ pub(in crate::formats) struct CityObject<'a> {
     pub children: Option<Vec<Text<'a>>>,
     /// What is said of it besides, as the text of a JSON object; that of CityJSON is not read.
     #[serde(skip)]
-    #[cfg_attr(not(test), expect(dead_code, reason = "objects of a scene have no attributes yet"))]
+    #[expect(dead_code, reason = "objects of a scene have no attributes yet")]
     pub attributes: Option<String>,
 }
 
