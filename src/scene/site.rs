@@ -246,9 +246,8 @@ fn tiles_in(folder: &Path) -> Result<Vec<PathBuf>> {
         }
     }
     names.sort_unstable();
-    let with = |ending: &str| -> Vec<PathBuf> {
-        names.iter().filter(|path| input::ending(path) == ending).cloned().collect()
-    };
+    let with =
+        |ending: &str| -> Vec<PathBuf> { names.iter().filter(|path| input::ending(path) == ending).cloned().collect() };
     Ok(TILES.iter().map(|ending| with(ending)).find(|tiles| !tiles.is_empty()).unwrap_or_default())
 }
 

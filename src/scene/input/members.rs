@@ -70,9 +70,9 @@ fn zip_of(path: &Path) -> Result<Option<ZipArchive<BufReader<File>>>> {
     if head != single_zip::MAGIC {
         return Ok(None);
     }
-    ZipArchive::new(BufReader::new(file)).map(Some).map_err(|error| {
-        Error::input(path, None, format!("the zip is damaged or cut off: {error}"), "fetch it again")
-    })
+    ZipArchive::new(BufReader::new(file))
+        .map(Some)
+        .map_err(|error| Error::input(path, None, format!("the zip is damaged or cut off: {error}"), "fetch it again"))
 }
 
 /// Names of the files of a zip that are meant, in order.
@@ -131,7 +131,13 @@ mod tests {
         let write = |files: &[(&str, &[u8])]| {
             std::fs::write(&path, zipped(files, CompressionMethod::Deflated)).expect("written");
         };
-        write(&[("b/2.gml", b"two"), ("codes.xml", b"no"), ("__MACOSX/._1.gml", b"no"), ("a.json", b"no"), ("b/1.GML", b"one")]);
+        write(&[
+            ("b/2.gml", b"two"),
+            ("codes.xml", b"no"),
+            ("__MACOSX/._1.gml", b"no"),
+            ("a.json", b"no"),
+            ("b/1.GML", b"one"),
+        ]);
         assert_eq!(texts(&path).expect("readable"), ["one", "two"]);
         assert!(has(&path, &["gml", "xml"]));
         write(&[("2.xml", b"two"), ("1.xml", b"one")]);

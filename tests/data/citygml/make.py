@@ -28,7 +28,8 @@ def member(surface):
 
 
 def surface(kind, corners, name, opening=None):
-    holes = [opening] if opening else []
+    # Holes turn the other way than their outline.
+    holes = [opening[::-1]] if opening else []
     text = f'<bldg:boundedBy><bldg:{kind} gml:id="{name}">'
     if opening:
         window = member(polygon(opening))

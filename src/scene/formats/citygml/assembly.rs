@@ -119,11 +119,7 @@ fn surfaces_of(store: &mut Store, piece: &Piece) -> std::result::Result<Vec<Side
 }
 
 /// Polygons of a template where an instance has them.
-fn placed(
-    store: &mut Store,
-    sides: &[Side],
-    instance: Instance,
-) -> std::result::Result<Vec<Side>, String> {
+fn placed(store: &mut Store, sides: &[Side], instance: Instance) -> std::result::Result<Vec<Side>, String> {
     let template = store.lift(sides);
     let place = |vertex| instance.matrix.transform_point3(vertex) + instance.at;
     if let Some(far) = template.vertices.iter().map(|vertex| place(*vertex)).find(|place| !is_position(*place)) {
@@ -226,7 +222,11 @@ impl Numbers {
             for ring in store.rings(polygon) {
                 boundaries.open();
                 let mut push = |corner: &u32| boundaries.push(Some(self.number(store, *corner, vertices)));
-                if side.is_reversed { ring.iter().rev().for_each(&mut push) } else { ring.iter().for_each(&mut push) }
+                if side.is_reversed {
+                    ring.iter().rev().for_each(&mut push)
+                } else {
+                    ring.iter().for_each(&mut push)
+                }
                 boundaries.close();
             }
             boundaries.close();

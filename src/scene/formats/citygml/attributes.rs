@@ -93,7 +93,8 @@ impl Scan<'_> {
             "genericAttribute" => {
                 let mut found = (String::new(), Value::Null);
                 while let Some(attribute) = self.xml.child()? {
-                    let is_number = ["IntAttribute", "DoubleAttribute", "MeasureAttribute"].contains(&attribute.name.as_str());
+                    let is_number =
+                        ["IntAttribute", "DoubleAttribute", "MeasureAttribute"].contains(&attribute.name.as_str());
                     found = self.generic(&attribute, is_number)?;
                 }
                 Ok(Some(found))
@@ -135,9 +136,13 @@ mod tests {
     #[test]
     fn values_by_name() {
         let mut attributes = Attributes::default();
-        for (name, text, is_number) in
-            [("usage", "1000", false), ("usage", "1010", false), ("height", "7.5", true), ("storeys", "3", true), ("class", "", false)]
-        {
+        for (name, text, is_number) in [
+            ("usage", "1000", false),
+            ("usage", "1010", false),
+            ("height", "7.5", true),
+            ("storeys", "3", true),
+            ("class", "", false),
+        ] {
             attributes.add(name, value(text.into(), is_number));
         }
         attributes.add("long", value("a".repeat(5000), false));

@@ -49,8 +49,7 @@ fn open_edges(store: &Store, sides: &[Side], shift: f64) -> Option<bool> {
 mod tests {
     use super::*;
 
-    const BOX: [[usize; 4]; 6] =
-        [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    const BOX: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
     /// A box of 10 m with some of its faces, each with corners of its own that lie up to 0.4 mm off.
     fn part_of_box(faces: &[usize]) -> (Store, Vec<Side>) {

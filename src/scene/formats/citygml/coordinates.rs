@@ -138,7 +138,8 @@ impl Coordinates {
     }
 
     fn of_degrees(&mut self, epsg: u32, [a, b]: [f64; 2]) -> Result<Way, Unusable> {
-        const SWAP: &str = "write latitude before longitude, as the system has them, or state CRS84 where longitude comes first";
+        const SWAP: &str =
+            "write latitude before longitude, as the system has them, or state CRS84 where longitude comes first";
         let longitude_first = self.stated.as_ref().is_some_and(|(_, name)| name.longitude_first);
         let (latitude, longitude) = if longitude_first { (b, a) } else { (a, b) };
         let range = |latitude: f64, longitude: f64| latitude.abs() <= 90.0 && longitude.abs() <= 360.0;
@@ -191,7 +192,8 @@ impl Coordinates {
         };
         if northing_first != (by_register && is_formal) {
             let order = if northing_first { "northing, easting" } else { "easting, northing" };
-            self.notes.push(format!("coordinates are taken as {order}: only so they lie where EPSG:{epsg} is made for"));
+            self.notes
+                .push(format!("coordinates are taken as {order}: only so they lie where EPSG:{epsg} is made for"));
         }
         let height_unit_m = stated_unit.unwrap_or(unit_m);
         if unit_m != 1.0 || height_unit_m != 1.0 {
@@ -228,7 +230,12 @@ mod tests {
     #[test]
     fn positions_are_metres_east_and_north() {
         for (system, scene, numbers, expected) in [
-            ("http://www.opengis.net/def/crs/EPSG/0/6697", Some(6677), [35.25, 139.7, 9.0], [-12_133.41, -83_197.58, 9.0]),
+            (
+                "http://www.opengis.net/def/crs/EPSG/0/6697",
+                Some(6677),
+                [35.25, 139.7, 9.0],
+                [-12_133.41, -83_197.58, 9.0],
+            ),
             ("OGC:CRS84", Some(25832), [6.2, 54.0, 1.0], [316_483.85, 5_987_150.64, 1.0]),
             ("EPSG:31467", None, [3_375_084.7, 5_708_808.1, 7.0], [3_375_084.7, 5_708_808.1, 7.0]),
             ("urn:ogc:def:crs:EPSG::31467", None, [5_708_808.1, 3_375_084.7, 7.0], [3_375_084.7, 5_708_808.1, 7.0]),

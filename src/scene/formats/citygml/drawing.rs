@@ -64,8 +64,18 @@ impl Scan<'_> {
                 let is_other = element.attribute("orientation") == Some("-");
                 self.parts(Around { is_reversed: around.is_reversed != is_other, ..around })?;
             }
-            "MultiSurface" | "CompositeSurface" | "Shell" | "Surface" | "PolyhedralSurface" | "TriangulatedSurface"
-            | "Tin" | "Solid" | "MultiSolid" | "CompositeSolid" | "MultiGeometry" | "GeometricComplex"
+            "MultiSurface"
+            | "CompositeSurface"
+            | "Shell"
+            | "Surface"
+            | "PolyhedralSurface"
+            | "TriangulatedSurface"
+            | "Tin"
+            | "Solid"
+            | "MultiSolid"
+            | "CompositeSolid"
+            | "MultiGeometry"
+            | "GeometricComplex"
             | "MultiPolygon" => self.parts(around)?,
             name => {
                 let is_line = ["Point", "Curve", "Line"].iter().any(|word| name.contains(word));

@@ -86,10 +86,16 @@ fn circles_across_objects_end() {
 #[test]
 fn many_rings_and_corners() {
     let ring = |corners: usize| "1 2 3 4 5 6 ".repeat(corners / 2);
-    let hole = format!("<gml:interior><gml:LinearRing><gml:posList>{}</gml:posList></gml:LinearRing></gml:interior>", ring(4));
+    let hole =
+        format!("<gml:interior><gml:LinearRing><gml:posList>{}</gml:posList></gml:LinearRing></gml:interior>", ring(4));
     let holed = polygon(1, 0).replace("</gml:Polygon>", &(hole.repeat(100_000) + "</gml:Polygon>"));
-    let long = format!("<gml:Polygon><gml:exterior><gml:LinearRing><gml:posList>{}</gml:posList></gml:LinearRing></gml:exterior></gml:Polygon>", ring(100_000));
-    let text = building(&format!("<lod1MultiSurface><gml:MultiSurface><gml:surfaceMembers>{holed}{long}</gml:surfaceMembers></gml:MultiSurface></lod1MultiSurface>"));
+    let long = format!(
+        "<gml:Polygon><gml:exterior><gml:LinearRing><gml:posList>{}</gml:posList></gml:LinearRing></gml:exterior></gml:Polygon>",
+        ring(100_000)
+    );
+    let text = building(&format!(
+        "<lod1MultiSurface><gml:MultiSurface><gml:surfaceMembers>{holed}{long}</gml:surfaceMembers></gml:MultiSurface></lod1MultiSurface>"
+    ));
     let geometry = read(&text);
     assert_eq!((geometry.face_count(), left_out(&geometry)), (2, 0));
     assert_eq!(geometry.faces().map(|face| face.corners().len()).collect::<Vec<_>>(), [400_004, 100_000]);
@@ -108,7 +114,9 @@ fn a_template_bomb_ends_at_the_limit() {
     let inline = format!(
         "><gml:MultiSurface gml:id=\"t\"><gml:surfaceMember><gml:Polygon><gml:exterior><gml:LinearRing><gml:posList>{ring}</gml:posList></gml:LinearRing></gml:exterior></gml:Polygon></gml:surfaceMember></gml:MultiSurface>"
     );
-    let tree = |geometry: &str, times: usize| member(&format!("<veg:PlantCover>{}</veg:PlantCover>", place(geometry).repeat(times)));
+    let tree = |geometry: &str, times: usize| {
+        member(&format!("<veg:PlantCover>{}</veg:PlantCover>", place(geometry).repeat(times)))
+    };
     let text = model(&(tree(&inline, 1) + &tree(" xlink:href=\"#t\">", 1399)));
     let message = refused(&text);
     assert!(message.contains("instances of templates in town.gml"), "{message}");
@@ -123,7 +131,8 @@ fn any_cut_and_any_bit() {
         </ImplicitGeometry></lod1ImplicitRepresentation><genericAttribute><StringAttribute><name>a</name><value><![CDATA[b]]></value></StringAttribute></genericAttribute>
         </veg:SolitaryVegetationObject>"#,
     );
-    let text = building(&(solid(1, &ALL) + &solid(2, &ALL[1..]))).replace("</core:CityModel>", &(tree + "</core:CityModel>"));
+    let text =
+        building(&(solid(1, &ALL) + &solid(2, &ALL[1..]))).replace("</core:CityModel>", &(tree + "</core:CityModel>"));
     let (mut read, mut refused) = (0, 0);
     for at in 0..text.len() {
         let mut bytes = text.clone().into_bytes();

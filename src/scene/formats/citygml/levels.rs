@@ -22,7 +22,8 @@ pub(super) struct Offer {
 
 impl Offer {
     fn is_closed(&self, store: &Store) -> bool {
-        self.is_closed.unwrap_or_else(|| is_closed(store, &self.sides) || is_closed(store, &without_openings(store, &self.sides)))
+        self.is_closed
+            .unwrap_or_else(|| is_closed(store, &self.sides) || is_closed(store, &without_openings(store, &self.sides)))
     }
 }
 
@@ -53,7 +54,8 @@ impl Levels {
         // Level 4 counts where it is asked for or all there is.
         let bounds = if asked.is_some() { [asked, None] } else { [Lod::of(OUTSIDE), None] };
         let tries = if asked.is_some() { bounds.get(..1) } else { bounds.get(..) };
-        let level = tries.unwrap_or_default().iter().find_map(|most| level_of(offers.iter().map(|offer| offer.lod), *most));
+        let level =
+            tries.unwrap_or_default().iter().find_map(|most| level_of(offers.iter().map(|offer| offer.lod), *most));
         let Some(mut level) = level else {
             offers.iter().for_each(|_| reader.geometry.leave_out(NO_LEVEL));
             return None;
@@ -74,7 +76,9 @@ impl Levels {
     pub(super) fn doubt(&self) -> Option<String> {
         let first = self.coarser.first()?;
         let count = counted(self.coarser.len() as u64, "building");
-        let sentence = format!("{count} (`{first}`) read in a coarser level of detail: the finest one is not closed, and {{lod}} asks for it");
+        let sentence = format!(
+            "{count} (`{first}`) read in a coarser level of detail: the finest one is not closed, and {{lod}} asks for it"
+        );
         Some(with_list(&sentence, self.coarser.iter().skip(1).cloned()))
     }
 }

@@ -112,9 +112,8 @@ impl<'a> Header<'a> {
             geometry.reference = frame::reference(&text.0, file, &mut geometry.warnings)?;
         }
         let frame = Frame::of(document, file)?;
-        let templates = templates::prepare(std::mem::take(&mut document.templates)).map_err(|what| {
-            Error::input(file, None, what, MEND)
-        })?;
+        let templates = templates::prepare(std::mem::take(&mut document.templates))
+            .map_err(|what| Error::input(file, None, what, MEND))?;
         Ok((Header { frame, templates }, geometry))
     }
 
