@@ -184,7 +184,8 @@ impl Site {
         for file in files {
             let listed = if file.is_dir() { listed_in(file)? } else { Some(file.clone()) };
             let Some(listed) = listed else {
-                site.parts.extend(tiles_in(file)?.iter().map(|tile| Part::plain(tile, materials)));
+                site.parts
+                    .extend(input::members::of_folder(file, &TILES)?.iter().map(|tile| Part::plain(tile, materials)));
                 continue;
             };
             if input::ending(&listed) == "toml" {
@@ -226,7 +227,7 @@ fn listed_in(folder: &Path) -> Result<Option<PathBuf>> {
     if listed.is_file() {
         return Ok(Some(listed));
     }
-    if !tiles_in(folder)?.is_empty() {
+    if !input::members::of_folder(folder, &TILES)?.is_empty() {
         return Ok(None);
     }
     let hint = "name the scene files in it, or list them in a site.toml there";
@@ -235,21 +236,6 @@ fn listed_in(folder: &Path) -> Result<Option<PathBuf>> {
 
 /// Endings of tiles of CityGML: the first one that a folder has counts, code lists end with .xml as well.
 const TILES: [&str; 2] = ["gml", "xml"];
-
-/// Tiles of CityGML in a folder, by name.
-fn tiles_in(folder: &Path) -> Result<Vec<PathBuf>> {
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(Error::io(folder, "read"))? {
-        let path = entry.map_err(Error::io(folder, "read"))?.path();
-        if path.is_file() {
-            names.push(path);
-        }
-    }
-    names.sort_unstable();
-    let with =
-        |ending: &str| -> Vec<PathBuf> { names.iter().filter(|path| input::ending(path) == ending).cloned().collect() };
-    Ok(TILES.iter().map(|ending| with(ending)).find(|tiles| !tiles.is_empty()).unwrap_or_default())
-}
 
 fn read_site(path: &Path, materials: Option<&Path>) -> Result<Site> {
     let bytes = input::read(path)?;

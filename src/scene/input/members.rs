@@ -1,9 +1,9 @@
-//! Files that are read piece by piece, of which a zip may hold several. In: a path and endings. Out: the bytes of the file, or of each file of the
+//! Files that are read piece by piece, of which a zip or a folder may hold several. In: a path and endings. Out: the bytes of the file, or of each file of the
 //! zip whose name has the first of the endings that any of them has, by name.
 
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use heliotile_core::error::{Error, Result};
 use zip::{CompressionMethod, ZipArchive};
@@ -60,6 +60,20 @@ pub(crate) fn has(path: &Path, endings: &[&str]) -> bool {
     let all = zip.file_names().flatten().filter(|name| single_zip::is_file(name)).count();
     let is_first = |name: &String| endings.first().is_some_and(|first| ending(Path::new(name)) == *first);
     !names.is_empty() && (names.len() == all || names.iter().all(is_first))
+}
+
+/// Files of a folder whose names have the first of the endings that any of them has, by name.
+pub(crate) fn of_folder(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(Error::io(folder, "read"))? {
+        let path = entry.map_err(Error::io(folder, "read"))?.path();
+        if path.is_file() {
+            files.push(path);
+        }
+    }
+    files.sort_unstable();
+    let with = |wanted: &str| -> Vec<PathBuf> { files.iter().filter(|path| ending(path) == wanted).cloned().collect() };
+    Ok(endings.iter().map(|wanted| with(wanted)).find(|found| !found.is_empty()).unwrap_or_default())
 }
 
 /// The zip that a file is, if it is one.

@@ -173,11 +173,11 @@ impl Scan<'_> {
         }
         let count = self.numbers.len();
         match around.dimension {
-            Some(2) => return Ok(Ring::Flat),
-            None if !count.is_multiple_of(3) && count.is_multiple_of(2) => return Ok(Ring::Flat),
+            Some(2) => Ok(Ring::Flat),
+            None if !count.is_multiple_of(3) && count.is_multiple_of(2) => Ok(Ring::Flat),
             _ if !count.is_multiple_of(3) => {
                 self.wrong(ring.line, &format!("a ring has {count} numbers, not three a corner"));
-                return Ok(Ring::Wrong);
+                Ok(Ring::Wrong)
             }
             _ => self.corners(ring, around),
         }

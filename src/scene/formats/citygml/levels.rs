@@ -77,7 +77,7 @@ impl Levels {
         let first = self.coarser.first()?;
         let count = counted(self.coarser.len() as u64, "building");
         let sentence = format!(
-            "{count} (`{first}`) read in a coarser level of detail: the finest one is not closed, and {{lod}} asks for it"
+            "{count} (`{first}`) read in a coarser level of detail: the finest one is not closed; a stated `lod` counts"
         );
         Some(with_list(&sentence, self.coarser.iter().skip(1).cloned()))
     }

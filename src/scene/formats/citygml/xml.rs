@@ -293,9 +293,8 @@ mod tests {
         ] {
             let mut xml = xml(text);
             let message = loop {
-                match xml.child() {
-                    Err(error) => break error.to_string(),
-                    Ok(_) => {}
+                if let Err(error) = xml.child() {
+                    break error.to_string();
                 }
             };
             assert!(message.contains("a.gml, line 1") && message.contains(said), "{message}");
