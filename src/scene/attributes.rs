@@ -8,7 +8,7 @@ const DEPTH: usize = 3;
 /// Longer texts are no names or numbers.
 const LONGEST_TEXT: usize = 1000;
 
-/// Attributes without nested values, by dotted names; lists, empty values and what is too long are left out.
+/// Attributes without nested values, by dotted names; lists of texts and numbers become a text, empty values and what is too long are left out.
 pub(crate) fn flat(attributes: &Map<String, Value>) -> Map<String, Value> {
     let mut all = Map::new();
     add(&mut all, "", attributes, DEPTH);
@@ -21,11 +21,25 @@ fn add(all: &mut Map<String, Value>, before: &str, attributes: &Map<String, Valu
         match value {
             Value::Object(inner) if depth > 1 => add(all, &format!("{name}."), inner, depth - 1),
             Value::Number(_) | Value::Bool(_) => drop(all.insert(name, value.clone())),
+            Value::Array(values) => {
+                let texts: Option<Vec<String>> = values.iter().map(plain).collect();
+                let text =
+                    texts.map(|texts| texts.join(", ")).filter(|text| !text.is_empty() && text.len() <= LONGEST_TEXT);
+                all.extend(text.map(|text| (name, Value::String(text))));
+            }
             Value::String(text) if !text.is_empty() && text.len() <= LONGEST_TEXT => {
                 all.insert(name, value.clone());
             }
             _ => {}
         }
+    }
+}
+
+fn plain(value: &Value) -> Option<String> {
+    match value {
+        Value::String(text) => Some(text.clone()),
+        Value::Number(number) => Some(number.to_string()),
+        _ => None,
     }
 }
 
@@ -59,14 +73,14 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    /// Of 7 attributes 4 are kept, one of them from within another; of 400 texts of 100 bytes so many are kept as 16 KiB hold.
+    /// Of 8 attributes 5 are kept, one of them from within another and one a list; of 400 texts of 100 bytes so many are kept as 16 KiB hold.
     #[test]
     fn attributes_become_flat() {
         let value = json!({
-            "id": 7, "name": "Hall", "listed": true, "names": {"primary": "H", "rules": [1]}, "none": null, "empty": "", "list": [1]
+            "id": 7, "name": "Hall", "listed": true, "names": {"primary": "H"}, "none": null, "empty": "", "list": [1, "b"], "lists": [[1]]
         });
         let flat = flat(value.as_object().expect("an object"));
-        assert_eq!(text_of(flat), r#"{"id":7,"listed":true,"name":"Hall","names.primary":"H"}"#);
+        assert_eq!(text_of(flat), r#"{"id":7,"list":"1, b","listed":true,"name":"Hall","names.primary":"H"}"#);
         let many: Map<String, Value> = (0..400).map(|i| (format!("k{i:03}"), json!("x".repeat(100)))).collect();
         let text = text_of(many);
         assert!(text.len() <= MAX_ATTRIBUTES && object_of(&text).len() == 100);

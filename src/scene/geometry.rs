@@ -28,7 +28,7 @@ pub(super) struct Geometry {
     /// `[face]`: 1-based number in the file; empty where all faces are kept.
     numbers: Vec<u32>,
     /// `[face]`; short where nothing is known of the last faces.
-    notes: Vec<FaceNote>,
+    face_notes: Vec<FaceNote>,
     /// Face and place in `corners` where one of its holes begins, in order.
     holes: Vec<(usize, usize)>,
     /// Indexed by `Polygon::material`.
@@ -48,8 +48,8 @@ pub(super) struct Geometry {
     /// Of a format that always has ground, which is no face of the file.
     pub ground: Option<ModelGround>,
     pub warnings: Vec<String>,
-    /// What was decided that nobody asked for.
-    pub remarks: Vec<String>,
+    /// Sentences on what was decided that nobody need doubt.
+    pub notes: Vec<String>,
     /// Sentences about faces, which begin with a number of them.
     pub doubts: Vec<String>,
     /// Numbers of faces of buildings without semantics, ascending: their tilt says what they are, once their outside is known.
@@ -141,8 +141,8 @@ impl Geometry {
 
     /// Notes what is known of the face that ended last.
     pub(super) fn note_face(&mut self, note: FaceNote) {
-        self.notes.resize(self.faces.len(), FaceNote::default());
-        if let Some(last) = self.notes.last_mut() {
+        self.face_notes.resize(self.faces.len(), FaceNote::default());
+        if let Some(last) = self.face_notes.last_mut() {
             *last = note;
         }
     }
@@ -173,7 +173,7 @@ impl Geometry {
     pub(super) fn back_to(&mut self, mark: &FaceMark) {
         self.corners.truncate(mark.corners);
         self.faces.truncate(mark.faces);
-        self.notes.truncate(mark.faces);
+        self.face_notes.truncate(mark.faces);
         self.holes.truncate(mark.holes);
     }
 
@@ -226,7 +226,7 @@ impl Geometry {
 
     /// What is known of a face.
     pub(super) fn note_of(&self, number: usize) -> FaceNote {
-        self.notes.get(number).copied().unwrap_or_default()
+        self.face_notes.get(number).copied().unwrap_or_default()
     }
 
     /// Turns a face to its other side.
@@ -252,8 +252,8 @@ impl Geometry {
 
     /// Notes that no light comes to a face.
     pub(super) fn mark_inner(&mut self, number: usize) {
-        self.notes.resize(self.faces.len(), FaceNote::default());
-        if let Some(note) = self.notes.get_mut(number) {
+        self.face_notes.resize(self.faces.len(), FaceNote::default());
+        if let Some(note) = self.face_notes.get_mut(number) {
             note.exposed = Some(false);
         }
     }
@@ -263,7 +263,7 @@ impl Geometry {
         if let Some(face) = self.faces.get_mut(number) {
             face.material = material;
         }
-        if let Some(note) = self.notes.get_mut(number) {
+        if let Some(note) = self.face_notes.get_mut(number) {
             note.kind = kind;
         }
     }
@@ -284,7 +284,7 @@ impl Geometry {
         }
         self.corners = kept.corners;
         self.faces = kept.faces;
-        self.notes = kept.notes;
+        self.face_notes = kept.face_notes;
         self.holes = kept.holes;
         self.by_tilt = kept.by_tilt;
         self.numbers = kept.numbers;

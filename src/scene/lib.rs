@@ -2,7 +2,7 @@
 //!
 //! # Map
 //!
-//! `formats` (a folder or file each: CityJSON, GeoTIFF, glTF, OBJ, PLY, STL, EnergyPlus, Honeybee) and `terrain` give polygons; `load` merges them and
+//! `formats` (a folder or file each: CityJSON, CityGML, GeoTIFF, glTF, OBJ, PLY, STL, EnergyPlus, Honeybee) and `terrain` give polygons; `load` merges them and
 //! [`mesh`] brings them to one canonical form; [`materials`] gives every surface its optics; [`covering`] puts receivers on them.
 //! [`pv`] says where solar modules are to stand.
 //!

@@ -438,7 +438,7 @@ impl Pile {
         report.degenerate_dropped += cut.degenerate_faces;
         report.concave_faces += cut.concave_faces;
         report.warnings.extend(geometry.warnings.iter().cloned());
-        report.notes.extend(geometry.remarks.iter().cloned());
+        report.notes.extend(geometry.notes.iter().cloned());
         report.warnings.extend(geometry.doubts.iter().map(|doubt| format!("{file}: {doubt}")));
         let mut left_out: Vec<String> =
             geometry.left_out.iter().map(|(reason, count)| format!("{count} left out {reason}")).collect();

@@ -195,11 +195,16 @@ const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.js
 
 impl Site {
     /// Scene files and `site.toml` files in any mixture; `materials` is for those that name none of their own. A folder stands for the
-    /// `site.toml` in it.
+    /// `site.toml` in it, or without one for the tiles of CityGML in it.
     pub fn of(files: &[PathBuf], materials: Option<&Path>) -> Result<Site> {
         let mut site = Site::default();
         for file in files {
-            let listed = if file.is_dir() { listed_in(file)? } else { file.clone() };
+            let listed = if file.is_dir() { listed_in(file)? } else { Some(file.clone()) };
+            let Some(listed) = listed else {
+                site.parts
+                    .extend(input::members::of_folder(file, &TILES)?.iter().map(|tile| Part::plain(tile, materials)));
+                continue;
+            };
             if input::ending(&listed) == "toml" {
                 let Site { parts, frame, .. } = read_site(&listed, materials)?;
                 site.parts.extend(parts);
@@ -233,15 +238,21 @@ impl Site {
     }
 }
 
-/// The `site.toml` of a folder.
-fn listed_in(folder: &Path) -> Result<PathBuf> {
+/// The `site.toml` of a folder; `None` where it has tiles of CityGML instead.
+fn listed_in(folder: &Path) -> Result<Option<PathBuf>> {
     let listed = input::plain_or_packed(folder.join("site.toml"));
     if listed.is_file() {
-        return Ok(listed);
+        return Ok(Some(listed));
+    }
+    if !input::members::of_folder(folder, &TILES)?.is_empty() {
+        return Ok(None);
     }
     let hint = "name the scene files in it, or list them in a site.toml there";
-    Err(Error::input(folder, None, "is a folder without a site.toml", hint))
+    Err(Error::input(folder, None, "is a folder without a site.toml or tiles of CityGML (.gml)", hint))
 }
+
+/// Endings of tiles of CityGML: the first one that a folder has counts, code lists end with .xml as well.
+const TILES: [&str; 2] = ["gml", "xml"];
 
 fn read_site(path: &Path, materials: Option<&Path>) -> Result<Site> {
     let bytes = input::read(path)?;
@@ -381,6 +392,21 @@ mod tests {
         };
         assert_eq!(hash([0, 1]), hash([1, 0]));
         assert_eq!(hash([0, 1]).0, 1);
+    }
+
+    /// A folder of two tiles, one of them packed, and a code list is a site of the two, by name; with a `site.toml` that counts.
+    #[test]
+    fn a_folder_of_tiles() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
+        for name in ["2.gml.gz", "1.gml", "codes.xml", "readme.txt"] {
+            write(name, "");
+        }
+        let parts = || Site::of(&[folder.path().to_owned()], None).expect("a site").parts;
+        let names: Vec<_> = parts().iter().map(|part| part.file.file_name().expect("a name").to_owned()).collect();
+        assert_eq!(names, ["1.gml", "2.gml.gz"]);
+        write("site.toml", "[[scene]]\nfile = \"a.obj\"\n");
+        assert_eq!(parts().len(), 1);
     }
 
     /// Fourteen wrong site files are refused by name, with a line where there is one.

@@ -42,14 +42,14 @@ impl Site {
         let first = systems.next();
         let other = systems.find(|(_, system)| first.is_some_and(|(_, first)| !first.is_same(system)));
         if let (Some((first, system)), Some((file, other))) = (first, other) {
-            let what = format!("its footprints are in {other}, those of {} in {system}", first.display());
+            let what = format!("its coordinates become metres of {other}, those of {} of {system}", first.display());
             return Err(Error::input(file, None, what, "give one coordinate system for all files as {crs}"));
         }
         Ok(all.into_iter().map(|one| one.found).collect())
     }
 }
 
-/// What lies in a file, and the plane system of its footprints, if it holds such.
+/// What lies in a file, and the plane system that its reader made metres of.
 struct Surveyed {
     found: FileSurvey,
     system: Option<Reference>,
@@ -73,7 +73,7 @@ fn survey(part: &Part, site: &Site) -> Result<Surveyed> {
             }
             let part = part.in_frame(&site.frame);
             let objects = objects(&geometry, |p| part.place(p));
-            system = geometry.reference.filter(|_| !geometry.footprints.is_empty());
+            system = geometry.reference.filter(|_| geometry.in_metres);
             (joined(objects.iter().map(|object| object.bounds)), objects)
         }
         Content::Terrain(raster) => {

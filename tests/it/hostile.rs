@@ -95,13 +95,14 @@ fn seeds_are_valid() {
     assert_eq!((report.problems.len(), report.blocks), (0, 18));
 }
 
-/// The seeds of all 12 formats of scenes are scenes of 1 to 4 triangles.
+/// The seeds of all 13 formats of scenes are scenes of 1 to 4 triangles.
 #[test]
 fn scene_seeds_are_valid() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let mut read = 0;
     for (target, name) in [
         ("obj", "a.obj"),
+        ("citygml", "a.gml"),
         ("cityjson", "a.city.json"),
         ("cityjson_seq", "a.city.jsonl"),
         ("geotiff", "a.tif"),
@@ -121,7 +122,7 @@ fn scene_seeds_are_valid() {
         assert!((1..=24).contains(&scene.mesh.triangles.len()), "{target}: {}", scene.mesh.triangles.len());
         read += 1;
     }
-    assert_eq!(read, 12);
+    assert_eq!(read, 13);
 }
 
 /// Eight manifests that lie about the sides of textures, and a tile with fewer responses than receivers, are refused by both

@@ -4,6 +4,7 @@
 
 mod ascii_grid;
 mod building;
+mod citygml;
 mod cityjson;
 pub(crate) mod energyplus;
 mod features;
@@ -76,6 +77,7 @@ pub(super) enum Content {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     AsciiGrid,
+    CityGml,
     CityJson,
     EnergyPlus,
     Features(FeatureFormat),
@@ -90,7 +92,7 @@ enum Format {
 }
 
 /// What names end with, in lower case; `.gz` or `.zip` may stand behind each.
-const ENDINGS: [(&str, Format); 22] = [
+const ENDINGS: [(&str, Format); 24] = [
     ("asc", Format::AsciiGrid),
     ("cityjson", Format::CityJson),
     ("cityjsonl", Format::CityJson),
@@ -101,6 +103,7 @@ const ENDINGS: [(&str, Format); 22] = [
     ("geoparquet", Format::Features(FeatureFormat::GeoParquet)),
     ("glb", Format::Gltf),
     ("gltf", Format::Gltf),
+    ("gml", Format::CityGml),
     ("gpkg", Format::Features(FeatureFormat::GeoPackage)),
     ("hbjson", Format::Honeybee),
     ("idf", Format::EnergyPlus),
@@ -113,9 +116,10 @@ const ENDINGS: [(&str, Format); 22] = [
     ("stl", Format::Stl),
     ("tif", Format::GeoTiff),
     ("tiff", Format::GeoTiff),
+    ("xml", Format::CityGml),
 ];
 
-const SUPPORTED: &str = ".json, .jsonl, .cityjson and .cityjsonl (CityJSON), .tif, .tiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .hbjson \
+const SUPPORTED: &str = ".json, .jsonl, .cityjson and .cityjsonl (CityJSON), .gml and .xml (CityGML), .tif, .tiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .hbjson \
                          (Honeybee), .geojson, .geojsonl, .shp, .gpkg, .parquet and .geoparquet (footprints), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz or .zip behind it, and site.toml";
 
 /// The format of scenes that a name certainly belongs to, `.gz` or not; `None` also for `.json`, which may be much else.
@@ -139,6 +143,7 @@ impl Format {
     fn name(self) -> Option<&'static str> {
         Some(match self {
             Format::AsciiGrid => "ASCII grid",
+            Format::CityGml => "CityGML",
             Format::CityJson => "CityJSON",
             Format::EnergyPlus => "EnergyPlus",
             Format::Features(FeatureFormat::GeoJson) => "GeoJSON",
@@ -165,10 +170,15 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
         input::check(path)?;
         return Err(unknown_ending(path, &ending));
     }
+    let is_city_gml = known(&ending) == Some(Format::CityGml)
+        || (packed && known(&ending).is_none() && input::members::has(path, &citygml::ENDINGS));
+    if is_city_gml {
+        return settled(citygml::read(path, asked)?, path);
+    }
     // SQLite reads a GeoPackage itself.
     let is_database = known(&ending) == Some(Format::Features(FeatureFormat::GeoPackage));
     if packed && let Some(geometry) = features::zipped_shapefile(path, asked)? {
-        return settled(geometry);
+        return finished(geometry);
     }
     let NamedBytes { name, bytes } = match is_database {
         true => input::check(path).map(|()| NamedBytes { name: None, bytes: Vec::new() }),
@@ -189,6 +199,8 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
         Format::Json if honeybee::is_model(&bytes) => honeybee::parse(&bytes, path, asked),
         Format::Json if energyplus::is_model(&bytes) => energyplus::parse(&bytes, path, asked),
         Format::Json if features::is_geojson(&bytes) => features::parse(FeatureFormat::GeoJson, &bytes, path, asked),
+        // The name in a zip cannot be that of CityGML, which was read before.
+        Format::CityGml => citygml::read(path, asked),
         Format::CityJson | Format::Json => cityjson::parse(&bytes, path, asked),
         Format::Obj => obj::read(&bytes, path, asked),
         Format::Ply => ply::parse(&bytes, path),
@@ -205,7 +217,14 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
                 frame.reference()
             ));
         }
-    } else if is_geocentric(&geometry.vertices) {
+        return finished(geometry);
+    }
+    settled(geometry, path)
+}
+
+/// Polygons of a format that has z up, which geocentric coordinates have not.
+fn settled(geometry: Geometry, path: &Path) -> Result<Content> {
+    if is_geocentric(&geometry.vertices) {
         let hint = "reproject the file to a system in metres with z up, such as the national grid or UTM";
         return Err(Error::input(
             path,
@@ -214,11 +233,11 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
             hint,
         ));
     }
-    settled(geometry)
+    finished(geometry)
 }
 
-/// Geometry whose faces look outwards.
-fn settled(mut geometry: Geometry) -> Result<Content> {
+/// Polygons with their outside where it belongs.
+fn finished(mut geometry: Geometry) -> Result<Content> {
     facing::settle(&mut geometry);
     // Names of some faces depend on where they look.
     cityjson::name_by_tilt(&mut geometry);
@@ -263,11 +282,11 @@ mod tests {
         assert!(SUPPORTED.contains(".gz"));
     }
 
-    /// Of 22 endings 21 belong to one format, packed or not.
+    /// Of 24 endings 23 belong to one format, packed or not.
     #[test]
     fn formats_of_names() {
         let named = |ending: &str, more: &str| format_of_name(Path::new(&format!("A.{}{more}", ending.to_uppercase())));
-        assert_eq!(ENDINGS.iter().filter(|(ending, _)| named(ending, "").is_some()).count(), 21);
+        assert_eq!(ENDINGS.iter().filter(|(ending, _)| named(ending, "").is_some()).count(), 23);
         assert!(ENDINGS.iter().all(|(ending, _)| named(ending, "") == named(ending, ".gz")));
         assert_eq!((named("hbjson", ".gz"), named("json", ""), named("csv", "")), (Some("Honeybee"), None, None));
     }

@@ -32,6 +32,11 @@ pub(super) fn most(packed: u64) -> u64 {
     packed.saturating_mul(MOST_TIMES).clamp(HARMLESS, MOST_WHOLE)
 }
 
+/// The same for what is read piece by piece.
+pub(super) fn most_streamed(packed: u64) -> u64 {
+    packed.saturating_mul(MOST_TIMES).clamp(HARMLESS, MOST_STREAMED)
+}
+
 fn unpack_up_to(most: u64, bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
     if !bytes.starts_with(&MAGIC) {
         return Ok(bytes);
@@ -69,9 +74,9 @@ pub(super) fn unpacked(mut file: File, path: &Path) -> Result<Box<dyn Read>> {
 }
 
 /// A reader that fails where it ought to end.
-struct Bounded<R> {
-    inner: R,
-    left: u64,
+pub(super) struct Bounded<R> {
+    pub inner: R,
+    pub left: u64,
 }
 
 impl<R: Read> Read for Bounded<R> {

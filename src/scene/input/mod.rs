@@ -4,6 +4,7 @@
 //! What is packed shows in the first bytes and not in the name: programs that fetch files unpack some and keep the name, or the reverse.
 
 mod gzip;
+pub(crate) mod members;
 mod missing;
 #[cfg(test)]
 mod packed_tests;

@@ -142,7 +142,7 @@ fn refused_in_words() {
     fs::write(folder.path().join("town.abc.gz"), "").expect("written");
     fs::write(folder.path().join("town"), "").expect("written");
     for (name, expected) in [
-        ("", "is a folder without a site.toml\n  to fix: name the scene files in it"),
+        ("", "is a folder without a site.toml or tiles of CityGML (.gml)\n  to fix: name the scene files in it"),
         ("a/town.obj", ": No such file: there is no folder `a` in "),
         ("twon.obj", "town.obj?"),
         ("town.abc.gz", "found a name that ends with .abc, this release supports .json, .jsonl, .cityjson"),

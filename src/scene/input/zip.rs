@@ -112,7 +112,8 @@ pub(crate) fn shapefile(bytes: &[u8], file: &Path) -> Result<Option<ShapefilePar
     Ok(Some(ShapefileParts { shapes, table: part(".dbf")?, system: part(".prj")? }))
 }
 
-fn is_file(name: &str) -> bool {
+/// Whether a name is that of a file, and none that macOS adds.
+pub(super) fn is_file(name: &str) -> bool {
     let last = name.rsplit('/').next().unwrap_or_default();
     !name.ends_with('/') && !name.starts_with("__MACOSX/") && last != ".DS_Store" && !last.starts_with("._")
 }

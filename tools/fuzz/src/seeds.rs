@@ -33,6 +33,19 @@ const RECEIVERS: &str = "receiver,x,y,z,nx,ny,nz,area,surface\nr1,7,3,1,0,0,1,2.
 const CONDITIONS: &str =
     "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,55.5,800,100\nnight,0,-30,0,0\n";
 
+const CITYGML: &str = r##"<?xml version="1.0"?>
+<core:CityModel xmlns:core="c" xmlns:gml="g" xmlns:xlink="x"><gml:boundedBy><gml:Envelope srsName="urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837"/></gml:boundedBy>
+<core:cityObjectMember><bldg:Building gml:id="a"><bldg:usage>1000</bldg:usage><gen:intAttribute name="n"><gen:value>3</gen:value></gen:intAttribute>
+<bldg:lod2Solid><gml:Solid><gml:exterior><gml:CompositeSurface><gml:surfaceMember xlink:href="#p"/><gml:surfaceMember><gml:OrientableSurface orientation="-">
+<gml:baseSurface><gml:Polygon><gml:exterior><gml:LinearRing><gml:pos>0 0 0</gml:pos><gml:pos>9 0 0</gml:pos><gml:pos>9 9 0</gml:pos></gml:LinearRing></gml:exterior>
+</gml:Polygon></gml:baseSurface></gml:OrientableSurface></gml:surfaceMember></gml:CompositeSurface></gml:exterior></gml:Solid></bldg:lod2Solid>
+<bldg:boundedBy><bldg:RoofSurface><bldg:lod2MultiSurface><gml:MultiSurface><gml:surfaceMember><gml:Polygon gml:id="p"><gml:exterior><gml:LinearRing>
+<gml:posList srsDimension="3">0 0 5 9 0 5 9 9 5 0 9 5 0 0 5</gml:posList></gml:LinearRing></gml:exterior><gml:interior><gml:LinearRing><gml:posList>1 1 5 1 2 5 2 2 5</gml:posList>
+</gml:LinearRing></gml:interior></gml:Polygon></gml:surfaceMember></gml:MultiSurface></bldg:lod2MultiSurface></bldg:RoofSurface></bldg:boundedBy></bldg:Building></core:cityObjectMember>
+<core:cityObjectMember><veg:SolitaryVegetationObject><veg:lod1ImplicitRepresentation><core:ImplicitGeometry><core:transformationMatrix>2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1
+</core:transformationMatrix><core:relativeGMLGeometry xlink:href="#p"/><core:referencePoint><gml:Point><gml:pos>20 5 0</gml:pos></gml:Point></core:referencePoint>
+</core:ImplicitGeometry></veg:lod1ImplicitRepresentation></veg:SolitaryVegetationObject></core:cityObjectMember></core:CityModel>
+"##;
 const CITYJSON: &str = r#"{"type":"CityJSON","version":"2.0","transform":{"scale":[0.001,0.001,0.001],"translate":[78000,457000,2]},
 "metadata":{"referenceSystem":"https://www.opengis.net/def/crs/EPSG/0/7415"},
 "CityObjects":{"house":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"2.2","boundaries":[[[0,1,2,3],[4,5,6]],[[0,1,7]]],
@@ -203,6 +216,7 @@ pub fn write() {
     seed("obj", OBJ.as_bytes());
     seed("mtl", MTL.as_bytes());
     for (target, text) in [
+        ("citygml", CITYGML),
         ("cityjson", CITYJSON),
         ("cityjson_seq", CITYJSON_SEQ),
         ("ascii_grid", ASCII_GRID),

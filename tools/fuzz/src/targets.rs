@@ -46,7 +46,7 @@ use heliotile_scene::site::Site;
 pub type Target = fn(&[u8]);
 
 /// All targets by name, which is that of their folder in tests/data/corpus.
-pub const TARGETS: [(&str, Target); 41] = [
+pub const TARGETS: [(&str, Target); 42] = [
     ("archive", archive),
     ("sealed", sealed),
     ("block", block),
@@ -68,6 +68,7 @@ pub const TARGETS: [(&str, Target); 41] = [
     ("canopy", canopy),
     ("obj", obj),
     ("mtl", mtl),
+    ("citygml", citygml),
     ("cityjson", cityjson),
     ("cityjson_seq", cityjson_seq),
     ("geotiff", geotiff),
@@ -394,6 +395,10 @@ fn scene(name: &str, data: &[u8]) {
         assert!(scene.mesh.vertices.iter().all(|v| v.is_finite()) && scene.mesh.origin.is_finite());
         assert!((0..scene.mesh.triangles.len()).all(|i| scene.mesh.normal(i).is_normalized()));
     }
+}
+
+fn citygml(data: &[u8]) {
+    scene("town.gml", data);
 }
 
 fn cityjson(data: &[u8]) {

@@ -13,9 +13,9 @@ use heliotile_scene::site::Site;
 
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
-    /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl, .cityjson), terrain (.tif,
-    /// .asc, .dem), footprints (.geojson, .shp, .gpkg, .parquet), EnergyPlus (.epjson, .idf), Honeybee (.hbjson), glTF (.gltf, .glb), .obj,
-    /// .ply, .stl, each maybe .gz or .zip; metres, x east, y north, z up; footprints may be in degrees
+    /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl, .cityjson), CityGML (.gml, .xml, or a
+    /// folder of tiles), footprints (.geojson, .shp, .gpkg, .parquet), terrain (.tif, .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee (.hbjson),
+    /// glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz or .zip; metres, x east, y north, z up; footprints and CityGML may be in degrees
     #[arg(required = true, value_name = "SCENE")]
     pub scene: Vec<PathBuf>,
     #[command(flatten)]

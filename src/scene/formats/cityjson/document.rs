@@ -1,18 +1,20 @@
 //! In: JSON text of a CityJSON object or of a CityJSONFeature. Out: what of it matters here, typed but unchecked; messages say in
-//! which object or vertex the text is wrong. All else (attributes, appearance) is skipped without being stored.
+//! which object or vertex the text is wrong. All else (appearance, extensions) is skipped without being stored.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display};
 
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Value};
 
+use crate::attributes::flat;
 use crate::formats::cityjson::nested::Nested;
 use crate::text::excerpt;
 
 /// The whole text, or one line of a sequence.
 #[derive(Debug, Default)]
-pub(super) struct Document<'a> {
+pub(in crate::formats) struct Document<'a> {
     pub kind: Text<'a>,
     pub version: Text<'a>,
     pub transform: Option<Transform>,
@@ -24,16 +26,16 @@ pub(super) struct Document<'a> {
 
 /// Text of the file itself, where it holds no escapes.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
-pub(super) struct Text<'a>(pub(super) Cow<'a, str>);
+pub(in crate::formats) struct Text<'a>(pub(in crate::formats) Cow<'a, str>);
 
 #[derive(Debug, PartialEq, Deserialize)]
-pub(super) struct Transform {
+pub(in crate::formats) struct Transform {
     pub scale: [f64; 3],
     pub translate: [f64; 3],
 }
 
 #[derive(Debug, Deserialize)]
-pub(super) struct CityObject<'a> {
+pub(in crate::formats) struct CityObject<'a> {
     #[serde(rename = "type", borrow)]
     pub kind: Text<'a>,
     #[serde(default, borrow)]
@@ -42,11 +44,14 @@ pub(super) struct CityObject<'a> {
     pub parents: Option<Vec<Text<'a>>>,
     #[serde(default, borrow)]
     pub children: Option<Vec<Text<'a>>>,
+    /// What is said of it besides, without nested values.
+    #[serde(default, deserialize_with = "attributes")]
+    pub attributes: Map<String, Value>,
 }
 
 /// One geometry of an object: a multitude of surfaces, or an instance of a template.
 #[derive(Debug, Deserialize)]
-pub(super) struct Shape<'a> {
+pub(in crate::formats) struct Shape<'a> {
     #[serde(rename = "type", borrow)]
     pub kind: Text<'a>,
     #[serde(default)]
@@ -59,10 +64,13 @@ pub(super) struct Shape<'a> {
     pub template: Option<u64>,
     #[serde(default, rename = "transformationMatrix")]
     pub matrix: Option<Vec<f64>>,
+    /// `[surface]`: 1-based line of the file, where the format has lines: it names the faces.
+    #[serde(skip)]
+    pub lines: Vec<u32>,
 }
 
 #[derive(Debug, Deserialize)]
-pub(super) struct Semantics<'a> {
+pub(in crate::formats) struct Semantics<'a> {
     #[serde(default, borrow)]
     pub surfaces: Option<Vec<SurfaceKind<'a>>>,
     #[serde(default)]
@@ -70,13 +78,13 @@ pub(super) struct Semantics<'a> {
 }
 
 #[derive(Debug, Deserialize)]
-pub(super) struct SurfaceKind<'a> {
+pub(in crate::formats) struct SurfaceKind<'a> {
     #[serde(rename = "type", borrow)]
     pub kind: Text<'a>,
 }
 
 #[derive(Debug, Default, Deserialize)]
-pub(super) struct Templates<'a> {
+pub(in crate::formats) struct Templates<'a> {
     #[serde(default, borrow)]
     pub templates: Vec<Shape<'a>>,
     #[serde(default, rename = "vertices-templates", deserialize_with = "vertices")]
@@ -91,19 +99,19 @@ struct Metadata<'a> {
 
 /// Level of detail: "2", "1.3"; a number before version 1.1. Ordered as its numbers are, 2 before 2.2 before 2.10.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Lod {
+pub(in crate::formats) struct Lod {
     major: u32,
     minor: u32,
 }
 
 impl Lod {
-    pub(super) fn of(text: &str) -> Option<Lod> {
+    pub(in crate::formats) fn of(text: &str) -> Option<Lod> {
         let (major, minor) = text.split_once('.').unwrap_or((text, "0"));
         Some(Lod { major: major.parse().ok()?, minor: minor.parse().ok()? })
     }
 
     /// Whether it is that of outlines without height.
-    pub(super) fn is_flat(self) -> bool {
+    pub(in crate::formats) fn is_flat(self) -> bool {
         self.major == 0
     }
 }
@@ -210,6 +218,11 @@ impl<'de> Deserialize<'de> for Vertices {
         }
         source.deserialize_seq(All)
     }
+}
+
+fn attributes<'de, D: Deserializer<'de>>(source: D) -> Result<Map<String, Value>, D::Error> {
+    let stated: Option<Map<String, Value>> = Deserialize::deserialize(source)?;
+    Ok(stated.map(|stated| flat(&stated)).unwrap_or_default())
 }
 
 fn vertices<'de, D: Deserializer<'de>>(source: D) -> Result<Vec<[f64; 3]>, D::Error> {

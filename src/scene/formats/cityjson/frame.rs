@@ -12,12 +12,15 @@ use heliotile_core::error::{Error, Result};
 
 /// From numbers of the file to metres.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(in crate::formats) struct Frame {
     scale: DVec3,
     translate: DVec3,
 }
 
 impl Frame {
+    /// Numbers that are metres already.
+    pub(in crate::formats) const METRES: Frame = Frame { scale: DVec3::ONE, translate: DVec3::ZERO };
+
     /// The transform of a document: required from version 1.1 on (CityJSON 1.1, section 4), positions are plain without it in 1.0.
     pub(super) fn of(document: &Document, file: &Path) -> Result<Frame> {
         let Some(transform) = &document.transform else {

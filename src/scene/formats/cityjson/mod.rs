@@ -2,18 +2,18 @@
 //! `.jsonl`), or an answer of a service that wraps features (that of 3DBAG). Out: polygons with holes, named after city objects, of materials named after semantic surfaces.
 //!
 //! Semantics name the materials, then the type of the object; faces of buildings without semantics are told apart by tilt. Colours of
-//! `appearance` are those of pictures, not reflectances, and are not read; neither are attributes and `geographicalExtent`.
+//! `appearance` are those of pictures, not reflectances, and are not read; neither is `geographicalExtent`. Attributes pass to results.
 
 mod answers;
-mod document;
-mod frame;
-mod nested;
-mod objects;
+pub(super) mod document;
+pub(super) mod frame;
+pub(super) mod nested;
+pub(super) mod objects;
 mod openings;
 mod parents;
 mod refuse;
-mod surfaces;
-mod templates;
+pub(super) mod surfaces;
+pub(super) mod templates;
 #[cfg(test)]
 mod tests;
 
@@ -32,6 +32,9 @@ use heliotile_core::text::{counted, with_list};
 use objects::Reader;
 pub(super) use surfaces::name_by_tilt;
 use templates::Template;
+
+/// What would mend a wrong file.
+const MEND: &str = "the file is no valid CityJSON: validate it (cjval) or export it again";
 
 /// Reads a city model; a name that ends with `.jsonl` is that of a sequence.
 pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
@@ -109,9 +112,8 @@ impl<'a> Header<'a> {
             geometry.reference = frame::reference(&text.0, file, &mut geometry.warnings)?;
         }
         let frame = Frame::of(document, file)?;
-        let templates = templates::prepare(std::mem::take(&mut document.templates)).map_err(|what| {
-            Error::input(file, None, what, "the file is no valid CityJSON: validate it (cjval) or export it again")
-        })?;
+        let templates = templates::prepare(std::mem::take(&mut document.templates))
+            .map_err(|what| Error::input(file, None, what, MEND))?;
         Ok((Header { frame, templates }, geometry))
     }
 
@@ -127,19 +129,21 @@ impl<'a> Header<'a> {
             levels: BTreeSet::new(),
             instanced: 0,
             skipped: Vec::new(),
+            mend: MEND,
         }
     }
 }
 
-fn finish(reader: Reader) -> Result<Geometry> {
-    let Reader { file, mut geometry, objects, levels, asked, skipped, .. } = reader;
+/// The geometry that was read, or why there is none.
+pub(super) fn finish(reader: Reader) -> Result<Geometry> {
+    let Reader { file, mut geometry, objects, levels, asked, skipped, mend, .. } = reader;
     if geometry.face_count() > 0 {
         let cut = openings::cut_openings(&mut geometry);
         if cut > 0 {
             let what = counted(cut as u64, "opening");
             geometry.doubts.push(format!("{what} (windows, doors) lay on whole walls and roofs: cut out of them"));
         }
-        geometry.warnings.extend(left_out(file, &skipped));
+        geometry.warnings.extend(left_out(file, &skipped, mend));
         return Ok(geometry);
     }
     if let Some(first) = skipped.into_iter().next() {
@@ -167,7 +171,7 @@ fn finish(reader: Reader) -> Result<Geometry> {
 }
 
 /// A sentence on objects that are left out, since their geometry is wrong; all of them stand behind it.
-fn left_out(file: &Path, skipped: &[Error]) -> Option<String> {
+fn left_out(file: &Path, skipped: &[Error], mend: &str) -> Option<String> {
     let words = |error: &Error| match error {
         Error::Input { what, line: Some(line), .. } => format!("line {line}, {what}"),
         Error::Input { what, .. } => what.clone(),
@@ -175,7 +179,7 @@ fn left_out(file: &Path, skipped: &[Error]) -> Option<String> {
     };
     let (first, others) = skipped.split_first()?;
     let sentence = format!(
-        "{}: {} left out, whose geometry is wrong: {}; validate the file (cjval) or export it again",
+        "{}: {} left out, whose geometry is wrong: {}; {mend}",
         file.display(),
         counted(skipped.len() as u64, "city object"),
         words(first)
@@ -183,7 +187,8 @@ fn left_out(file: &Path, skipped: &[Error]) -> Option<String> {
     Some(with_list(&sentence, others.iter().map(words)))
 }
 
-fn level(text: &str, file: &Path) -> Result<Lod> {
+/// The level of detail that a text asks for.
+pub(super) fn level(text: &str, file: &Path) -> Result<Lod> {
     Lod::of(text).ok_or_else(|| {
         let what = format!("level of detail `{}` is asked for", excerpt(text.as_bytes()));
         Error::input(file, None, what, "levels are numbers as 1, 1.3 or 2.2")

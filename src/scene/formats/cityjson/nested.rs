@@ -19,7 +19,7 @@ const DEEPEST: usize = 5;
 
 /// Arrays in arrays of numbers below `NOTHING`; every `OPEN` has its `CLOSE`.
 #[derive(Debug, Default)]
-pub(super) struct Nested(pub(super) Vec<u32>);
+pub(in crate::formats) struct Nested(pub(super) Vec<u32>);
 
 /// A surface of boundaries.
 #[derive(Debug)]
@@ -33,6 +33,21 @@ pub(super) struct Surface {
 }
 
 impl Nested {
+    /// Begins an array.
+    pub(in crate::formats) fn open(&mut self) {
+        self.0.push(OPEN);
+    }
+
+    /// Ends the array that began last.
+    pub(in crate::formats) fn close(&mut self) {
+        self.0.push(CLOSE);
+    }
+
+    /// Adds a number, or null for what is none and for numbers beyond those that boundaries may hold.
+    pub(in crate::formats) fn push(&mut self, number: Option<u32>) {
+        self.0.push(number.map_or(NOTHING, |number| number.min(NOTHING)));
+    }
+
     /// All surfaces where numbers stand `depth` arrays deep (3 in a MultiSurface, 4 in a Solid, 5 in a MultiSolid), each with its
     /// number in `values`, which are two arrays less deep. An error is what is wrong, in words.
     pub(super) fn surfaces(&self, depth: usize, values: Option<&Nested>) -> Result<Vec<Surface>, String> {

@@ -4,6 +4,7 @@
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
+use crate::attributes::text_of;
 use crate::coordinate::is_position;
 use crate::formats::cityjson::document::{CityObject, Document, Lod, Shape, Text};
 use crate::formats::cityjson::frame::Frame;
@@ -21,11 +22,15 @@ use heliotile_core::site::scene_object::ObjectNote;
 /// Why flat outlines of buildings are left out.
 pub(super) const OUTLINES: &str = "as flat outlines of buildings (LoD 0), which have neither walls nor a roof";
 
+/// Why geometry of the levels of detail that are not chosen is left out, and that of objects with none to choose.
+pub(in crate::formats) const OTHER_LEVEL: &str = "as geometry in another level of detail";
+pub(in crate::formats) const NO_LEVEL: &str = "for want of the level of detail asked for or a coarser one";
+
 /// Levels of detail that a message lists at most.
-const LEVELS_NAMED: usize = 12;
+pub(in crate::formats) const LEVELS_NAMED: usize = 12;
 
 /// Geometry as far as it was read.
-pub(super) struct Reader<'f, 'h> {
+pub(in crate::formats) struct Reader<'f, 'h> {
     pub file: &'f Path,
     /// Of a sequence.
     pub line: Option<usize>,
@@ -40,6 +45,8 @@ pub(super) struct Reader<'f, 'h> {
     pub instanced: u64,
     /// What was wrong with objects that are left out.
     pub skipped: Vec<Error>,
+    /// What would mend a file of its format.
+    pub mend: &'static str,
 }
 
 /// Consecutive vertices that boundaries count in.
@@ -60,6 +67,13 @@ struct Owner<'d> {
     geometry: usize,
 }
 
+/// Where a face stands in the file.
+struct FacePlace {
+    source: FaceSource,
+    /// 1-based; 0 where the format has none.
+    line: usize,
+}
+
 /// What an object offers: its geometries that bound something, with their levels of detail.
 type Offers<'d> = Vec<Offer<'d>>;
 
@@ -72,13 +86,15 @@ struct Offer<'d> {
 
 impl<'h> Reader<'_, 'h> {
     /// Adds the objects of a document or of a feature.
-    pub(super) fn add(&mut self, document: &Document) -> Result<()> {
+    pub(in crate::formats) fn add(&mut self, document: &Document) -> Result<()> {
         let range = self.vertices(&document.vertices)?;
         self.objects += document.objects.len();
         let chosen: Vec<Offers> = document.objects.iter().map(|(_, object)| self.choose(object)).collect();
         self.count_instances(&chosen)?;
         let parts = finest_parts(&document.objects, &chosen);
         let parents = Parents::of(&document.objects);
+        let stating = document.objects.iter().filter(|(_, object)| !object.attributes.is_empty());
+        let stated: HashMap<&str, &CityObject> = stating.map(|(id, object)| (id.0.as_ref(), object)).collect();
         for (((id, object), shapes), finest) in document.objects.iter().zip(chosen).zip(parts) {
             let level = shapes.first().and_then(|offer| offer.lod);
             if finest > level {
@@ -99,6 +115,7 @@ impl<'h> Reader<'_, 'h> {
                 building: parents.top_of(&id.0).to_owned(),
                 object_type: kind.to_owned(),
                 beside: !is_hull(kind),
+                attributes: attributes_of(object, stated.get(parents.top_of(&id.0)).copied()),
                 ..ObjectNote::default()
             };
             self.geometry.object_notes.insert(number, note);
@@ -179,17 +196,13 @@ impl<'h> Reader<'_, 'h> {
         if self.levels.len() < LEVELS_NAMED {
             self.levels.extend(offers.iter().filter_map(|offer| offer.lod));
         }
-        let asked = self.asked;
-        let Some(level) = offers.iter().map(|offer| offer.lod).filter(|level| asked.is_none() || *level <= asked).max()
-        else {
-            offers
-                .iter()
-                .for_each(|_| self.geometry.leave_out("for want of the level of detail asked for or a coarser one"));
+        let Some(level) = level_of(offers.iter().map(|offer| offer.lod), self.asked) else {
+            offers.iter().for_each(|_| self.geometry.leave_out(NO_LEVEL));
             return Vec::new();
         };
         let before = offers.len();
         offers.retain(|offer| offer.lod == level);
-        (offers.len()..before).for_each(|_| self.geometry.leave_out("as geometry in another level of detail"));
+        (offers.len()..before).for_each(|_| self.geometry.leave_out(OTHER_LEVEL));
         offers
     }
 
@@ -229,19 +242,24 @@ impl<'h> Reader<'_, 'h> {
         let values = shape.semantics.as_ref().and_then(|semantics| semantics.values.as_ref());
         let depth = depth_of(&shape.kind.0).unwrap_or_default();
         let surfaces = boundaries.surfaces(depth, values).map_err(|what| self.wrong(owner, what))?;
-        for surface in &surfaces {
+        for (i, surface) in surfaces.iter().enumerate() {
+            let line = shape.lines.get(i).map(|line| *line as usize);
             let stated = semantic(shape, surface.value).map_err(|what| self.wrong(owner, what))?;
             if stated.is_some_and(|name| VIRTUAL.contains(&name)) {
                 self.geometry.leave_out("as surfaces that only close a volume where nothing is");
                 continue;
             }
-            let source = FaceSource::Boundary {
-                // Vertices are counted in 32 bits, and geometries are no more; depths are 3 to 5.
-                geometry: owner.geometry as u32,
-                path: surface.path,
-                depth: depth.saturating_sub(2) as u8,
+            let source = match line {
+                Some(_) => FaceSource::Order,
+                None => FaceSource::Boundary {
+                    // Vertices are counted in 32 bits, and geometries are no more; depths are 3 to 5.
+                    geometry: owner.geometry as u32,
+                    path: surface.path,
+                    depth: depth.saturating_sub(2) as u8,
+                },
             };
-            self.face(owner, boundaries.rings(surface), stated, range, source)?;
+            let place = FacePlace { source, line: line.or(self.line).unwrap_or_default() };
+            self.face(owner, boundaries.rings(surface), stated, range, place)?;
         }
         Ok(())
     }
@@ -252,7 +270,7 @@ impl<'h> Reader<'_, 'h> {
         mut rings: impl Iterator<Item = &'r [u32]>,
         stated: Option<&str>,
         range: Range,
-        source: FaceSource,
+        place: FacePlace,
     ) -> Result<()> {
         let outline = rings.next().unwrap_or_default();
         if outline.len() < 3 {
@@ -278,9 +296,9 @@ impl<'h> Reader<'_, 'h> {
         if stated.is_none() && is_building(owner.kind) {
             self.geometry.by_tilt.push(self.geometry.face_count());
         }
-        self.geometry.end_face(material, owner.number, self.line.unwrap_or_default());
+        self.geometry.end_face(material, owner.number, place.line);
         let exposed = INNER.contains(&name).then_some(false);
-        self.geometry.note_face(FaceNote { kind, exposed, source });
+        self.geometry.note_face(FaceNote { kind, exposed, source: place.source });
         Ok(())
     }
 
@@ -315,9 +333,23 @@ impl<'h> Reader<'_, 'h> {
 
     #[cold]
     fn wrong(&self, owner: &Owner, what: String) -> Error {
-        let hint = "the file is no valid CityJSON: validate it (cjval) or export it again";
-        self.error(format!("object `{}`: {what}", excerpt(owner.id.as_bytes())), hint)
+        self.error(format!("object `{}`: {what}", excerpt(owner.id.as_bytes())), self.mend)
     }
+}
+
+/// Of several levels of detail the one that is asked for, else the finest below it; without being asked the finest.
+pub(in crate::formats) fn level_of(
+    levels: impl Iterator<Item = Option<Lod>>,
+    asked: Option<Lod>,
+) -> Option<Option<Lod>> {
+    levels.filter(|level| asked.is_none() || *level <= asked).max()
+}
+
+/// What is stated of an object, and for the rest of the whole that it is a part of.
+fn attributes_of(object: &CityObject, whole: Option<&CityObject>) -> String {
+    let mut all = whole.map(|whole| whole.attributes.clone()).unwrap_or_default();
+    all.extend(object.attributes.clone());
+    text_of(all)
 }
 
 /// The finest level of the parts of each object, by its number; `None` without parts.

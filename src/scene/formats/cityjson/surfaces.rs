@@ -63,7 +63,7 @@ pub(super) fn is_building(kind: &str) -> bool {
 
 /// Whether an object is a building or a part of its hull; rooms, furniture and storeys lie within. Extensions of buildings are called
 /// after them (`NoiseBuilding`).
-pub(super) fn is_hull(kind: &str) -> bool {
+pub(in crate::formats) fn is_hull(kind: &str) -> bool {
     let inside = ["BuildingRoom", "BuildingFurniture", "BuildingStorey", "BuildingUnit"];
     (kind.starts_with("Building") && !inside.contains(&kind)) || kind.ends_with("Building")
 }

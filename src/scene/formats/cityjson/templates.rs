@@ -7,11 +7,11 @@ use crate::formats::cityjson::surfaces::depth_of;
 
 /// Most corners that instances of templates may add up to: a short file could otherwise ask for all memory. A million trees of
 /// a hundred corners fit.
-pub(super) const MAX_CORNERS: u64 = 1 << 27;
+pub(in crate::formats) const MAX_CORNERS: u64 = 1 << 27;
 
 /// A template whose boundaries count in `vertices`.
 #[derive(Debug)]
-pub(super) struct Template<'a> {
+pub(in crate::formats) struct Template<'a> {
     pub shape: Shape<'a>,
     /// Only those in use.
     pub vertices: Vec<DVec3>,
@@ -52,7 +52,7 @@ pub(super) fn prepare(templates: Templates<'_>) -> Result<Vec<Template<'_>>, Str
 }
 
 /// How an instance turns and stretches its template: sixteen numbers, row by row (CityJSON 2.0.1, section 3.4).
-pub(super) fn matrix(numbers: Option<&[f64]>) -> Result<DMat4, String> {
+pub(in crate::formats) fn matrix(numbers: Option<&[f64]>) -> Result<DMat4, String> {
     let Some(numbers) = numbers else { return Err("its instance of a template has no `transformationMatrix`".into()) };
     let Ok(rows) = <[f64; 16]>::try_from(numbers) else {
         return Err(format!("its `transformationMatrix` has {} numbers, not 16", numbers.len()));

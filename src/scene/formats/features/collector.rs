@@ -179,7 +179,7 @@ impl<'a> Collector<'a> {
         }
         self.geometry.reference = placing.reference;
         self.geometry.in_metres = placing.in_metres;
-        self.geometry.remarks.extend(placing.note);
+        self.geometry.notes.extend(placing.note);
         self.mend();
         self.say();
         Ok(self.geometry)
@@ -214,7 +214,7 @@ impl<'a> Collector<'a> {
             ));
         }
         if self.has_heights && !self.geometry.footprints.is_empty() {
-            self.geometry.remarks.push(format!(
+            self.geometry.notes.push(format!(
                 "{file}: heights of the corners of outlines are not read; {{base}} says where buildings begin"
             ));
         }

@@ -1,0 +1,153 @@
+//! Attributes of city objects. In: properties of a feature, and generic attributes. Out: values by name.
+
+use serde_json::{Map, Value};
+
+use crate::formats::citygml::scan::Scan;
+use crate::formats::citygml::xml::Element;
+use heliotile_core::error::Result;
+
+/// Properties of CityGML 2.0 and 3.0 that are attributes.
+const KNOWN: [&str; 21] = [
+    "name",
+    "description",
+    "class",
+    "function",
+    "usage",
+    "creationDate",
+    "yearOfConstruction",
+    "yearOfDemolition",
+    "dateOfConstruction",
+    "dateOfDemolition",
+    "roofType",
+    "measuredHeight",
+    "storeysAboveGround",
+    "storeysBelowGround",
+    "storeyHeightsAboveGround",
+    "storeyHeightsBelowGround",
+    "species",
+    "height",
+    "trunkDiameter",
+    "crownDiameter",
+    "averageHeight",
+];
+
+/// Those of them whose values are numbers.
+const NUMBERS: [&str; 7] = [
+    "measuredHeight",
+    "storeysAboveGround",
+    "storeysBelowGround",
+    "height",
+    "trunkDiameter",
+    "crownDiameter",
+    "averageHeight",
+];
+
+/// Longest value and most bytes that are kept of an object.
+const LONGEST: usize = 1 << 12;
+const MOST: usize = 1 << 16;
+
+/// What is said of a feature.
+#[derive(Default)]
+pub(super) struct Attributes {
+    values: Map<String, Value>,
+    bytes: usize,
+}
+
+impl Attributes {
+    /// Adds a value; of an attribute with several values all count.
+    pub(super) fn add(&mut self, name: &str, value: Value) {
+        let length = name.len() + value.as_str().map_or(8, str::len);
+        if name.is_empty() || value == Value::String(String::new()) || length > LONGEST || self.bytes + length > MOST {
+            return;
+        }
+        self.bytes += length;
+        match self.values.get_mut(name) {
+            None => {
+                self.values.insert(name.to_owned(), value);
+            }
+            Some(Value::Array(values)) => values.push(value),
+            Some(first) => {
+                let before = std::mem::take(first);
+                *first = Value::Array(vec![before, value]);
+            }
+        }
+    }
+
+    /// All of them by name.
+    pub(super) fn into_values(self) -> Map<String, Value> {
+        self.values
+    }
+}
+
+impl Scan<'_> {
+    /// Reads a property as an attribute; `None` if it is none, and then it is not read.
+    pub(super) fn attribute(&mut self, property: &Element) -> Result<Option<(String, Value)>> {
+        let name = property.name.as_str();
+        if KNOWN.contains(&name) {
+            let text = self.xml.words()?;
+            return Ok(Some((name.to_owned(), value(text, NUMBERS.contains(&name)))));
+        }
+        match name {
+            "stringAttribute" | "dateAttribute" | "uriAttribute" => self.generic(property, false).map(Some),
+            "intAttribute" | "doubleAttribute" | "measureAttribute" => self.generic(property, true).map(Some),
+            "genericAttribute" => {
+                let mut found = (String::new(), Value::Null);
+                while let Some(attribute) = self.xml.child()? {
+                    let is_number =
+                        ["IntAttribute", "DoubleAttribute", "MeasureAttribute"].contains(&attribute.name.as_str());
+                    found = self.generic(&attribute, is_number)?;
+                }
+                Ok(Some(found))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// Reads a generic attribute, whose name is an attribute (2.0) or an element (3.0).
+    fn generic(&mut self, element: &Element, is_number: bool) -> Result<(String, Value)> {
+        let mut name = element.attribute("name").unwrap_or_default().to_owned();
+        let mut found = String::new();
+        while let Some(part) = self.xml.child()? {
+            match part.name.as_str() {
+                "name" => name = self.xml.words()?,
+                "value" => found = self.xml.words()?,
+                _ => self.xml.skip()?,
+            }
+        }
+        Ok((name, value(found, is_number)))
+    }
+}
+
+/// A number if it ought to be one and is.
+fn value(text: String, is_number: bool) -> Value {
+    let whole = || text.parse::<i64>().ok().map(Value::from);
+    let number = || text.parse::<f64>().ok().and_then(serde_json::Number::from_f64).map(Value::Number);
+    match is_number.then(|| whole().or_else(number)).flatten() {
+        Some(number) => number,
+        None => Value::String(text),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two values of one name are a list, an empty one is none, and a value of 5,000 bytes is not kept.
+    #[test]
+    fn values_by_name() {
+        let mut attributes = Attributes::default();
+        for (name, text, is_number) in [
+            ("usage", "1000", false),
+            ("usage", "1010", false),
+            ("height", "7.5", true),
+            ("storeys", "3", true),
+            ("class", "", false),
+        ] {
+            attributes.add(name, value(text.into(), is_number));
+        }
+        attributes.add("long", value("a".repeat(5000), false));
+        let text = Value::Object(attributes.into_values()).to_string();
+        assert_eq!(text, r#"{"height":7.5,"storeys":3,"usage":["1000","1010"]}"#);
+        assert!(Attributes::default().into_values().is_empty());
+    }
+}

@@ -1,0 +1,86 @@
+//! Whether surfaces close a volume. In: polygons of a store. Out: whether every edge has its opposite once.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use crate::formats::citygml::members::Side;
+use crate::formats::citygml::store::Store;
+
+/// Corners closer than this are one, metres.
+const WELD_M: f64 = 1e-3;
+
+/// A building that stands on open ground has open edges so low, metres above its lowest corner.
+const GROUND_M: f64 = 1.0;
+
+/// Whether polygons close a volume, the ground left aside: models without ground surfaces are whole for all that light meets.
+pub(super) fn is_closed(store: &Store, sides: &[Side]) -> bool {
+    // The welding grid parts corners that lie at both sides of one of its lines; then those of the other grid are one.
+    !sides.is_empty() && [0.0, 0.5].into_iter().any(|shift| open_edges(store, sides, shift).is_none_or(|low| low))
+}
+
+/// `None` without open edges, else whether all of them lie at the ground.
+fn open_edges(store: &Store, sides: &[Side], shift: f64) -> Option<bool> {
+    let cell = |p: DVec3| (p / WELD_M + shift).floor().to_array().map(|steps| steps as i64);
+    let mut edges: HashMap<([i64; 3], [i64; 3]), i32> = HashMap::new();
+    let mut lowest = f64::INFINITY;
+    for side in sides {
+        let Some(polygon) = store.polygon(side.polygon) else { continue };
+        for ring in store.rings(polygon) {
+            let corners: Vec<DVec3> = ring.iter().map(|corner| store.position(*corner)).collect();
+            for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                lowest = lowest.min(a.z);
+                let (a, b) = if side.is_reversed { (cell(*b), cell(*a)) } else { (cell(*a), cell(*b)) };
+                match () {
+                    () if a < b => *edges.entry((a, b)).or_default() += 1,
+                    () if a > b => *edges.entry((b, a)).or_default() -= 1,
+                    () => {}
+                }
+            }
+        }
+    }
+    let highest_m = ((lowest + GROUND_M) / WELD_M) as i64;
+    let mut open = edges.iter().filter(|(_, balance)| **balance != 0).map(|(edge, _)| edge).peekable();
+    open.peek()?;
+    Some(open.all(|([_, _, a], [_, _, b])| *a <= highest_m && *b <= highest_m))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOX: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+
+    /// A box of 10 m with some of its faces, each with corners of its own that lie up to 0.4 mm off.
+    fn part_of_box(faces: &[usize]) -> (Store, Vec<Side>) {
+        let (mut store, mut sides) = (Store::default(), Vec::new());
+        for (i, face) in faces.iter().enumerate() {
+            let first = store.corner_count();
+            let corners = BOX[*face].map(|corner| {
+                let at = [corner == 1 || corner == 2 || corner == 5 || corner == 6, corner % 4 > 1, corner > 3];
+                store.push_vertex(DVec3::from(at.map(|far| if far { 10.0 } else { 0.0 })) + 1e-4 * i as f64)
+            });
+            store.push_ring(&corners);
+            sides.push(Side { polygon: store.end_polygon(first, None, 1), is_reversed: false });
+        }
+        (store, sides)
+    }
+
+    /// A box is closed, also without its floor, and not without its roof or a wall, nor with one face of 6 turned.
+    #[test]
+    fn boxes_are_closed_but_for_their_ground() {
+        for (faces, expected) in [
+            (&[0, 1, 2, 3, 4, 5][..], true),
+            (&[1, 2, 3, 4, 5], true),
+            (&[0, 2, 3, 4, 5], false),
+            (&[0, 1, 2, 3, 4], false),
+            (&[], false),
+        ] {
+            let (store, sides) = part_of_box(faces);
+            assert_eq!(is_closed(&store, &sides), expected, "{faces:?}");
+        }
+        let (store, mut sides) = part_of_box(&[0, 1, 2, 3, 4, 5]);
+        sides[1].is_reversed = true;
+        assert!(!is_closed(&store, &sides));
+    }
+}

@@ -1,0 +1,277 @@
+//! Numbers of a file become metres east, north and up. In: names of coordinate systems and three numbers at a time. Out: positions, the system
+//! that they are in, and what was decided about it, in words.
+//!
+//! Latitude and longitude (latitude first, as the register has them) become metres of the scene's plane system, or of UTM. Of a plane system the
+//! first position of the file decides which number is the easting: the one order by which a metre of the system is about a metre on the
+//! ground there. Where both orders pass, that of the register counts for URNs and addresses, else easting, northing.
+
+use glam::DVec3;
+
+use crate::coordinate::is_position;
+use crate::epsg_numbers::{Axes, axes_of, horizontal_part};
+use crate::formats::citygml::northing_first::is_northing_first;
+use crate::formats::citygml::srs_name::SrsName;
+use crate::placing::from_degrees::FromDegrees;
+use crate::reference::{PlaneSystem, Reference, Unplaced};
+use crate::text::excerpt;
+
+/// A metre of a system may differ by so much from one on the ground, where the system is made for that place.
+const STRETCH: f64 = 0.01;
+
+/// Why a position cannot be had.
+pub(super) enum Unusable {
+    /// The object is wrong.
+    Object(String),
+    /// All of the file is.
+    File { what: String, hint: &'static str },
+}
+
+/// The coordinate system of a file.
+#[derive(Default)]
+pub(super) struct Coordinates {
+    /// Plane system of the scene, if it has one.
+    scene: Option<u32>,
+    /// The name that came first, and what it says.
+    stated: Option<(String, SrsName)>,
+    /// Known from the first position on.
+    way: Option<Way>,
+    /// What was decided, each completes "the file: ".
+    pub notes: Vec<String>,
+    /// What is doubtful about it.
+    pub doubts: Vec<String>,
+}
+
+/// From numbers to metres.
+enum Way {
+    Plain,
+    Degrees { from: Box<FromDegrees>, longitude_first: bool },
+    Plane { northing_first: bool, unit_m: f64, height_unit_m: f64 },
+}
+
+impl Coordinates {
+    pub(super) fn new(scene: Option<u32>) -> Coordinates {
+        Coordinates { scene, ..Coordinates::default() }
+    }
+
+    /// The system that positions are in.
+    pub(super) fn reference(&self) -> Option<Reference> {
+        match &self.way {
+            Some(Way::Degrees { from, .. }) => Some(from.reference()),
+            _ => self.stated.as_ref().and_then(|(_, name)| name.epsg).map(Reference::Epsg),
+        }
+    }
+
+    /// Whether numbers were no metres of the plane system.
+    pub(super) fn made_metres(&self) -> bool {
+        match self.way {
+            Some(Way::Degrees { .. }) => true,
+            Some(Way::Plane { unit_m, .. }) => unit_m != 1.0,
+            _ => false,
+        }
+    }
+
+    /// Takes note of `srsName`; an error says what is wrong with the object that has another one than the file.
+    pub(super) fn state(&mut self, text: &str) -> Result<(), String> {
+        let text = text.trim();
+        let name = match &self.stated {
+            Some((known, _)) if known == text => return Ok(()),
+            _ => SrsName::of(text),
+        };
+        match &self.stated {
+            Some((_, known)) if known.epsg == name.epsg => Ok(()),
+            Some((known, _)) => Err(format!(
+                "it is in `{}`, and the file before it in `{}`",
+                excerpt(text.as_bytes()),
+                excerpt(known.as_bytes())
+            )),
+            None if self.way.is_some() => {
+                Err(format!("it is in `{}`, and objects before it state no system", excerpt(text.as_bytes())))
+            }
+            None => {
+                if name.epsg.is_none() {
+                    let shown = excerpt(text.as_bytes());
+                    self.doubts.push(format!(
+                        "`srsName` is `{shown}`, no number of the EPSG register; the place stays unknown"
+                    ));
+                }
+                self.stated = Some((text.to_owned(), name));
+                Ok(())
+            }
+        }
+    }
+
+    /// The position of three numbers.
+    pub(super) fn place(&mut self, numbers: [f64; 3]) -> Result<DVec3, Unusable> {
+        if self.way.is_none() {
+            self.way = Some(self.decide(numbers)?);
+        }
+        let [a, b, height] = numbers;
+        let found = match &self.way {
+            Some(Way::Degrees { from, longitude_first }) => {
+                let (latitude, longitude) = if *longitude_first { (b, a) } else { (a, b) };
+                from.plane(latitude, longitude).map(|plane| plane.extend(height))
+            }
+            Some(Way::Plane { northing_first, unit_m, height_unit_m }) => {
+                let (x, y) = if *northing_first { (b, a) } else { (a, b) };
+                Some(DVec3::new(x * unit_m, y * unit_m, height * height_unit_m))
+            }
+            _ => Some(DVec3::new(a, b, height)),
+        };
+        found
+            .filter(|position| is_position(*position))
+            .ok_or_else(|| Unusable::Object(format!("a corner has the coordinates {a} {b} {height}")))
+    }
+
+    /// The way for a file whose first position this is.
+    fn decide(&mut self, [a, b, _]: [f64; 3]) -> Result<Way, Unusable> {
+        let Some((text, name)) = &self.stated else { return Ok(Way::Plain) };
+        let shown = excerpt(text.as_bytes());
+        let Some(epsg) = name.epsg else { return Ok(Way::Plain) };
+        match axes_of(epsg) {
+            Some(Axes::Geocentric) => Err(Unusable::File {
+                what: format!("its coordinates are geocentric: `srsName` is `{shown}`"),
+                hint: "reproject the file to a system in metres with z up, such as the national grid or UTM",
+            }),
+            Some(Axes::Degrees) => self.of_degrees(epsg, [a, b]),
+            _ => Ok(self.of_plane(epsg, [a, b])),
+        }
+    }
+
+    fn of_degrees(&mut self, epsg: u32, [a, b]: [f64; 2]) -> Result<Way, Unusable> {
+        const SWAP: &str =
+            "write latitude before longitude, as the system has them, or state CRS84 where longitude comes first";
+        let longitude_first = self.stated.as_ref().is_some_and(|(_, name)| name.longitude_first);
+        let (latitude, longitude) = if longitude_first { (b, a) } else { (a, b) };
+        let range = |latitude: f64, longitude: f64| latitude.abs() <= 90.0 && longitude.abs() <= 360.0;
+        if !range(latitude, longitude) {
+            let swapped = range(longitude, latitude);
+            let what = format!(
+                "the first corner has latitude {latitude} and longitude {longitude} of EPSG:{epsg}{}",
+                if swapped { ": the two seem to be swapped" } else { "" }
+            );
+            let hint = if swapped { SWAP } else { "coordinates of this system are degrees: correct `srsName`" };
+            return Err(Unusable::File { what, hint });
+        }
+        let from = FromDegrees::new(Some(epsg), self.scene, latitude, longitude).map_err(|why| {
+            let what = match (self.scene, why) {
+                (Some(scene), Unplaced::Unknown) => format!("degrees cannot become metres of EPSG:{scene}"),
+                _ => format!("there are no plane coordinates of latitude {latitude} and longitude {longitude}"),
+            };
+            Unusable::File { what, hint: "reproject the file to a system in metres, such as the national grid or UTM" }
+        })?;
+        // In the scene's own system, two numbers that only fit it the other way round are swapped.
+        let fits = |latitude: f64, longitude: f64| {
+            let plane = from.plane(latitude, longitude)?;
+            let Reference::Epsg(epsg) = from.reference() else { return None };
+            let unit = from.reference().unit_m();
+            stretch(epsg, plane.x / unit, plane.y / unit).filter(|stretch| *stretch <= STRETCH)
+        };
+        if self.scene.is_some() && fits(latitude, longitude).is_none() && fits(longitude, latitude).is_some() {
+            let what = format!(
+                "latitude {latitude} and longitude {longitude} of EPSG:{epsg} lie far off {}, and would fit it swapped",
+                from.reference()
+            );
+            return Err(Unusable::File { what, hint: SWAP });
+        }
+        let reference = from.reference();
+        self.notes.push(format!("latitude and longitude (EPSG:{epsg}) became metres of {reference}"));
+        Ok(Way::Degrees { from: Box::new(from), longitude_first })
+    }
+
+    fn of_plane(&mut self, epsg: u32, [a, b]: [f64; 2]) -> Way {
+        let Some((_, name)) = self.stated.as_ref() else { return Way::Plain };
+        let (stated_unit, is_formal) = (name.height_unit_m, name.is_formal);
+        let Ok(system) = PlaneSystem::of(epsg) else { return Way::Plain };
+        let unit_m = system.unit_m();
+        let fits = |x: f64, y: f64| stretch(epsg, x, y).is_some_and(|stretch| stretch <= STRETCH);
+        let by_register = is_northing_first(horizontal_part(epsg));
+        let northing_first = match (fits(a, b), fits(b, a)) {
+            (true, false) => false,
+            (false, true) => true,
+            _ => by_register && is_formal,
+        };
+        if northing_first != (by_register && is_formal) {
+            let order = if northing_first { "northing, easting" } else { "easting, northing" };
+            self.notes
+                .push(format!("coordinates are taken as {order}: only so they lie where EPSG:{epsg} is made for"));
+        }
+        let height_unit_m = stated_unit.unwrap_or(unit_m);
+        if unit_m != 1.0 || height_unit_m != 1.0 {
+            self.notes.push(format!(
+                "coordinates became metres: {unit_m:.7} m a unit of EPSG:{epsg}, {height_unit_m:.7} m a unit of heights"
+            ));
+        }
+        Way::Plane { northing_first, unit_m, height_unit_m }
+    }
+}
+
+/// By what share a metre of a system differs from one on the ground at a point, in the system's own unit.
+fn stretch(epsg: u32, x: f64, y: f64) -> Option<f64> {
+    let reference = Reference::Epsg(epsg);
+    let (_, length) = reference.locate(x, y).ok()?;
+    Some((length / reference.unit_m() - 1.0).abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn placed(system: &str, scene: Option<u32>, numbers: [f64; 3]) -> Result<(DVec3, Coordinates), String> {
+        let mut coordinates = Coordinates::new(scene);
+        coordinates.state(system)?;
+        match coordinates.place(numbers) {
+            Ok(position) => Ok((position, coordinates)),
+            Err(Unusable::Object(what) | Unusable::File { what, .. }) => Err(what),
+        }
+    }
+
+    /// Nine systems give the position that pyproj 3.7.2 gives within 0.1 m: degrees by latitude first or CRS84, swapped Gauss-Krueger, Poland by
+    /// its register and not, zones of UTM either way, feet as metres.
+    #[test]
+    fn positions_are_metres_east_and_north() {
+        for (system, scene, numbers, expected) in [
+            (
+                "http://www.opengis.net/def/crs/EPSG/0/6697",
+                Some(6677),
+                [35.25, 139.7, 9.0],
+                [-12_133.41, -83_197.58, 9.0],
+            ),
+            ("OGC:CRS84", Some(25832), [6.2, 54.0, 1.0], [316_483.85, 5_987_150.64, 1.0]),
+            ("EPSG:31467", None, [3_375_084.7, 5_708_808.1, 7.0], [3_375_084.7, 5_708_808.1, 7.0]),
+            ("urn:ogc:def:crs:EPSG::31467", None, [5_708_808.1, 3_375_084.7, 7.0], [3_375_084.7, 5_708_808.1, 7.0]),
+            ("urn:ogc:def:crs:EPSG::31467", None, [3_375_084.7, 5_708_808.1, 7.0], [3_375_084.7, 5_708_808.1, 7.0]),
+            ("urn:ogc:def:crs:EPSG::2180", None, [242_838.3, 750_732.5, 2.0], [750_732.5, 242_838.3, 2.0]),
+            ("EPSG:2180", None, [750_732.5, 242_838.3, 2.0], [750_732.5, 242_838.3, 2.0]),
+            ("EPSG:25832", None, [5_987_150.6, 316_483.8, 2.0], [316_483.8, 5_987_150.6, 2.0]),
+            ("EPSG:2263+5703", None, [998_114.0, 194_309.3, 10.0], [304_225.755, 59_225.593, 10.0]),
+        ] {
+            let (found, _) = placed(system, scene, numbers).expect(system);
+            assert!(found.distance(DVec3::from(expected)) < 0.1, "{system} {numbers:?}: {found}");
+        }
+        let (_, utm) = placed("EPSG:6697", None, [35.25, 139.7, 9.0]).expect("degrees");
+        assert_eq!((utm.reference(), utm.made_metres(), utm.notes.len()), (Some(Reference::Epsg(32654)), true, 1));
+        let (feet, _) = placed("EPSG:2263", None, [998_114.0, 194_309.3, 10.0]).expect("feet");
+        assert!((feet.z - 3.048_006).abs() < 1e-6, "{feet}");
+    }
+
+    /// Six hopeless coordinates are refused: swapped degrees of Japan, swapped ones beside a German scene, geocentric ones, no degrees, and two
+    /// systems in one file, one of which came late.
+    #[test]
+    fn wrong_orders_and_systems_are_named() {
+        for (system, scene, numbers, said) in [
+            ("EPSG:6697", None, [139.7, 35.25, 0.0], "swapped"),
+            ("EPSG:4258", Some(25832), [9.0, 52.0, 0.0], "would fit it swapped"),
+            ("EPSG:4978", None, [3.9e6, 3e5, 5e6], "geocentric"),
+            ("EPSG:4326", None, [3.9e6, 3e5, 5.0], "latitude 3900000"),
+        ] {
+            let what = placed(system, scene, numbers).err().expect(system);
+            assert!(what.contains(said), "{what}");
+        }
+        let (_, mut first) = placed("EPSG:25832", None, [5e5, 5.8e6, 0.0]).expect("metres");
+        assert!(first.state("EPSG:25832+5783").is_ok());
+        assert!(first.state("EPSG:25833").is_err_and(|what| what.contains("EPSG:25832")));
+        let mut late = Coordinates::new(None);
+        assert!(late.place([1.0, 2.0, 3.0]).is_ok());
+        assert!(late.state("EPSG:25833").is_err_and(|what| what.contains("state no system")));
+    }
+}

@@ -1,0 +1,99 @@
+//! What objects have in common. In: geometry with ids, as it comes by. Out: the same for objects that refer to it: templates of trees, walls of
+//! neighbours.
+
+use std::collections::{HashMap, HashSet};
+
+use crate::formats::citygml::members::follow;
+use crate::formats::citygml::scan::Draft;
+use crate::formats::citygml::store::{Lifted, Store};
+
+/// Most corners that are kept, and that objects hold which wait for what they refer to: some 200 MB.
+const MOST_CORNERS: u64 = 1 << 22;
+/// Most ids that are waited for.
+const MOST_IDS: usize = 1 << 18;
+
+/// Geometry that several objects refer to.
+#[derive(Default)]
+pub(super) struct Library {
+    kept: HashMap<String, Lifted>,
+    corners: u64,
+    /// Ids that objects refer to and that were not met yet.
+    wanted: HashSet<String>,
+    /// Objects that refer to what comes later, or came before and was not kept.
+    waiting: Vec<Draft>,
+    waiting_corners: u64,
+}
+
+impl Library {
+    /// Keeps the templates of an object; those that others refer to stand in the first one that uses them.
+    pub(super) fn keep_templates(&mut self, draft: &Draft) {
+        let pieces = draft.features.iter().flat_map(|feature| &feature.pieces);
+        let templates: Vec<_> = pieces.filter(|piece| piece.instance.is_some()).map(|piece| &piece.members).collect();
+        if templates.is_empty() {
+            return;
+        }
+        for (id, place) in &draft.store.ids {
+            if templates.iter().any(|members| **members == place.members) {
+                self.keep(id, &draft.store);
+            }
+        }
+    }
+
+    /// Keeps what is waited for, if the object has it.
+    pub(super) fn keep_wanted(&mut self, draft: &Draft) {
+        let met: Vec<String> = draft.store.ids.keys().filter(|id| self.wanted.contains(*id)).cloned().collect();
+        for id in met {
+            self.keep(&id, &draft.store);
+        }
+    }
+
+    fn keep(&mut self, id: &str, store: &Store) {
+        let Some(place) = store.ids.get(id).filter(|_| !self.kept.contains_key(id)) else { return };
+        let mut sides = follow(store, place.members.clone()).sides;
+        sides.iter_mut().for_each(|side| side.is_reversed ^= place.is_reversed);
+        let lifted = store.lift(&sides);
+        let corners = self.corners + lifted.corners();
+        if !sides.is_empty() && corners <= MOST_CORNERS {
+            self.corners = corners;
+            self.kept.insert(id.to_owned(), lifted);
+        }
+    }
+
+    /// Gives an object what it refers to, as far as it is there; returns ids that are not.
+    pub(super) fn supply(&self, draft: &mut Draft) -> Vec<String> {
+        let mut missing = Vec::new();
+        let referred: HashSet<&str> = draft.store.references.iter().filter_map(|href| href.strip_prefix('#')).collect();
+        let unknown: Vec<String> =
+            referred.into_iter().filter(|id| !draft.store.ids.contains_key(*id)).map(str::to_owned).collect();
+        for id in unknown {
+            match self.kept.get(&id) {
+                Some(lifted) => {
+                    let start = draft.store.put(lifted, |vertex| vertex).start;
+                    draft.store.set_place(&id, start, false);
+                }
+                None => missing.push(id),
+            }
+        }
+        missing
+    }
+
+    /// Puts an object aside until what it refers to was met; gives it back where too many wait.
+    pub(super) fn wait(&mut self, draft: Draft, missing: Vec<String>) -> Option<Draft> {
+        let corners = self.waiting_corners + u64::from(draft.store.corner_count());
+        if corners > MOST_CORNERS || self.wanted.len() + missing.len() > MOST_IDS {
+            return Some(draft);
+        }
+        self.waiting_corners = corners;
+        self.wanted.extend(missing);
+        self.waiting.push(draft);
+        None
+    }
+
+    pub(super) fn has_waiting(&self) -> bool {
+        !self.waiting.is_empty()
+    }
+
+    pub(super) fn take_waiting(&mut self) -> Vec<Draft> {
+        std::mem::take(&mut self.waiting)
+    }
+}

@@ -1,0 +1,167 @@
+//! Files that are read piece by piece, of which a zip or a folder may hold several. In: a path and endings. Out: the bytes of the file, or of each file of the
+//! zip whose name has the first of the endings that any of them has, by name.
+
+use std::fs::File;
+use std::io::{BufReader, Cursor, Read};
+use std::path::{Path, PathBuf};
+
+use heliotile_core::error::{Error, Result};
+use zip::{CompressionMethod, ZipArchive};
+
+use super::gzip::Bounded;
+use super::{ending, gzip, open, refused, zip as single_zip};
+use crate::text::{excerpt, utf8};
+
+/// Marks of UTF-16.
+const UTF_16: [[u8; 2]; 2] = [[0xff, 0xfe], [0xfe, 0xff]];
+
+/// Most bytes of a text in UTF-16, which is held as a whole.
+const MOST_UTF_16: u64 = 1 << 30;
+
+const UNPACK: &str = "unpack it and give the files that are meant, or their folder";
+
+/// Reads a file, or the files of a zip that are meant, one after the other.
+pub(crate) fn each(
+    path: &Path,
+    endings: &[&str],
+    take: &mut dyn FnMut(Box<dyn Read + '_>) -> Result<()>,
+) -> Result<()> {
+    let Some(mut zip) = zip_of(path)? else { return take(plain(open(path)?, path)?) };
+    let names = meant(&zip, endings, path)?;
+    if names.is_empty() {
+        let what = format!("the zip holds no file that ends with .{}", endings.join(" or ."));
+        return Err(Error::input(path, None, what, UNPACK));
+    }
+    for name in names {
+        let shown = excerpt(name.as_bytes());
+        let damaged = |error: zip::result::ZipError| {
+            let what = format!("`{shown}` in the zip cannot be unpacked: {error}");
+            Error::input(path, None, what, UNPACK)
+        };
+        let number = zip.index_for_name(&name).unwrap_or_default();
+        let entry = zip.by_index_raw(number).map_err(damaged)?;
+        let known = [CompressionMethod::Stored, CompressionMethod::Deflated].contains(&entry.compression());
+        let (left, is_encrypted) = (gzip::most_streamed(entry.compressed_size()), entry.encrypted());
+        drop(entry);
+        if is_encrypted || !known {
+            let what = format!("`{shown}` in the zip is encrypted or packed by another method than Deflate");
+            return Err(Error::input(path, None, what, UNPACK));
+        }
+        let inner = zip.by_index(number).map_err(damaged)?;
+        take(plain(Box::new(Bounded { inner, left }), path)?)?;
+    }
+    Ok(())
+}
+
+/// Whether a path is a zip of files that have the first of the endings, or of nothing but files with one of the others.
+pub(crate) fn has(path: &Path, endings: &[&str]) -> bool {
+    let Ok(Some(zip)) = zip_of(path) else { return false };
+    let Ok(names) = meant(&zip, endings, path) else { return false };
+    let all = zip.file_names().flatten().filter(|name| single_zip::is_file(name)).count();
+    let is_first = |name: &String| endings.first().is_some_and(|first| ending(Path::new(name)) == *first);
+    !names.is_empty() && (names.len() == all || names.iter().all(is_first))
+}
+
+/// Files of a folder whose names have the first of the endings that any of them has, by name.
+pub(crate) fn of_folder(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(Error::io(folder, "read"))? {
+        let path = entry.map_err(Error::io(folder, "read"))?.path();
+        if path.is_file() {
+            files.push(path);
+        }
+    }
+    files.sort_unstable();
+    let with = |wanted: &str| -> Vec<PathBuf> { files.iter().filter(|path| ending(path) == wanted).cloned().collect() };
+    Ok(endings.iter().map(|wanted| with(wanted)).find(|found| !found.is_empty()).unwrap_or_default())
+}
+
+/// The zip that a file is, if it is one.
+fn zip_of(path: &Path) -> Result<Option<ZipArchive<BufReader<File>>>> {
+    let mut file = File::open(path).map_err(|source| refused(path, "read", source))?;
+    let mut head = Vec::new();
+    file.by_ref().take(4).read_to_end(&mut head).map_err(Error::io(path, "read"))?;
+    if head != single_zip::MAGIC {
+        return Ok(None);
+    }
+    ZipArchive::new(BufReader::new(file))
+        .map(Some)
+        .map_err(|error| Error::input(path, None, format!("the zip is damaged or cut off: {error}"), "fetch it again"))
+}
+
+/// Names of the files of a zip that are meant, in order.
+fn meant(zip: &ZipArchive<BufReader<File>>, endings: &[&str], path: &Path) -> Result<Vec<String>> {
+    let names: Vec<String> = zip
+        .file_names()
+        .map(|name| name.map(std::borrow::Cow::into_owned))
+        .collect::<std::result::Result<_, _>>()
+        .map_err(|error| Error::input(path, None, format!("the zip is damaged or cut off: {error}"), UNPACK))?;
+    let files = || names.iter().filter(|name| single_zip::is_file(name));
+    let with = |wanted: &str| -> Vec<String> {
+        let mut found: Vec<String> = files().filter(|name| ending(Path::new(name)) == wanted).cloned().collect();
+        found.sort_unstable();
+        found
+    };
+    Ok(endings.iter().map(|wanted| with(wanted)).find(|found| !found.is_empty()).unwrap_or_default())
+}
+
+/// Bytes of UTF-8, or of anything else that is no UTF-16.
+fn plain<'r>(mut bytes: Box<dyn Read + 'r>, path: &Path) -> Result<Box<dyn Read + 'r>> {
+    let mut head = Vec::new();
+    bytes.by_ref().take(2).read_to_end(&mut head).map_err(Error::io(path, "read"))?;
+    if !UTF_16.iter().any(|mark| head == mark) {
+        return Ok(Box::new(Cursor::new(head).chain(bytes)));
+    }
+    bytes.take(MOST_UTF_16 + 1).read_to_end(&mut head).map_err(Error::io(path, "read"))?;
+    if head.len() as u64 > MOST_UTF_16 {
+        let what = format!("is UTF-16 of more than {MOST_UTF_16} bytes");
+        return Err(Error::input(path, None, what, "save it as UTF-8"));
+    }
+    Ok(Box::new(Cursor::new(utf8(head))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::zip::tests::zipped;
+
+    fn texts(path: &Path) -> Result<Vec<String>> {
+        let mut found = Vec::new();
+        each(path, &["gml", "xml"], &mut |mut bytes| {
+            let mut text = String::new();
+            bytes.read_to_string(&mut text).map_err(Error::io(path, "read"))?;
+            found.push(text);
+            Ok(())
+        })?;
+        Ok(found)
+    }
+
+    /// Of a zip of five files the two tiles are read by name, of a zip of two XML files both, and a plain file as it is; a zip of no such file is
+    /// refused.
+    #[test]
+    fn tiles_of_a_zip_are_read_by_name() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("town.zip");
+        let write = |files: &[(&str, &[u8])]| {
+            std::fs::write(&path, zipped(files, CompressionMethod::Deflated)).expect("written");
+        };
+        write(&[
+            ("b/2.gml", b"two"),
+            ("codes.xml", b"no"),
+            ("__MACOSX/._1.gml", b"no"),
+            ("a.json", b"no"),
+            ("b/1.GML", b"one"),
+        ]);
+        assert_eq!(texts(&path).expect("readable"), ["one", "two"]);
+        assert!(has(&path, &["gml", "xml"]));
+        write(&[("2.xml", b"two"), ("1.xml", b"one")]);
+        assert_eq!((texts(&path).expect("readable").len(), has(&path, &["gml", "xml"])), (2, true));
+        write(&[("2.xml", b"two"), ("1.json", b"one")]);
+        assert!(!has(&path, &["gml", "xml"]));
+        write(&[("1.json", b"one")]);
+        assert!(texts(&path).expect_err("no tile").to_string().contains("holds no file that ends with .gml or .xml"));
+        std::fs::write(&path, [&[0xff, 0xfe][..], &[b'a', 0, b'b', 0]].concat()).expect("written");
+        assert_eq!(texts(&path).expect("readable"), ["ab"]);
+        assert!(!has(&path, &["gml", "xml"]));
+    }
+}
