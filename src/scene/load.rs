@@ -29,6 +29,7 @@ use crate::reference::Reference;
 use crate::region_part::RegionPart;
 use crate::semantics::SourceFace;
 use crate::site::{MissingGround, Part, Site};
+use crate::surface_city::read::{Beyond, SurfaceRead, no_raster, read_surface};
 use crate::terrain::focus::Focus;
 use crate::terrain::mosaic::{Tile, joined};
 use crate::terrain::raster::Raster;
@@ -134,7 +135,7 @@ impl Scene {
 /// Reads all files; without `keep` the soup is empty.
 fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
     let (mut palette, mut pile) = (Palette::default(), Pile { keep, ..Pile::default() });
-    let (mut rasters, mut local_frame) = (Vec::new(), None);
+    let (mut rasters, mut surfaces, mut local_frame) = (Vec::new(), Vec::new(), None);
     pile.report.warnings.extend(site.unused_up());
     for part in &site.parts {
         if let Some(path) = &part.materials {
@@ -149,19 +150,30 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
             assume_version: part.assume_version,
         };
         match formats::read(&part.file, &asked)? {
+            Content::Polygons(_) if part.surface.is_some() => return Err(no_raster(&part.file)),
             Content::Polygons(geometry) => {
                 local_frame = local_frame.or(geometry.local_frame);
                 let part = part.in_frame(&site.frame);
                 pile.add(&part, *geometry, &mut palette, Some(&|p| part.place(p)))?;
             }
-            Content::Terrain(raster) => rasters.push((part, raster)),
+            Content::Terrain(raster) => match &part.surface {
+                Some(options) => surfaces.push((part, raster, options)),
+                None => rasters.push((part, raster)),
+            },
         }
+    }
+    let mut beyond = Vec::new();
+    for (part, raster, options) in surfaces {
+        let SurfaceRead { city, beyond: more } = read_surface(part, raster, options, &site.frame, pile.reference())?;
+        pile.report.notes.push(city.note);
+        pile.add(part, city.geometry, &mut palette, None)?;
+        beyond.extend(more);
     }
     if let Some(part) = &site.within {
         pile.cut(part, &palette);
     }
     let has_terrain = !rasters.is_empty();
-    pile.add_rasters(rasters, &site.frame, &mut palette)?;
+    pile.add_rasters(rasters, beyond, &site.frame, &mut palette)?;
     let mut ground = palette.ground();
     if ground.is_none() && !has_terrain && site.missing_ground == MissingGround::Assume {
         ground = pile.assume_ground(&mut palette);
@@ -170,9 +182,14 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
 }
 
 impl Pile {
-    /// The coordinate system of the first file that states one, by its EPSG number.
+    /// The coordinate system of the first file that states one.
+    fn reference(&self) -> Option<Reference> {
+        self.extents.iter().find_map(Extent::reference)
+    }
+
+    /// Its EPSG number.
     fn system(&self) -> Option<u32> {
-        self.extents.iter().find_map(Extent::reference).and_then(|reference| match reference {
+        self.reference().and_then(|reference| match reference {
             Reference::Epsg(epsg) => Some(epsg),
             Reference::Place { .. } => None,
         })
@@ -193,21 +210,30 @@ impl Pile {
         };
     }
 
-    /// Meshes rasters as the horizon of what was added before, if anything was.
-    fn add_rasters(&mut self, rasters: Vec<(&Part, Raster)>, frame: &SiteFrame, palette: &mut Palette) -> Result<()> {
+    /// Meshes rasters as the horizon of what was added before, if anything was; those that go on beyond a city are in their place.
+    fn add_rasters(
+        &mut self,
+        rasters: Vec<(&Part, Raster)>,
+        beyond: Vec<Beyond>,
+        frame: &SiteFrame,
+        palette: &mut Palette,
+    ) -> Result<()> {
         let [stated, _] = frame.references();
-        let system = stated.or_else(|| self.extents.iter().find_map(Extent::reference));
+        let system = stated.or_else(|| self.reference());
         let mut placed = Vec::new();
         for (part, raster) in rasters {
             placed.push((part, raster.placed(part, frame, part.reference.or(system))?));
         }
+        let has_city = !beyond.is_empty();
+        let (parts, beyond): (Vec<Part>, Vec<Raster>) = beyond.into_iter().map(|Beyond { part, raster }| (part, raster)).unzip();
+        placed.extend(parts.iter().zip(beyond));
         let (rasters, notes) = joined(placed);
         self.report.notes.extend(notes);
         let used = self.triangles.iter().flat_map(|t| t.corners).filter_map(|i| self.positions.get(i as usize));
         let (low, high) = bounds(used.copied());
         let near = (!rasters.is_empty() && low.is_finite() && high.is_finite()).then_some((low, high));
         self.focus = near.map(|(low, high)| 0.5 * (low + high));
-        let only = rasters.len() == 1;
+        let only = rasters.len() == 1 && !has_city;
         for Tile { part, raster, .. } in rasters {
             let stem = formats::stem(&part.file);
             let wanted = Wanted {

@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::model_version::ModelVersion;
 use crate::placing::frame::SiteFrame;
-use crate::site::{MissingGround, Site};
+use crate::site::{MissingGround, Part, Site};
+use crate::surface_city::options::SurfaceRasters;
 use heliotile_core::error::{Error, Result};
 
 /// Files that make up a scene, and what is said of them.
@@ -30,6 +31,9 @@ pub struct SceneRequest {
     /// Where the scene lies, how it is turned, and the unit of its files.
     #[serde(default)]
     pub frame: SiteFrame,
+    /// Rasters that a city is read from, besides the files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<SurfaceRasters>,
 }
 
 impl SceneRequest {
@@ -44,6 +48,10 @@ impl SceneRequest {
         let hint = "give what the scene's coordinates are in";
         self.frame.check().map_err(|(field, what)| Error::argument(field, what, hint))?;
         let mut site = Site::of(&self.files, self.materials.as_deref())?;
+        if let Some(rasters) = &self.surface {
+            rasters.check().map_err(|(field, what)| Error::argument(field, what, "give a value in that range"))?;
+            site.parts.push(Part::surface(rasters, self.materials.as_deref()));
+        }
         if !self.no_ground {
             site.missing_ground = MissingGround::Assume;
         }
@@ -56,7 +64,8 @@ impl SceneRequest {
 
     /// The first file, which messages about the scene are about.
     pub fn first(&self) -> &Path {
-        self.files.first().map_or(Path::new(""), PathBuf::as_path)
+        let raster = self.surface.as_ref().map(|rasters| &rasters.dsm);
+        self.files.first().or(raster).map_or(Path::new(""), PathBuf::as_path)
     }
 }
 
@@ -64,7 +73,7 @@ impl SceneRequest {
 mod tests {
     use super::*;
 
-    /// A request is read again as it was written, with 3 of its 6 fields in 1 object each; what is not known is refused.
+    /// A request is read again as it was written, with 3 of its 7 fields in 1 object each; what is not known is refused.
     #[test]
     fn requests_are_kept() {
         let request = SceneRequest {

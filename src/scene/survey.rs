@@ -11,6 +11,7 @@ use crate::formats::{Asked, Content};
 use crate::geometry::Geometry;
 use crate::semantics::SurfaceKind;
 use crate::site::{Part, Site};
+use crate::surface_city::read::{SurfaceRead, no_raster, read_surface};
 use heliotile_core::error::{Error, Result};
 
 /// What lies in a file.
@@ -43,6 +44,7 @@ impl Site {
 fn survey(part: &Part, site: &Site) -> Result<FileSurvey> {
     let asked = Asked { lod: part.lod.clone(), assume_version: part.assume_version, ..Asked::default() };
     let (bounds, objects) = match formats::read(&part.file, &asked)? {
+        Content::Polygons(_) if part.surface.is_some() => return Err(no_raster(&part.file)),
         Content::Polygons(geometry) => {
             // Each file by itself would have an origin of its own.
             if geometry.local_frame.is_some() {
@@ -51,6 +53,12 @@ fn survey(part: &Part, site: &Site) -> Result<FileSurvey> {
             }
             let part = part.in_frame(&site.frame);
             let objects = objects(&geometry, |p| part.place(p));
+            (joined(objects.iter().map(|object| object.bounds)), objects)
+        }
+        Content::Terrain(raster) if part.surface.is_some() => {
+            let options = part.surface.clone().unwrap_or_default();
+            let SurfaceRead { city, .. } = read_surface(part, raster, &options, &site.frame, None)?;
+            let objects = objects(&city.geometry, |p| p);
             (joined(objects.iter().map(|object| object.bounds)), objects)
         }
         Content::Terrain(raster) => {

@@ -17,6 +17,7 @@ use heliotile_core::text::counted;
 use heliotile_remote::places::open_archive;
 use heliotile_results::horizon::black_below_horizon;
 use heliotile_scene::placing::frame::SiteFrame;
+use heliotile_scene::request::SceneRequest;
 
 /// Numbers of the first of two lines.
 const SETTINGS_A_LINE: usize = 7;
@@ -38,8 +39,11 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         return Ok(Outcome::Fine);
     }
     let path = match args.files.as_slice() {
-        [path] if is_archive(path) => path,
-        files => return scene::info(&args.surfaces.site(files)?.framed(&args.place.frame())),
+        [path] if is_archive(path) && args.rasters.dsm.is_none() => path,
+        files => {
+            let request = SceneRequest { surface: args.rasters.request(), ..args.surfaces.request(files) };
+            return scene::info(&request.site()?.framed(&args.place.frame()));
+        }
     };
     if args.place.frame() != SiteFrame::default() {
         let hint = "leave --crs, --latitude, --longitude, --rotate-deg, --elevation and --scale out";

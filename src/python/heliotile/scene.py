@@ -17,6 +17,10 @@ from .tables import columns_of, csv_of
 from .weather import Weather
 
 
+#: Rasters that a city is read from.
+_RASTERS = ("dsm", "dem", "canopy", "landcover")
+
+
 class Scene:
     """Geometry with its materials, read from files of the world.
 
@@ -36,11 +40,14 @@ class Scene:
         Direction of y clockwise from north, degrees; height of z = 0 above the sea, metres; metres a unit.
     up
         The axis that points up in OBJ, PLY and STL files: `"z"`, with y to the north, or `"y"`, with z to the south.
+    dsm, dem, canopy, landcover
+        Rasters that a city is read from (GeoTIFF, Esri ASCII grid): heights of the surface and of the ground above the sea, of crowns above the
+        ground, codes of land cover. With `dsm` no other file is needed.
     """
 
     def __init__(
         self,
-        files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+        files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
         *,
         materials: str | os.PathLike[str] | None = None,
         materials_only: bool = False,
@@ -52,6 +59,10 @@ class Scene:
         elevation: float | None = None,
         scale: float | None = None,
         up: str | None = None,
+        dsm: str | os.PathLike[str] | None = None,
+        dem: str | os.PathLike[str] | None = None,
+        canopy: str | os.PathLike[str] | None = None,
+        landcover: str | os.PathLike[str] | None = None,
     ) -> None:
         listed = [files] if isinstance(files, (str, os.PathLike)) else files
         self.files = [os.fspath(file) for file in listed]
@@ -68,6 +79,8 @@ class Scene:
             "scale": given.number("scale", scale),
             "up": up,
         }
+        rasters = {"dsm": dsm, "dem": dem, "canopy": canopy, "landcover": landcover}
+        self._args |= {name: None if path is None else os.fspath(path) for name, path in rasters.items()}
         self._handle = _heliotile.SceneHandle.load(self._args)
 
     @property
@@ -124,14 +137,18 @@ class Scene:
         frame |= {"scale": "scale", "up": "up"}
         said = {key: self._args[name] for name, key in frame.items() if self._args[name] is not None}
         request = {"files": self.files, "materials_only": self._args["materials_only"], "no_ground": not self._args["assume_ground"], "frame": said}
-        return request | ({} if self._args["materials"] is None else {"materials": self._args["materials"]})
+        request |= {} if self._args["materials"] is None else {"materials": self._args["materials"]}
+        rasters = {name: self._args[name] for name in _RASTERS if self._args[name] is not None}
+        return request | ({"surface": rasters} if rasters else {})
 
     def __reduce__(self) -> tuple[Any, ...]:
         whole = {"files": [absolute(file) for file in self.files], "materials": self._args["materials"] and absolute(self._args["materials"])}
+        whole |= {name: self._args[name] and absolute(self._args[name]) for name in _RASTERS}
         return _reload, (type(self), self._args | whole)
 
     def __repr__(self) -> str:
-        return f"Scene({', '.join(self.files)}: {self.triangles} triangles)"
+        files = self.files + [self._args[name] for name in _RASTERS if self._args[name] is not None]
+        return f"Scene({', '.join(files)}: {self.triangles} triangles)"
 
 
 def scene_request(scene: Any) -> dict[str, Any]:

@@ -55,7 +55,7 @@ pub(crate) struct Meaning {
 pub(crate) struct Raster {
     pub grid: Grid,
     /// `[row][column]`, row 0 in the north, metres; NaN: nodata. An f32 holds 9,000 m to 0.5 mm.
-    pub(super) heights: Vec<f32>,
+    pub(crate) heights: Vec<f32>,
     pub reference: Option<Reference>,
     /// Metres a unit of the file's plane coordinates, if the file or its user states it: the grid is in metres for certain.
     pub plane_unit_m: Option<f64>,
@@ -172,6 +172,19 @@ impl Raster {
         })
     }
 
+    /// Heights that are known to be some, or NaN.
+    pub(crate) fn plain(grid: Grid, heights: Vec<f32>) -> Raster {
+        Raster {
+            grid,
+            heights,
+            reference: None,
+            plane_unit_m: None,
+            height_unit_m: None,
+            is_joined: false,
+            warnings: Vec::new(),
+        }
+    }
+
     /// Brings it to its place in the scene, whose coordinates are in `system` unless the file states another one.
     pub(crate) fn placed(mut self, part: &Part, frame: &SiteFrame, system: Option<Reference>) -> Result<Raster> {
         if part.up == Some(UpAxis::Y) {
@@ -271,12 +284,12 @@ impl Raster {
 
     /// Position of a sample in plan.
     #[inline]
-    pub(super) fn plan(&self, column: i64, row: i64) -> DVec2 {
+    pub(crate) fn plan(&self, column: i64, row: i64) -> DVec2 {
         self.grid.first + DVec2::new(column as f64, -(row as f64)) * self.grid.step
     }
 
     /// Least and greatest corner of the samples in plan.
-    pub(super) fn bounds(&self) -> (DVec2, DVec2) {
+    pub(crate) fn bounds(&self) -> (DVec2, DVec2) {
         let (last_column, last_row) = (self.grid.columns as i64 - 1, self.grid.rows as i64 - 1);
         (self.plan(0, last_row), self.plan(last_column, 0))
     }

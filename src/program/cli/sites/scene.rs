@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+
+use super::rasters::RasterArgs;
 use heliotile_core::error;
 use heliotile_scene::ModelVersion;
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis, check_elevation, check_epsg, check_rotation, check_scale};
@@ -14,8 +16,10 @@ pub struct SceneArgs {
     /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl, .cityjson), terrain (.tif,
     /// .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz or .zip;
     /// metres, x east, y north, z up
-    #[arg(required = true, value_name = "SCENE")]
+    #[arg(required_unless_present = "dsm", value_name = "SCENE")]
     pub scene: Vec<PathBuf>,
+    #[command(flatten)]
+    pub rasters: RasterArgs,
     #[command(flatten)]
     pub surfaces: MaterialsArgs,
     #[command(flatten)]
@@ -51,6 +55,7 @@ impl MaterialsArgs {
             no_ground: self.no_ground,
             assume_version: self.assume_version,
             frame: SiteFrame::default(),
+            surface: None,
         }
     }
 
@@ -90,7 +95,8 @@ pub struct PlaceArgs {
 impl SceneArgs {
     /// The scene that is asked for.
     pub fn request(&self) -> SceneRequest {
-        SceneRequest { frame: self.place.frame(), ..self.surfaces.request(&self.scene) }
+        let (frame, surface) = (self.place.frame(), self.rasters.request());
+        SceneRequest { frame, surface, ..self.surfaces.request(&self.scene) }
     }
 
     /// The files of the scene.
@@ -100,7 +106,7 @@ impl SceneArgs {
 
     /// The first file, which messages about the scene are about.
     pub fn first(&self) -> &Path {
-        self.scene.first().map_or(Path::new(""), PathBuf::as_path)
+        self.scene.first().or(self.rasters.dsm.as_ref()).map_or(Path::new(""), PathBuf::as_path)
     }
 }
 

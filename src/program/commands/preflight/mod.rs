@@ -229,7 +229,7 @@ impl<'a> Files<'a> {
     }
 
     fn scene(&mut self, args: &'a SceneArgs) {
-        args.scene.iter().for_each(|file| self.read(file, Wanted::Scene));
+        args.scene.iter().chain(args.rasters.files()).for_each(|file| self.read(file, Wanted::Scene));
         self.read_if(&args.surfaces.materials, Wanted::Other);
     }
 

@@ -1,0 +1,95 @@
+//! Outlines that do not cross themselves. In: rings of pieces of roofs as they are drawn. Out: the chains of those that are no outline any more.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::DVec2;
+
+use crate::surface_city::buildings::{area, outline};
+use crate::surface_city::lattice::Lattice;
+use crate::surface_city::layers::Layers;
+use crate::surface_city::outlines::Link;
+use crate::surface_city::straight::Polyline;
+
+/// A piece keeps between these shares of the area of its cells, but for what half a cell along its outline is.
+const LEAST_AREA: f64 = 0.5;
+const MOST_AREA: f64 = 1.6;
+
+/// Rings by piece.
+pub(super) struct Rings<'a> {
+    pub rings: &'a BTreeMap<u32, Vec<Vec<Link>>>,
+    pub pieces: &'a Lattice<u32>,
+}
+
+impl Rings<'_> {
+    /// Chains of pieces whose outline crosses itself or a hole, turns over, or is of another area than its cells.
+    pub(super) fn crossed(&self, layers: &Layers, lines: &[Polyline]) -> BTreeSet<usize> {
+        let mut cells: BTreeMap<u32, usize> = BTreeMap::new();
+        for cell in self.pieces.spots() {
+            *cells.entry(self.pieces.at(cell)).or_default() += 1;
+        }
+        let mut found = BTreeSet::new();
+        for (piece, rings) in self.rings {
+            let whole = cells.get(piece).copied().unwrap_or_default() as f64 * layers.cell_m2();
+            let plans: Vec<Vec<DVec2>> = rings.iter().map(|ring| outline(lines, ring)).collect();
+            let drawn: f64 = plans.iter().map(|plan| area(plan)).sum();
+            let outlines = plans.iter().filter(|plan| area(plan) > 0.0).count();
+            let is_other = !(LEAST_AREA * whole..=MOST_AREA * whole).contains(&drawn) || outlines != 1;
+            if is_other || crosses(&plans) {
+                found.extend(rings.iter().flatten().map(|link| link.chain));
+            }
+        }
+        found
+    }
+}
+
+/// Whether sides of rings cross each other, or lie on each other in part.
+fn crosses(rings: &[Vec<DVec2>]) -> bool {
+    let mut sides: Vec<[DVec2; 2]> = Vec::new();
+    for ring in rings {
+        let next = ring.iter().cycle().skip(1);
+        sides.extend(ring.iter().zip(next).map(|(a, b)| [*a, *b]));
+    }
+    let low = |side: &[DVec2; 2]| side[0].x.min(side[1].x);
+    let high = |side: &[DVec2; 2]| side[0].x.max(side[1].x);
+    sides.sort_by(|a, b| low(a).total_cmp(&low(b)));
+    for (i, one) in sides.iter().enumerate() {
+        let later = sides.iter().skip(i + 1).take_while(|other| low(other) <= high(one));
+        if later.into_iter().any(|other| cross(one, other)) {
+            return true;
+        }
+    }
+    false
+}
+
+/// Whether two sides have a point in common that is no corner of both.
+fn cross([a, b]: &[DVec2; 2], [c, d]: &[DVec2; 2]) -> bool {
+    let shared = [c, d].into_iter().filter(|corner| *corner == a || *corner == b).count();
+    let turn = |p: &DVec2, q: &DVec2, r: &DVec2| (*q - *p).perp_dot(*r - *p);
+    let (one, two) = (turn(a, b, c), turn(a, b, d));
+    let (three, four) = (turn(c, d, a), turn(c, d, b));
+    if shared > 0 {
+        // Back along the same line.
+        let (corner, p) = if a == c || a == d { (a, b) } else { (b, a) };
+        let q = if corner == c { d } else { c };
+        let flat = turn(corner, p, q).abs() < 1e-9 * (*p - *corner).length() * (*q - *corner).length();
+        return shared == 2 && a != b || flat && (*p - *corner).dot(*q - *corner) > 0.0;
+    }
+    one * two <= 0.0 && three * four <= 0.0 && (one != 0.0 || two != 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square and one with a hole in it cross nothing, a bow tie and a square whose hole leaves it do: 2 of 4.
+    #[test]
+    fn bow_ties_cross() {
+        let ring = |corners: &[[f64; 2]]| corners.iter().map(|corner| DVec2::from(*corner)).collect::<Vec<_>>();
+        let square = ring(&[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]);
+        let hole = ring(&[[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]]);
+        let out = ring(&[[1.0, 1.0], [1.0, 2.0], [5.0, 2.0], [5.0, 1.0]]);
+        let tie = ring(&[[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]]);
+        let found = [vec![square.clone()], vec![square.clone(), hole], vec![tie], vec![square, out]];
+        assert_eq!(found.map(|rings| crosses(&rings)), [false, false, true, true]);
+    }
+}
