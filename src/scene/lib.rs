@@ -57,6 +57,7 @@ pub mod request;
 pub mod semantics;
 pub mod site;
 mod surface_city;
+mod surface_rasters;
 pub mod survey;
 mod terrain;
 #[cfg(test)]
@@ -72,7 +73,7 @@ pub use formats::energyplus::idf::{IdfField, idf_fields};
 pub use formats::format_of_name;
 pub use ground::model::USUAL as USUAL_GROUND;
 pub use model_version::ModelVersion;
-pub use surface_city::options::SurfaceRasters;
+pub use surface_rasters::SurfaceRasters;
 pub use text::line_of_offset;
 
 use coordinate::MAX_COORDINATE_M;

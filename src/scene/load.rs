@@ -164,7 +164,8 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
     }
     let mut beyond = Vec::new();
     for (part, raster, options) in surfaces {
-        let SurfaceRead { city, beyond: more } = read_surface(part, raster, options, &site.frame, pile.reference())?;
+        let SurfaceRead { city, beyond: more } =
+            read_surface(part, raster, options, &site.frame, pile.reference(), site.within.as_ref())?;
         pile.report.notes.push(city.note);
         pile.add(part, city.geometry, &mut palette, None)?;
         beyond.extend(more);
@@ -225,7 +226,8 @@ impl Pile {
             placed.push((part, raster.placed(part, frame, part.reference.or(system))?));
         }
         let has_city = !beyond.is_empty();
-        let (parts, beyond): (Vec<Part>, Vec<Raster>) = beyond.into_iter().map(|Beyond { part, raster }| (part, raster)).unzip();
+        let (parts, beyond): (Vec<Part>, Vec<Raster>) =
+            beyond.into_iter().map(|Beyond { part, raster }| (part, raster)).unzip();
         placed.extend(parts.iter().zip(beyond));
         let (rasters, notes) = joined(placed);
         self.report.notes.extend(notes);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::model_version::ModelVersion;
 use crate::placing::frame::SiteFrame;
 use crate::site::{MissingGround, Part, Site};
-use crate::surface_city::options::SurfaceRasters;
+use crate::surface_rasters::SurfaceRasters;
 use heliotile_core::error::{Error, Result};
 
 /// Files that make up a scene, and what is said of them.

@@ -12,7 +12,7 @@ use crate::model_version::ModelVersion;
 use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};
 use crate::reference::Reference;
 use crate::region_part::RegionPart;
-use crate::surface_city::options::SurfaceRasters;
+use crate::surface_rasters::SurfaceRasters;
 use crate::text::line_of_offset;
 use heliotile_core::error::{Error, Result};
 

@@ -11,8 +11,11 @@ use crate::formats::{Asked, Content};
 use crate::geometry::Geometry;
 use crate::semantics::SurfaceKind;
 use crate::site::{Part, Site};
-use crate::surface_city::read::{SurfaceRead, no_raster, read_surface};
+use crate::surface_city::read::{no_raster, windows_of};
 use heliotile_core::error::{Error, Result};
+
+/// Cells along a side of the windows in which a raster of surface heights is looked through.
+const WINDOW: usize = 4096;
 
 /// What lies in a file.
 #[derive(Clone, Debug)]
@@ -57,8 +60,8 @@ fn survey(part: &Part, site: &Site) -> Result<FileSurvey> {
         }
         Content::Terrain(raster) if part.surface.is_some() => {
             let options = part.surface.clone().unwrap_or_default();
-            let SurfaceRead { city, .. } = read_surface(part, raster, &options, &site.frame, None)?;
-            let objects = objects(&city.geometry, |p| p);
+            let windows = windows_of(part, raster, &options, &site.frame, WINDOW)?;
+            let objects: Vec<_> = windows.iter().flat_map(|geometry| objects(geometry, |p| p)).collect();
             (joined(objects.iter().map(|object| object.bounds)), objects)
         }
         Content::Terrain(raster) => {

@@ -27,10 +27,10 @@ use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::open_archive;
 use heliotile_results::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
 use heliotile_results::horizon::black_below_horizon;
-use heliotile_scene::{Scene, SurfaceRasters};
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
+use heliotile_scene::{Scene, SurfaceRasters};
 
 /// A scene that was read.
 #[pyclass(frozen, module = "heliotile._heliotile")]

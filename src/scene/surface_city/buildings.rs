@@ -173,7 +173,8 @@ impl Buildings<'_> {
             Some(ground.collect())
         };
         for from in 0..line.points.len().saturating_sub(1) {
-            let (Some(left), Some(right)) = (side(chain.left, from, from + 1), side(chain.right, from, from + 1)) else {
+            let (Some(left), Some(right)) = (side(chain.left, from, from + 1), side(chain.right, from, from + 1))
+            else {
                 continue;
             };
             for panel in panels(&left, &right) {

@@ -91,12 +91,8 @@ fn doubled(layers: &Layers, moved: &Moved, triangle: &[Spot; 3]) -> f64 {
 
 /// Triangles between corners that have a height, thinned to what is allowed.
 pub(super) fn surface_of(layers: &Layers, heights: &Lattice<f32>, allowed: Lattice<f32>) -> Vec<[Spot; 3]> {
-    let grid = Grid {
-        columns: heights.columns,
-        rows: heights.rows,
-        first: layers.corner([0, 0]),
-        step: layers.grid.step,
-    };
+    let grid =
+        Grid { columns: heights.columns, rows: heights.rows, first: layers.corner([0, 0]), step: layers.grid.step };
     let raster = Raster::plain(grid, heights.clone().into_values());
     let mut found = thin_within(&raster, &allowed.into_values());
     for triangle in &mut found {

@@ -35,7 +35,11 @@ pub(super) fn material_of(code: u16) -> String {
 /// Codes of one material are one.
 pub(super) fn joined(code: u16) -> u16 {
     let name = |code: u16| CLASSES.iter().find(|(known, ..)| *known == code).map(|(_, name, _)| name);
-    CLASSES.iter().map(|(known, ..)| *known).find(|known| name(code).is_some() && name(*known) == name(code)).unwrap_or(code)
+    CLASSES
+        .iter()
+        .map(|(known, ..)| *known)
+        .find(|known| name(code).is_some() && name(*known) == name(code))
+        .unwrap_or(code)
 }
 
 /// States what the materials of known codes reflect.

@@ -53,23 +53,14 @@ impl Layers {
             surface.set(spot, dsm.raster.height(spot[0], spot[1]));
         }
         let sampled = |layer: &Option<Layer>, sample: fn(&Raster, DVec2) -> f32| {
-            let Some(layer) = layer else { return Ok(None) };
-            check_system(dsm, layer)?;
-            let (mut values, mut known) = (cells.like(f32::NAN), false);
+            let layer = layer.as_ref()?;
+            let mut values = cells.like(f32::NAN);
             for spot in cells.spots() {
-                let place = grid.first + DVec2::new(spot[0] as f64, -(spot[1] as f64)) * grid.step;
-                let value = sample(&layer.raster, place);
-                known |= !value.is_nan();
-                values.set(spot, value);
+                values.set(spot, sample(&layer.raster, dsm.raster.plan(spot[0], spot[1])));
             }
-            if !known {
-                let what = format!("has no value on {}", dsm.file.display());
-                let hint = "give rasters of one place, in one coordinate system";
-                return Err(Error::input(layer.file, None, what, hint));
-            }
-            Ok(Some(values))
+            Some(values)
         };
-        let crown = sampled(&with.canopy, nearest)?.map(|mut heights| {
+        let crown = sampled(&with.canopy, nearest).map(|mut heights| {
             for spot in cells.spots() {
                 let height = heights.at(spot);
                 // Nothing is a crown of a height below 0.
@@ -77,7 +68,7 @@ impl Layers {
             }
             heights
         });
-        let class = sampled(&with.landcover, nearest)?.map(|codes| {
+        let class = sampled(&with.landcover, nearest).map(|codes| {
             let mut class = cells.like(NO_CLASS);
             for spot in cells.spots() {
                 let code = codes.at(spot);
@@ -87,7 +78,7 @@ impl Layers {
             }
             class
         });
-        Ok(Layers { grid, surface, ground: sampled(&with.dem, between)?, crown, class })
+        Ok(Layers { grid, surface, ground: sampled(&with.dem, between), crown, class })
     }
 
     /// Middle of a cell, relative to that of the first one, metres.
@@ -126,16 +117,24 @@ fn check_size(file: &Path, grid: &Grid) -> Result<()> {
     Err(Error::input(file, None, what, hint))
 }
 
-/// Refuses rasters of two coordinate systems.
-fn check_system(dsm: &Layer, other: &Layer) -> Result<()> {
-    match (dsm.raster.reference, other.raster.reference) {
-        (Some(one), Some(another)) if one != another => {
-            let what = format!("is in {another}, and {} in {one}", dsm.file.display());
-            let hint = "reproject it: `gdalwarp -t_srs EPSG:number in.tif out.tif`";
-            Err(Error::input(other.file, None, what, hint))
-        }
-        _ => Ok(()),
+/// Refuses a raster of another coordinate system, and one that has no value on any cell of a surface.
+pub(super) fn check_place(dsm: &Layer, other: &Layer) -> Result<()> {
+    if let (Some(one), Some(another)) = (dsm.raster.reference, other.raster.reference)
+        && one != another
+    {
+        let what = format!("is in {another}, and {} in {one}", dsm.file.display());
+        let hint = "reproject it: `gdalwarp -t_srs EPSG:number in.tif out.tif`";
+        return Err(Error::input(other.file, None, what, hint));
     }
+    let Grid { columns, rows, .. } = dsm.raster.grid;
+    let has_value = |row: usize| {
+        (0..columns).any(|column| !nearest(&other.raster, dsm.raster.plan(column as i64, row as i64)).is_nan())
+    };
+    if (0..rows).any(has_value) {
+        return Ok(());
+    }
+    let what = format!("has no value on {}", dsm.file.display());
+    Err(Error::input(other.file, None, what, "give rasters of one place, in one coordinate system"))
 }
 
 /// The sample whose cell a place lies in.
@@ -149,10 +148,8 @@ fn between(raster: &Raster, place: DVec2) -> f32 {
     let at = (place - raster.grid.first) / raster.grid.step * DVec2::new(1.0, -1.0);
     let (low, part) = (at.floor(), at - at.floor());
     let height = |x: i64, y: i64| f64::from(raster.height(low.x as i64 + x, low.y as i64 + y));
-    let (north, south) = (
-        height(0, 0) * (1.0 - part.x) + height(1, 0) * part.x,
-        height(0, 1) * (1.0 - part.x) + height(1, 1) * part.x,
-    );
+    let (north, south) =
+        (height(0, 0) * (1.0 - part.x) + height(1, 0) * part.x, height(0, 1) * (1.0 - part.x) + height(1, 1) * part.x);
     let found = (north * (1.0 - part.y) + south * part.y) as f32;
     if found.is_nan() { nearest(raster, place) } else { found }
 }

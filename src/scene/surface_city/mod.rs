@@ -20,7 +20,6 @@ mod floor;
 mod landcover;
 mod lattice;
 pub(crate) mod layers;
-pub(crate) mod options;
 mod outlines;
 mod plane;
 pub(crate) mod read;
@@ -40,7 +39,6 @@ use buildings::{BuildingNames, Buildings, roof_of};
 use floor::{Floor, Moved, floor};
 use lattice::{Lattice, Spot};
 use layers::{Companions, Layer, Layers};
-use options::SurfaceRasters;
 use outlines::{Chain, FIRST_ROOF, GROUND, OUTSIDE, chains, rings};
 use roofs::{Roofs, roofs};
 use standing::{Standing, standing};
@@ -48,6 +46,7 @@ use straight::{Polyline, straightened};
 use writer::Writer;
 
 use crate::geometry::Geometry;
+use crate::surface_rasters::{LEAST_STEP_M, SurfaceRasters};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::text::counted;
@@ -80,7 +79,7 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
     }
     let chains = chains(&pieces);
     let rings = rings(&chains);
-    let drawn = draw(&layers, &chains, &roofs, &floor, &simple::Rings { rings: &rings, pieces: &pieces });
+    let drawn = draw(&layers, &chains, &roofs, &floor, &simple::Rings::new(&rings, &pieces));
     let mut geometry = Geometry::default();
     geometry.reference = dsm.raster.reference;
     geometry.in_metres = dsm.raster.plane_unit_m.is_some();
@@ -110,7 +109,8 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
     buildings.write(&mut writer, &names)?;
     floor.write(&mut writer, &layers, &drawn.moved)?;
     let crowns = crowns::write(&mut writer, &layers, &pieces, &floor, &drawn.moved, options)?;
-    let plain = if with.dem.is_some() { "" } else { "; the ground was told from roofs by steps, without a raster of it" };
+    let plain =
+        if with.dem.is_some() { "" } else { "; the ground was told from roofs by steps, without a raster of it" };
     let note = format!(
         "{}: {} x {} cells became {} with {} (their heights are {:.2} m off, root mean square), {} of ground and {}{plain}",
         dsm.file.display(),
@@ -209,7 +209,8 @@ fn moved(layers: &Layers, chains: &[Chain], lines: &[Polyline]) -> Moved {
                 shares.push((0.75 * ahead + 0.25 * i as f64 / count).clamp(0.0, 1.0));
             }
             let goes_on = shares.get(1..shares.len().saturating_sub(1)).unwrap_or_default();
-            let is_strict = [0.0].iter().chain(goes_on).chain(&[1.0]).collect::<Vec<_>>().array_windows().all(|[a, b]| a < b);
+            let is_strict =
+                [0.0].iter().chain(goes_on).chain(&[1.0]).collect::<Vec<_>>().array_windows().all(|[a, b]| a < b);
             for (i, (corner, share)) in corners.iter().zip(&shares).enumerate() {
                 let place = match i {
                     0 => *a,
@@ -240,7 +241,8 @@ fn bases(standing: &Standing, chains: &[Chain], roofs: &Roofs, floor: &Floor) ->
     let mut bases = vec![f64::INFINITY; standing.cells.len()];
     for chain in chains.iter().filter(|chain| chain.left.min(chain.right) == GROUND) {
         let Some(roof) = roof_of(&roofs.list, chain.left.max(chain.right)) else { continue };
-        let lowest = chain.corners.iter().map(|corner| f64::from(floor.heights.at(*corner))).fold(f64::INFINITY, f64::min);
+        let lowest =
+            chain.corners.iter().map(|corner| f64::from(floor.heights.at(*corner))).fold(f64::INFINITY, f64::min);
         if let Some(base) = bases.get_mut(roof.building as usize) {
             *base = base.min(lowest);
         }
@@ -248,10 +250,13 @@ fn bases(standing: &Standing, chains: &[Chain], roofs: &Roofs, floor: &Floor) ->
     let all = floor.heights.clone().into_values().into_iter().fold(f32::INFINITY, f32::min);
     for (base, cells) in bases.iter_mut().zip(&standing.cells) {
         if base.is_infinite() {
-            let below = standing.below.as_ref().map(|below| cells.iter().map(|cell| below.at(*cell)).fold(f32::INFINITY, f32::min));
+            let below = standing
+                .below
+                .as_ref()
+                .map(|below| cells.iter().map(|cell| below.at(*cell)).fold(f32::INFINITY, f32::min));
             let found = below.unwrap_or(all);
             let lowest = roofs.list.iter().map(|roof| roof.plane.height).fold(f64::INFINITY, f64::min);
-            *base = if found.is_finite() { f64::from(found) } else { lowest - options::LEAST_STEP_M };
+            *base = if found.is_finite() { f64::from(found) } else { lowest - LEAST_STEP_M };
         }
     }
     bases

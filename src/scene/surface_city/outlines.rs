@@ -23,13 +23,6 @@ pub(super) struct Chain {
     pub right: u32,
 }
 
-impl Chain {
-    /// Whether it ends where it begins.
-    pub(super) fn is_closed(&self) -> bool {
-        self.corners.first() == self.corners.last()
-    }
-}
-
 /// The pieces to the left and to the right of the side that leaves a corner in a direction of [`STEPS`].
 fn pieces_of_side(pieces: &Lattice<u32>, [column, row]: Spot, direction: usize) -> [u32; 2] {
     let (north_west, north_east) = ([column - 1, row - 1], [column, row - 1]);
@@ -215,7 +208,7 @@ mod tests {
     fn courts_and_corners() {
         let court = chains(&pieces(&["222", "212", "222"]));
         assert_eq!((court.len(), rings(&court)[&2].len()), (2, 2));
-        assert!(court.iter().all(Chain::is_closed));
+        assert!(court.iter().all(|chain| chain.corners.first() == chain.corners.last()));
         let touching = chains(&pieces(&["21", "12"]));
         assert_eq!(touching.len(), 6);
         assert_eq!(rings(&touching)[&2].len(), 2);

@@ -6,17 +6,23 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use crate::formats::{Asked, Content, read};
+use crate::geometry::Geometry;
 use crate::placing::frame::SiteFrame;
 use crate::reference::Reference;
+use crate::region_part::RegionPart;
 use crate::site::Part;
-use crate::surface_city::layers::{Companions, Layer};
-use crate::surface_city::options::SurfaceRasters;
+use crate::surface_city::layers::{Companions, Layer, MOST_CELLS, check_place};
 use crate::surface_city::{City, city};
-use crate::terrain::raster::Raster;
+use crate::surface_rasters::SurfaceRasters;
+use crate::terrain::raster::{Grid, Raster};
 use heliotile_core::error::{Error, Result};
 
 /// Terrain that goes on below the edge of a city lies lower there, so that one ground hides the other, metres.
 const BELOW_EDGE_M: f32 = 0.5;
+
+/// Of a raster that is too large for one city, so much beyond the halo of a part of a region is read: buildings on the edge of the halo are
+/// whole.
+const MARGIN_M: f64 = 100.0;
 
 /// Terrain beyond a city, in its place.
 pub(crate) struct Beyond {
@@ -48,7 +54,68 @@ pub(crate) fn read_surface(
     options: &SurfaceRasters,
     frame: &SiteFrame,
     system: Option<Reference>,
+    within: Option<&RegionPart>,
 ) -> Result<SurfaceRead> {
+    let Rasters { dsm, with, warnings } = placed(part, dsm, options, frame, system)?;
+    let dsm = match within {
+        Some(within) if dsm.raster.heights.len() as u64 > MOST_CELLS => around(dsm, within)?,
+        _ => dsm,
+    };
+    let mut city = city(&dsm, &with, options)?;
+    city.geometry.warnings.splice(0..0, warnings);
+    let beyond = with.dem.and_then(|dem| beyond(part, &dsm.raster, dem));
+    Ok(SurfaceRead { city, beyond })
+}
+
+/// Objects of a raster of any size, a window of so many cells a side after the other: what lies on an edge of one is in two.
+pub(crate) fn windows_of(
+    part: &Part,
+    dsm: Raster,
+    options: &SurfaceRasters,
+    frame: &SiteFrame,
+    side: usize,
+) -> Result<Vec<Geometry>> {
+    let Rasters { dsm, with, .. } = placed(part, dsm, options, frame, None)?;
+    let Grid { columns, rows, .. } = dsm.raster.grid;
+    let mut found = Vec::new();
+    for row in (0..rows).step_by(side) {
+        for column in (0..columns).step_by(side) {
+            // The last line of a window is the first one of the next: none is left alone.
+            let window = dsm.raster.cut(column..column + side + 1, row..row + side + 1);
+            let known = window.filter(|raster| raster.heights.iter().any(|height| !height.is_nan()));
+            if let Some(raster) = known {
+                found.push(city(&Layer { file: dsm.file, raster }, &with, options)?.geometry);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// What receivers in a part of a region may see of a surface.
+fn around<'a>(dsm: Layer<'a>, within: &RegionPart) -> Result<Layer<'a>> {
+    let margin = within.halo_m + MARGIN_M;
+    let [columns, rows] = dsm.raster.window(within.low - margin, within.high + margin);
+    match dsm.raster.cut(columns, rows) {
+        Some(raster) => Ok(Layer { raster, ..dsm }),
+        None => Err(Error::input(dsm.file, None, "has no cell around the part of the region", "cut the region again")),
+    }
+}
+
+/// Rasters in their places.
+struct Rasters<'a> {
+    dsm: Layer<'a>,
+    with: Companions<'a>,
+    warnings: Vec<String>,
+}
+
+/// Reads what goes with a raster of surface heights and brings all to their places.
+fn placed<'a>(
+    part: &'a Part,
+    dsm: Raster,
+    options: &'a SurfaceRasters,
+    frame: &SiteFrame,
+    system: Option<Reference>,
+) -> Result<Rasters<'a>> {
     let system = part.reference.or(frame.references()[0]).or(system);
     let mut warnings = Vec::new();
     let place = |raster: Raster, file: &Path, values: Values| -> Result<Raster> {
@@ -83,11 +150,10 @@ pub(crate) fn read_surface(
     };
     let mut dsm = Layer { file: &part.file, raster: place(dsm, &part.file, Values::Heights)? };
     warnings.append(&mut dsm.raster.warnings);
-    let mut city = city(&dsm, &with, options)?;
-    warnings.append(&mut city.geometry.warnings);
-    city.geometry.warnings = warnings;
-    let beyond = with.dem.and_then(|dem| beyond(part, &dsm.raster, dem));
-    Ok(SurfaceRead { city, beyond })
+    for other in [&with.dem, &with.canopy, &with.landcover].into_iter().flatten() {
+        check_place(&dsm, other)?;
+    }
+    Ok(Rasters { dsm, with, warnings })
 }
 
 /// The error of a file that is no raster where one is asked for.

@@ -111,9 +111,8 @@ impl Growing<'_> {
     fn near(&self, spot: Spot) -> impl Iterator<Item = Spot> + '_ {
         let (own, height) = (self.building.at(spot), self.height(spot));
         let around = STEPS.map(|step| beside(spot, step)).into_iter();
-        around.filter(move |other| {
-            self.building.at(*other) == own && (self.height(*other) - height).abs() <= self.step_m
-        })
+        around
+            .filter(move |other| self.building.at(*other) == own && (self.height(*other) - height).abs() <= self.step_m)
     }
 
     fn around(&self, spot: Spot) -> Around {
@@ -265,7 +264,8 @@ impl Growing<'_> {
                 }
                 let rms = |sums: &Sums| sums.rms(&sums.plane());
                 let both = rms(&(*one + *two));
-                let apart = ((one.count * rms(one).powi(2) + two.count * rms(two).powi(2)) / (one.count + two.count)).sqrt();
+                let apart =
+                    ((one.count * rms(one).powi(2) + two.count * rms(two).powi(2)) / (one.count + two.count)).sqrt();
                 let limit = ONE_PLANE_M.max(NEARLY * apart);
                 if both <= limit && best.is_none_or(|(least, ..)| both / limit < least) {
                     best = Some((both / limit, a.min(b), a.max(b)));
@@ -388,7 +388,8 @@ fn whole(layers: &Layers, standing: &Standing, piece: &Lattice<u32>) -> Roofs {
                 }
             }
         }
-        if let Some((number, _)) = sides.into_iter().max_by_key(|(number, sides)| (*sides, std::cmp::Reverse(*number))) {
+        if let Some((number, _)) = sides.into_iter().max_by_key(|(number, sides)| (*sides, std::cmp::Reverse(*number)))
+        {
             cells.iter().for_each(|spot| numbers.set(*spot, number));
         }
     }

@@ -7,29 +7,33 @@ use glam::DVec2;
 use crate::surface_city::buildings::{area, outline};
 use crate::surface_city::lattice::Lattice;
 use crate::surface_city::layers::Layers;
-use crate::surface_city::outlines::Link;
+use crate::surface_city::outlines::{FIRST_ROOF, Link};
 use crate::surface_city::straight::Polyline;
 
 /// A piece keeps between these shares of the area of its cells, but for what half a cell along its outline is.
 const LEAST_AREA: f64 = 0.5;
 const MOST_AREA: f64 = 1.6;
 
-/// Rings by piece.
+/// Rings by piece, and how many cells each piece has.
 pub(super) struct Rings<'a> {
-    pub rings: &'a BTreeMap<u32, Vec<Vec<Link>>>,
-    pub pieces: &'a Lattice<u32>,
+    rings: &'a BTreeMap<u32, Vec<Vec<Link>>>,
+    cells: BTreeMap<u32, usize>,
 }
 
-impl Rings<'_> {
+impl<'a> Rings<'a> {
+    pub(super) fn new(rings: &'a BTreeMap<u32, Vec<Vec<Link>>>, pieces: &Lattice<u32>) -> Rings<'a> {
+        let mut cells: BTreeMap<u32, usize> = BTreeMap::new();
+        for piece in pieces.spots().map(|cell| pieces.at(cell)).filter(|piece| *piece >= FIRST_ROOF) {
+            *cells.entry(piece).or_default() += 1;
+        }
+        Rings { rings, cells }
+    }
+
     /// Chains of pieces whose outline crosses itself or a hole, turns over, or is of another area than its cells.
     pub(super) fn crossed(&self, layers: &Layers, lines: &[Polyline]) -> BTreeSet<usize> {
-        let mut cells: BTreeMap<u32, usize> = BTreeMap::new();
-        for cell in self.pieces.spots() {
-            *cells.entry(self.pieces.at(cell)).or_default() += 1;
-        }
         let mut found = BTreeSet::new();
         for (piece, rings) in self.rings {
-            let whole = cells.get(piece).copied().unwrap_or_default() as f64 * layers.cell_m2();
+            let whole = self.cells.get(piece).copied().unwrap_or_default() as f64 * layers.cell_m2();
             let plans: Vec<Vec<DVec2>> = rings.iter().map(|ring| outline(lines, ring)).collect();
             let drawn: f64 = plans.iter().map(|plan| area(plan)).sum();
             let outlines = plans.iter().filter(|plan| area(plan) > 0.0).count();

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use crate::surface_city::landcover;
 use crate::surface_city::lattice::{Lattice, STEPS, Spot, beside};
 use crate::surface_city::layers::Layers;
-use crate::surface_city::options::{LEAST_STEP_M, SurfaceRasters};
+use crate::surface_rasters::{LEAST_STEP_M, SurfaceRasters};
 
 /// Crowns below this are hedges and noise, metres.
 pub(super) const LEAST_CROWN_M: f32 = 1.0;
@@ -132,7 +132,8 @@ fn join_small(number: &mut Lattice<u32>, pieces: &[Vec<Spot>], least: usize, hei
         let mut found = Vec::new();
         for &spot in &open {
             let around = STEPS.map(|step| beside(spot, step));
-            let large = around.into_iter().filter(|other| number.at(*other) != u32::MAX && !is_small(number.at(*other)));
+            let large =
+                around.into_iter().filter(|other| number.at(*other) != u32::MAX && !is_small(number.at(*other)));
             let off = |other: &Spot| (height(*other) - height(spot)).abs();
             if let Some(near) = large.min_by(|a, b| off(a).total_cmp(&off(b))) {
                 found.push((spot, number.at(near)));

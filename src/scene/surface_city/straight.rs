@@ -182,7 +182,9 @@ fn stretches(places: &[DVec2], cell: f64) -> Vec<Stretch> {
 fn settle(stretches: &mut [Range<usize>], squares: impl Fn(&Range<usize>) -> f64) {
     const MOST: usize = 3;
     for i in 1..stretches.len() {
-        let Some([one, two]) = stretches.get_mut(i - 1..=i).and_then(|pair| pair.first_chunk_mut::<2>()) else { continue };
+        let Some([one, two]) = stretches.get_mut(i - 1..=i).and_then(|pair| pair.first_chunk_mut::<2>()) else {
+            continue;
+        };
         let low = (one.start + 1).max(one.end.saturating_sub(MOST));
         let high = (two.end - 1).min(one.end + MOST);
         let cost = |at: usize| squares(&(one.start..at)) + squares(&(at..two.end));
@@ -203,7 +205,8 @@ fn squares(middles: &[DVec2], sides: &Range<usize>, line: &Line) -> f64 {
 fn farthest(places: &[DVec2], sides: &Range<usize>) -> Option<usize> {
     let (from, to) = (*places.get(sides.start)?, *places.get(sides.end)?);
     let along = (to - from).normalize_or_zero();
-    let off = |place: DVec2| if along == DVec2::ZERO { place.distance(from) } else { along.perp_dot(place - from).abs() };
+    let off =
+        |place: DVec2| if along == DVec2::ZERO { place.distance(from) } else { along.perp_dot(place - from).abs() };
     let inner = sides.start + 1..sides.end;
     let found = inner.filter_map(|at| Some((off(*places.get(at)?), at)));
     found.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).map(|(_, at)| at)

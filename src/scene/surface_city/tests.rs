@@ -32,7 +32,7 @@ fn turned(place: DVec2, degrees: f64) -> DVec2 {
 
 /// Areas by kind, m2, with the length of the sum of area vectors of what is level or not.
 #[derive(Debug, Default)]
-struct Areas {
+pub(super) struct Areas {
     roof: f64,
     wall: f64,
     ground: f64,
@@ -41,7 +41,7 @@ struct Areas {
     roof_plan: f64,
 }
 
-fn areas(geometry: &Geometry) -> Areas {
+pub(super) fn areas(geometry: &Geometry) -> Areas {
     let mut found = Areas::default();
     for number in 0..geometry.face_count() {
         for triangle in crate::polygon::triangles_of(geometry, number) {
@@ -95,7 +95,8 @@ fn blocks_have_their_areas() {
                 assert!((area / truth - 1.0).abs() < most, "{degrees} {with_dem}: {found:?} {note}");
             }
             assert!(open_edges(&geometry) < 1e-6, "{degrees}: {}", open_edges(&geometry));
-            let walls = (0..geometry.face_count()).filter(|i| geometry.note_of(*i).kind == Some(SurfaceKind::Wall)).count();
+            let walls =
+                (0..geometry.face_count()).filter(|i| geometry.note_of(*i).kind == Some(SurfaceKind::Wall)).count();
             assert!(walls <= 8, "{walls} walls");
         }
     }
@@ -195,6 +196,36 @@ fn hostile_rasters() {
     assert!(found.materials.as_slice().contains(&"landcover_12".to_owned()), "{:?}", found.materials);
     let mut far = raster(20, 20, 1.0, |_| 0.0);
     far.grid.first += DVec2::splat(500.0);
-    let apart = of(flat(), Companions { dem: Some(layer(far)), ..Companions::default() });
+    let apart = layers::check_place(&layer(flat()), &layer(far));
     assert!(apart.is_err_and(|error| error.to_string().contains("has no value on")));
+}
+
+/// The street of `tests/data/rasters` has 4 buildings with 7 roofs of 627 m2, 3 trees in 2 crowns, and materials by its land cover; a survey finds the same
+/// 7 objects, ground among them, of which receivers go on 4.
+#[test]
+fn a_street_is_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/rasters");
+    let at = |name: &str| Some(folder.join(format!("street_{name}.tif")));
+    let rasters = SurfaceRasters {
+        dem: at("dem"),
+        canopy: at("canopy"),
+        landcover: at("landcover"),
+        ..SurfaceRasters::of(at("dsm").expect("a path"))
+    };
+    let request = crate::request::SceneRequest { surface: Some(rasters), ..Default::default() };
+    let site = request.site().expect("a site");
+    let (scene, soup) = crate::Scene::load_with_objects(&site).expect("a scene");
+    let names: Vec<&str> = scene.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(names, ["RoofSurface", "WallSurface", "canopy", "grass", "paved"]);
+    let of = |kind: &str| soup.object_names.iter().filter(|name| name.starts_with(kind)).count();
+    assert_eq!([of("building_"), of("trees_")], [4, 2], "{:?} {:?}", soup.object_names, scene.report.notes);
+    let surfaces = crate::covering::surfaces::Surfaces::find(&soup, &scene.materials);
+    let roofs: Vec<f64> = surfaces.list.iter().filter(|s| s.kind == SurfaceKind::Roof).map(|s| s.area_m2).collect();
+    let area: f64 = roofs.iter().sum();
+    assert_eq!(roofs.len(), 7, "{roofs:?} {:?}", scene.report.notes);
+    assert!((area / 627.0 - 1.0).abs() < 0.03, "{area}");
+    let found = site.survey().expect("a survey");
+    assert_eq!(found[0].objects.iter().filter(|object| object.is_usual).count(), 4);
+    assert_eq!(found[0].objects.len(), 7);
+    assert_eq!(site.files().count(), 4);
 }

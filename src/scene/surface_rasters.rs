@@ -80,25 +80,25 @@ impl SurfaceRasters {
     }
 
     /// The least step for cells of a width.
-    pub(super) fn step(&self, cell_m: f64) -> f64 {
+    pub(crate) fn step(&self, cell_m: f64) -> f64 {
         self.step_m.unwrap_or(LEAST_STEP_M.max(STEEPEST_ROOF * cell_m))
     }
 
-    pub(super) fn least_building(&self) -> f64 {
+    pub(crate) fn least_building(&self) -> f64 {
         self.least_building_m2.unwrap_or(SurfaceRasters::LEAST_BUILDING_M2)
     }
 
-    pub(super) fn trunk(&self) -> f64 {
+    pub(crate) fn trunk(&self) -> f64 {
         self.trunk_share.unwrap_or(SurfaceRasters::TRUNK_SHARE)
     }
 
-    pub(super) fn crown(&self) -> f64 {
+    pub(crate) fn crown(&self) -> f64 {
         self.crown_transmittance.unwrap_or(SurfaceRasters::LEAF_ON)
     }
 }
 
 /// Lower steps are kerbs, hedges, cars and noise.
-pub(super) const LEAST_STEP_M: f64 = 2.0;
+pub(crate) const LEAST_STEP_M: f64 = 2.0;
 /// Rise a metre that a pitched roof may have from cell to cell: 63 degrees.
 const STEEPEST_ROOF: f64 = 2.0;
 
