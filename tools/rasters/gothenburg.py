@@ -79,10 +79,12 @@ def main(folder, program, out):
     canopy, cover = ["--canopy", folder / "CDSM_KR.asc"], ["--landcover", folder / "landcover_KR.tif"]
     scenes = {"terrain": [folder / "DSM_KR.tif"], "dsm": dsm, "dsm, dem": dsm + dem, "dsm, dem, cover": dsm + dem + cover,
               "dsm, dem, canopy": dsm + dem + canopy, "all": dsm + dem + canopy + cover}
+    # SOLWEIG's albedos for this place.
+    (out / "materials.toml").write_text("[WallSurface]\ndiffuse = 0.2\n[RoofSurface]\ndiffuse = 0.18\n")
     table = []
     for name, scene in scenes.items():
         archive = out / (name.replace(", ", "_") + ".helio")
-        say = ["--quality", "fine", "--crs", "3007"]
+        say = ["--quality", "fine", "--crs", "3007"] + (["--materials", out / "materials.toml"] if name != "terrain" else [])
         subprocess.run([program, "build", *scene, "-r", out / "receivers.csv", "-o", archive, "--fresh", *say], check=True, capture_output=True)
         asked = subprocess.run([program, "query", archive, "--conditions", out / "conditions.csv"], check=True, capture_output=True, text=True)
         (out / "query.csv").write_text(asked.stdout)

@@ -1,4 +1,4 @@
-//! Outlines that do not cross themselves. In: rings of pieces of roofs as they are drawn. Out: the chains of those that are no outline any more.
+//! Outlines that do not cross themselves. In: rings of pieces of roofs as they are drawn. Out: the chains that keep them from being outlines.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -29,7 +29,7 @@ impl<'a> Rings<'a> {
         Rings { rings, cells }
     }
 
-    /// Chains of pieces whose outline crosses itself or a hole, turns over, or is of another area than its cells.
+    /// Chains that cross others of their piece; of a piece that turns over or is of another area than its cells, all.
     pub(super) fn crossed(&self, layers: &Layers, lines: &[Polyline]) -> BTreeSet<usize> {
         let mut found = BTreeSet::new();
         for (piece, rings) in self.rings {
@@ -37,32 +37,42 @@ impl<'a> Rings<'a> {
             let plans: Vec<Vec<DVec2>> = rings.iter().map(|ring| outline(lines, ring)).collect();
             let drawn: f64 = plans.iter().map(|plan| area(plan)).sum();
             let outlines = plans.iter().filter(|plan| area(plan) > 0.0).count();
-            let is_other = !(LEAST_AREA * whole..=MOST_AREA * whole).contains(&drawn) || outlines != 1;
-            if is_other || crosses(&plans) {
+            if !(LEAST_AREA * whole..=MOST_AREA * whole).contains(&drawn) || outlines != 1 {
                 found.extend(rings.iter().flatten().map(|link| link.chain));
+                continue;
             }
+            let sides = rings.iter().flatten().flat_map(|link| sides_of(lines, link.chain)).collect();
+            found.extend(crossing(sides));
         }
         found
     }
 }
 
-/// Whether sides of rings cross each other, or lie on each other in part.
-fn crosses(rings: &[Vec<DVec2>]) -> bool {
-    let mut sides: Vec<[DVec2; 2]> = Vec::new();
-    for ring in rings {
-        let next = ring.iter().cycle().skip(1);
-        sides.extend(ring.iter().zip(next).map(|(a, b)| [*a, *b]));
-    }
-    let low = |side: &[DVec2; 2]| side[0].x.min(side[1].x);
-    let high = |side: &[DVec2; 2]| side[0].x.max(side[1].x);
+/// A side of an outline, and the number of its chain.
+struct Side {
+    ends: [DVec2; 2],
+    chain: usize,
+}
+
+/// Sides of a chain as it is drawn.
+fn sides_of(lines: &[Polyline], chain: usize) -> Vec<Side> {
+    let points = lines.get(chain).map(|line| line.points.as_slice()).unwrap_or_default();
+    points.array_windows().map(|ends| Side { ends: *ends, chain }).collect()
+}
+
+/// Chains whose sides cross each other, or lie on each other in part.
+fn crossing(mut sides: Vec<Side>) -> BTreeSet<usize> {
+    let low = |side: &Side| side.ends[0].x.min(side.ends[1].x);
+    let high = |side: &Side| side.ends[0].x.max(side.ends[1].x);
     sides.sort_by(|a, b| low(a).total_cmp(&low(b)));
+    let mut found = BTreeSet::new();
     for (i, one) in sides.iter().enumerate() {
         let later = sides.iter().skip(i + 1).take_while(|other| low(other) <= high(one));
-        if later.into_iter().any(|other| cross(one, other)) {
-            return true;
+        for other in later.filter(|other| cross(&one.ends, &other.ends)) {
+            found.extend([one.chain, other.chain]);
         }
     }
-    false
+    found
 }
 
 /// Whether two sides have a point in common that is no corner of both.
@@ -93,7 +103,14 @@ mod tests {
         let hole = ring(&[[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]]);
         let out = ring(&[[1.0, 1.0], [1.0, 2.0], [5.0, 2.0], [5.0, 1.0]]);
         let tie = ring(&[[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]]);
+        let crosses = |rings: Vec<Vec<DVec2>>| {
+            let sides = |(chain, ring): (usize, Vec<DVec2>)| {
+                let next: Vec<DVec2> = ring.iter().cycle().skip(1).take(ring.len()).copied().collect();
+                ring.into_iter().zip(next).map(move |(a, b)| Side { ends: [a, b], chain }).collect::<Vec<_>>()
+            };
+            crossing(rings.into_iter().enumerate().flat_map(sides).collect()).len()
+        };
         let found = [vec![square.clone()], vec![square.clone(), hole], vec![tie], vec![square, out]];
-        assert_eq!(found.map(|rings| crosses(&rings)), [false, false, true, true]);
+        assert_eq!(found.map(crosses), [0, 0, 1, 2]);
     }
 }
