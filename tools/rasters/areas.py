@@ -1,6 +1,7 @@
 """A city model beside itself as rasters. In: CityJSON, its coordinate system, the program, a folder, weather or nothing. Out: areas of roofs and walls
 that get receivers, and with weather a year's sums, of the model and of rasters with cells of 0.5, 1 and 2 m, in percent of the model's.
 Needs numpy, pandas, rasterio and shapely."""
+import shutil
 import subprocess
 import sys
 import time
@@ -35,9 +36,9 @@ def main(model, crs, program, out, weather=""):
         if weather:
             folder = out / f"{name.replace(' ', '_')}.sun"
             asked = ["--receivers", receivers, "-w", weather, "-o", folder, "--crs", crs, "--every", "year", "--by", "kind"]
-            subprocess.run([program, "run", *scene, *asked, "--fresh"], check=True, capture_output=True)
-            year = pandas.concat(pandas.read_csv(path) for path in folder.glob("*.csv") if "total_kwh_m2" in path.read_text()[:2000])
-            sums = year.set_index(year.columns[year.columns.str.contains("kind|group")][0]).total_kwh_m2
+            shutil.rmtree(folder, ignore_errors=True)
+            subprocess.run([program, "run", *scene, *asked], check=True, capture_output=True)
+            sums = pandas.read_csv(next(folder.glob("*/years.kind.csv"))).set_index("kind").total_kwh_m2
             row["roof_kwh_m2"], row["wall_kwh_m2"] = sums["roof"], sums["wall"]
         whole = row if whole is None else whole
         share = {f"{kind}_%": round(100 * row[kind] / whole[kind], 1) for kind in ("roof", "wall")}

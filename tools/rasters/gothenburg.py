@@ -18,6 +18,8 @@ TURN = -15.0
 PLANES = {"Kdown": None, "Kup": None, "Kn": 0.0, "Ke": 90.0, "Ks": 180.0, "Kw": 270.0}
 #: Instruments stand so high above the ground, metres.
 HEIGHT = 1.1
+#: In the hour up to this the edge of a shadow crosses the instruments.
+SHADOW_EDGE = 15
 #: Suns an hour.
 STEPS = 12
 ZONE = timezone(timedelta(hours=1))
@@ -81,7 +83,7 @@ def main(folder, program, out):
               "dsm, dem, canopy": dsm + dem + canopy, "all": dsm + dem + canopy + cover}
     # SOLWEIG's albedos for this place.
     (out / "materials.toml").write_text("[WallSurface]\ndiffuse = 0.2\n[RoofSurface]\ndiffuse = 0.18\n")
-    table = []
+    tables = {"all hours": [], "without the edge of a shadow": []}
     for name, scene in scenes.items():
         archive = out / (name.replace(", ", "_") + ".helio")
         say = ["--quality", "fine", "--crs", "3007"] + (["--materials", out / "materials.toml"] if name != "terrain" else [])
@@ -94,9 +96,12 @@ def main(folder, program, out):
         both = hourly.index.intersection(measured.index)
         off = hourly.loc[both, list(PLANES)] - measured.loc[both, list(PLANES)]
         off.to_csv(out / (archive.stem + ".off.csv"), float_format="%.1f")
-        table.append([name, *(f"{off[plane].mean():+.1f} / {np.sqrt((off[plane] ** 2).mean()):.1f}" for plane in PLANES)])
-    print("bias / RMSE, W/m2, hours", *both)
-    print(pandas.DataFrame(table, columns=["scene", *PLANES]).to_string(index=False))
+        for hours, rows in tables.items():
+            kept = off.drop(SHADOW_EDGE) if hours == "without the edge of a shadow" else off
+            rows.append([name, *(f"{kept[plane].mean():+.1f} / {np.sqrt((kept[plane] ** 2).mean()):.1f}" for plane in PLANES)])
+    for hours, rows in tables.items():
+        print(f"bias / RMSE, W/m2, {hours}")
+        print(pandas.DataFrame(rows, columns=["scene", *PLANES]).to_string(index=False))
 
 
 if __name__ == "__main__":

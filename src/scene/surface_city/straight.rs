@@ -154,7 +154,7 @@ fn stretches(places: &[DVec2], cell: f64) -> Vec<Stretch> {
         let found = middles.get(sides.clone()).unwrap_or_default();
         found.iter().all(|middle| line.normal.dot(*middle - line.point).abs() <= OFF_LINE * cell)
     };
-    let mut open = vec![0..middles.len()];
+    let mut open: Vec<Range<usize>> = std::iter::once(0..middles.len()).collect();
     let mut found: Vec<Range<usize>> = Vec::new();
     while let Some(sides) = open.pop() {
         let is_closed = places.get(sides.start) == places.get(sides.end);
