@@ -302,6 +302,7 @@ pub fn absolute(scene: &SceneRequest) -> Result<SceneRequest> {
     let mut scene = scene.clone();
     scene.files = scene.files.iter().map(whole).collect::<Result<_>>()?;
     scene.materials = scene.materials.as_ref().map(whole).transpose()?;
+    scene.surface = scene.surface.as_ref().map(|rasters| rasters.with_paths(whole)).transpose()?;
     Ok(scene)
 }
 
@@ -332,6 +333,10 @@ mod tests {
             materials: Some("m.toml".into()),
             assume_version: heliotile_scene::ModelVersion::parse("9.6"),
             frame,
+            surface: Some(heliotile_scene::SurfaceRasters {
+                canopy: Some("cdsm.tif".into()),
+                ..heliotile_scene::SurfaceRasters::of("dsm.tif")
+            }),
             ..SceneRequest::default()
         };
         AtlasPlan {

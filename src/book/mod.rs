@@ -16,6 +16,9 @@ pub mod place {}
 #[doc = include_str!("terrain.md")]
 pub mod terrain {}
 
+#[doc = include_str!("rasters.md")]
+pub mod rasters {}
+
 #[doc = include_str!("materials.md")]
 pub mod materials {}
 

@@ -2,7 +2,7 @@
 //!
 //! # Map
 //!
-//! `formats` (a folder or file each: CityJSON, CityGML, GeoTIFF, glTF, OBJ, PLY, STL, EnergyPlus, Honeybee) and `terrain` give polygons; `load` merges them and
+//! `formats` (a folder or file each: CityJSON, CityGML, features, GeoTIFF, glTF, OBJ, PLY, STL, EnergyPlus, Honeybee) and `terrain` give polygons, `surface_city` those of rasters of a city; `load` merges them and
 //! [`mesh`] brings them to one canonical form; [`materials`] gives every surface its optics; [`covering`] puts receivers on them.
 //! [`pv`] says where solar modules are to stand.
 //!
@@ -58,6 +58,8 @@ pub mod region_part;
 pub mod request;
 pub mod semantics;
 pub mod site;
+mod surface_city;
+mod surface_rasters;
 pub mod survey;
 mod terrain;
 #[cfg(test)]
@@ -73,6 +75,7 @@ pub use formats::energyplus::idf::{IdfField, idf_fields};
 pub use formats::format_of_name;
 pub use ground::model::USUAL as USUAL_GROUND;
 pub use model_version::ModelVersion;
+pub use surface_rasters::SurfaceRasters;
 pub use text::line_of_offset;
 
 use coordinate::MAX_COORDINATE_M;

@@ -31,6 +31,7 @@ use crate::reference::Reference;
 use crate::region_part::RegionPart;
 use crate::semantics::SourceFace;
 use crate::site::{MissingGround, Part, Site};
+use crate::surface_city::read::{Beyond, SurfaceRead, no_raster, read_surface};
 use crate::terrain::focus::Focus;
 use crate::terrain::mosaic::{Tile, joined};
 use crate::terrain::raster::Raster;
@@ -169,7 +170,7 @@ impl Scene {
 /// Reads all files; without `keep` the soup is empty.
 fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
     let (mut palette, mut pile) = (Palette::default(), Pile { keep, ..Pile::default() });
-    let (mut rasters, mut outlines, mut local_frame) = (Vec::new(), Vec::new(), None);
+    let (mut rasters, mut surfaces, mut outlines, mut local_frame) = (Vec::new(), Vec::new(), Vec::new(), None);
     pile.report.warnings.extend(site.unused_up());
     for part in &site.parts {
         if let Some(path) = &part.materials {
@@ -185,6 +186,7 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
             footprints: part.footprints.clone(),
         };
         match formats::read(&part.file, &asked)? {
+            Content::Polygons(_) if part.surface.is_some() => return Err(no_raster(&part.file)),
             Content::Polygons(geometry) => {
                 local_frame = local_frame.or(geometry.local_frame);
                 let part = part.in_frame(&site.frame);
@@ -193,17 +195,34 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
                     false => outlines.push(Outlined::new(part, *geometry)),
                 }
             }
-            Content::Terrain(raster) => rasters.push((part, raster)),
+            Content::Terrain(raster) => match &part.surface {
+                Some(options) => surfaces.push((part, raster, options)),
+                None => rasters.push((part, raster)),
+            },
         }
     }
-    let has_terrain = !rasters.is_empty();
+    let (mut beyond_parts, mut beyond) = (Vec::new(), Vec::new());
+    for (part, raster, options) in surfaces {
+        let SurfaceRead { city, beyond: more } =
+            read_surface(part, raster, options, &site.frame, pile.reference(), site.within.as_ref())?;
+        pile.report.notes.push(city.note);
+        pile.add(part, city.geometry, &mut palette, None)?;
+        if let Some(Beyond { part, raster }) = more {
+            beyond_parts.push(part);
+            beyond.push(raster);
+        }
+    }
+    let (has_terrain, has_city) = (!rasters.is_empty(), !beyond.is_empty());
     let outlined = outlines.iter().find_map(Outlined::epsg).map(Reference::Epsg);
-    let terrain = pile.placed_rasters(rasters, &site.frame, outlined)?;
+    let mut placed = pile.placed_rasters(rasters, &site.frame, outlined)?;
+    placed.extend(beyond_parts.iter().zip(beyond));
+    let (terrain, notes) = joined(placed);
+    pile.report.notes.extend(notes);
     pile.add_footprints(outlines, &terrain, &mut palette)?;
     if let Some(part) = &site.within {
         pile.cut(part, &palette);
     }
-    pile.add_rasters(terrain, &mut palette)?;
+    pile.add_rasters(terrain, has_city, &mut palette)?;
     let mut ground = palette.ground();
     if ground.is_none() && !has_terrain && site.missing_ground == MissingGround::Assume {
         ground = pile.assume_ground(&mut palette);
@@ -212,9 +231,14 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
 }
 
 impl Pile {
-    /// The coordinate system of the first file that states one, by its EPSG number.
+    /// The coordinate system of the first file that states one.
+    fn reference(&self) -> Option<Reference> {
+        self.extents.iter().find_map(Extent::reference)
+    }
+
+    /// Its EPSG number.
     fn system(&self) -> Option<u32> {
-        self.extents.iter().find_map(Extent::reference).and_then(|reference| match reference {
+        self.reference().and_then(|reference| match reference {
             Reference::Epsg(epsg) => Some(epsg),
             Reference::Place { .. } => None,
         })
@@ -235,22 +259,18 @@ impl Pile {
         };
     }
 
-    /// Rasters in scene coordinates, those of one grid joined; `outlined` is the system of footprints that are not added yet.
+    /// Rasters in scene coordinates; `outlined` is the system of footprints that are not added yet.
     fn placed_rasters<'p>(
-        &mut self,
+        &self,
         rasters: Vec<(&'p Part, Raster)>,
         frame: &SiteFrame,
         outlined: Option<Reference>,
-    ) -> Result<Vec<Tile<'p>>> {
+    ) -> Result<Vec<(&'p Part, Raster)>> {
         let [stated, _] = frame.references();
-        let system = stated.or_else(|| self.extents.iter().find_map(Extent::reference)).or(outlined);
-        let mut placed = Vec::new();
-        for (part, raster) in rasters {
-            placed.push((part, raster.placed(part, frame, part.reference.or(system))?));
-        }
-        let (rasters, notes) = joined(placed);
-        self.report.notes.extend(notes);
-        Ok(rasters)
+        let system = stated.or_else(|| self.reference()).or(outlined);
+        let place =
+            |(part, raster): (&'p Part, Raster)| Ok((part, raster.placed(part, frame, part.reference.or(system))?));
+        rasters.into_iter().map(place).collect()
     }
 
     /// Adds buildings on the ground that was read: rasters, and triangles of class ground.
@@ -272,13 +292,13 @@ impl Pile {
         Ok(())
     }
 
-    /// Meshes rasters as the horizon of what was added before, if anything was.
-    fn add_rasters(&mut self, rasters: Vec<Tile>, palette: &mut Palette) -> Result<()> {
+    /// Meshes rasters as the horizon of what was added before, if anything was; `has_city`: some go on beyond a city.
+    fn add_rasters(&mut self, rasters: Vec<Tile>, has_city: bool, palette: &mut Palette) -> Result<()> {
         let used = self.triangles.iter().flat_map(|t| t.corners).filter_map(|i| self.positions.get(i as usize));
         let (low, high) = bounds(used.copied());
         let near = (!rasters.is_empty() && low.is_finite() && high.is_finite()).then_some((low, high));
         self.focus = near.map(|(low, high)| 0.5 * (low + high));
-        let only = rasters.len() == 1;
+        let only = rasters.len() == 1 && !has_city;
         for Tile { part, raster, .. } in rasters {
             let stem = formats::stem(&part.file);
             let wanted = Wanted {

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::footprints::options::FootprintOptions;
 use crate::model_version::ModelVersion;
 use crate::placing::frame::SiteFrame;
-use crate::site::{MissingGround, Site};
+use crate::site::{MissingGround, Part, Site};
+use crate::surface_rasters::SurfaceRasters;
 use heliotile_core::error::{Error, Result};
 
 /// Files that make up a scene, and what is said of them.
@@ -34,6 +35,9 @@ pub struct SceneRequest {
     /// Where the scene lies, how it is turned, and the unit of its files.
     #[serde(default)]
     pub frame: SiteFrame,
+    /// Rasters that a city is read from, besides the files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<SurfaceRasters>,
 }
 
 impl SceneRequest {
@@ -49,6 +53,10 @@ impl SceneRequest {
         self.frame.check().map_err(|(field, what)| Error::argument(field, what, hint))?;
         self.footprints.check().map_err(|(field, what)| Error::argument(field, what, "give metres above 0"))?;
         let mut site = Site::of(&self.files, self.materials.as_deref())?;
+        if let Some(rasters) = &self.surface {
+            rasters.check().map_err(|(field, what)| Error::argument(field, what, "give a value in that range"))?;
+            site.parts.push(Part::surface(rasters, self.materials.as_deref()));
+        }
         if !self.no_ground {
             site.missing_ground = MissingGround::Assume;
         }
@@ -62,7 +70,8 @@ impl SceneRequest {
 
     /// The first file, which messages about the scene are about.
     pub fn first(&self) -> &Path {
-        self.files.first().map_or(Path::new(""), PathBuf::as_path)
+        let raster = self.surface.as_ref().map(|rasters| &rasters.dsm);
+        self.files.first().or(raster).map_or(Path::new(""), PathBuf::as_path)
     }
 }
 

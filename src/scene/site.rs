@@ -13,6 +13,7 @@ use crate::model_version::ModelVersion;
 use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};
 use crate::reference::Reference;
 use crate::region_part::RegionPart;
+use crate::surface_rasters::SurfaceRasters;
 use crate::text::line_of_offset;
 use heliotile_core::error::{Error, Result};
 
@@ -71,6 +72,8 @@ pub struct Part {
     pub horizon_deg: Option<f64>,
     /// Where heights of footprints come from.
     pub footprints: FootprintOptions,
+    /// Where `file` is a raster of surface heights that becomes a city: it and what goes with it.
+    pub surface: Option<SurfaceRasters>,
 }
 
 impl Part {
@@ -91,7 +94,13 @@ impl Part {
             assume_version: None,
             horizon_deg: None,
             footprints: FootprintOptions::default(),
+            surface: None,
         }
+    }
+
+    /// A raster of surface heights that becomes a city, with what goes with it.
+    pub fn surface(rasters: &SurfaceRasters, materials: Option<&Path>) -> Part {
+        Part { surface: Some(rasters.clone()), ..Part::plain(&rasters.dsm, materials) }
     }
 
     /// The same with what a site says of all its files but rasters: those are in metres above the sea.
@@ -157,7 +166,7 @@ struct FrameEntry {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
-    file: PathBuf,
+    file: Option<PathBuf>,
     materials: Option<PathBuf>,
     #[serde(default)]
     materials_only: bool,
@@ -175,6 +184,14 @@ struct Entry {
     height: Option<Heights>,
     storey_height: Option<f64>,
     base: Option<HeightSource>,
+    dsm: Option<PathBuf>,
+    dem: Option<PathBuf>,
+    canopy: Option<PathBuf>,
+    landcover: Option<PathBuf>,
+    step_m: Option<f64>,
+    least_building_m2: Option<f64>,
+    trunk_share: Option<f64>,
+    crown_transmittance: Option<f64>,
 }
 
 /// `height = "HGT"`, `height = 9.5`, or a list of such.
@@ -189,9 +206,11 @@ enum Heights {
 const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.json\" and optionally materials = \"town.toml\", \
                     materials_only = true, offset = [x, y, z] in metres, scale = 0.001 (metres a unit), up = \"y\", \
                     rotate_deg = 30 (clockwise), elevation_m = 512, epsg = 28992 or latitude_deg and longitude_deg, \
-                     lod = \"2.2\", assume_version = \"25.2\" of EnergyPlus, for footprints height = \"height\" (a column, metres, or a list of such), \
-                     storey_height = 3.0 and base = \"ground\", and for terrain horizon_deg = 0.2; what holds for all \
-                     files stands in a table [site]: epsg, latitude_deg, longitude_deg, rotate_deg, elevation_m, scale, up";
+                    lod = \"2.2\", assume_version = \"25.2\" of EnergyPlus, for terrain horizon_deg = 0.2, for footprints \
+                    height = \"height\" (a column, metres, or a list of such), storey_height = 3.0 and base = \"ground\"; in place of \
+                    file for rasters of a city dsm = \"dsm.tif\" and optionally dem, canopy, landcover, step_m, least_building_m2, \
+                    trunk_share, crown_transmittance; what holds for all files stands in a table [site]: epsg, latitude_deg, \
+                    longitude_deg, rotate_deg, elevation_m, scale, up";
 
 impl Site {
     /// Scene files and `site.toml` files in any mixture; `materials` is for those that name none of their own. A folder stands for the
@@ -234,7 +253,10 @@ impl Site {
 
     /// All files that the site is read from, besides `site.toml`.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.parts.iter().flat_map(|part| [Some(part.file.as_path()), part.materials.as_deref()]).flatten()
+        self.parts.iter().flat_map(move |part| {
+            let own = [Some(part.file.as_path()), part.materials.as_deref()].into_iter().flatten();
+            own.chain(part.surface.iter().flat_map(|rasters| rasters.files().skip(1)))
+        })
     }
 }
 
@@ -264,8 +286,8 @@ fn read_site(path: &Path, materials: Option<&Path>) -> Result<Site> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut parts = Vec::new();
     for entry in &document.scene {
-        let refuse =
-            |what: String| Error::input(path, None, format!("the scene {}: {what}", entry.file.display()), KEYS);
+        let name = entry.file.as_ref().or(entry.dsm.as_ref()).cloned().unwrap_or_default();
+        let refuse = |what: String| Error::input(path, None, format!("the scene {}: {what}", name.display()), KEYS);
         parts.push(part(entry, folder, materials).map_err(refuse)?);
     }
     if parts.is_empty() {
@@ -292,8 +314,14 @@ fn part(entry: &Entry, folder: &Path, materials: Option<&Path>) -> std::result::
         [Some(_), Some(_)] => return Err("both `epsg` and a latitude are stated, one of them says it".to_owned()),
         [epsg, place] => epsg.or(place),
     };
+    let surface = surface(entry, folder)?;
+    let file = match (&entry.file, &surface) {
+        (Some(file), None) => folder.join(file),
+        (None, Some(rasters)) => rasters.dsm.clone(),
+        _ => return Err("either `file` or `dsm` says what it is read from".to_owned()),
+    };
     Ok(Part {
-        file: folder.join(&entry.file),
+        file,
         materials: entry.materials.as_ref().map(|own| folder.join(own)).or(materials.map(Path::to_owned)),
         materials_only: entry.materials_only,
         offset,
@@ -307,6 +335,7 @@ fn part(entry: &Entry, folder: &Path, materials: Option<&Path>) -> std::result::
         assume_version: entry.assume_version.as_ref().map(|text| text.parse()).transpose()?,
         horizon_deg: entry.horizon_deg,
         footprints: footprints_of(entry)?,
+        surface,
     })
 }
 
@@ -321,6 +350,28 @@ fn footprints_of(entry: &Entry) -> std::result::Result<FootprintOptions, String>
     let options = FootprintOptions { height, storey_height_m: entry.storey_height, base: entry.base.clone() };
     options.check().map_err(|(_, what)| what)?;
     Ok(options)
+}
+
+/// The rasters of a city that are listed, if any are.
+fn surface(entry: &Entry, folder: &Path) -> std::result::Result<Option<SurfaceRasters>, String> {
+    let found = SurfaceRasters {
+        dsm: entry.dsm.clone().unwrap_or_default(),
+        dem: entry.dem.clone(),
+        canopy: entry.canopy.clone(),
+        landcover: entry.landcover.clone(),
+        step_m: entry.step_m,
+        least_building_m2: entry.least_building_m2,
+        trunk_share: entry.trunk_share,
+        crown_transmittance: entry.crown_transmittance,
+    };
+    match &entry.dsm {
+        None if found == SurfaceRasters::default() => Ok(None),
+        None => Err("rasters of a city need a `dsm`".to_owned()),
+        Some(_) => {
+            found.check().map_err(|(_, what)| what)?;
+            found.with_paths(|path| Ok(folder.join(path))).map(Some)
+        }
+    }
 }
 
 #[cfg(test)]
@@ -409,7 +460,7 @@ mod tests {
         assert_eq!(parts().len(), 1);
     }
 
-    /// Fourteen wrong site files are refused by name, with a line where there is one.
+    /// Seventeen wrong site files are refused by name, with a line where there is one.
     #[test]
     fn refusals() {
         for (toml, quoted) in [
@@ -429,6 +480,9 @@ mod tests {
                 "[site]\nlatitude_deg = 95\nlongitude_deg = 5\n[[scene]]\nfile = \"a.obj\"\n",
                 "[site]: `latitude_deg` is 95",
             ),
+            ("[[scene]]\ndsm = \"a.tif\"\nfile = \"a.obj\"\n", "either `file` or `dsm`"),
+            ("[[scene]]\nfile = \"a.obj\"\ncanopy = \"c.tif\"\n", "need a `dsm`"),
+            ("[[scene]]\ndsm = \"a.tif\"\ntrunk_share = 2\n", "`trunk_share` is 2"),
             ("[site]\ncrs = 28992\n[[scene]]\nfile = \"a.obj\"\n", "line 2"),
         ] {
             let message = site(toml).1.expect_err(toml).to_string();

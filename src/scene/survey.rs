@@ -12,7 +12,11 @@ use crate::geometry::Geometry;
 use crate::reference::Reference;
 use crate::semantics::SurfaceKind;
 use crate::site::{Part, Site};
+use crate::surface_city::read::{no_raster, windows_of};
 use heliotile_core::error::{Error, Result};
+
+/// Cells along a side of the windows in which a raster of surface heights is looked through.
+const WINDOW: usize = 4096;
 
 /// What lies in a file.
 #[derive(Clone, Debug)]
@@ -65,6 +69,7 @@ fn survey(part: &Part, site: &Site) -> Result<Surveyed> {
     };
     let mut system = None;
     let (bounds, objects) = match formats::read(&part.file, &asked)? {
+        Content::Polygons(_) if part.surface.is_some() => return Err(no_raster(&part.file)),
         Content::Polygons(geometry) => {
             // Each file by itself would have an origin of its own.
             if geometry.local_frame.is_some() {
@@ -74,6 +79,12 @@ fn survey(part: &Part, site: &Site) -> Result<Surveyed> {
             let part = part.in_frame(&site.frame);
             let objects = objects(&geometry, |p| part.place(p));
             system = geometry.reference.filter(|_| geometry.in_metres);
+            (joined(objects.iter().map(|object| object.bounds)), objects)
+        }
+        Content::Terrain(raster) if part.surface.is_some() => {
+            let options = part.surface.clone().unwrap_or_default();
+            let windows = windows_of(part, raster, &options, &site.frame, WINDOW)?;
+            let objects: Vec<_> = windows.iter().flat_map(|geometry| objects(geometry, |p| p)).collect();
             (joined(objects.iter().map(|object| object.bounds)), objects)
         }
         Content::Terrain(raster) => {

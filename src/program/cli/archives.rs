@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, Subcommand};
 
 use super::values::{Bytes, SelectionArgs, choice, parse_memory};
-use super::{FootprintArgs, MaterialsArgs, PlaceArgs, SceneArgs};
+use super::{FootprintArgs, MaterialsArgs, PlaceArgs, RasterArgs, SceneArgs};
 use heliotile_atlas::VerifyRequest;
 use heliotile_core::archive::Access;
 use heliotile_results::RepairRequest;
@@ -89,8 +89,10 @@ pub enum StoreCommand {
 #[derive(Args, Debug)]
 pub struct InfoArgs {
     /// Archive, or scene files as a build takes them
-    #[arg(required = true, value_name = "SITE.helio|SCENE")]
+    #[arg(required_unless_present = "dsm", value_name = "SITE.helio|SCENE")]
     pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub rasters: RasterArgs,
     #[command(flatten)]
     pub surfaces: MaterialsArgs,
     #[command(flatten)]

@@ -28,8 +28,8 @@ pub use self::results::{
 };
 pub use self::sites::{
     AccuracyArgs, AuditArgs, BuildArgs, CatalogueArgs, ClockArgs, CoverArgs, FindArgs, FootprintArgs, MaterialsArgs,
-    Metres, PartitionArgs, Percent, PlaceArgs, PlanArgs, RaySquare, ReceiversArgs, RunArgs, SceneArgs, StudyArgs,
-    StudyCommand, TradeoffArgs, UpdateArgs, WallArgs, WeatherArgs, parse_negligible,
+    Metres, PartitionArgs, Percent, PlaceArgs, PlanArgs, RasterArgs, RaySquare, ReceiversArgs, RunArgs, SceneArgs,
+    StudyArgs, StudyCommand, TradeoffArgs, UpdateArgs, WallArgs, WeatherArgs, parse_negligible,
 };
 pub use self::values::Bytes;
 

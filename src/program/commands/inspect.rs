@@ -39,10 +39,11 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         return Ok(Outcome::Fine);
     }
     let path = match args.files.as_slice() {
-        [path] if is_archive(path) => path,
+        [path] if is_archive(path) && args.rasters.dsm.is_none() => path,
         files => {
             let (frame, footprints) = (args.place.frame(), args.footprints.options());
-            let request = SceneRequest { frame, footprints, ..args.surfaces.request(files) };
+            let surface = args.rasters.request();
+            let request = SceneRequest { frame, footprints, surface, ..args.surfaces.request(files) };
             return scene::info(&request.site()?);
         }
     };

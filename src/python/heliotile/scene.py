@@ -17,6 +17,10 @@ from .tables import columns_of, csv_of
 from .weather import Weather
 
 
+#: Rasters that a city is read from.
+_RASTERS = ("dsm", "dem", "canopy", "landcover")
+
+
 class Scene:
     """Geometry with its materials, read from files of the world.
 
@@ -39,11 +43,14 @@ class Scene:
     height, storey_height, base
         Of footprints: a column of heights above the base, metres for all, or several of which the first that is stated counts; metres a storey; a
         column or metres of where buildings begin.
+    dsm, dem, canopy, landcover
+        Rasters that a city is read from (GeoTIFF, Esri ASCII grid): heights of the surface and of the ground above the sea, of crowns above the
+        ground, codes of land cover. With `dsm` no other file is needed.
     """
 
     def __init__(
         self,
-        files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+        files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] = (),
         *,
         materials: str | os.PathLike[str] | None = None,
         materials_only: bool = False,
@@ -58,6 +65,10 @@ class Scene:
         height: str | float | Sequence[str | float] = (),
         storey_height: float | None = None,
         base: str | float | None = None,
+        dsm: str | os.PathLike[str] | None = None,
+        dem: str | os.PathLike[str] | None = None,
+        canopy: str | os.PathLike[str] | None = None,
+        landcover: str | os.PathLike[str] | None = None,
     ) -> None:
         listed = [files] if isinstance(files, (str, os.PathLike)) else files
         self.files = [os.fspath(file) for file in listed]
@@ -77,6 +88,8 @@ class Scene:
             "storey_height": given.number("storey_height", storey_height, "give metres"),
             "base": None if base is None else str(base),
         }
+        rasters = {"dsm": dsm, "dem": dem, "canopy": canopy, "landcover": landcover}
+        self._args |= {name: None if path is None else os.fspath(path) for name, path in rasters.items()}
         self._handle = _heliotile.SceneHandle.load(self._args)
 
     @property
@@ -136,14 +149,18 @@ class Scene:
         footprints = {"height": self._args["height"], "storey_height_m": self._args["storey_height"], "base": self._args["base"]}
         footprints = {name: value for name, value in footprints.items() if value not in (None, [])}
         request |= {"footprints": footprints} if footprints else {}
-        return request | ({} if self._args["materials"] is None else {"materials": self._args["materials"]})
+        request |= {} if self._args["materials"] is None else {"materials": self._args["materials"]}
+        rasters = {name: self._args[name] for name in _RASTERS if self._args[name] is not None}
+        return request | ({"surface": rasters} if rasters else {})
 
     def __reduce__(self) -> tuple[Any, ...]:
         whole = {"files": [absolute(file) for file in self.files], "materials": self._args["materials"] and absolute(self._args["materials"])}
+        whole |= {name: self._args[name] and absolute(self._args[name]) for name in _RASTERS}
         return _reload, (type(self), self._args | whole)
 
     def __repr__(self) -> str:
-        return f"Scene({', '.join(self.files)}: {self.triangles} triangles)"
+        files = self.files + [self._args[name] for name in _RASTERS if self._args[name] is not None]
+        return f"Scene({', '.join(files)}: {self.triangles} triangles)"
 
 
 def scene_request(scene: Any) -> dict[str, Any]:

@@ -27,11 +27,11 @@ use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::open_archive;
 use heliotile_results::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
 use heliotile_results::horizon::black_below_horizon;
-use heliotile_scene::Scene;
 use heliotile_scene::footprints::options::{FootprintOptions, HeightSource};
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
+use heliotile_scene::{Scene, SurfaceRasters};
 
 /// A scene that was read.
 #[pyclass(frozen, module = "heliotile._heliotile")]
@@ -58,6 +58,10 @@ pub struct SceneArgs {
     height: Vec<String>,
     storey_height: Option<f64>,
     base: Option<String>,
+    dsm: Option<PathBuf>,
+    dem: Option<PathBuf>,
+    canopy: Option<PathBuf>,
+    landcover: Option<PathBuf>,
 }
 
 /// Points that get light: a file, or the bytes of one.
@@ -140,6 +144,12 @@ impl SceneArgs {
                 scale: self.scale,
                 up,
             },
+            surface: self.dsm.map(|dsm| SurfaceRasters {
+                dem: self.dem,
+                canopy: self.canopy,
+                landcover: self.landcover,
+                ..SurfaceRasters::of(dsm)
+            }),
         })
     }
 }

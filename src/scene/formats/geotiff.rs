@@ -26,8 +26,13 @@ const MAX_CHUNK: usize = 1 << 28;
 /// The tag that GDAL writes XML of bands to.
 const GDAL_METADATA: u16 = 42112;
 
-/// No byte of Deflate (1032) or LZW (some 2500) unpacks to more samples than this: a claim beyond is refused unread.
+/// No byte of Deflate (1032) or LZW (some 2500) unpacks to more samples than this, none of Zstandard to more than the second (4 bytes for a
+/// block of 128 KiB): a claim beyond is refused unread.
 const MOST_PACKED: u64 = 4096;
+const MOST_PACKED_ZSTD: u64 = 1 << 15;
+
+/// GDAL's number of Zstandard in the tag of compression.
+const ZSTD: u16 = 50_000;
 
 /// A file of which some bytes are read as others.
 struct Patched<'b> {
@@ -81,7 +86,8 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let mut tiff = open(bytes, patches, file)?;
     let (columns, rows) = tiff.dimensions().map_err(bad("its size"))?;
     let samples = check_size(file, columns.into(), rows.into())?;
-    if samples as u64 > bytes.len() as u64 * MOST_PACKED {
+    let is_zstd = tiff.find_tag_unsigned::<u16>(Tag::Compression).ok().flatten() == Some(ZSTD);
+    if samples as u64 > bytes.len() as u64 * if is_zstd { MOST_PACKED_ZSTD } else { MOST_PACKED } {
         let what = format!("{columns} x {rows} samples are claimed in {} bytes", bytes.len());
         return Err(Error::input(file, None, what, "the file is damaged or cut off: fetch it again"));
     }
@@ -129,9 +135,10 @@ fn refused(file: &Path, doing: &str, error: &TiffError) -> Error {
         TiffError::UnsupportedError(_) => Error::Unsupported {
             what: format!("the raster {}", file.display()),
             found: why,
-            supported: "16, 32 and 64 bit integers and 32 and 64 bit floats, raw, Deflate, LZW or PackBits; \
+            supported:
+                "16, 32 and 64 bit integers and 32 and 64 bit floats, raw, Deflate, LZW, Zstandard or PackBits; \
                         `gdal_translate -co COMPRESS=DEFLATE in.tif out.tif` writes that"
-                .into(),
+                    .into(),
         },
         TiffError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
             let hint = "the file is cut off or no TIFF: fetch or export it again";

@@ -179,3 +179,20 @@ fn files_beside_a_raster() {
     let place = load(&["flat_prj.asc"], SiteFrame::default()).expect("a scene").place.expect("a place");
     assert!((place.latitude_deg - 51.4513).abs() < 1e-3 && place.epsg == Some(25832), "{place}");
 }
+
+/// A street of 60 x 60 samples in Int16 with a scale, Float32 in Zstandard with predictor 3, UInt8 with a scale and without: 79.79 to 92.73 m of surface,
+/// 79.87 to 81.13 m of ground, crowns up to 8 m, codes from 1 to 5.
+#[test]
+fn rasters_of_a_street() {
+    for (name, least, most) in [
+        ("street_dsm.tif", 79.79, 92.73),
+        ("street_dem.tif", 79.8698, 81.1302),
+        ("street_canopy.tif", 0.0, 8.0),
+        ("street_landcover.tif", 1.0, 5.0),
+    ] {
+        let raster = read(name);
+        let [low, high] = raster.extent();
+        assert!((low.z - least).abs() < 1e-4 && (high.z - most).abs() < 1e-4, "{name}: {low} {high}");
+        assert!(raster.warnings.is_empty(), "{name}: {:?}", raster.warnings);
+    }
+}

@@ -10,10 +10,11 @@ use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
 /// The class of a material that does not state one: ground if its name, in lower case, ends with "relief" or contains
-/// terrain, ground, road, grass, soil, water, street, pavement or one of CityJSON's words for land: landuse, plantcover, railway,
-/// traffic, transport. `class = "obstruction"` corrects a "background".
+/// terrain, ground, road, grass, soil, water, street, pavement, paved, landcover or one of CityJSON's words for land: landuse, plantcover,
+/// railway, traffic, transport. `class = "obstruction"` corrects a "background".
 pub fn class_of_name(name: &str) -> Class {
-    const GROUND: [&str; 8] = ["terrain", "ground", "road", "grass", "soil", "water", "street", "pavement"];
+    const GROUND: [&str; 10] =
+        ["terrain", "ground", "road", "grass", "soil", "water", "street", "pavement", "paved", "landcover"];
     const CITY_LAND: [&str; 5] = ["landuse", "plantcover", "railway", "traffic", "transport"];
     let name = name.to_lowercase();
     if name.ends_with("relief") || GROUND.iter().chain(&CITY_LAND).any(|word| name.contains(word)) {

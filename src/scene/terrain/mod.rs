@@ -7,4 +7,4 @@ pub(super) mod raster;
 pub(super) mod surface;
 #[cfg(test)]
 mod tests;
-mod thinning;
+pub(super) mod thinning;

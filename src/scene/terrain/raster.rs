@@ -1,6 +1,7 @@
 //! Heights on a grid. In: samples as a file has them, and what it says of nodata and units. Out: metres, with NaN for nodata; no other
 //! number that is not finite, and none beyond the Earth's heights.
 
+use std::ops::Range;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -55,7 +56,7 @@ pub(crate) struct Meaning {
 pub(crate) struct Raster {
     pub grid: Grid,
     /// `[row][column]`, row 0 in the north, metres; NaN: nodata. An f32 holds 9,000 m to 0.5 mm.
-    pub(super) heights: Vec<f32>,
+    pub(crate) heights: Vec<f32>,
     pub reference: Option<Reference>,
     /// Metres a unit of the file's plane coordinates, if the file or its user states it: the grid is in metres for certain.
     pub plane_unit_m: Option<f64>,
@@ -172,6 +173,43 @@ impl Raster {
         })
     }
 
+    /// Heights that are known to be some, or NaN.
+    pub(crate) fn plain(grid: Grid, heights: Vec<f32>) -> Raster {
+        Raster {
+            grid,
+            heights,
+            reference: None,
+            plane_unit_m: None,
+            height_unit_m: None,
+            is_joined: false,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The samples of some columns and rows; `None` where there is none.
+    pub(crate) fn cut(&self, columns: Range<usize>, rows: Range<usize>) -> Option<Raster> {
+        let columns = columns.start..columns.end.min(self.grid.columns);
+        let rows = rows.start..rows.end.min(self.grid.rows);
+        let lines = self.heights.chunks(self.grid.columns).skip(rows.start).take(rows.len());
+        let heights: Vec<f32> = lines.filter_map(|line| line.get(columns.clone())).flatten().copied().collect();
+        let grid = Grid {
+            columns: columns.len(),
+            rows: rows.len(),
+            first: self.plan(columns.start as i64, rows.start as i64),
+            ..self.grid
+        };
+        let is_any = columns.len() > 1 && rows.len() > 1;
+        is_any.then(|| Raster { grid, heights, warnings: Vec::new(), ..*self })
+    }
+
+    /// The columns and rows whose samples lie between two corners in plan.
+    pub(crate) fn window(&self, low: DVec2, high: DVec2) -> [Range<usize>; 2] {
+        let from = (DVec2::new(low.x, high.y) - self.grid.first) / self.grid.step * DVec2::new(1.0, -1.0);
+        let to = (DVec2::new(high.x, low.y) - self.grid.first) / self.grid.step * DVec2::new(1.0, -1.0);
+        // Below 0 becomes 0.
+        [from.x.ceil() as usize..to.x.floor() as usize + 1, from.y.ceil() as usize..to.y.floor() as usize + 1]
+    }
+
     /// Brings it to its place in the scene, whose coordinates are in `system` unless the file states another one.
     pub(crate) fn placed(mut self, part: &Part, frame: &SiteFrame, system: Option<Reference>) -> Result<Raster> {
         if part.up == Some(UpAxis::Y) {
@@ -271,12 +309,12 @@ impl Raster {
 
     /// Position of a sample in plan.
     #[inline]
-    pub(super) fn plan(&self, column: i64, row: i64) -> DVec2 {
+    pub(crate) fn plan(&self, column: i64, row: i64) -> DVec2 {
         self.grid.first + DVec2::new(column as f64, -(row as f64)) * self.grid.step
     }
 
     /// Least and greatest corner of the samples in plan.
-    pub(super) fn bounds(&self) -> (DVec2, DVec2) {
+    pub(crate) fn bounds(&self) -> (DVec2, DVec2) {
         let (last_column, last_row) = (self.grid.columns as i64 - 1, self.grid.rows as i64 - 1);
         (self.plan(0, last_row), self.plan(last_column, 0))
     }
@@ -388,6 +426,17 @@ mod tests {
         }
         let message = raster(&[-9999.0; 6], &Meaning::default()).expect_err("nothing known").to_string();
         assert!(message.contains("none of the 6 samples is a height"), "{message}");
+    }
+
+    /// Of 3 x 2 samples 1 m apart, a window from 0.9 to 2.1 m eastwards holds the last two columns, whose heights are 7, 9 and 20, 30.
+    #[test]
+    fn windows() {
+        let whole = raster(&[5.0, 7.0, 9.0, 10.0, 20.0, 30.0], &Meaning::default()).expect("heights");
+        let [columns, rows] = whole.window(DVec2::new(0.9, -5.0), DVec2::new(2.1, 0.0));
+        let part = whole.cut(columns, rows).expect("a part");
+        assert_eq!((part.heights.as_slice(), part.grid.first), (&[7.0, 9.0, 20.0, 30.0][..], DVec2::X));
+        let [columns, rows] = whole.window(DVec2::new(5.0, -5.0), DVec2::new(9.0, 0.0));
+        assert!(whole.cut(columns, rows).is_none());
     }
 
     /// Feet become metres: 1000 ft are 304.8 m.

@@ -12,7 +12,7 @@ use crate::terrain::focus::Focus;
 use crate::terrain::raster::Raster;
 
 /// Column and row.
-pub(super) type Sample = [i64; 2];
+pub(crate) type Sample = [i64; 2];
 
 /// Differences below this are rounding, metres.
 const ROUNDING_M: f64 = 1e-6;
@@ -43,19 +43,30 @@ pub(super) fn thin(raster: &Raster, focus: &Focus, limit_deg: f64) -> Thinned {
         // Off a sample, the surface is a mean of three samples of one cell: distances are those of the nearest place of the cells
         // around a sample, so that the limit holds between samples too.
         focus: focus.grown(raster.grid.step),
-        limit: limit_deg.to_radians(),
+        limit: Limit::Angle(limit_deg.to_radians()),
     };
-    let side = (raster.grid.columns.max(raster.grid.rows) - 1).next_power_of_two() as i64;
-    let side = side.max(2);
-    let kept = judge.kept(side);
-    judge.collect(side, &kept)
+    judge.thinned()
+}
+
+/// Thins a raster so that no sample is off by more than is allowed for it, metres; one for which less than 0 is allowed stays a corner.
+pub(crate) fn thin_within(raster: &Raster, allowed_m: &[f32]) -> Vec<[Sample; 3]> {
+    let (low, _) = raster.bounds();
+    let judge = Judge { raster, focus: Focus::around(low, low), limit: Limit::Each(allowed_m) };
+    judge.thinned().triangles
+}
+
+/// How far triangles may be off samples.
+enum Limit<'a> {
+    /// Metres a metre of distance from the focus.
+    Angle(f64),
+    /// `[row][column]`, metres; below 0 for samples that stay.
+    Each(&'a [f32]),
 }
 
 struct Judge<'a> {
     raster: &'a Raster,
     focus: Focus,
-    /// Metres a metre of distance.
-    limit: f64,
+    limit: Limit<'a>,
 }
 
 /// Whether each sample is the middle of a side that is cut.
@@ -76,6 +87,13 @@ impl Kept {
 }
 
 impl Judge<'_> {
+    fn thinned(&self) -> Thinned {
+        let side = (self.raster.grid.columns.max(self.raster.grid.rows) - 1).next_power_of_two() as i64;
+        let side = side.max(2);
+        let kept = self.kept(side);
+        self.collect(side, &kept)
+    }
+
     /// From the smallest sides to the largest.
     fn kept(&self, side: i64) -> Kept {
         let (columns, rows) = (self.raster.grid.columns as i64, self.raster.grid.rows as i64);
@@ -134,27 +152,39 @@ impl Judge<'_> {
 
     /// Whether a triangle is within the limit of every sample in it; never if there is none at one of them.
     fn fits(&self, half: &Half) -> bool {
-        self.scan(half, |off, distance_squared| {
-            let off = off - ROUNDING_M;
-            off <= 0.0 || off * off <= self.limit * self.limit * distance_squared
+        let columns = self.raster.grid.columns;
+        self.scan(half, |off, sample| match self.limit {
+            Limit::Angle(limit) => {
+                let off = off - ROUNDING_M;
+                off <= 0.0 || off * off <= limit * limit * self.distance_squared(sample)
+            }
+            Limit::Each(allowed_m) => {
+                let allowed_m = allowed_m.get(sample[1] as usize * columns + sample[0] as usize);
+                let is_corner = [half.a, half.b, half.apex].contains(&sample);
+                is_corner || allowed_m.is_some_and(|allowed_m| off <= f64::from(*allowed_m))
+            }
         })
     }
 
     /// Largest angle between a triangle and the samples in it, radians.
     fn angle(&self, half: &Half) -> f64 {
         let mut largest = 0.0_f64;
-        self.scan(half, |off, distance_squared| {
+        self.scan(half, |off, sample| {
             if off > ROUNDING_M {
-                largest = largest.max(off / distance_squared.sqrt());
+                largest = largest.max(off / self.distance_squared(sample).sqrt());
             }
             true
         });
         largest
     }
 
-    /// Goes over all samples in a triangle, edges included, with their height above or below it and their distance from the focus;
+    fn distance_squared(&self, [column, row]: Sample) -> f64 {
+        self.focus.distance_squared(self.raster.plan(column, row))
+    }
+
+    /// Goes over all samples in a triangle, edges included, with their height above or below it;
     /// stops and says false where it is told to or where a sample is missing.
-    fn scan(&self, half: &Half, mut goes_on: impl FnMut(f64, f64) -> bool) -> bool {
+    fn scan(&self, half: &Half, mut goes_on: impl FnMut(f64, Sample) -> bool) -> bool {
         let [a, b, apex] = [half.a, half.b, half.apex].map(|[c, r]| f64::from(self.raster.height(c, r)));
         if !(a + b + apex).is_finite() {
             return false;
@@ -174,9 +204,8 @@ impl Judge<'_> {
             let start = apex + along_y * (row - half.apex[1]) as f64 + along_x * (from - half.apex[0]) as f64;
             for (i, &height) in heights.iter().enumerate() {
                 let off = (f64::from(height) - (start + along_x * i as f64)).abs();
-                let place = self.raster.plan(from + i as i64, row);
                 // NaN is no height.
-                if off.is_nan() || !goes_on(off, self.focus.distance_squared(place)) {
+                if off.is_nan() || !goes_on(off, [from + i as i64, row]) {
                     return false;
                 }
             }

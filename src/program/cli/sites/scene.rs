@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::Metres;
 use clap::Args;
+
+use super::rasters::RasterArgs;
 use heliotile_core::error;
 use heliotile_scene::ModelVersion;
 use heliotile_scene::footprints::options::{FootprintOptions, HeightSource};
@@ -16,8 +18,10 @@ pub struct SceneArgs {
     /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl, .cityjson), CityGML (.gml, .xml, or a
     /// folder of tiles), footprints (.geojson, .shp, .gpkg, .parquet), terrain (.tif, .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee (.hbjson),
     /// glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz or .zip; metres, x east, y north, z up; footprints and CityGML may be in degrees
-    #[arg(required = true, value_name = "SCENE")]
+    #[arg(required_unless_present = "dsm", value_name = "SCENE")]
     pub scene: Vec<PathBuf>,
+    #[command(flatten)]
+    pub rasters: RasterArgs,
     #[command(flatten)]
     pub surfaces: MaterialsArgs,
     #[command(flatten)]
@@ -115,8 +119,8 @@ pub struct PlaceArgs {
 impl SceneArgs {
     /// The scene that is asked for.
     pub fn request(&self) -> SceneRequest {
-        let (frame, footprints) = (self.place.frame(), self.footprints.options());
-        SceneRequest { frame, footprints, ..self.surfaces.request(&self.scene) }
+        let (frame, footprints, surface) = (self.place.frame(), self.footprints.options(), self.rasters.request());
+        SceneRequest { frame, footprints, surface, ..self.surfaces.request(&self.scene) }
     }
 
     /// The files of the scene.
@@ -126,7 +130,7 @@ impl SceneArgs {
 
     /// The first file, which messages about the scene are about.
     pub fn first(&self) -> &Path {
-        self.scene.first().map_or(Path::new(""), PathBuf::as_path)
+        self.scene.first().or(self.rasters.dsm.as_ref()).map_or(Path::new(""), PathBuf::as_path)
     }
 }
 

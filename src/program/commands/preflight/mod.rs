@@ -174,6 +174,7 @@ impl<'a> Files<'a> {
             }
             Command::Info(args) => {
                 args.files.iter().for_each(|file| self.read(file, Wanted::SceneOrArchive));
+                args.rasters.files().for_each(|file| self.read(file, Wanted::Scene));
                 self.read_if(&args.surfaces.materials, Wanted::Other);
             }
             Command::Verify(args) => self.read(&args.archive, Wanted::Archive),
@@ -229,7 +230,7 @@ impl<'a> Files<'a> {
     }
 
     fn scene(&mut self, args: &'a SceneArgs) {
-        args.scene.iter().for_each(|file| self.read(file, Wanted::Scene));
+        args.scene.iter().chain(args.rasters.files()).for_each(|file| self.read(file, Wanted::Scene));
         self.read_if(&args.surfaces.materials, Wanted::Other);
     }
 

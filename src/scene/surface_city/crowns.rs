@@ -1,0 +1,154 @@
+//! Crowns of trees. In: heights of crowns above the ground. Out: closed hulls of canopies, open below.
+
+use std::collections::HashMap;
+
+use crate::surface_city::floor::{Floor, Moved, around, cell_of, surface_of};
+use crate::surface_city::lattice::{Lattice, STEPS, Spot, beside};
+use crate::surface_city::layers::Layers;
+use crate::surface_city::outlines::GROUND;
+use crate::surface_city::standing::LEAST_CROWN_M;
+use crate::surface_city::writer::{Corner, FaceOf, Writer};
+use crate::surface_rasters::SurfaceRasters;
+use heliotile_core::error::Result;
+use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::scene_object::ObjectNote;
+
+/// Name of the material of crowns, and of the group that schedules of leaves go by.
+const NAME: &str = "canopy";
+const GROUP: &str = "trees";
+
+/// The top of a thinned crown is off by this at most, metres.
+const OFF_M: f32 = 0.25;
+
+/// Crowns by the corners of their cells.
+struct Crowns {
+    /// `[cell]`: number of the piece that it is a part of, `u32::MAX` for none.
+    piece: Lattice<u32>,
+    /// Cells of each piece.
+    list: Vec<Vec<Spot>>,
+    /// `[corner]`: mean height above the ground of the crowns around it.
+    heights: Lattice<f32>,
+}
+
+/// Writes crowns; gives the number of pieces.
+pub(super) fn write(
+    writer: &mut Writer,
+    layers: &Layers,
+    pieces: &Lattice<u32>,
+    floor: &Floor,
+    moved: &Moved,
+    options: &SurfaceRasters,
+) -> Result<usize> {
+    let Some(crown) = &layers.crown else { return Ok(0) };
+    let belongs = |cell: Spot| crown.at(cell) >= LEAST_CROWN_M && pieces.at(cell) == GROUND;
+    let (piece, list) = pieces.pieces(belongs, |_, _| true);
+    if list.is_empty() {
+        return Ok(0);
+    }
+    let crowns = Crowns { heights: heights(crown, &piece), piece, list };
+    let material = writer.material(NAME);
+    // Of a crown's two walls each lets the root of it through.
+    let share = options.crown().sqrt();
+    let canopy = Material::matt(NAME, 0.0, Class::Obstruction);
+    let canopy = Material { transmittance: Some(share), group: Some(GROUP.to_owned()), ..canopy };
+    writer.geometry.stated.insert(NAME.to_owned(), canopy);
+    let note = |name: &str| ObjectNote {
+        object: name.to_owned(),
+        object_type: "PlantCover".to_owned(),
+        beside: true,
+        ..ObjectNote::default()
+    };
+    let mut objects = Vec::new();
+    for cells in &crowns.list {
+        let name = format!("trees_{}", super::name_of(layers, cells));
+        objects.push(writer.object(&name, &note(&name)));
+    }
+    let trunk = options.trunk();
+    let place = |corner: Spot| moved.get(&corner).copied().unwrap_or_else(|| layers.corner(corner));
+    let ground = |corner: Spot| f64::from(floor.heights.at(corner));
+    let at = |corner: Spot, share: f64| Corner {
+        place: place(corner),
+        height: ground(corner) + share * f64::from(crowns.heights.at(corner)),
+    };
+    let of = |cell: Spot| FaceOf {
+        material,
+        object: objects.get(crowns.piece.at(cell) as usize).copied().unwrap_or_default(),
+        kind: None,
+        exposed: None,
+    };
+    let mut numbers: HashMap<(Spot, bool), u32> = HashMap::new();
+    let mut number = |writer: &mut Writer, corner: Spot, is_top: bool| match numbers.get(&(corner, is_top)) {
+        Some(known) => Ok(*known),
+        None => {
+            let Corner { place, height } = at(corner, if is_top { 1.0 } else { trunk });
+            let new = writer.vertex(place, height)?;
+            numbers.insert((corner, is_top), new);
+            Ok(new)
+        }
+    };
+    let mut faces: Vec<(Spot, Vec<(Spot, bool)>)> = Vec::new();
+    for triangle in crowns.surface(layers, floor) {
+        let cell = cell_of(&triangle);
+        if belongs(cell) {
+            let [a, b, c] = triangle;
+            faces.push((cell, vec![(a, true), (b, true), (c, true)]));
+            faces.push((cell, vec![(c, false), (b, false), (a, false)]));
+        }
+    }
+    for cell in crowns.list.iter().flatten() {
+        let [column, row] = *cell;
+        // Corners of the side in each direction of STEPS, with the crown to the left.
+        let sides = [
+            [[column + 1, row + 1], [column + 1, row]],
+            [[column, row + 1], [column + 1, row + 1]],
+            [[column, row], [column, row + 1]],
+            [[column + 1, row], [column, row]],
+        ];
+        for (step, [from, to]) in STEPS.into_iter().zip(sides) {
+            if !belongs(beside(*cell, step)) {
+                faces.push((*cell, vec![(from, false), (to, false), (to, true), (from, true)]));
+            }
+        }
+    }
+    for (cell, corners) in faces {
+        let mut ring = Vec::with_capacity(corners.len());
+        for (corner, is_top) in corners {
+            ring.push(number(writer, corner, is_top)?);
+        }
+        // Sides need not be flat: two triangles of each.
+        match ring.as_slice() {
+            [a, b, c, d] => {
+                writer.face([&[*a, *b, *c][..]], &of(cell));
+                writer.face([&[*a, *c, *d][..]], &of(cell));
+            }
+            ring => writer.face([ring], &of(cell)),
+        }
+    }
+    Ok(crowns.list.len())
+}
+
+/// Mean heights at corners.
+fn heights(crown: &Lattice<f32>, piece: &Lattice<u32>) -> Lattice<f32> {
+    let mut heights = Lattice::filled(crown.columns + 1, crown.rows + 1, f32::NAN);
+    for corner in heights.spots() {
+        let known = around(corner).into_iter().filter(|cell| piece.at(*cell) != u32::MAX);
+        let (sum, count) = known.fold((0.0, 0.0), |(sum, count), cell| (sum + crown.at(cell), count + 1.0));
+        heights.set(corner, sum / count);
+    }
+    heights
+}
+
+impl Crowns {
+    /// Triangles of the tops.
+    fn surface(&self, layers: &Layers, floor: &Floor) -> Vec<[Spot; 3]> {
+        let mut allowed = self.heights.like(-1.0_f32);
+        let mut tops = self.heights.clone();
+        for corner in self.heights.spots() {
+            tops.set(corner, self.heights.at(corner) + floor.heights.at(corner));
+            if around(corner).into_iter().all(|cell| self.piece.at(cell) != u32::MAX) {
+                allowed.set(corner, OFF_M);
+            }
+        }
+        surface_of(layers, &tops, allowed)
+    }
+}

@@ -1,0 +1,66 @@
+//! What ground is made of. In: codes of land cover as UMEP has them. Out: names of materials and what they reflect.
+
+use crate::geometry::Geometry;
+use crate::surface_city::layers::NO_CLASS;
+use crate::terrain::surface::NAME;
+use heliotile_core::site::material::{Class, Material};
+
+/// The code of buildings.
+pub(super) const BUILDINGS: u16 = 2;
+
+/// Codes of UMEP's land cover (Lindberg et al. 2018, Environmental Modelling and Software 99, "UMEP Land Cover Reclassifier"), the material of each, and
+/// its reflectance. Those of paved ground (dark asphalt), grass and bare soil are SOLWEIG's effective albedos (Lindberg, Onomura and
+/// Grimmond 2016); Oke (1987, Boundary Layer Climates, Table 1.1) has asphalt 0.05 to 0.20, grass 0.16 to 0.26, soil 0.05 (dark, wet) to
+/// 0.40 (light, dry), water below a high sun 0.03 to 0.10. Ground below trees (3 evergreen, 4 deciduous) is taken for grass, ground of
+/// buildings that do not stand for paved.
+const CLASSES: [(u16, &str, f64); 7] = [
+    (1, "paved", 0.18),
+    (BUILDINGS, "paved", 0.18),
+    (3, "grass", 0.16),
+    (4, "grass", 0.16),
+    (5, "grass", 0.16),
+    (6, "bare_soil", 0.25),
+    (7, "water", 0.07),
+];
+
+/// The material of ground of a code, `terrain` without one.
+pub(super) fn material_of(code: u16) -> String {
+    match CLASSES.iter().find(|(known, ..)| *known == code) {
+        Some((_, name, _)) => (*name).to_owned(),
+        None if code == NO_CLASS => NAME.to_owned(),
+        None => format!("landcover_{code}"),
+    }
+}
+
+/// Codes of one material are one.
+pub(super) fn joined(code: u16) -> u16 {
+    let name = |code: u16| CLASSES.iter().find(|(known, ..)| *known == code).map(|(_, name, _)| name);
+    CLASSES
+        .iter()
+        .map(|(known, ..)| *known)
+        .find(|known| name(code).is_some() && name(*known) == name(code))
+        .unwrap_or(code)
+}
+
+/// States what the materials of known codes reflect.
+pub(super) fn state(geometry: &mut Geometry) {
+    for (_, name, reflectance) in CLASSES {
+        geometry.stated.insert(name.to_owned(), Material::matt(name, reflectance, Class::Ground));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::materials::select::class_of_name;
+
+    /// All 5 materials of known codes, and that of an unknown one, are of class ground by their names alone, so that terrain of them is one
+    /// surface.
+    #[test]
+    fn names_are_ground() {
+        for code in [1, 2, 3, 4, 5, 6, 7, 12, NO_CLASS] {
+            assert_eq!(class_of_name(&material_of(code)), Class::Ground, "{code}");
+        }
+        assert_eq!([joined(2), joined(4), joined(7), joined(12), joined(NO_CLASS)], [1, 3, 7, 12, NO_CLASS]);
+    }
+}

@@ -1,0 +1,155 @@
+//! Rasters on one grid. In: a raster of surface heights in its place, and those that go with it, on any grid. Out: what each of them says
+//! of every cell of the first one.
+
+use std::path::Path;
+
+use glam::DVec2;
+
+use crate::surface_city::lattice::{Lattice, Spot};
+use crate::terrain::raster::{Grid, Raster};
+use heliotile_core::error::{Error, Result};
+
+/// A code that is none.
+pub(super) const NO_CLASS: u16 = u16::MAX;
+
+/// Most cells of a surface: its cells, corners and labels take some 100 bytes each while it becomes a city.
+pub(crate) const MOST_CELLS: u64 = 1 << 25;
+
+/// A raster in its place, and its file for messages.
+pub(crate) struct Layer<'a> {
+    pub file: &'a Path,
+    pub raster: Raster,
+}
+
+/// Those that go with a raster of surface heights.
+#[derive(Default)]
+pub(crate) struct Companions<'a> {
+    pub dem: Option<Layer<'a>>,
+    pub canopy: Option<Layer<'a>>,
+    pub landcover: Option<Layer<'a>>,
+}
+
+/// What is known of each cell.
+pub(super) struct Layers {
+    pub grid: Grid,
+    /// Heights of roofs and ground, NaN where there is none.
+    pub surface: Lattice<f32>,
+    /// Heights of the ground.
+    pub ground: Option<Lattice<f32>>,
+    /// Heights of crowns above the ground, 0 for none.
+    pub crown: Option<Lattice<f32>>,
+    /// Codes of land cover.
+    pub class: Option<Lattice<u16>>,
+}
+
+impl Layers {
+    /// Samples all rasters at the middles of the cells of the first one.
+    pub(super) fn new(dsm: &Layer, with: &Companions) -> Result<Layers> {
+        let grid = dsm.raster.grid;
+        check_size(dsm.file, &grid)?;
+        let cells = Lattice::filled(grid.columns, grid.rows, f32::NAN);
+        let mut surface = cells.like(f32::NAN);
+        for spot in cells.spots() {
+            surface.set(spot, dsm.raster.height(spot[0], spot[1]));
+        }
+        let sampled = |layer: &Option<Layer>, sample: fn(&Raster, DVec2) -> f32| {
+            let layer = layer.as_ref()?;
+            let mut values = cells.like(f32::NAN);
+            for spot in cells.spots() {
+                values.set(spot, sample(&layer.raster, dsm.raster.plan(spot[0], spot[1])));
+            }
+            Some(values)
+        };
+        let crown = sampled(&with.canopy, nearest).map(|mut heights| {
+            for spot in cells.spots() {
+                let height = heights.at(spot);
+                // Nothing is a crown of a height below 0.
+                heights.set(spot, if height > 0.0 { height } else { 0.0 });
+            }
+            heights
+        });
+        let class = sampled(&with.landcover, nearest).map(|codes| {
+            let mut class = cells.like(NO_CLASS);
+            for spot in cells.spots() {
+                let code = codes.at(spot);
+                if (0.0..65_535.0).contains(&code) {
+                    class.set(spot, code.round() as u16);
+                }
+            }
+            class
+        });
+        Ok(Layers { grid, surface, ground: sampled(&with.dem, between), crown, class })
+    }
+
+    /// Middle of a cell, relative to that of the first one, metres.
+    #[inline]
+    pub(super) fn middle(&self, [column, row]: Spot) -> DVec2 {
+        DVec2::new(column as f64, -(row as f64)) * self.grid.step
+    }
+
+    /// North-west corner of a cell, relative to the middle of the first one, metres.
+    #[inline]
+    pub(super) fn corner(&self, [column, row]: Spot) -> DVec2 {
+        DVec2::new(column as f64 - 0.5, 0.5 - row as f64) * self.grid.step
+    }
+
+    /// Area of a cell, m2.
+    pub(super) fn cell_m2(&self) -> f64 {
+        self.grid.step.x * self.grid.step.y
+    }
+
+    /// Width of a cell, metres.
+    pub(super) fn cell_m(&self) -> f64 {
+        self.grid.step.max_element()
+    }
+}
+
+/// Refuses a surface that is too large to become a city at once.
+fn check_size(file: &Path, grid: &Grid) -> Result<()> {
+    let cells = grid.columns as u64 * grid.rows as u64;
+    if cells <= MOST_CELLS {
+        return Ok(());
+    }
+    let (columns, rows) = (grid.columns, grid.rows);
+    let what = format!("{columns} x {rows} cells are more than the {MOST_CELLS} that become a city at once");
+    let hint = "cut the region into parts ({command:partition}), cut the raster (`gdalwarp -te west south east north in.tif out.tif`), or make \
+                it coarser (`gdalwarp -tr 2 2 -r average in.tif out.tif`)";
+    Err(Error::input(file, None, what, hint))
+}
+
+/// Refuses a raster of another coordinate system, and one that has no value on any cell of a surface.
+pub(super) fn check_place(dsm: &Layer, other: &Layer) -> Result<()> {
+    if let (Some(one), Some(another)) = (dsm.raster.reference, other.raster.reference)
+        && one != another
+    {
+        let what = format!("is in {another}, and {} in {one}", dsm.file.display());
+        let hint = "reproject it: `gdalwarp -t_srs EPSG:number in.tif out.tif`";
+        return Err(Error::input(other.file, None, what, hint));
+    }
+    let Grid { columns, rows, .. } = dsm.raster.grid;
+    let has_value = |row: usize| {
+        (0..columns).any(|column| !nearest(&other.raster, dsm.raster.plan(column as i64, row as i64)).is_nan())
+    };
+    if (0..rows).any(has_value) {
+        return Ok(());
+    }
+    let what = format!("has no value on {}", dsm.file.display());
+    Err(Error::input(other.file, None, what, "give rasters of one place, in one coordinate system"))
+}
+
+/// The sample whose cell a place lies in.
+fn nearest(raster: &Raster, place: DVec2) -> f32 {
+    let at = ((place - raster.grid.first) / raster.grid.step).round();
+    raster.height(at.x as i64, -at.y as i64)
+}
+
+/// The height between four samples, or that of the nearest where one of them has none.
+fn between(raster: &Raster, place: DVec2) -> f32 {
+    let at = (place - raster.grid.first) / raster.grid.step * DVec2::new(1.0, -1.0);
+    let (low, part) = (at.floor(), at - at.floor());
+    let height = |x: i64, y: i64| f64::from(raster.height(low.x as i64 + x, low.y as i64 + y));
+    let (north, south) =
+        (height(0, 0) * (1.0 - part.x) + height(1, 0) * part.x, height(0, 1) * (1.0 - part.x) + height(1, 1) * part.x);
+    let found = (north * (1.0 - part.y) + south * part.y) as f32;
+    if found.is_nan() { nearest(raster, place) } else { found }
+}

@@ -1,0 +1,263 @@
+//! Rasters as a city. In: a raster of surface heights and, if there are any, of the ground, of crowns and of land cover, each in its place.
+//! Out: polygons of buildings, ground and crowns. Only [`read`] opens files, and nothing here knows the rest of the scene.
+//!
+//! # From cells to faces
+//!
+//! 1. [`layers`] samples all rasters on the grid of the first one.
+//! 2. [`standing`] tells buildings from ground, [`roofs`] cuts their roofs into pieces with a plane each.
+//! 3. The plan is then a partition of cells: ground, pieces of roofs, nothing. [`outlines`] follows the lines between them, [`straight`]
+//!    draws these straight.
+//! 4. [`buildings`] writes a polygon for each piece of a roof and a wall wherever the two sides of a line differ in height; [`floor`] the
+//!    ground up to the same lines, [`crowns`] the canopies.
+//!
+//! Roofs are planes and not cells with a height each: a year's sums go by tilt and area, and a noise of 0.1 m on cells of 0.5 m tilts
+//! them by 11 degrees. Since each line is drawn once for both of its sides, and a wall stands on it, nothing gapes. Where straight lines would cross,
+//! those of the pieces in question stay along the sides of cells.
+
+mod buildings;
+mod crowns;
+mod floor;
+mod landcover;
+mod lattice;
+pub(crate) mod layers;
+mod outlines;
+mod plane;
+pub(crate) mod read;
+mod roofs;
+mod simple;
+mod standing;
+mod straight;
+#[cfg(test)]
+mod tests;
+mod writer;
+
+use std::collections::BTreeSet;
+
+use glam::DVec2;
+
+use buildings::{BuildingNames, Buildings, roof_of};
+use floor::{Floor, Moved, floor};
+use lattice::{Lattice, Spot};
+use layers::{Companions, Layer, Layers};
+use outlines::{Chain, FIRST_ROOF, GROUND, OUTSIDE, chains, rings};
+use roofs::{Roofs, roofs};
+use standing::{Standing, standing};
+use straight::{Polyline, straightened};
+use writer::Writer;
+
+use crate::geometry::Geometry;
+use crate::surface_rasters::{LEAST_STEP_M, SurfaceRasters};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::site::scene_object::ObjectNote;
+use heliotile_core::text::counted;
+
+/// Corners of ground beside a line give way by this share of what its corners moved.
+const GIVES_WAY: f64 = 0.5;
+
+/// Steps to the eight corners around one.
+const AROUND: [Spot; 8] = [[-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
+
+/// Straight lines are taken back so often before all of them are.
+const ROUNDS: usize = 6;
+
+/// A city, and a sentence on what it is made of.
+pub(crate) struct City {
+    pub geometry: Geometry,
+    pub note: String,
+}
+
+/// Makes a city of a raster of surface heights.
+pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> Result<City> {
+    let layers = Layers::new(dsm, with)?;
+    let mut standing = standing(&layers, options);
+    let roofs = roofs(&layers, &mut standing, options.step(layers.cell_m()));
+    let pieces = pieces(&standing, &roofs);
+    let floor = floor(&layers, &pieces, &standing.ground);
+    if roofs.list.is_empty() && floor.triangles.is_empty() {
+        let hint = "nodata lies at every cell: check the band and the nodata value";
+        return Err(Error::input(dsm.file, None, "the raster has no cell of ground and no building", hint));
+    }
+    let chains = chains(&pieces);
+    let rings = rings(&chains);
+    let drawn = draw(&layers, &chains, &roofs, &floor, &simple::Rings::new(&rings, &pieces));
+    let mut geometry = Geometry::default();
+    geometry.reference = dsm.raster.reference;
+    geometry.in_metres = dsm.raster.plane_unit_m.is_some();
+    let mut writer = Writer { file: dsm.file, origin: layers.grid.first, geometry };
+    landcover::state(&mut writer.geometry);
+    let named = |writer: &mut Writer, cells: &Vec<Spot>| {
+        let name = format!("building_{}", name_of(&layers, cells));
+        let object_type = "Building".to_owned();
+        writer.object(&name, &ObjectNote { object: name.clone(), object_type, ..ObjectNote::default() })
+    };
+    let names = BuildingNames {
+        roof: writer.material("RoofSurface"),
+        wall: writer.material("WallSurface"),
+        objects: standing.cells.iter().map(|cells| named(&mut writer, cells)).collect(),
+    };
+    let bases = bases(&standing, &chains, &roofs, &floor);
+    let buildings = Buildings {
+        layers: &layers,
+        chains: &chains,
+        lines: drawn.lines,
+        rings: &rings,
+        roofs: &roofs.list,
+        bases: &bases,
+        ground: &floor.heights,
+        moved: &drawn.moved,
+    };
+    buildings.write(&mut writer, &names)?;
+    floor.write(&mut writer, &layers, &drawn.moved)?;
+    let crowns = crowns::write(&mut writer, &layers, &pieces, &floor, &drawn.moved, options)?;
+    let plain =
+        if with.dem.is_some() { "" } else { "; the ground was told from roofs by steps, without a raster of it" };
+    let note = format!(
+        "{}: {} x {} cells became {} with {} (their heights are {:.2} m off, root mean square), {} of ground and {}{plain}",
+        dsm.file.display(),
+        layers.grid.columns,
+        layers.grid.rows,
+        counted(standing.cells.len() as u64, "building"),
+        counted(roofs.list.len() as u64, "roof"),
+        roofs.off_m(),
+        counted(floor.triangles.len() as u64, "triangle"),
+        counted(crowns as u64, "crown"),
+    );
+    let mut geometry = writer.geometry;
+    if drawn.kept > 0 {
+        geometry.warnings.push(format!(
+            "{}: {} of {} lines between roofs and ground stay along cells: drawn straight they would cross others",
+            dsm.file.display(),
+            drawn.kept,
+            chains.len()
+        ));
+    }
+    Ok(City { geometry, note })
+}
+
+/// Where an object lies, by its most north-western cell in whole metres: tiles of a region call it the same.
+fn name_of(layers: &Layers, cells: &[Spot]) -> String {
+    let first = cells.iter().min_by_key(|cell| (cell[1], cell[0])).copied().unwrap_or_default();
+    let place = (layers.grid.first + layers.middle(first)).floor();
+    format!("{:.0}_{:.0}", place.x, place.y)
+}
+
+/// Numbers of pieces: nothing, ground, roofs.
+fn pieces(standing: &Standing, roofs: &Roofs) -> Lattice<u32> {
+    let mut pieces = roofs.piece.like(OUTSIDE);
+    for cell in pieces.spots() {
+        let roof = roofs.piece.at(cell);
+        let piece = match roof {
+            u32::MAX if standing.ground.at(cell).is_nan() => OUTSIDE,
+            u32::MAX => GROUND,
+            roof => roof + FIRST_ROOF,
+        };
+        pieces.set(cell, piece);
+    }
+    pieces
+}
+
+/// Lines as they are drawn.
+struct Drawn {
+    lines: Vec<Polyline>,
+    moved: Moved,
+    /// Lines that stay along cells.
+    kept: usize,
+}
+
+/// Draws lines straight as far as roofs and ground stay what they are.
+fn draw(layers: &Layers, chains: &[Chain], roofs: &Roofs, floor: &Floor, simple: &simple::Rings) -> Drawn {
+    let mut pinned = vec![false; chains.len()];
+    let planes = |chain: &Chain| {
+        let of = |piece: u32| roof_of(&roofs.list, piece).map(|roof| roof.plane);
+        Some([of(chain.left)?, of(chain.right)?])
+    };
+    for round in 0..=ROUNDS {
+        let lines = straightened(chains, layers, planes, &pinned);
+        let moved = moved(layers, chains, &lines);
+        let mut bad: BTreeSet<usize> = simple.crossed(layers, &lines);
+        let turned: BTreeSet<Spot> = floor.turned(layers, &moved).into_iter().collect();
+        let touches = |chain: &&Chain| chain.corners.iter().any(|corner| turned.contains(corner));
+        bad.extend(chains.iter().enumerate().filter(|(_, chain)| touches(chain)).map(|(number, _)| number));
+        bad.retain(|number| pinned.get(*number) == Some(&false));
+        if bad.is_empty() {
+            let kept = pinned.iter().filter(|pinned| **pinned).count();
+            return Drawn { lines, moved, kept };
+        }
+        for (number, pinned) in pinned.iter_mut().enumerate() {
+            *pinned |= bad.contains(&number) || round + 1 >= ROUNDS;
+        }
+    }
+    let lines = straightened(chains, layers, planes, &vec![true; chains.len()]);
+    Drawn { moved: Moved::new(), lines, kept: chains.len() }
+}
+
+/// Where corners along lines lie; corners of ground beside them give way by half.
+fn moved(layers: &Layers, chains: &[Chain], lines: &[Polyline]) -> Moved {
+    let mut moved = Moved::new();
+    for (chain, line) in chains.iter().zip(lines) {
+        if chain.left.min(chain.right) > GROUND {
+            continue;
+        }
+        for ([from, to], [a, b]) in line.corners.array_windows().zip(line.points.array_windows()) {
+            let corners = chain.corners.get(*from..=*to).unwrap_or_default();
+            let count = corners.len().saturating_sub(1).max(1) as f64;
+            let along = *b - *a;
+            let mut shares: Vec<f64> = Vec::with_capacity(corners.len());
+            for (i, corner) in corners.iter().enumerate() {
+                // Straight ahead for the most part, and always on.
+                let ahead = (layers.corner(*corner) - *a).dot(along) / along.length_squared().max(1e-12);
+                shares.push((0.75 * ahead + 0.25 * i as f64 / count).clamp(0.0, 1.0));
+            }
+            let goes_on = shares.get(1..shares.len().saturating_sub(1)).unwrap_or_default();
+            let is_strict =
+                [0.0].iter().chain(goes_on).chain(&[1.0]).collect::<Vec<_>>().array_windows().all(|[a, b]| a < b);
+            for (i, (corner, share)) in corners.iter().zip(&shares).enumerate() {
+                let place = match i {
+                    0 => *a,
+                    _ if i + 1 == corners.len() => *b,
+                    _ if is_strict => a.lerp(*b, *share),
+                    _ => a.lerp(*b, i as f64 / count),
+                };
+                moved.insert(*corner, place);
+            }
+        }
+    }
+    let mut given: Moved = Moved::new();
+    for corner in moved.keys().flat_map(|corner| AROUND.map(|step| lattice::beside(*corner, step))) {
+        if moved.contains_key(&corner) || given.contains_key(&corner) {
+            continue;
+        }
+        let near = AROUND.map(|step| lattice::beside(corner, step)).into_iter();
+        let by: Vec<DVec2> = near.filter_map(|near| Some(*moved.get(&near)? - layers.corner(near))).collect();
+        let mean = by.iter().sum::<DVec2>() / by.len().max(1) as f64;
+        given.insert(corner, layers.corner(corner) + GIVES_WAY * mean);
+    }
+    moved.extend(given);
+    moved
+}
+
+/// `[building]`: the height that walls without ground beside them go down to: the lowest ground beside the building, else that below it.
+fn bases(standing: &Standing, chains: &[Chain], roofs: &Roofs, floor: &Floor) -> Vec<f64> {
+    let mut bases = vec![f64::INFINITY; standing.cells.len()];
+    for chain in chains.iter().filter(|chain| chain.left.min(chain.right) == GROUND) {
+        let Some(roof) = roof_of(&roofs.list, chain.left.max(chain.right)) else { continue };
+        let lowest =
+            chain.corners.iter().map(|corner| f64::from(floor.heights.at(*corner))).fold(f64::INFINITY, f64::min);
+        if let Some(base) = bases.get_mut(roof.building as usize) {
+            *base = base.min(lowest);
+        }
+    }
+    let all = floor.heights.clone().into_values().into_iter().fold(f32::INFINITY, f32::min);
+    for (base, cells) in bases.iter_mut().zip(&standing.cells) {
+        if base.is_infinite() {
+            let below = standing
+                .below
+                .as_ref()
+                .map(|below| cells.iter().map(|cell| below.at(*cell)).fold(f32::INFINITY, f32::min));
+            let found = below.unwrap_or(all);
+            let lowest = roofs.list.iter().map(|roof| roof.plane.height).fold(f64::INFINITY, f64::min);
+            *base = if found.is_finite() { f64::from(found) } else { lowest - LEAST_STEP_M };
+        }
+    }
+    bases
+}

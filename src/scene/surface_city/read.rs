@@ -1,0 +1,186 @@
+//! Files of rasters as a city. In: a part of a site that is a raster of surface heights, which was read, and the rasters that go with it, which are not.
+//! Out: the city in its place, and terrain where the raster of the ground goes on beyond it.
+
+use std::path::Path;
+
+use glam::{DVec2, DVec3};
+
+use crate::formats::{Asked, Content, read};
+use crate::geometry::Geometry;
+use crate::placing::frame::SiteFrame;
+use crate::reference::Reference;
+use crate::region_part::RegionPart;
+use crate::site::Part;
+use crate::surface_city::layers::{Companions, Layer, MOST_CELLS, check_place};
+use crate::surface_city::{City, city};
+use crate::surface_rasters::SurfaceRasters;
+use crate::terrain::raster::{Grid, Raster};
+use heliotile_core::error::{Error, Result};
+
+/// Terrain that goes on below the edge of a city lies lower there, so that one ground hides the other, metres.
+const BELOW_EDGE_M: f32 = 0.5;
+
+/// Of a raster that is too large for one city, so much beyond the halo of a part of a region is read: buildings on the edge of the halo are
+/// whole.
+const MARGIN_M: f64 = 100.0;
+
+/// Terrain beyond a city, in its place.
+pub(crate) struct Beyond {
+    pub part: Part,
+    pub raster: Raster,
+}
+
+/// What was read.
+pub(crate) struct SurfaceRead {
+    pub city: City,
+    pub beyond: Option<Beyond>,
+}
+
+/// What the numbers of a raster are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Values {
+    /// Above sea level.
+    Heights,
+    /// Above the ground.
+    Differences,
+    /// Of classes.
+    Codes,
+}
+
+/// Reads what goes with a raster of surface heights and makes a city of all.
+pub(crate) fn read_surface(
+    part: &Part,
+    dsm: Raster,
+    options: &SurfaceRasters,
+    frame: &SiteFrame,
+    system: Option<Reference>,
+    within: Option<&RegionPart>,
+) -> Result<SurfaceRead> {
+    let Rasters { dsm, with, warnings } = placed(part, dsm, options, frame, system)?;
+    let dsm = match within {
+        Some(within) if dsm.raster.heights.len() as u64 > MOST_CELLS => around(dsm, within)?,
+        _ => dsm,
+    };
+    let mut city = city(&dsm, &with, options)?;
+    city.geometry.warnings.splice(0..0, warnings);
+    let beyond = with.dem.and_then(|dem| beyond(part, &dsm.raster, dem));
+    Ok(SurfaceRead { city, beyond })
+}
+
+/// Objects of a raster of any size, a window of so many cells a side after the other: what lies on an edge of one is in two.
+pub(crate) fn windows_of(
+    part: &Part,
+    dsm: Raster,
+    options: &SurfaceRasters,
+    frame: &SiteFrame,
+    side: usize,
+) -> Result<Vec<Geometry>> {
+    let Rasters { dsm, with, .. } = placed(part, dsm, options, frame, None)?;
+    let Grid { columns, rows, .. } = dsm.raster.grid;
+    let mut found = Vec::new();
+    for row in (0..rows).step_by(side) {
+        for column in (0..columns).step_by(side) {
+            // The last line of a window is the first one of the next: none is left alone.
+            let window = dsm.raster.cut(column..column + side + 1, row..row + side + 1);
+            let known = window.filter(|raster| raster.heights.iter().any(|height| !height.is_nan()));
+            if let Some(raster) = known {
+                found.push(city(&Layer { file: dsm.file, raster }, &with, options)?.geometry);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// What receivers in a part of a region may see of a surface.
+fn around<'a>(dsm: Layer<'a>, within: &RegionPart) -> Result<Layer<'a>> {
+    let margin = within.halo_m + MARGIN_M;
+    let [columns, rows] = dsm.raster.window(within.low - margin, within.high + margin);
+    match dsm.raster.cut(columns, rows) {
+        Some(raster) => Ok(Layer { raster, ..dsm }),
+        None => Err(Error::input(dsm.file, None, "has no cell around the part of the region", "cut the region again")),
+    }
+}
+
+/// Rasters in their places.
+struct Rasters<'a> {
+    dsm: Layer<'a>,
+    with: Companions<'a>,
+    warnings: Vec<String>,
+}
+
+/// Reads what goes with a raster of surface heights and brings all to their places.
+fn placed<'a>(
+    part: &'a Part,
+    dsm: Raster,
+    options: &'a SurfaceRasters,
+    frame: &SiteFrame,
+    system: Option<Reference>,
+) -> Result<Rasters<'a>> {
+    let system = part.reference.or(frame.references()[0]).or(system);
+    let mut warnings = Vec::new();
+    let place = |raster: Raster, file: &Path, values: Values| -> Result<Raster> {
+        let level = values == Values::Heights;
+        let own = Part {
+            file: file.to_owned(),
+            offset: if level { part.offset } else { DVec3::new(part.offset.x, part.offset.y, 0.0) },
+            elevation_m: part.elevation_m.filter(|_| level),
+            ..part.clone()
+        };
+        let codes = (values == Values::Codes).then(|| raster.heights.clone());
+        let mut placed = raster.placed(&own, frame, system)?;
+        if let Some(codes) = codes {
+            placed.heights = codes;
+        }
+        Ok(placed)
+    };
+    let mut layer = |file: &'_ Option<std::path::PathBuf>, values: Values| -> Result<Option<Raster>> {
+        let Some(file) = file else { return Ok(None) };
+        let Content::Terrain(raster) = read(file, &Asked::default())? else { return Err(no_raster(file)) };
+        let mut placed = place(raster, file, values)?;
+        warnings.append(&mut placed.warnings);
+        Ok(Some(placed))
+    };
+    fn with_file<'a>(file: &'a Option<std::path::PathBuf>, raster: Option<Raster>) -> Option<Layer<'a>> {
+        Some(Layer { file: file.as_deref()?, raster: raster? })
+    }
+    let with = Companions {
+        dem: with_file(&options.dem, layer(&options.dem, Values::Heights)?),
+        canopy: with_file(&options.canopy, layer(&options.canopy, Values::Differences)?),
+        landcover: with_file(&options.landcover, layer(&options.landcover, Values::Codes)?),
+    };
+    let mut dsm = Layer { file: &part.file, raster: place(dsm, &part.file, Values::Heights)? };
+    warnings.append(&mut dsm.raster.warnings);
+    for other in [&with.dem, &with.canopy, &with.landcover].into_iter().flatten() {
+        check_place(&dsm, other)?;
+    }
+    Ok(Rasters { dsm, with, warnings })
+}
+
+/// The error of a file that is no raster where one is asked for.
+pub(crate) fn no_raster(file: &Path) -> Error {
+    Error::input(file, None, "is no raster", "give a GeoTIFF or an Esri ASCII grid")
+}
+
+/// The ground without what lies below a city; `None` where nothing else is left.
+fn beyond(part: &Part, dsm: &Raster, dem: Layer) -> Option<Beyond> {
+    let Layer { file, mut raster } = dem;
+    let half = 0.5 * dsm.grid.step;
+    let (low, high) = dsm.bounds();
+    let (low, high) = (low - half, high + half);
+    let (columns, step) = (raster.grid.columns, raster.grid.step);
+    let mut is_left = false;
+    for i in 0..raster.heights.len() {
+        let place = raster.plan((i % columns) as i64, (i / columns) as i64);
+        let within = |by: DVec2| place.cmpge(low + by).all() && place.cmple(high - by).all();
+        let height = raster.heights.get_mut(i)?;
+        if within(step) {
+            *height = f32::NAN;
+        } else if within(DVec2::ZERO) {
+            *height -= BELOW_EDGE_M;
+        } else {
+            is_left |= !height.is_nan();
+        }
+    }
+    let part = Part { file: file.to_owned(), surface: None, ..part.clone() };
+    is_left.then_some(Beyond { part, raster })
+}

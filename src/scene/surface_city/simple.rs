@@ -1,0 +1,116 @@
+//! Outlines that do not cross themselves. In: rings of pieces of roofs as they are drawn. Out: the chains that keep them from being outlines.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::DVec2;
+
+use crate::surface_city::buildings::{area, outline};
+use crate::surface_city::lattice::Lattice;
+use crate::surface_city::layers::Layers;
+use crate::surface_city::outlines::{FIRST_ROOF, Link};
+use crate::surface_city::straight::Polyline;
+
+/// A piece keeps between these shares of the area of its cells, but for what half a cell along its outline is.
+const LEAST_AREA: f64 = 0.5;
+const MOST_AREA: f64 = 1.6;
+
+/// Rings by piece, and how many cells each piece has.
+pub(super) struct Rings<'a> {
+    rings: &'a BTreeMap<u32, Vec<Vec<Link>>>,
+    cells: BTreeMap<u32, usize>,
+}
+
+impl<'a> Rings<'a> {
+    pub(super) fn new(rings: &'a BTreeMap<u32, Vec<Vec<Link>>>, pieces: &Lattice<u32>) -> Rings<'a> {
+        let mut cells: BTreeMap<u32, usize> = BTreeMap::new();
+        for piece in pieces.spots().map(|cell| pieces.at(cell)).filter(|piece| *piece >= FIRST_ROOF) {
+            *cells.entry(piece).or_default() += 1;
+        }
+        Rings { rings, cells }
+    }
+
+    /// Chains that cross others of their piece; of a piece that turns over or is of another area than its cells, all.
+    pub(super) fn crossed(&self, layers: &Layers, lines: &[Polyline]) -> BTreeSet<usize> {
+        let mut found = BTreeSet::new();
+        for (piece, rings) in self.rings {
+            let whole = self.cells.get(piece).copied().unwrap_or_default() as f64 * layers.cell_m2();
+            let plans: Vec<Vec<DVec2>> = rings.iter().map(|ring| outline(lines, ring)).collect();
+            let drawn: f64 = plans.iter().map(|plan| area(plan)).sum();
+            let outlines = plans.iter().filter(|plan| area(plan) > 0.0).count();
+            if !(LEAST_AREA * whole..=MOST_AREA * whole).contains(&drawn) || outlines != 1 {
+                found.extend(rings.iter().flatten().map(|link| link.chain));
+                continue;
+            }
+            let sides = rings.iter().flatten().flat_map(|link| sides_of(lines, link.chain)).collect();
+            found.extend(crossing(sides));
+        }
+        found
+    }
+}
+
+/// A side of an outline, and the number of its chain.
+struct Side {
+    ends: [DVec2; 2],
+    chain: usize,
+}
+
+/// Sides of a chain as it is drawn.
+fn sides_of(lines: &[Polyline], chain: usize) -> Vec<Side> {
+    let points = lines.get(chain).map(|line| line.points.as_slice()).unwrap_or_default();
+    points.array_windows().map(|ends| Side { ends: *ends, chain }).collect()
+}
+
+/// Chains whose sides cross each other, or lie on each other in part.
+fn crossing(mut sides: Vec<Side>) -> BTreeSet<usize> {
+    let low = |side: &Side| side.ends[0].x.min(side.ends[1].x);
+    let high = |side: &Side| side.ends[0].x.max(side.ends[1].x);
+    sides.sort_by(|a, b| low(a).total_cmp(&low(b)));
+    let mut found = BTreeSet::new();
+    for (i, one) in sides.iter().enumerate() {
+        let later = sides.iter().skip(i + 1).take_while(|other| low(other) <= high(one));
+        for other in later.filter(|other| cross(&one.ends, &other.ends)) {
+            found.extend([one.chain, other.chain]);
+        }
+    }
+    found
+}
+
+/// Whether two sides have a point in common that is no corner of both.
+fn cross([a, b]: &[DVec2; 2], [c, d]: &[DVec2; 2]) -> bool {
+    let shared = [c, d].into_iter().filter(|corner| *corner == a || *corner == b).count();
+    let turn = |p: &DVec2, q: &DVec2, r: &DVec2| (*q - *p).perp_dot(*r - *p);
+    let (one, two) = (turn(a, b, c), turn(a, b, d));
+    let (three, four) = (turn(c, d, a), turn(c, d, b));
+    if shared > 0 {
+        // Back along the same line.
+        let (corner, p) = if a == c || a == d { (a, b) } else { (b, a) };
+        let q = if corner == c { d } else { c };
+        let flat = turn(corner, p, q).abs() < 1e-9 * (*p - *corner).length() * (*q - *corner).length();
+        return shared == 2 && a != b || flat && (*p - *corner).dot(*q - *corner) > 0.0;
+    }
+    one * two <= 0.0 && three * four <= 0.0 && (one != 0.0 || two != 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square and one with a hole in it cross nothing, a bow tie and a square whose hole leaves it do: 2 of 4.
+    #[test]
+    fn bow_ties_cross() {
+        let ring = |corners: &[[f64; 2]]| corners.iter().map(|corner| DVec2::from(*corner)).collect::<Vec<_>>();
+        let square = ring(&[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]);
+        let hole = ring(&[[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]]);
+        let out = ring(&[[1.0, 1.0], [1.0, 2.0], [5.0, 2.0], [5.0, 1.0]]);
+        let tie = ring(&[[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]]);
+        let crosses = |rings: Vec<Vec<DVec2>>| {
+            let sides = |(chain, ring): (usize, Vec<DVec2>)| {
+                let next: Vec<DVec2> = ring.iter().cycle().skip(1).take(ring.len()).copied().collect();
+                ring.into_iter().zip(next).map(move |(a, b)| Side { ends: [a, b], chain }).collect::<Vec<_>>()
+            };
+            crossing(rings.into_iter().enumerate().flat_map(sides).collect()).len()
+        };
+        let found = [vec![square.clone()], vec![square.clone(), hole], vec![tie], vec![square, out]];
+        assert_eq!(found.map(crosses), [0, 0, 1, 2]);
+    }
+}

@@ -1,0 +1,148 @@
+//! Which cells are buildings. In: heights of surface and ground, crowns, land cover. Out: the building of each cell, and the height of the
+//! ground on all others.
+//!
+//! With a raster of the ground a cell stands where the surface is more than [`LEAST_STEP_M`] above it; a code of land cover for
+//! buildings counts from half of that. Without one, cells without a step between them hold together, and a piece of them stands if it is the higher one
+//! on more than half of the length of its steps: streets and courts lie lower than what is around them, roofs and podiums higher. Cells
+//! that stand together on less than the least area are none.
+
+use std::collections::BTreeMap;
+
+use crate::surface_city::landcover;
+use crate::surface_city::lattice::{Lattice, STEPS, Spot, beside};
+use crate::surface_city::layers::Layers;
+use crate::surface_rasters::{LEAST_STEP_M, SurfaceRasters};
+
+/// Crowns below this are hedges and noise, metres.
+pub(super) const LEAST_CROWN_M: f32 = 1.0;
+
+/// A surface that is so near to the top of a crown shows the crown, metres.
+const SAME_AS_CROWN_M: f32 = 1.5;
+
+/// Buildings and ground.
+pub(super) struct Standing {
+    /// `[cell]`: number of its building, `u32::MAX` for none.
+    pub building: Lattice<u32>,
+    /// Cells of each building, from the north-west.
+    pub cells: Vec<Vec<Spot>>,
+    /// `[cell]`: height of the ground where there is no building, NaN where none is known.
+    pub ground: Lattice<f32>,
+    /// `[cell]`: height of the ground everywhere, if that is known.
+    pub below: Option<Lattice<f32>>,
+}
+
+/// Tells buildings from ground.
+pub(super) fn standing(layers: &Layers, options: &SurfaceRasters) -> Standing {
+    let least = (options.least_building() / layers.cell_m2()).ceil() as usize;
+    let stands = match &layers.ground {
+        Some(_) => above_ground(layers),
+        None => by_steps(layers, options.step(layers.cell_m()), least),
+    };
+    let (_, pieces) = stands.pieces(|spot| stands.at(spot), |_, _| true);
+    let mut building = stands.like(u32::MAX);
+    let mut cells: Vec<Vec<Spot>> = Vec::new();
+    let mut small = stands.like(false);
+    for piece in pieces {
+        if piece.len() < least {
+            piece.into_iter().for_each(|spot| small.set(spot, true));
+            continue;
+        }
+        piece.iter().for_each(|spot| building.set(*spot, cells.len() as u32));
+        cells.push(piece);
+    }
+    let below = layers.ground.as_ref().map(|known| {
+        let mut below = known.clone();
+        below.fill();
+        below
+    });
+    let mut ground = stands.like(f32::NAN);
+    let mut gaps = false;
+    for spot in stands.spots().filter(|spot| building.at(*spot) == u32::MAX) {
+        let (surface, known) = (layers.surface.at(spot), layers.ground.as_ref().map(|ground| ground.at(spot)));
+        let bare = known.filter(|known| !known.is_nan());
+        let is_small = small.at(spot) || layers.crown.as_ref().is_some_and(|crown| crown.at(spot) >= LEAST_CROWN_M);
+        let height = match bare {
+            Some(bare) if is_small || surface.is_nan() || surface < bare - LEAST_STEP_M as f32 => bare,
+            _ if small.at(spot) && layers.ground.is_none() => f32::NAN,
+            _ => surface,
+        };
+        gaps |= height.is_nan() && !surface.is_nan();
+        ground.set(spot, height);
+    }
+    if gaps {
+        // What is too small for a building stands on what is around it.
+        let mut filled = ground.clone();
+        filled.fill();
+        for spot in stands.spots().filter(|spot| small.at(*spot)) {
+            ground.set(spot, filled.at(spot));
+        }
+    }
+    Standing { building, cells, ground, below }
+}
+
+/// Cells that stand above a known ground.
+fn above_ground(layers: &Layers) -> Lattice<bool> {
+    let mut stands = layers.surface.like(false);
+    let Some(mut ground) = layers.ground.clone() else { return stands };
+    // Terrain is often left out below buildings.
+    ground.fill();
+    for spot in stands.spots() {
+        let above = layers.surface.at(spot) - ground.at(spot);
+        let class = layers.class.as_ref().map(|class| class.at(spot));
+        let crown = layers.crown.as_ref().map_or(0.0, |crown| crown.at(spot));
+        let is_built = class == Some(landcover::BUILDINGS);
+        let is_crown = !is_built && crown >= LEAST_CROWN_M && (above - crown).abs() < SAME_AS_CROWN_M;
+        let least = if is_built { 0.5 } else { 1.0 } * LEAST_STEP_M as f32;
+        stands.set(spot, above > least && !is_crown);
+    }
+    stands
+}
+
+/// Cells that stand higher than what is around them; `least` cells make a piece.
+fn by_steps(layers: &Layers, step_m: f64, least: usize) -> Lattice<bool> {
+    let height = |spot: Spot| layers.surface.at(spot);
+    let joins = |a: Spot, b: Spot| f64::from((height(a) - height(b)).abs()) <= step_m;
+    let (mut number, pieces) = layers.surface.pieces(|spot| !height(spot).is_nan(), joins);
+    join_small(&mut number, &pieces, least, height);
+    // Of each piece the steps down and up, in sides of cells.
+    let mut steps: BTreeMap<u32, [usize; 2]> = BTreeMap::new();
+    for spot in number.spots() {
+        let own = number.at(spot);
+        for other in STEPS.map(|step| beside(spot, step)) {
+            if number.at(other) != own && !height(other).is_nan() && own != u32::MAX {
+                let [down, up] = steps.entry(own).or_default();
+                if height(spot) > height(other) { *down += 1 } else { *up += 1 }
+            }
+        }
+    }
+    let mut stands = layers.surface.like(false);
+    for spot in stands.spots() {
+        let is_built = layers.class.as_ref().is_some_and(|class| class.at(spot) == landcover::BUILDINGS);
+        let is_higher = steps.get(&number.at(spot)).is_some_and(|[down, up]| down > up);
+        stands.set(spot, (is_higher || is_built) && !height(spot).is_nan());
+    }
+    stands
+}
+
+/// Gives cells of small pieces, such as those that a wall cuts, to the larger piece beside them that is nearest in height.
+fn join_small(number: &mut Lattice<u32>, pieces: &[Vec<Spot>], least: usize, height: impl Fn(Spot) -> f32) {
+    let is_small = |number: u32| pieces.get(number as usize).is_some_and(|piece| piece.len() < least);
+    let mut open: Vec<Spot> = pieces.iter().filter(|piece| piece.len() < least).flatten().copied().collect();
+    loop {
+        let mut found = Vec::new();
+        for &spot in &open {
+            let around = STEPS.map(|step| beside(spot, step));
+            let large =
+                around.into_iter().filter(|other| number.at(*other) != u32::MAX && !is_small(number.at(*other)));
+            let off = |other: &Spot| (height(*other) - height(spot)).abs();
+            if let Some(near) = large.min_by(|a, b| off(a).total_cmp(&off(b))) {
+                found.push((spot, number.at(near)));
+            }
+        }
+        if found.is_empty() {
+            return;
+        }
+        found.iter().for_each(|(spot, to)| number.set(*spot, *to));
+        open.retain(|spot| is_small(number.at(*spot)));
+    }
+}

@@ -1,0 +1,77 @@
+//! Faces of a city that is read from rasters. In: corners in plan with their heights. Out: geometry in scene coordinates.
+
+use std::path::Path;
+
+use glam::DVec2;
+
+use crate::geometry::Geometry;
+use crate::semantics::{FaceNote, FaceSource, SurfaceKind};
+use heliotile_core::error::Result;
+use heliotile_core::site::scene_object::ObjectNote;
+
+/// A corner of a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Corner {
+    /// In plan, relative to the middle of the first cell.
+    pub place: DVec2,
+    pub height: f64,
+}
+
+/// What a face is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FaceOf {
+    pub material: u32,
+    pub object: u32,
+    pub kind: Option<SurfaceKind>,
+    /// Whether receivers go on it, if that is known.
+    pub exposed: Option<bool>,
+}
+
+/// Geometry that is being written.
+pub(super) struct Writer<'a> {
+    pub file: &'a Path,
+    /// The middle of the first cell.
+    pub origin: DVec2,
+    pub geometry: Geometry,
+}
+
+impl Writer<'_> {
+    /// The number of an object.
+    pub(super) fn object(&mut self, name: &str, note: &ObjectNote) -> u32 {
+        let number = self.geometry.objects.id(name);
+        if *note != ObjectNote::default() {
+            self.geometry.object_notes.insert(number, note.clone());
+        }
+        number
+    }
+
+    /// The number of a material.
+    pub(super) fn material(&mut self, name: &str) -> u32 {
+        self.geometry.materials.id(name)
+    }
+
+    /// Adds a vertex.
+    pub(super) fn vertex(&mut self, place: DVec2, height: f64) -> Result<u32> {
+        self.geometry.push_vertex(self.file, (self.origin + place).extend(height))
+    }
+
+    /// Adds a face by the numbers of its corners, outline and holes.
+    pub(super) fn face<'r>(&mut self, rings: impl IntoIterator<Item = &'r [u32]>, of: &FaceOf) {
+        self.geometry.push_face(rings, of.material, of.object, 0);
+        self.geometry.note_face(FaceNote { kind: of.kind, exposed: of.exposed, source: FaceSource::Order });
+    }
+
+    /// Numbers of the corners of a ring, each once.
+    pub(super) fn ring(&mut self, corners: &[Corner]) -> Result<Vec<u32>> {
+        let mut ring: Vec<Corner> = Vec::with_capacity(corners.len());
+        for corner in corners {
+            if ring.last() != Some(corner) {
+                ring.push(*corner);
+            }
+        }
+        if ring.len() > 1 && ring.first() == ring.last() {
+            ring.pop();
+        }
+        ring.into_iter().map(|corner| self.vertex(corner.place, corner.height)).collect()
+    }
+}

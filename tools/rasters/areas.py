@@ -1,0 +1,50 @@
+"""A city model beside itself as rasters. In: CityJSON, its coordinate system, the program, a folder, weather or nothing. Out: areas of roofs and walls
+that get receivers, and with weather a year's sums, of the model and of rasters with cells of 0.5, 1 and 2 m, in percent of the model's.
+Needs numpy, pandas, rasterio and shapely."""
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pandas
+
+from rasterise import rasterise
+
+CELLS = (0.5, 1, 2)
+SPACING = 4
+
+
+def main(model, crs, program, out, weather=""):
+    out = Path(out)
+    scenes = {"model": [model]}
+    for cell in CELLS:
+        folder = out / str(cell)
+        if not (folder / "dem.tif").exists():
+            folder.mkdir(parents=True, exist_ok=True)
+            rasterise(model, cell, crs, folder)
+        scenes[f"{cell} m"] = ["--dsm", folder / "dsm.tif", "--dem", folder / "dem.tif"]
+    table, whole = [], None
+    for name, scene in scenes.items():
+        receivers = out / f"{name.replace(' ', '_')}.csv"
+        start = time.monotonic()
+        subprocess.run([program, "receivers", *scene, "--crs", crs, "--spacing", str(SPACING), "-o", receivers], check=True, capture_output=True)
+        seconds = time.monotonic() - start
+        found = pandas.read_csv(receivers)
+        row = found.groupby("kind").area.sum()[["roof", "wall"]]
+        row["receivers"], row["surfaces"], row["seconds"] = len(found), found.surface.nunique(), round(seconds, 1)
+        if weather:
+            folder = out / f"{name.replace(' ', '_')}.sun"
+            asked = ["--receivers", receivers, "-w", weather, "-o", folder, "--crs", crs, "--every", "year", "--by", "kind"]
+            shutil.rmtree(folder, ignore_errors=True)
+            subprocess.run([program, "run", *scene, *asked], check=True, capture_output=True)
+            sums = pandas.read_csv(next(folder.glob("*/years.kind.csv"))).set_index("kind").total_kwh_m2
+            row["roof_kwh_m2"], row["wall_kwh_m2"] = sums["roof"], sums["wall"]
+        whole = row if whole is None else whole
+        share = {f"{kind}_%": round(100 * row[kind] / whole[kind], 1) for kind in ("roof", "wall")}
+        table.append({"scene": name, **row.to_dict(), **share})
+    print(pandas.DataFrame(table).round(1).to_string(index=False))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
