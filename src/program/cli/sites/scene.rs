@@ -58,11 +58,6 @@ impl MaterialsArgs {
             surface: None,
         }
     }
-
-    /// A site of files.
-    pub fn site(&self, files: &[PathBuf]) -> error::Result<Site> {
-        self.request(files).site()
-    }
 }
 
 /// Where a scene lies, how it is turned, and the unit of its files; each counts more than what files say.
