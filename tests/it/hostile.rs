@@ -95,7 +95,7 @@ fn seeds_are_valid() {
     assert_eq!((report.problems.len(), report.blocks), (0, 18));
 }
 
-/// The seeds of all 13 formats of scenes are scenes of 1 to 4 triangles.
+/// The seeds of all 16 formats of scenes are scenes of 1 to 110 triangles.
 #[test]
 fn scene_seeds_are_valid() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -105,6 +105,9 @@ fn scene_seeds_are_valid() {
         ("citygml", "a.gml"),
         ("cityjson", "a.city.json"),
         ("cityjson_seq", "a.city.jsonl"),
+        ("geojson", "a.geojson"),
+        ("geoparquet", "a.parquet"),
+        ("shapefile", "a.zip"),
         ("geotiff", "a.tif"),
         ("ascii_grid", "a.asc"),
         ("epjson", "a.epJSON"),
@@ -119,10 +122,10 @@ fn scene_seeds_are_valid() {
         let path = folder.path().join(name);
         fs::write(&path, seed).expect("written");
         let scene = Scene::load(&path, None).unwrap_or_else(|error| panic!("{target}: {error}"));
-        assert!((1..=24).contains(&scene.mesh.triangles.len()), "{target}: {}", scene.mesh.triangles.len());
+        assert!((1..=110).contains(&scene.mesh.triangles.len()), "{target}: {}", scene.mesh.triangles.len());
         read += 1;
     }
-    assert_eq!(read, 13);
+    assert_eq!(read, 16);
 }
 
 /// Eight manifests that lie about the sides of textures, and a tile with fewer responses than receivers, are refused by both

@@ -230,6 +230,9 @@ pub fn write() {
     ] {
         seed(target, text.as_bytes());
     }
+    seed("geojson", include_bytes!("../../../tests/data/footprints/town.geojson"));
+    seed("geoparquet", include_bytes!("../../../tests/data/footprints/town.parquet"));
+    seed("shapefile", include_bytes!("../../../tests/data/footprints/town.shp.zip"));
     seed("geotiff", &geotiff());
     seed("glb", &glb());
     seed("materials", MATERIALS.as_bytes());

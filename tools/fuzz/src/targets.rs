@@ -46,7 +46,7 @@ use heliotile_scene::site::Site;
 pub type Target = fn(&[u8]);
 
 /// All targets by name, which is that of their folder in tests/data/corpus.
-pub const TARGETS: [(&str, Target); 42] = [
+pub const TARGETS: [(&str, Target); 45] = [
     ("archive", archive),
     ("sealed", sealed),
     ("block", block),
@@ -71,6 +71,9 @@ pub const TARGETS: [(&str, Target); 42] = [
     ("citygml", citygml),
     ("cityjson", cityjson),
     ("cityjson_seq", cityjson_seq),
+    ("geojson", geojson),
+    ("geoparquet", geoparquet),
+    ("shapefile", shapefile),
     ("geotiff", geotiff),
     ("ascii_grid", ascii_grid),
     ("epjson", epjson),
@@ -407,6 +410,19 @@ fn cityjson(data: &[u8]) {
 
 fn cityjson_seq(data: &[u8]) {
     scene("town.city.jsonl", data);
+}
+
+fn geojson(data: &[u8]) {
+    scene("town.geojson", data);
+}
+
+fn geoparquet(data: &[u8]) {
+    scene("town.parquet", data);
+}
+
+/// The zip of one, whose parts are read as they are without a zip.
+fn shapefile(data: &[u8]) {
+    scene("town.zip", data);
 }
 
 fn geotiff(data: &[u8]) {
