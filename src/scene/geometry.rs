@@ -8,7 +8,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::footprints::footprint::Footprint;
+use crate::footprint::Footprint;
 use crate::geocentric::LocalFrame;
 use crate::ground::model::ModelGround;
 use crate::materials::select::MaterialTable;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::footprints::options::FootprintOptions;
+use crate::footprint_options::FootprintOptions;
 use crate::model_version::ModelVersion;
 use crate::placing::frame::SiteFrame;
 use crate::site::{MissingGround, Part, Site};

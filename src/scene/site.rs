@@ -7,7 +7,7 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use crate::coordinate::is_position;
-use crate::footprints::options::{FootprintOptions, HeightSource};
+use crate::footprint_options::{FootprintOptions, HeightSource};
 use crate::input;
 use crate::model_version::ModelVersion;
 use crate::placing::frame::{SiteFrame, UpAxis, check_elevation, check_rotation, check_scale};

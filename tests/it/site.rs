@@ -92,7 +92,7 @@ fn by_kind_and_material() {
 fn refusals() {
     let folder = Folder::new();
     fs::write(folder.path("a.obj"), houses(false)).expect("written");
-    folder.write("b.xyz", "0 0 0\n");
+    folder.write("b.abc", "0 0 0\n");
     for (arguments, part) in [
         (
             "a.obj --on door",
@@ -101,7 +101,7 @@ fn refusals() {
         ("a.obj --on window", "the scene has no surface of window"),
         ("a.obj --spacing 2ft", "is not a length"),
         ("a.obj --on floor", "no receiver: 0 receivers on 2 surfaces"),
-        ("a.obj b.xyz", "ends with .xyz"),
+        ("a.obj b.abc", "ends with .abc"),
     ] {
         let output = folder.run(&format!("receivers -o out.csv {arguments}"));
         assert_eq!(output.status.code(), Some(2), "{arguments}");

@@ -27,7 +27,7 @@ use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::open_archive;
 use heliotile_results::covering::{CoverRequest, Density, check_name, cover_scene, save, summary};
 use heliotile_results::horizon::black_below_horizon;
-use heliotile_scene::footprints::options::{FootprintOptions, HeightSource};
+use heliotile_scene::footprint_options::{FootprintOptions, HeightSource};
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;

@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::footprints::footprint::PlanRing;
+use crate::footprint::PlanRing;
 use crate::terrain::raster::Raster;
 
 /// The ground is looked up at the corners of an outline and so far apart along its sides, metres.

@@ -3,9 +3,7 @@
 //!
 //! | file | what it holds |
 //! | --- | --- |
-//! | `options` | where heights come from: a column, storeys, or a number |
 //! | `stated` | height, foot and base of a building, from the attributes of its feature |
-//! | `footprint` | the outline of a building with its heights |
 //! | `region` | areas in plan: repaired, cut out of each other, measured |
 //! | `ground_below` | the height of terrain at a place |
 //! | `overlaps` | parts that stand on, in or under others |
@@ -18,10 +16,8 @@
 //! - A wall between two buildings that both stand there is kept.
 //! - The order of features decides where faces are.
 
-pub(crate) mod footprint;
 pub(crate) mod ground_below;
 mod nodes;
-pub mod options;
 mod overlaps;
 pub(crate) mod raised;
 pub(crate) mod region;

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use glam::DVec2;
 use heliotile_core::site::morton::lexicographic;
 
-use crate::footprints::footprint::PlanRing;
+use crate::footprint::PlanRing;
 
 /// Corners this near are one, and so near to a side they lie on it, metres: coordinates in degrees with seven decimals are rounded to 1 cm.
 pub(super) const SAME_M: f64 = 0.02;

@@ -4,7 +4,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use crate::footprints::footprint::PlanRing;
+use crate::footprint::PlanRing;
 use crate::footprints::region::{area_m2, shared_m2, without};
 
 /// Footprints overlap if they share more, m2, and more than this share of the smaller one: what is less is the accuracy of surveys.

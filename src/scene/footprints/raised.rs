@@ -11,12 +11,11 @@ use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::text::counted;
 
 use crate::attributes::{object_of, text_of};
-use crate::footprints::footprint::{Footprint, PlanRing};
+use crate::footprint::{Footprint, PlanRing, StatedHeights};
 use crate::footprints::ground_below::GroundBelow;
 use crate::footprints::nodes::Noded;
 use crate::footprints::overlaps::{Block, groups, outlines_without_parts, overlapping, settle};
 use crate::footprints::shared_walls::{FreeWall, FreeWalls, Side, Standing, free_walls};
-use crate::footprints::stated::StatedHeights;
 use crate::geometry::Geometry;
 use crate::semantics::{FaceNote, SurfaceKind};
 

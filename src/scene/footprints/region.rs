@@ -7,7 +7,7 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::simplify::SimplifyShape;
 use i_overlay::float::single::SingleFloatOverlay;
 
-use crate::footprints::footprint::PlanRing;
+use crate::footprint::PlanRing;
 
 /// Less is a sliver, m2: what is left where outlines agree but for their rounding.
 pub(super) const SLIVER_M2: f64 = 0.05;

@@ -3,7 +3,8 @@
 
 use serde_json::{Map, Value};
 
-use crate::footprints::options::{FOOT_M, FootprintOptions, HeightSource, MAX_HEIGHT_M, STOREY_HEIGHT_M};
+use crate::footprint::StatedHeights;
+use crate::footprint_options::{FOOT_M, FootprintOptions, HeightSource, MAX_HEIGHT_M, STOREY_HEIGHT_M};
 
 /// Columns that hold the height of the roof above the ground, in the order in which they are asked: OpenStreetMap and Overture; exports of city
 /// models; BD TOPO of France.
@@ -41,16 +42,6 @@ const IDS: [&str; 13] = [
     "fid",
     "cleabs",
 ];
-
-/// Heights of a building above its base, metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct StatedHeights {
-    pub roof_m: f64,
-    /// 0 unless it is a part that begins higher.
-    pub foot_m: f64,
-    /// Height of the base in the scene, if the feature states it.
-    pub base_m: Option<f64>,
-}
 
 /// Attributes of a feature.
 pub(crate) struct Stated<'a> {

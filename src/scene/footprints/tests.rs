@@ -4,10 +4,9 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use crate::footprints::footprint::{Footprint, PlanRing};
+use crate::footprint::{Footprint, PlanRing, StatedHeights};
 use crate::footprints::ground_below::GroundBelow;
 use crate::footprints::raised::{FootprintFile, raise};
-use crate::footprints::stated::StatedHeights;
 use crate::geometry::Geometry;
 use crate::polygon::area_vector_of;
 use crate::semantics::SurfaceKind;

@@ -31,7 +31,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::facing;
-use crate::footprints::options::FootprintOptions;
+use crate::footprint_options::FootprintOptions;
 use crate::geocentric::{LocalFrame, is_geocentric, to_local};
 use crate::geometry::Geometry;
 use crate::input;

@@ -9,17 +9,17 @@ const UNREAD: [(&[&str], &str, &str); 17] = [
     (
         &["ifc", "ifczip", "ifcxml"],
         "a building model in IFC",
-        "convert it with IfcOpenShell: `IfcConvert --y-up model.ifc model.glb`, and give model.glb",
+        "convert it with IfcOpenShell: `IfcConvert model.ifc model.obj`, and give model.obj",
     ),
     (
         &["rvt", "rfa"],
         "a model of Revit",
-        "export IFC from Revit, convert it with IfcOpenShell: `IfcConvert --y-up model.ifc model.glb`, and give model.glb",
+        "export IFC from Revit, convert it with IfcOpenShell: `IfcConvert model.ifc model.obj`, and give model.obj",
     ),
     (
         &["gbxml"],
         "a building model in gbXML",
-        "convert it to Honeybee: `honeybee translate-gbxml model.gbxml --output-file model.hbjson` (honeybee-openstudio), and give model.hbjson",
+        "convert it to Honeybee: `honeybee-energy translate model-from-gbxml model.gbxml -f model.hbjson`, and give model.hbjson",
     ),
     (
         &["osm"],
@@ -34,7 +34,7 @@ const UNREAD: [(&[&str], &str, &str); 17] = [
     (
         &["las", "laz", "copc", "e57"],
         "a cloud of points",
-        "make a raster of its highest points: `pdal translate points.laz dsm.tif --writers.gdal.resolution=0.5 --writers.gdal.output_type=max`, and give dsm.tif as {dsm}",
+        "make a raster of its highest points with PDAL: `pdal pipeline dsm.json`, where dsm.json is [\"points.laz\", {\"type\": \"writers.gdal\", \"filename\": \"dsm.tif\", \"resolution\": 0.5, \"output_type\": \"max\"}], and give dsm.tif as {dsm}",
     ),
     (
         &["b3dm", "i3dm", "cmpt"],

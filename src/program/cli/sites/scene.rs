@@ -8,7 +8,7 @@ use clap::Args;
 use super::rasters::RasterArgs;
 use heliotile_core::error;
 use heliotile_scene::ModelVersion;
-use heliotile_scene::footprints::options::{FootprintOptions, HeightSource};
+use heliotile_scene::footprint_options::{FootprintOptions, HeightSource};
 use heliotile_scene::placing::frame::{SiteFrame, UpAxis, check_elevation, check_epsg, check_rotation, check_scale};
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;

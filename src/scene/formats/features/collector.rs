@@ -13,7 +13,7 @@ use super::hstore;
 use super::system::{FeatureSystem, Placing};
 use crate::attributes::{flat, text_of};
 use crate::coordinate::{MAX_COORDINATE_M, is_position};
-use crate::footprints::footprint::Footprint;
+use crate::footprint::Footprint;
 use crate::footprints::region::{is_crossed, oriented, repaired};
 use crate::footprints::stated::{NO_HEIGHT, Stated};
 use crate::formats::Asked;

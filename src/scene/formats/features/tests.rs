@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Scene;
 use crate::covering::surfaces::Surfaces;
-use crate::footprints::options::FootprintOptions;
+use crate::footprint_options::FootprintOptions;
 use crate::load::Soup;
 use crate::semantics::SurfaceKind;
 use crate::site::{Part, Site};

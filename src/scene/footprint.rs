@@ -2,10 +2,18 @@
 
 use glam::DVec2;
 
-use crate::footprints::stated::StatedHeights;
-
 /// Corners of a ring, which is not closed by a repeated one: outlines run anticlockwise, holes clockwise.
 pub(crate) type PlanRing = Vec<DVec2>;
+
+/// Heights of a building above its base, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct StatedHeights {
+    pub roof_m: f64,
+    /// 0 unless it is a part that begins higher.
+    pub foot_m: f64,
+    /// Height of the base in the scene, if the feature states it.
+    pub base_m: Option<f64>,
+}
 
 /// A building, or a part of one, in plan.
 #[derive(Clone, Debug)]
