@@ -119,7 +119,7 @@ fn of_triangle(triangle: &[DVec3; 3], at: DVec2) -> Option<f64> {
     let turn = ab.perp_dot(ac);
     let (u, v) = (p.perp_dot(ac) / turn, ab.perp_dot(p) / turn);
     let inside = u >= -1e-9 && v >= -1e-9 && u + v <= 1.0 + 1e-9;
-    inside.then(|| a.z + u * (b.z - a.z) + v * (c.z - a.z))
+    inside.then_some(a.z + u * (b.z - a.z) + v * (c.z - a.z))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Buildings from footprints: areas against sums by hand, neighbours, parts, terrain.
 
+use std::f64::consts::FRAC_PI_6;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -14,7 +15,7 @@ use crate::semantics::SurfaceKind;
 /// A house on a rectangle, turned by 30 degrees about a corner of a national grid.
 fn house(name: &str, west: f64, south: f64, east: f64, north: f64, roof_m: f64) -> Footprint {
     let turned =
-        |x: f64, y: f64| DVec2::from_angle(0.5236).rotate(DVec2::new(x, y)) + DVec2::new(690_000.0, 5_330_000.0);
+        |x: f64, y: f64| DVec2::from_angle(FRAC_PI_6).rotate(DVec2::new(x, y)) + DVec2::new(690_000.0, 5_330_000.0);
     let ring: PlanRing =
         [(west, south), (east, south), (east, north), (west, north)].map(|(x, y)| turned(x, y)).to_vec();
     Footprint {
@@ -118,7 +119,7 @@ fn overhangs_have_undersides() {
 fn neighbours_on_a_slope() {
     let at = |x: f64, y: f64| {
         let place = DVec2::new(690_000.0 + x, 5_330_000.0 + y);
-        place.extend(0.1 * DVec2::from_angle(-0.5236).rotate(DVec2::new(x, y)).x)
+        place.extend(0.1 * DVec2::from_angle(-FRAC_PI_6).rotate(DVec2::new(x, y)).x)
     };
     let [a, b, c, d] = [at(-100., -100.), at(100., -100.), at(100., 100.), at(-100., 100.)];
     let houses = vec![house("a", 0.0, 0.0, 10.0, 10.0, 10.0), house("b", 10.0, 0.0, 20.0, 10.0, 10.0)];

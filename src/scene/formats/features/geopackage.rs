@@ -78,7 +78,7 @@ fn read_table(
 ) -> Result<()> {
     let quoted = table.name.replace('"', "\"\"");
     let mut query = database.prepare(&format!("SELECT * FROM \"{quoted}\"")).map_err(wrong)?;
-    let names: Vec<String> = query.column_names().into_iter().map(str::to_owned).collect();
+    let names: Vec<String> = query.column_names().map(str::to_owned).collect();
     let mut rows = query.query([]).map_err(wrong)?;
     while let Some(row) = rows.next().map_err(wrong)? {
         let mut feature = Feature::default();
