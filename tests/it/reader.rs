@@ -246,6 +246,7 @@ fn arrays(block: &Block, s: &Settings) -> Arrays {
                 ("object_type", strings(&t.object_type)),
                 ("beside", t.beside),
                 ("row", le(&t.row, u16::to_le_bytes)),
+                ("attributes", strings(&t.attributes)),
             ]
         }
         format::MIRROR => receiver_mirrors(&extras::unpack(raw, rows).expect("rows of bytes"), s),
