@@ -25,7 +25,7 @@ def main(model, outlines):
     print(f"{'':22} {'model m2':>10} {'outlines':>10} {'kWh/m2':>8} {'outlines':>9} {'bias %':>7} {'RMSE %':>7} {'objects':>8}")
     for kind in ("roof", "wall"):
         sums = [table[table.kind == kind].groupby("object")[["area_m2", "kwh"]].sum() for table in (model, outlines)]
-        both = sums[0].join(sums[1], how="inner", lsuffix="_a", rsuffix="_b")
+        both = sums[0].add_suffix("_a").join(sums[1].add_suffix("_b"), how="inner")
         groups = {"all": both.index, "flat roofs": share.index[share < 0.1], "pitched roofs": share.index[share > 0.9]}
         for name, index in groups.items():
             some = both[both.index.isin(index)]
