@@ -315,6 +315,7 @@ pub fn is_atlas(path: &Path) -> bool {
 mod tests {
     use super::*;
     use heliotile_results::covering::Density;
+    use heliotile_scene::footprint_options::FootprintOptions;
     use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
 
     /// A plan in which every field says something.
@@ -331,6 +332,7 @@ mod tests {
         let scene = SceneRequest {
             files: vec!["town.city.json".into()],
             materials: Some("m.toml".into()),
+            footprints: FootprintOptions { storey_height_m: Some(3.0), ..FootprintOptions::default() },
             assume_version: heliotile_scene::ModelVersion::parse("9.6"),
             frame,
             surface: Some(heliotile_scene::SurfaceRasters {

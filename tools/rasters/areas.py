@@ -1,6 +1,6 @@
 """A city model beside itself as rasters. In: CityJSON, its coordinate system, the program, a folder, weather or nothing. Out: areas of roofs and walls
-that get receivers, and with weather a year's sums, of the model and of rasters with cells of 0.5, 1 and 2 m, in percent of the model's.
-Needs numpy, pandas, rasterio and shapely."""
+that get receivers, and with weather a year's sums, also by building, of the model and of rasters with cells of 0.5, 1 and 2 m, in percent of the model's.
+Needs geopandas, numpy, pandas, rasterio and shapely."""
 import shutil
 import subprocess
 import sys
@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pandas
 
+from buildings import compare
 from rasterise import rasterise
 
 CELLS = (0.5, 1, 2)
@@ -34,16 +35,18 @@ def main(model, crs, program, out, weather=""):
         row = found.groupby("kind").area.sum()[["roof", "wall"]]
         row["receivers"], row["surfaces"], row["seconds"] = len(found), found.surface.nunique(), round(seconds, 1)
         if weather:
-            folder = out / f"{name.replace(' ', '_')}.sun"
-            asked = ["--receivers", receivers, "-w", weather, "-o", folder, "--crs", crs, "--every", "year", "--by", "kind"]
+            folder, found = out / f"{name.replace(' ', '_')}.sun", out / f"{name.replace(' ', '_')}.geojson"
             shutil.rmtree(folder, ignore_errors=True)
+            asked = ["-w", weather, "--spacing", f"{SPACING}m", "-o", folder, "--crs", crs]
             subprocess.run([program, "run", *scene, *asked], check=True, capture_output=True)
-            sums = pandas.read_csv(next(folder.glob("*/years.kind.csv"))).set_index("kind").total_kwh_m2
-            row["roof_kwh_m2"], row["wall_kwh_m2"] = sums["roof"], sums["wall"]
+            sums = ["--every", "year", "--by", "surface", "--columns", "total", "-w", weather, "-o", found]
+            subprocess.run([program, "replay", folder / "site.helio", *sums], check=True, capture_output=True)
+            for column, value in compare(out / "model.geojson", found, crs).items():
+                row[column] = value
         whole = row if whole is None else whole
         share = {f"{kind}_%": round(100 * row[kind] / whole[kind], 1) for kind in ("roof", "wall")}
         table.append({"scene": name, **row.to_dict(), **share})
-    print(pandas.DataFrame(table).round(1).to_string(index=False))
+    print(pandas.DataFrame(table).round(2).to_string(index=False))
 
 
 if __name__ == "__main__":

@@ -87,7 +87,9 @@ mod tests {
             // A frame to be skipped has no content for them, and is none for us.
             let skipped = frame.get(1..4) == Some(&[0x2a, 0x4d, 0x18]);
             let ours = ZstdFrame::at_start_of(&frame);
-            assert!(skipped || ours.map(|f| f.content) == theirs, "{ours:?} {theirs:?}");
+            // Frames of zstd before 0.8, which the library reads where another crate asks for that.
+            let legacy = matches!(frame.get(..4), Some([0x1e | 0x22..=0x27, 0xb5, 0x2f, 0xfd]));
+            assert!(skipped || legacy || ours.map(|f| f.content) == theirs, "{ours:?} {theirs:?}");
             if let Some(ours) = ours {
                 assert_eq!(ours.stored, zstd_safe::find_frame_compressed_size(&frame).ok(), "{ours:?}");
                 whole += usize::from(ours.stored.is_some());
