@@ -63,7 +63,7 @@ pub(crate) fn text_of(mut attributes: Map<String, Value>) -> String {
     }
 }
 
-/// The same of a text that may be no JSON object.
+/// Attributes that a text holds; none if the text is no JSON object.
 pub(crate) fn object_of(text: &str) -> Map<String, Value> {
     serde_json::from_str(text).unwrap_or_default()
 }

@@ -245,13 +245,13 @@ pub(crate) fn height_unit_m(epsg: u32) -> Option<f64> {
     }
 }
 
-/// The number behind the first `EPSG`: of `https://www.opengis.net/def/crs/EPSG/0/7415`, `urn:ogc:def:crs:EPSG::7415`,
-/// `EPSG:7415`, and the first, horizontal one of `urn:ogc:def:crs,crs:EPSG::28992,crs:EPSG::5709`.
-pub(crate) fn epsg_in_text(text: &str) -> Option<u32> {
+/// Numbers of the systems that a text names, the horizontal one first: of `https://www.opengis.net/def/crs/EPSG/0/7415`,
+/// `urn:ogc:def:crs:EPSG::7415`, `EPSG:7415`, `EPSG:25832+5783`, `urn:ogc:def:crs,crs:EPSG::28992,crs:EPSG::5709`.
+pub(crate) fn epsg_numbers_in(text: &str) -> Vec<u32> {
     let upper = text.to_ascii_uppercase();
-    let (_, behind) = upper.split_once("EPSG")?;
-    let words = behind.split([',', '&', '+', '?']).next().unwrap_or_default();
-    words.split(['/', ':', '#']).rfind(|word| !word.is_empty())?.parse().ok()
+    let behind = upper.find("EPSG").and_then(|at| upper.get(at..)).unwrap_or_default();
+    let number = |part: &str| part.split(['/', ':', '#', '=']).rfind(|word| !word.is_empty())?.parse().ok();
+    behind.split([',', '&', '+', '?']).filter_map(number).collect()
 }
 
 #[cfg(test)]

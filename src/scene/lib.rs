@@ -53,6 +53,7 @@ mod model_version;
 pub mod objects;
 mod palette;
 pub mod placing;
+mod plan;
 mod polygon;
 pub mod pv;
 pub mod reference;

@@ -90,7 +90,7 @@ impl<'a> GroundBelow<'a> {
     }
 }
 
-/// Between the four samples around a place; half a cell beyond the outermost ones, theirs.
+/// Height of a raster at a place, interpolated between four samples; up to half a cell beyond the outermost samples it is theirs.
 fn of_raster(raster: &Raster, at: DVec2) -> Option<f64> {
     let grid = &raster.grid;
     let place = (at - grid.first) / grid.step * DVec2::new(1.0, -1.0);

@@ -294,7 +294,7 @@ impl Faces<'_> {
         Ok(())
     }
 
-    /// The same of polygons in plan.
+    /// A roof or an underside of polygons in plan.
     fn flats(&mut self, polygons: &[Vec<PlanRing>], height_m: f64, below: bool) -> Result<()> {
         for polygon in polygons {
             for (number, ring) in polygon.iter().enumerate() {

@@ -8,6 +8,7 @@ use i_overlay::float::simplify::SimplifyShape;
 use i_overlay::float::single::SingleFloatOverlay;
 
 use crate::footprint::PlanRing;
+use crate::plan::{sides, signed_area_m2};
 
 /// Less is a sliver, m2: what is left where outlines agree but for their rounding.
 pub(super) const SLIVER_M2: f64 = 0.05;
@@ -20,16 +21,9 @@ const FEW_CORNERS: usize = 128;
 
 type Flat = Vec<Vec<Vec<[f64; 2]>>>;
 
-/// Twice the area of a ring; anticlockwise positive.
-pub(super) fn twice_area(ring: &[DVec2]) -> f64 {
-    let first = ring.first().copied().unwrap_or_default();
-    let following = ring.iter().cycle().skip(1);
-    ring.iter().zip(following).map(|(a, b)| (*a - first).perp_dot(*b - first)).sum()
-}
-
 /// Area of polygons, m2.
 pub(super) fn area_m2(polygons: &[Vec<PlanRing>]) -> f64 {
-    0.5 * polygons.iter().flatten().map(|ring| twice_area(ring)).sum::<f64>()
+    polygons.iter().flatten().map(|ring| signed_area_m2(ring)).sum()
 }
 
 /// A polygon with its outline anticlockwise and its holes clockwise, without repeated corners; `None` where the outline is no area.
@@ -40,7 +34,7 @@ pub(crate) fn oriented(rings: Vec<PlanRing>) -> Option<Vec<PlanRing>> {
         while ring.len() > 1 && ring.first() == ring.last() {
             ring.pop();
         }
-        let area = twice_area(&ring);
+        let area = signed_area_m2(&ring);
         if ring.len() < 3 || area == 0.0 {
             if number == 0 && ring.len() < 3 {
                 return None;
@@ -60,8 +54,7 @@ pub(crate) fn oriented(rings: Vec<PlanRing>) -> Option<Vec<PlanRing>> {
 
 /// Whether sides of a polygon cross or touch each other.
 pub(crate) fn is_crossed(polygon: &[PlanRing]) -> bool {
-    let sides: Vec<[DVec2; 2]> =
-        polygon.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])).collect();
+    let sides: Vec<[DVec2; 2]> = polygon.iter().flat_map(|ring| sides(ring)).collect();
     if sides.len() > FEW_CORNERS {
         let whole: f64 = area_m2(&[polygon.to_vec()]);
         return (area_m2(&repaired(polygon)) - whole).abs() > 1e-6 * whole.abs();
@@ -76,7 +69,7 @@ pub(crate) fn is_crossed(polygon: &[PlanRing]) -> bool {
     }) || area_m2(&[polygon.to_vec()]) <= 0.0
 }
 
-/// The same area by polygons that do not cross themselves: what an odd number of rings encloses.
+/// Polygons that do not cross themselves, of the area that an odd number of the polygon's rings encloses.
 pub(crate) fn repaired(polygon: &[PlanRing]) -> Vec<Vec<PlanRing>> {
     let from = origin_of(polygon);
     lifted(flat(std::slice::from_ref(&polygon.to_vec()), from).concat().simplify_shape(FillRule::EvenOdd), from)
@@ -126,8 +119,8 @@ fn lifted(shapes: Flat, from: DVec2) -> Vec<Vec<PlanRing>> {
 }
 
 fn is_sliver(ring: &[DVec2]) -> bool {
-    let area = 0.5 * twice_area(ring).abs();
-    let length: f64 = ring.iter().zip(ring.iter().cycle().skip(1)).map(|(a, b)| a.distance(*b)).sum();
+    let area = signed_area_m2(ring).abs();
+    let length: f64 = sides(ring).map(|[a, b]| a.distance(b)).sum();
     area < SLIVER_M2 || area < 0.5 * THIN_M * length
 }
 

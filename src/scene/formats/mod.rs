@@ -177,7 +177,11 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
     }
     // SQLite reads a GeoPackage itself.
     let is_database = known(&ending) == Some(Format::Features(FeatureFormat::GeoPackage));
-    if packed && let Some(geometry) = features::zipped_shapefile(path, asked)? {
+    let may_be_shapefile = matches!(known(&ending), None | Some(Format::Features(FeatureFormat::Shapefile)));
+    if packed
+        && may_be_shapefile
+        && let Some(geometry) = features::zipped_shapefile(path, asked)?
+    {
         return finished(geometry);
     }
     let NamedBytes { name, bytes } = match is_database {
@@ -193,12 +197,12 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
         Format::AsciiGrid => return ascii_grid::parse(&bytes, path).map(Content::Terrain),
         Format::GeoTiff => return geotiff::parse(&bytes, path).map(Content::Terrain),
         Format::EnergyPlus => energyplus::parse(&bytes, path, asked),
-        Format::Features(kind) => features::parse(kind, &bytes, path, asked),
+        Format::Features(kind) => features::parse(kind, bytes, path, asked),
         Format::Gltf => gltf::parse(&bytes, path, asked),
         Format::Honeybee => honeybee::parse(&bytes, path, asked),
         Format::Json if honeybee::is_model(&bytes) => honeybee::parse(&bytes, path, asked),
         Format::Json if energyplus::is_model(&bytes) => energyplus::parse(&bytes, path, asked),
-        Format::Json if features::is_geojson(&bytes) => features::parse(FeatureFormat::GeoJson, &bytes, path, asked),
+        Format::Json if features::is_geojson(&bytes) => features::parse(FeatureFormat::GeoJson, bytes, path, asked),
         // The name in a zip cannot be that of CityGML, which was read before.
         Format::CityGml => citygml::read(path, asked),
         Format::CityJson | Format::Json => cityjson::parse(&bytes, path, asked),

@@ -16,7 +16,7 @@ use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-pub(crate) use self::zip::{ShapefileParts, shapefile as shapefile_in_zip};
+pub(crate) use self::zip::ShapefileParts;
 use heliotile_core::error::{Error, Result};
 
 /// The bytes of a file: at most 4 GiB unpacked, and beyond 256 MiB 200 times as many as packed.
@@ -43,6 +43,11 @@ pub(crate) fn read_named(path: &Path, action: &'static str) -> Result<NamedBytes
         Some(single) => NamedBytes { name: Some(single.name), bytes: single.bytes },
         None => NamedBytes { name: None, bytes },
     })
+}
+
+/// The shapefile in a zip; `None` if it holds none.
+pub(crate) fn zipped_shapefile(path: &Path) -> Result<Option<ShapefileParts>> {
+    zip::shapefile(&fs::read(path).map_err(|source| refused(path, "read", source))?, path)
 }
 
 /// The same, piece by piece.

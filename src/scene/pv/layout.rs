@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::rows::RowsOfModules;
 use crate::covering::surfaces::Surface;
+use crate::plan::is_within;
 
 /// A module in input coordinates, metres.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,13 +68,7 @@ impl Outline {
 
     /// Whether a convex shape lies in the area, so far from all edges.
     fn holds(&self, shape: &[DVec2; 4], setback_m: f64) -> bool {
-        let inside = |p: DVec2| {
-            let crossed = self
-                .edges
-                .iter()
-                .filter(|[a, b]| (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x));
-            crossed.count() % 2 == 1
-        };
+        let inside = |p: DVec2| is_within(self.edges.iter().copied(), p);
         let sides = || shape.iter().zip(shape.iter().cycle().skip(1));
         let middle = shape.iter().sum::<DVec2>() / 4.0;
         // Corners may lie on the edge.

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec2;
 
+use crate::plan::signed_area_m2;
 use crate::semantics::SurfaceKind;
 use crate::surface_city::floor::Moved;
 use crate::surface_city::lattice::Lattice;
@@ -137,7 +138,7 @@ impl Buildings<'_> {
             for ring in rings {
                 let plan = outline(&self.lines, ring);
                 let corners: Vec<Corner> = plan.iter().map(|place| self.corner(&heights, *piece, *place)).collect();
-                numbers.push((area(&plan), writer.ring(&corners)?));
+                numbers.push((signed_area_m2(&plan), writer.ring(&corners)?));
             }
             // The outline is the one ring that turns counter-clockwise.
             numbers.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -195,13 +196,6 @@ impl Buildings<'_> {
         }
         Ok(())
     }
-}
-
-/// Signed area in plan, m2.
-pub(super) fn area(ring: &[DVec2]) -> f64 {
-    let Some(first) = ring.first() else { return 0.0 };
-    let next = ring.iter().cycle().skip(1);
-    0.5 * ring.iter().zip(next).map(|(a, b)| (*a - *first).perp_dot(*b - *first)).sum::<f64>()
 }
 
 /// Faces between what lies left and right of a straight line: one where one side is the higher one all along, else one for each piece

@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::DVec2;
 
-use crate::surface_city::buildings::{area, outline};
+use crate::plan::signed_area_m2;
+use crate::surface_city::buildings::outline;
 use crate::surface_city::lattice::Lattice;
 use crate::surface_city::layers::Layers;
 use crate::surface_city::outlines::{FIRST_ROOF, Link};
@@ -35,8 +36,8 @@ impl<'a> Rings<'a> {
         for (piece, rings) in self.rings {
             let whole = self.cells.get(piece).copied().unwrap_or_default() as f64 * layers.cell_m2();
             let plans: Vec<Vec<DVec2>> = rings.iter().map(|ring| outline(lines, ring)).collect();
-            let drawn: f64 = plans.iter().map(|plan| area(plan)).sum();
-            let outlines = plans.iter().filter(|plan| area(plan) > 0.0).count();
+            let drawn: f64 = plans.iter().map(|plan| signed_area_m2(plan)).sum();
+            let outlines = plans.iter().filter(|plan| signed_area_m2(plan) > 0.0).count();
             if !(LEAST_AREA * whole..=MOST_AREA * whole).contains(&drawn) || outlines != 1 {
                 found.extend(rings.iter().flatten().map(|link| link.chain));
                 continue;

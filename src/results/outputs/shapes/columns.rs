@@ -119,7 +119,7 @@ impl MapColumns {
         }
     }
 
-    /// The same with what the model states of objects.
+    /// Adds columns of what the model states of objects.
     pub fn stating(mut self, stated: &StatedColumns) -> Self {
         for (name, kind) in &stated.columns {
             self.texts.push(name.clone());

@@ -76,6 +76,11 @@ impl MapFormat {
         matches!(self, MapFormat::Glb | MapFormat::Png)
     }
 
+    /// Whether it holds names and numbers beside shapes.
+    fn has_columns(self) -> bool {
+        !matches!(self, MapFormat::Ply | MapFormat::Png)
+    }
+
     /// Whether it has marks for places without an extent.
     pub fn shows_points(self) -> bool {
         matches!(self, MapFormat::Png | MapFormat::Ply)
@@ -159,7 +164,8 @@ impl<'a> MapWriter<'a> {
     /// Starts a map; errors as of [`MapRequest::columns`].
     pub fn create(request: MapRequest<'a>, shapes: PlaceShapes<'a>) -> Result<Self> {
         let columns = request.columns()?;
-        let stated = StatedColumns::of(request.archives.iter().copied(), &columns.names())?;
+        let archives = request.archives.iter().copied().filter(|_| request.format.has_columns());
+        let stated = StatedColumns::of(archives, &columns.names())?;
         let columns = columns.stating(&stated);
         let rows = RowSpool::new(&request.folder, request.memory_bytes, &columns);
         let series = match request.format {

@@ -31,7 +31,7 @@ const KNOWN: [&str; 21] = [
     "averageHeight",
 ];
 
-/// Those of them whose values are numbers.
+/// Attributes of [`KNOWN`] whose values are numbers.
 const NUMBERS: [&str; 7] = [
     "measuredHeight",
     "storeysAboveGround",

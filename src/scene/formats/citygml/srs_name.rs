@@ -1,7 +1,7 @@
 //! Names of coordinate systems as GML spells them. In: the text of `srsName`. Out: numbers of the EPSG register, the unit of heights, and whether
 //! the axes follow the register.
 
-use crate::epsg_numbers::height_unit_m;
+use crate::epsg_numbers::{epsg_numbers_in, height_unit_m};
 
 /// A coordinate system as a file states it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,7 +27,7 @@ impl SrsName {
         if let Some(epsg) = of_german_surveys(&upper) {
             return SrsName { epsg: Some(epsg), ..SrsName::default() };
         }
-        let mut numbers = parts(&upper).filter_map(last_number);
+        let mut numbers = epsg_numbers_in(&upper).into_iter();
         SrsName {
             epsg: numbers.next(),
             height_unit_m: numbers.next().and_then(height_unit_m),
@@ -35,16 +35,6 @@ impl SrsName {
             longitude_first: false,
         }
     }
-}
-
-/// The systems that a text names, one after the other.
-fn parts(upper: &str) -> impl Iterator<Item = &str> {
-    let behind = upper.find("EPSG").and_then(|at| upper.get(at..)).unwrap_or_default();
-    behind.split([',', '&', '+', '?'])
-}
-
-fn last_number(part: &str) -> Option<u32> {
-    part.split(['/', ':', '#', '=']).rfind(|word| !word.is_empty())?.parse().ok()
 }
 
 /// Names of the working group of German surveys (AdV, GeoInfoDok 7.1, annex on coordinate reference systems): UTM of ETRS89, Gauss-Krueger

@@ -150,7 +150,7 @@ fn a_solid_and_its_surfaces_count_once() {
         );
         assert_eq!(left_out(&geometry), 0, "{:?}", geometry.left_out);
     }
-    // The same volume drawn by other corners: the surfaces count, since they have names.
+    // A solid drawn by other corners than its thematic surfaces: the surfaces count, since they have names.
     let other = solid(2, &ALL).replace("gml:id=\"p", "gml:id=\"q").replace("10", "10.5");
     let geometry = read(&building(&(surfaces() + &other)));
     assert_eq!((geometry.face_count(), left_out(&geometry), geometry.vertices.len()), (6, 1, 8));

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::epsg_numbers::{Axes, axes_of, epsg_in_text};
+use crate::epsg_numbers::{Axes, axes_of, epsg_numbers_in};
 use crate::formats::cityjson::document::Document;
 use crate::reference::Reference;
 use crate::text::excerpt;
@@ -49,7 +49,7 @@ impl Frame {
 
 /// Where `metadata.referenceSystem` says that coordinates lie; coordinates in degrees are an error.
 pub(super) fn reference(text: &str, file: &Path, warnings: &mut Vec<String>) -> Result<Option<Reference>> {
-    let number = epsg_in_text(text);
+    let number = epsg_numbers_in(text).first().copied();
     let axes = number.and_then(axes_of);
     if axes == Some(Axes::Geocentric) {
         let what = format!("coordinates are geocentric: `metadata.referenceSystem` is `{}`", excerpt(text.as_bytes()));
@@ -91,7 +91,7 @@ mod tests {
             ("EPSG", None),
             ("Amersfoort / RD New", None),
         ] {
-            assert_eq!(epsg_in_text(text), expected, "{text}");
+            assert_eq!(epsg_numbers_in(text).first().copied(), expected, "{text}");
         }
     }
 

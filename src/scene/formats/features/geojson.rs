@@ -12,7 +12,7 @@ use serde_json::{Map, Value};
 
 use super::feature::{Feature, TakeFeature};
 use super::system::FeatureSystem;
-use crate::epsg_numbers::epsg_in_text;
+use crate::epsg_numbers::epsg_numbers_in;
 use crate::text::{excerpt, without_byte_order_mark};
 
 /// Geometries within geometries: collections of collections are deeper in hostile files only.
@@ -70,8 +70,8 @@ pub(super) fn read(bytes: &[u8], file: &Path, take: &mut TakeFeature) -> Result<
     let system = match reading.crs {
         None => FeatureSystem::WGS84,
         Some(name) if name.to_uppercase().contains("CRS84") => FeatureSystem::WGS84,
-        Some(name) => match epsg_in_text(&name) {
-            Some(epsg) => FeatureSystem::of_epsg(epsg),
+        Some(name) => match epsg_numbers_in(&name).first() {
+            Some(epsg) => FeatureSystem::of_epsg(*epsg),
             None => FeatureSystem::of_text(&name),
         },
     };

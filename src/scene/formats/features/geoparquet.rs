@@ -18,13 +18,13 @@ use crate::text::excerpt;
 /// Structures within structures: Overture has three.
 const DEPTH: usize = 8;
 
-pub(super) fn read(bytes: &[u8], file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
+pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
     let wrong = |error: ParquetError| {
         let text = error.to_string();
         let what = format!("it cannot be read as Parquet: {}", excerpt(text.as_bytes()));
         Error::input(file, None, what, "the file is damaged or cut off: fetch or export it again")
     };
-    let reader = SerializedFileReader::new(bytes::Bytes::copy_from_slice(bytes)).map_err(wrong)?;
+    let reader = SerializedFileReader::new(bytes::Bytes::from(bytes)).map_err(wrong)?;
     let metadata = reader.metadata().file_metadata();
     let geo = metadata.key_value_metadata().into_iter().flatten().find(|entry| entry.key == "geo");
     let geo: Value = geo.and_then(|entry| serde_json::from_str(entry.value.as_deref()?).ok()).unwrap_or(Value::Null);

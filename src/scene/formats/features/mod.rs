@@ -43,11 +43,11 @@ pub(super) enum FeatureFormat {
 }
 
 /// Reads a file of features; `bytes` are its own where they were read, plain.
-pub(super) fn parse(format: FeatureFormat, bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
+pub(super) fn parse(format: FeatureFormat, bytes: Vec<u8>, file: &Path, asked: &Asked) -> Result<Geometry> {
     let mut collector = Collector::new(file, asked);
     let mut take = |feature| collector.add(feature);
     let system = match format {
-        FeatureFormat::GeoJson => geojson::read(bytes, file, &mut take),
+        FeatureFormat::GeoJson => geojson::read(&bytes, file, &mut take),
         FeatureFormat::GeoPackage => geopackage::read(file, &mut take),
         FeatureFormat::GeoParquet => geoparquet::read(bytes, file, &mut take),
         FeatureFormat::Shapefile => shapefile::read(bytes, file, &mut take),
@@ -57,9 +57,8 @@ pub(super) fn parse(format: FeatureFormat, bytes: &[u8], file: &Path, asked: &As
 
 /// Reads the shapefile in a zip; `None` if it holds none.
 pub(super) fn zipped_shapefile(file: &Path, asked: &Asked) -> Result<Option<Geometry>> {
-    let bytes = std::fs::read(file).map_err(heliotile_core::error::Error::io(file, "read"))?;
-    let Some(members) = input::shapefile_in_zip(&bytes, file)? else { return Ok(None) };
+    let Some(parts) = input::zipped_shapefile(file)? else { return Ok(None) };
     let mut collector = Collector::new(file, asked);
-    let system = shapefile::read_parts(&members, file, &mut |feature| collector.add(feature))?;
+    let system = shapefile::read_parts(&parts, file, &mut |feature| collector.add(feature))?;
     collector.finish(system).map(Some)
 }

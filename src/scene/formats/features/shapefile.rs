@@ -14,15 +14,16 @@ use super::feature::{Feature, FeaturePolygon, TakeFeature};
 use super::system::FeatureSystem;
 use crate::formats::sidecar;
 use crate::input::ShapefileParts;
+use crate::plan::{is_within, sides};
 use crate::text::{excerpt, utf8};
 
 /// What is no height in shapefiles: numbers below stand for none (Esri 1998, "Numeric Types").
 const NO_DATA: f64 = -1e38;
 
 /// Reads the shapes in `bytes`, with the table and the system that lie beside the file.
-pub(super) fn read(bytes: &[u8], file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
+pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
     let parts = ShapefileParts {
-        shapes: bytes.to_vec(),
+        shapes: bytes,
         table: sidecar::bytes_beside(file, "dbf")?,
         system: sidecar::bytes_beside(file, "prj")?,
     };
@@ -90,7 +91,11 @@ fn polygons<P: HasXY>(rings: &[PolygonRing<P>], height: impl Fn(&P) -> f64) -> V
         let PolygonRing::Inner(points) = ring else { continue };
         let hole = corners(points);
         let first = hole.first().copied().unwrap_or_default().truncate();
-        let within = polygons.iter().position(|polygon| polygon.first().is_some_and(|outline| holds(outline, first)));
+        let holds = |outline: &Vec<DVec3>| {
+            let plan: Vec<DVec2> = outline.iter().map(|corner| corner.truncate()).collect();
+            is_within(sides(&plan), first)
+        };
+        let within = polygons.iter().position(|polygon| polygon.first().is_some_and(holds));
         match within.and_then(|at| polygons.get_mut(at)) {
             Some(polygon) => polygon.push(hole),
             // Drawn the other way round: an outline of its own.
@@ -98,14 +103,6 @@ fn polygons<P: HasXY>(rings: &[PolygonRing<P>], height: impl Fn(&P) -> f64) -> V
         }
     }
     polygons
-}
-
-/// Whether a place lies within a ring: crossings of a ray to the east (Shimrat 1962).
-fn holds(ring: &[DVec3], at: DVec2) -> bool {
-    let sides = ring.iter().zip(ring.iter().cycle().skip(1));
-    let crossings =
-        sides.filter(|(a, b)| (a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * (b.x - a.x));
-    crossings.count() % 2 == 1
 }
 
 /// Faces of a multipatch (Esri 1998, "MultiPatch"); rings of unknown order are outlines.

@@ -78,7 +78,7 @@ impl Placing {
                     "its coordinates are stated as longitude and latitude, but reach from {:.1} {:.1} to {:.1} {:.1}",
                     low.x, low.y, high.x, high.y
                 );
-                let hint = "they are metres of some system: write the file with its system (GeoJSON with a `crs`, or .gpkg, .fgb), or \
+                let hint = "they are metres of some system: write the file with its system (GeoJSON with a `crs`, or .gpkg), or \
                             reproject it to EPSG:4326";
                 return Err(Error::input(file, None, what, hint));
             }

@@ -166,9 +166,7 @@ fn damaged_files_do_no_harm() {
     for ending in ["geojson", "gpkg", "shp.zip", "parquet", "shp", "dbf"] {
         let whole = match ending {
             "shp" | "dbf" => {
-                let bytes = std::fs::read(town("shp.zip")).expect("there");
-                let parts =
-                    crate::input::shapefile_in_zip(&bytes, Path::new("town.zip")).expect("a zip").expect("a shapefile");
+                let parts = crate::input::zipped_shapefile(&town("shp.zip")).expect("a zip").expect("a shapefile");
                 let table = parts.table.expect("a table");
                 std::fs::write(folder.path().join("x.dbf"), &table).expect("written");
                 std::fs::write(folder.path().join("x.shp"), &parts.shapes).expect("written");
