@@ -10,6 +10,7 @@ mod atlas;
 mod audit;
 mod buildings;
 mod canopy;
+mod cities;
 mod cityjson;
 mod cityjson_out;
 mod cli;

@@ -24,9 +24,6 @@ const OFF_A_METRE: f32 = 0.0035;
 
 /// Triangles of less, in cells, are rounding.
 const NO_AREA: f64 = 1e-9;
-/// Triangles that are turned over by less, twice their area in cells, are left out: their neighbours overlap by that much.
-const NEARLY_FLAT: f64 = 0.1;
-
 /// Where corners of cells lie in plan if not on the grid.
 pub(super) type Moved = HashMap<Spot, DVec2>;
 
@@ -127,13 +124,6 @@ fn distances(layers: &Layers, pieces: &Lattice<u32>) -> Lattice<f32> {
 }
 
 impl Floor {
-    /// Corners of triangles that are turned over because corners moved.
-    pub(super) fn turned(&self, layers: &Layers, moved: &Moved) -> Vec<Spot> {
-        let least = -NEARLY_FLAT * layers.cell_m2();
-        let is_turned = |triangle: &&[Spot; 3]| doubled(layers, moved, triangle) < least;
-        self.triangles.iter().filter(is_turned).flatten().copied().collect()
-    }
-
     /// Writes the ground.
     pub(super) fn write(&self, writer: &mut Writer, layers: &Layers, moved: &Moved) -> Result<()> {
         let object = writer.object(NAME, &ObjectNote::default());

@@ -12,7 +12,8 @@
 //!
 //! Roofs are planes and not cells with a height each: a year's sums go by tilt and area, and a noise of 0.1 m on cells of 0.5 m tilts
 //! them by 11 degrees. Since each line is drawn once for both of its sides, and a wall stands on it, nothing gapes. Where straight lines would cross,
-//! those of the pieces in question stay along the sides of cells.
+//! they go from corner to corner of cells, and where these cross too, along the sides of cells. Ground that a line passes over is folded: its triangles
+//! that turn over are left out, and their neighbours lie on each other or below the roof, by at most the width of a cell and a half.
 
 mod buildings;
 mod crowns;
@@ -42,7 +43,7 @@ use layers::{Companions, Layer, Layers};
 use outlines::{Chain, FIRST_ROOF, GROUND, OUTSIDE, chains, rings};
 use roofs::{Roofs, roofs};
 use standing::{Standing, standing};
-use straight::{Polyline, straightened};
+use straight::{Drawing, Polyline, straightened};
 use writer::Writer;
 
 use crate::geometry::Geometry;
@@ -57,8 +58,8 @@ const GIVES_WAY: f64 = 0.5;
 /// Steps to the eight corners around one.
 const AROUND: [Spot; 8] = [[-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
 
-/// Straight lines are taken back so often before all of them are.
-const ROUNDS: usize = 6;
+/// So many times lines that cross others are drawn closer to their cells, before all of them are drawn along cells. Cities need 3.
+const ROUNDS: usize = 10;
 
 /// A city, and a sentence on what it is made of.
 pub(crate) struct City {
@@ -79,7 +80,7 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
     }
     let chains = chains(&pieces);
     let rings = rings(&chains);
-    let drawn = draw(&layers, &chains, &roofs, &floor, &simple::Rings::new(&rings, &pieces));
+    let drawn = draw(&layers, &chains, &roofs, &simple::Rings::new(&rings, &pieces));
     let mut geometry = Geometry::default();
     geometry.reference = dsm.raster.reference;
     geometry.in_metres = dsm.raster.plane_unit_m.is_some();
@@ -164,30 +165,30 @@ struct Drawn {
     kept: usize,
 }
 
-/// Draws lines straight as far as roofs and ground stay what they are.
-fn draw(layers: &Layers, chains: &[Chain], roofs: &Roofs, floor: &Floor, simple: &simple::Rings) -> Drawn {
-    let mut pinned = vec![false; chains.len()];
+/// Draws lines straight as far as outlines of roofs do not cross themselves.
+fn draw(layers: &Layers, chains: &[Chain], roofs: &Roofs, simple: &simple::Rings) -> Drawn {
+    let mut drawings = vec![Drawing::Fitted; chains.len()];
     let planes = |chain: &Chain| {
         let of = |piece: u32| roof_of(&roofs.list, piece).map(|roof| roof.plane);
         Some([of(chain.left)?, of(chain.right)?])
     };
     for round in 0..=ROUNDS {
-        let lines = straightened(chains, layers, planes, &pinned);
-        let moved = moved(layers, chains, &lines);
+        let lines = straightened(chains, layers, planes, &drawings);
         let mut bad: BTreeSet<usize> = simple.crossed(layers, &lines);
-        let turned: BTreeSet<Spot> = floor.turned(layers, &moved).into_iter().collect();
-        let touches = |chain: &&Chain| chain.corners.iter().any(|corner| turned.contains(corner));
-        bad.extend(chains.iter().enumerate().filter(|(_, chain)| touches(chain)).map(|(number, _)| number));
-        bad.retain(|number| pinned.get(*number) == Some(&false));
+        bad.retain(|number| drawings.get(*number) < Some(&Drawing::Cells));
         if bad.is_empty() {
-            let kept = pinned.iter().filter(|pinned| **pinned).count();
-            return Drawn { lines, moved, kept };
+            let kept = drawings.iter().filter(|drawing| **drawing == Drawing::Cells).count();
+            return Drawn { moved: moved(layers, chains, &lines), lines, kept };
         }
-        for (number, pinned) in pinned.iter_mut().enumerate() {
-            *pinned |= bad.contains(&number) || round + 1 >= ROUNDS;
+        for (number, drawing) in drawings.iter_mut().enumerate() {
+            if round + 1 >= ROUNDS {
+                *drawing = Drawing::Cells;
+            } else if bad.contains(&number) {
+                *drawing = drawing.closer();
+            }
         }
     }
-    let lines = straightened(chains, layers, planes, &vec![true; chains.len()]);
+    let lines = straightened(chains, layers, planes, &vec![Drawing::Cells; chains.len()]);
     Drawn { moved: Moved::new(), lines, kept: chains.len() }
 }
 

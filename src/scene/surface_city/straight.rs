@@ -27,6 +27,27 @@ const MOST_MOVED: f64 = 1.5;
 const HELD: f64 = 1e-3;
 const HELD_FAST: f64 = 0.3;
 
+/// How a chain is drawn. Each kind strays less from the sides of its cells than the one before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Drawing {
+    /// Along lines that fit the middles of its sides.
+    Fitted,
+    /// Straight from one corner of cells to another; these are where the fitted lines would meet.
+    Chords,
+    /// Along all of its sides.
+    Cells,
+}
+
+impl Drawing {
+    /// The kind that strays less.
+    pub(super) fn closer(self) -> Drawing {
+        match self {
+            Drawing::Fitted => Drawing::Chords,
+            _ => Drawing::Cells,
+        }
+    }
+}
+
 /// A straight line in plan.
 #[derive(Clone, Copy, Debug)]
 struct Line {
@@ -52,22 +73,22 @@ pub(super) struct Polyline {
     pub corners: Vec<usize>,
 }
 
-/// Draws all chains; those that are pinned stay along the sides of cells. `planes` are those of the two pieces of a chain of roofs.
+/// Draws chains. `planes` are those of the two pieces of a chain of roofs, `drawings` has a kind for each chain.
 pub(super) fn straightened(
     chains: &[Chain],
     layers: &Layers,
     planes: impl Fn(&Chain) -> Option<[Plane; 2]>,
-    pinned: &[bool],
+    drawings: &[Drawing],
 ) -> Vec<Polyline> {
     let cell = layers.cell_m();
     let mut all: Vec<Vec<Stretch>> = Vec::new();
-    // Lines that end at a corner; none where it is pinned.
+    // Lines that end at a corner; none where a chain that is not fitted ends there.
     let mut at_nodes: HashMap<Spot, Option<Vec<Line>>> = HashMap::new();
-    for (chain, pinned) in chains.iter().zip(pinned) {
+    for (chain, drawing) in chains.iter().zip(drawings) {
         let places: Vec<DVec2> = chain.corners.iter().map(|corner| layers.corner(*corner)).collect();
         let ridge = planes(chain).and_then(|[a, b]| ridge(&places, a, b, cell));
         let stretches = match ridge {
-            _ if *pinned => Vec::new(),
+            _ if *drawing == Drawing::Cells => Vec::new(),
             Some(line) => vec![Stretch { sides: 0..places.len().saturating_sub(1), line }],
             None => stretches(&places, cell),
         };
@@ -75,7 +96,7 @@ pub(super) fn straightened(
         for (corner, stretch) in ends {
             let Some(corner) = corner else { continue };
             let lines = at_nodes.entry(*corner).or_insert_with(|| Some(Vec::new()));
-            match stretch {
+            match stretch.filter(|_| *drawing == Drawing::Fitted) {
                 Some(stretch) => lines.iter_mut().for_each(|lines| lines.push(stretch.line)),
                 None => *lines = None,
             }
@@ -89,10 +110,23 @@ pub(super) fn straightened(
             _ => place,
         }
     };
-    chains.iter().zip(all).map(|(chain, stretches)| polyline(chain, &stretches, layers, node)).collect()
+    let at = |corner: Spot, lines: &[Line], drawing: Drawing| match drawing {
+        Drawing::Fitted => meeting(layers.corner(corner), lines, cell),
+        _ => layers.corner(corner),
+    };
+    let drawn = chains.iter().zip(all).zip(drawings);
+    drawn
+        .map(|((chain, all), drawing)| polyline(chain, &all, node, |corner, lines| at(corner, lines, *drawing)))
+        .collect()
 }
 
-fn polyline(chain: &Chain, stretches: &[Stretch], layers: &Layers, node: impl Fn(Spot) -> DVec2) -> Polyline {
+/// Draws a chain through the corners at which its stretches meet; through all of its corners if it has no stretches.
+fn polyline(
+    chain: &Chain,
+    stretches: &[Stretch],
+    node: impl Fn(Spot) -> DVec2,
+    inner: impl Fn(Spot, &[Line]) -> DVec2,
+) -> Polyline {
     let last = chain.corners.len().saturating_sub(1);
     let breaks: Vec<usize> = match stretches {
         [] => (0..=last).collect(),
@@ -103,8 +137,8 @@ fn polyline(chain: &Chain, stretches: &[Stretch], layers: &Layers, node: impl Fn
         let Some(corner) = chain.corners.get(at) else { continue };
         let place = match (i.checked_sub(1).and_then(|i| stretches.get(i)), stretches.get(i)) {
             _ if at == 0 || at == last => node(*corner),
-            (Some(one), Some(two)) => meeting(layers.corner(*corner), &[one.line, two.line], layers.cell_m()),
-            _ => layers.corner(*corner),
+            (Some(one), Some(two)) => inner(*corner, &[one.line, two.line]),
+            _ => inner(*corner, &[]),
         };
         line.points.push(place);
         line.corners.push(at);

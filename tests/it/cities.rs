@@ -1,0 +1,98 @@
+//! Footprints, rasters and CityGML through the commands that stand on a scene: parts of a region, archives, surroundings of EnergyPlus.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use crate::cli::{Folder, golden, stderr, stdout};
+
+/// The scenes, by what they are.
+fn sources(folder: &Folder) -> [(&'static str, String); 3] {
+    let data = |name: &str| Path::new(crate::ROOT).join("tests/data").join(name).display().to_string();
+    let text = fs::read_to_string(data("citygml/small.gml")).expect("a model");
+    // Two tiles with half of the city objects each.
+    let (head, rest) = text.split_once("<core:cityObjectMember>").expect("members");
+    let (members, tail) = rest.rsplit_once("</core:cityObjectMember>").expect("members");
+    let members: Vec<&str> = members.split("</core:cityObjectMember>").collect();
+    fs::create_dir_all(folder.path("tiles")).expect("a folder");
+    for tile in 0..2 {
+        let of_tile = members.iter().enumerate().filter(|(i, _)| i * 2 / members.len() == tile);
+        let member = |(i, text): (usize, &&str)| {
+            let open = if i == 0 { "<core:cityObjectMember>" } else { "" };
+            format!("{open}{text}</core:cityObjectMember>")
+        };
+        let text = format!("{head}{}{tail}", of_tile.map(member).collect::<String>());
+        folder.write(&format!("tiles/tile_{tile}.gml"), &text);
+    }
+    let street = |layer: &str| format!("--{} {}", layer, data(&format!("rasters/street_{layer}.tif")));
+    let rasters = ["dsm", "dem", "canopy", "landcover"].map(street).join(" ");
+    [("footprints", data("footprints/town.gpkg")), ("rasters", rasters), ("citygml", "tiles".to_owned())]
+}
+
+fn done(folder: &Folder, command: &str) -> Output {
+    let output = folder.run(command);
+    assert_eq!(output.status.code(), Some(0), "{command}: {}", stderr(&output));
+    output
+}
+
+/// Sums by receiver, sorted: name, and the rest of the row.
+fn sums(folder: &Folder, place: &str) -> Vec<String> {
+    let command = format!("replay {place} --weather {} --every total", golden().display());
+    let mut rows: Vec<String> = stdout(&done(folder, &command)).lines().map(str::to_owned).collect();
+    rows.sort();
+    rows
+}
+
+/// Each kind of source, cut into parts that see the whole of it, gives the rows of the one archive to the digit.
+#[test]
+fn parts_are_the_whole() {
+    let folder = Folder::new();
+    for (kind, scene) in sources(&folder) {
+        done(&folder, &format!("receivers {scene} --spacing 8m -o {kind}.csv"));
+        done(&folder, &format!("build {scene} -r {kind}.csv --quality draft -o {kind}.helio"));
+        done(&folder, &format!("partition {scene} --spacing 8m --quality draft --part-size 40m --sample 0 -o {kind}"));
+        done(&folder, &format!("build {kind} --part all"));
+        let parts = fs::read_dir(folder.path(kind).join("parts")).expect("parts").count();
+        let (whole, atlas) = (sums(&folder, &format!("{kind}.helio")), sums(&folder, kind));
+        println!("{kind}: {} receivers in {parts} parts", whole.len() - 1);
+        assert!(parts > 1 && whole.len() > 20, "{kind}: {parts} parts, {} receivers", whole.len() - 1);
+        assert_eq!(whole, atlas, "{kind}");
+    }
+}
+
+/// A folder of two tiles has the surfaces of the file that they were cut from.
+#[test]
+fn tiles_are_the_file() {
+    let folder = Folder::new();
+    let file = Path::new(crate::ROOT).join("tests/data/citygml/small.gml");
+    let surfaces = |scene: &str| {
+        let text = stdout(&done(&folder, &format!("info {scene}")));
+        let lines = text.lines().filter(|line| line.starts_with(' '));
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    sources(&folder);
+    let (one, two) = (surfaces(&file.display().to_string()), surfaces("tiles"));
+    assert!(one.len() > 5);
+    assert_eq!(one, two);
+}
+
+/// Each kind of source stands around the box of a model of EnergyPlus as shades when it is moved there.
+#[test]
+fn surroundings_of_a_model() {
+    let folder = Folder::new();
+    folder.write("box.idf", include_str!("../data/energyplus/box.idf"));
+    let rasters = Path::new(crate::ROOT).join("tests/data/rasters");
+    let street = |layer: &str| format!("{layer} = {:?}\n", rasters.join(format!("street_{layer}.tif")));
+    let layers: String = ["dsm", "dem", "canopy", "landcover"].map(street).concat();
+    folder.write("street.toml", &format!("[[scene]]\n{layers}"));
+    let at = [("footprints", "691600,5334800"), ("rasters", "500030,5700030"), ("citygml", "565060,5935020")];
+    for ((kind, scene), (_, place)) in sources(&folder).into_iter().zip(at) {
+        let scene = if kind == "rasters" { "street.toml" } else { &scene };
+        let command = format!("energyplus box.idf --quality draft --scene {scene} --at {place} -o {kind}");
+        let output = done(&folder, &command);
+        let text = fs::read_to_string(folder.path(kind).join("model.idf")).expect("a model");
+        let shades = text.matches("Shading:Site:Detailed,").count();
+        println!("{kind}: {shades} shades");
+        assert!(shades > 8, "{kind}: {shades}: {}", stderr(&output));
+    }
+}
