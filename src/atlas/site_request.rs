@@ -4,9 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::opened::Atlas;
+use crate::plan::is_atlas;
 use crate::sources::sources_of;
 use heliotile_builder::transfer::Selection;
 use heliotile_builder::writing::copy::folder_of;
+use heliotile_builder::writing::guards::is_archive;
 use heliotile_core::archive::Access;
 use heliotile_core::error::Result;
 use heliotile_core::memory::MemoryBudget;
@@ -14,9 +16,10 @@ use heliotile_core::replay::components::{Component, ComponentList, ComponentSet}
 use heliotile_core::weather::series::Weather;
 use heliotile_remote::places::open_archive;
 use heliotile_results::{
-    Archives, BeforeSide, BuildingsRequest, BuildingsSummary, CompareRequest, CompareSummary, Every, FactorsRequest,
-    FileRequest, Illumination, LightChoice, PlacesRequest, PlacesSummary, Provenance, QueryRequest, ReceiverChoice,
-    ReceiverSet, ReplayRequest, Resources, Sources, SunlightDone, SunlightRequest, SunlightSite, Tile, TileStream,
+    Archives, BeforeSide, BuildingsRequest, BuildingsSummary, ComfortDone, ComfortRequest, CompareRequest,
+    CompareSummary, Every, FactorsRequest, FileRequest, Illumination, LightChoice, PlacesRequest, PlacesSummary,
+    Provenance, QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, Sources, SunlightDone,
+    SunlightRequest, SunlightSite, Tile, TileStream,
 };
 
 /// An archive, or an atlas whose parts are asked like one archive.
@@ -173,6 +176,26 @@ impl SiteRequest {
         self.stream(year, &request.output, about, resources, |stream, archives| {
             request.write(stream, archives, &self.place)
         })
+    }
+
+    /// How warm it is for people at points with six planes each.
+    pub fn comfort(
+        &self,
+        request: &ComfortRequest,
+        files: &FileRequest,
+        about: Provenance,
+        resources: &Resources,
+    ) -> Result<ComfortDone> {
+        let read: Vec<&Path> = request.files().collect();
+        request.check(files, &self.inputs(&read))?;
+        self.stream(&request.stream(), &files.output, about, resources, |stream, archives| {
+            request.write(files, stream, archives, &self.place)
+        })
+    }
+
+    /// Whether an archive or an atlas is at a place, by its name or its first bytes; what is at an address is one, or nothing that is read.
+    pub fn is_at(place: &Path) -> bool {
+        is_archive(place) || is_atlas(place)
     }
 
     /// What surroundings reflect over the sun's position.

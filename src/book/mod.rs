@@ -67,6 +67,9 @@ pub mod mirrors_and_glass {}
 #[doc = include_str!("longwave.md")]
 pub mod longwave {}
 
+#[doc = include_str!("comfort.md")]
+pub mod comfort {}
+
 #[doc = include_str!("energyplus.md")]
 pub mod energyplus {}
 

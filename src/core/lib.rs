@@ -5,7 +5,7 @@
 //! Rooms from left to right; none imports one to its right, and no two import each other (a test reads the imports).
 //!
 //! ```text
-//! error units text named memory hemisphere | observer | orientation | site | layers | archive | opened weather | sky | light | replay | sunlight
+//! error units text named memory hemisphere | observer | orientation | site | layers | archive | opened weather | sky | light | replay | sunlight comfort
 //! ```
 //!
 //! | room | in | out |
@@ -20,6 +20,7 @@
 //! | [`light`] | layers and tables of an open site, reflectances | responses: what arrives by way of surfaces, one vector a sky texel |
 //! | [`replay`] | an open site, conditions | irradiance of each receiver by component |
 //! | [`sunlight`] | a site, dates, sky bits | when receivers see the sun, with a bound |
+//! | [`comfort`] | irradiance around a person, air, wind | mean radiant temperature, UTCI, PET |
 //!
 //! # What never happens
 //!
@@ -51,6 +52,7 @@
 #![deny(missing_docs)]
 
 pub mod archive;
+pub mod comfort;
 pub mod error;
 pub mod hemisphere;
 pub mod layers;

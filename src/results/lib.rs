@@ -18,6 +18,7 @@
 //! | [`pv`] | light on solar modules, their best turns |
 //! | [`run`] | from scene files to a folder of a year's results in one go |
 //! | `sky_components` | what an overcast sky gives beside open ground |
+//! | `comfort` | how warm it is for people: [`ComfortRequest`], [`ComfortSiteRequest`] |
 //! | `sunlight` | hours of possible sun, the sun in mirrors, and rules about either: [`SunlightRequest`] |
 //! | `tradeoff` | what accuracy costs on a site: [`TradeoffRequest`] |
 //! | `update` | an archive after edits of its scene: [`UpdateRequest`] |
@@ -35,6 +36,7 @@ pub mod along;
 mod archives;
 mod buildings;
 mod checks;
+mod comfort;
 mod compare;
 pub mod covering;
 mod doubts;
@@ -62,6 +64,10 @@ pub use buildings::{BuildingsRequest, BuildingsSummary};
 pub use checks::{
     AuditReport, AuditRequest, ComponentErrors, HourKindErrors, RepairDone, RepairRequest, SkyViewErrors, Verdict,
     WorstPair, is_time,
+};
+pub use comfort::{
+    ClassShare, ComfortChoice, ComfortColumn, ComfortDone, ComfortRequest, ComfortSiteRequest, Posture, SunOnPerson,
+    SurfaceTemperatures, WindChoice,
 };
 pub use compare::{
     BeforeSide, CompareRequest, CompareSummary, Illumination, LOSSES_PERCENT, LossCounts, VariantSummary,

@@ -121,7 +121,10 @@ impl<'a> Series<'a> {
             all.filter_map(|(condition, chosen)| chosen.then_some(condition)).collect();
         if let Some(temperatures) = request.longwave() {
             let emissions = emissions(weather, &request.weather, chosen, temperatures, resources.files)?;
-            conditions.iter_mut().zip(emissions).for_each(|(condition, emission)| condition.emission = Some(emission));
+            let air = weather.air.iter().zip(chosen).filter_map(|(air, chosen)| chosen.then_some(*air));
+            for ((condition, emission), air) in conditions.iter_mut().zip(emissions).zip(air) {
+                (condition.emission, condition.air) = (Some(emission), Some(air));
+            }
         }
         let dates = dated.dates.iter().zip(chosen).filter_map(|(date, chosen)| chosen.then_some(*date));
         let stamps =

@@ -14,6 +14,7 @@ mod cities;
 mod cityjson;
 mod cityjson_out;
 mod cli;
+mod comfort;
 mod compare;
 mod damage;
 mod energyplus;

@@ -12,6 +12,7 @@ use heliotile_core::layers::cells::Cell;
 use heliotile_core::layers::extras::ReceiverExtras;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
+use heliotile_core::layers::sky_bitmap::SkyBitmap;
 use heliotile_core::opened::{CellSource, OpenSite};
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::morton::morton_key;
@@ -96,6 +97,16 @@ impl Layers for () {
 
     fn of_tile(_: &OpenSite, _: u32, receivers: usize) -> Result<Vec<Self>> {
         Ok(vec![(); receivers])
+    }
+}
+
+impl Layers for SkyBitmap {
+    fn kinds() -> Vec<BlockKind> {
+        vec![format::SKY]
+    }
+
+    fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
+        site.tile_sky(tile, receivers)
     }
 }
 

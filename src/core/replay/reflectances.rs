@@ -253,9 +253,7 @@ fn members(site: &Path, materials: &[Material], name: &str) -> Result<Vec<usize>
     let found = found.into_iter().find(|members| !members.is_empty());
     let found: Vec<usize> = match (found, name) {
         (Some(found), _) if !name.is_empty() => found,
-        (_, "ground") => of_class(Class::Ground),
-        (_, "obstruction") => of_class(Class::Obstruction),
-        _ => Vec::new(),
+        (_, name) => Class::of_name(name).map(of_class).unwrap_or_default(),
     };
     if found.is_empty() {
         let mut groups: Vec<&str> = materials.iter().filter_map(|m| m.group.as_deref()).collect();

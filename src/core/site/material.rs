@@ -26,6 +26,19 @@ impl Class {
         Class::ALL.get(usize::from(code)).copied()
     }
 
+    /// Its name, wherever users give one.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Class::Ground => "ground",
+            Class::Obstruction => "obstruction",
+        }
+    }
+
+    /// The class of a name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Class::ALL.into_iter().find(|class| class.name() == name)
+    }
+
     /// Place in arrays that have one value a class.
     pub const fn index(self) -> usize {
         self.code() as usize

@@ -14,6 +14,8 @@ pub struct Air {
     pub infrared_w_m2: Option<f64>,
     /// Tenths of the sky that clouds hide.
     pub opaque_sky_tenths: Option<f64>,
+    /// Wind at 10 m above the ground, m/s.
+    pub wind_m_s: Option<f64>,
 }
 
 impl Air {
@@ -66,7 +68,7 @@ mod tests {
 
     fn air(dry_bulb_c: f64, dew_point_c: f64, opaque_sky_tenths: f64) -> Air {
         let [dry_bulb_c, dew_point_c, opaque_sky_tenths] = [dry_bulb_c, dew_point_c, opaque_sky_tenths].map(Some);
-        Air { dry_bulb_c, dew_point_c, opaque_sky_tenths, infrared_w_m2: None }
+        Air { dry_bulb_c, dew_point_c, opaque_sky_tenths, ..Air::default() }
     }
 
     /// By hand: at 20 and a dew point of 10 degrees Celsius a clear sky has an emissivity of 0.787 + 0.764 ln(283.15 / 273.15) =

@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::site::north::North;
 use crate::text::separator_hint;
 use crate::units::direction_from_degrees;
+use crate::weather::air::Air;
 use crate::weather::emission::Emission;
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::SOLAR_CONSTANT_W_M2;
@@ -59,6 +60,8 @@ pub struct Condition {
     pub stamp: Option<Stamp>,
     /// Present where longwave irradiance is asked for.
     pub emission: Option<Emission>,
+    /// The air of the hour, present with the emission.
+    pub air: Option<Air>,
 }
 
 impl Condition {
@@ -79,6 +82,7 @@ impl Condition {
             extraterrestrial_w_m2: SOLAR_CONSTANT_W_M2,
             stamp: None,
             emission: None,
+            air: None,
         }
     }
 

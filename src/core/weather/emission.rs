@@ -11,6 +11,11 @@ pub fn black_body_w_m2(celsius: f64) -> f64 {
     STEFAN_BOLTZMANN * (celsius + ZERO_CELSIUS_K).powi(4)
 }
 
+/// The temperature of a black surface that sends so much, degrees Celsius: the inverse of [`black_body_w_m2`]. None below 0 W/m2.
+pub fn black_body_c(w_m2: f64) -> Option<f64> {
+    (0.0..f64::INFINITY).contains(&w_m2).then(|| (w_m2 / STEFAN_BOLTZMANN).sqrt().sqrt() - ZERO_CELSIUS_K)
+}
+
 /// What a receiver gets that sees nothing but sky, ground or obstructions, W/m2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
@@ -32,6 +37,8 @@ mod tests {
     fn black_bodies() {
         for (celsius, expected) in [(0.0, 315.66), (20.0, 418.77), (-273.15, 0.0)] {
             assert!((black_body_w_m2(celsius) - expected).abs() < 0.01, "{celsius}: {}", black_body_w_m2(celsius));
+            assert!(black_body_c(black_body_w_m2(celsius)).is_some_and(|back| (back - celsius).abs() < 1e-9));
         }
+        assert_eq!((black_body_c(-1.0), black_body_c(f64::NAN)), (None, None));
     }
 }

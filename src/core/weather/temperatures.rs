@@ -46,15 +46,9 @@ impl FromStr for Temperature {
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let (name, value) = text.split_once('=').unwrap_or((text, ""));
-        let class = match name {
-            "ground" => Class::Ground,
-            "obstruction" => Class::Obstruction,
-            _ => {
-                return Err(format!(
-                    "`{name}` has no view factors, `ground` and `obstruction` have: as in ground=12.5"
-                ));
-            }
-        };
+        let class = Class::of_name(name).ok_or_else(|| {
+            format!("`{name}` has no view factors, `ground` and `obstruction` have: as in ground=12.5")
+        })?;
         let of = match value.parse::<f64>() {
             Ok(celsius) if CELSIUS.holds(celsius) => Given::Constant(celsius),
             Ok(_) => return Err(format!("`{value}` is not from {} to {} degrees Celsius", CELSIUS.low, CELSIUS.high)),

@@ -23,8 +23,8 @@ pub use self::line::{
     CompletionsArgs, EverywhereArgs, ManArgs, again, command_of, option_of, parse, quoted, worded, worded_text,
 };
 pub use self::results::{
-    BuildingsArgs, CompareArgs, EnergyplusArgs, ExportArgs, FactorsArgs, GlareArgs, PlacesArgs, PvArgs, QueryArgs,
-    RecombineArgs, ReplayArgs, RulesArgs, SiteArgs, SunlightArgs, TableArgs, ViewArgs, YearArgs,
+    BuildingsArgs, ComfortArgs, CompareArgs, EnergyplusArgs, ExportArgs, FactorsArgs, GlareArgs, PlacesArgs, PvArgs,
+    QueryArgs, RecombineArgs, ReplayArgs, RulesArgs, SiteArgs, SunlightArgs, TableArgs, ViewArgs, YearArgs,
 };
 pub use self::sites::{
     AccuracyArgs, AuditArgs, BuildArgs, CatalogueArgs, ClockArgs, CoverArgs, FindArgs, FootprintArgs, MaterialsArgs,
@@ -77,6 +77,8 @@ pub enum Command {
     Sunlight(SunlightArgs),
     /// When mirrors and glass facades throw the sun at receivers, which pane does, and what rules say of it
     Glare(GlareArgs),
+    /// How warm it is for people outdoors: mean radiant temperature, UTCI and PET of points of a site, by hour or over periods
+    Comfort(ComfortArgs),
     /// The rules that `sunlight` and `glare` know
     Rules(RulesArgs),
     /// What surroundings reflect on receivers or surfaces over the sun's position: EnergyPlus's factors

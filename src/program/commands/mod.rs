@@ -3,6 +3,7 @@
 pub mod atlas;
 pub mod audit;
 pub mod build;
+pub mod comfort;
 mod console;
 pub mod copy;
 pub mod energyplus;
@@ -75,6 +76,7 @@ fn run_command(command: &Command, about: Provenance) -> Result<Outcome> {
         Command::Compare(args) => replay::compare(args, about),
         Command::Sunlight(args) => sunlight::run(args, about),
         Command::Glare(args) => sunlight::glare(args, about),
+        Command::Comfort(args) => comfort::run(args, about),
         Command::Rules(args) => sunlight::rules(args),
         Command::Factors(args) => replay::factors(args, about),
         Command::Buildings(args) => replay::buildings(args, about),

@@ -129,6 +129,9 @@ class ArchiveHandle:
     def places(
         self, light: dict[str, Any], replay: dict[str, Any], files: str, progress: Progress | None
     ) -> tuple[int, int]: ...
+    def comfort(
+        self, light: dict[str, Any], replay: dict[str, Any], asked: str, progress: Progress | None
+    ) -> tuple[int, int]: ...
     def sunlight(self, receivers: Any, asked: str, memory: int, progress: Progress | None) -> str: ...
     def extract(
         self, output: str, receivers: Any, with_scene: bool, memory: int, progress: Progress | None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from . import _heliotile
 from .given import wrong
-from .options import MEMORY, Progress, QueryOptions, ReplayOptions, Wanted, WantedArgs, check, conditions_source, light_args, replay_args, wanted_args
+from .options import MEMORY, ComfortOptions, Progress, QueryOptions, ReplayOptions, Wanted, WantedArgs, check, conditions_source, light_args, replay_args, wanted_args
 from .results import Results
 from .weather import weather_request
 
@@ -238,6 +238,40 @@ class Askable(ABC):
         """
         request = {"output": os.fspath(output), "best": best, "module_m": list(module), "on": on, "clearance_m": clearance}
         return self._of_year("places", weather, request, options)
+
+    def comfort(
+        self,
+        output: str | os.PathLike[str],
+        weather: Any,
+        *,
+        columns: Sequence[str] = (),
+        above: Sequence[float] = (26.0, 32.0, 38.0, 46.0),
+        posture: str = "standing",
+        sun_on: str = "cylinder",
+        surfaces: str = "sol-air",
+        film: float = 17.0,
+        emissivity: Mapping[str, float] | None = None,
+        absorptance: Mapping[str, float] | None = None,
+        wind: float | str | os.PathLike[str] = 1.0,
+        plots: Sequence[str | os.PathLike[str]] = (),
+        geo: bool = False,
+        **options: Unpack[ComfortOptions],
+    ) -> tuple[int, int]:
+        """How warm it is for people at the points of an archive of `heliotile comfort`, as files: numbers of points and of hours.
+
+        `output`: a table or a map by its ending. `columns`: some of `"mrt"`, `"utci"`, `"pet"`, `"air"`, `"wind"`, `"shortwave"` and `"longwave"`. Rows of `every="day"`
+        and longer count the hours with a UTCI `above` these, degrees Celsius. `posture`: `"standing"` or `"sitting"`. `sun_on`: `"cylinder"` or
+        `"box"`. `surfaces` are as warm as `"sol-air"` or `"air"` where `temperature` gives nothing; `film` in W/m2K. `emissivity` and `absorptance` are
+        those of `"ground"` and `"obstruction"`. `wind`: a factor of the weather's, or a CSV with a column `wind_m_s`.
+        """
+        check("comfort", options, ComfortOptions)
+        shares = [[f"{name}={share}" for name, share in (given or {}).items()] for given in (emissivity, absorptance)]
+        choice = {"columns": list(columns), "above_c": list(above), "posture": posture, "sun_on": sun_on, "surfaces": surfaces, "film_w_m2_k": film}
+        choice |= {"emissivity": shares[0], "absorptance": shares[1], "wind": os.fspath(wind) if isinstance(wind, os.PathLike) else str(wind)}
+        asked = json.dumps({"choice": choice, "files": files_request(output, "receiver", geo, plots)})
+        # Longwave brings temperature, humidity and wind of the air with it.
+        light: ReplayOptions = {**options, "columns": ["sun_direct", "total", "longwave"]}
+        return self._open(None).comfort(light_args(light), replay_args(weather, light), asked, options.get("progress"))
 
     def sunlight(
         self,

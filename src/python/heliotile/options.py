@@ -29,15 +29,9 @@ WantedArgs: TypeAlias = "list[str] | str | dict[str, list[Any]] | None"
 MEMORY = 4 << 30
 
 
-class QueryOptions(TypedDict, total=False):
-    """Choices of a query, and of a replay besides.
+class LightOptions(TypedDict, total=False):
+    """Which light counts, for all questions to archives.
 
-    columns
-        Names of components; default: the six and their `total`.
-    receivers
-        An id, ids, a table with a column `receiver`, or one of `{"objects": names}` (buildings too), `{"surfaces": names}` and
-        `{"bbox": (xmin, ymin, xmax, ymax)}`, with `zmin, zmax` behind it if heights count; default: all. A `pathlib.Path` is a CSV file with a
-        column `receiver`; a text is always an id. Tiles without any of them are neither read nor computed.
     reflectance, transmittance
         By group, material or class: a number from 0 to 1, the path of a CSV file, or an array with a value for each row of the
         weather, or twelve for the months.
@@ -49,8 +43,6 @@ class QueryOptions(TypedDict, total=False):
         Called now and then with the stage, how much of it is done, and how much there is.
     """
 
-    columns: Sequence[str] | None
-    receivers: Wanted | None
     reflectance: Mapping[str, Follow] | None
     transmittance: Mapping[str, Follow] | None
     sky: str
@@ -61,8 +53,23 @@ class QueryOptions(TypedDict, total=False):
     progress: Progress | None
 
 
-class ReplayOptions(QueryOptions, total=False):
-    """Choices of a replay.
+class QueryOptions(LightOptions, total=False):
+    """Choices of a query, and of a replay besides.
+
+    columns
+        Names of components; default: the six and their `total`.
+    receivers
+        An id, ids, a table with a column `receiver`, or one of `{"objects": names}` (buildings too), `{"surfaces": names}` and
+        `{"bbox": (xmin, ymin, xmax, ymax)}`, with `zmin, zmax` behind it if heights count; default: all. A `pathlib.Path` is a CSV file with a
+        column `receiver`; a text is always an id. Tiles without any of them are neither read nor computed.
+    """
+
+    columns: Sequence[str] | None
+    receivers: Wanted | None
+
+
+class PeriodOptions(TypedDict, total=False):
+    """Which hours of a weather file count, and what rows stand for.
 
     every
         `"hour"`: means over the intervals of the weather, W/m2. `"day"`, `"month"`, `"year"`, `"total"`: sums, kWh/m2.
@@ -89,6 +96,14 @@ class ReplayOptions(QueryOptions, total=False):
     year: int | None
     start: str | None
     end: str | None
+
+
+class ReplayOptions(QueryOptions, PeriodOptions, total=False):
+    """Choices of a replay."""
+
+
+class ComfortOptions(LightOptions, PeriodOptions, total=False):
+    """Choices of comfort, beside those of people and surfaces."""
 
 
 def check(function: str, options: Mapping[str, Any], known: type) -> None:

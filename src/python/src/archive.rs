@@ -35,8 +35,9 @@ use heliotile_core::replay::factors::FACTORS;
 use heliotile_remote::places::open_archive;
 use heliotile_results::outputs::tables::rows::{Cell, Records};
 use heliotile_results::{
-    BeforeSide, BuildingsRequest, CompareRequest, FactorRows, FileRequest, PartReceivers, PlacesRequest, Provenance,
-    ReceiverChoice, ReceiverSet, Resources, Sources, SunlightRequest, SunlightSite, TileStream,
+    BeforeSide, BuildingsRequest, ComfortChoice, ComfortRequest, CompareRequest, FactorRows, FileRequest, Illumination,
+    PartReceivers, PlacesRequest, Provenance, ReceiverChoice, ReceiverSet, Resources, Sources, SunlightRequest,
+    SunlightSite, TileStream,
 };
 use heliotile_scene::input;
 
@@ -78,6 +79,14 @@ struct Comparison {
 #[serde(deny_unknown_fields)]
 struct Sunlight {
     request: SunlightRequest,
+    files: FileRequest,
+}
+
+/// What is asked of comfort, and where that goes.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Comfort {
+    choice: ComfortChoice,
     files: FileRequest,
 }
 
@@ -338,6 +347,34 @@ impl ArchiveHandle {
             request.check(&[&self.place])?;
             let done = request.write(stream, self.sources.borrowed(), &self.place)?;
             Ok((done.places, done.receivers))
+        })
+    }
+
+    /// How warm it is for people, into files: numbers of points and of hours.
+    #[pyo3(signature = (light, replay, asked, progress))]
+    fn comfort(
+        &self,
+        py: Python<'_>,
+        light: LightArgs,
+        replay: ReplayArgs,
+        asked: &str,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<(u64, u64)> {
+        let Comfort { choice, files } = request(asked).map_err(|error| raised(py, error))?;
+        let filled = Filled::new(light, Forcing::Weather(Box::new(replay))).map_err(|error| raised(py, error))?;
+        let Illumination::Weather(replay) = &filled.request else { return Ok((0, 0)) };
+        let request = ComfortRequest { replay: (**replay).clone(), choice };
+        let stream = Illumination::Weather(Box::new(request.stream()));
+        let filled = filled.under(stream);
+        work::run(py, progress.as_ref(), |watch| {
+            request.check(&files, &[&self.place])?;
+            let receivers = self.choose(None, filled.memory)?;
+            let archives = self.sources.borrowed();
+            filled.with_series(archives, &SystemTemp, watch, |series, resources| {
+                let stream = TileStream { receivers: &receivers, light: filled.light(), series, resources };
+                let done = request.write(&files, &stream, archives, &self.place)?;
+                Ok((done.points, done.hours))
+            })
         })
     }
 

@@ -238,6 +238,11 @@ impl Filled {
         Ok(Filled { request, given, memory, options })
     }
 
+    /// The same files under another request.
+    pub fn under(self, request: Illumination) -> Self {
+        Filled { request, ..self }
+    }
+
     /// Light that counts.
     pub fn light(&self) -> &LightChoice {
         self.request.light()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import re
 import struct
+from typing import Any
 from pathlib import Path
 
 import heliotile
@@ -150,14 +151,14 @@ def test_pages_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
 
 
 def test_the_book_names_every_command() -> None:
-    """The table of the book has a line for each of the program's 34 commands, and all that it calls exists."""
+    """The table of the book has a line for each of the program's 35 commands, and all that it calls exists."""
     lines = (ROOT / "src" / "book" / "python.md").read_text().splitlines()
     start = lines.index("| program | Python |") + 2
     table = [line.strip("| ").split(" | ", 1) for line in lines[start : lines.index("", start)]]
     commands = {word.split()[0] for left, _ in table for word in re.findall(r"`([^`]+)`", left)}
     listed = printed("--help").split("Commands:")[1].split("\n\n")[0]
     known = {line.split()[0] for line in listed.splitlines() if re.match(r"  [a-z]", line)} - {"help"}
-    assert commands == known and len(known) == 34, commands ^ known
+    assert commands == known and len(known) == 35, commands ^ known
     owners = {"site": heliotile.Archive, "Scene(files)": heliotile.Scene, 'Archive.open("site.helio")': heliotile.Archive, 'Atlas.open("atlas")': heliotile.Atlas}
     for call in (call for _, right in table for call in re.findall(r"`([^`]+)`", right) if not call.startswith("python ")):
         owner = next((owner for owner in owners if call.startswith(owner + ".")), None)
@@ -206,6 +207,24 @@ def test_sunlight(site: heliotile.Archive, tmp_path: Path) -> None:
     assert all(rule["met"] + rule["broken"] + rule["close"] + rule["not_asked"] == site.count for rule in judged["rules"])
     with pytest.raises(heliotile.ArgumentError, match="no day"):
         site.sunlight(tmp_path / "x.csv", "03-32")
+
+
+def test_comfort(tmp_path: Path) -> None:
+    """A table of months of people on a square is that of the program; an archive of roofs says that it holds no people."""
+    corners = [(-30, -30), (30, -30), (30, 30), (-30, 30)]
+    (tmp_path / "s.obj").write_text("".join(f"v {x} {y} 0\n" for x, y in corners) + "usemtl ground\nf 1 2 3 4\n")
+    (tmp_path / "p.csv").write_text("point,x,y\nhere,1,2\nthere,-5,3\n")
+    place = ("--latitude", "52", "--longitude", "5", "--folder", tmp_path / "people", "--points", tmp_path / "p.csv")
+    said = ("--every", "month", "--posture", "sitting", "--emissivity", "ground=0.9", "--temperature", "ground=12.5", "--wind", "0.5")
+    printed("comfort", tmp_path / "s.obj", "-w", YEAR, *place, *said, "-o", tmp_path / "program.csv")
+    people = heliotile.Archive.open(tmp_path / "people" / "site.helio")
+    choice: dict[str, Any] = {"posture": "sitting", "emissivity": {"ground": 0.9}, "temperature": {"ground": 12.5}, "wind": 0.5}
+    assert people.comfort(tmp_path / "python.csv", YEAR, every="month", **choice) == (2, 8760)
+    assert (tmp_path / "python.csv").read_bytes() == (tmp_path / "program.csv").read_bytes()
+    with pytest.raises(heliotile.ArgumentError, match="film"):
+        people.comfort(tmp_path / "x.csv", YEAR, film=0.0)
+    with pytest.raises(TypeError, match="receivers"):
+        people.comfort(tmp_path / "x.csv", YEAR, receivers="here")  # type: ignore[call-arg]
 
 
 def test_glare(tmp_path: Path) -> None:

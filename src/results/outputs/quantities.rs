@@ -31,6 +31,10 @@ pub enum Measure {
     Minutes,
     /// Minutes after midnight; tables show a reading of the clock.
     Clock,
+    /// A temperature.
+    Celsius,
+    /// A time.
+    Hours,
     /// A number whose unit another value says.
     Number,
     /// Whether a rule is met: a [`Verdict`] as a number; tables show its name.
@@ -74,7 +78,7 @@ impl Measure {
             }
             Measure::Clock => Some(String::new()),
             Measure::Verdict => Some(Verdict::name_of(value).to_owned()),
-            Measure::Light | Measure::Percent | Measure::Minutes | Measure::Number => None,
+            _ => None,
         }
     }
 }
@@ -111,7 +115,7 @@ impl Quantity {
         let ending = match self.measure {
             Measure::Light => of_irradiance,
             Measure::Percent => PERCENT,
-            Measure::Minutes | Measure::Clock | Measure::Number | Measure::Verdict => "",
+            _ => "",
         };
         format!("{}{ending}", self.name)
     }

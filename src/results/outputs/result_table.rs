@@ -83,7 +83,7 @@ impl TableRows {
             };
             return Values::Texts((0..values.places()).flat_map(of_place).collect());
         }
-        if matches!(quantity.measure, Measure::Minutes | Measure::Number) {
+        if matches!(quantity.measure, Measure::Minutes | Measure::Number | Measure::Celsius | Measure::Hours) {
             let places = 0..values.places() * values.labels();
             let value = |i: usize| values.value(quantity.source, i / values.labels(), i % values.labels());
             return Values::Numbers(

@@ -35,7 +35,7 @@ use heliotile_scene::Scene;
 use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::input::weather::read_weather_as;
 use heliotile_scene::load::Soup;
-use heliotile_scene::pv::points::{PvPoint, read_points};
+use heliotile_scene::pv::points::{PointDefaults, PvPoint, read_points};
 use heliotile_scene::pv::rows::{RowsOfModules, read_rows};
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
@@ -43,6 +43,8 @@ use light::Light;
 use modules::{GEOMETRY, LaidRows, MATERIALS};
 use results::Results;
 use spots::Spots;
+
+pub(crate) use spots::placed;
 
 /// What is asked of a study of modules.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -254,7 +256,8 @@ impl PvRequest {
         match (&self.points, &self.rows) {
             (Some(file), None) => {
                 let mut warnings = Vec::new();
-                let points = read_points(file, !self.search, &mut warnings)?;
+                let defaults = PointDefaults { needs_turns: !self.search, height_m: None };
+                let points = read_points(file, defaults, &mut warnings)?;
                 warnings.iter().for_each(|text| observer.warn(text));
                 Ok(Wanted::Points(points))
             }

@@ -145,7 +145,7 @@ impl Spots {
 }
 
 /// A point with its height; refused inside of things.
-fn placed(table: &Path, point: &PvPoint, siting: &Siting) -> Result<Spot> {
+pub fn placed(table: &Path, point: &PvPoint, siting: &Siting) -> Result<Spot> {
     let refuse = |what: String, hint: &str| Err(Error::input(table, point.line, what, hint));
     let name = &point.name;
     let z = match point.height {

@@ -39,7 +39,7 @@ pub struct RunFiles {
 impl RunFiles {
     /// Names, by those of the scene and the weather.
     pub fn of(request: &RunRequest, site: &Site) -> RunFiles {
-        let folder = request.folder.clone().unwrap_or_else(|| default_folder(request.scene.first()));
+        let folder = request.folder.clone().unwrap_or_else(|| folder_beside(request.scene.first(), "sun"));
         let results = folder.join(weather_name(&request.weather));
         RunFiles {
             receivers: request.receivers.clone().unwrap_or_else(|| folder.join("receivers.csv")),
@@ -175,11 +175,11 @@ impl RunFiles {
 }
 
 /// `town.city.json` gives `town.sun`, beside nothing: in the folder that one works in.
-fn default_folder(scene: &Path) -> PathBuf {
+pub fn folder_beside(scene: &Path, ending: &str) -> PathBuf {
     let whole = fs::canonicalize(scene).unwrap_or_else(|_| scene.to_owned());
     let name = whole.file_name().unwrap_or_default().to_string_lossy();
     let stem = name.split('.').find(|part| !part.is_empty()).unwrap_or("site");
-    PathBuf::from(format!("{stem}.sun"))
+    PathBuf::from(format!("{stem}.{ending}"))
 }
 
 /// `golden_tmy3.epw` gives `golden_tmy3`; points inside a name stay.

@@ -23,6 +23,8 @@ use crate::resources::Resources;
 use crate::site_archive::{TraceRequest, WaysOut, build_or_reuse};
 use crate::sunlight::{SunlightRequest, SunlightSite};
 use folder::RunFiles;
+
+pub use folder::folder_beside;
 use heliotile_builder::accuracy::conditions::ErrorConditions;
 use heliotile_builder::planning::{AccuracyRequest, EffectsUnder};
 use heliotile_builder::settings::EffectChoice;

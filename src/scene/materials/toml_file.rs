@@ -82,8 +82,7 @@ impl Reader<'_> {
                 ("glass", DeValue::String(text)) if text == "single" => material.glass = Some(Glass::Single),
                 ("glass", DeValue::String(text)) if text == "double" => material.glass = Some(Glass::Double),
                 ("elevation", _) if endless => elevation = Some(self.elevation(value)?),
-                ("class", DeValue::String(text)) if text == "ground" => class = Some(Class::Ground),
-                ("class", DeValue::String(text)) if text == "obstruction" => class = Some(Class::Obstruction),
+                ("class", DeValue::String(text)) if Class::of_name(text).is_some() => class = Class::of_name(text),
                 ("group", DeValue::String(text)) if !text.trim().is_empty() => material.group = Some(text.to_string()),
                 ("class" | "group" | "glass", _) => {
                     let what = format!("`{}` of material `{shown}` is {}", key.get_ref(), self.quote(value));

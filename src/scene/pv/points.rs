@@ -43,17 +43,26 @@ pub enum PointHeight {
     Above(f64),
 }
 
-/// Reads `point,x,y`, one of `z` and `height`, and `tilt,azimuth`, in any order; at least one row. Angles may be left out, all or in some
-/// rows, where `needs_turns` is not set. `warnings` gets the columns that are passed over.
-pub fn read_points(path: &Path, needs_turns: bool, warnings: &mut Vec<String>) -> Result<Vec<PvPoint>> {
+/// What a table of points may leave out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointDefaults {
+    /// Whether each row must say how it is turned.
+    pub needs_turns: bool,
+    /// The height above what is met first from above, metres, where the table has no column of heights; none: it must have one.
+    pub height_m: Option<f64>,
+}
+
+/// Reads `point,x,y`, one of `z` and `height`, and `tilt,azimuth`, in any order; at least one row. `warnings` gets the columns that are passed
+/// over.
+pub fn read_points(path: &Path, defaults: PointDefaults, warnings: &mut Vec<String>) -> Result<Vec<PvPoint>> {
     let mut rows = CsvRows::open(path)?;
     if !rows.advance()? {
         return Err(Error::input(path, None, "the file is empty", format!("begin with the line {HEADER}")));
     }
-    let columns = Columns::find(&rows, needs_turns, warnings)?;
+    let columns = Columns::find(&rows, defaults, warnings)?;
     let (mut points, mut line_of): (Vec<PvPoint>, HashMap<String, usize>) = (Vec::new(), HashMap::new());
     while rows.advance()? {
-        let point = (Row { rows: &rows, columns: &columns }).point(needs_turns)?;
+        let point = (Row { rows: &rows, columns: &columns }).point(defaults)?;
         // File systems may not tell capital letters from small ones.
         if let Some(first) = line_of.insert(point.name.to_lowercase(), point.line) {
             let why = format!("the name of the point in line {first} too");
@@ -77,7 +86,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn find(header: &CsvRows, needs_turns: bool, warnings: &mut Vec<String>) -> Result<Columns> {
+    fn find(header: &CsvRows, defaults: PointDefaults, warnings: &mut Vec<String>) -> Result<Columns> {
         let names: Vec<&str> = header.record.iter().collect();
         let place = |wanted: &str| names.iter().position(|name| *name == wanted);
         let missing = |what: String| {
@@ -95,12 +104,12 @@ impl Columns {
         let (name, [x, y]) = (needed(NAME)?, PLACE);
         let angles = match ANGLES.map(place) {
             [Some(tilt), Some(azimuth)] => Some([tilt, azimuth]),
-            [None, None] if !needs_turns => None,
+            [None, None] if !defaults.needs_turns => None,
             [None, _] => return Err(missing("column `tilt` is missing".into())),
             _ => return Err(missing("column `azimuth` is missing".into())),
         };
         let heights = HEIGHTS.map(place);
-        if heights == [None, None] {
+        if heights == [None, None] && defaults.height_m.is_none() {
             return Err(missing("neither column `z` nor column `height` is there".into()));
         }
         let known =
@@ -120,7 +129,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    fn point(&self, needs_turns: bool) -> Result<PvPoint> {
+    fn point(&self, defaults: PointDefaults) -> Result<PvPoint> {
         let (record, columns) = (&self.rows.record, self.columns);
         if record.len() != columns.count {
             let what = format!("the row has {} cells, the header {}", record.len(), columns.count);
@@ -142,11 +151,21 @@ impl Row<'_> {
             [Some(_), Some(_)] => {
                 return Err(self.rows.error("the row has both a z and a height", "leave one of the two cells empty"));
             }
-            [None, None] => {
-                return Err(self.rows.error("the row has neither a z nor a height", "fill one of the two cells"));
-            }
+            [None, None] => match defaults.height_m {
+                Some(usual) => PointHeight::Above(usual),
+                None => {
+                    return Err(self.rows.error("the row has neither a z nor a height", "fill one of the two cells"));
+                }
+            },
         };
-        Ok(PvPoint { name: name.to_owned(), x: x?, y: y?, height, turn: self.turn(needs_turns)?, line: self.rows.line })
+        Ok(PvPoint {
+            name: name.to_owned(),
+            x: x?,
+            y: y?,
+            height,
+            turn: self.turn(defaults.needs_turns)?,
+            line: self.rows.line,
+        })
     }
 
     /// Names become names of files.
@@ -207,7 +226,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("points.csv");
         std::fs::write(&path, text).expect("written");
-        read_points(&path, needs_turns, &mut Vec::new())
+        read_points(&path, PointDefaults { needs_turns, height_m: None }, &mut Vec::new())
     }
 
     /// Three points by z and by height, in any order of columns and with azimuths of both signs, are read as they stand.

@@ -38,7 +38,7 @@ use heliotile_core::weather::temperatures::emissions;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::receivers::read_receivers_with_warnings;
 use heliotile_scene::pv::layout::{Outline, lay};
-use heliotile_scene::pv::points::read_points;
+use heliotile_scene::pv::points::{PointDefaults, read_points};
 use heliotile_scene::pv::rows::{RowsGround, read_rows};
 use heliotile_scene::site::Site;
 
@@ -500,7 +500,7 @@ fn pv_points(data: &[u8]) {
     let path = file("points.csv", data);
     for needs_turns in [false, true] {
         let mut warnings = Vec::new();
-        if let Ok(points) = read_points(&path, needs_turns, &mut warnings) {
+        if let Ok(points) = read_points(&path, PointDefaults { needs_turns, height_m: None }, &mut warnings) {
             assert!(points.iter().all(|point| point.name.len() < 4096));
         }
     }

@@ -12,7 +12,7 @@ use crate::text::excerpt;
 use crate::weather::air::{Air, dew_point_c};
 use crate::weather::formats::stamp_text::{clock_seconds, digits};
 use crate::weather::formats::stamped::{StampedRows, SteppedRows};
-use crate::weather::judging::raw_weather::{AIR_C, RawRow, RawWeather, irradiance};
+use crate::weather::judging::raw_weather::{AIR_C, RawRow, RawWeather, WIND_M_S, irradiance};
 use crate::weather::judging::station::Station;
 use crate::weather::options::{StampedAt, WeatherOptions};
 use crate::weather::time::calendar::Date;
@@ -25,6 +25,7 @@ const DHI: usize = 14;
 const INFRARED: usize = 16;
 const TEMPERATURE: usize = 38;
 const HUMIDITY: usize = 40;
+const WIND: usize = 42;
 const COUNT: usize = 48;
 
 /// The flag of what cannot be.
@@ -145,6 +146,7 @@ impl SurfradRow<'_> {
             dew_point_c: dry_bulb_c.zip(number(HUMIDITY, [0.1, 100.0])).and_then(|(dry, humidity)| dew(dry, humidity)),
             infrared_w_m2: number(INFRARED, [1.0, 800.0]),
             opaque_sky_tenths: None,
+            wind_m_s: number(WIND, WIND_M_S),
         }
     }
 }

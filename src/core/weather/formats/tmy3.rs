@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::text::excerpt;
 use crate::weather::air::Air;
 use crate::weather::formats::weather_csv::is_watts;
-use crate::weather::judging::raw_weather::{AIR_C, RawRow, RawWeather, irradiance};
+use crate::weather::judging::raw_weather::{AIR_C, RawRow, RawWeather, WIND_M_S, irradiance};
 use crate::weather::judging::station::Station;
 use crate::weather::options::{StampedAt, WeatherOptions};
 use crate::weather::time::calendar::Date;
@@ -42,6 +42,7 @@ struct Columns {
     dry_bulb: Option<usize>,
     dew_point: Option<usize>,
     opaque_sky: Option<usize>,
+    wind: Option<usize>,
     count: usize,
 }
 
@@ -75,6 +76,7 @@ impl Columns {
             dry_bulb: place("dry-bulb"),
             dew_point: place("dew-point"),
             opaque_sky: place("opqcld"),
+            wind: place("wspd"),
             count: names.len(),
         })
     }
@@ -188,6 +190,7 @@ fn air_of(cells: &[&str], columns: &Columns) -> Air {
         dew_point_c: number(cells, columns.dew_point, AIR_C),
         infrared_w_m2: None,
         opaque_sky_tenths: number(cells, columns.opaque_sky, [0.0, 10.0]),
+        wind_m_s: number(cells, columns.wind, WIND_M_S),
     }
 }
 

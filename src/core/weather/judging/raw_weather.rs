@@ -13,6 +13,9 @@ const LOWEST_OFFSET_W_M2: f64 = -30.0;
 /// The coldest and hottest air near the ground, with room: -89 (Vostok, 1983) and 57 degrees Celsius (Death Valley, 1913).
 pub const AIR_C: [f64; 2] = [-90.0, 70.0];
 
+/// Winds that are believed, m/s; 99 and 999 stand for missing.
+pub const WIND_M_S: [f64; 2] = [0.0, 60.0];
+
 /// What a reader makes of a file.
 pub struct RawWeather {
     pub station: Station,

@@ -1,6 +1,7 @@
 //! Arguments of commands that ask archives for light.
 
 mod buildings;
+mod comfort;
 mod energyplus;
 mod export;
 mod pv;
@@ -9,6 +10,7 @@ mod sunlight;
 mod view;
 
 pub use buildings::{BuildingsArgs, PlacesArgs, YearArgs};
+pub use comfort::ComfortArgs;
 pub use energyplus::EnergyplusArgs;
 pub use export::ExportArgs;
 pub use pv::PvArgs;

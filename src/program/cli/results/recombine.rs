@@ -118,6 +118,13 @@ pub struct RecombineArgs {
     /// bounces (further diffuse reflections), mirror-diffuse (diffuse light that meets a mirror, too), mirror-sky (the sky in mirrors)
     #[arg(long, value_name = "NAMES", default_value = "all")]
     pub paths: LightPaths,
+    #[command(flatten)]
+    pub changes: ChangeArgs,
+}
+
+/// Reflectances and transmittances in place of those of the archive.
+#[derive(Args, Debug)]
+pub struct ChangeArgs {
     /// Change a diffuse reflectance: GROUP=0.6, or a material's name, `ground` or `obstruction` in place of the group; may be repeated,
     /// the last one counts
     #[arg(long, value_name = "GROUP=VALUE", value_parser = parse_reflectance)]
@@ -132,17 +139,29 @@ pub struct RecombineArgs {
     pub transmittance: Vec<(String, ConstantOrFile)>,
 }
 
+impl ChangeArgs {
+    /// Files that reflectances and transmittances follow.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        followed_files(&self.schedule, &self.transmittance)
+    }
+
+    /// What is changed.
+    pub fn changes(&self, snow: Option<(Snow, f64)>) -> Changes {
+        Changes {
+            constant: self.reflectance.clone(),
+            scheduled: self.schedule.clone(),
+            transmittance: self.transmittance.clone(),
+            snow,
+        }
+    }
+}
+
 impl RecombineArgs {
     /// The light that counts.
     fn light(&self) -> Result<LightChoice> {
         let hint = "name `bounces` among the paths, or leave it out";
         let paths = self.paths.with_depth(self.bounces).map_err(|what| Error::argument("bounces", what, hint))?;
-        let changes = Changes {
-            constant: self.reflectance.clone(),
-            scheduled: self.schedule.clone(),
-            transmittance: self.transmittance.clone(),
-            snow: None,
-        };
+        let changes = self.changes.changes(None);
         Ok(LightChoice { columns: self.columns.clone(), sky: self.sky, patches: self.patches, paths, changes })
     }
 
@@ -153,7 +172,7 @@ impl RecombineArgs {
 
     /// Files that reflectances and transmittances follow.
     pub fn schedules(&self) -> impl Iterator<Item = &Path> {
-        followed_files(&self.schedule, &self.transmittance)
+        self.changes.files()
     }
 }
 
@@ -237,10 +256,18 @@ impl PeriodArgs {
     /// A replay of a weather file.
     fn request(&self, weather: &Path, common: &RecombineArgs, about: &WeatherArgs) -> Result<ReplayRequest> {
         let mut light = common.light()?;
-        light.changes.snow = self.snow.map(|snow| (snow, self.snow_reflectance));
-        Ok(ReplayRequest {
-            light,
-            about_weather: about.options(false),
+        light.changes.snow = self.snow();
+        Ok(ReplayRequest { light, about_weather: about.options(false), ..self.replay(weather) })
+    }
+
+    /// Where snow comes from, and what it reflects.
+    pub fn snow(&self) -> Option<(Snow, f64)> {
+        self.snow.map(|snow| (snow, self.snow_reflectance))
+    }
+
+    /// A replay of a weather file that is as it says, under the light that is usual.
+    pub fn replay(&self, weather: &Path) -> ReplayRequest {
+        ReplayRequest {
             span: (self.from, self.to),
             year: self.year,
             steps: self.steps.map(usize::from),
@@ -248,7 +275,7 @@ impl PeriodArgs {
             stamp: self.stamp,
             temperatures: self.temperature.clone(),
             ..ReplayRequest::of(weather)
-        })
+        }
     }
 }
 

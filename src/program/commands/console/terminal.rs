@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use super::interrupt::{self, Watch};
 use super::progress_lines::{FIRST_LINE, ProgressLines};
-use super::voice::{aside, is_quiet, note, remark, warn};
+use super::voice::{aside, is_quiet, note, remark, remark_aside, warn};
 use crate::cli::worded_text;
 use heliotile_core::observer::Observer;
 
@@ -20,6 +20,8 @@ pub struct Terminal {
     progress: Progress,
     /// Of work that can go on later: while it lives, Ctrl-C is a request.
     _watch: Option<Watch>,
+    /// Whether standard output is a table, beside which reports go to standard error.
+    is_beside_table: bool,
 }
 
 enum Progress {
@@ -40,7 +42,7 @@ impl Default for Terminal {
             (_, true) => Progress::Bars(Mutex::default()),
             _ => Progress::Lines(OnceLock::new()),
         };
-        Terminal { progress, _watch: None }
+        Terminal { progress, _watch: None, is_beside_table: false }
     }
 }
 
@@ -48,6 +50,11 @@ impl Terminal {
     /// The observer of work that Ctrl-C stops where it can go on later.
     pub fn watching() -> Self {
         Terminal { _watch: Some(interrupt::watch()), ..Terminal::default() }
+    }
+
+    /// The same of a command whose standard output may be a table.
+    pub fn watching_beside_table() -> Self {
+        Terminal { is_beside_table: true, ..Terminal::watching() }
     }
 }
 
@@ -99,6 +106,10 @@ impl Observer for Terminal {
     }
 
     fn report(&self, text: &str) {
+        if self.is_beside_table {
+            remark_aside(text);
+            return;
+        }
         // A reader of standard output that went away ends no work.
         let _ = remark(text);
     }

@@ -162,6 +162,18 @@ impl<'a> Files<'a> {
                 self.write_if(&args.panes, Written::Results { geo: false });
                 self.read_if(&args.days.before, Wanted::Archive);
             }
+            Command::Comfort(args) => {
+                match args.place() {
+                    Some(place) => self.read(place, Wanted::Archive),
+                    None => self.scene(&args.scene),
+                }
+                self.read(&args.weather, Wanted::Weather);
+                self.read_if(&args.people.points, Wanted::Other);
+                self.read_if(&args.accuracy.error_weather, Wanted::Weather);
+                self.inputs.extend(args.tables().map(|table| (table, Wanted::Other)));
+                self.write(&args.output, Written::Results { geo: args.geo });
+                args.plot.iter().for_each(|picture| self.write(picture, Written::File));
+            }
             Command::Factors(args) => self.table(&args.table),
             Command::Buildings(args) => {
                 self.year(&args.year);

@@ -158,7 +158,7 @@ impl Layout {
 
     fn digits(&self, quantity: &Quantity) -> Digits {
         match (quantity.source, quantity.measure) {
-            (_, Measure::Minutes | Measure::Number) => Digits::Decimals(2),
+            (_, Measure::Minutes | Measure::Number | Measure::Celsius | Measure::Hours) => Digits::Decimals(2),
             (ValueSource::Array(_), _) => self.digits_of_irradiance(),
             (ValueSource::Change { kind: ChangeKind::Difference, .. }, _) => Digits::Fewest,
             (ValueSource::Change { kind: ChangeKind::Percent, .. }, _) => Digits::Thousandths,
@@ -217,6 +217,8 @@ impl Layout {
             Measure::Light => self.unit(),
             Measure::Percent => "%",
             Measure::Minutes | Measure::Clock => "min",
+            Measure::Celsius => "degC",
+            Measure::Hours => "h",
             Measure::Number | Measure::Verdict => "1",
         }
     }

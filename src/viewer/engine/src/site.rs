@@ -110,14 +110,6 @@ pub struct Site {
     skies: Vec<String>,
 }
 
-/// The name of a class, as changes take it.
-fn class_name(class: Class) -> &'static str {
-    match class {
-        Class::Ground => "ground",
-        Class::Obstruction => "obstruction",
-    }
-}
-
 impl Site {
     /// Of an archive of so many bytes.
     pub fn of(opened: &Opened, bytes: u64) -> Self {
@@ -127,7 +119,7 @@ impl Site {
         let material = |material: &Material| SiteMaterial {
             name: material.name.clone(),
             group: material.group.clone().unwrap_or_default(),
-            class: class_name(material.class),
+            class: material.class.name(),
             reflectance: material.diffuse,
             changeable: material.transmittance.is_some() || diffuse,
             canopy: material.transmittance.is_some(),
@@ -176,8 +168,8 @@ fn groups(materials: &[Material], diffuse: bool) -> Vec<SiteGroup> {
         let of_its_own = alone.iter().filter(|material| !named.contains(material.name.as_str()));
         of_its_own.map(|material| (material.name.as_str(), vec![*material])).collect()
     } else {
-        let by_class = Class::ALL.into_iter().filter(|class| !taken(class_name(*class)));
-        by_class.map(|class| (class_name(class), materials.iter().filter(|m| m.class == class).collect())).collect()
+        let by_class = Class::ALL.into_iter().filter(|class| !taken(class.name()));
+        by_class.map(|class| (class.name(), materials.iter().filter(|m| m.class == class).collect())).collect()
     };
     let all: Vec<(&str, Vec<&Material>)> = by_group.chain(rest).collect();
     let of = |kind: &'static str, value: fn(&Material) -> Option<f64>| {

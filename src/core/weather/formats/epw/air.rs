@@ -4,13 +4,14 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::weather::air::Air;
-use crate::weather::judging::raw_weather::AIR_C;
+use crate::weather::judging::raw_weather::{AIR_C, WIND_M_S};
 
 /// Places of the columns in a data row.
 const DRY_BULB: usize = 6;
 const DEW_POINT: usize = 7;
 const INFRARED: usize = 12;
 const OPAQUE_SKY: usize = 23;
+const WIND: usize = 21;
 
 const MISSING_RADIATION: f64 = 9999.0;
 
@@ -37,6 +38,7 @@ pub fn read_air(path: &Path, line: usize, cells: &[&str]) -> Result<Air> {
         dew_point_c: optional(DEW_POINT, AIR_C),
         infrared_w_m2,
         opaque_sky_tenths: optional(OPAQUE_SKY, [0.0, 10.0]),
+        wind_m_s: optional(WIND, WIND_M_S),
     })
 }
 

@@ -9,7 +9,7 @@ use crate::weather::formats::weather_csv::cells::{Cells, MISSING_RADIATION, SHOW
 use crate::weather::formats::weather_csv::head::Head;
 use crate::weather::formats::weather_csv::names::{NameMatch, Quantity, StatedUnit, match_name, squash};
 use crate::weather::formats::weather_csv::units::{Unit, looks_like_unit, parse_unit};
-use crate::weather::judging::raw_weather::{AIR_C, RawRow, irradiance_of};
+use crate::weather::judging::raw_weather::{AIR_C, RawRow, WIND_M_S, irradiance_of};
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
 
@@ -46,6 +46,7 @@ pub struct Columns {
     humidity: Option<Column>,
     infrared: Option<Column>,
     opaque_sky: Option<Column>,
+    wind: Option<Column>,
     /// Whether light is given at moments only.
     pub instants: bool,
 }
@@ -110,6 +111,7 @@ impl Columns {
             humidity: find(Quantity::Humidity)?,
             infrared: find(Quantity::Infrared)?,
             opaque_sky: find(Quantity::OpaqueSky)?,
+            wind: find(Quantity::Wind)?,
             names: head.names.clone(),
             instants: false,
         };
@@ -240,6 +242,7 @@ impl Columns {
                 .filter(|dew| (AIR_C[0]..=AIR_C[1]).contains(dew)),
             infrared_w_m2: self.number(cells, self.infrared, infrared, nothing),
             opaque_sky_tenths: self.number(cells, self.opaque_sky, [0.0, 10.0], nothing),
+            wind_m_s: self.number(cells, self.wind, WIND_M_S, nothing),
         }
     }
 

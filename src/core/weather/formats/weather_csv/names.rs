@@ -17,6 +17,7 @@ pub enum Quantity {
     Humidity,
     Infrared,
     OpaqueSky,
+    Wind,
 }
 
 impl Quantity {
@@ -108,6 +109,17 @@ impl Quantity {
                 "allsky_sfc_lw_dwn",
             ],
             Quantity::OpaqueSky => &["opaque_sky_cover", "opqcld", "opaque_cloud_cover"],
+            Quantity::Wind => &[
+                "wind_speed",
+                "windspeed",
+                "ws10m",
+                "wind_speed_10m",
+                "windspeed_10m",
+                "wspd",
+                "ws",
+                "wind",
+                "windvel",
+            ],
         }
     }
 
@@ -121,10 +133,10 @@ impl Quantity {
         }
     }
 
-    /// Whether it is only read for longwave irradiance.
+    /// Whether it is only read for longwave irradiance and for comfort.
     pub const fn is_of_air(self) -> bool {
-        use Quantity::{DewPoint, DryBulb, Humidity, Infrared, OpaqueSky};
-        matches!(self, DryBulb | DewPoint | Humidity | Infrared | OpaqueSky)
+        use Quantity::{DewPoint, DryBulb, Humidity, Infrared, OpaqueSky, Wind};
+        matches!(self, DryBulb | DewPoint | Humidity | Infrared | OpaqueSky | Wind)
     }
 
     /// Whether it is of the ground, which few replays take from weather.
@@ -140,6 +152,7 @@ impl Quantity {
             Quantity::DryBulb | Quantity::DewPoint => Measure::Temperature,
             Quantity::Humidity => Measure::Percent,
             Quantity::OpaqueSky => Measure::Tenths,
+            Quantity::Wind => Measure::Speed,
         }
     }
 
@@ -151,6 +164,7 @@ impl Quantity {
             Measure::Depth => "m, cm, mm or in",
             Measure::Share | Measure::Percent => "% or fraction",
             Measure::Tenths => "tenths, oktas, % or fraction",
+            Measure::Speed => "m/s, km/h, knots or mph",
         }
     }
 
@@ -168,6 +182,7 @@ impl Quantity {
             Quantity::Humidity => "relative humidity",
             Quantity::Infrared => "infrared radiation",
             Quantity::OpaqueSky => "opaque sky cover",
+            Quantity::Wind => "wind speed",
         }
     }
 }

@@ -15,6 +15,8 @@ pub enum Measure {
     Tenths,
     /// To percent.
     Percent,
+    /// To metres a second.
+    Speed,
 }
 
 /// A unit: a number of it times `factor`, plus `offset`.
@@ -127,7 +129,19 @@ pub fn parse_unit(text: &str, measure: Measure) -> Option<Unit> {
             "oktas" | "okta" | "octas" | "octa" | "eighths" | "1/8" => Some(Unit::times(1.25)),
             _ => share(&plain).map(|share| Unit::times(10.0 * share)),
         },
+        Measure::Speed => speed(&plain).map(Unit::times),
         Measure::Percent => share(&plain).map(|share| Unit::times(100.0 * share)).map(exact_percent),
+    }
+}
+
+/// Metres a second of one of a unit of speed.
+fn speed(plain: &str) -> Option<f64> {
+    match plain {
+        "ms" | "ms1" | "meterssecond" | "metressecond" | "mps" => Some(1.0),
+        "kmh" | "kmh1" | "kph" | "kmhr" => Some(1.0 / 3.6),
+        "kn" | "kt" | "kts" | "knot" | "knots" => Some(1852.0 / 3600.0),
+        "mph" | "mih" | "mileshour" => Some(0.447_04),
+        _ => None,
     }
 }
 
@@ -311,7 +325,7 @@ mod tests {
         }
     }
 
-    /// Sixteen units of temperature, depth and shares convert 10 of them to what is expected; four are no unit of the measure.
+    /// Twenty-one units of speed, temperature, depth and shares convert 10 of them to what is expected; four are no unit of the measure.
     #[test]
     fn other_measures() {
         for (text, measure, expected) in [
@@ -327,6 +341,11 @@ mod tests {
             ("%", Measure::Share, 0.1),
             ("fraction", Measure::Share, 10.0),
             ("oktas", Measure::Tenths, 12.5),
+            ("m/s", Measure::Speed, 10.0),
+            ("m s-1", Measure::Speed, 10.0),
+            ("km/h", Measure::Speed, 2.777_778),
+            ("kn", Measure::Speed, 5.144_444),
+            ("mp/h", Measure::Speed, 4.4704),
             ("tenths", Measure::Tenths, 10.0),
             ("percent", Measure::Tenths, 1.0),
             ("%", Measure::Percent, 10.0),

@@ -1,0 +1,39 @@
+//! Outdoor thermal comfort: what air, wind, humidity and radiation mean to a person. In: numbers of
+//! one place and moment. Out: mean radiant temperature, UTCI, PET, solar gain.
+//!
+//! | file | what it holds |
+//! | --- | --- |
+//! | `mean_radiant` | mean radiant temperature from irradiance of six directions, and of a sun on a cylinder |
+//! | `utci` | Universal Thermal Climate Index and its ten stress categories |
+//! | `utci_polynomial` | the 210 published coefficients of the UTCI |
+//! | `pet` | Physiological Equivalent Temperature |
+//! | `pet_balance`, `pet_body` | heat balance of a person behind the PET |
+//! | `clear_sky` | how a clear sky's longwave radiance falls towards the zenith |
+//! | `surroundings` | longwave irradiance of six planes from sky, ground and obstructions |
+//! | `index_curve` | an index of an hour at many places |
+//! | `solar_gain` | SolarCal of ASHRAE 55: effective radiant field of the sun |
+//! | `humidity` | saturation pressure and vapour pressure of water |
+//! | `wind` | wind at the height of a body |
+//! | `bracketed_root` | root of a function of one variable |
+//!
+//! Temperatures are in degrees Celsius, irradiance in W/m2, wind in m/s, pressures in hPa, relative
+//! humidity in percent. A function returns `None` where an input is missing (NaN), infinite or
+//! outside the range of its formula; NaN never comes out.
+//!
+//! Nothing here reads files, knows archives or weather, or keeps state.
+
+mod bracketed_root;
+pub mod clear_sky;
+pub mod humidity;
+pub mod index_curve;
+pub mod mean_radiant;
+pub mod pet;
+mod pet_balance;
+mod pet_body;
+pub mod solar_gain;
+pub mod surroundings;
+pub mod utci;
+mod utci_polynomial;
+#[cfg(test)]
+mod validation_tests;
+pub mod wind;

@@ -1,0 +1,174 @@
+//! Arguments of `comfort`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::recombine::{ChangeArgs, PeriodArgs};
+use crate::cli::values::{Bytes, choice, parse_memory, table_help};
+use crate::cli::{AccuracyArgs, ClockArgs, Metres, SceneArgs};
+use heliotile_atlas::SiteRequest;
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::temperatures::Temperature;
+use heliotile_results::run::folder_beside;
+use heliotile_results::{
+    ClassShare, ComfortChoice, ComfortColumn, ComfortRequest, ComfortSiteRequest, FileRequest, LightChoice, Posture,
+    ReplayRequest, SunOnPerson, SurfaceTemperatures, WindChoice,
+};
+
+/// Help of --output.
+fn output_help() -> String {
+    format!("{}; also maps, as of `replay`", table_help("Table to write"))
+}
+
+#[derive(Args, Debug)]
+#[command(mut_arg("scene", |arg| arg.help(
+    "Archive of people, the folder of an atlas or its address; or scene files, whose archive of people is then built (--folder)"
+)))]
+pub struct ComfortArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Weather file with air temperature, humidity and wind: EPW, TMY3, SURFRAD, CSV or JSON of a service; also packed (.gz, .zip)
+    #[arg(long, short)]
+    pub weather: PathBuf,
+    #[arg(long, short, default_value = "-", help = output_help())]
+    pub output: PathBuf,
+    /// Write .parquet as a map, GeoParquet: polygons, one row a place
+    #[arg(long)]
+    pub geo: bool,
+    /// Draw a map (.png), from above and from the south-west; may be repeated; a table is then written only if --output names one
+    #[arg(long, value_name = "FILE")]
+    pub plot: Vec<PathBuf>,
+    /// Columns, in this order: mrt, utci, pet, air, wind, and six planes each of shortwave and longwave [default: mrt,utci,pet]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub columns: Vec<ComfortColumn>,
+    /// Rows of days and longer count the hours with a UTCI above these
+    #[arg(
+        long,
+        value_name = "CELSIUS",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        default_value = "26,32,38,46"
+    )]
+    pub above: Vec<f64>,
+    /// How people hold themselves
+    #[arg(long, value_parser = choice::<Posture>(), default_value = "standing")]
+    pub posture: Posture,
+    /// How the sun falls on a person
+    #[arg(long, value_parser = choice::<SunOnPerson>(), default_value = "cylinder")]
+    pub sun_on: SunOnPerson,
+    /// How warm surfaces are for which --temperature gives nothing
+    #[arg(long, value_parser = choice::<SurfaceTemperatures>(), default_value = "sol-air")]
+    pub surfaces: SurfaceTemperatures,
+    /// Heat transfer coefficient between surfaces and air, radiation included, W/m2K
+    #[arg(long, value_name = "W/M2K", default_value_t = ComfortChoice::default().film_w_m2_k)]
+    pub film: f64,
+    /// Longwave emissivity of `ground` or `obstruction`; may be repeated [default: ground=0.95, obstruction=0.9]
+    #[arg(long, value_name = "CLASS=SHARE")]
+    pub emissivity: Vec<ClassShare>,
+    /// Share of light that `ground` or `obstruction` absorb, for --surfaces sol-air; may be repeated [default: what their materials do not reflect]
+    #[arg(long, value_name = "CLASS=SHARE")]
+    pub absorptance: Vec<ClassShare>,
+    /// Wind 10 m above the ground: that of the weather file times a factor, or a CSV as for --schedule with a column `wind_m_s`
+    #[arg(long, value_name = "FACTOR|FILE", default_value = "1")]
+    pub wind: WindChoice,
+    #[command(flatten)]
+    pub period: PeriodArgs,
+    #[arg(long, help = SkyModel::described(), default_value = "perez")]
+    pub sky: SkyModel,
+    #[command(flatten)]
+    pub changes: ChangeArgs,
+    #[command(flatten)]
+    pub people: PeopleArgs,
+    #[command(flatten)]
+    pub accuracy: AccuracyArgs,
+    /// Memory to work in, such as 512MiB or 2GiB
+    #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
+    pub memory: Bytes,
+    #[command(flatten)]
+    pub about_weather: ClockArgs,
+}
+
+/// Where the people of a scene stand.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "People of a scene")]
+pub struct PeopleArgs {
+    /// Where people stand, CSV: point,x,y and maybe z or height [default: on the ground, --spacing apart]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["on", "spacing"])]
+    pub points: Option<PathBuf>,
+    /// Kinds of surfaces, or materials, that people stand on; several with commas
+    #[arg(long, value_name = "KINDS", value_delimiter = ',', default_value = "ground")]
+    pub on: Vec<String>,
+    /// Distance between people, such as 2m
+    #[arg(long, value_name = "LENGTH", default_value = "2m")]
+    pub spacing: Metres,
+    /// How high above the ground the middle of a person is
+    #[arg(long, value_name = "LENGTH", default_value = "1.1m")]
+    pub body_height: Metres,
+    /// Folder for receivers.csv and site.helio, which is taken again [default: the name of the first scene file, with .people]
+    #[arg(long, value_name = "FOLDER")]
+    pub folder: Option<PathBuf>,
+    /// Replace what the folder holds of another scene, points or accuracy, which is refused otherwise
+    #[arg(long)]
+    pub replace: bool,
+}
+
+impl ComfortArgs {
+    /// The archive or atlas of people, if one is named.
+    pub fn place(&self) -> Option<&PathBuf> {
+        let [only] = self.scene.scene.as_slice() else { return None };
+        SiteRequest::is_at(only).then_some(only)
+    }
+
+    /// Tables that are read by row of the weather file.
+    pub fn tables(&self) -> impl Iterator<Item = &Path> {
+        let wind = match &self.wind {
+            WindChoice::File(file) => Some(file.as_path()),
+            WindChoice::Factor(_) => None,
+        };
+        self.period.temperature.iter().filter_map(Temperature::file).chain(self.changes.files()).chain(wind)
+    }
+
+    /// The archive of people that is to be built.
+    pub fn site(&self) -> ComfortSiteRequest {
+        let scene = self.scene.request();
+        let beside = || folder_beside(scene.first(), "people");
+        let folder = self.people.folder.clone().unwrap_or_else(beside);
+        ComfortSiteRequest {
+            points: self.people.points.clone(),
+            on: self.people.on.clone(),
+            spacing_m: self.people.spacing.0,
+            height_m: self.people.body_height.0,
+            accuracy: self.accuracy.request_beside(Some(&self.weather), &self.about_weather),
+            replace: self.people.replace,
+            memory: self.memory.into(),
+            ..ComfortSiteRequest::of(scene, folder)
+        }
+    }
+
+    /// What is asked for.
+    pub fn request(&self) -> ComfortRequest {
+        let changes = self.changes.changes(self.period.snow());
+        let light = LightChoice { sky: self.sky, changes, ..LightChoice::default() };
+        let about_weather = self.about_weather.options(true);
+        ComfortRequest {
+            replay: ReplayRequest { light, about_weather, ..self.period.replay(&self.weather) },
+            choice: ComfortChoice {
+                columns: self.columns.clone(),
+                above_c: self.above.clone(),
+                posture: self.posture,
+                sun_on: self.sun_on,
+                surfaces: self.surfaces,
+                film_w_m2_k: self.film,
+                emissivity: self.emissivity.clone(),
+                absorptance: self.absorptance.clone(),
+                wind: self.wind.clone(),
+            },
+        }
+    }
+
+    /// Where results go.
+    pub fn files(&self) -> FileRequest {
+        FileRequest { geo: self.geo, plots: self.plot.clone(), ..FileRequest::of(&self.output) }
+    }
+}

@@ -1,0 +1,34 @@
+//! `heliotile comfort`: how warm it is for people.
+
+use std::path::PathBuf;
+
+use super::Outcome;
+use super::console::terminal::Terminal;
+use crate::cli::ComfortArgs;
+use crate::commands::console::voice::remark_aside;
+use heliotile_atlas::SiteRequest;
+use heliotile_builder::spill::SystemTemp;
+use heliotile_core::error::Result;
+use heliotile_core::text::counted;
+use heliotile_results::{Provenance, Resources};
+use heliotile_scene::input;
+
+/// `heliotile comfort`.
+pub fn run(args: &ComfortArgs, about: Provenance) -> Result<Outcome> {
+    let terminal = Terminal::watching_beside_table();
+    let memory = args.memory.into();
+    let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };
+    let (request, files) = (args.request(), args.files());
+    let place = match args.place() {
+        Some(place) => place.clone(),
+        None => {
+            let site = args.site();
+            request.check(&files, &site.scene.files.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
+            site.build(&terminal)?
+        }
+    };
+    let done = SiteRequest::of(place).comfort(&request, &files, about, &resources)?;
+    // Standard output may be the table.
+    remark_aside(&format!("{} in {}\n", counted(done.points, "point"), counted(done.hours, "hour")));
+    Ok(Outcome::Fine)
+}

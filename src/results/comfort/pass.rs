@@ -1,0 +1,160 @@
+//! From tiles of light to files. In: a request, a stream of the receivers of points. Out: tables, maps and pictures, and what was found.
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use super::climate::{HourClimate, absorptance, climates};
+use super::columns::{ComfortColumn, ComfortColumns};
+use super::persons::{Absorbing, PersonCollector, PersonLight, PersonSet};
+use super::request::{ComfortRequest, WindChoice};
+use crate::archives::Archives;
+use crate::files::{FileRequest, ResultRows, RowFiles, RowsAbout, name_of};
+use crate::outputs::periods::Every;
+use crate::outputs::provenance::Provenance;
+use crate::outputs::quantities::PlaceValues;
+use crate::outputs::tables::layout::{By, Labels, Layout};
+use crate::series::Series;
+use crate::stream::TileStream;
+use heliotile_core::comfort::index_curve::IndexCurve;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::named;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::site::material::{Class, Material};
+use heliotile_core::text::counted;
+
+/// Points that are computed together.
+const POINTS_AT_ONCE: usize = 64;
+
+/// What was found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ComfortDone {
+    /// Points.
+    pub points: u64,
+    /// Hours of the weather that count.
+    pub hours: u64,
+}
+
+/// What all points share.
+struct PointPass<'a> {
+    set: &'a PersonSet,
+    climates: &'a [HourClimate],
+    columns: &'a ComfortColumns,
+    asked: &'a [ComfortColumn],
+    absorbing: Absorbing,
+    rows: &'a Series<'a>,
+}
+
+impl ComfortRequest {
+    /// Writes the files; `place` is that of the archive or of the atlas.
+    pub fn write(
+        &self,
+        files: &FileRequest,
+        stream: &TileStream,
+        archives: Archives,
+        place: &Path,
+    ) -> Result<ComfortDone> {
+        let every = self.replay.every;
+        if files.by != By::Receiver {
+            let hint = "leave it out: a point is no part of a surface";
+            return Err(Error::argument("by", "rows are about points", hint));
+        }
+        let resources = &stream.resources;
+        let (set, looks_up) = PersonSet::of(stream.receivers, place)?;
+        let receivers = stream.receivers.some(&looks_up);
+        let columns = ComfortColumns::new(&self.choice.columns, every, &self.choice.above_c);
+        let asked: Vec<ComfortColumn> = columns.asked().collect();
+        let site = OpenSite::of(archives.first())?;
+        let conditions = &stream.series.conditions;
+        let climates = climates(self, conditions, site.materials(), &asked, resources)?;
+        self.tell_gaps(&climates, stream);
+        let series = stream.series.by(every);
+        let labels = if every == Every::Hour { Labels::Times } else { Labels::Dates };
+        let layout = Layout::of_quantities(labels, By::Receiver, columns.quantities());
+        let rows = ResultRows::of(layout, series.labels.clone(), Some(every));
+        let about = self.about(stream.with_series(&series).about(archives, place), site.materials());
+        let called = format!("{} under {}", name_of(place), series.called);
+        let told = RowsAbout { called, about, place, scene: None };
+        let maps = files.maps(files.plots.iter().map(PathBuf::as_path))?;
+        let mut to = RowFiles::new(&rows, None);
+        if files.wants_table()? {
+            to = to.with_table(&files.output, &receivers, &told.about);
+        }
+        let mut to = to.with_maps(&maps, &receivers, &told, resources)?;
+        to.start()?;
+        let absorbing = Absorbing { body: self.choice.body(), sun: self.choice.sun_on };
+        let (climates, asked) = (climates.as_slice(), asked.as_slice());
+        let pass = PointPass { set: &set, climates, columns: &columns, asked, absorbing, rows: &series };
+        let mut collector = PersonCollector::new(&set);
+        let mut waiting: Vec<PersonLight> = Vec::new();
+        stream.each(self.components(), |tile| {
+            collector.add(tile.ids, tile.values);
+            waiting.extend(collector.complete());
+            if waiting.len() >= POINTS_AT_ONCE {
+                pass.write(&std::mem::take(&mut waiting), &mut to)?;
+            }
+            Ok(!to.is_closed())
+        })?;
+        pass.write(&waiting, &mut to)?;
+        to.finish(resources.observer)?;
+        Ok(ComfortDone { points: set.len() as u64, hours: climates.len() as u64 })
+    }
+
+    /// What the files say of how they were made: every assumption.
+    fn about(&self, about: Provenance, materials: &[Material]) -> Provenance {
+        let choice = &self.choice;
+        let about = about
+            .with("posture", named::name_of(&choice.posture))
+            .with("sun_on_person", named::name_of(&choice.sun_on))
+            .with("surface_temperatures", named::name_of(&choice.surfaces))
+            .with("film_w_m2_k", choice.film_w_m2_k)
+            .with("emissivity_ground", choice.emissivity_of(Class::Ground))
+            .with("emissivity_obstruction", choice.emissivity_of(Class::Obstruction))
+            .with("absorptance_ground", format!("{:.3}", absorptance(choice, Class::Ground, materials)))
+            .with("absorptance_obstruction", format!("{:.3}", absorptance(choice, Class::Obstruction, materials)))
+            .with("person_absorptivity_shortwave", choice.body().shortwave_absorptivity)
+            .with("person_emissivity", choice.body().longwave_emissivity)
+            .with("pet_clothing_clo", choice.person().clothing_clo)
+            .with("pet_activity_met", format!("{:.2}", choice.person().activity_met));
+        match &choice.wind {
+            WindChoice::Factor(factor) => about.with("wind_factor", factor),
+            WindChoice::File(file) => about.with("wind", name_of(file)),
+        }
+    }
+
+    /// Tells of hours in which an index has no value even where a person is as warm as the air.
+    fn tell_gaps(&self, climates: &[HourClimate], stream: &TileStream) {
+        type OfHour = fn(&HourClimate) -> Option<&IndexCurve>;
+        let indices: [(&str, OfHour); 2] = [("UTCI", |hour| hour.utci.as_ref()), ("PET", |hour| hour.pet.as_ref())];
+        for (index, of_hour) in indices {
+            let is_gap = |hour: &&HourClimate| of_hour(hour).is_some_and(|curve| curve.at(hour.air_c).is_none());
+            let without = climates.iter().filter(is_gap).count() as u64;
+            if without > 0 {
+                stream.resources.observer.note(&format!(
+                    "the {index} has no value in {} of {}: air, wind or humidity are outside of its range",
+                    counted(without, "hour"),
+                    climates.len()
+                ));
+            }
+        }
+    }
+}
+
+impl PointPass<'_> {
+    /// Writes the rows of some points.
+    fn write(&self, lights: &[PersonLight], to: &mut RowFiles) -> Result<()> {
+        if lights.is_empty() {
+            return Ok(());
+        }
+        let hours: Vec<f64> = self.climates.iter().map(|climate| climate.hours).collect();
+        let of_point = |light: &PersonLight| {
+            let numbers = light.numbers(self.set, self.climates, self.asked, self.absorbing);
+            self.columns.rows(&numbers, &self.rows.bins, &hours)
+        };
+        let rows: Vec<Vec<Vec<f32>>> = lights.par_iter().map(of_point).collect();
+        let array = |number: usize| rows.iter().filter_map(|row| row.get(number)).flatten().copied().collect();
+        let arrays: Vec<Vec<f32>> = (0..self.columns.count()).map(array).collect();
+        let names: Vec<String> = lights.iter().map(|light| self.set.name(light.number).to_owned()).collect();
+        to.write(&names, &PlaceValues::of_arrays(names.len(), self.rows.labels.len(), &arrays), &[])
+    }
+}

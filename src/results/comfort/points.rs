@@ -1,0 +1,197 @@
+//! Where people stand. In: a scene, a table of points or surfaces to stand on. Out: six receivers a point, and the archive of the scene with them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use super::columns::PLANES;
+use super::persons::receiver_name;
+use crate::covering::{CoverRequest, cover_site};
+use crate::horizon::black_below_horizon;
+use crate::outputs::receivers::{ReceiverRow, ReceiverTable};
+use crate::pv::placed;
+use crate::site_archive::{TraceRequest, WaysOut, build_or_reuse};
+use heliotile_builder::pipeline::PreparedScene;
+use heliotile_builder::planning::AccuracyRequest;
+use heliotile_builder::settings::EffectChoice;
+use heliotile_builder::siting::Siting;
+use heliotile_core::comfort::wind::BODY_HEIGHT_M;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::memory::MemoryBudget;
+use heliotile_core::observer::Observer;
+use heliotile_core::site::model_part::ModelPart;
+use heliotile_core::site::north::North;
+use heliotile_core::site::patch::Patch;
+use heliotile_core::text::counted;
+use heliotile_scene::Scene;
+use heliotile_scene::covering::cover::Density;
+use heliotile_scene::pv::points::{PointDefaults, read_points};
+use heliotile_scene::request::SceneRequest;
+
+/// What receivers of people are called in the column `kind`.
+const PERSON: &str = "person";
+
+/// Distances between points and heights of people, metres.
+const SPACINGS_M: [f64; 2] = [0.1, 1000.0];
+const HEIGHTS_M: [f64; 2] = [0.05, 10.0];
+
+/// The archive of a scene with people.
+#[derive(Clone, Debug)]
+pub struct ComfortSiteRequest {
+    /// The scene.
+    pub scene: SceneRequest,
+    /// Table of points; none: people stand on surfaces.
+    pub points: Option<PathBuf>,
+    /// Kinds of surfaces or materials that people stand on.
+    pub on: Vec<String>,
+    /// Distance between people on surfaces, metres.
+    pub spacing_m: f64,
+    /// How high above it the middle of a person is, metres.
+    pub height_m: f64,
+    /// How exact the archive is to be.
+    pub accuracy: AccuracyRequest,
+    /// Gets `receivers.csv` and `site.helio`.
+    pub folder: PathBuf,
+    /// Whether what is there of other inputs goes.
+    pub replace: bool,
+    /// For all that a build holds besides the scene and its tree.
+    pub memory: MemoryBudget,
+}
+
+/// A point where a person stands.
+struct Stand {
+    name: String,
+    position: DVec3,
+    area_m2: Option<f64>,
+    patch: Patch,
+}
+
+impl ComfortSiteRequest {
+    /// People on the ground, 2 m apart.
+    pub fn of(scene: SceneRequest, folder: impl Into<PathBuf>) -> Self {
+        ComfortSiteRequest {
+            scene,
+            points: None,
+            on: vec!["ground".to_owned()],
+            spacing_m: 2.0,
+            height_m: BODY_HEIGHT_M,
+            accuracy: AccuracyRequest::default(),
+            folder: folder.into(),
+            replace: false,
+            memory: MemoryBudget::DEFAULT,
+        }
+    }
+
+    /// The path of the archive: the one that is there, if it is of these inputs, or a new one.
+    pub fn build(&self, observer: &dyn Observer) -> Result<PathBuf> {
+        for (field, metres, [least, most]) in
+            [("spacing", self.spacing_m, SPACINGS_M), ("height", self.height_m, HEIGHTS_M)]
+        {
+            if !(least..=most).contains(&metres) {
+                return Err(Error::argument(field, format!("is {metres} m"), format!("give {least} to {most} metres")));
+            }
+        }
+        let (scene, stands) = match &self.points {
+            Some(table) => self.on_points(table, observer)?,
+            None => self.on_surfaces(observer)?,
+        };
+        let archive = self.folder.join("site.helio");
+        fs::create_dir_all(&self.folder).map_err(Error::io(&self.folder, "create"))?;
+        let beside = tempfile::Builder::new().prefix(".comfort").tempdir_in(&self.folder);
+        let beside = beside.map_err(Error::io(&self.folder, "make a folder in"))?;
+        let receivers = beside.path().join("receivers.csv");
+        write_receivers(&receivers, &stands, North::of(scene.place.as_ref()))?;
+        let asked = TraceRequest {
+            folder: &self.folder,
+            receivers: &receivers,
+            archive: &archive,
+            accuracy: &self.accuracy,
+            effects: EffectChoice::Auto,
+            with_scene: true,
+            offset_m: 0.0,
+            replace: self.replace,
+            ways_out: WaysOut::USUAL,
+            memory: self.memory,
+            under: None,
+            from: None,
+        };
+        let built = build_or_reuse(&asked, &scene, None, observer)?;
+        let to = self.folder.join("receivers.csv");
+        fs::rename(&receivers, &to).map_err(Error::io(&to, "rename to"))?;
+        black_below_horizon(&built)?.iter().for_each(|lost| observer.warn(lost));
+        Ok(archive)
+    }
+
+    /// The points of a table; one inside of things is refused.
+    fn on_points(&self, table: &Path, observer: &dyn Observer) -> Result<(Scene, Vec<Stand>)> {
+        let mut warnings = Vec::new();
+        let defaults = PointDefaults { needs_turns: false, height_m: Some(self.height_m) };
+        let points = read_points(table, defaults, &mut warnings)?;
+        warnings.iter().for_each(|text| observer.warn(text));
+        let scene = Scene::load_site(&self.scene.site()?)?;
+        scene.report.tell(observer);
+        let prepared = PreparedScene::new(&scene)?;
+        let siting = Siting::new(&prepared);
+        let stand = |point| {
+            let spot = placed(table, point, &siting)?;
+            Ok(Stand { name: spot.name, position: spot.position, area_m2: None, patch: Patch::default() })
+        };
+        let stands = points.iter().map(stand).collect::<Result<_>>()?;
+        Ok((scene, stands))
+    }
+
+    /// Points above surfaces; those inside of things are left out.
+    fn on_surfaces(&self, observer: &dyn Observer) -> Result<(Scene, Vec<Stand>)> {
+        let density = Density::Spacing(self.spacing_m);
+        let cover = CoverRequest { on: self.on.clone(), density, ..CoverRequest::default() };
+        let (scene, covered) = cover_site(&self.scene.site()?, &cover, observer)?;
+        let prepared = PreparedScene::new(&scene)?;
+        let siting = Siting::new(&prepared);
+        let (mut stands, mut inside) = (Vec::new(), 0);
+        for (name, piece, ..) in covered.free() {
+            let position = piece.position + self.height_m * DVec3::Z;
+            if siting.enclosed(position).is_some() {
+                inside += 1;
+                continue;
+            }
+            let patch = Patch::of_triangles(position, piece.normal, &piece.triangles);
+            stands.push(Stand { name, position, area_m2: Some(piece.area_m2), patch });
+        }
+        if inside > 0 {
+            let counted = counted(inside, "point");
+            observer.note(&format!(
+                "{counted} of {} would stand inside of things and are left out",
+                stands.len() as u64 + inside
+            ));
+        }
+        if stands.is_empty() {
+            let what = "nobody can stand there: all points lie inside of things";
+            return Err(Error::argument("on", what, "name other surfaces, or give a table of points"));
+        }
+        Ok((scene, stands))
+    }
+}
+
+/// Writes six receivers a point; sides look to the true quarters of the compass.
+fn write_receivers(path: &Path, stands: &[Stand], north: North) -> Result<()> {
+    let normals = [DVec3::Z, DVec3::NEG_Z, DVec3::Y, DVec3::X, DVec3::NEG_Y, DVec3::NEG_X];
+    let part = ModelPart { kind: PERSON.to_owned(), ..ModelPart::default() };
+    let mut table = ReceiverTable::create(path, false)?;
+    for stand in stands {
+        for (plane, normal) in normals.into_iter().enumerate().take(PLANES.len()) {
+            let is_up = plane == 0;
+            table.write(&ReceiverRow {
+                name: &receiver_name(&stand.name, plane),
+                position: stand.position,
+                normal: north.to_axes(normal),
+                area_m2: stand.area_m2.filter(|_| is_up),
+                surface: &stand.name,
+                part: part.clone(),
+                patch: if is_up { stand.patch.clone() } else { Patch::default() },
+                reason: None,
+            })?;
+        }
+    }
+    table.finish()
+}

@@ -1,0 +1,301 @@
+//! What is asked of the comfort of people. In: the choices of a user. Out: the same as one value that was checked.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::columns::ComfortColumn;
+use crate::files::FileRequest;
+use crate::outputs::periods::Every;
+use crate::request::{LightChoice, ReplayRequest};
+use heliotile_core::comfort::mean_radiant::RadiantBody;
+use heliotile_core::comfort::pet::{PetPerson, PetPosture};
+use heliotile_core::comfort::surroundings::{USUAL_FILM_W_M2_K, USUAL_GROUND_EMISSIVITY, USUAL_OBSTRUCTION_EMISSIVITY};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::named::NamedValues;
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::site::material::Class;
+
+/// Thresholds of the UTCI: moderate, strong, very strong and extreme heat stress begin there, degrees Celsius.
+const USUAL_THRESHOLDS_C: [f64; 4] = [26.0, 32.0, 38.0, 46.0];
+
+/// Heat transfer coefficients that surfaces can have, W/m2K.
+const FILMS_W_M2_K: [f64; 2] = [1.0, 200.0];
+
+/// Factors of wind.
+const MOST_WIND_FACTOR: f64 = 3.0;
+
+/// Comfort of people through a weather file.
+#[derive(Clone, Debug)]
+pub struct ComfortRequest {
+    /// Weather, hours that count, what a row stands for, temperatures of surfaces, reflectances that change. Its columns are not used.
+    pub replay: ReplayRequest,
+    /// People, surfaces and wind.
+    pub choice: ComfortChoice,
+}
+
+/// People, surfaces and wind.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ComfortChoice {
+    /// Columns, in the order of results; none: mean radiant temperature, UTCI and PET.
+    pub columns: Vec<ComfortColumn>,
+    /// Rows of periods say how long the UTCI is above these, degrees Celsius.
+    pub above_c: Vec<f64>,
+    /// How people hold themselves.
+    pub posture: Posture,
+    /// How the sun falls on a person.
+    pub sun_on: SunOnPerson,
+    /// How warm surfaces are whose temperature nobody gives.
+    pub surfaces: SurfaceTemperatures,
+    /// Heat transfer coefficient between surfaces and air, radiation included, W/m2K.
+    pub film_w_m2_k: f64,
+    /// Longwave emissivities by class; of several the last counts.
+    pub emissivity: Vec<ClassShare>,
+    /// Shares of shortwave irradiance that surfaces absorb by class; none: what the materials of the archive do not reflect.
+    pub absorptance: Vec<ClassShare>,
+    /// Wind.
+    pub wind: WindChoice,
+}
+
+impl Default for ComfortChoice {
+    /// Standing people among surfaces of sol-air temperatures, in the wind of the weather file.
+    fn default() -> Self {
+        ComfortChoice {
+            columns: Vec::new(),
+            above_c: USUAL_THRESHOLDS_C.to_vec(),
+            posture: Posture::default(),
+            sun_on: SunOnPerson::default(),
+            surfaces: SurfaceTemperatures::default(),
+            film_w_m2_k: USUAL_FILM_W_M2_K,
+            emissivity: Vec::new(),
+            absorptance: Vec::new(),
+            wind: WindChoice::default(),
+        }
+    }
+}
+
+/// How a person holds itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Posture {
+    /// Upright.
+    #[default]
+    Standing,
+    /// On a chair.
+    Sitting,
+}
+
+/// How the sun falls on a person.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SunOnPerson {
+    /// On an upright cylinder, from all azimuths alike.
+    #[default]
+    Cylinder,
+    /// On the planes of a box, as instruments measure it.
+    Box,
+}
+
+/// How warm surfaces are whose temperature nobody gives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SurfaceTemperatures {
+    /// As warm as light, sky and air make a surface without storage.
+    #[default]
+    SolAir,
+    /// As warm as the air.
+    Air,
+}
+
+/// A share of a class: `ground=0.95`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct ClassShare {
+    /// Whose it is.
+    pub class: Class,
+    /// 0 to 1.
+    pub share: f64,
+}
+
+/// Where the wind comes from: `0.7` or the name of a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum WindChoice {
+    /// That of the weather file, times a factor.
+    Factor(f64),
+    /// That of a CSV with a column `wind_m_s`, 10 m above the ground.
+    File(PathBuf),
+}
+
+impl Default for WindChoice {
+    fn default() -> Self {
+        WindChoice::Factor(1.0)
+    }
+}
+
+impl FromStr for WindChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text.parse::<f64>() {
+            Ok(factor) if (0.0..=MOST_WIND_FACTOR).contains(&factor) => Ok(WindChoice::Factor(factor)),
+            Ok(_) => Err(format!("a factor of wind is from 0 to {MOST_WIND_FACTOR}, not {text}")),
+            Err(_) if text.is_empty() => Err("give a factor, as 0.7, or a CSV with a column `wind_m_s`".into()),
+            Err(_) => Ok(WindChoice::File(text.into())),
+        }
+    }
+}
+
+impl FromStr for ClassShare {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let (name, value) = text.split_once('=').unwrap_or((text, ""));
+        let class = Class::of_name(name)
+            .ok_or_else(|| format!("`{name}` is no class; `ground` and `obstruction` are: as in ground=0.95"))?;
+        let share = value.parse::<f64>().ok().filter(|share| (0.0..=1.0).contains(share));
+        share.map(|share| ClassShare { class, share }).ok_or_else(|| format!("`{value}` is not from 0 to 1"))
+    }
+}
+
+impl TryFrom<String> for WindChoice {
+    type Error = String;
+
+    fn try_from(text: String) -> std::result::Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<WindChoice> for String {
+    fn from(wind: WindChoice) -> String {
+        match wind {
+            WindChoice::Factor(factor) => factor.to_string(),
+            WindChoice::File(file) => file.display().to_string(),
+        }
+    }
+}
+
+impl TryFrom<String> for ClassShare {
+    type Error = String;
+
+    fn try_from(text: String) -> std::result::Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<ClassShare> for String {
+    fn from(share: ClassShare) -> String {
+        format!("{}={}", share.class.name(), share.share)
+    }
+}
+
+impl ComfortRequest {
+    /// What is usual of people under a weather file: a row for each of its hours.
+    pub fn of(weather: impl Into<PathBuf>) -> Self {
+        ComfortRequest { replay: ReplayRequest::of(weather), choice: ComfortChoice::default() }
+    }
+
+    /// Refuses numbers out of range and files that cannot hold such results, before an archive is opened.
+    pub fn check(&self, files: &FileRequest, inputs: &[&Path]) -> Result<()> {
+        self.stream().check()?;
+        let choice = &self.choice;
+        if !(FILMS_W_M2_K[0]..=FILMS_W_M2_K[1]).contains(&choice.film_w_m2_k) {
+            let what = format!("is {} W/m2K", choice.film_w_m2_k);
+            let hint =
+                format!("give {} to {}, usual are 10 in calm air and 25 in wind", FILMS_W_M2_K[0], FILMS_W_M2_K[1]);
+            return Err(Error::argument("film", what, hint));
+        }
+        if let Some(wrong) = choice.above_c.iter().find(|celsius| !(-100.0..=100.0).contains(*celsius)) {
+            return Err(Error::argument("above", format!("{wrong} is no UTCI"), "give degrees Celsius, as 26,32,38"));
+        }
+        if files.model.is_some() || files.honeybee.is_some() {
+            return Err(Error::argument("model, honeybee", "hold irradiance", "write a table or a map of comfort"));
+        }
+        if let Some(chart) =
+            files.plots.iter().find(|plot| !plot.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")))
+        {
+            let what = format!("`{}` is no picture of a map", chart.display());
+            return Err(Error::argument("plot", what, "give a name that ends with .png"));
+        }
+        files.check(None, None, inputs)
+    }
+
+    /// Files that are read besides archives.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let wind = match &self.choice.wind {
+            WindChoice::File(file) => Some(file.as_path()),
+            WindChoice::Factor(_) => None,
+        };
+        self.replay.files().chain(wind)
+    }
+
+    /// The replay that gives the light of each hour, with the air.
+    pub fn stream(&self) -> ReplayRequest {
+        // Longwave brings the air with it.
+        let columns = "sun_direct,total,longwave".parse().ok();
+        let light = LightChoice { columns, ..self.replay.light.clone() };
+        ReplayRequest { light, every: Every::Hour, ..self.replay.clone() }
+    }
+
+    /// The components of a replay that are taken.
+    pub(super) fn components(&self) -> ComponentSet {
+        ComponentSet::of(&[Component::SunDirect, Component::Total])
+    }
+}
+
+impl ComfortChoice {
+    /// The body that absorbs radiation.
+    pub(super) fn body(&self) -> RadiantBody {
+        match self.posture {
+            Posture::Standing => RadiantBody::STANDING,
+            Posture::Sitting => RadiantBody::SITTING,
+        }
+    }
+
+    /// The person of the PET.
+    pub(super) fn person(&self) -> PetPerson {
+        let posture = match self.posture {
+            Posture::Standing => PetPosture::Standing,
+            Posture::Sitting => PetPosture::Sitting,
+        };
+        PetPerson { posture, ..PetPerson::VDI_3787 }
+    }
+
+    /// Emissivity of a class.
+    pub(super) fn emissivity_of(&self, class: Class) -> f64 {
+        let usual = match class {
+            Class::Ground => USUAL_GROUND_EMISSIVITY,
+            Class::Obstruction => USUAL_OBSTRUCTION_EMISSIVITY,
+        };
+        last_of(&self.emissivity, class).unwrap_or(usual)
+    }
+
+    /// What a class absorbs, if anyone says.
+    pub(super) fn absorptance_of(&self, class: Class) -> Option<f64> {
+        last_of(&self.absorptance, class)
+    }
+}
+
+fn last_of(shares: &[ClassShare], class: Class) -> Option<f64> {
+    shares.iter().rev().find(|share| share.class == class).map(|share| share.share)
+}
+
+impl NamedValues for Posture {
+    const VALUES: &'static [(&'static str, &'static str, Self)] =
+        &[("standing", "Upright", Posture::Standing), ("sitting", "On a chair", Posture::Sitting)];
+}
+
+impl NamedValues for SunOnPerson {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("cylinder", "On an upright cylinder, from all azimuths alike", SunOnPerson::Cylinder),
+        ("box", "On the six planes of a box, as instruments measure it", SunOnPerson::Box),
+    ];
+}
+
+impl NamedValues for SurfaceTemperatures {
+    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
+        ("sol-air", "As warm as light, sky and air make a surface without storage", SurfaceTemperatures::SolAir),
+        ("air", "As warm as the air", SurfaceTemperatures::Air),
+    ];
+}
+
+heliotile_core::serde_by_name!(Posture, SunOnPerson, SurfaceTemperatures);
