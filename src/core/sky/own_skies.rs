@@ -94,9 +94,10 @@ impl OwnSky {
 }
 
 impl SkyBalance {
-    /// Whether the skies hold the sun as well: they give half of its light or more beyond DHI, where it has a tenth of DHI or more.
+    /// Whether the skies hold the sun as well: they give 30 % of its light or more beyond DHI, where it has a tenth of DHI or more. Of skies
+    /// with the sun that have only what the eye sees of the light, 0.6 of it, that is true as well.
     pub fn holds_sun(&self) -> bool {
-        self.sun_w_m2 > 0.1 * self.dhi_w_m2 && self.own_w_m2 > self.dhi_w_m2 + 0.5 * self.sun_w_m2
+        self.sun_w_m2 > 0.1 * self.dhi_w_m2 && self.own_w_m2 > self.dhi_w_m2 + 0.3 * self.sun_w_m2
     }
 
     /// Light of the skies over DHI; none without DHI.

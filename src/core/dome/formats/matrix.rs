@@ -44,11 +44,10 @@ pub(super) fn parse_matrix(path: &Path, bytes: &[u8], quantity: PatchQuantity) -
         true => header_of(bytes).ok_or_else(|| refuse("its header has no end, an empty line".into()))?,
         false => (Header::default(), bytes),
     };
-    let text = header.format.as_deref().is_none_or(|format| format == "ascii");
     let numbers = match header.format.as_deref() {
-        None | Some("ascii") => words(path, body)?,
-        Some("float") => floats(body, header.is_big_endian, 4),
-        Some("double") => floats(body, header.is_big_endian, 8),
+        None | Some("ascii") => Numbers::Words(words(path, body)?),
+        Some("float") => Numbers::Floats { bytes: body, size: 4, is_big_endian: header.is_big_endian },
+        Some("double") => Numbers::Floats { bytes: body, size: 8, is_big_endian: header.is_big_endian },
         Some(other) => {
             return Err(refuse(format!("its FORMAT is `{}`, not ascii, float or double", excerpt(other, 40))));
         }
@@ -67,24 +66,26 @@ pub(super) fn parse_matrix(path: &Path, bytes: &[u8], quantity: PatchQuantity) -
     };
     let whole = rows.checked_mul(columns).and_then(|cells| cells.checked_mul(components));
     if whole != Some(numbers.len()) || columns == 0 {
-        let kind = if text { "numbers" } else { "whole floats" };
-        let what = format!("{} {kind} for {rows} rows of {columns} columns of {components} components", numbers.len());
+        let what = format!("{} numbers for {rows} rows of {columns} columns of {components} components", numbers.len());
         return Err(refuse(what));
     }
     // From [patch][time][component] to [time][patch].
     let patches = grid.len();
     let mut found = vec![0.0_f32; columns * patches];
-    for (patch, row) in numbers.chunks_exact(columns * components).skip(1).enumerate() {
-        for (column, cell) in row.chunks_exact(components).enumerate() {
-            let number = match cell {
-                [one] => *one,
-                cell => cell.iter().zip(LUMINANCE).map(|(part, weight)| part * weight).sum(),
-            };
+    for patch in 0..patches {
+        for column in 0..columns {
+            // Behind the ground.
+            let first = ((patch + 1) * columns + column) * components;
+            let cell: Vec<f64> = (first..first + components).map(|at| numbers.at(at)).collect();
             if !cell.iter().all(|part| quantity.holds(*part)) {
-                let cell = cell.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+                let cell = cell.iter().map(|part| (*part as f32).to_string()).collect::<Vec<_>>().join(" ");
                 let what = format!("row {}, column {}, is {cell}", patch + 2, column + 1);
                 return Err(Error::input(path, None, what, format!("{}: make the matrix again", quantity.range())));
             }
+            let number = match cell.as_slice() {
+                [one] => *one,
+                cell => cell.iter().zip(LUMINANCE).map(|(part, weight)| part * weight).sum(),
+            };
             if let Some(to) = found.get_mut(column * patches + patch) {
                 *to = number as f32;
             }
@@ -120,11 +121,48 @@ fn header_of(bytes: &[u8]) -> Option<(Header, &[u8])> {
     }
 }
 
+/// The numbers behind a header.
+enum Numbers<'b> {
+    Words(Vec<f32>),
+    /// Of 4 or 8 bytes each.
+    Floats {
+        bytes: &'b [u8],
+        size: usize,
+        is_big_endian: bool,
+    },
+}
+
+impl Numbers<'_> {
+    /// How many there are; a part of one at the end counts as one, which is not wanted.
+    fn len(&self) -> usize {
+        match self {
+            Numbers::Words(numbers) => numbers.len(),
+            Numbers::Floats { bytes, size, .. } => bytes.len().div_ceil(*size),
+        }
+    }
+
+    /// One of them; NaN where there is none.
+    fn at(&self, at: usize) -> f64 {
+        let (bytes, size, is_big_endian) = match self {
+            Numbers::Words(numbers) => return numbers.get(at).map_or(f64::NAN, |number| f64::from(*number)),
+            Numbers::Floats { bytes, size, is_big_endian } => (bytes, *size, *is_big_endian),
+        };
+        let bytes = bytes.get(at * size..(at + 1) * size).unwrap_or_default();
+        match (<[u8; 4]>::try_from(bytes), <[u8; 8]>::try_from(bytes)) {
+            (Ok(four), _) if is_big_endian => f64::from(f32::from_be_bytes(four)),
+            (Ok(four), _) => f64::from(f32::from_le_bytes(four)),
+            (_, Ok(eight)) if is_big_endian => f64::from_be_bytes(eight),
+            (_, Ok(eight)) => f64::from_le_bytes(eight),
+            _ => f64::NAN,
+        }
+    }
+}
+
 /// Numbers between blanks.
-fn words(path: &Path, body: &[u8]) -> Result<Vec<f64>> {
+fn words(path: &Path, body: &[u8]) -> Result<Vec<f32>> {
     let mut numbers = Vec::new();
     for word in body.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
-        let number = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f64>().ok());
+        let number = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f32>().ok());
         let refuse = || {
             let word = excerpt(&String::from_utf8_lossy(word), 40);
             Error::input(path, None, format!("`{word}` is no number (number {})", numbers.len() + 1), HINT)
@@ -132,22 +170,6 @@ fn words(path: &Path, body: &[u8]) -> Result<Vec<f64>> {
         numbers.push(number.ok_or_else(refuse)?);
     }
     Ok(numbers)
-}
-
-/// Numbers of 4 or 8 bytes; a part of one at the end is one more number, which is not wanted.
-fn floats(body: &[u8], is_big_endian: bool, size: usize) -> Vec<f64> {
-    let number = |bytes: &[u8]| {
-        let mut little = bytes.to_vec();
-        if is_big_endian {
-            little.reverse();
-        }
-        match (<[u8; 4]>::try_from(&*little), <[u8; 8]>::try_from(&*little)) {
-            (Ok(four), _) => f64::from(f32::from_le_bytes(four)),
-            (_, Ok(eight)) => f64::from_le_bytes(eight),
-            _ => f64::NAN,
-        }
-    };
-    body.chunks(size).map(number).collect()
 }
 
 /// Numbers on the first line that has some: how many components a patch has where no header says it.
