@@ -55,6 +55,9 @@ pub mod pictures {}
 #[doc = include_str!("weather.md")]
 pub mod weather {}
 
+#[doc = include_str!("skies.md")]
+pub mod skies {}
+
 #[doc = include_str!("reflectances.md")]
 pub mod reflectances {}
 

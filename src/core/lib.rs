@@ -5,7 +5,7 @@
 //! Rooms from left to right; none imports one to its right, and no two import each other (a test reads the imports).
 //!
 //! ```text
-//! error units text named memory hemisphere | observer | orientation | site | layers | archive | opened weather | sky | light | replay | sunlight comfort
+//! error units text named memory hemisphere | observer | dome | orientation | site | layers | archive | opened weather | sky | light | replay | sunlight comfort
 //! ```
 //!
 //! | room | in | out |
@@ -15,6 +15,7 @@
 //! | [`layers`] | bits, keys, vectors | raw bytes of a tile's blocks, and back |
 //! | [`archive`] | bytes held anywhere | checked blocks by (kind, tile), the manifest, the settings |
 //! | [`opened`] | an archive, or blocks that are being written | a site that was checked once: settings, materials, mirrors, layers of tiles |
+//! | [`dome`] | bytes of tables and matrices of the sky, pixels of photographs | numbers of the dome's patches by row, on any subdivision |
 //! | [`weather`] | bytes of weather files | conditions with the sun's positions, and what is doubtful about them |
 //! | [`sky`] | a condition, a model | radiances of the sky's patches and texels |
 //! | [`light`] | layers and tables of an open site, reflectances | responses: what arrives by way of surfaces, one vector a sky texel |
@@ -53,6 +54,7 @@
 
 pub mod archive;
 pub mod comfort;
+pub mod dome;
 pub mod error;
 pub mod hemisphere;
 pub mod layers;

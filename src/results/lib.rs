@@ -7,6 +7,7 @@
 //! | --- | --- |
 //! | `request` | [`QueryRequest`], [`ReplayRequest`], [`LightChoice`]: what a user asks for |
 //! | `archives`, `receivers` | one archive or those of an atlas, and which of their receivers count |
+//! | `own_skies` | [`SkyFiles`]: skies and clouds of files, put into conditions |
 //! | `series` | conditions with labels, coarser periods of them |
 //! | `stream` | [`TileStream`], the one place where a replay is set up, and [`TileSink`], what takes its tiles |
 //! | `files` | [`FileRequest`]: tables, maps, charts, city models and folders of Honeybee as sinks |
@@ -44,6 +45,7 @@ mod factors;
 mod files;
 pub mod horizon;
 pub mod outputs;
+mod own_skies;
 mod places;
 pub mod pv;
 mod receivers;
@@ -78,6 +80,7 @@ pub use files::{
     AreaChart, CityModelSink, FileRequest, MapFile, Question, ResultRows, ResultSink, RowsAbout, crs_of, name_of,
     surroundings,
 };
+pub use own_skies::{SkyChoice, SkyFiles};
 pub use places::{PlaceOn, PlacesRequest, PlacesSummary};
 pub use receivers::{PartReceivers, ReceiverChoice, ReceiverSet, TileReceivers};
 pub use request::{LightChoice, QueryRequest, ReplayRequest};

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::archives::Archives;
 use super::doubts::{dated_rows, no_longwave, of_archive};
+use super::own_skies::SkyFiles;
 use super::resources::Resources;
 use crate::outputs::periods::Every;
 use heliotile_core::error::{Error, Result};
@@ -34,12 +35,14 @@ pub struct LightChoice {
     pub paths: LightPaths,
     /// Reflectances and transmittances in place of those of the archive.
     pub changes: Changes,
+    /// A sky in place of the model's, and clouds.
+    pub sky_files: SkyFiles,
 }
 
 impl Default for LightChoice {
     fn default() -> Self {
         let (sky, paths, changes) = (SkyModel::default(), LightPaths::ALL, Changes::default());
-        LightChoice { columns: None, sky, patches: None, paths, changes }
+        LightChoice { columns: None, sky, patches: None, paths, changes, sky_files: SkyFiles::default() }
     }
 }
 
@@ -49,9 +52,9 @@ impl LightChoice {
         self.columns.clone().unwrap_or_else(ComponentList::all)
     }
 
-    /// Files that reflectances and transmittances follow.
+    /// Files that reflectances and transmittances follow, and those of skies and clouds.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        followed_files(&self.changes.scheduled, &self.changes.transmittance)
+        followed_files(&self.changes.scheduled, &self.changes.transmittance).chain(self.sky_files.files())
     }
 
     fn is_longwave(&self) -> bool {
@@ -97,6 +100,7 @@ pub const MOST_STEPS: usize = 60;
 impl QueryRequest {
     /// Refuses what conditions cannot answer, before any file is read.
     pub fn check(&self) -> Result<()> {
+        self.light.sky_files.check(self.light.sky)?;
         self.light.columns.as_ref().map_or(Ok(()), no_longwave)
     }
 }
@@ -119,6 +123,7 @@ impl ReplayRequest {
 
     /// Refuses choices that exclude each other, before any file is read.
     pub fn check(&self) -> Result<()> {
+        self.light.sky_files.check(self.light.sky)?;
         if self.steps.is_some_and(|steps| !(1..=MOST_STEPS).contains(&steps)) {
             let what = format!("is not from 1 to {MOST_STEPS}");
             return Err(Error::argument("steps", what, "leave it out for those of the archive"));

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::archives::Archives;
 use super::doubts::{mean_ground, of_archive};
+use super::own_skies::ConditionRows;
 use super::request::{QueryRequest, ReplayRequest};
 use super::resources::Resources;
 use crate::outputs::periods::{ClockReading, Every, Periods};
@@ -117,8 +118,10 @@ impl<'a> Series<'a> {
         let chosen = &dated.chosen;
         let steps = request.steps.unwrap_or_else(|| weather.steps_of(archive.manifest().settings.steps()));
         let all = weather.conditions(steps).into_iter().zip(chosen);
-        let mut conditions: Vec<Condition> =
-            all.filter_map(|(condition, chosen)| chosen.then_some(condition)).collect();
+        let conditions = all.filter_map(|(condition, chosen)| chosen.then_some(condition)).collect();
+        let places = chosen.iter().enumerate().filter_map(|(place, chosen)| chosen.then_some(place)).collect();
+        let rows = ConditionRows { places, count: chosen.len(), file: "a weather file" };
+        let mut conditions = request.light.sky_files.over(conditions, &rows, resources)?;
         if let Some(temperatures) = request.longwave() {
             let emissions = emissions(weather, &request.weather, chosen, temperatures, resources.files)?;
             let air = weather.air.iter().zip(chosen).filter_map(|(air, chosen)| chosen.then_some(*air));
@@ -246,7 +249,10 @@ impl QueryRequest {
             _ => name.to_string(),
         };
         let changes = self.light.changes.clone();
-        Ok(Series::of_conditions(file.conditions, changes, about.with("conditions", name)).called(called))
+        let count = file.conditions.len();
+        let rows = ConditionRows { places: (0..count).collect(), count, file: "a table of conditions" };
+        let conditions = self.light.sky_files.over(file.conditions, &rows, resources)?;
+        Ok(Series::of_conditions(conditions, changes, about.with("conditions", name)).called(called))
     }
 }
 

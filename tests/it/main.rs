@@ -35,6 +35,7 @@ mod manners;
 mod maps;
 mod mirrors;
 mod numerics;
+mod own_skies;
 mod paths;
 mod physics;
 mod pictures;

@@ -126,7 +126,7 @@ impl Illumination {
     fn sun_texels(&self) -> impl Iterator<Item = (usize, DVec3)> {
         self.condition.suns.iter().flat_map(|instant| {
             let corners = bilinear(instant.sun, self.projection.side()).into_iter();
-            corners.map(|(t, w)| (t, instant.sun * (instant.weight * w)))
+            corners.map(|(t, w)| (t, instant.sun * (instant.lit() * w)))
         })
     }
 
@@ -149,7 +149,7 @@ impl Illumination {
     fn discs(&self, side: usize) -> impl Iterator<Item = (DVec3, usize, f64)> {
         self.condition.suns.iter().flat_map(move |instant| {
             let of_disc = move |(column, row, share): (u32, u32, f32)| {
-                (instant.sun, row as usize * side + column as usize, f64::from(share) * instant.weight)
+                (instant.sun, row as usize * side + column as usize, f64::from(share) * instant.lit())
             };
             disc_texels(instant.sun, side).into_iter().map(of_disc)
         })

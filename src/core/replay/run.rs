@@ -27,6 +27,7 @@ use crate::replay::tile::Forcing;
 use crate::replay::tile_layers::{Reads, TileLayers};
 use crate::replay::values::TileValues;
 use crate::sky::model::SkyModel;
+use crate::sky::own_skies;
 use crate::sky::patches::Patches;
 use crate::weather::conditions::{Condition, in_axes};
 use crate::weather::time::bins::Bins;
@@ -155,6 +156,9 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         let ReplayBuilder { site, conditions, settings, bins, schedules } = self;
         let bins = &*bins.map_or_else(|| Cow::Owned(Bins::each(conditions.len())), Cow::Borrowed);
         let conditions = &*in_axes(conditions, site.north());
+        if settings.sky.brightens() && conditions.iter().any(|c| c.own_sky.is_some() || c.clouds.is_some()) {
+            return Err(own_skies::no_parts());
+        }
         let patches = Patches::new(settings.patches)?;
         let forced = |ways: &[Bins]| -> Result<Forcing> {
             let (sky, components, sides) = (settings.sky, settings.components, site.settings().sides());

@@ -12,7 +12,7 @@ use crate::weather::time::bins::Bins;
 pub struct SunSample {
     /// Result.
     pub bin: usize,
-    /// Irradiance normal to it x share of the time x weight in the result.
+    /// Irradiance normal to it x share of the time x what clouds let through x weight in the result.
     pub strength: f64,
     /// Of its middle.
     pub direction: DVec3,
@@ -35,7 +35,7 @@ impl SunSample {
         let lit = strong.filter(|((_, normal_w_m2), (_, weight))| *normal_w_m2 > 0.0 && *weight != 0.0);
         let suns = lit.flat_map_iter(|((c, normal_w_m2), &(bin, weight))| {
             c.suns.iter().filter(|instant| instant.sun.z > 0.0).map(move |instant| {
-                let strength = normal_w_m2 * instant.weight * weight;
+                let strength = normal_w_m2 * instant.lit() * weight;
                 SunSample { bin, strength, direction: instant.sun }
             })
         });

@@ -31,6 +31,14 @@ struct DiscPoints {
     n: [f32; DISC_POINTS],
 }
 
+/// Directions of points of equal solid angle on the disc around a sun, those above the horizon.
+pub fn disc_directions(sun: DVec3) -> impl Iterator<Item = DVec3> {
+    let frame = Frame::of(sun);
+    let DiscPoints { u, v, n } = &*POINTS;
+    let points = u.iter().zip(v).zip(n).map(|((u, v), n)| DVec3::new(f64::from(*u), f64::from(*v), f64::from(*n)));
+    points.map(move |point| frame.to_world(point)).filter(|direction| direction.z > 0.0)
+}
+
 /// Texels (column, row) of a square of `side` texels under the disc, sorted, and their shares of its part above the horizon (sum 1);
 /// none for a sun whose centre is at or below the horizon.
 pub fn disc_texels(direction: DVec3, side: usize) -> Vec<(u32, u32, f32)> {

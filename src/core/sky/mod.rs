@@ -5,6 +5,7 @@ pub mod disc;
 pub mod distribution;
 pub mod horizon;
 pub mod model;
+pub mod own_skies;
 pub mod patches;
 pub mod perez;
 pub mod perez1990;

@@ -6,17 +6,15 @@
 //! in azimuth, the zenith cap stays whole. Patches are numbered from the horizon row up, in a row clockwise from
 //! north; the first patch of a row is centred on north.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use crate::dome::grid::{Band, PatchGrid};
 use crate::error::Error;
 use crate::sky::distribution::Distribution;
 use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
-
-/// Patches of Tregenza's rows, from the horizon up; the cap makes 145.
-const TREGENZA: [usize; 7] = [30, 30, 24, 24, 18, 12, 6];
 
 /// Points in which the radiance of a patch is averaged, per side: spacing 1.5 deg or finer.
 fn samples_per_side(factor: usize) -> usize {
@@ -39,22 +37,10 @@ const GAUSS: f64 = 0.288_675_134_594_812_9;
 /// (d / 1024)^2 / 2 of the circumsolar term: 3e-5 at Perez' steepest d of about -8.
 const CHORDS: usize = 1024;
 
-/// A ring of patches between two altitudes.
-#[derive(Clone, Debug)]
-struct Band {
-    /// Sine of the lower and upper altitude.
-    low: f64,
-    high: f64,
-    /// Patches are `first..first + count`.
-    first: usize,
-    count: usize,
-}
-
 /// A subdivision of the sky.
 #[derive(Clone, Debug)]
 pub struct Patches {
-    /// From the horizon up; the cap is the last.
-    bands: Vec<Band>,
+    grid: PatchGrid,
     /// Points per side of a patch.
     side: usize,
     /// `[patch][sample altitude][sample azimuth]`: points of equal solid angle within each patch.
@@ -82,57 +68,36 @@ impl Patches {
                 });
             }
         };
-        let rows = TREGENZA.len() * factor;
-        // The cap has half a row's height.
-        let row_rad = 0.5 * PI / (rows as f64 + 0.5);
-        let mut bands = Vec::with_capacity(rows + 1);
-        let mut first = 0;
-        let per_row = TREGENZA.iter().flat_map(|n| std::iter::repeat_n(n * factor, factor));
-        for (row, count) in per_row.enumerate() {
-            bands.push(Band {
-                low: (row as f64 * row_rad).sin(),
-                high: ((row + 1) as f64 * row_rad).sin(),
-                first,
-                count,
-            });
-            first += count;
-        }
-        let low = (rows as f64 * row_rad).sin();
-        bands.push(Band { low, high: 1.0, first, count: 1 });
+        let grid = PatchGrid::of_factor(factor);
         let (side, rules) = (samples_per_side(factor), rules_per_side(factor));
         let even: Vec<f64> = (0..side).map(|j| (j as f64 + 0.5) / side as f64).collect();
         let middles = (0..rules).map(|j| (j as f64 + 0.5) / rules as f64);
         let gauss: Vec<f64> = middles.flat_map(|m| [m - GAUSS / rules as f64, m + GAUSS / rules as f64]).collect();
-        let (samples, far) = (points(&bands, &even), points(&bands, &gauss));
+        let (samples, far) = (points(grid.bands(), &even), points(grid.bands(), &gauss));
         let chord_angles = (0..=CHORDS)
             .map(|k| {
                 let half = k as f64 / CHORDS as f64;
                 (2.0 * half.min(1.0).asin(), 1.0 - 2.0 * half * half)
             })
             .collect();
-        let centres = centres(&bands);
-        Ok(Patches { bands, side, samples, rules, far, centres, chord_angles })
+        let centres = centres(grid.bands());
+        Ok(Patches { grid, side, samples, rules, far, centres, chord_angles })
     }
 
     /// Number of patches.
     #[expect(clippy::len_without_is_empty, reason = "a sky has at least 145 patches")]
     pub fn len(&self) -> usize {
-        self.bands.iter().map(|b| b.count).sum()
+        self.grid.len()
     }
 
     /// Patch of a unit direction; directions below the horizon count as on it.
     pub fn patch_of(&self, direction: DVec3) -> usize {
-        self.patch_at((direction.x.atan2(direction.y) / TAU).rem_euclid(1.0), direction.z)
+        self.grid.patch_of(direction)
     }
 
     /// Patch at an azimuth, turns clockwise from north in 0..=1, and the sine of an altitude.
     pub fn patch_at(&self, turns: f64, z: f64) -> usize {
-        let above = self.bands.iter().take_while(|b| b.high <= z).count();
-        let Some(band) = self.bands.get(above).or(self.bands.last()) else {
-            return 0;
-        };
-        let place = (turns * band.count as f64 + 0.5) as usize;
-        band.first + if place >= band.count { 0 } else { place }
+        self.grid.patch_at(turns, z)
     }
 
     /// Unit directions of the patch centres: middle altitude and azimuth, the cap's is the zenith.
@@ -142,19 +107,25 @@ impl Patches {
 
     /// Exact solid angle of each patch, sr: zone of the sphere over its number of patches.
     pub fn solid_angles_sr(&self) -> Vec<f64> {
-        self.bands.iter().flat_map(|b| std::iter::repeat_n(TAU * (b.high - b.low) / b.count as f64, b.count)).collect()
+        self.grid.solid_angles_sr()
     }
 
     /// Radiance of each patch, W/m2/sr: the model's mean over the patch, scaled so that the sum of radiance x
     /// `open_horizontal_sr` (the patches' cosine-weighted solid angles as the receivers' coefficients count them, see
     /// [`crate::sky::projection`]) is the dome's share of DHI ([`SkyModel::parts`]). A model that gives no finite sky is replaced by the uniform one.
+    ///
+    /// A condition with a sky of its own ([`Condition::own_sky`]) has that in place of the model's, resampled to these patches and scaled the
+    /// same way: its cosine-weighted integral is kept. Clouds ([`Condition::clouds`]) then dim each patch by their mean over it.
     pub fn radiances(&self, model: SkyModel, condition: &Condition, open_horizontal_sr: &[f64]) -> Vec<f64> {
         let count = self.len();
         if condition.dhi_w_m2 <= 0.0 {
             return vec![0.0; count];
         }
         let dome_w_m2 = model.parts(condition).dome_w_m2;
-        let mut radiances = self.relative(&model.distribution(condition), condition.sky_sun);
+        let mut radiances = match &condition.own_sky {
+            Some(own) => own.on(&self.grid),
+            None => self.relative(&model.distribution(condition), condition.sky_sun),
+        };
         let integral = |values: &[f64]| -> f64 { values.iter().zip(open_horizontal_sr).map(|(l, w)| l * w).sum() };
         let mut sum = integral(&radiances);
         let mut scale = dome_w_m2 / sum;
@@ -165,6 +136,9 @@ impl Patches {
         }
         for radiance in &mut radiances {
             *radiance *= scale;
+        }
+        if let Some(clouds) = &condition.clouds {
+            radiances.iter_mut().zip(clouds.on(&self.grid)).for_each(|(radiance, through)| *radiance *= through);
         }
         radiances
     }
@@ -195,7 +169,7 @@ impl Patches {
         let mut centres = self.centres.iter();
         let mut means = Vec::with_capacity(self.len());
         let mut gradation = vec![0.0; self.side];
-        for band in &self.bands {
+        for band in self.grid.bands() {
             for (j, value) in gradation.iter_mut().enumerate() {
                 *value = sky.gradation(band.sample_z(j, self.side)) / per_patch;
             }

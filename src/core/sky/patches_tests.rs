@@ -1,5 +1,7 @@
 //! Tests of [`super`].
 
+use std::f64::consts::PI;
+
 use super::*;
 use crate::sky::model::CieType;
 use crate::sky::projection::Projection;
@@ -124,7 +126,7 @@ fn patch_means() {
 fn fine_means(patches: &Patches, sky: &Distribution, sun: DVec3) -> Vec<f64> {
     let side = 32;
     let mut means = Vec::new();
-    for band in &patches.bands {
+    for band in patches.grid.bands() {
         for patch in 0..band.count {
             let mut sum = 0.0;
             for j in 0..side {

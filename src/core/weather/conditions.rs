@@ -9,6 +9,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use crate::dome::series::PatchRow;
 use crate::error::{Error, Result};
 use crate::site::north::North;
 use crate::text::separator_hint;
@@ -26,6 +27,15 @@ pub struct Instant {
     pub sun: DVec3,
     /// Share of the condition's direct energy that comes from here; the weights of a condition sum to 1.
     pub weight: f64,
+    /// Share of the sun's disc's light that clouds let through ([`Condition::clouds`]): 1 without them.
+    pub unclouded: f64,
+}
+
+impl Instant {
+    /// Share of the condition's direct energy that comes from here and passes the clouds.
+    pub fn lit(&self) -> f64 {
+        self.weight * self.unclouded
+    }
 }
 
 /// When a replay condition was.
@@ -62,6 +72,10 @@ pub struct Condition {
     pub emission: Option<Emission>,
     /// The air of the hour, present with the emission.
     pub air: Option<Air>,
+    /// Radiances of the sky's patches where a file gives them in place of a model; they are scaled to DHI, so only their ratios count.
+    pub own_sky: Option<PatchRow>,
+    /// What clouds before the sky let through, by patch; the suns' shares are in [`Instant::unclouded`].
+    pub clouds: Option<PatchRow>,
 }
 
 impl Condition {
@@ -75,7 +89,7 @@ impl Condition {
         };
         Condition {
             label,
-            suns: up.into_iter().map(|sun| Instant { sun, weight }).collect(),
+            suns: up.into_iter().map(|sun| Instant { sun, weight, unclouded: 1.0 }).collect(),
             sky_sun,
             dni_w_m2,
             dhi_w_m2,
@@ -83,13 +97,18 @@ impl Condition {
             stamp: None,
             emission: None,
             air: None,
+            own_sky: None,
+            clouds: None,
         }
     }
 
-    /// The same, its suns turned from true north into the axes of a site: nowhere else are they turned.
+    /// The same, its suns and what patches it has turned from true north into the axes of a site: nowhere else are they turned.
     pub fn in_axes(mut self, north: North) -> Self {
         self.suns.iter_mut().for_each(|instant| instant.sun = north.to_axes(instant.sun));
         self.sky_sun = north.to_axes(self.sky_sun);
+        let turned = |row: PatchRow| row.turned(north.y_deg());
+        self.own_sky = self.own_sky.map(turned);
+        self.clouds = self.clouds.map(turned);
         self
     }
 }

@@ -64,7 +64,11 @@ class HeliotileBackend(BackendEntrypoint):
         snow: str | None = None,
         snow_reflectance: float = 0.6,
         temperature: Mapping[str, Follow] | None = None,
-        sky: str = "perez",
+        sky: str | os.PathLike[str] = "perez",
+        sky_scale: str | None = None,
+        sky_white: float | None = None,
+        clouds: str | os.PathLike[str] | None = None,
+        image_top: float | None = None,
         patches: int | None = None,
         paths: str | Sequence[str] = "all",
         bounces: int | None = None,
@@ -91,8 +95,8 @@ class HeliotileBackend(BackendEntrypoint):
             archive = Archive.open(filename_or_obj, access=access, grid_north=grid_north)
         # xarray reads the names of its choices from the signature.
         options = ReplayOptions(
-            columns=columns, reflectance=reflectance, transmittance=transmittance, sky=sky, patches=patches, paths=paths, bounces=bounces,
-            memory=memory, every=every, stamp=stamp, year=year, start=start, end=end, steps=steps, snow=snow, snow_reflectance=snow_reflectance,
+            columns=columns, reflectance=reflectance, transmittance=transmittance, sky=sky, sky_scale=sky_scale, sky_white=sky_white,
+            clouds=clouds, image_top=image_top, patches=patches, paths=paths, bounces=bounces, memory=memory, every=every, stamp=stamp, year=year, start=start, end=end, steps=steps, snow=snow, snow_reflectance=snow_reflectance,
             temperature=temperature,
         )
         replay = LazyReplay(archive, light_args(options), replay_args(weather, options), cache_bytes)

@@ -35,7 +35,16 @@ class LightOptions(TypedDict, total=False):
     reflectance, transmittance
         By group, material or class: a number from 0 to 1, the path of a CSV file, or an array with a value for each row of the
         weather, or twelve for the months.
-    sky, patches, paths, bounces
+    sky
+        The name of a model, or the path of a file: radiances of patches (CSV, a matrix of Radiance), or a photograph of the sky. A name has no
+        dot and no slash; a `pathlib.Path` is always a file. The book's page of skies.
+    sky_scale, sky_white
+        `"dhi"` or `"given"`: what the light of the file adds up to; the radiance of white in a photograph, W/m2/sr.
+    clouds
+        The path of a file of shares of light that come through clouds: a table of patches, or a picture.
+    image_top
+        Azimuth of the top of pictures of sky and clouds, degrees clockwise from true north; default: north.
+    patches, paths, bounces
         As in the program: the book's page of query and replay.
     memory
         Bytes to work in, besides the results.
@@ -45,7 +54,11 @@ class LightOptions(TypedDict, total=False):
 
     reflectance: Mapping[str, Follow] | None
     transmittance: Mapping[str, Follow] | None
-    sky: str
+    sky: str | os.PathLike[str]
+    sky_scale: str | None
+    sky_white: float | None
+    clouds: str | os.PathLike[str] | None
+    image_top: float | None
     patches: int | None
     paths: str | Sequence[str]
     bounces: int | None
@@ -157,13 +170,25 @@ def _follow(changes: Mapping[str, Follow] | None, column: str) -> list[tuple[str
     return found
 
 
+def _sky(sky: str | os.PathLike[str]) -> str:
+    """A name as it is, a path as text that no name looks like."""
+    if isinstance(sky, os.PathLike):
+        path = os.fspath(sky)
+        return path if "." in path or os.sep in path else os.path.join(".", path)
+    return given.word("sky", sky, 'give a name, such as "perez", or the path of a file')
+
+
 def light_args(options: QueryOptions) -> dict[str, Any]:
     """Choices of light as the engine takes them."""
     columns, paths = options.get("columns"), options.get("paths", "all")
     joined = [columns] if isinstance(columns, str) else columns
     return {
         "columns": None if joined is None else ",".join(str(column) for column in joined),
-        "sky": given.word("sky", options.get("sky", "perez"), 'give a name, such as "perez"'),
+        "sky": _sky(options.get("sky", "perez")),
+        "sky_scale": options.get("sky_scale"),
+        "sky_white": given.number("sky_white", options.get("sky_white"), "give W/m2/sr"),
+        "clouds": given.path(options.get("clouds")),
+        "image_top": given.number("image_top", options.get("image_top"), "give degrees clockwise from true north"),
         "patches": given.whole("patches", options.get("patches"), "give 145, 577 or 2305"),
         "paths": paths if isinstance(paths, str) else ",".join(str(path) for path in paths),
         "bounces": given.whole("bounces", options.get("bounces"), "give a number of reflections from 1 to 64, or leave it out for all"),

@@ -18,12 +18,12 @@ use heliotile_core::named::by_name;
 use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::reflectances::{Changes, ConstantOrFile};
-use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::{WeatherOptions, parse_zone};
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
 use heliotile_results::{
-    Archives, Illumination, LightChoice, Provenance, QueryRequest, ReplayRequest, Resources, Series,
+    Archives, Illumination, LightChoice, Provenance, QueryRequest, ReplayRequest, Resources, Series, SkyChoice,
+    SkyFiles,
 };
 use heliotile_scene::input;
 
@@ -49,6 +49,10 @@ pub enum Follow {
 pub struct LightArgs {
     columns: Option<String>,
     sky: String,
+    sky_scale: Option<String>,
+    sky_white: Option<f64>,
+    clouds: Option<PathBuf>,
+    image_top: Option<f64>,
     patches: Option<usize>,
     paths: String,
     bounces: Option<u32>,
@@ -158,9 +162,17 @@ impl LightArgs {
             };
             changes.transmittance.push((name, follow));
         }
-        let sky = self.sky.parse::<SkyModel>();
-        let sky = sky.map_err(|what| Error::argument("sky", what.to_string(), "give one of these names"))?;
-        Ok(LightChoice { columns, sky, patches: self.patches, paths, changes })
+        let sky = self.sky.parse::<SkyChoice>();
+        let hint = "give one of these names, or the path of a file";
+        let (sky, file) = sky.map_err(|what| Error::argument("sky", what.to_string(), hint))?.parts();
+        let sky_files = SkyFiles {
+            sky: file,
+            scale: self.sky_scale.as_ref().map(|name| by_name("sky_scale", name)).transpose()?,
+            white_w_m2_sr: self.sky_white.map(|white| above_0("sky_white", white)).transpose()?,
+            clouds: self.clouds,
+            image_top_deg: self.image_top.map(|top| azimuth("image_top", top)).transpose()?,
+        };
+        Ok(LightChoice { columns, sky, patches: self.patches, paths, changes, sky_files })
     }
 }
 
@@ -299,6 +311,10 @@ impl LightArgs {
         let is_constant = |entry: &&(String, Follow)| matches!(entry.1, Follow::Constant(_));
         let options = [
             ("sky", self.sky.as_str().into()),
+            ("sky_scale", self.sky_scale.as_deref().into()),
+            ("sky_white", self.sky_white.into()),
+            ("clouds", self.clouds.as_ref().map(|file| file.display().to_string()).into()),
+            ("image_top", self.image_top.into()),
             ("paths", self.paths.as_str().into()),
             ("bounces", self.bounces.map_or("all".into(), Value::from)),
             ("reflectance", named("reflectance", self.reflectance.iter().filter(is_constant))),
@@ -330,5 +346,19 @@ fn share(argument: &'static str, value: f64) -> Result<f64> {
     match (0.0..=1.0).contains(&value) {
         true => Ok(value),
         false => Err(Error::argument(argument, format!("is from 0 to 1, not {value}"), "give a share of the light")),
+    }
+}
+
+fn above_0(argument: &'static str, value: f64) -> Result<f64> {
+    match value > 0.0 && value.is_finite() {
+        true => Ok(value),
+        false => Err(Error::argument(argument, format!("is above 0, not {value}"), "give W/m2/sr")),
+    }
+}
+
+fn azimuth(argument: &'static str, value: f64) -> Result<f64> {
+    match (-360.0..=360.0).contains(&value) {
+        true => Ok(value),
+        false => Err(Error::argument(argument, format!("is from -360 to 360, not {value}"), "give degrees")),
     }
 }

@@ -114,6 +114,12 @@ def test_weather(site: heliotile.Archive) -> None:
         ({"every": "week"}, "every: `week` is none of its values\n  to fix: give hour, day, month, year, total"),
         ({"columns": ["sun"]}, "columns: .*`?sun`?"),
         ({"sky": "blue"}, "sky: "),
+        ({"sky": Path("no.mtx")}, "No such file"),
+        ({"sky_scale": "half"}, "sky_scale: `half` is none of its values\n  to fix: give dhi, given"),
+        ({"sky_scale": "dhi"}, "sky_scale: the sky is a model, not a file\n  to fix: name a file with sky"),
+        ({"sky": "sky.hdr", "sky_white": 0.0}, "sky_white: is above 0, not 0"),
+        ({"image_top": 45.0}, "image_top: there is no photograph"),
+        ({"sky": "perez1990", "clouds": "c.png"}, "sky: `perez1990` has light at the sun"),
         ({"paths": "roads"}, "paths: "),
         ({"bounces": 0}, "bounces: is 0"),
         ({"patches": 100}, "100"),
@@ -131,7 +137,7 @@ def test_weather(site: heliotile.Archive) -> None:
     ],
 )
 def test_choices(site: heliotile.Archive, choice: dict, text: str) -> None:
-    """17 wrong choices, each refused with its name and what to give."""
+    """23 wrong choices, each refused with its name and what to give."""
     with pytest.raises(heliotile.Error, match=text):
         site.replay(DAYS, **choice)
 

@@ -50,6 +50,19 @@ def test_choices_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> No
     same(site.replay(DAYS, reflectance={"wall": 0.6, "ground": str(tmp_path / "months.csv")}, receivers=tmp_path / "ids.csv", **choices), values)
 
 
+def test_own_skies_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
+    """A matrix of Radiance as given and scaled to DHI, and clouds: equal to the bit, and not what the model gives."""
+    skies = DATA / "skies"
+    weather, matrix, clouds = skies / "hours.wea", skies / "m1.mtx", tmp_path / "clouds.csv"
+    clouds.write_text(",".join(f"p{i}" for i in range(145)) + "\n" + ",".join(["0.5"] * 145) + "\n")
+    values = of_program(tmp_path, "replay", site, "--weather", weather, "--sky", matrix)
+    same(site.replay(weather, sky=matrix), values)
+    assert not np.array_equal(site.replay(weather)["sky_direct"], site.replay(weather, sky=str(matrix))["sky_direct"])
+    words = ["--weather", weather, "--sky", matrix, "--sky-scale", "dhi", "--clouds", clouds]
+    values = of_program(tmp_path, "replay", site, *words)
+    same(site.replay(weather, sky=matrix, sky_scale="dhi", clouds=clouds), values)
+
+
 def test_receivers_by_object_surface_and_box(block: heliotile.Archive, tmp_path: Path) -> None:
     """A building, two surfaces and a box, of 1,228 receivers: equal to the bit to the program's, and to a list of their ids."""
     table = pd.DataFrame(block.receivers())

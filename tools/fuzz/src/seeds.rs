@@ -240,6 +240,9 @@ pub fn write() {
     seed("pv_points", b"point,x,y,height,tilt,azimuth\nhigh,1,2,0.5,35,180\nlow,3,4,1,90,270.5\n");
     seed("pv_rows", ROWS.as_bytes());
     seed("conditions", CONDITIONS.as_bytes());
+    let matrix = "#?RADIANCE\ngendaymtx -s\nNROWS=146\nNCOLS=1\nNCOMP=1\nBigEndian=0\nFORMAT=float\n\n";
+    let cells = (0..146_u8).flat_map(|patch| (f32::from(patch) / 200.0).to_le_bytes());
+    seed("patches", &matrix.bytes().chain(cells).collect::<Vec<u8>>());
     let weather = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_3_days.epw");
     let epw = fs::read_to_string(weather).expect("weather");
     let day: Vec<&str> = epw.lines().take(8 + 24).collect();

@@ -15,6 +15,7 @@ use heliotile_core::archive::tables::{
     ReceiversTable,
 };
 use heliotile_core::archive::{Access, Archive, Block, Manifest, encode, manifest, verify};
+use heliotile_core::dome::formats::{PatchQuantity, parse_patch_file};
 use heliotile_core::layers::canopy::{Canopy, Powers, SEEN, SKY};
 use heliotile_core::layers::extras;
 use heliotile_core::layers::hit::HitTile;
@@ -46,7 +47,7 @@ use heliotile_scene::site::Site;
 pub type Target = fn(&[u8]);
 
 /// All targets by name, which is that of their folder in tests/data/corpus.
-pub const TARGETS: [(&str, Target); 45] = [
+pub const TARGETS: [(&str, Target); 46] = [
     ("archive", archive),
     ("sealed", sealed),
     ("block", block),
@@ -89,6 +90,7 @@ pub const TARGETS: [(&str, Target); 45] = [
     ("pv_points", pv_points),
     ("pv_rows", pv_rows),
     ("conditions", conditions),
+    ("patches", patches),
     ("epw", epw),
     ("weather", weather),
     ("weather_csv", weather_csv),
@@ -514,6 +516,14 @@ fn pv_rows(data: &[u8]) {
         if outline.places(rows.pitch_m) < 1e5 {
             let laid = lay(&rows, rows.turn.normal(), &outline, |p| (p.x < 5.0).then_some(1.0));
             assert!(laid.modules.len() <= 100_000);
+        }
+    }
+}
+
+fn patches(data: &[u8]) {
+    for quantity in [PatchQuantity::Radiance, PatchQuantity::Transmittance] {
+        if let Ok(file) = parse_patch_file(Path::new("sky.mtx"), data, quantity) {
+            assert!(file.series.rows() > 0 && file.series.row(0).len() == file.series.grid().len());
         }
     }
 }

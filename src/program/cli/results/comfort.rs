@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::recombine::{ChangeArgs, PeriodArgs};
+use super::recombine::{ChangeArgs, PeriodArgs, SkyArgs};
 use crate::cli::values::{Bytes, choice, parse_memory, table_help};
 use crate::cli::{AccuracyArgs, ClockArgs, Metres, SceneArgs};
 use heliotile_atlas::SiteRequest;
-use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::temperatures::Temperature;
 use heliotile_results::run::folder_beside;
 use heliotile_results::{
@@ -74,8 +73,8 @@ pub struct ComfortArgs {
     pub wind: WindChoice,
     #[command(flatten)]
     pub period: PeriodArgs,
-    #[arg(long, help = SkyModel::described(), default_value = "perez")]
-    pub sky: SkyModel,
+    #[command(flatten)]
+    pub sky: SkyArgs,
     #[command(flatten)]
     pub changes: ChangeArgs,
     #[command(flatten)]
@@ -126,7 +125,13 @@ impl ComfortArgs {
             WindChoice::File(file) => Some(file.as_path()),
             WindChoice::Factor(_) => None,
         };
-        self.period.temperature.iter().filter_map(Temperature::file).chain(self.changes.files()).chain(wind)
+        self.period
+            .temperature
+            .iter()
+            .filter_map(Temperature::file)
+            .chain(self.changes.files())
+            .chain(self.sky.files())
+            .chain(wind)
     }
 
     /// The archive of people that is to be built.
@@ -149,7 +154,8 @@ impl ComfortArgs {
     /// What is asked for.
     pub fn request(&self) -> ComfortRequest {
         let changes = self.changes.changes(self.period.snow());
-        let light = LightChoice { sky: self.sky, changes, ..LightChoice::default() };
+        let (sky, sky_files) = self.sky.parts();
+        let light = LightChoice { sky, sky_files, changes, ..LightChoice::default() };
         let about_weather = self.about_weather.options(true);
         ComfortRequest {
             replay: ReplayRequest { light, about_weather, ..self.period.replay(&self.weather) },

@@ -15,6 +15,7 @@ use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::reflectances::{Changes, ConstantOrFile, Snow, followed_files};
 use heliotile_core::sky::model::SkyModel;
+use heliotile_core::sky::own_skies::SkyScale;
 use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
@@ -22,7 +23,8 @@ use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::shapes::writer::MapFormat;
 use heliotile_results::outputs::tables::layout::By;
 use heliotile_results::{
-    CompareRequest, FactorsRequest, FileRequest, Illumination, LightChoice, QueryRequest, ReceiverChoice, ReplayRequest,
+    CompareRequest, FactorsRequest, FileRequest, Illumination, LightChoice, QueryRequest, ReceiverChoice,
+    ReplayRequest, SkyChoice, SkyFiles,
 };
 
 /// Help of --output.
@@ -106,8 +108,8 @@ pub struct RecombineArgs {
     /// sun_diffuse_ground and sun_diffuse_obstruction, and `replay` gives longwave [default: the six components and their total]
     #[arg(long, value_name = "NAMES")]
     pub columns: Option<ComponentList>,
-    #[arg(long, help = SkyModel::described(), default_value = "perez")]
-    pub sky: SkyModel,
+    #[command(flatten)]
+    pub sky: SkyArgs,
     /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]
     #[arg(long)]
     pub patches: Option<usize>,
@@ -120,6 +122,47 @@ pub struct RecombineArgs {
     pub paths: LightPaths,
     #[command(flatten)]
     pub changes: ChangeArgs,
+}
+
+/// How the sky's radiance is spread, and clouds before it.
+#[derive(Args, Debug)]
+pub struct SkyArgs {
+    #[arg(long, value_name = "NAME|FILE", help = SkyChoice::described(), default_value = "perez")]
+    pub sky: SkyChoice,
+    /// What the light of a file of --sky adds up to [default: dhi for photographs, given for tables and matrices]
+    #[arg(long, value_parser = choice::<SkyScale>())]
+    pub sky_scale: Option<SkyScale>,
+    /// Radiance of white in a photograph of --sky, W/m2/sr, for --sky-scale given [default: levels of .hdr and .exr are radiances]
+    #[arg(long, value_name = "RADIANCE", value_parser = parse_positive)]
+    pub sky_white: Option<f64>,
+    /// Clouds before sun and sky, shares of light that come through (0 to 1): a table of patches as for --sky, or a square equidistant picture
+    #[arg(long, value_name = "FILE")]
+    pub clouds: Option<PathBuf>,
+    /// Azimuth of the top of pictures of --sky and --clouds, degrees clockwise from true north; a quarter of a turn clockwise of it is on the
+    /// left [default: 0, north]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_azimuth)]
+    pub image_top: Option<f64>,
+}
+
+impl SkyArgs {
+    /// The model, and the files in place of it and before it.
+    pub fn parts(&self) -> (SkyModel, Box<SkyFiles>) {
+        let (model, file) = self.sky.clone().parts();
+        let files = SkyFiles {
+            sky: file,
+            scale: self.sky_scale,
+            white_w_m2_sr: self.sky_white,
+            clouds: self.clouds.clone(),
+            image_top_deg: self.image_top,
+        };
+        (model, Box::new(files))
+    }
+
+    /// Files that are read.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let sky = if let SkyChoice::File(file) = &self.sky { Some(file.as_path()) } else { None };
+        sky.into_iter().chain(self.clouds.as_deref())
+    }
 }
 
 /// Reflectances and transmittances in place of those of the archive.
@@ -162,7 +205,8 @@ impl RecombineArgs {
         let hint = "name `bounces` among the paths, or leave it out";
         let paths = self.paths.with_depth(self.bounces).map_err(|what| Error::argument("bounces", what, hint))?;
         let changes = self.changes.changes(None);
-        Ok(LightChoice { columns: self.columns.clone(), sky: self.sky, patches: self.patches, paths, changes })
+        let (sky, sky_files) = self.sky.parts();
+        Ok(LightChoice { columns: self.columns.clone(), sky, patches: self.patches, paths, changes, sky_files })
     }
 
     /// Where results go.
@@ -170,9 +214,9 @@ impl RecombineArgs {
         FileRequest { geo: self.geo, plots: self.plot.clone(), ..self.table.files() }
     }
 
-    /// Files that reflectances and transmittances follow.
+    /// Files that reflectances and transmittances follow, and those of skies and clouds.
     pub fn schedules(&self) -> impl Iterator<Item = &Path> {
-        self.changes.files()
+        self.changes.files().chain(self.sky.files())
     }
 }
 
@@ -388,5 +432,19 @@ fn parse_share(text: &str) -> std::result::Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
         _ => Err("give a number from 0 to 1".into()),
+    }
+}
+
+fn parse_positive(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("give a number above 0".into()),
+    }
+}
+
+fn parse_azimuth(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (-360.0..=360.0).contains(&value) => Ok(value),
+        _ => Err("give degrees from -360 to 360".into()),
     }
 }

@@ -1,0 +1,132 @@
+//! Photographs of the sky. In: the pixels of a square picture in the equidistant (angular) projection of fisheye lenses. Out: the pixel in a
+//! direction, means of patches.
+//!
+//! The camera looks up: the circle that fits into the square is the horizon, its middle the zenith, and the distance from the middle is
+//! proportional to the zenith angle. With north at the top, east is on the left, as in hemispherical photography from below; Radiance's
+//! `-vta -vh 180 -vv 180 -vd 0 0 1 -vu 0 1 0` makes the same picture.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use glam::{DVec2, DVec3};
+
+use crate::dome::grid::PatchGrid;
+use crate::dome::series::PatchSeries;
+
+/// Factor of the subdivision that photographs are averaged on: 9217 patches, rows of 1.6 degrees.
+const FACTOR: usize = 8;
+
+/// Points across a picture at least, so that each patch has some.
+const POINTS: usize = 1024;
+
+/// A square picture of the dome, one number a pixel.
+#[derive(Clone, Debug)]
+pub struct DomeImage {
+    side: usize,
+    /// `[row][column]`, the first row is the top.
+    numbers: Vec<f32>,
+    /// Azimuth of the top, turns clockwise from true north.
+    top_turns: f64,
+}
+
+impl DomeImage {
+    /// A picture of `side` x `side` pixels whose top has this azimuth; none if there are not so many pixels.
+    pub fn new(side: usize, numbers: Vec<f32>, top_azimuth_deg: f64) -> Option<Self> {
+        let fits = side > 0 && numbers.len() == side * side;
+        fits.then_some(DomeImage { side, numbers, top_turns: top_azimuth_deg / 360.0 })
+    }
+
+    /// Pixels inside the circle: column, row, number.
+    pub fn inside(&self) -> impl Iterator<Item = (usize, usize, f32)> {
+        let (side, half) = (self.side, 0.5 * self.side as f64);
+        self.numbers.iter().enumerate().map(move |(i, number)| (i % side, i / side, *number)).filter(
+            move |(column, row, _)| DVec2::new(*column as f64 + 0.5 - half, *row as f64 + 0.5 - half).length() <= half,
+        )
+    }
+
+    /// Number of the pixel in a direction by true east, true north and up; that at the horizon for directions below it.
+    pub fn at(&self, direction: DVec3) -> f32 {
+        let radius = direction.z.clamp(0.0, 1.0).acos() / FRAC_PI_2;
+        let left = TAU * (direction.x.atan2(direction.y) / TAU - self.top_turns);
+        let half = 0.5 * self.side as f64;
+        let place = |offset: f64| ((half * (1.0 + offset)).max(0.0) as usize).min(self.side - 1);
+        let (column, row) = (place(-radius * left.sin()), place(-radius * left.cos()));
+        self.numbers.get(row * self.side + column).copied().unwrap_or_default()
+    }
+
+    /// Means by solid angle of 9217 patches (Reinhart's subdivision by 8), as a series of one row.
+    pub fn on_patches(&self) -> Option<PatchSeries> {
+        let grid = PatchGrid::of_factor(FACTOR);
+        let mut sums = vec![DVec2::ZERO; grid.len()];
+        let fine = POINTS.div_ceil(self.side).max(1);
+        let half = 0.5 * self.side as f64;
+        let inside: Vec<f64> = (0..fine).map(|i| (i as f64 + 0.5) / fine as f64).collect();
+        for (i, number) in self.numbers.iter().enumerate() {
+            let (column, row) = ((i % self.side) as f64, (i / self.side) as f64);
+            for down in &inside {
+                for right in &inside {
+                    let point = DVec2::new(column + right, row + down) / half - 1.0;
+                    let radius = point.length();
+                    if radius > 1.0 {
+                        continue;
+                    }
+                    let zenith = radius * FRAC_PI_2;
+                    // Solid angle over area: sine over angle.
+                    let sr = if zenith > 0.0 { zenith.sin() / zenith } else { 1.0 };
+                    let turns = ((-point.x).atan2(-point.y) / TAU + self.top_turns).rem_euclid(1.0);
+                    if let Some(sum) = sums.get_mut(grid.patch_at(turns, zenith.cos())) {
+                        *sum += DVec2::new(sr * f64::from(*number), sr);
+                    }
+                }
+            }
+        }
+        PatchSeries::new(grid, sums.iter().map(|sum| (sum.x / sum.y.max(f64::MIN_POSITIVE)) as f32).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::direction_from_degrees;
+
+    /// A bright pixel left of the middle lies in the east, one at the top in the north; with a top of 90 degrees the top is the east. Its
+    /// patch is bright too.
+    #[test]
+    fn east_is_left() {
+        let side = 65;
+        let picture = |column: usize, row: usize, top_deg: f64| {
+            let mut numbers = vec![0.0; side * side];
+            numbers[row * side + column] = 1.0;
+            DomeImage::new(side, numbers, top_deg).expect("a picture")
+        };
+        for (column, row, top_deg, azimuth_deg) in
+            [(16, 32, 0.0, 90.0), (32, 16, 0.0, 0.0), (48, 32, 0.0, 270.0), (32, 16, 90.0, 90.0), (16, 32, 90.0, 180.0)]
+        {
+            let image = picture(column, row, top_deg);
+            let direction = direction_from_degrees(azimuth_deg, 90.0 - 16.0 / 32.5 * 90.0);
+            assert_eq!(image.at(direction), 1.0, "{column} {row} {top_deg}");
+            let patches = image.on_patches().expect("patches");
+            let patch = patches.grid().patch_of(direction);
+            assert!(patches.row(0)[patch] > 0.3, "{column} {row} {top_deg}: {}", patches.row(0)[patch]);
+        }
+    }
+
+    /// A picture of one level gives all 9217 patches that level, of 3 pixels a side and of 1500; one of the cosine of the zenith angle 2 pi / 3 on
+    /// the horizontal within 2e-4, which levels of whole patches lose.
+    #[test]
+    fn levels() {
+        for side in [3, 1500] {
+            let image = DomeImage::new(side, vec![2.5; side * side], 10.0).expect("a picture");
+            let patches = image.on_patches().expect("patches");
+            assert!(patches.row(0).iter().all(|l| (l - 2.5).abs() < 1e-5));
+        }
+        let side = 1024;
+        let zenith = |i: usize| {
+            let point = DVec2::new((i % side) as f64 + 0.5, (i / side) as f64 + 0.5) / 512.0 - 1.0;
+            (point.length() * FRAC_PI_2).min(FRAC_PI_2)
+        };
+        let numbers = (0..side * side).map(|i| zenith(i).cos() as f32).collect();
+        let patches = DomeImage::new(side, numbers, 0.0).and_then(|image| image.on_patches()).expect("patches");
+        assert!((patches.horizontal_w_m2(0) / (TAU / 3.0) - 1.0).abs() < 2e-4, "{}", patches.horizontal_w_m2(0));
+        assert!(DomeImage::new(3, vec![0.0; 8], 0.0).is_none());
+    }
+}

@@ -1,0 +1,167 @@
+//! Pictures of Radiance. In: the bytes of a file of the format RGBE, run-length encoded or flat. Out: one radiance a pixel.
+//!
+//! The format is that of Ward, "Real pixels", Graphics Gems II, 1991, with the newer run lengths by component that `rpict` and `pfilt` write:
+//! lines of 8 to 32767 pixels begin with 2, 2 and their length.
+
+use std::path::Path;
+
+use super::images::{Pixels, check_sides, luminance};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::text::excerpt;
+
+const FORMAT: &str = "32-bit_rle_rgbe";
+
+/// Bytes of a header at most.
+const HEAD: usize = 1 << 16;
+
+/// Lines of a header, and where it ends.
+struct Head<'b> {
+    lines: Vec<String>,
+    body: &'b [u8],
+}
+
+impl<'b> Head<'b> {
+    fn of(bytes: &'b [u8]) -> Option<Self> {
+        let (mut rest, mut lines) = (bytes, Vec::new());
+        while bytes.len() - rest.len() < HEAD {
+            let (line, behind) = split_line(rest)?;
+            rest = behind;
+            if line.is_empty() {
+                return Some(Head { lines, body: rest });
+            }
+            lines.push(line);
+        }
+        None
+    }
+
+    fn values<'h>(&'h self, name: &'h str) -> impl Iterator<Item = &'h str> {
+        self.lines.iter().filter_map(move |line| Some(line.strip_prefix(name)?.strip_prefix('=')?.trim()))
+    }
+}
+
+fn split_line(bytes: &[u8]) -> Option<(String, &[u8])> {
+    let end = bytes.iter().position(|byte| *byte == b'\n')?;
+    let line = String::from_utf8_lossy(bytes.get(..end)?).trim_end_matches('\r').to_owned();
+    Some((line, bytes.get(end + 1..)?))
+}
+
+/// Whether bytes are a picture of Radiance, and not a matrix.
+pub(super) fn is_hdr(bytes: &[u8]) -> bool {
+    let is_picture = |head: Head| head.values("FORMAT").any(|format| format.starts_with("32-bit_rle"));
+    bytes.starts_with(b"#?") && Head::of(bytes).is_some_and(is_picture)
+}
+
+/// Reads a picture; levels are divided by its exposure.
+pub(super) fn read_hdr(path: &Path, bytes: &[u8]) -> Result<Pixels> {
+    let refuse = |what: String| Error::input(path, None, what, "save the picture as Radiance HDR again, in RGBE");
+    let head = Head::of(bytes).ok_or_else(|| refuse("its header has no end".into()))?;
+    if let Some(other) = head.values("FORMAT").find(|format| *format != FORMAT) {
+        return Err(refuse(format!("its FORMAT is `{}`, not {FORMAT}", excerpt(other, 40))));
+    }
+    let exposure: f64 = head.values("EXPOSURE").filter_map(|value| value.parse::<f64>().ok()).product();
+    let (size, mut body) = split_line(head.body).ok_or_else(|| refuse("it has no size".into()))?;
+    let words: Vec<&str> = size.split_whitespace().collect();
+    let sides = match words.as_slice() {
+        ["-Y", height, "+X", width] => width.parse::<usize>().ok().zip(height.parse::<usize>().ok()),
+        _ => None,
+    };
+    let what = || format!("its size is `{}`, not `-Y height +X width`", excerpt(&size, 40));
+    let (width, height) = sides.ok_or_else(|| refuse(what()))?;
+    check_sides(path, width, height)?;
+    let mut levels = Vec::new();
+    for row in 0..height {
+        let (line, behind) =
+            scanline(body, width).ok_or_else(|| refuse(format!("line {} of {height} is broken", row + 1)))?;
+        body = behind;
+        levels.extend(line.into_iter().map(|pixel| radiance(pixel) / exposure));
+    }
+    Ok(Pixels { width, height, levels, are_coded: false })
+}
+
+/// Of mantissas and an exponent: (m + 0.5) x 2^(e - 136), and 0 where the exponent is.
+fn radiance([red, green, blue, exponent]: [u8; 4]) -> f64 {
+    if exponent == 0 {
+        return 0.0;
+    }
+    let scale = 2.0_f64.powi(i32::from(exponent) - 136);
+    luminance([red, green, blue].map(|mantissa| (f64::from(mantissa) + 0.5) * scale))
+}
+
+/// One line of pixels, and the bytes behind it.
+fn scanline(bytes: &[u8], width: usize) -> Option<(Vec<[u8; 4]>, &[u8])> {
+    let (start, rest) = bytes.split_first_chunk::<4>()?;
+    let [2, 2, high, low] = *start else { return flat(bytes, width) };
+    if usize::from(high) << 8 | usize::from(low) != width || high & 0x80 != 0 {
+        return flat(bytes, width);
+    }
+    let mut rest = rest;
+    let mut pixels = vec![[0_u8; 4]; width];
+    for component in 0..4 {
+        let mut at = 0;
+        while at < width {
+            let (count, behind) = rest.split_first()?;
+            let run = usize::from(*count);
+            let (values, behind) = if run > 128 {
+                let (value, behind) = behind.split_first()?;
+                (vec![*value; run - 128], behind)
+            } else {
+                let (values, behind) = behind.split_at_checked(run)?;
+                (values.to_vec(), behind)
+            };
+            let to = pixels.get_mut(at..at + values.len())?;
+            if values.is_empty() {
+                return None;
+            }
+            for (pixel, value) in to.iter_mut().zip(&values) {
+                *pixel.get_mut(component)? = *value;
+            }
+            at += values.len();
+            rest = behind;
+        }
+    }
+    Some((pixels, rest))
+}
+
+/// Pixels as they are; runs of the oldest files, which repeat a pixel after three ones, are not read.
+fn flat(bytes: &[u8], width: usize) -> Option<(Vec<[u8; 4]>, &[u8])> {
+    let (line, behind) = bytes.split_at_checked(4 * width)?;
+    let (pixels, _) = line.as_chunks::<4>();
+    let is_run = |pixel: &[u8; 4]| pixel.starts_with(&[1, 1, 1]);
+    (!pixels.iter().any(is_run)).then(|| (pixels.to_vec(), behind))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(more: &str, size: &str, body: &[u8]) -> Vec<u8> {
+        [format!("#?RADIANCE\nFORMAT={FORMAT}\n{more}\n{size}\n").as_bytes(), body].concat()
+    }
+
+    /// Mantissa 127 with exponent 137 is 255, flat and as runs, and 51 with an exposure of 5; exponent 0 is black.
+    #[test]
+    fn radiances() {
+        let first = |bytes: &[u8]| read_hdr(Path::new("a.hdr"), bytes).expect("a picture").levels;
+        assert_eq!(first(&file("", "-Y 1 +X 1", &[127, 127, 127, 137])), [255.0]);
+        assert_eq!(first(&file("EXPOSURE=2.5\nEXPOSURE=2\n", "-Y 1 +X 1", &[127, 127, 127, 137])), [51.0]);
+        assert_eq!(first(&file("", "-Y 1 +X 1", &[127, 127, 127, 0])), [0.0]);
+        let runs = [2, 2, 0, 9, 137, 127, 137, 127, 137, 127, 133, 137, 4, 137, 137, 137, 0];
+        let found = first(&file("", "-Y 1 +X 9", &runs));
+        assert_eq!((found.len(), found[0], found[7], found[8]), (9, 255.0, 255.0, 0.0));
+        assert!(is_hdr(&file("", "", &[])) && !is_hdr(b"#?RADIANCE\nFORMAT=float\n\n"));
+    }
+
+    /// Five broken pictures are errors: another format, a size from below, too few bytes, a run beyond the line, a side of 9000.
+    #[test]
+    fn broken() {
+        for bytes in [
+            b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n\x01\x02\x03\x04".to_vec(),
+            file("", "+Y 1 +X 1", &[1; 4]),
+            file("", "-Y 2 +X 1", &[9; 4]),
+            file("", "-Y 1 +X 9", &[2, 2, 0, 9, 200, 1]),
+            file("", "-Y 1 +X 9000", &[0; 4]),
+        ] {
+            assert!(matches!(read_hdr(Path::new("a.hdr"), &bytes), Err(Error::Input { .. })));
+        }
+    }
+}

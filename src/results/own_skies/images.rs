@@ -1,0 +1,258 @@
+//! Pictures of the sky. In: the bytes of a PNG, a Radiance picture (.hdr, .pic) or an OpenEXR file. Out: one checked number a pixel, as a
+//! [`DomeImage`].
+//!
+//! Red, green and blue become one number by the weights of Radiance's luminance. Levels of a PNG are coded as sRGB, unless its chunk gAMA says
+//! another exponent; those of a cloud picture are shares as they are. Radiance pictures are divided by their EXPOSURE.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use exr::prelude::{ReadChannels, ReadLayers, read};
+
+use super::hdr;
+use heliotile_core::dome::formats::{LUMINANCE, PatchQuantity};
+use heliotile_core::dome::image::DomeImage;
+use heliotile_core::error::{Error, Result};
+
+/// Largest side of a picture.
+const MAX_SIDE: usize = 8192;
+
+/// What the levels of a picture are.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Levels {
+    /// Radiances.
+    Radiances {
+        /// W/m2/sr of level 1; none: levels are radiances.
+        white_w_m2_sr: Option<f64>,
+        /// Whether only their ratios count.
+        are_relative: bool,
+    },
+    /// Shares of light that come through, 0 to 1.
+    Shares,
+}
+
+/// The pixels of a picture, one number each.
+pub(super) struct Pixels {
+    pub width: usize,
+    pub height: usize,
+    /// `[row][column]`, from the top left.
+    pub levels: Vec<f64>,
+    /// Whether levels are those of a display, from 0 to 1.
+    pub are_coded: bool,
+}
+
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+const EXR: &[u8] = b"\x76\x2f\x31\x01";
+
+/// First bytes of pictures that are not read.
+const OTHERS: [(&[u8], &str); 5] =
+    [(b"\xff\xd8\xff", "JPEG"), (b"II*\0", "TIFF"), (b"MM\0*", "TIFF"), (b"GIF8", "GIF"), (b"BM", "BMP")];
+
+/// Whether bytes are a picture; one of a kind that is not read is an error.
+pub(super) fn is_picture(path: &Path, bytes: &[u8]) -> Result<bool> {
+    if let Some((_, kind)) = OTHERS.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+        return Err(Error::input(
+            path,
+            None,
+            format!("it is a {kind}"),
+            "save the picture as PNG, Radiance HDR or OpenEXR",
+        ));
+    }
+    Ok(bytes.starts_with(PNG) || bytes.starts_with(EXR) || hdr::is_hdr(bytes))
+}
+
+/// Reads a picture whose top has an azimuth.
+pub(super) fn read_image(path: &Path, bytes: &[u8], levels: Levels, top_azimuth_deg: f64) -> Result<DomeImage> {
+    let pixels = match bytes {
+        bytes if bytes.starts_with(PNG) => png(path, bytes, levels)?,
+        bytes if bytes.starts_with(EXR) => exr(path, bytes)?,
+        bytes => hdr::read_hdr(path, bytes)?,
+    };
+    let Pixels { width, height, .. } = pixels;
+    if width != height {
+        let hint = "crop it to the square around the circle of the horizon, whose middle is the zenith";
+        return Err(Error::input(path, None, format!("{width} x {height} pixels are not a square"), hint));
+    }
+    let (factor, quantity) = match levels {
+        Levels::Shares => (1.0, PatchQuantity::Transmittance),
+        Levels::Radiances { white_w_m2_sr: Some(white), .. } => (white, PatchQuantity::Radiance),
+        Levels::Radiances { are_relative, .. } if are_relative || !pixels.are_coded => (1.0, PatchQuantity::Radiance),
+        Levels::Radiances { .. } => {
+            let hint = "state the radiance of white with {sky_white}, or scale the sky to the diffuse irradiance: {sky_scale} dhi";
+            return Err(Error::input(path, None, "levels of a PNG are no radiances", hint));
+        }
+    };
+    let numbers = pixels.levels.iter().map(|level| (level * factor) as f32).collect();
+    let square = || Error::input(path, None, "the picture has no pixels", "give a square picture");
+    let image = DomeImage::new(width, numbers, top_azimuth_deg).ok_or_else(square)?;
+    let mut is_black = true;
+    for (column, row, number) in image.inside() {
+        if !quantity.holds(f64::from(number)) {
+            let what = format!("pixel {column}, {row} from the top left is {number}");
+            return Err(Error::input(path, None, what, format!("{}: mend the picture", quantity.range())));
+        }
+        is_black &= number == 0.0;
+    }
+    if is_black && matches!(levels, Levels::Radiances { .. }) {
+        return Err(Error::input(path, None, "the sky is black", "give a photograph that is exposed"));
+    }
+    Ok(image)
+}
+
+/// One level of red, green and blue.
+pub(super) fn luminance(rgb: [f64; 3]) -> f64 {
+    rgb.iter().zip(LUMINANCE).map(|(part, weight)| part * weight).sum()
+}
+
+/// Refuses sides beyond what memory is planned for.
+pub(super) fn check_sides(path: &Path, width: usize, height: usize) -> Result<()> {
+    if width.max(height) <= MAX_SIDE {
+        return Ok(());
+    }
+    let what = format!("{width} x {height} pixels, and {MAX_SIDE} a side are read");
+    Err(Error::input(path, None, what, "scale the picture down"))
+}
+
+fn png(path: &Path, bytes: &[u8], levels: Levels) -> Result<Pixels> {
+    let broken =
+        |error: png::DecodingError| Error::input(path, None, error.to_string(), "save the picture as PNG again");
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: 1 << 30 });
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+    check_sides(path, width, height)?;
+    let exponent = reader.info().gamma().map(|gamma| f64::from(gamma.into_value())).filter(|gamma| *gamma > 0.0);
+    let mut buffer = vec![0; reader.output_buffer_size().unwrap_or_default()];
+    let frame = reader.next_frame(&mut buffer).map_err(broken)?;
+    let wide = frame.bit_depth == png::BitDepth::Sixteen;
+    let sample = |bytes: &[u8]| match bytes {
+        [high, low] => f64::from(u16::from_be_bytes([*high, *low])) / f64::from(u16::MAX),
+        bytes => f64::from(bytes.first().copied().unwrap_or_default()) / f64::from(u8::MAX),
+    };
+    let linear = |coded: f64| match (levels, exponent) {
+        (Levels::Shares, _) => coded,
+        (_, Some(exponent)) => coded.powf(1.0 / exponent),
+        // IEC 61966-2-1:1999, equations 5 and 6.
+        (_, None) if coded <= 0.04045 => coded / 12.92,
+        (_, None) => ((coded + 0.055) / 1.055).powf(2.4),
+    };
+    let size = if wide { 2 } else { 1 };
+    let level = |pixel: &[u8]| {
+        let mut samples = pixel.chunks(size).map(|bytes| linear(sample(bytes)));
+        let first = samples.next().unwrap_or_default();
+        // One sample, or with one of opacity, is grey.
+        match (frame.color_type.samples(), samples.next(), samples.next()) {
+            (3.., Some(green), Some(blue)) => luminance([first, green, blue]),
+            _ => first,
+        }
+    };
+    let whole = buffer.get(..frame.buffer_size()).unwrap_or_default();
+    let found = whole.chunks_exact(size * frame.color_type.samples()).map(level).collect();
+    Ok(Pixels { width, height, levels: found, are_coded: true })
+}
+
+fn exr(path: &Path, bytes: &[u8]) -> Result<Pixels> {
+    let broken =
+        |error: exr::error::Error| Error::input(path, None, error.to_string(), "save the picture as OpenEXR again");
+    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+    let image = reader.from_buffered(Cursor::new(bytes)).map_err(broken)?;
+    let layer = &image.layer_data;
+    let (width, height) = (layer.size.width(), layer.size.height());
+    check_sides(path, width, height)?;
+    let channels = &layer.channel_data.list;
+    let named = |name: &str| channels.iter().find(|channel| channel.name.eq_case_insensitive(name));
+    let numbers = |channel: &exr::image::AnyChannel<exr::image::FlatSamples>| -> Vec<f64> {
+        channel.sample_data.values_as_f32().map(f64::from).collect()
+    };
+    let levels = match (named("R"), named("G"), named("B"), named("Y"), channels.as_slice()) {
+        (Some(red), Some(green), Some(blue), ..) => {
+            let rest = numbers(green).into_iter().zip(numbers(blue));
+            numbers(red).into_iter().zip(rest).map(|(r, (g, b))| luminance([r, g, b])).collect()
+        }
+        (.., Some(one), _) | (.., [one]) => numbers(one),
+        _ => {
+            let names = channels.iter().map(|channel| channel.name.to_string()).collect::<Vec<_>>().join(", ");
+            let what = format!("its channels are {names}");
+            return Err(Error::input(path, None, what, "give R, G and B, or Y, or one channel alone"));
+        }
+    };
+    Ok(Pixels { width, height, levels, are_coded: false })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use exr::prelude::{Image, SpecificChannels, WritableImage};
+
+    const PATH: &str = "sky.png";
+    const RATIOS: Levels = Levels::Radiances { white_w_m2_sr: None, are_relative: true };
+
+    fn png_of(color: png::ColorType, width: u32, height: u32, data: &[u8], gamma: Option<f32>) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_color(color);
+        encoder.set_depth(png::BitDepth::Eight);
+        if let Some(gamma) = gamma {
+            encoder.set_source_gamma(png::ScaledFloat::new(gamma));
+        }
+        encoder.write_header().and_then(|mut writer| writer.write_image_data(data)).expect("a PNG");
+        bytes
+    }
+
+    fn level(bytes: &[u8], levels: Levels) -> Result<f32> {
+        let image = read_image(Path::new(PATH), bytes, levels, 0.0)?;
+        Ok(image.at(glam::DVec3::Z))
+    }
+
+    /// Grey 188 of a PNG is 0.5029 as sRGB, 0.7373 with a gAMA of 1 and as a cloud; pure green is 0.67; white is what is stated.
+    #[test]
+    fn levels_of_png() {
+        let grey = png_of(png::ColorType::Grayscale, 1, 1, &[188], None);
+        let is = |found: Result<f32>, expected: f32| assert!((found.expect("a level") - expected).abs() < 1e-4);
+        is(level(&grey, RATIOS), 0.5029);
+        is(level(&grey, Levels::Shares), 0.7373);
+        is(level(&png_of(png::ColorType::Grayscale, 1, 1, &[188], Some(1.0)), RATIOS), 0.7373);
+        is(level(&png_of(png::ColorType::Rgb, 1, 1, &[0, 255, 0], None), RATIOS), 0.67);
+        is(level(&png_of(png::ColorType::Rgba, 1, 1, &[0, 255, 0, 9], None), RATIOS), 0.67);
+        let white = Levels::Radiances { white_w_m2_sr: Some(40.0), are_relative: false };
+        is(level(&png_of(png::ColorType::Grayscale, 1, 1, &[255], None), white), 40.0);
+    }
+
+    /// Radiances of an EXR file are its floats; NaN and a negative one are refused with the pixel, and a file of one channel counts.
+    #[test]
+    fn levels_of_exr() {
+        let file = |level: f32| {
+            let mut bytes = Cursor::new(Vec::new());
+            let channels = SpecificChannels::rgb(move |_| (level, level, level));
+            Image::from_channels((3, 3), channels).write().to_buffered(&mut bytes).expect("an EXR file");
+            bytes.into_inner()
+        };
+        let given = Levels::Radiances { white_w_m2_sr: None, are_relative: false };
+        assert!((level(&file(123.5), given).expect("a level") - 123.5).abs() < 1e-3);
+        for (bad, shown) in [(f32::NAN, "is NaN"), (-1.0, "is -1")] {
+            let text = level(&file(bad), given).expect_err(shown).to_string();
+            assert!(text.contains("pixel 0, 0 from the top left") && text.contains(shown), "{text}");
+        }
+    }
+
+    /// Six pictures are refused: not square, black, a PNG whose levels count as radiances, half a PNG, half an EXR file, a JPEG.
+    #[test]
+    fn refusals() {
+        let given = Levels::Radiances { white_w_m2_sr: None, are_relative: false };
+        let wide = png_of(png::ColorType::Grayscale, 2, 1, &[9, 9], None);
+        let grey = png_of(png::ColorType::Grayscale, 1, 1, &[9], None);
+        let black = png_of(png::ColorType::Grayscale, 1, 1, &[0], None);
+        for (bytes, levels, expected) in [
+            (&wide[..], RATIOS, "2 x 1 pixels are not a square"),
+            (&black, RATIOS, "the sky is black"),
+            (&grey, given, "levels of a PNG are no radiances"),
+            (&grey[..40], RATIOS, PATH),
+            (EXR, RATIOS, PATH),
+        ] {
+            let text = level(bytes, levels).expect_err(expected).to_string();
+            assert!(text.contains(expected), "{text}");
+        }
+        let text = is_picture(Path::new(PATH), b"\xff\xd8\xff\xe0").expect_err("a JPEG").to_string();
+        assert!(text.contains("it is a JPEG"), "{text}");
+    }
+}

@@ -1,0 +1,283 @@
+//! Skies and clouds that a user brings. In: names of files, how their light counts, the conditions of a series. Out: the same conditions under
+//! these skies and behind these clouds, and what is doubtful about the files.
+
+mod hdr;
+mod images;
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use super::resources::Resources;
+use heliotile_core::dome::formats::{PatchFile, PatchQuantity, PatchRows, parse_patch_file};
+use heliotile_core::error::{Error, Result};
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::sky::own_skies::{CloudLayer, OwnSky, SkyBalance, SkyScale};
+use heliotile_core::weather::conditions::Condition;
+
+use images::{Levels, is_picture, read_image};
+
+/// A model of the sky, or a file of radiances.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SkyChoice {
+    /// By its name.
+    Model(SkyModel),
+    /// A table, a matrix of Radiance or a photograph.
+    File(PathBuf),
+}
+
+impl SkyChoice {
+    /// What it can be, for help.
+    pub fn described() -> String {
+        let model = SkyModel::described();
+        format!(
+            "{model}; or a file with a dot in its name: radiances of 145, 577 or 2305 patches as .csv, a matrix of Radiance (gendaymtx -s -O1, \
+             genskyvec), or a square equidistant photograph of the sky as .png, .hdr or .exr"
+        )
+    }
+
+    /// The model that conditions are read with, and the file.
+    pub fn parts(self) -> (SkyModel, Option<PathBuf>) {
+        match self {
+            SkyChoice::Model(model) => (model, None),
+            SkyChoice::File(file) => (SkyModel::default(), Some(file)),
+        }
+    }
+}
+
+impl FromStr for SkyChoice {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        match text.parse() {
+            Ok(model) => Ok(SkyChoice::Model(model)),
+            Err(_) if text.contains(['.', '/', '\\']) => Ok(SkyChoice::File(text.into())),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// Files of skies and clouds, and how they count.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SkyFiles {
+    /// Radiances in place of a model's.
+    pub sky: Option<PathBuf>,
+    /// What they add up to; none: photographs to DHI, tables and matrices to what they are.
+    pub scale: Option<SkyScale>,
+    /// Radiance of level 1 of a photograph, W/m2/sr; none: its levels are radiances, which those of a PNG are not.
+    pub white_w_m2_sr: Option<f64>,
+    /// Transmittances before the sky and the sun.
+    pub clouds: Option<PathBuf>,
+    /// Azimuth of the top of photographs, degrees clockwise from true north; none: north.
+    pub image_top_deg: Option<f64>,
+}
+
+/// Where conditions stand in the file that they come from.
+pub(super) struct ConditionRows {
+    /// `[condition]`
+    pub places: Vec<usize>,
+    /// Rows of the file.
+    pub count: usize,
+    /// What the file is.
+    pub file: &'static str,
+}
+
+/// Between these the light of a file's skies counts as that of DHI.
+const FAIR: std::ops::RangeInclusive<f64> = 0.8..=1.25;
+
+impl SkyFiles {
+    /// The files.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        [&self.sky, &self.clouds].into_iter().flatten().map(PathBuf::as_path)
+    }
+
+    /// Refuses choices that nothing follows from, before any file is read.
+    pub(super) fn check(&self, model: SkyModel) -> Result<()> {
+        let of_sky = [("sky_scale", self.scale.is_some()), ("sky_white", self.white_w_m2_sr.is_some())];
+        if let Some((name, _)) = of_sky.into_iter().find(|(_, given)| *given && self.sky.is_none()) {
+            return Err(Error::argument(
+                name,
+                "the sky is a model, not a file",
+                "name a file with {sky}, or leave it out",
+            ));
+        }
+        if self.image_top_deg.is_some() && self.files().next().is_none() {
+            let what = "there is no photograph of the sky and none of clouds";
+            return Err(Error::argument("image_top", what, "name one with {sky} or {clouds}, or leave it out"));
+        }
+        if self.clouds.is_some() && model.brightens() {
+            let what =
+                "`perez1990` has light at the sun and on the horizon, which are no patches that clouds could change";
+            return Err(Error::argument("sky", what, "choose another sky, such as `perez`"));
+        }
+        Ok(())
+    }
+
+    /// Conditions under the sky and behind the clouds; tells what is odd about the files.
+    pub(super) fn over(
+        &self,
+        conditions: Vec<Condition>,
+        of: &ConditionRows,
+        resources: &Resources,
+    ) -> Result<Vec<Condition>> {
+        let mut conditions = conditions;
+        if let Some(path) = &self.sky {
+            conditions = self.under(path, conditions, of, resources)?;
+        }
+        if let Some(path) = &self.clouds {
+            conditions = self.behind(path, conditions, of, resources)?;
+        }
+        Ok(conditions)
+    }
+
+    fn under(
+        &self,
+        path: &Path,
+        conditions: Vec<Condition>,
+        of: &ConditionRows,
+        resources: &Resources,
+    ) -> Result<Vec<Condition>> {
+        let bytes = (resources.files)(path)?;
+        let (own, rows, kind) = if is_picture(path, &bytes)? {
+            let scale = self.scale.unwrap_or(SkyScale::Dhi);
+            let levels = Levels::Radiances { white_w_m2_sr: self.white_w_m2_sr, are_relative: scale == SkyScale::Dhi };
+            let image = read_image(path, &bytes, levels, self.image_top_deg.unwrap_or_default())?;
+            let series = image.on_patches().ok_or_else(|| no_pixels(path))?;
+            (OwnSky::new(series, scale), vec![Some(0); conditions.len()], SourceKind::Photograph)
+        } else {
+            let file = parse_patch_file(path, &bytes, PatchQuantity::Radiance)?;
+            let rows = matched(&file, path, &conditions, of, |condition| condition.dhi_w_m2 > 0.0)?;
+            let kind = if file.is_matrix { SourceKind::Matrix } else { SourceKind::Table };
+            (OwnSky::new(file.series, self.scale.unwrap_or(SkyScale::Given)), rows, kind)
+        };
+        let pairs = conditions.iter().zip(&rows).filter_map(|(condition, row)| Some((condition, (*row)?)));
+        let scale = self.scale.unwrap_or(kind.scale());
+        doubts(path, kind, scale, &own.balance(pairs)).iter().for_each(|text| resources.observer.warn(text));
+        let over = |(condition, row): (Condition, Option<usize>)| match row {
+            Some(row) => own.over(condition, row),
+            None => condition,
+        };
+        Ok(conditions.into_iter().zip(rows).map(over).collect())
+    }
+
+    fn behind(
+        &self,
+        path: &Path,
+        conditions: Vec<Condition>,
+        of: &ConditionRows,
+        resources: &Resources,
+    ) -> Result<Vec<Condition>> {
+        let bytes = (resources.files)(path)?;
+        let (layer, rows) = if is_picture(path, &bytes)? {
+            let image = read_image(path, &bytes, Levels::Shares, self.image_top_deg.unwrap_or_default())?;
+            (CloudLayer::of_image(image).ok_or_else(|| no_pixels(path))?, vec![Some(0); conditions.len()])
+        } else {
+            let file = parse_patch_file(path, &bytes, PatchQuantity::Transmittance)?;
+            let is_lit = |condition: &Condition| condition.dhi_w_m2 > 0.0 || condition.dni_w_m2 > 0.0;
+            let rows = matched(&file, path, &conditions, of, is_lit)?;
+            (CloudLayer::of_patches(file.series), rows)
+        };
+        let over = |(condition, row): (Condition, Option<usize>)| match row {
+            Some(row) => layer.over(condition, row),
+            None => condition,
+        };
+        Ok(conditions.into_iter().zip(rows).map(over).collect())
+    }
+}
+
+/// What a sky was read from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum SourceKind {
+    Table,
+    Matrix,
+    Photograph,
+}
+
+impl SourceKind {
+    fn scale(self) -> SkyScale {
+        match self {
+            SourceKind::Photograph => SkyScale::Dhi,
+            SourceKind::Table | SourceKind::Matrix => SkyScale::Given,
+        }
+    }
+}
+
+fn no_pixels(path: &Path) -> Error {
+    Error::input(path, None, "the picture has no pixels", "give a square picture")
+}
+
+fn matched(
+    file: &PatchFile,
+    path: &Path,
+    conditions: &[Condition],
+    of: &ConditionRows,
+    needs: impl Fn(&Condition) -> bool,
+) -> Result<Vec<Option<usize>>> {
+    let labels: Vec<&str> = conditions.iter().map(|condition| condition.label.as_str()).collect();
+    let needed: Vec<bool> = conditions.iter().map(needs).collect();
+    let to = PatchRows { labels: &labels, needed: &needed, places: &of.places, rows: of.count, file: of.file };
+    file.matched(path, to)
+}
+
+/// What a user should know of a sky beside DHI of its conditions.
+fn doubts(path: &Path, kind: SourceKind, scale: SkyScale, balance: &SkyBalance) -> Vec<String> {
+    let (file, mut found) = (path.display(), Vec::new());
+    if kind != SourceKind::Photograph && balance.holds_sun() {
+        let of_matrix = if kind == SourceKind::Matrix { " with `gendaymtx -s`" } else { "" };
+        found.push(format!(
+            "{file}: its skies give an open plane {:.0} % of the diffuse irradiance of the same rows: they seem to hold the sun, whose light \
+             comes from the direct irradiance as well. Make them{of_matrix} without it",
+            100.0 * balance.ratio().unwrap_or_default()
+        ));
+    } else if let Some(ratio) = balance.ratio().filter(|ratio| scale == SkyScale::Given && !FAIR.contains(ratio)) {
+        let of_matrix = match kind {
+            SourceKind::Matrix => {
+                "; gendaymtx gives light of the whole solar spectrum with `-O1`, and by default what the eye sees of it"
+            }
+            _ => "",
+        };
+        found.push(format!(
+            "{file}: its skies give an open plane {:.0} % of the diffuse irradiance of the same rows, and count as they are; {{sky_scale}} \
+             dhi scales them{of_matrix}",
+            100.0 * ratio
+        ));
+    }
+    if scale == SkyScale::Dhi && balance.black > 0 {
+        let rows = balance.black;
+        found.push(format!(
+            "{file}: {rows} of its skies are black where there is diffuse irradiance: it is spread evenly"
+        ));
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Names are models, names with a dot or a slash are files, and a word that is neither is refused with the names.
+    #[test]
+    fn models_and_files() {
+        let read = |text: &str| text.parse::<SkyChoice>();
+        assert_eq!(read("uniform").expect("a model"), SkyChoice::Model(SkyModel::Uniform));
+        for file in ["sky.mtx", "skies/noon", "c:\\sky.png"] {
+            assert_eq!(read(file).expect("a file"), SkyChoice::File(file.into()));
+        }
+        assert!(read("perez2").expect_err("neither").to_string().contains("perez1990"));
+    }
+
+    /// Four choices that nothing follows from are refused: a scale, a white and a top without a file, clouds before `perez1990`.
+    #[test]
+    fn choices_without_use() {
+        let none = SkyFiles::default();
+        let with_sky = SkyFiles { sky: Some("a.csv".into()), ..none.clone() };
+        for (files, model) in [
+            (SkyFiles { scale: Some(SkyScale::Dhi), ..none.clone() }, SkyModel::Perez),
+            (SkyFiles { white_w_m2_sr: Some(1.0), ..none.clone() }, SkyModel::Perez),
+            (SkyFiles { image_top_deg: Some(1.0), ..none.clone() }, SkyModel::Perez),
+            (SkyFiles { clouds: Some("c.png".into()), ..none.clone() }, SkyModel::Perez1990),
+        ] {
+            assert!(matches!(files.check(model), Err(Error::Argument { .. })), "{files:?}");
+        }
+        assert!(none.check(SkyModel::Perez1990).is_ok() && with_sky.check(SkyModel::Perez).is_ok());
+    }
+}
