@@ -158,13 +158,13 @@ impl RecombineArgs {
             snow: None,
         };
         let (sky, file) = self.sky.clone().parts();
-        let sky_files = SkyFiles {
+        let sky_files = Box::new(SkyFiles {
             sky: file,
             scale: self.sky_scale,
             white_w_m2_sr: self.sky_white,
             clouds: self.clouds.clone(),
             image_top_deg: self.image_top,
-        };
+        });
         Ok(LightChoice { columns: self.columns.clone(), sky, patches: self.patches, paths, changes, sky_files })
     }
 
