@@ -35,14 +35,14 @@ pub struct LightChoice {
     pub paths: LightPaths,
     /// Reflectances and transmittances in place of those of the archive.
     pub changes: Changes,
-    /// A sky in place of the model's, and clouds.
-    pub sky_files: SkyFiles,
+    /// A sky in place of the model's, and clouds; few requests have any.
+    pub sky_files: Box<SkyFiles>,
 }
 
 impl Default for LightChoice {
     fn default() -> Self {
         let (sky, paths, changes) = (SkyModel::default(), LightPaths::ALL, Changes::default());
-        LightChoice { columns: None, sky, patches: None, paths, changes, sky_files: SkyFiles::default() }
+        LightChoice { columns: None, sky, patches: None, paths, changes, sky_files: Box::default() }
     }
 }
 

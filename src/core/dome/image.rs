@@ -47,10 +47,19 @@ impl DomeImage {
     pub fn at(&self, direction: DVec3) -> f32 {
         let radius = direction.z.clamp(0.0, 1.0).acos() / FRAC_PI_2;
         let left = TAU * (direction.x.atan2(direction.y) / TAU - self.top_turns);
+        self.level(-radius * DVec2::new(left.sin(), left.cos()))
+    }
+
+    /// Number at a point of the unit circle, right and down of its middle. Of pixels on the horizon whose middle is outside the circle the
+    /// next one inwards counts: what is outside may be anything.
+    fn level(&self, point: DVec2) -> f32 {
         let half = 0.5 * self.side as f64;
         let place = |offset: f64| ((half * (1.0 + offset)).max(0.0) as usize).min(self.side - 1);
-        let (column, row) = (place(-radius * left.sin()), place(-radius * left.cos()));
-        self.numbers.get(row * self.side + column).copied().unwrap_or_default()
+        let middle = |offset: f64| (place(offset) as f64 + 0.5) / half - 1.0;
+        let is_outside = DVec2::new(middle(point.x), middle(point.y)).length() > 1.0;
+        // By half a diagonal of a pixel: the middle of where that lies is inside.
+        let point = if is_outside { point * (1.0 - 1.42 / self.side as f64).max(0.0) } else { point };
+        self.numbers.get(place(point.y) * self.side + place(point.x)).copied().unwrap_or_default()
     }
 
     /// Means by solid angle of 9217 patches (Reinhart's subdivision by 8), as a series of one row.
@@ -60,7 +69,7 @@ impl DomeImage {
         let fine = POINTS.div_ceil(self.side).max(1);
         let half = 0.5 * self.side as f64;
         let inside: Vec<f64> = (0..fine).map(|i| (i as f64 + 0.5) / fine as f64).collect();
-        for (i, number) in self.numbers.iter().enumerate() {
+        for i in 0..self.numbers.len() {
             let (column, row) = ((i % self.side) as f64, (i / self.side) as f64);
             for down in &inside {
                 for right in &inside {
@@ -74,7 +83,7 @@ impl DomeImage {
                     let sr = if zenith > 0.0 { zenith.sin() / zenith } else { 1.0 };
                     let turns = ((-point.x).atan2(-point.y) / TAU + self.top_turns).rem_euclid(1.0);
                     if let Some(sum) = sums.get_mut(grid.patch_at(turns, zenith.cos())) {
-                        *sum += DVec2::new(sr * f64::from(*number), sr);
+                        *sum += DVec2::new(sr * f64::from(self.level(point)), sr);
                     }
                 }
             }
@@ -110,12 +119,17 @@ mod tests {
         }
     }
 
-    /// A picture of one level gives all 9217 patches that level, of 3 pixels a side and of 1500; one of the cosine of the zenith angle 2 pi / 3 on
+    /// A picture of one level, and NaN outside of the circle, gives all 9217 patches and the horizon that level, of 3, 65 and 1500 pixels a side; one of the cosine of the zenith angle 2 pi / 3 on
     /// the horizontal within 2e-4, which levels of whole patches lose.
     #[test]
     fn levels() {
-        for side in [3, 1500] {
-            let image = DomeImage::new(side, vec![2.5; side * side], 10.0).expect("a picture");
+        for side in [3, 65, 1500] {
+            let half = 0.5 * side as f64;
+            let is_inside =
+                |i: usize| DVec2::new((i % side) as f64 + 0.5 - half, (i / side) as f64 + 0.5 - half).length() <= half;
+            let numbers = (0..side * side).map(|i| if is_inside(i) { 2.5 } else { f32::NAN }).collect();
+            let image = DomeImage::new(side, numbers, 10.0).expect("a picture");
+            assert!((0..360).all(|azimuth| image.at(direction_from_degrees(f64::from(azimuth), 0.0)) == 2.5));
             let patches = image.on_patches().expect("patches");
             assert!(patches.row(0).iter().all(|l| (l - 2.5).abs() < 1e-5));
         }

@@ -33,8 +33,8 @@ impl NamedValues for SkyScale {
     ];
 }
 
-/// What is wrong with Perez' tilted surfaces of 1990 under such skies.
-pub(crate) fn no_parts() -> Error {
+/// The refusal of a model with light beside its patches, Perez' tilted surfaces of 1990, for conditions with a sky of their own or clouds.
+pub fn no_parts() -> Error {
     let what =
         "`perez1990` has light at the sun and on the horizon, which are no patches that a file or clouds could change";
     Error::argument("sky", what, "choose another sky, such as `perez`")

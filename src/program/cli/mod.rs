@@ -78,7 +78,7 @@ pub enum Command {
     /// When mirrors and glass facades throw the sun at receivers, which pane does, and what rules say of it
     Glare(GlareArgs),
     /// How warm it is for people outdoors: mean radiant temperature, UTCI and PET of points of a site, by hour or over periods
-    Comfort(ComfortArgs),
+    Comfort(Box<ComfortArgs>),
     /// The rules that `sunlight` and `glare` know
     Rules(RulesArgs),
     /// What surroundings reflect on receivers or surfaces over the sun's position: EnergyPlus's factors

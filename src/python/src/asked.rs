@@ -165,13 +165,13 @@ impl LightArgs {
         let sky = self.sky.parse::<SkyChoice>();
         let hint = "give one of these names, or the path of a file";
         let (sky, file) = sky.map_err(|what| Error::argument("sky", what.to_string(), hint))?.parts();
-        let sky_files = SkyFiles {
+        let sky_files = Box::new(SkyFiles {
             sky: file,
             scale: self.sky_scale.as_ref().map(|name| by_name("sky_scale", name)).transpose()?,
             white_w_m2_sr: self.sky_white.map(|white| above_0("sky_white", white)).transpose()?,
             clouds: self.clouds,
             image_top_deg: self.image_top.map(|top| azimuth("image_top", top)).transpose()?,
-        };
+        });
         Ok(LightChoice { columns, sky, patches: self.patches, paths, changes, sky_files })
     }
 }

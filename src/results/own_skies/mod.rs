@@ -11,7 +11,7 @@ use super::resources::Resources;
 use heliotile_core::dome::formats::{PatchFile, PatchQuantity, PatchRows, parse_patch_file};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::sky::model::SkyModel;
-use heliotile_core::sky::own_skies::{CloudLayer, OwnSky, SkyBalance, SkyScale};
+use heliotile_core::sky::own_skies::{CloudLayer, OwnSky, SkyBalance, SkyScale, no_parts};
 use heliotile_core::weather::conditions::Condition;
 
 use images::{Levels, is_picture, read_image};
@@ -105,9 +105,7 @@ impl SkyFiles {
             return Err(Error::argument("image_top", what, "name one with {sky} or {clouds}, or leave it out"));
         }
         if self.clouds.is_some() && model.brightens() {
-            let what =
-                "`perez1990` has light at the sun and on the horizon, which are no patches that clouds could change";
-            return Err(Error::argument("sky", what, "choose another sky, such as `perez`"));
+            return Err(no_parts());
         }
         Ok(())
     }

@@ -78,8 +78,8 @@ pub fn parse_patch_file(path: &Path, bytes: &[u8], quantity: PatchQuantity) -> R
 }
 
 impl PatchFile {
-    /// `[condition]`: the row of this file that goes with it: the only one there is; or the one of its name, where rows have names (a time
-    /// without a year is that of any year); or else the one at its place. A condition that needs none may be without.
+    /// `[condition]`: the row of this file that goes with it: the one of its name, where rows have names (a time without a year is that of any
+    /// year); or else the only one there is, or the one at its place. A condition that needs none may be without.
     pub fn matched(&self, path: &Path, to: PatchRows) -> Result<Vec<Option<usize>>> {
         let found = self.series.rows();
         let Some(labels) = &self.labels else {
