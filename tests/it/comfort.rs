@@ -173,6 +173,36 @@ fn periods_and_archives() {
     assert!(receivers.lines().skip(1).all(|row| row.contains(",6.1000,")), "{receivers}");
 }
 
+/// Below leaves that let a tenth of the light through, nights are warmer than on the open plain by what the sky lacks beside air, 0.9 of it above a person
+/// with wide leaves overhead, and never warmer than the air.
+#[test]
+fn below_leaves() {
+    let folder = Folder::new();
+    plain(&folder, false);
+    let leaves = slab("leaves", 400.0, 4.0, 5, false);
+    folder.write("trees.obj", &(slab("ground", 1000.0, 0.0, 1, false) + &leaves));
+    folder.write("m.toml", "[ground]\ndiffuse = 0.2\n[leaves]\ntransmittance = 0.1\n");
+    let place = "--latitude 39.7 --longitude -105.2 -m m.toml -r r.csv --quality draft";
+    for (scene, site) in [("plain.obj", "open.helio"), ("trees.obj", "trees.helio")] {
+        let scene = if scene == "plain.obj" { "plain.obj --no-ground" } else { scene };
+        let materials = if site == "open.helio" {
+            "[ground]\ndiffuse = 0.2\n"
+        } else {
+            "[ground]\ndiffuse = 0.2\n[leaves]\ntransmittance = 0.1\n"
+        };
+        folder.write("m.toml", materials);
+        let built = folder.run(&format!("build {scene} {place} -o {site}"));
+        assert!(built.status.success(), "{}", stderr(&built));
+    }
+    let asked = "--surfaces air --columns air,longwave,shortwave";
+    let (open, below) =
+        (hours(&folder, &format!("open.helio {asked}")), hours(&folder, &format!("trees.helio {asked}")));
+    for (open, below) in open.iter().zip(&below) {
+        let lacks = black(open[0]) - open[1];
+        assert!((black(open[0]) - below[1] - 0.1 * lacks).abs() < 0.02 * lacks.abs() + 0.05, "{open:?} {below:?}");
+    }
+}
+
 /// Nine wrong questions are refused with what would mend them: no humidity, no wind, an archive without people, points inside of things, numbers out of
 /// range.
 #[test]

@@ -234,7 +234,7 @@ mod tests {
     }
 
     /// A wall in the south that the sun does not reach is colder than one in the north that it shines on: of walls all around, with 400 W/m2 on planes
-    /// that look south, the side that looks north sees a wall that gets 400 x 0.7 / 17 = 16.5 K.
+    /// that look south, the side that looks north sees a wall that is 400 x 0.7 / 17 = 16.5 K warmer; the wall across from it is warmed by that one.
     #[test]
     fn opposite_walls() {
         let wall = ClassSurfaces { heat: SurfaceHeat::SolAir(0.7), emissivity: 1.0 };
@@ -248,6 +248,6 @@ mod tests {
         let found = around(given(20.0, 1.0), wall).longwave(&views, &light);
         let [north, _, south, _] = found.sides;
         let colder = found.sides[1];
-        assert!(north > colder + 80.0 && (south - colder).abs() < 20.0, "{found:?}");
+        assert!(north > colder + 80.0 && south - colder < 50.0, "{found:?}");
     }
 }

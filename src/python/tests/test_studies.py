@@ -146,7 +146,7 @@ def test_a_text_is_an_id(site: heliotile.Archive, tmp_path: Path, monkeypatch: p
 
 def test_options_have_names(site: heliotile.Archive) -> None:
     """A keyword that is none is a TypeError that names those that there are; defaults are those of the program."""
-    with pytest.raises(TypeError, match="wether.*bounces, columns"):
+    with pytest.raises(TypeError, match="wether.*bounces, clouds, columns"):
         site.replay(DAYS, wether=1)  # type: ignore[call-arg]
     with pytest.raises(TypeError, match="every"):
         site.query(DAYS, every="hour")  # type: ignore[call-arg]

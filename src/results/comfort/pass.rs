@@ -60,7 +60,7 @@ impl ComfortRequest {
             return Err(Error::argument("by", "rows are about points", hint));
         }
         let resources = &stream.resources;
-        let (set, looks_up) = PersonSet::of(stream.receivers, place)?;
+        let (set, looks_up) = PersonSet::of(stream, place)?;
         let receivers = stream.receivers.some(&looks_up);
         let columns = ComfortColumns::new(&self.choice.columns, every, &self.choice.above_c);
         let asked: Vec<ComfortColumn> = columns.asked().collect();

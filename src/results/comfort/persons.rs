@@ -6,7 +6,12 @@ use std::path::Path;
 use super::climate::HourClimate;
 use super::columns::{ComfortColumn, PLANES};
 use super::request::SunOnPerson;
-use crate::receivers::ReceiverSet;
+use crate::outputs::provenance::Provenance;
+use crate::request::LightChoice;
+use crate::series::Series;
+use crate::stream::TileStream;
+use glam::DVec3;
+use heliotile_core::archive::format;
 use heliotile_core::comfort::clear_sky::ClearSky;
 use heliotile_core::comfort::index_curve::IndexCurve;
 use heliotile_core::comfort::mean_radiant::{
@@ -15,8 +20,11 @@ use heliotile_core::comfort::mean_radiant::{
 use heliotile_core::comfort::surroundings::{SixPlanes, ViewShares};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::sky_bitmap::SkyBitmap;
-use heliotile_core::replay::components::Component;
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::reflectances::Changes;
 use heliotile_core::replay::values::TileValues;
+use heliotile_core::sky::model::SkyModel;
+use heliotile_core::weather::conditions::Condition;
 
 /// Name of the receiver of a plane; the one that looks up has the name of the point.
 pub(super) fn receiver_name(point: &str, plane: usize) -> String {
@@ -67,13 +75,15 @@ pub(super) struct Absorbing {
 }
 
 impl PersonSet {
-    /// The points of receivers, each of which must have all six planes; which receivers look up. `place` is that of the archive or of the atlas.
-    pub(super) fn of(receivers: &ReceiverSet, place: &Path) -> Result<(Self, Vec<bool>)> {
+    /// The points of the receivers of a stream, each of which must have all six planes; which receivers look up. `place` is that of the archive or
+    /// of the atlas.
+    pub(super) fn of(stream: &TileStream, place: &Path) -> Result<(Self, Vec<bool>)> {
+        let under_leaves = under_leaves(stream)?;
         let mut set = PersonSet { names: Vec::new(), number_of: HashMap::new(), views: Vec::new() };
         let mut found: HashMap<String, [Option<ViewShares>; 6]> = HashMap::new();
         let mut looks_up = Vec::new();
         let mut clear: Option<ClearSky> = None;
-        for row in receivers.rows::<SkyBitmap>() {
+        for row in stream.receivers.rows::<SkyBitmap>() {
             let row = row?;
             let clear = match &mut clear {
                 Some(clear) if clear.side() == row.layers.side() => clear,
@@ -82,7 +92,9 @@ impl PersonSet {
             let (point, plane) = point_of(&row.receiver.id);
             let [sky, _, obstruction] = row.views.map(f64::from);
             if let Some(of_plane) = found.entry(point.to_owned()).or_default().get_mut(plane) {
-                let missed = clear.missed(row.receiver.normal, &row.layers);
+                // Leaves before the sky are as warm as the air and black, as far as light does not pass them.
+                let through = under_leaves.get(&row.receiver.id).map_or(1.0, |open| (open / sky).min(1.0));
+                let missed = through * clear.missed(row.receiver.normal, &row.layers);
                 *of_plane = Some(ViewShares { sky, obstruction, missed });
             }
             looks_up.push(plane == 0);
@@ -118,6 +130,27 @@ impl PersonSet {
     pub(super) fn name(&self, number: usize) -> &str {
         self.names.get(number).map_or("", String::as_str)
     }
+}
+
+/// Shares of hemispheres, weighted by the cosine, that are sky behind leaves and screens, as light passes these; empty where there are none.
+fn under_leaves(stream: &TileStream) -> Result<HashMap<String, f64>> {
+    const OPEN_W_M2: f64 = 100.0;
+    let mut found = HashMap::new();
+    if stream.receivers.parts().iter().all(|part| part.archive.entries_of(format::CANOPY).is_empty()) {
+        return Ok(found);
+    }
+    let sky = Condition::new("uniform".into(), &[], DVec3::Z, 0.0, OPEN_W_M2);
+    let series = Series::of_conditions(vec![sky], Changes::default(), Provenance::default());
+    let light = LightChoice { sky: SkyModel::Uniform, ..LightChoice::default() };
+    let stream = TileStream { series: &series, light: &light, ..*stream };
+    stream.each(ComponentSet::of(&[Component::SkyDirect]), |tile| {
+        found.extend(tile.ids.iter().enumerate().map(|(row, id)| {
+            let light: f64 = tile.values.row(Component::SkyDirect, row).iter().copied().map(f64::from).sum();
+            (id.clone(), light / OPEN_W_M2)
+        }));
+        Ok(true)
+    })?;
+    Ok(found)
 }
 
 fn no_persons(place: &Path, what: String) -> Error {

@@ -65,7 +65,7 @@ mod tests {
         assert_eq!(given.dry_bulb_c.zip(given.dew_point_c), Some((-5.7, -8.0)));
         assert_eq!(given.infrared_w_m2.zip(given.opaque_sky_tenths), Some((237.0, 6.0)));
         for cells in [["99.9", "99.9", "9999", "99"], ["", "", "", ""], ["x", "-99", "0", "-1"]] {
-            assert_eq!(air(cells).expect("missing"), Air::default(), "{cells:?}");
+            assert_eq!(air(cells).expect("missing"), Air { wind_m_s: Some(1.0), ..Air::default() }, "{cells:?}");
         }
         for text in ["-1", "x", "NaN", "-9999"] {
             let error = air(["1", "1", text, "1"]).expect_err(text).to_string();
