@@ -203,7 +203,7 @@ fn below_leaves() {
     }
 }
 
-/// Nine wrong questions are refused with what would mend them: no humidity, no wind, an archive without people, points inside of things, numbers out of
+/// Ten wrong questions are refused with what would mend them: no humidity, no wind, an archive without people, points inside of things, numbers out of
 /// range.
 #[test]
 fn wrong_questions_are_refused() {
@@ -225,6 +225,7 @@ fn wrong_questions_are_refused() {
         ),
         (format!("comfort plain.obj {place} --points p.csv -w still.csv --time-zone -7"), "wind speed is missing"),
         (format!("comfort roof.helio -w {weather}"), "`roof/down` is not there"),
+        (format!("comfort roof.helio -w {weather} --points p.csv"), "where the archive has them"),
         (format!("comfort plain.obj {place} --points low.csv -w {weather}"), "lies below the ground"),
         (format!("comfort plain.obj {place} --points p.csv -w {weather} --film 0"), "is 0 W/m2K"),
         (format!("comfort plain.obj {place} --on roof -w {weather}"), "roof"),

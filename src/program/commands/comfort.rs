@@ -15,6 +15,7 @@ use heliotile_scene::input;
 
 /// `heliotile comfort`.
 pub fn run(args: &ComfortArgs, about: Provenance) -> Result<Outcome> {
+    args.check()?;
     let terminal = Terminal::watching_beside_table();
     let memory = args.memory.into();
     let resources = Resources { memory, storage: &SystemTemp, files: &input::read, observer: &terminal };

@@ -8,6 +8,7 @@ use super::recombine::{ChangeArgs, PeriodArgs, SkyArgs};
 use crate::cli::values::{Bytes, choice, parse_memory, table_help};
 use crate::cli::{AccuracyArgs, ClockArgs, Metres, SceneArgs};
 use heliotile_atlas::SiteRequest;
+use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::temperatures::Temperature;
 use heliotile_results::run::folder_beside;
 use heliotile_results::{
@@ -117,6 +118,20 @@ impl ComfortArgs {
     pub fn place(&self) -> Option<&PathBuf> {
         let [only] = self.scene.scene.as_slice() else { return None };
         SiteRequest::is_at(only).then_some(only)
+    }
+
+    /// Refuses where people are to stand if an archive says so already.
+    pub fn check(&self) -> Result<()> {
+        let PeopleArgs { points, folder, replace, .. } = &self.people;
+        if self.place().is_some() && (points.is_some() || folder.is_some() || *replace) {
+            let what = "people stand where the archive has them";
+            return Err(Error::argument(
+                "points, folder, replace",
+                what,
+                "leave them out, or name the scene in place of the archive",
+            ));
+        }
+        Ok(())
     }
 
     /// Tables that are read by row of the weather file.
