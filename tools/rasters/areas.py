@@ -1,5 +1,5 @@
 """A city model beside itself as rasters. In: CityJSON, its coordinate system, the program, a folder, weather or nothing. Out: areas of roofs and walls
-that get receivers, and with weather a year's sums, also by building, of the model and of rasters with cells of 0.5, 1 and 2 m, in percent of the model's.
+that get receivers, and with weather a year's sums, also by building and of ground, of the model and of rasters with cells of 0.5, 1 and 2 m, in percent of the model's.
 Needs geopandas, numpy, pandas, rasterio and shapely."""
 import shutil
 import subprocess
@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas
 
 from buildings import compare
+from ground import compare_ground
 from rasterise import rasterise
 
 CELLS = (0.5, 1, 2)
@@ -47,6 +48,8 @@ def main(model, crs, program, out, weather=""):
         share = {f"{kind}_%": round(100 * row[kind] / whole[kind], 1) for kind in ("roof", "wall")}
         table.append({"scene": name, **row.to_dict(), **share})
     print(pandas.DataFrame(table).round(2).to_string(index=False))
+    if weather:
+        compare_ground({name: [*scene, "--crs", crs] for name, scene in scenes.items()}, program, out, weather)
 
 
 if __name__ == "__main__":
