@@ -13,13 +13,15 @@ import numpy as np
 import pandas
 import rasterio
 
-#: Azimuths of the planes; the instruments stand turned by -15 degrees from north.
+#: Azimuths of the planes, or where they look; the instruments stand turned by -15 degrees from north.
 TURN = -15.0
-PLANES = {"Kdown": None, "Kup": None, "Kn": 0.0, "Ke": 90.0, "Ks": 180.0, "Kw": 270.0}
+PLANES = {"Kdown": "up", "Kup": "down", "Kn": 0.0, "Ke": 90.0, "Ks": 180.0, "Kw": 270.0}
 #: Instruments stand so high above the ground, metres.
 HEIGHT = 1.1
 #: In the hour up to this the edge of a shadow crosses the instruments.
 SHADOW_EDGE = 15
+#: SOLWEIG's albedos for this place.
+MATERIALS = "[WallSurface]\ndiffuse = 0.2\n[RoofSurface]\ndiffuse = 0.18\n"
 #: Suns an hour.
 STEPS = 12
 ZONE = timezone(timedelta(hours=1))
@@ -42,16 +44,16 @@ def sun(when):
     return math.degrees(math.atan2(east, north)) % 360, math.degrees(math.asin(up))
 
 
-def write_receivers(folder, out):
+def write_receivers(folder, out, planes):
     x, y = json.loads((folder / "poi.geojson").read_text())["geometry"]["coordinates"]
     with rasterio.open(folder / "DEM_KR.tif") as dem:
         z = float(next(dem.sample([(x, y)]))[0]) + HEIGHT
     with open(out, "w", newline="") as file:
         rows = csv.writer(file)
         rows.writerow(["receiver", "x", "y", "z", "nx", "ny", "nz"])
-        for name, azimuth in PLANES.items():
-            normal = [0, 0, 1 if name == "Kdown" else -1]
-            if azimuth is not None:
+        for name, azimuth in planes.items():
+            normal = {"up": [0, 0, 1], "down": [0, 0, -1]}.get(azimuth)
+            if normal is None:
                 turned = math.radians(azimuth + TURN)
                 normal = [math.sin(turned), math.cos(turned), 0]
             rows.writerow([name, x, y, z, *normal])
@@ -74,15 +76,14 @@ def write_conditions(folder, out):
 def main(folder, program, out):
     folder, out = Path(folder).resolve(), Path(out)
     out.mkdir(parents=True, exist_ok=True)
-    write_receivers(folder, out / "receivers.csv")
+    write_receivers(folder, out / "receivers.csv", PLANES)
     write_conditions(folder, out / "conditions.csv")
     measured = pandas.read_csv(folder / "measurements_kr.csv").set_index("hour")
     dsm, dem = ["--dsm", folder / "DSM_KR.tif"], ["--dem", folder / "DEM_KR.tif"]
     canopy, cover = ["--canopy", folder / "CDSM_KR.asc"], ["--landcover", folder / "landcover_KR.tif"]
     scenes = {"terrain": [folder / "DSM_KR.tif"], "dsm": dsm, "dsm, dem": dsm + dem, "dsm, dem, cover": dsm + dem + cover,
               "dsm, dem, canopy": dsm + dem + canopy, "all": dsm + dem + canopy + cover}
-    # SOLWEIG's albedos for this place.
-    (out / "materials.toml").write_text("[WallSurface]\ndiffuse = 0.2\n[RoofSurface]\ndiffuse = 0.18\n")
+    (out / "materials.toml").write_text(MATERIALS)
     tables = {"all hours": [], "without the edge of a shadow": []}
     for name, scene in scenes.items():
         archive = out / (name.replace(", ", "_") + ".helio")

@@ -33,14 +33,6 @@ pub fn vapour_pressure_hpa(air_temperature_c: f64, relative_humidity_percent: f6
     Some(share * saturation_pressure_hpa(air_temperature_c)?)
 }
 
-/// Vapour pressure of air, hPa, from its dew point over liquid water, or `None` outside -100..=100
-/// degrees Celsius.
-///
-/// By the definition of the dew point it is the saturation pressure there.
-pub fn vapour_pressure_from_dew_point_hpa(dew_point_c: f64) -> Option<f64> {
-    saturation_pressure_hpa(dew_point_c)
-}
-
 /// Relative humidity of air, percent, from its temperature and dew point, or `None` outside
 /// -100..=100 degrees Celsius.
 ///
@@ -104,7 +96,7 @@ mod tests {
         assert_eq!(vapour_pressure_hpa(25.0, 50.0), Some(0.5 * full));
         for (air_c, dew_c) in [(25.0, 13.0), (-5.0, -20.0), (30.0, 30.0)] {
             let percent = relative_humidity_percent(air_c, dew_c).expect("within the range");
-            let (left, right) = (vapour_pressure_hpa(air_c, percent), vapour_pressure_from_dew_point_hpa(dew_c));
+            let (left, right) = (vapour_pressure_hpa(air_c, percent), saturation_pressure_hpa(dew_c));
             let (left, right) = (left.expect("within the range"), right.expect("within the range"));
             assert!((left / right - 1.0).abs() < 1e-12, "{air_c} {dew_c}: {left} {right}");
         }

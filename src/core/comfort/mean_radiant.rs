@@ -34,7 +34,7 @@ pub struct DirectionalIrradiance {
 }
 
 impl DirectionalIrradiance {
-    /// The same irradiance from all directions.
+    /// Of one irradiance from all directions.
     pub fn uniform(w_m2: f64) -> Self {
         DirectionalIrradiance {
             from_above_w_m2: w_m2,
@@ -107,11 +107,6 @@ impl RadiantBody {
     /// 0.13 and 0.26 / 1.4 = 0.185. The cylinder's factor, 0.20, is that of SOLWEIG.
     pub const SITTING: RadiantBody =
         RadiantBody { side_factor: 0.185, vertical_factor: 0.13, cylinder_factor: 0.20, ..Self::STANDING };
-
-    /// A sitting person as in SOLWEIG, where all directions weigh the same, as on a sphere: 1/6,
-    /// 1/6, 0.20.
-    pub const SITTING_SOLWEIG: RadiantBody =
-        RadiantBody { side_factor: 1.0 / 6.0, vertical_factor: 1.0 / 6.0, cylinder_factor: 0.20, ..Self::STANDING };
 }
 
 /// Mean radiant temperature of a box, degrees Celsius, from irradiance of six directions; the
@@ -152,7 +147,7 @@ mod tests {
 
     const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
 
-    const BODIES: [RadiantBody; 3] = [RadiantBody::STANDING, RadiantBody::SITTING, RadiantBody::SITTING_SOLWEIG];
+    const BODIES: [RadiantBody; 2] = [RadiantBody::STANDING, RadiantBody::SITTING];
 
     fn black(celsius: f64) -> DirectionalIrradiance {
         DirectionalIrradiance::uniform(black_body_w_m2(celsius))

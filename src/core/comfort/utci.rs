@@ -38,7 +38,7 @@ pub struct UtciInput {
 }
 
 impl UtciInput {
-    /// The same climate with at least 0.5 m/s of wind.
+    /// This climate with at least 0.5 m/s of wind.
     ///
     /// The UTCI is not defined below 0.5 m/s. Outdoor studies count calm air as 0.5 m/s, the wind
     /// of the reference climate (so ladybug-comfort): a walking person makes more wind than that.

@@ -57,7 +57,7 @@ impl PatchRow {
         PatchRow { series: series.clone(), row, turns: 0.0 }
     }
 
-    /// The same in axes whose north lies so many degrees clockwise.
+    /// The row in axes whose north lies so many degrees clockwise.
     pub fn turned(self, north_deg: f64) -> Self {
         PatchRow { turns: self.turns + north_deg / 360.0, ..self }
     }

@@ -270,9 +270,8 @@ class Askable(ABC):
         choice = {"columns": list(columns), "above_c": list(above), "posture": posture, "sun_on": sun_on, "surfaces": surfaces, "film_w_m2_k": film}
         choice |= {"emissivity": shares[0], "absorptance": shares[1], "wind": os.fspath(wind) if isinstance(wind, os.PathLike) else str(wind)}
         asked = json.dumps({"choice": choice, "files": files_request(output, "receiver", geo, plots)})
-        # Longwave brings temperature, humidity and wind of the air with it.
-        light: ReplayOptions = {**options, "columns": ["sun_direct", "total", "longwave"]}
-        return self._open(None).comfort(light_args(light), replay_args(weather, light), asked, options.get("progress"))
+        asking: ReplayOptions = {**options}
+        return self._open(None).comfort(light_args(asking), replay_args(weather, asking), asked, options.get("progress"))
 
     def sunlight(
         self,

@@ -35,9 +35,8 @@ use heliotile_core::replay::factors::FACTORS;
 use heliotile_remote::places::open_archive;
 use heliotile_results::outputs::tables::rows::{Cell, Records};
 use heliotile_results::{
-    BeforeSide, BuildingsRequest, ComfortChoice, ComfortRequest, CompareRequest, FactorRows, FileRequest, Illumination,
-    PartReceivers, PlacesRequest, Provenance, ReceiverChoice, ReceiverSet, Resources, Sources, SunlightRequest,
-    SunlightSite, TileStream,
+    BeforeSide, BuildingsRequest, ComfortChoice, CompareRequest, FactorRows, FileRequest, PartReceivers, PlacesRequest,
+    Provenance, ReceiverChoice, ReceiverSet, Resources, Sources, SunlightRequest, SunlightSite, TileStream,
 };
 use heliotile_scene::input;
 
@@ -361,11 +360,7 @@ impl ArchiveHandle {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<(u64, u64)> {
         let Comfort { choice, files } = request(asked).map_err(|error| raised(py, error))?;
-        let filled = Filled::new(light, Forcing::Weather(Box::new(replay))).map_err(|error| raised(py, error))?;
-        let Illumination::Weather(replay) = &filled.request else { return Ok((0, 0)) };
-        let request = ComfortRequest { replay: (**replay).clone(), choice };
-        let stream = Illumination::Weather(Box::new(request.stream()));
-        let filled = filled.under(stream);
+        let (filled, request) = Filled::for_people(light, replay, choice).map_err(|error| raised(py, error))?;
         work::run(py, progress.as_ref(), |watch| {
             request.check(&files, &[&self.place])?;
             let receivers = self.choose(None, filled.memory)?;

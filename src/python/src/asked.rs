@@ -22,8 +22,8 @@ use heliotile_core::weather::options::{WeatherOptions, parse_zone};
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
 use heliotile_results::{
-    Archives, Illumination, LightChoice, Provenance, QueryRequest, ReplayRequest, Resources, Series, SkyChoice,
-    SkyFiles,
+    Archives, ComfortChoice, ComfortRequest, Illumination, LightChoice, Provenance, QueryRequest, ReplayRequest,
+    Resources, Series, SkyChoice, SkyFiles,
 };
 use heliotile_scene::input;
 
@@ -101,6 +101,8 @@ impl Forcing {
 
 /// A request, and the bytes that stand in for files that it names.
 pub struct Filled {
+    /// The method of Python that asks.
+    method: &'static str,
     /// Suns and skies, and the light that counts.
     pub request: Illumination,
     given: Given,
@@ -231,28 +233,44 @@ impl Filled {
         let (memory, mut given) = (light.memory(), Given::default());
         let mut options = light.options();
         let light = light.choice(&mut given)?;
-        let request = match forcing {
+        let (method, request) = match forcing {
             Forcing::Conditions(source) => {
                 let request = QueryRequest { light, conditions: given.source(source) };
                 request.check()?;
-                Illumination::Conditions(request)
+                ("query", Illumination::Conditions(request))
             }
             Forcing::Weather(replay) => {
                 options.extend(replay.options());
                 let request = replay.request(light, &mut given)?;
                 request.check()?;
-                Illumination::Weather(Box::new(request))
+                ("replay", Illumination::Weather(Box::new(request)))
             }
         };
+        Ok(Filled::with(method, request, given, memory, options))
+    }
+
+    /// The request of people, and the replay that it stands on.
+    pub fn for_people(light: LightArgs, replay: ReplayArgs, choice: ComfortChoice) -> Result<(Self, ComfortRequest)> {
+        let (memory, mut given) = (light.memory(), Given::default());
+        let mut options = light.options();
+        options.extend(replay.options());
+        let replay = replay.request(light.choice(&mut given)?, &mut given)?;
+        let request = ComfortRequest { replay, choice };
+        let stream = Illumination::Weather(Box::new(request.stream()));
+        Ok((Filled::with("comfort", stream, given, memory, options), request))
+    }
+
+    fn with(
+        method: &'static str,
+        request: Illumination,
+        given: Given,
+        memory: MemoryBudget,
+        mut options: Map<String, Value>,
+    ) -> Self {
         options.insert("columns".to_owned(), names(&request.light().columns()).into());
         // As on the command line: what was not said is not there.
         options.retain(|_, value| !value.is_null() && value.as_array().is_none_or(|all| !all.is_empty()));
-        Ok(Filled { request, given, memory, options })
-    }
-
-    /// The same files under another request.
-    pub fn under(self, request: Illumination) -> Self {
-        Filled { request, ..self }
+        Filled { method, request, given, memory, options }
     }
 
     /// Light that counts.
@@ -271,16 +289,14 @@ impl Filled {
         let files = |path: &Path| self.given.0.get(path).map_or_else(|| input::read(path), |bytes| Ok(bytes.to_vec()));
         let resources = Resources { memory: self.memory, storage, files: &files, observer };
         let class = if archives.only().is_some() { "Archive" } else { "Atlas" };
-        let about = |method: &str| Provenance::new(format!("heliotile.{class}.{method}"), self.options.clone());
+        let about = Provenance::new(format!("heliotile.{class}.{}", self.method), self.options.clone());
         match &self.request {
-            Illumination::Conditions(request) => {
-                then(&request.series(archives, about("query"), &resources)?, resources)
-            }
+            Illumination::Conditions(request) => then(&request.series(archives, about, &resources)?, resources),
             Illumination::Weather(request) => {
                 let weather = request.read_weather(&resources, &mut || Ok(archives.manifest().place))?;
                 let dated = request.dated(&weather, observer)?;
                 request.tell_misfits(archives, &weather, observer);
-                then(&request.series(archives, &weather, &dated, about("replay"), &resources)?, resources)
+                then(&request.series(archives, &weather, &dated, about, &resources)?, resources)
             }
         }
     }

@@ -57,7 +57,7 @@ pub(super) struct ComfortColumns {
 }
 
 impl ComfortColumn {
-    /// Those of results, if none are asked for.
+    /// The columns of results, if none are asked for.
     pub const USUAL: [ComfortColumn; 3] = [ComfortColumn::MeanRadiant, ComfortColumn::Utci, ComfortColumn::Pet];
 
     fn is_index(self) -> bool {

@@ -11,17 +11,25 @@ use crate::outputs::periods::Every;
 use crate::request::{LightChoice, ReplayRequest};
 use heliotile_core::comfort::mean_radiant::RadiantBody;
 use heliotile_core::comfort::pet::{PetPerson, PetPosture};
-use heliotile_core::comfort::surroundings::{USUAL_FILM_W_M2_K, USUAL_GROUND_EMISSIVITY, USUAL_OBSTRUCTION_EMISSIVITY};
+use heliotile_core::comfort::surroundings::{
+    LEAST_FILM_W_M2_K, USUAL_FILM_W_M2_K, USUAL_GROUND_EMISSIVITY, USUAL_OBSTRUCTION_EMISSIVITY,
+};
+use heliotile_core::comfort::utci::StressCategory;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::material::Class;
 
-/// Thresholds of the UTCI: moderate, strong, very strong and extreme heat stress begin there, degrees Celsius.
-const USUAL_THRESHOLDS_C: [f64; 4] = [26.0, 32.0, 38.0, 46.0];
+/// The categories of the UTCI whose upper limits are the usual thresholds: moderate to extreme heat stress begin there.
+const BELOW_THRESHOLDS: [StressCategory; 4] = [
+    StressCategory::NoThermalStress,
+    StressCategory::ModerateHeatStress,
+    StressCategory::StrongHeatStress,
+    StressCategory::VeryStrongHeatStress,
+];
 
 /// Heat transfer coefficients that surfaces can have, W/m2K.
-const FILMS_W_M2_K: [f64; 2] = [1.0, 200.0];
+const FILMS_W_M2_K: [f64; 2] = [LEAST_FILM_W_M2_K, 200.0];
 
 /// Factors of wind.
 const MOST_WIND_FACTOR: f64 = 3.0;
@@ -64,7 +72,7 @@ impl Default for ComfortChoice {
     fn default() -> Self {
         ComfortChoice {
             columns: Vec::new(),
-            above_c: USUAL_THRESHOLDS_C.to_vec(),
+            above_c: BELOW_THRESHOLDS.map(StressCategory::upper_limit_c).to_vec(),
             posture: Posture::default(),
             sun_on: SunOnPerson::default(),
             surfaces: SurfaceTemperatures::default(),
@@ -200,8 +208,10 @@ impl ComfortRequest {
         let choice = &self.choice;
         if !(FILMS_W_M2_K[0]..=FILMS_W_M2_K[1]).contains(&choice.film_w_m2_k) {
             let what = format!("is {} W/m2K", choice.film_w_m2_k);
-            let hint =
-                format!("give {} to {}, usual are 10 in calm air and 25 in wind", FILMS_W_M2_K[0], FILMS_W_M2_K[1]);
+            let hint = format!(
+                "give {} to {}, usual are 10 in calm air and 25 in wind; it holds what surfaces radiate",
+                FILMS_W_M2_K[0], FILMS_W_M2_K[1]
+            );
             return Err(Error::argument("film", what, hint));
         }
         if let Some(wrong) = choice.above_c.iter().find(|celsius| !(-100.0..=100.0).contains(*celsius)) {

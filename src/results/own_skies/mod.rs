@@ -135,26 +135,24 @@ impl SkyFiles {
         resources: &Resources,
     ) -> Result<Vec<Condition>> {
         let bytes = (resources.files)(path)?;
-        let (own, rows, kind) = if is_picture(path, &bytes)? {
-            let scale = self.scale.unwrap_or(SkyScale::Dhi);
-            let levels = Levels::Radiances { white_w_m2_sr: self.white_w_m2_sr, are_relative: scale == SkyScale::Dhi };
+        let scale_of = |kind: SourceKind| self.scale.unwrap_or(kind.scale());
+        let (series, rows, kind) = if is_picture(path, &bytes)? {
+            let are_relative = scale_of(SourceKind::Photograph) == SkyScale::Dhi;
+            let levels = Levels::Radiances { white_w_m2_sr: self.white_w_m2_sr, are_relative };
             let image = read_image(path, &bytes, levels, self.image_top_deg.unwrap_or_default())?;
             let series = image.on_patches().ok_or_else(|| no_pixels(path))?;
-            (OwnSky::new(series, scale), vec![Some(0); conditions.len()], SourceKind::Photograph)
+            (series, vec![Some(0); conditions.len()], SourceKind::Photograph)
         } else {
             let file = parse_patch_file(path, &bytes, PatchQuantity::Radiance)?;
             let rows = matched(&file, path, &conditions, of, |condition| condition.dhi_w_m2 > 0.0)?;
             let kind = if file.is_matrix { SourceKind::Matrix } else { SourceKind::Table };
-            (OwnSky::new(file.series, self.scale.unwrap_or(SkyScale::Given)), rows, kind)
+            (file.series, rows, kind)
         };
+        let scale = scale_of(kind);
+        let own = OwnSky::new(series, scale);
         let pairs = conditions.iter().zip(&rows).filter_map(|(condition, row)| Some((condition, (*row)?)));
-        let scale = self.scale.unwrap_or(kind.scale());
         doubts(path, kind, scale, &own.balance(pairs)).iter().for_each(|text| resources.observer.warn(text));
-        let over = |(condition, row): (Condition, Option<usize>)| match row {
-            Some(row) => own.over(condition, row),
-            None => condition,
-        };
-        Ok(conditions.into_iter().zip(rows).map(over).collect())
+        Ok(each_row(conditions, rows, |condition, row| own.over(condition, row)))
     }
 
     fn behind(
@@ -174,11 +172,7 @@ impl SkyFiles {
             let rows = matched(&file, path, &conditions, of, is_lit)?;
             (CloudLayer::of_patches(file.series), rows)
         };
-        let over = |(condition, row): (Condition, Option<usize>)| match row {
-            Some(row) => layer.over(condition, row),
-            None => condition,
-        };
-        Ok(conditions.into_iter().zip(rows).map(over).collect())
+        Ok(each_row(conditions, rows, |condition, row| layer.over(condition, row)))
     }
 }
 
@@ -197,6 +191,19 @@ impl SourceKind {
             SourceKind::Table | SourceKind::Matrix => SkyScale::Given,
         }
     }
+}
+
+/// Conditions with what a row of a file does to them; those without a row stay as they are.
+fn each_row(
+    conditions: Vec<Condition>,
+    rows: Vec<Option<usize>>,
+    over: impl Fn(Condition, usize) -> Condition,
+) -> Vec<Condition> {
+    let one = |(condition, row): (Condition, Option<usize>)| match row {
+        Some(row) => over(condition, row),
+        None => condition,
+    };
+    conditions.into_iter().zip(rows).map(one).collect()
 }
 
 fn no_pixels(path: &Path) -> Error {

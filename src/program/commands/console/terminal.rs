@@ -52,7 +52,7 @@ impl Terminal {
         Terminal { _watch: Some(interrupt::watch()), ..Terminal::default() }
     }
 
-    /// The same of a command whose standard output may be a table.
+    /// The observer of work that Ctrl-C stops, of a command whose standard output may be a table.
     pub fn watching_beside_table() -> Self {
         Terminal { is_beside_table: true, ..Terminal::watching() }
     }

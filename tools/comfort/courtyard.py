@@ -2,8 +2,6 @@
 Holmer and Thorsson 2008, as SOLWEIG's tests have them), the program, a folder to work in. Out: shortwave and longwave irradiance of six planes and the
 mean radiant temperature beside the measured ones, by hour and as bias and RMSE. Needs numpy, pandas and rasterio."""
 import csv
-import json
-import math
 import subprocess
 import sys
 from datetime import datetime, timedelta
@@ -11,38 +9,19 @@ from pathlib import Path
 
 import numpy as np
 import pandas
-import rasterio
 
-#: The instruments stand turned by so much from north, degrees.
-TURN = -15.0
-PLANES = {"": (None, "down"), "/down": (None, "up"), "/north": (0, "n"), "/east": (90, "e"), "/south": (180, "s"), "/west": (270, "w")}
+sys.path.append(str(Path(__file__).resolve().parent.parent / "rasters"))
+from gothenburg import MATERIALS, PLANES, SHADOW_EDGE, write_receivers  # noqa: E402
+
+#: The planes of a person in the order of the measured ones, by the names of their columns.
 NAMES = ["up", "down", "north", "east", "south", "west"]
-#: Instruments stand so high above the ground, metres.
-HEIGHT = 1.1
-#: In the hour up to this the edge of a shadow crosses the instruments.
-SHADOW_EDGE = 15
-#: SOLWEIG's albedos for this place.
-MATERIALS = "[WallSurface]\ndiffuse = 0.2\n[RoofSurface]\ndiffuse = 0.18\n"
+SIDES = [plane.removeprefix("K") for plane in PLANES]
 WAYS = {
     "sol-air": [],
     "sol-air, film 25": ["--film", "25"],
     "air": ["--surfaces", "air"],
     "black, air": ["--surfaces", "air", "--emissivity", "ground=1", "--emissivity", "obstruction=1"],
 }
-
-
-def write_receivers(folder, out):
-    x, y = json.loads((folder / "poi.geojson").read_text())["geometry"]["coordinates"]
-    with rasterio.open(folder / "DEM_KR.tif") as dem:
-        z = float(next(dem.sample([(x, y)]))[0]) + HEIGHT
-    with open(out, "w", newline="") as file:
-        rows = csv.writer(file)
-        rows.writerow(["receiver", "x", "y", "z", "nx", "ny", "nz"])
-        for name, (azimuth, side) in PLANES.items():
-            turned = math.radians((azimuth or 0) + TURN)
-            up = {"down": 1, "up": -1}.get(side, 0)
-            normal = [0, 0, up] if up else [math.sin(turned), math.cos(turned), 0]
-            rows.writerow([f"P{name}", x, y, z, *normal])
 
 
 def write_weather(folder, out):
@@ -66,7 +45,8 @@ def radiant(measured):
 def main(folder, program, out):
     folder, out = Path(folder).resolve(), Path(out)
     out.mkdir(parents=True, exist_ok=True)
-    write_receivers(folder, out / "receivers.csv")
+    names = ["P", *(f"P/{name}" for name in NAMES[1:])]
+    write_receivers(folder, out / "receivers.csv", dict(zip(names, PLANES.values())))
     write_weather(folder, out / "weather.csv")
     measured = pandas.read_csv(folder / "measurements_kr.csv").set_index("hour")
     (out / "materials.toml").write_text(MATERIALS)
@@ -86,7 +66,7 @@ def main(folder, program, out):
         found = found.loc[measured.index]
         off = pandas.DataFrame({f"{kind}{side}": found[f"{band}_{name}"] - measured[f"{kind}{side}"]
                                 for kind, band in (("K", "shortwave"), ("L", "longwave"))
-                                for name, (_, side) in zip(NAMES, PLANES.values())})
+                                for name, side in zip(NAMES, SIDES)})
         off["Tmrt"] = found.mrt_c - radiant(measured)
         off["Tmrt column"] = found.mrt_c - measured.Tmrt
         off.to_csv(out / ("off_" + hours.name), float_format="%.1f")
