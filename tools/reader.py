@@ -74,14 +74,16 @@ OBJECTS = [(name, "s", text(0)) for name in ("name", "object", "building", "obje
 OBJECTS += [("beside", "1B", share), ("row", "1H", None), ("attributes", "s", text(0, 16384))]
 KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None), 4: ("response", 2, None),
          5: ("probes", 4, CELLS), 6: ("bounce", 4, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
-         9: ("canopy", 1, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
-         12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 1, None),
-         15: ("bounce-canopy", 1, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
+         9: ("canopy", 2, None), 10: ("materials", 2, MATERIALS), 11: ("optics", 1, OPTICS),
+         12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 2, None),
+         15: ("bounce-canopy", 2, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
          18: ("scene", 1, SCENE), 19: ("overview", 1, OVERVIEW), 20: ("extents", 1, EXTENTS),
          21: ("names", 1, NAMES), 22: ("objects", 2, OBJECTS)}
 EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
-# Which cells are seen in mirrors.
+# Which cells are seen in mirrors, and cells of leaves behind others.
 MIRRORED = {"mirror": "probes", "probe-mirror": "bounce", "bounce-mirror": "bounce"}
+CROSSED = {"canopy": "probes", "probe-canopy": "bounce", "bounce-canopy": "bounce"}
+LEAF = 128
 
 
 class Damage(Exception):
@@ -462,6 +464,42 @@ def mirrors(raw, rows, s, kind, numbers, materials):
     return found, seen
 
 
+def crossings(raw, rows, s, kind):
+    """The rows of a block of canopies, the keys of the cells of leaves that are seen, and the materials that are crossed."""
+    found = rows_of_bytes(raw, rows)
+    lengths, at, seen, crossed = struct.unpack(f"<{rows}I", found["lengths"]), 4 * rows, [], set()
+    side = min(2 * s["sky_base"], s["sky_fine"])
+    while side > 256 and side % 2 == 0:
+        side //= 2
+    rays = {"canopy": (side ** 2, s["hit"] ** 2), "probe-canopy": (s["probe"] ** 2, s["probe_hits"]),
+            "bounce-canopy": (s["bounce_sky"] ** 2, s["bounce_hits"])}[kind]
+    for length in lengths:
+        row, at, last = Bytes(raw[at:at + length]), at + length, None
+        materials = [row.take("<H")[0] for _ in range(row.take("<H")[0] if length else 0)]
+        need(all(a < b for a, b in zip(materials, materials[1:])), "canopies do not ascend")
+        crossed.update(materials)
+        for count in rays * len(materials):
+            bits, = row.take("<B")
+            need(bits <= 8, f"counts of {bits} bits")
+            blocks = int.from_bytes(row.bytes(-(--(-count // 64) // 8)) if bits else b"", "little")
+            last_block = blocks.bit_length() - 1
+            words = row.bytes(8 * bits * blocks.bit_count())
+            ends = [int.from_bytes(words[i:i + 8], "little").bit_length() for i in range(max(len(words) - 8 * bits, 0), len(words), 8)]
+            need(not ends or 64 * last_block + max(ends) <= count, "a ray behind the last one")
+        while row.at < length:
+            (key, packed), share, before = row.key(), row.take("<f")[0], row.take("<B")[0]
+            before = [row.take("<HB") for _ in range(before)]
+            need(packed[1] >= LEAF, "no cell of leaves")
+            need(0 < share <= 256 and all(a[0] < b[0] for a, b in zip(before, before[1:])), "a share or a list that cannot be")
+            need(all(count for _, count in before), "nothing is crossed")
+            crossed |= {struct.unpack_from("<H", packed, 2)[0], *(material for material, _ in before)}
+            need(last is None or last < (key, before), "leaves do not ascend")
+            last = (key, before)
+            seen.append(key)
+        need(bool(materials or last) == bool(length), "a row without canopies")
+    return found, seen, crossed
+
+
 def name_of(e):
     return f"{KINDS[e.kind][0] if e.kind in KINDS else e.kind}/{e.tile}"
 
@@ -553,6 +591,7 @@ class Checker:
         self.settings, self.rows, self.problems = archive.manifest["settings"], {}, []
         self.boxes, self.names, self.chunks, self.triangles = {}, set(), {}, {}
         self.materials = sum(e.items for e in archive.of("materials"))
+        self.canopies, self.crossed = set(), set()
 
     def run(self, take):
         archive = self.archive
@@ -591,6 +630,7 @@ class Checker:
         known = {of: set(self.keys.get(of, [])) for of in ("probes", "bounce")}
         for name, of, seen in self.seen:
             need(known[of].issuperset(seen), f"{name} sees a cell that is not there")
+        need(self.canopies.issuperset(self.crossed), "a material that is crossed is no canopy")
 
     def gazetteer(self):
         """What chunks of names say together, and of receivers."""
@@ -613,6 +653,11 @@ class Checker:
                 numbers = sum(o.items for o in self.archive.of("mirrors"))
                 found, seen = mirrors(raw, e.items, s, kind, numbers, self.materials)
                 self.seen.append((name_of(e), MIRRORED[kind], seen))
+                return found
+            if kind in CROSSED:
+                found, seen, crossed = crossings(raw, e.items, s, kind)
+                self.crossed |= crossed
+                self.seen.append((name_of(e), CROSSED[kind], seen))
                 return found
             return rows_of_bytes(raw, e.items)
         if kind in ("sky", "hit", "response"):
@@ -646,6 +691,7 @@ class Checker:
             need(all(d + s <= 1 + 1e-9 for d, s in zip(values["diffuse"], values["specular"])), "reflectances above 1")
         elif kind == "optics":
             need(e.tile == 0 and e.items == self.materials, f"optics of {e.items} of {self.materials} materials")
+            self.canopies = {row for row, canopy in enumerate(values["canopy"]) if canopy}
         elif kind == "mirrors":
             need(e.tile == 0 and all(m < self.materials for m in values["material"]), "a material that does not exist")
         elif kind == "scene":

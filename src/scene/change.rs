@@ -41,7 +41,7 @@ pub struct SceneChange {
 
 impl SceneChange {
     /// Compares a scene that was traced with one as it is now. `None`: their frames are so far apart that equal surfaces do not have equal
-    /// coordinates, to the bit. A triangle whose material became a mirror or a canopy, or was one, is another triangle.
+    /// coordinates, to the bit. A triangle whose material became a mirror, a canopy or one that scatters light, or was one, is another triangle.
     pub fn between(before: &TracedScene, after: &Scene) -> Option<Self> {
         let (frame, shift) = (after.mesh.grid(), before.grid.origin - after.mesh.origin);
         let of_after = || (0..after.mesh.triangles.len()).map(|triangle| after.mesh.triangle_points(triangle));
@@ -61,7 +61,8 @@ impl SceneChange {
         let stays = |old: &Material, new: u16| {
             let new = after.materials.get(usize::from(new));
             new.is_some_and(|new| {
-                (old.transmittance.is_some(), old.mirrors()) == (new.transmittance.is_some(), new.mirrors())
+                let kind = |of: &Material| (of.transmittance.is_some(), of.scatters(), of.mirrors());
+                kind(old) == kind(new)
             })
         };
         let same: Vec<Option<u16>> =

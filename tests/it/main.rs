@@ -29,6 +29,7 @@ mod honeybee;
 mod hostile;
 mod interrupt;
 mod kaitai;
+mod leaves;
 mod lit_wall;
 mod longwave;
 mod manners;

@@ -84,7 +84,7 @@ fn radiosities(
     for _ in 0..steps {
         let next: Vec<f64> = (0..now.len())
             .map(|i| {
-                let around = surround(cells.normals[i], bits(i), &centres);
+                let around = surround(cells.keys[i], cells.normals[i], bits(i), &centres);
                 let (above, below) = seen(cells.hits_of(i), None);
                 let gather =
                     |l: &[(u32, f32)]| l.iter().map(|&(c, w)| f64::from(w) * now[row_of[c as usize]]).sum::<f64>();
@@ -131,7 +131,7 @@ fn plain(all: &All, view: &TileView, index: usize, sky: &Source, cells: &[f64]) 
         let key = hits.palette[cell];
         let probe = probes.keys.binary_search(&key).expect("every hit has its probe");
         let bits = probes.bits_of(probe);
-        let around = surround(probes.normals[probe], bits, &centres);
+        let around = surround(probes.keys[probe], probes.normals[probe], bits, &centres);
         let (above, below) = seen(probes.hits_of(probe), None);
         let gather = |l: &[(u32, f32)]| l.iter().map(|&(c, w)| f64::from(w) * cells[row_of(c)]).sum::<f64>();
         let indirect = around.up * gather(&above) + around.down * gather(&below);

@@ -14,11 +14,12 @@ pub(super) struct Carried {
     /// Matt surfaces on the way.
     pub matt: u32,
     mirrored: bool,
+    by_leaves: bool,
 }
 
 impl Carried {
     /// At the receiver.
-    pub const START: Carried = Carried { weight: 1.0, bare: 1.0, matt: 0, mirrored: false };
+    pub const START: Carried = Carried { weight: 1.0, bare: 1.0, matt: 0, mirrored: false, by_leaves: false };
 
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
@@ -34,6 +35,12 @@ impl Carried {
     #[must_use]
     pub fn reflected(self) -> Self {
         Carried { matt: self.matt + 1, ..self }
+    }
+
+    /// Scattered by a leaf, which would not be there without canopies.
+    #[must_use]
+    pub fn scattered(self) -> Self {
+        Carried { by_leaves: true, bare: 0.0, ..self.reflected() }
     }
 
     #[must_use]
@@ -62,6 +69,7 @@ impl Carried {
         count(Effect::Diffuse, self.matt > 0, added);
         count(Effect::Bounces, self.matt > 1, added);
         count(Effect::Mirrors, self.mirrored, added);
+        count(Effect::Leaves, self.by_leaves, added);
         count(Effect::Canopies, self.bare != self.weight, (self.bare - self.weight) * light);
     }
 }

@@ -113,6 +113,36 @@ fn ordered([sun_direct, sky_direct, sun_diffuse, sky_diffuse, sun_specular, sky_
     out
 }
 
+/// Between ground of 0.3 and the open sky lie endless leaves that let 0.4 through and scatter 0.5, half to each side. Two layers (Kubelka 1948,
+/// "New contributions to the optics of intensely light-scattering materials"): below them a level receiver gets T / (1 - R rho) of what comes from
+/// above, one that looks down from above R + T^2 rho / (1 - R rho), with R = 0.25 and T = 0.65: within 3 standard errors in 97.5 % of 240
+/// comparisons.
+#[test]
+fn layers_of_leaves() {
+    let mut triangles = Triangles::new();
+    for (material, z) in [(0, 0.0), (1, 2.0)] {
+        quad(&mut triangles, material, DVec3::new(-2e4, -2e4, z), DVec3::X * 4e4, DVec3::Y * 4e4);
+    }
+    let (dni, dhi, albedo, straight, scattered) = (800.0, 150.0, 0.3, 0.4, 0.5);
+    let condition = condition(150.0, 35.0, dni, dhi);
+    let from_sun = dni * condition.sky_sun.z;
+    let leaf = Material { transmittance: Some(straight), ..Material::matt("z leaf", scattered, Class::Obstruction) };
+    let (r, t) = (scattered / 2.0, straight + scattered / 2.0);
+    let (below, above) = (t / (1.0 - r * albedo), r + t * t * albedo / (1.0 - r * albedo));
+    let parts = |[sun, sky]: [f64; 2], share: f64| {
+        let diffuse = |direct: f64| share - direct;
+        ordered([sun * from_sun, sky * dhi, diffuse(sun) * from_sun, diffuse(sky) * dhi, 0.0, 0.0])
+    };
+    let known = [
+        (DVec3::new(3.0, 4.0, 1.0), DVec3::Z, parts([straight; 2], below)),
+        (DVec3::new(3.0, 4.0, 3.0), DVec3::NEG_Z, parts([0.0; 2], above)),
+    ];
+    let mut count = Count::new();
+    count.compare(&triangles, vec![matt(albedo), leaf], &condition, &known, 48);
+    assert!(count.all >= 240 && count.beyond * 40 <= count.all, "{} of {}", count.beyond, count.all);
+    assert!((count.sum / count.all as f64).abs() < 0.2 && count.largest < 0.03, "{} {}", count.sum, count.largest);
+}
+
 /// In front of a long black-backed wall of 10 m on no ground, lit straight on above a shadow's edge at 4 m or not, a level receiver gets
 /// the strip's view factor, (cos a - cos b) / 2 by its edges' altitudes, times what the wall reflects: within 3 standard errors in 97.5 % of 480
 /// comparisons.

@@ -11,7 +11,7 @@ use super::sky::{JudgedSky, SkyPlace, cosine};
 use super::sun::SunLook;
 use crate::pipeline::PreparedScene;
 use crate::settings::{Effect, Effects};
-use crate::trace::canopy::{Canopies, Path};
+use crate::trace::canopy::{Canopies, Passage, Path};
 use crate::trace::kernel::rays::Hit;
 use crate::trace::{Ray, Tracer};
 use heliotile_core::hemisphere::{Frame, mix, texels_in_blocks};
@@ -45,6 +45,8 @@ pub struct Judge<'a> {
     pub(super) reflectors: Vec<Reflector>,
     /// Whether light that was reflected by a matt surface is not reflected by another one.
     once: bool,
+    /// Whether leaves scatter light.
+    leaves: bool,
 }
 
 /// A place on a surface, where rays start.
@@ -83,6 +85,7 @@ impl<'a> Judge<'a> {
             mirrors: Some(&prepared.mirrors).filter(|all| !all.is_empty() && !left_out.contains(Effect::Mirrors)),
             reflectors: prepared.scene.materials.iter().map(reflector).collect(),
             once: left_out.contains(Effect::Bounces),
+            leaves: ![Effect::Leaves, Effect::Diffuse].iter().any(|effect| left_out.contains(*effect)),
         }
     }
 
@@ -113,9 +116,14 @@ impl<'a> Judge<'a> {
             let rays: Vec<Ray> = walkers.iter().map(|walker| ray(walker.from, walker.direction)).collect();
             let hits = self.tracer.closest_many(&rays);
             let reaches = hits.iter().map(|hit| hit.map_or(f32::INFINITY, |hit| hit.t));
-            let through = self.through(rays.into_iter().zip(reaches));
+            let ways = numbered(rays.into_iter().zip(reaches));
+            let passages = self.canopies.map_or_else(Vec::new, |canopies| canopies.passages(&ways));
+            let through = self.left_behind(&passages, ways.len());
             looks.clear();
             let mut next = Vec::with_capacity(walkers.len());
+            for passage in passages.iter().filter(|_| self.leaves) {
+                next.extend(self.scatter(&mut walkers[passage.place as usize], passage, skies, &mut looks));
+            }
             for ((mut walker, hit), through) in walkers.into_iter().zip(hits).zip(through) {
                 walker.carried = walker.carried.through(through);
                 match hit {
@@ -214,6 +222,40 @@ impl<'a> Judge<'a> {
         Some(walker)
     }
 
+    /// A path that is scattered by one of the leaves on its way, drawn by chance; the path itself goes on.
+    fn scatter(
+        &self,
+        walker: &mut Walker,
+        passage: &Passage,
+        skies: &[&JudgedSky],
+        looks: &mut Vec<SunLook>,
+    ) -> Option<Walker> {
+        let leaves = self.canopies?.leaves(passage);
+        if leaves.is_empty() || self.once && walker.carried.matt > 0 {
+            return None;
+        }
+        let [which, on, side, a, b] = walker.random.many();
+        let leaf = &leaves[(which * leaves.len() as f64) as usize];
+        let through = leaf.before.iter().map(|&(material, count)| self.left(material, count)).product::<f64>();
+        let scattered = self.reflectors[usize::from(leaf.material)].diffuse * through * leaves.len() as f64;
+        let likely = if walker.met < SURE { 1.0 } else { scattered.min(LIKELIEST) };
+        if scattered <= 0.0 || on >= likely {
+            return None;
+        }
+        let carried = walker.carried.times(scattered / likely).scattered();
+        let mut random = Random::new((walker.random.next() * 2.0_f64.powi(53)) as u64);
+        let places = [leaf.normal, -leaf.normal]
+            .map(|normal| Place { from: vector(self.mesh.grid().lifted(leaf.point, normal)), normal });
+        let disc = random.many();
+        for place in places {
+            // Half of the light on each side goes to the receiver's.
+            looks.extend(SunLook::at_all(place, walker.batch, carried.times(0.5), skies, disc, &mut random));
+        }
+        let Place { from, normal } = places[usize::from(side < 0.5)];
+        let direction = cosine(&Frame::of(normal), [a, b]);
+        Some(Walker { batch: walker.batch, from, direction, carried, met: walker.met + 1, random })
+    }
+
     /// Where a ray meets a surface, and the orientation of the mirror if it is one.
     pub(super) fn place(&self, from: DVec3, direction: DVec3, hit: Hit) -> (Place, Option<MirrorPlane>) {
         let triangle = hit.triangle as usize;
@@ -237,17 +279,31 @@ impl<'a> Judge<'a> {
 
     /// What canopies let through of rays that go so far, metres.
     pub(super) fn through(&self, rays: impl ExactSizeIterator<Item = (Ray, f32)>) -> Vec<f64> {
-        let mut through = vec![1.0; rays.len()];
-        if let Some(canopies) = self.canopies {
-            let paths: Vec<Path> =
-                (0..).zip(rays).map(|(place, (ray, reach_m))| Path { place, ray, reach_m }).collect();
-            for crossing in canopies.crossings(&paths) {
-                let transmittance = self.reflectors[usize::from(crossing.material)].transmittance.unwrap_or(1.0);
-                through[crossing.ray as usize] *= transmittance.powi(i32::from(crossing.count));
-            }
+        let count = rays.len();
+        match self.canopies {
+            None => vec![1.0; count],
+            Some(canopies) => self.left_behind(&canopies.passages(&numbered(rays)), count),
+        }
+    }
+
+    /// What is left of the light of so many rays, some of which cross canopies.
+    fn left_behind(&self, passages: &[Passage], rays: usize) -> Vec<f64> {
+        let mut through = vec![1.0; rays];
+        for crossing in self.canopies.iter().flat_map(|canopies| canopies.counted(passages)) {
+            through[crossing.ray as usize] *= self.left(crossing.material, crossing.count);
         }
         through
     }
+
+    /// What so many crossings of a canopy leave.
+    fn left(&self, material: u16, count: u8) -> f64 {
+        self.reflectors[usize::from(material)].transmittance.unwrap_or(1.0).powi(i32::from(count))
+    }
+}
+
+/// Rays and how far they go, metres, as a numbered list.
+fn numbered(rays: impl Iterator<Item = (Ray, f32)>) -> Vec<Path> {
+    (0..).zip(rays).map(|(place, (ray, reach_m))| Path { place, ray, reach_m }).collect()
 }
 
 /// The first numbers of each path of a batch, and where its others come from.

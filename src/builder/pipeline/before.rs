@@ -285,13 +285,13 @@ impl SiteTracer<'_> {
         }
         let (middle, spread) = change.middle(key);
         let (mut seen, normal) = (change.seen_from(middle, spread), DVec3::from(cell.normal.map(f64::from)));
-        if normal.length() >= PLANE {
+        if normal.length() >= PLANE && !key.is_leaf() {
             seen = seen.before(normal);
         }
         if seen.is_nothing() || self.reflections.is_none() && !may_see(key, normal, texture, &seen) {
             return true;
         }
-        let probe = known_probe(key, cell.bits.clone(), texture, &self.scene.mesh, self.tracer);
+        let probe = known_probe(key, cell.bits.clone(), texture, self.surfaces());
         let looks: Vec<Ray> = looks_around(key, &probe, texture, rays).into_iter().map(|look| look.0).collect();
         let all = sky_rays(key, &probe, texture).chain(looks.iter().copied()).collect();
         if change.alters(&towards(&seen, all), self.tracer) {
@@ -314,13 +314,13 @@ impl SiteTracer<'_> {
         }
         let (middle, spread) = change.middle(key);
         let mut seen = change.seen_from(middle, spread);
-        if normal.length() >= PLANE {
+        if normal.length() >= PLANE && !key.is_leaf() {
             seen = seen.before(normal);
         }
         if seen.is_nothing() {
             return true;
         }
-        let probe = known_probe(key, Vec::new(), texture, &self.scene.mesh, self.tracer);
+        let probe = known_probe(key, Vec::new(), texture, self.surfaces());
         !change.alters(&may_cast(key, &probe, texture, rays, &seen), self.tracer)
     }
 }

@@ -1,15 +1,37 @@
-//! The canopy layers of a build: what rays of receivers and cells cross on their way. Nothing where a scene has no canopies.
+//! The canopy layers of a build: what rays of receivers and cells cross on their way, and the leaves that they see. Nothing where a scene has no
+//! canopies.
 
 use super::site_tracer::SiteTracer;
-use crate::trace::canopy::{CellCrossings, Path};
+use crate::settings::Effect;
+use crate::trace::canopy::{CellCrossings, LeafView, Path, SeenLeaves};
 use crate::trace::receiver::{HitTrace, Viewpoint};
-use heliotile_core::hemisphere::texels_in_blocks;
+use heliotile_core::hemisphere::{HEMISPHERE_SR, texels_in_blocks};
 use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::canopy::{Canopy, sky_side};
+use heliotile_core::site::cells::{CellKey, level_of};
 
 impl SiteTracer<'_> {
-    /// What the rays of a receiver with these sky bits and hits cross, and the rays cast.
-    pub(super) fn canopy_of_receiver(&self, view: &Viewpoint, sky: &BitSquare, hits: &HitTrace) -> (Canopy, u64) {
+    /// Whether leaves scatter light that is traced.
+    pub(super) fn leaves_scatter(&self) -> bool {
+        self.traces(Effect::Leaves)
+            && self.traces(Effect::Diffuse)
+            && self.canopies.is_some_and(|canopies| canopies.scatter())
+    }
+
+    /// How cells see leaves: those that see no surfaces see no leaves that scatter light, either.
+    pub(super) fn leaf_view(&self, sees_surfaces: bool) -> Option<LeafView<'_>> {
+        let closed_level = (sees_surfaces && self.leaves_scatter()).then(|| level_of(self.settings.closed_m));
+        self.canopies.map(|canopies| LeafView { canopies, closed_level })
+    }
+
+    /// What the rays of a receiver with these sky bits and hits cross, and the rays cast. `lit`: whether light comes to it.
+    pub(super) fn canopy_of_receiver(
+        &self,
+        view: &Viewpoint,
+        sky: &BitSquare,
+        hits: &HitTrace,
+        lit: bool,
+    ) -> (Canopy, u64) {
         let Some(canopies) = self.canopies else { return (Canopy::default(), 0) };
         let side = sky_side(self.settings.sky_base, self.settings.sky_fine);
         let block = sky.side() / side;
@@ -17,14 +39,28 @@ impl SiteTracer<'_> {
         let open = |&(column, row): &(usize, usize)| block > 64 || sky.count_block(block, column, row) > 0;
         let texels = texels_in_blocks(side).filter(open).map(|(column, row)| row * side + column);
         let sky = view.sky_paths(side, texels, self.tracer);
-        let seen: Vec<Path> = view.hit_paths(self.settings.hit, &hits.distances_m, self.tracer);
-        let rays = [side * side, self.settings.hit * self.settings.hit];
-        let canopy = Canopy::new([&canopies.crossings(&sky), &canopies.crossings(&seen)], rays);
-        (canopy, (sky.len() + seen.len()) as u64)
+        let (n, scatter) = (self.settings.hit, lit && self.leaves_scatter());
+        let seen: Vec<Path> = view.hit_paths(n, &hits.distances_m, scatter, self.tracer);
+        let (rays, cast) = ([side * side, n * n], (sky.len() + seen.len()) as u64);
+        let mut passages = canopies.passages(&seen);
+        let mut leaves = SeenLeaves::default();
+        if scatter {
+            let (texel_sr, direction) = (HEMISPHERE_SR / (n * n) as f64, view.hit_directions(n));
+            for passage in &passages {
+                let share = view.normal.dot(direction(passage.place as usize)) * 2.0 / (n * n) as f64;
+                for leaf in canopies.leaves(passage) {
+                    let level = self.cell_settings().level(leaf.distance_m, texel_sr.sqrt());
+                    leaves.add(CellKey::leaf(leaf.point, leaf.normal, leaf.material, level), leaf, share);
+                }
+            }
+            passages.retain(|passage| hits.distances_m[passage.place as usize].is_finite());
+        }
+        let crossings = [&canopies.crossings(&sky)[..], &canopies.counted(&passages)];
+        (Canopy::new(crossings, rays, leaves.gathered(n * n / 2, view.seed())), cast)
     }
 }
 
 /// What the rays of a cell cross, with so many texels a side and rays to what it sees.
-pub(super) fn canopy_of_cell(crossings: &CellCrossings, side: usize, rays: usize) -> Canopy {
-    Canopy::new([&crossings.sky, &crossings.seen], [side * side, rays])
+pub(super) fn canopy_of_cell(crossings: CellCrossings, side: usize, rays: usize) -> Canopy {
+    Canopy::new([&crossings.sky, &crossings.seen], [side * side, rays], crossings.leaves)
 }

@@ -21,6 +21,7 @@ use heliotile_core::archive::format::{CellKind, TileNumber};
 use heliotile_core::archive::{Blocks, format, tables};
 use heliotile_core::error::Result;
 use heliotile_core::layers::cells::{Cell, Cells};
+use heliotile_core::light::radiosity::{centres_f32, surround};
 use heliotile_core::memory::Use;
 use heliotile_core::observer::Stage;
 use heliotile_core::opened::OpenSite;
@@ -109,19 +110,19 @@ impl SiteTracer<'_> {
     }
 
     fn trace_bounce(&self, key: CellKey, texture: &Directions) -> (Cell, Cast) {
-        let (s, mesh) = (self.settings, &self.scene.mesh);
+        let s = self.settings;
         let settings = SurroundingSettings { closed_level: level_of(s.closed_m), rays: s.bounce_hits };
-        let (probe, seen) = trace_bounce(key, texture, settings, mesh, self.tracer, self.reflections.as_ref());
+        let (probe, seen) = trace_bounce(key, texture, settings, self.surfaces(), self.reflections.as_ref());
         self.cell(key, probe, seen, texture)
     }
 
     pub(super) fn trace_probe(&self, key: CellKey, texture: &Directions) -> (Cell, Cast) {
-        let (s, mesh, tracer) = (self.settings, &self.scene.mesh, self.tracer);
-        let probe = trace_probe(key, texture, mesh, tracer);
+        let (s, surfaces) = (self.settings, self.surfaces());
+        let probe = trace_probe(key, texture, surfaces);
         let (reflections, closed) = (self.reflections.as_ref(), level_of(s.closed_m));
         let settings = SurroundingSettings { closed_level: closed, rays: s.probe_hits };
         let seen = match self.traces(Effect::Bounces) {
-            true => surroundings(key, &probe, texture, settings, mesh, tracer, reflections),
+            true => surroundings(key, &probe, texture, settings, surfaces, reflections),
             false => Surroundings::none(s.probe_hits),
         };
         self.cell(key, probe, seen, texture)
@@ -137,10 +138,12 @@ impl SiteTracer<'_> {
     ) -> (Cell, Cast) {
         let mut mirror = 0;
         let mirrors = self.cell_mirrors(key, &probe, texture, &seen, &mut mirror);
-        let crossings = CellCrossings::of(self.canopies, key, &probe, texture, &seen.seen);
-        let cast = Cast { plain: probe.rays + seen.cast + crossings.rays, mirror };
         let (normal, doubtful) = (probe.normal.as_vec3().to_array(), probe.doubtful);
-        let canopy = canopy_of_cell(&crossings, texture.n, seen.seen.len());
+        let around = || surround(key, normal, &probe.bits, &centres_f32(texture.n));
+        let leaves = self.leaf_view(self.traces(Effect::Bounces));
+        let crossings = CellCrossings::of(leaves, key, &probe, texture, &seen.seen, around);
+        let cast = Cast { plain: probe.rays + seen.cast + crossings.rays, mirror };
+        let canopy = canopy_of_cell(crossings, texture.n, seen.seen.len());
         (Cell { key, normal, bits: probe.bits, seen: pairs(seen.seen), mirrors, canopy, doubtful }, cast)
     }
 

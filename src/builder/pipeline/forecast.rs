@@ -130,6 +130,9 @@ struct Bounds {
     bounces: f64,
     mirrors: f64,
     canopies: f64,
+    leaves: f64,
+    /// Largest share that a leaf scatters.
+    brightest_leaf: f64,
     /// Largest diffuse reflectance.
     brightest: f64,
     /// Largest share of a cell's light that comes from other surfaces.
@@ -148,7 +151,10 @@ impl Decision<'_> {
         let suns = (1..=MOST_MIRRORS as i32).map(|mirrors| once.powi(mirrors)).sum::<f64>();
         let light = SUN_W_M2 * (1.0 + suns) + SKY_W_M2;
         // Receivers that were not looked at may see nothing but the brightest material.
-        let worst = |share: f64| if sample.receivers < sample.all { brightest } else { share.min(brightest) };
+        let leaves = largest(|r| r.transmittance.map_or(0.0, |_| r.diffuse));
+        // How much of a view leaves fill is not looked at.
+        let worst =
+            |share: f64| if sample.receivers < sample.all { brightest } else { (share + leaves).min(brightest) };
         let (share, others) = (worst(sample.reflecting), worst(sample.traced.reflecting * FEW_RAYS));
         let gain = if both < 1.0 { light / (1.0 - both) } else { f64::INFINITY };
         let bound = |share: f64, light: f64| if share > 0.0 { share * light } else { 0.0 };
@@ -158,6 +164,8 @@ impl Decision<'_> {
             // The light of all paths with a mirror among them: 1 / (1 - both) less 1 / (1 - diffuse), both being their sum.
             mirrors: bound(suns / (1.0 - brightest).max(0.0), (SUN_W_M2 + SKY_W_M2) / (1.0 - both).max(0.0)),
             canopies: if reflectors.iter().any(|r| r.transmittance.is_some()) { gain } else { 0.0 },
+            leaves: bound(leaves, gain),
+            brightest_leaf: leaves,
             brightest,
             others,
         }
@@ -205,8 +213,9 @@ impl Decision<'_> {
         let count = sample.all as f64;
         let probes = predicted(sample.cells, count / sample.receivers.max(1) as f64);
         let bounces = probes * CELLS_PER_PROBE;
-        let leaves_on = bounds.canopies > 0.0 && self.is_on(Effect::Canopies, bounds.canopies);
-        let diffuse_on = self.is_on(Effect::Diffuse, bounds.diffuse);
+        let canopies_on = bounds.canopies > 0.0 && self.is_on(Effect::Canopies, bounds.canopies);
+        let leaves_on = canopies_on && bounds.leaves > 0.0 && self.is_on(Effect::Leaves, bounds.leaves);
+        let diffuse_on = leaves_on || self.is_on(Effect::Diffuse, bounds.diffuse);
         let bounces_on = diffuse_on && self.is_on(Effect::Bounces, bounds.bounces);
         let mirrors_on = mirrors > 0 && self.is_on(Effect::Mirrors, bounds.mirrors);
         let [probe_s, bounce_s] = sample.traced.seconds;
@@ -258,12 +267,23 @@ impl Decision<'_> {
             self.line(EffectFacts {
                 name: "canopies",
                 effect: Effect::Canopies,
-                on: leaves_on,
+                on: canopies_on,
                 bound_w_m2: bounds.canopies,
                 rays: sample.rays[3] * count,
                 seconds: sample.seconds[2] * count,
                 nothing: "there are none",
                 some: "leaves or screens dim what shines through them".into(),
+            }),
+            self.line(EffectFacts {
+                name: "light of leaves",
+                effect: Effect::Leaves,
+                on: leaves_on,
+                bound_w_m2: bounds.leaves,
+                // Those of receivers are among the rays through canopies, those of cells among reflections and bounces.
+                rays: 0.0,
+                seconds: 0.0,
+                nothing: "no canopy has a `diffuse`",
+                some: format!("leaves scatter up to {:.2}; rays are in the lines above", bounds.brightest_leaf),
             }),
         ];
         let present = |line: &&Line| !line.on && line.bound_w_m2.is_some_and(|b| b > 0.0);

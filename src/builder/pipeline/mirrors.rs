@@ -107,7 +107,10 @@ impl SiteTracer<'_> {
         surroundings: &Surroundings,
         rays: &mut u64,
     ) -> CellMirrors {
-        let Some(reflections) = &self.reflections else { return CellMirrors::default() };
+        // Leaves look in no mirrors.
+        let Some(reflections) = self.reflections.as_ref().filter(|_| !key.is_leaf()) else {
+            return CellMirrors::default();
+        };
         let starts: Vec<MirrorRay> = surroundings.mirrors.iter().map(|(_, start)| *start).collect();
         let closed = level_of(self.settings.closed_m);
         let mut paths = Vec::new();

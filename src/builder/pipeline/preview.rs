@@ -32,8 +32,9 @@ use heliotile_core::archive::format::{CellKind, TileNumber};
 use heliotile_core::archive::preview::Preview;
 use heliotile_core::archive::{EncodedBlock, format};
 use heliotile_core::error::Result;
+use heliotile_core::layers::canopy::{Canopy, Powers};
 use heliotile_core::layers::cells::{Cell, Cells, DOWN, MISS};
-use heliotile_core::light::radiosity::{Surround, each_ray, surround};
+use heliotile_core::light::radiosity::{SidesOf, Surround, each_ray, surround};
 use heliotile_core::light::response::{Viewer, texel_weights};
 use heliotile_core::light::tile_view::TileView;
 use heliotile_core::observer::Stage;
@@ -289,8 +290,10 @@ impl SiteTracer<'_> {
             let seen: Vec<f64> = cells.seen.iter().map(reflected).collect();
             for row in (0..cells.rows()).filter(|row| are_traced || !replaced.contains(&cells.keys[*row])) {
                 let in_view = keeping.reach.in_view(surface(cells, row, &before.change));
+                let leaves = cells.canopy_of(row).map_or_else(Vec::new, |canopy| canopy.leaves(&Powers::new()));
+                let leaves: f64 = leaves.iter().map(|(key, share)| reflected(key) * f64::from(*share)).sum();
                 // Of others that were asked it is known that they do not see the change.
-                let mut most = if are_traced || in_view < keeping.unasked { in_view } else { 0.0 };
+                let mut most = leaves + if are_traced || in_view < keeping.unasked { in_view } else { 0.0 };
                 let (hits, normal) = (cells.hits_of(row), cells.normals[row]);
                 let from = |around: Surround| -> f64 {
                     let [below, above] = each_ray(hits, around);
@@ -298,9 +301,9 @@ impl SiteTracer<'_> {
                     met.map(|hit| seen[(hit & !DOWN) as usize] * if hit & DOWN == 0 { above } else { below }).sum()
                 };
                 // All that is above the horizon counts first, as if nothing of it were sky.
-                let half = (1.0 + f64::from(normal[2])) / 2.0;
+                let half = SidesOf(cells.keys[row]).above(f64::from(normal[2]));
                 if most + from(Surround { up: half, down: 1.0 - half }) > keeping.small() {
-                    most += from(surround(normal, cells.bits_of(row), &self.probe_centres));
+                    most += from(surround(cells.keys[row], normal, cells.bits_of(row), &self.probe_centres));
                 }
                 if most > keeping.small() {
                     alters.push((cells.keys[row], most as f32));
@@ -429,6 +432,10 @@ impl SiteTracer<'_> {
         let cells: Vec<f64> = view.hits.palette.iter().map(of_cell).collect();
         let most = cells.iter().copied().fold(0.0, f64::max);
         let texels = self.settings.hit * self.settings.hit;
+        let by_leaves = |canopy: &Canopy| -> f64 {
+            canopy.leaves(&Powers::new()).iter().map(|(key, share)| of_cell(key) * f64::from(*share)).sum()
+        };
+        let direct = direct + view.canopies.iter().map(by_leaves).fold(0.0, f64::max);
         let bound = |(viewer, texels): (&Viewer, &[u32])| {
             let at_most = direct + most * (1.0 - viewer.sky_view);
             if at_most <= keeping.share() {

@@ -96,7 +96,7 @@ impl SiteTracer<'_> {
         let behind = whole.par_iter().zip(&skies).filter(|_| self.canopies.is_some());
         let leaves = behind.map(|(receiver, (bits, _))| {
             let view = self.viewpoint(receiver);
-            self.canopy_of_receiver(&view, bits, &self.trace_hits(&view)).1
+            self.canopy_of_receiver(&view, bits, &self.trace_hits(&view), true).1
         });
         let leaves = leaves.sum::<u64>();
         let leaves_s = timed.elapsed().as_secs_f64() / whole.len().max(1) as f64;
@@ -162,7 +162,7 @@ impl SiteTracer<'_> {
 
     /// Traces some of the cells that are seen, evenly chosen.
     fn look_at_cells(&self, keys: &[CellKey]) -> TracedCells {
-        let (s, mesh, reflectors) = (self.settings, &self.scene.mesh, &self.reflectors);
+        let (s, reflectors) = (self.settings, &self.reflectors);
         let some: Vec<CellKey> = keys.iter().copied().step_by(keys.len().div_ceil(CELLS).max(1)).collect();
         if some.is_empty() {
             return TracedCells::default();
@@ -174,7 +174,7 @@ impl SiteTracer<'_> {
         let probe_s = timed.elapsed().as_secs_f64() / some.len() as f64;
         let share = |(cell, _): &(Cell, Cast)| {
             let cells = Cells::new(std::slice::from_ref(cell));
-            let each = each_ray(cells.hits_of(0), surround(cell.normal, &cell.bits, &centres));
+            let each = each_ray(cells.hits_of(0), surround(cell.key, cell.normal, &cell.bits, &centres));
             let rho = |key: &CellKey| reflectors.get(usize::from(key.material)).map_or(0.0, |r| r.diffuse);
             let direct: f64 =
                 cell.seen.iter().filter_map(|(up, key)| Some(each[usize::from(*up)] * rho(key.as_ref()?))).sum();
@@ -190,7 +190,7 @@ impl SiteTracer<'_> {
         let bounces: Vec<u64> = next
             .par_iter()
             .map(|&key| {
-                let traced = trace_bounce(key, &texture, settings, mesh, self.tracer, self.reflections.as_ref());
+                let traced = trace_bounce(key, &texture, settings, self.surfaces(), self.reflections.as_ref());
                 self.cell(key, traced.0, traced.1, &texture).1.plain
             })
             .collect();

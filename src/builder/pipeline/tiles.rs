@@ -23,6 +23,7 @@ use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{EncodedBlock, format, tables};
 use heliotile_core::error::Result;
 use heliotile_core::layers::bits::BitSquare;
+use heliotile_core::layers::canopy::Canopy;
 use heliotile_core::layers::extras::ReceiverExtras;
 use heliotile_core::layers::hit::HitTile;
 use heliotile_core::layers::mirror::ReceiverMirrors;
@@ -186,7 +187,9 @@ impl SiteTracer<'_> {
             let inside = receivers.iter().zip(&table.sky_view).filter(|(r, view)| self.inside(r, f64::from(**view)));
             let misplaced = inside.map(|(receiver, _)| Misplaced::Inside(receiver.id.clone())).collect();
             let mirrors = site.tile_mirrors(number, receivers.len())?;
-            let cells = hits.palette.into_iter().chain(mirrors.iter().flat_map(ReceiverMirrors::cells)).collect();
+            let leaves = site.tile_canopies(number, receivers.len())?;
+            let besides = mirrors.iter().flat_map(ReceiverMirrors::cells).chain(leaves.iter().flat_map(Canopy::cells));
+            let cells = hits.palette.into_iter().chain(besides).collect();
             return Ok(TracedTile { cells, misplaced, ..TracedTile::default() });
         }
         match self.unaltered_tile(TileNumber(number), receivers, fans)? {
@@ -267,8 +270,8 @@ impl SiteTracer<'_> {
         }
         let parts = tables::PartsTable::of(receivers);
         let blocks = pack::tile(TileNumber(number), &table, parts.as_ref(), &sky, &hits, &extras)?;
-        let in_mirrors = extras.iter().flat_map(|of| of.mirrors.cells());
-        let cells = hits.palette.into_iter().chain(in_mirrors).collect();
+        let besides = extras.iter().flat_map(|of| of.mirrors.cells().chain(of.canopy.cells()));
+        let cells = hits.palette.into_iter().chain(besides).collect();
         Ok(TracedTile { blocks, cells, rays, misplaced, copied: None })
     }
 
@@ -314,7 +317,8 @@ impl SiteTracer<'_> {
             rays.hit = (self.settings.hit * self.settings.hit) as u64;
             self.trace_hits(view)
         });
-        if blind && !self.is_reached(view) {
+        let lit = !blind || self.is_reached(view);
+        if !lit {
             // What it sees may share cells with what lies in the light.
             hits.cells.iter_mut().flatten().for_each(|cell| *cell = CellKey::dark(cell.material));
             hits.mirrors.clear();
@@ -322,7 +326,7 @@ impl SiteTracer<'_> {
         let paths = self.mirror_paths(view, &hits, &mut rays.mirror);
         let windows = self.mirror_windows(view, &mut rays.mirror);
         let mirrors = ReceiverMirrors { windows, paths };
-        let (canopy, cast) = self.canopy_of_receiver(view, &bits, &hits);
+        let (canopy, cast) = self.canopy_of_receiver(view, &bits, &hits, lit);
         rays.canopy = cast;
         Traced { sky: texture, hits, viewer, extras: ReceiverExtras { mirrors, canopy }, rays }
     }
@@ -335,8 +339,13 @@ impl SiteTracer<'_> {
 
     /// A receiver's first hits.
     pub(super) fn trace_hits(&self, view: &Viewpoint) -> HitTrace {
-        let cells = CellSettings { factor: self.settings.cell_factor(), floor_m: self.settings.cell_floor_m };
-        view.hits(self.settings.hit, cells, &self.scene.mesh, self.tracer, self.reflections.as_ref())
+        let (n, mesh) = (self.settings.hit, &self.scene.mesh);
+        view.hits(n, self.cell_settings(), mesh, self.tracer, self.reflections.as_ref())
+    }
+
+    /// How hits are gathered into cells.
+    pub(super) fn cell_settings(&self) -> CellSettings {
+        CellSettings { factor: self.settings.cell_factor(), floor_m: self.settings.cell_floor_m }
     }
 
     /// What is wrong with where a receiver lies.

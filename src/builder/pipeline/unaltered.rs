@@ -55,7 +55,7 @@ impl SiteTracer<'_> {
         // Mirrors and canopies show more of the scene than rays to the sky and to first hits do, and an archive without reflections holds no hits.
         let canopies = self.canopies.is_some() && before.of_canopies;
         let mirrors = self.reflections.is_some() || before.file.has(format::MIRRORS, TileNumber::FIRST);
-        if !before.same_classes || mirrors || canopies || !self.traces(Effect::Diffuse) {
+        if !before.same_classes || mirrors || canopies || self.leaves_scatter() || !self.traces(Effect::Diffuse) {
             return Ok(None);
         }
         let Some((from, table)) = before.archive.tile_of(receivers) else { return Ok(None) };

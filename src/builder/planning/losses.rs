@@ -169,9 +169,11 @@ impl YearLosses {
     }
 }
 
-/// What a group loses without some effects, percent of its sum: reflected light holds what is reflected again.
+/// What a group loses without some effects, percent of its sum: reflected light holds what is reflected again and what leaves scatter.
 fn lost_percent(group: &GroupLosses, without: &[Effect]) -> f64 {
-    let counts = |effect: &&Effect| !(**effect == Effect::Bounces && without.contains(&Effect::Diffuse));
+    let within =
+        |effect: &Effect, whole: Effect| matches!(effect, Effect::Bounces | Effect::Leaves) && without.contains(&whole);
+    let counts = |effect: &&Effect| !within(effect, Effect::Diffuse);
     without.iter().filter(counts).map(|effect| group.percent(*effect)).sum()
 }
 
@@ -179,9 +181,9 @@ fn lost_percent(group: &GroupLosses, without: &[Effect]) -> f64 {
 mod tests {
     use super::*;
 
-    fn losses(groups: &[[f64; 4]]) -> YearLosses {
+    fn losses(groups: &[[f64; 5]]) -> YearLosses {
         let loss = |bound: f64| Loss { found_kwh_m2: 0.9 * bound, bound_kwh_m2: bound };
-        let group = |bounds: &[f64; 4]| GroupLosses {
+        let group = |bounds: &[f64; 5]| GroupLosses {
             sky_view: [0.0, 1.0],
             total_kwh_m2: 1000.0,
             whole_kwh_m2: 1000.0,
@@ -192,20 +194,20 @@ mod tests {
     }
 
     /// Of groups of 1,000 kWh/m2 that lose 9 and 3 kWh/m2 without diffuse light, 2 and 4 of these without bounces, 3 and 0 without mirrors, 0.4 %
-    /// leaves out bounces or mirrors and not both (the one whose worst group loses less), 0.7 % both, 1.3 % all three; where nothing is
-    /// lost all four go at 0.
+    /// leaves out bounces or mirrors and not both (the one whose worst group loses less), 0.7 % both, 1.3 % all three and with them what leaves scatter; where nothing is
+    /// lost all five go at 0.
     #[test]
     fn least_goes_first() {
-        let some = losses(&[[9.0, 2.0, 3.0, 50.0], [3.0, 4.0, 0.0, 50.0]]);
+        let some = losses(&[[9.0, 2.0, 3.0, 50.0, 50.0], [3.0, 4.0, 0.0, 50.0, 50.0]]);
         for (percent, names) in [
             (0.2, vec![]),
             (0.4, vec!["mirrors"]),
             (0.7, vec!["bounces", "mirrors"]),
-            (1.3, vec!["diffuse", "bounces", "mirrors"]),
+            (1.3, vec!["diffuse", "bounces", "mirrors", "leaves"]),
         ] {
             assert_eq!(some.negligible(percent).names(), names, "{percent}");
         }
-        assert_eq!(losses(&[[0.0; 4]]).negligible(0.0), Effects::ALL);
+        assert_eq!(losses(&[[0.0; 5]]).negligible(0.0), Effects::ALL);
     }
 
     /// Of 4 receivers out of 8 that lose 1, 2, 3, 4 with errors of 0.2, the mean is 2.5 and the bound 1.05 x 2.5 + 3 sqrt(0.04 / 4 + 0.5 x 1.25 / 3);

@@ -17,11 +17,13 @@ pub enum Effect {
     Mirrors,
     /// Leaves and screens, which dim what shines through them; left out, they are not there.
     Canopies,
+    /// What leaves and screens scatter; left out, they absorb what they stop.
+    Leaves,
 }
 
 impl Effect {
     /// All effects, in the order of their numbers.
-    pub const ALL: [Effect; 4] = [Effect::Diffuse, Effect::Bounces, Effect::Mirrors, Effect::Canopies];
+    pub const ALL: [Effect; 5] = [Effect::Diffuse, Effect::Bounces, Effect::Mirrors, Effect::Canopies, Effect::Leaves];
 
     /// As options and the manifest name it.
     pub fn name(self) -> &'static str {
@@ -30,6 +32,7 @@ impl Effect {
             Effect::Bounces => "bounces",
             Effect::Mirrors => "mirrors",
             Effect::Canopies => "canopies",
+            Effect::Leaves => "leaves",
         }
     }
 }
@@ -42,18 +45,22 @@ impl Effects {
     /// No effect.
     pub const NONE: Effects = Effects(0);
     /// Every effect.
-    pub const ALL: Effects = Effects(0b1111);
+    pub const ALL: Effects = Effects(0b1_1111);
 
     /// Whether an effect is among them.
     pub fn contains(self, effect: Effect) -> bool {
         self.0 & 1 << effect as u8 != 0
     }
 
-    /// One more; bounces are reflections of what is reflected.
+    /// One more; bounces are reflections of what is reflected, and leaves that scatter light reflect it and are canopies.
     #[must_use]
     pub fn with(self, effect: Effect) -> Self {
-        let implied = if effect == Effect::Bounces { 1 << Effect::Diffuse as u8 } else { 0 };
-        Effects(self.0 | 1 << effect as u8 | implied)
+        let implied: &[Effect] = match effect {
+            Effect::Bounces => &[Effect::Diffuse],
+            Effect::Leaves => &[Effect::Diffuse, Effect::Canopies],
+            _ => &[],
+        };
+        Effects(implied.iter().fold(self.0 | 1 << effect as u8, |set, effect| set | 1 << *effect as u8))
     }
 
     /// Their names, in the order of [`Effect::ALL`].
@@ -133,14 +140,15 @@ impl FromStr for EffectChoice {
 mod tests {
     use super::*;
 
-    /// Lists come back as they were written, bounces bring what they reflect (2 effects), and an unknown or an empty name is refused
-    /// with all 4 names.
+    /// Lists come back as they were written, bounces bring what they reflect (2 effects), leaves too (3), and an unknown or an empty name is
+    /// refused with all 5 names.
     #[test]
     fn lists() {
         for text in ["auto", "all", "none", "mirrors", "diffuse,bounces", "diffuse,mirrors"] {
             assert_eq!(text.parse::<EffectChoice>().expect(text).to_string(), text);
         }
         assert_eq!("bounces".parse::<EffectChoice>().expect("one").to_string(), "diffuse,bounces");
+        assert_eq!("leaves".parse::<EffectChoice>().expect("one").to_string(), "diffuse,canopies,leaves");
         for text in ["", "mirrors,", "glare", "all,mirrors"] {
             let message = text.parse::<EffectChoice>().expect_err(text).to_string();
             assert!(Effect::ALL.into_iter().all(|e| message.contains(e.name())), "{message}");

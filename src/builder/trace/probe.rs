@@ -11,10 +11,9 @@ use glam::DVec3;
 
 use crate::trace::hidden::{LOOKS, Verdict, hidden};
 use crate::trace::kernel::rays::{Ray, Tracer};
-use crate::trace::surface::{POINTS, SurfacePoint, sample};
+use crate::trace::surface::{POINTS, SurfacePoint, Surfaces, sample};
 use heliotile_core::hemisphere::{jitter, mix, texel_direction, texels_in_blocks, unit};
 use heliotile_core::site::cells::CellKey;
-use heliotile_scene::mesh::Mesh;
 
 /// Jittered directions through the texels of cells' n x n sky textures: a few patterns, made once, of which each cell takes
 /// one by its seed.
@@ -78,14 +77,14 @@ const LEAST_RAYS: usize = 16;
 /// Sky bits of a cell.
 #[derive(Clone, Debug)]
 pub struct ProbeTrace {
-    /// Mean of the points' unit normals, so its length is 1 for a plane cell and below for a curved one.
+    /// Mean of the points' unit normals, so its length is 1 for a plane cell and below for a curved one; of leaves made 1 long.
     pub normal: DVec3,
     /// n x n bits, row-major, world frame, 8 to a byte from the lowest bit.
     pub bits: Vec<u8>,
     /// Points and the share of the cell that each stands for (sum 1).
     pub points: Vec<(SurfacePoint, f64)>,
-    /// [point]: where its rays start, off the surface.
-    pub origins: Vec<[f32; 3]>,
+    /// Where its rays start.
+    pub starts: Starts,
     /// [texel]: the point that the texel's ray was cast from.
     pub owner: Vec<u8>,
     pub rays: u64,
@@ -93,20 +92,65 @@ pub struct ProbeTrace {
     pub doubtful: bool,
 }
 
+/// Where rays of the points of a cell start: off the surface, of leaves on either side.
+#[derive(Clone, Debug, Default)]
+pub struct Starts {
+    /// `[point]`: unit normals.
+    normals: Vec<DVec3>,
+    /// `[point]`: on the side of the normal.
+    fronts: Vec<[f32; 3]>,
+    /// `[point]`: on the other side; none but for leaves.
+    backs: Vec<[f32; 3]>,
+}
+
+impl Starts {
+    fn of(key: CellKey, points: &[SurfacePoint], tracer: &Tracer) -> Self {
+        let backs = points.iter().filter(|_| key.is_leaf());
+        Starts {
+            normals: points.iter().map(|p| p.normal).collect(),
+            fronts: points.iter().map(|p| lifted(p.position, p.normal, tracer)).collect(),
+            backs: backs.map(|p| lifted(p.position, -p.normal, tracer)).collect(),
+        }
+    }
+
+    /// `[point]`: unit normals.
+    pub fn normals(&self) -> &[DVec3] {
+        &self.normals
+    }
+
+    /// What light from a direction weighs on a point; no more than 0 where none comes from there.
+    pub fn cosine(&self, point: usize, direction: DVec3) -> f64 {
+        let cosine = self.normals[point].dot(direction);
+        if self.backs.is_empty() { cosine } else { cosine.abs() }
+    }
+
+    /// The ray of a point in a direction.
+    pub fn ray(&self, point: usize, direction: DVec3) -> Ray {
+        let back = self.backs.get(point).filter(|_| self.normals[point].dot(direction) < 0.0);
+        Ray { origin: *back.unwrap_or(&self.fronts[point]), direction: direction.as_vec3().to_array() }
+    }
+}
+
+/// Mean of unit normals that stand for these shares; of leaves 1 long, since light on either side counts.
+fn mean_normal(key: CellKey, normals: impl Iterator<Item = DVec3>) -> DVec3 {
+    let mean: DVec3 = normals.sum();
+    if key.is_leaf() { mean.normalize_or_zero() } else { mean }
+}
+
 /// The points of a cell for an n x n texture.
-fn points_of(key: CellKey, n: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
+fn points_of(key: CellKey, n: usize, surfaces: Surfaces) -> Vec<SurfacePoint> {
     // With fewer rays a point, many that see little sky would have to be looked at for whether they are hidden.
-    sample(key, (n * n / LEAST_RAYS).clamp(1, POINTS), mesh, tracer)
+    sample(key, (n * n / LEAST_RAYS).clamp(1, POINTS), surfaces)
 }
 
 /// What [`trace_probe`] gives of a cell without hidden points whose sky bits are known, and no ray is cast.
-pub fn known_probe(key: CellKey, bits: Vec<u8>, texture: &Directions, mesh: &Mesh, tracer: &Tracer) -> ProbeTrace {
-    let points = points_of(key, texture.n, mesh, tracer);
+pub fn known_probe(key: CellKey, bits: Vec<u8>, texture: &Directions, surfaces: Surfaces) -> ProbeTrace {
+    let points = points_of(key, texture.n, surfaces);
     let share = 1.0 / points.len() as f64;
     ProbeTrace {
-        normal: points.iter().map(|p| p.normal * share).sum(),
+        normal: mean_normal(key, points.iter().map(|p| p.normal * share)),
         bits,
-        origins: points.iter().map(|p| lifted(p.position, p.normal, tracer)).collect(),
+        starts: Starts::of(key, &points, surfaces.tracer),
         owner: texture.owners(key, points.len()),
         points: points.into_iter().map(|point| (point, share)).collect(),
         rays: 0,
@@ -119,26 +163,25 @@ pub fn sky_rays<'a>(key: CellKey, probe: &'a ProbeTrace, texture: &'a Directions
     let directions = texture.of(key);
     let ray = |texel: usize| {
         let (point, direction) = (usize::from(probe.owner[texel]), directions[texel]);
-        let before = probe.points[point].0.normal.dot(direction) > 0.0;
-        before.then(|| Ray { origin: probe.origins[point], direction: direction.as_vec3().to_array() })
+        (probe.starts.cosine(point, direction) > 0.0).then(|| probe.starts.ray(point, direction))
     };
     let texels = texture.texels().filter(|_| !probe.points.is_empty());
     texels.filter_map(ray)
 }
 
 /// Traces the n x n sky bits of a cell. A cell without any surface (which no hit can name) has zero bits and no points.
-pub fn trace_probe(key: CellKey, texture: &Directions, mesh: &Mesh, tracer: &Tracer) -> ProbeTrace {
-    let (n, directions) = (texture.n, texture.of(key));
-    let points = points_of(key, n, mesh, tracer);
+pub fn trace_probe(key: CellKey, texture: &Directions, surfaces: Surfaces) -> ProbeTrace {
+    let (n, directions, tracer) = (texture.n, texture.of(key), surfaces.tracer);
+    let points = points_of(key, n, surfaces);
     let count = points.len();
     let mut bits = vec![0_u8; (n * n).div_ceil(8)];
     if count == 0 {
-        let (points, origins, owner) = Default::default();
-        return ProbeTrace { normal: DVec3::ZERO, bits, points, origins, owner, rays: 0, doubtful: false };
+        let (points, starts, owner) = Default::default();
+        return ProbeTrace { normal: DVec3::ZERO, bits, points, starts, owner, rays: 0, doubtful: false };
     }
     let seed = key.seed();
-    let origins: Vec<[f32; 3]> = points.iter().map(|p| lifted(p.position, p.normal, tracer)).collect();
-    let mut look = Look { directions, points: &points, origins: &origins, asked: ASKED.take(), cast: CAST.take() };
+    let starts = Starts::of(key, &points, tracer);
+    let mut look = Look { directions, starts: &starts, asked: ASKED.take(), cast: CAST.take() };
 
     // First round: every point gets the same share of texels, spread over the whole sky.
     let mut owner = texture.owners(key, count);
@@ -149,7 +192,7 @@ pub fn trace_probe(key: CellKey, texture: &Directions, mesh: &Mesh, tracer: &Tra
         open[point] = true;
         bits[texel / 8] |= 1 << (texel % 8);
     }
-    let (Verdict { hidden, doubtful }, looks) = look.hidden(&open, &owner, key, texture, mesh, tracer);
+    let (Verdict { hidden, doubtful }, looks) = look.hidden(&open, &owner, key, texture, surfaces);
     rays += looks;
 
     // Second round: texels of hidden points are asked again from the others, of which there is one that sees sky if any is hidden.
@@ -167,8 +210,8 @@ pub fn trace_probe(key: CellKey, texture: &Directions, mesh: &Mesh, tracer: &Tra
     let share: Vec<f64> = worth.iter().map(|w| w / shown).collect();
     ASKED.set(look.asked);
     CAST.set(look.cast);
-    let normal = points.iter().zip(&share).map(|(p, &s)| p.normal * s).sum();
-    ProbeTrace { normal, bits, points: points.into_iter().zip(share).collect(), origins, owner, rays, doubtful }
+    let normal = mean_normal(key, points.iter().zip(&share).map(|(p, &s)| p.normal * s));
+    ProbeTrace { normal, bits, points: points.into_iter().zip(share).collect(), starts, owner, rays, doubtful }
 }
 
 thread_local! {
@@ -180,8 +223,7 @@ thread_local! {
 /// Asks for the sky behind texels from points of a cell.
 struct Look<'a> {
     directions: &'a [DVec3],
-    points: &'a [SurfacePoint],
-    origins: &'a [[f32; 3]],
+    starts: &'a Starts,
     /// Texels and points of the rays to be cast.
     asked: Vec<(usize, usize)>,
     cast: Vec<Ray>,
@@ -191,37 +233,33 @@ impl Look<'_> {
     /// A ray from a point through a texel, unless that is behind the point's surface.
     fn ask(&mut self, texel: usize, point: usize) {
         let direction = self.directions[texel];
-        if self.points[point].normal.dot(direction) > 0.0 {
+        if self.starts.cosine(point, direction) > 0.0 {
             self.asked.push((texel, point));
-            self.cast.push(Ray { origin: self.origins[point], direction: direction.as_vec3().to_array() });
+            self.cast.push(self.starts.ray(point, direction));
         }
     }
 
     /// Which points are hidden, and the rays that it took to find out. Only points that see no sky are suspected, and only where others
-    /// see some: nobody else could take their rays.
+    /// see some: nobody else could take their rays. Leaves are not asked: the inside of a crown is no solid.
     fn hidden(
         &self,
         open: &[bool],
         owner: &[u8],
         key: CellKey,
         texture: &Directions,
-        mesh: &Mesh,
-        tracer: &Tracer,
+        surfaces: Surfaces,
     ) -> (Verdict, u64) {
-        if !open.contains(&true) || !open.contains(&false) {
+        if key.is_leaf() || !open.contains(&true) || !open.contains(&false) {
             return (Verdict { hidden: vec![false; open.len()], doubtful: false }, 0);
         }
         // Each point has a texel in each block: some blocks, spread over the sky.
         let stride = (texture.n * texture.n / (POINTS * LOOKS)).max(1) as u64;
         let some = texture.places.iter().filter(|place| place.block % stride == 0);
         let asked = some.map(|place| (usize::from(owner[place.texel]), self.directions[place.texel]));
-        let dark = asked.filter(|&(point, direction)| !open[point] && self.points[point].normal.dot(direction) > 0.0);
-        let looks: Vec<(usize, Ray)> = dark
-            .map(|(point, direction)| {
-                (point, Ray { origin: self.origins[point], direction: direction.as_vec3().to_array() })
-            })
-            .collect();
-        (hidden(open.len(), &looks, key.is_back(), mesh, tracer), looks.len() as u64)
+        let dark = asked.filter(|&(point, direction)| !open[point] && self.starts.cosine(point, direction) > 0.0);
+        let looks: Vec<(usize, Ray)> =
+            dark.map(|(point, direction)| (point, self.starts.ray(point, direction))).collect();
+        (hidden(open.len(), &looks, key.is_back(), surfaces.mesh, surfaces.tracer), looks.len() as u64)
     }
 
     /// Those texels and points, of all asked for, that see sky; after that none is asked for.

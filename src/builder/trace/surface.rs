@@ -2,7 +2,7 @@
 //! the key names, with their normals.
 //!
 //! The points depend on the surface only, not on how it is cut into triangles: lines parallel to the axis that the cell
-//! faces are shot through the bounding box of the clipped surface, and the first surface along each line is taken.
+//! faces are shot through the bounding box of the clipped surface, and the first surface along each line is taken; of leaves any one.
 //!
 //! All of it is computed relative to the voxel's corner, where corners of triangles are exact, so that scenes with different origins have
 //! equal points to the bit.
@@ -19,6 +19,23 @@ pub const POINTS: usize = 16;
 
 /// Lines tried before fewer points than wanted are accepted.
 const TRIES: u32 = 160;
+
+/// The surfaces of a scene that cells are on.
+#[derive(Clone, Copy)]
+pub struct Surfaces<'a> {
+    pub mesh: &'a Mesh,
+    /// Of what stops rays.
+    pub tracer: &'a Tracer,
+    /// Of leaves and screens, if there are some.
+    pub canopies: Option<&'a Tracer>,
+}
+
+impl<'a> Surfaces<'a> {
+    /// The tracer that holds the triangles of a cell.
+    fn holding(&self, key: CellKey) -> &'a Tracer {
+        self.canopies.filter(|_| key.is_leaf()).unwrap_or(self.tracer)
+    }
+}
 
 /// A point of a cell (input coordinates, metres) and the normal on the side that the cell faces.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +54,8 @@ struct Candidate {
     high: DVec2,
 }
 
-/// A line along the cell's axis, and the first surface of the cell on it with its height.
+/// A line along the cell's axis, and the surface of the cell on it of the highest rank: the first one of a surface that stops light, any one
+/// of leaves, which lie behind each other.
 struct Line {
     number: u32,
     at: DVec2,
@@ -45,7 +63,8 @@ struct Line {
 }
 
 /// Up to so many points of a cell; empty only if no surface of that name exists in the voxel.
-pub fn sample(key: CellKey, wanted: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<SurfacePoint> {
+pub fn sample(key: CellKey, wanted: usize, surfaces: Surfaces) -> Vec<SurfacePoint> {
+    let (mesh, tracer) = (surfaces.mesh, surfaces.holding(key));
     let (axis, sign) = key.axis();
     let grid = tracer.grid();
     let (corner, size) = (key.corner(grid.origin), size_of(key.level));
@@ -111,9 +130,13 @@ pub fn sample(key: CellKey, wanted: usize, mesh: &Mesh, tracer: &Tracer) -> Vec<
                 let Some(weights) = barycentric(c.flat, at) else { continue };
                 let position = c.corners[0] * weights[0] + c.corners[1] * weights[1] + c.corners[2] * weights[2];
                 let height = position[axis] * sign;
+                let rank = match key.is_leaf() {
+                    true => unit(mix(seed ^ height.to_bits(), u64::from(line.number))),
+                    false => height,
+                };
                 let inside = position[axis] >= low[axis] && position[axis] <= high[axis];
-                if inside && line.first.as_ref().is_none_or(|(h, _)| height > *h) {
-                    line.first = Some((height, SurfacePoint { position, normal: c.normal }));
+                if inside && line.first.as_ref().is_none_or(|(r, _)| rank > *r) {
+                    line.first = Some((rank, SurfacePoint { position, normal: c.normal }));
                 }
             }
         }

@@ -7,11 +7,13 @@
 use glam::{DVec2, DVec3};
 
 use crate::trace::change::ChangeInView;
-use crate::trace::kernel::rays::{Hit, Ray, Tracer};
+use crate::trace::kernel::rays::{Hit, Ray};
 use crate::trace::mirror::{MirrorRay, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, pick};
-use crate::trace::surface::SurfacePoint;
+use crate::trace::surface::{SurfacePoint, Surfaces};
 use heliotile_core::hemisphere::{Frame, bit, cosine_direction_of, mix, unit};
+use heliotile_core::layers::cells::{DOWN, MISS};
+use heliotile_core::light::radiosity::SidesOf;
 use heliotile_core::site::cells::{CellKey, level_of};
 use heliotile_scene::mesh::Mesh;
 
@@ -24,6 +26,14 @@ pub struct SeenCell {
     pub cell: Option<CellKey>,
     /// The ray and how far it went, if it met a surface.
     pub path: Option<(Ray, f32)>,
+}
+
+impl SeenCell {
+    /// The ray as a hit of [`Cells`](heliotile_core::layers::cells::Cells), of which it matters only whether anything is met.
+    pub fn as_hit(&self) -> u32 {
+        let met = if self.cell.is_some() { 0 } else { MISS };
+        if self.up { met } else { met | DOWN }
+    }
 }
 
 /// How cells look around.
@@ -74,11 +84,11 @@ const NEGLIGIBLE: f64 = 1e-3;
 pub fn looks_around(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: usize) -> Vec<(Ray, bool)> {
     let (n, directions) = (texture.n, texture.of(key));
     let seed = key.seed();
-    let normals: Vec<DVec3> = probe.points.iter().map(|p| p.0.normal).collect();
+    let normals = probe.starts.normals();
     // Blocked texels above the horizon and the running sum of their cosines.
     let blocked = || {
         let texels = texture.texels().filter(|&texel| !normals.is_empty() && !bit(&probe.bits, texel));
-        let cosines = texels.map(|t| (t, normals[usize::from(probe.owner[t])].dot(directions[t])));
+        let cosines = texels.map(|t| (t, probe.starts.cosine(usize::from(probe.owner[t]), directions[t])));
         let mut sum = 0.0;
         cosines.filter(|&(_, cos)| cos > 0.0).map(move |(texel, cos)| {
             sum += cos;
@@ -86,13 +96,13 @@ pub fn looks_around(key: CellKey, probe: &ProbeTrace, texture: &Directions, coun
         })
     };
     let sum = blocked().last().map_or(0.0, |(_, sum)| sum);
-    let above = sum * 2.0 / (n * n) as f64;
-    let below = if normals.is_empty() { 0.0 } else { ((1.0 - probe.normal.z) / 2.0).max(0.0) };
+    let above = sum * if key.is_leaf() { 1.0 } else { 2.0 } / (n * n) as f64;
+    let below = if normals.is_empty() { 0.0 } else { SidesOf(key).below(probe.normal.z).max(0.0) };
     let (up_count, down_count) = split(count, above, below);
 
     let mut rays: Vec<(Ray, bool)> = Vec::with_capacity(count);
     let mut from = |point: usize, direction: DVec3, up: bool| {
-        rays.push((Ray { origin: probe.origins[point], direction: direction.as_vec3().to_array() }, up));
+        rays.push((probe.starts.ray(point, direction), up));
     };
     let (start, mut last) = (unit(mix(seed, 11)), 0);
     let mut blocked = blocked().peekable();
@@ -112,13 +122,21 @@ pub fn looks_around(key: CellKey, probe: &ProbeTrace, texture: &Directions, coun
         // The part of the hemisphere below the horizon is kept.
         let tries = (0..64 * down_count).map(|j| {
             let point = pick(&weights, unit(mix(seed ^ 0x646f_776e, j as u64)));
-            (point, frames[point].to_world(cosine_direction_of(square(j))))
+            Some((point, downward(key, frames[point].to_world(cosine_direction_of(square(j))))?))
         });
-        for (point, direction) in tries.filter(|(_, direction)| direction.z <= 0.0).take(down_count) {
+        for (point, direction) in tries.flatten().take(down_count) {
             from(point, direction, false);
         }
     }
     rays
+}
+
+/// A direction that is tried, if it goes below the horizon; of leaves, which have two sides, it is turned round to do so.
+fn downward(key: CellKey, direction: DVec3) -> Option<DVec3> {
+    match direction.z <= 0.0 {
+        true => Some(direction),
+        false => key.is_leaf().then_some(-direction),
+    }
 }
 
 /// Where a cell tries the cosine-distributed hemisphere: R2 sequence (Roberts 2018).
@@ -133,11 +151,12 @@ fn tries_of(key: CellKey) -> impl Fn(usize) -> DVec2 {
 pub fn may_cast(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: usize, seen: &ChangeInView) -> Vec<Ray> {
     let directions: Vec<DVec3> = texture.of(key).iter().copied().filter(|way| seen.lies_towards(*way)).collect();
     let mut rays = Vec::new();
-    for ((point, _), &origin) in probe.points.iter().zip(&probe.origins) {
-        let before = directions.iter().filter(|direction| point.normal.dot(**direction) > 0.0);
-        rays.extend(before.map(|direction| Ray { origin, direction: direction.as_vec3().to_array() }));
+    let starts = &probe.starts;
+    for point in 0..probe.points.len() {
+        let before = directions.iter().filter(|direction| starts.cosine(point, **direction) > 0.0);
+        rays.extend(before.map(|direction| starts.ray(point, *direction)));
     }
-    let below = |point: &SurfacePoint| (1.0 - point.normal.z) / 2.0 > NEGLIGIBLE;
+    let below = |point: &SurfacePoint| SidesOf(key).below(point.normal.z) > NEGLIGIBLE;
     if !seen.lies_below() || !probe.points.iter().any(|(point, _)| below(point)) {
         return rays;
     }
@@ -148,12 +167,10 @@ pub fn may_cast(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: u
     for j in 0..64 * count {
         let tried = cosine_direction_of(square(j));
         let mut all = true;
-        for (frame, &origin) in frames.iter().zip(&probe.origins) {
-            let direction = frame.to_world(tried);
-            all &= direction.z <= 0.0;
-            if direction.z <= 0.0 && seen.lies_towards(direction) {
-                rays.push(Ray { origin, direction: direction.as_vec3().to_array() });
-            }
+        for (point, frame) in frames.iter().enumerate() {
+            let direction = downward(key, frame.to_world(tried));
+            all &= direction.is_some();
+            rays.extend(direction.filter(|way| seen.lies_towards(*way)).map(|way| starts.ray(point, way)));
         }
         below_all += usize::from(all);
         if below_all == count {
@@ -169,10 +186,10 @@ pub fn surroundings(
     probe: &ProbeTrace,
     texture: &Directions,
     settings: SurroundingSettings,
-    mesh: &Mesh,
-    tracer: &Tracer,
+    surfaces: Surfaces,
     reflections: Option<&Reflections>,
 ) -> Surroundings {
+    let Surfaces { mesh, tracer, .. } = surfaces;
     let SurroundingSettings { closed_level, rays: count } = settings;
     let rays = looks_around(key, probe, texture, count);
     let cast: Vec<Ray> = rays.iter().map(|r| r.0).collect();
@@ -206,7 +223,7 @@ pub fn seen_from(own: CellKey, distance_m: f64, closed: i8, met: impl Fn(i8) -> 
 /// Whether a cell of this mean normal can see a change at all: by its texels of the sky, or below the horizon.
 pub fn may_see(key: CellKey, normal: DVec3, texture: &Directions, seen: &ChangeInView) -> bool {
     // The normal that a cell holds is rounded to f32.
-    (seen.lies_below() && (1.0 - normal.z) / 2.0 > 0.5 * NEGLIGIBLE)
+    (seen.lies_below() && SidesOf(key).below(normal.z) > 0.5 * NEGLIGIBLE)
         || texture.of(key).iter().any(|direction| seen.lies_towards(*direction))
 }
 

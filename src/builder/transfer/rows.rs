@@ -61,9 +61,9 @@ pub struct TracedLayers {
 }
 
 impl TracedLayers {
-    /// The cells that the receiver sees, some of them in mirrors.
+    /// The cells that the receiver sees, some of them in mirrors, and those of leaves.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
-        self.hits.iter().flatten().copied().chain(self.extras.mirrors.cells())
+        self.hits.iter().flatten().copied().chain(self.extras.mirrors.cells()).chain(self.extras.canopy.cells())
     }
 }
 

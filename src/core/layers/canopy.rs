@@ -1,10 +1,12 @@
-//! The canopy layer: how often rays cross leaves and screens. In: crossings of the rays of one receiver or cell. Out: its bytes, and
-//! back; and, for given transmittances, the share of the light that comes through along each ray.
+//! The canopy layer: how often rays cross leaves and screens, and which leaves they see that scatter light. In: what the rays of one receiver or
+//! cell cross. Out: its bytes, and back; and, for given transmittances, the share of the light that comes through along each ray.
 //!
-//! Counts are kept as bit planes of blocks of 64 rays; blocks in which nothing is crossed take one bit.
+//! Counts are kept as bit planes of blocks of 64 rays; blocks in which nothing is crossed take one bit. Leaves are kept by cell and by what is
+//! crossed before them, with the share of the hemisphere whose rays cross them there.
 
 use std::collections::BTreeMap;
 
+use crate::site::cells::CellKey;
 use crate::site::crossing::Crossing;
 
 /// Rays of a block.
@@ -37,7 +39,27 @@ pub struct Canopy {
     rays: [usize; 2],
     /// Ascending, each with its counts along both lists of rays.
     materials: Vec<(u16, [Counts; 2])>,
+    /// Ascending, no two of one cell behind the same.
+    leaves: Vec<SeenLeaf>,
 }
+
+/// Leaves of a cell, seen through the same others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenLeaf {
+    /// The cell of leaves.
+    pub cell: CellKey,
+    /// Materials that are crossed before, ascending, and how often each.
+    pub before: Vec<(u16, u8)>,
+    /// Cosine-weighted share of the hemisphere whose rays cross them, above 0; a ray that crosses several counts for each of them, and of many
+    /// leaves some stand for others.
+    pub share: f32,
+}
+
+/// Largest share that leaves may have, some of which stand for others.
+const MOST_SHARE: f32 = 256.0;
+
+// Shares are no NaN.
+impl Eq for SeenLeaf {}
 
 /// Counts along a list of rays.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -51,9 +73,11 @@ struct Counts {
 }
 
 impl Canopy {
-    /// From the crossings along both lists of so many rays, each sorted.
-    pub fn new(crossings: [&[Crossing]; 2], rays: [usize; 2]) -> Self {
-        if crossings.iter().all(|list| list.is_empty()) {
+    /// From the crossings along both lists of so many rays, each sorted, and the leaves that are seen.
+    pub fn new(crossings: [&[Crossing]; 2], rays: [usize; 2], mut leaves: Vec<SeenLeaf>) -> Self {
+        leaves.retain(|leaf| leaf.share > 0.0);
+        leaves.sort_by(|a, b| a.cell.cmp(&b.cell).then_with(|| a.before.cmp(&b.before)));
+        if crossings.iter().all(|list| list.is_empty()) && leaves.is_empty() {
             return Canopy::default();
         }
         let mut of_material: BTreeMap<u16, [Vec<&Crossing>; 2]> = BTreeMap::new();
@@ -63,17 +87,33 @@ impl Canopy {
             }
         }
         let counted = |(material, lists): (u16, [Vec<&Crossing>; 2])| (material, lists.map(|list| Counts::new(&list)));
-        Canopy { rays, materials: of_material.into_iter().map(counted).collect() }
+        Canopy { rays, materials: of_material.into_iter().map(counted).collect(), leaves }
     }
 
     /// Whether nothing is crossed.
     pub fn is_empty(&self) -> bool {
-        self.materials.is_empty()
+        self.materials.is_empty() && self.leaves.is_empty()
+    }
+
+    /// The cells of leaves that are seen.
+    pub fn cells(&self) -> impl Iterator<Item = CellKey> + '_ {
+        self.leaves.iter().map(|leaf| leaf.cell)
+    }
+
+    /// Cells of leaves, each once, and the share of the hemisphere that comes from them through the others.
+    pub fn leaves(&self, powers: &Powers) -> Vec<(CellKey, f32)> {
+        let left = |leaf: &SeenLeaf| {
+            let through =
+                |&(material, count): &(u16, u8)| powers.get(&material).map_or(1.0, |of| of[usize::from(count)]);
+            leaf.share * leaf.before.iter().map(through).product::<f32>()
+        };
+        let of_cells = self.leaves.chunk_by(|a, b| a.cell == b.cell);
+        of_cells.filter_map(|of_cell| Some((of_cell.first()?.cell, of_cell.iter().map(left).sum()))).collect()
     }
 
     /// Bytes of one row of a block; none where nothing is crossed.
     pub fn to_bytes(&self) -> Vec<u8> {
-        if self.materials.is_empty() {
+        if self.is_empty() {
             return Vec::new();
         }
         let mut bytes = (self.materials.len() as u16).to_le_bytes().to_vec();
@@ -84,6 +124,15 @@ impl Canopy {
                 let used = counts.used.iter().flat_map(|word| word.to_le_bytes()).chain(std::iter::repeat(0));
                 bytes.extend(used.take(mask_bytes(rays)));
                 bytes.extend(counts.planes.iter().flat_map(|word| word.to_le_bytes()));
+            }
+        }
+        for leaf in &self.leaves {
+            bytes.extend(leaf.cell.to_bytes());
+            bytes.extend(leaf.share.to_le_bytes());
+            bytes.push(leaf.before.len() as u8);
+            for (material, count) in &leaf.before {
+                bytes.extend(material.to_le_bytes());
+                bytes.push(*count);
             }
         }
         bytes
@@ -98,8 +147,7 @@ impl Canopy {
         let (count, rest) = bytes.split_first_chunk()?;
         let (names, mut rest) = rest.split_at_checked(2 * usize::from(u16::from_le_bytes(*count)))?;
         let names: Vec<u16> = names.as_chunks().0.iter().map(|name| u16::from_le_bytes(*name)).collect();
-        if names.is_empty() || !names.array_windows().all(|[a, b]| a < b) || !names.iter().all(|&name| is_canopy(name))
-        {
+        if !names.array_windows().all(|[a, b]| a < b) || !names.iter().all(|&name| is_canopy(name)) {
             return None;
         }
         let mut materials = Vec::with_capacity(names.len());
@@ -107,13 +155,31 @@ impl Canopy {
             let lists = [Counts::take(&mut rest, rays[SKY])?, Counts::take(&mut rest, rays[SEEN])?];
             materials.push((name, lists));
         }
-        rest.is_empty().then_some(Canopy { rays, materials })
+        let mut leaves: Vec<SeenLeaf> = Vec::new();
+        while !rest.is_empty() {
+            let leaf = SeenLeaf::take(&mut rest, &is_canopy)?;
+            let rises = |last: &SeenLeaf| (last.cell, &last.before) < (leaf.cell, &leaf.before);
+            if !leaves.last().is_none_or(rises) {
+                return None;
+            }
+            leaves.push(leaf);
+        }
+        (!materials.is_empty() || !leaves.is_empty()).then_some(Canopy { rays, materials, leaves })
     }
 
     /// Gives materials other numbers, which rise as the old ones do; `None` if a material has none.
     pub fn renumbered(&self, number: impl Fn(u16) -> Option<u16>) -> Option<Self> {
         let material = |(material, lists): &(u16, [Counts; 2])| Some((number(*material)?, lists.clone()));
-        Some(Canopy { rays: self.rays, materials: self.materials.iter().map(material).collect::<Option<_>>()? })
+        let leaf = |leaf: &SeenLeaf| {
+            let before = leaf.before.iter().map(|&(material, count)| Some((number(material)?, count)));
+            let cell = CellKey { material: number(leaf.cell.material)?, ..leaf.cell };
+            Some(SeenLeaf { cell, before: before.collect::<Option<_>>()?, share: leaf.share })
+        };
+        Some(Canopy {
+            rays: self.rays,
+            materials: self.materials.iter().map(material).collect::<Option<_>>()?,
+            leaves: self.leaves.iter().map(leaf).collect::<Option<_>>()?,
+        })
     }
 
     /// Share of the light that comes through along each ray of a list; `None` where nothing is crossed.
@@ -135,6 +201,24 @@ impl Canopy {
             counts.for_each(|_, count| most = most.max(count));
         }
         most
+    }
+}
+
+impl SeenLeaf {
+    /// Reads one from the front of some bytes.
+    fn take(bytes: &mut &[u8], is_canopy: impl Fn(u16) -> bool) -> Option<Self> {
+        let (cell, rest) = bytes.split_first_chunk()?;
+        let (share, rest) = rest.split_first_chunk()?;
+        let (&count, rest) = rest.split_first()?;
+        let (before, rest) = rest.split_at_checked(3 * usize::from(count))?;
+        *bytes = rest;
+        let crossed = |[low, high, count]: &[u8; 3]| (u16::from_le_bytes([*low, *high]), *count);
+        let before: Vec<(u16, u8)> = before.as_chunks().0.iter().map(crossed).collect();
+        let leaf = SeenLeaf { cell: CellKey::from_bytes(cell), before, share: f32::from_le_bytes(*share) };
+        let rising = leaf.before.array_windows().all(|[a, b]| a.0 < b.0);
+        let crossed = leaf.before.iter().all(|&(material, count)| count > 0 && is_canopy(material));
+        let good = leaf.cell.is_leaf() && is_canopy(leaf.cell.material) && leaf.share > 0.0 && leaf.share <= MOST_SHARE;
+        (rising && crossed && good).then_some(leaf)
     }
 }
 
@@ -215,8 +299,9 @@ mod tests {
     use crate::hemisphere::mix;
 
     /// Counts of 1 to 255 of two materials along 1000 and 9 rays come back with the product of the powers along each ray (1009
-    /// values, 1e-6); all cuts are refused, and so are a longer row, a material that is no canopy, a ninth plane and a ray behind
-    /// the last one.
+    /// values, 1e-6); of two cells of leaves come
+    /// what is seen through others. All cuts but 3 are refused, and so are a longer row, a material that is no canopy, a ninth plane, a ray behind
+    /// the last one and 5 leaves that cannot be.
     #[test]
     fn round_trip() {
         let rays = [1000, 9];
@@ -228,7 +313,13 @@ mod tests {
             let of = |ray| [3, 700].map(|material| Crossing { ray, material, count: count(material, ray) });
             (0..rays[list] as u32).flat_map(of).filter(|crossing| crossing.count > 0).collect()
         };
-        let canopy = Canopy::new([&crossings(0), &crossings(1)], rays);
+        let leaf = |x: i32, before: &[(u16, u8)]| SeenLeaf {
+            cell: CellKey { level: 1, facing: 130, material: 3, voxel: [x, 0, 7] },
+            before: before.to_vec(),
+            share: 0.25,
+        };
+        let leaves = vec![leaf(4, &[(3, 2), (700, 1)]), leaf(4, &[]), leaf(-9, &[(700, 255)])];
+        let canopy = Canopy::new([&crossings(0), &crossings(1)], rays, leaves);
         let bytes = canopy.to_bytes();
         let read = |bytes: &[u8]| Canopy::from_bytes(bytes, rays, |material| material == 3 || material == 700);
         assert_eq!(read(&bytes).as_ref(), Some(&canopy));
@@ -241,12 +332,31 @@ mod tests {
                 assert!((f64::from(share) - expected).abs() < 1e-6);
             }
         }
-        assert_eq!((canopy.most(), Canopy::new([&[], &[]], rays).to_bytes()), (255, Vec::new()));
-        assert!((1..bytes.len()).all(|cut| read(&bytes[..cut]).is_none()));
+        assert_eq!((canopy.most(), Canopy::new([&[], &[]], rays, Vec::new()).to_bytes()), (255, Vec::new()));
+        let seen = canopy.leaves(&powers);
+        assert_eq!((canopy.cells().count(), seen.len(), seen[0].0.voxel), (3, 2, [-9, 0, 7]));
+        let both = 0.25 * (1.0 + 0.9 * 0.9 * 0.99);
+        assert!((seen[1].1 - both).abs() < 1e-6 && seen[0].1 < 0.25 * 0.08, "{seen:?}");
+        // Of all cuts only those between leaves, and before them, are taken for something.
+        assert_eq!((1..bytes.len()).filter(|&cut| read(&bytes[..cut]).is_some()).count(), 3);
+        let shade = Canopy::new([&[], &[]], rays, vec![leaf(4, &[])]);
+        assert_eq!(read(&shade.to_bytes()).as_ref(), Some(&shade));
+        let wrong: [fn(&mut SeenLeaf); 5] = [
+            |leaf| leaf.cell.facing = 2,
+            |leaf| leaf.cell.material = 4,
+            |leaf| leaf.share = f32::NAN,
+            |leaf| leaf.share = 257.0,
+            |leaf| leaf.before = vec![(3, 0)],
+        ];
+        for spoil in wrong {
+            let mut leaf = leaf(4, &[]);
+            spoil(&mut leaf);
+            assert_eq!(read(&Canopy { rays, materials: Vec::new(), leaves: vec![leaf] }.to_bytes()), None);
+        }
         let longer = [&bytes[..], &[0]].concat();
         assert!(read(&longer).is_none() && Canopy::from_bytes(&bytes, rays, |material| material == 3).is_none());
         let few = Crossing { ray: 8, material: 3, count: 1 };
-        let few = Canopy::new([&[few], &[]], [9, 9]).to_bytes();
+        let few = Canopy::new([&[few], &[]], [9, 9], Vec::new()).to_bytes();
         assert_eq!((few.len(), Canopy::from_bytes(&few, [8, 9], |_| true)), (15, None));
         let mut ninth = few.clone();
         ninth[4] = 9;

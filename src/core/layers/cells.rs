@@ -65,9 +65,9 @@ pub struct Cell {
 const RAY_BYTES: usize = 1 + size_of::<u128>();
 
 impl Cell {
-    /// The cells that it sees, some of them in mirrors.
+    /// The cells that it sees, some of them in mirrors, and those of leaves.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
-        self.seen.iter().filter_map(|seen| seen.1).chain(self.mirrors.cells())
+        self.seen.iter().filter_map(|seen| seen.1).chain(self.mirrors.cells()).chain(self.canopy.cells())
     }
 
     /// All but the key, for sorting outside memory.
@@ -215,9 +215,10 @@ impl Cells {
         self.canopies.get(cell)
     }
 
-    /// All cells that are seen, some of them in mirrors; not sorted.
+    /// All cells that are seen, some of them in mirrors, and those of leaves; not sorted.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
-        self.seen.iter().copied().chain(self.mirrors.iter().flat_map(CellMirrors::cells))
+        let leaves = self.canopies.iter().flat_map(Canopy::cells);
+        self.seen.iter().copied().chain(self.mirrors.iter().flat_map(CellMirrors::cells)).chain(leaves)
     }
 
     /// The first of the cells that see some other cell.
@@ -226,6 +227,7 @@ impl Cells {
             let mut hits = self.hits_of(cell).iter().filter(|hit| **hit & !DOWN != MISS);
             hits.any(|hit| self.seen[(hit & !DOWN) as usize] == *seen)
                 || self.mirrors_of(cell).is_some_and(|mirrors| mirrors.cells().any(|key| key == *seen))
+                || self.canopy_of(cell).is_some_and(|canopy| canopy.cells().any(|key| key == *seen))
         };
         (0..self.rows()).find(sees).map(|cell| self.keys[cell])
     }

@@ -1,9 +1,13 @@
 //! Canopies at replay. In: canopy layers of an archive, transmittances by material. Out: the share of light that comes through along
-//! each ray. What does not come through is absorbed: leaves reflect and scatter nothing.
+//! each ray, and what the leaves weigh that scatter light.
+//!
+//! A leaf scatters the same light to both sides (a bi-Lambertian leaf whose reflectance equals its transmittance: Goudriaan 1977, "Crop
+//! micrometeorology: a simulation study", section 2.2): the radiosity of either side is its `diffuse` times the mean irradiance of both.
 
 use crate::layers::canopy::{Powers, SEEN, SKY};
 use crate::layers::cells::Cells;
 use crate::light::reflector::{Reflectance, Reflector};
+use crate::site::cells::CellKey;
 use crate::site::material::Material;
 use crate::weather::time::bins::Bins;
 
@@ -17,15 +21,16 @@ pub struct TransmittanceStates {
 }
 
 impl TransmittanceStates {
-    /// Takes the transmittances out of states that hold a value by material ([`Reflector::variable`]), and leaves reflectances: 0 of
-    /// canopies. Without canopies all states have one leafage.
+    /// Takes the transmittances out of states that hold a value by material ([`Reflector::variable`]), and leaves reflectances, of canopies
+    /// what their leaves scatter. Without canopies all states have one leafage.
     pub fn split(reflectors: &[Reflector], states: &mut [Vec<f64>]) -> Self {
         let canopies: Vec<usize> = (0..reflectors.len()).filter(|&m| reflectors[m].transmittance.is_some()).collect();
         let mut known: Vec<Vec<f64>> = Vec::new();
         let mut leafages = TransmittanceStates::default();
         for state in states {
             let state: &mut Reflectance = state;
-            let values: Vec<f64> = canopies.iter().map(|&m| std::mem::take(&mut state[m])).collect();
+            let values: Vec<f64> = canopies.iter().map(|&m| state[m]).collect();
+            canopies.iter().zip(&values).for_each(|(&m, &value)| state[m] = reflectors[m].scattered(value));
             let leafage = known.iter().position(|other| *other == values).unwrap_or(known.len());
             if leafage == known.len() {
                 let of_material = |(&m, &tau): (&usize, &f64)| (m as u16, powers(tau));
@@ -66,17 +71,27 @@ fn powers(tau: f64) -> [f32; 256] {
 /// Shares of the light that come through to a cell.
 #[derive(Clone, Debug, Default)]
 pub struct Shade {
-    /// `[texel of its sky]`; `None` where nothing is crossed.
+    /// `[texel of its sky]`: what the cell's normal is multiplied with; `None` where that is 1. Of a cell of leaves half of the share, and
+    /// negative for light on their other side.
     pub sky: Option<Vec<f32>>,
-    /// `[ray]` to what it sees, likewise.
+    /// `[ray]` to what it sees: the share that comes through; `None` where nothing is crossed.
     pub seen: Option<Vec<f32>>,
+    /// Cells of leaves that it sees, and the shares of its hemisphere that come from them.
+    pub leaves: Vec<(CellKey, f32)>,
 }
 
 impl Shade {
-    /// Of cell `i` of a table.
-    pub fn of(cells: &Cells, i: usize, powers: &Powers) -> Self {
-        let through = |list| cells.canopy_of(i).and_then(|canopy| canopy.through(list, powers));
-        Shade { sky: through(SKY), seen: through(SEEN) }
+    /// Of cell `i` of a table whose sky has texels with these centres.
+    pub fn of(cells: &Cells, i: usize, powers: &Powers, centres: &[[f32; 3]]) -> Self {
+        let canopy = cells.canopy_of(i);
+        let through = |list| canopy.and_then(|canopy| canopy.through(list, powers));
+        let mut sky = through(SKY);
+        if cells.keys[i].is_leaf() {
+            let [x, y, z] = cells.normals[i];
+            let sides = sky.get_or_insert_with(|| vec![1.0; centres.len()]).iter_mut().zip(centres);
+            sides.for_each(|(share, d)| *share *= 0.5_f32.copysign(x * d[0] + y * d[1] + z * d[2]));
+        }
+        Shade { sky, seen: through(SEEN), leaves: canopy.map_or_else(Vec::new, |canopy| canopy.leaves(powers)) }
     }
 }
 

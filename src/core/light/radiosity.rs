@@ -116,7 +116,7 @@ impl RadiosityOptions {
         }
     }
 
-    /// What cell `i` of a table sees, some of it in mirrors, with the shares of its hemisphere that reach it.
+    /// What cell `i` of a table sees, some of it in mirrors, and leaves, with the shares of its hemisphere that reach it.
     pub fn row(
         &self,
         cells: &Cells,
@@ -125,7 +125,7 @@ impl RadiosityOptions {
         centres: &[[f32; 3]],
         reflectors: &[Reflector],
     ) -> Weighted<CellKey> {
-        let around = surround(cells.normals[i], cells.bits_of(i), centres);
+        let around = surround(cells.keys[i], cells.normals[i], cells.bits_of(i), centres);
         let (above, below) = seen(cells.hits_of(i), shade.seen.as_deref());
         let scaled = |list: Weighted<u32>, share: f64| {
             list.into_iter().map(move |(cell, w)| (cells.seen[cell as usize], w * share as f32))
@@ -134,6 +134,7 @@ impl RadiosityOptions {
         let each = each_ray(cells.hits_of(i), around);
         let in_mirrors = cells.mirrors_of(i).into_iter().flat_map(|mirrors| &mirrors.paths);
         row.extend(in_mirrors.map(|p| (p.cell, (each[usize::from(p.up)] * left(&p.steps, reflectors)) as f32)));
+        row.extend(&shade.leaves);
         row
     }
 
@@ -313,7 +314,7 @@ impl<'a> System<'a> {
             let place: CellMap<u32> =
                 chunk.reached().filter_map(|key| Some((key, keys.binary_search(&key).ok()? as u32))).collect();
             for i in (0..chunk.keys.len()).filter(|&i| rules.closes(&chunk.keys[i])) {
-                let shade = Shade::of(&chunk, i, powers);
+                let shade = Shade::of(&chunk, i, powers, &centres);
                 for (key, weight) in rules.row(&chunk, i, &shade, &centres, &tables.mirrors.reflectors) {
                     let cell = *place.get(&key).ok_or_else(|| source.missing(&key, source.block_of(&chunk.keys[i])))?;
                     system.rows.push((cell, weight));
@@ -376,6 +377,27 @@ impl WithSimd for Step<'_> {
     }
 }
 
+/// The sides of a cell: one of a surface, both of leaves.
+#[derive(Clone, Copy, Debug)]
+pub struct SidesOf(pub CellKey);
+
+impl SidesOf {
+    /// What light weighs, by the cosine between its direction and the normal.
+    pub fn cosine(self, cosine: f32) -> f32 {
+        if self.0.is_leaf() { 0.5 * cosine.abs() } else { cosine.max(0.0) }
+    }
+
+    /// Cosine-weighted share that lies above the horizon, for a normal of this z.
+    pub fn above(self, normal_z: f64) -> f64 {
+        if self.0.is_leaf() { 0.5 } else { (1.0 + normal_z) / 2.0 }
+    }
+
+    /// Cosine-weighted share that lies below the horizon.
+    pub fn below(self, normal_z: f64) -> f64 {
+        if self.0.is_leaf() { 0.5 } else { (1.0 - normal_z) / 2.0 }
+    }
+}
+
 /// How one cell's two kinds of rays share its surroundings.
 #[derive(Clone, Copy, Debug)]
 pub struct Surround {
@@ -386,17 +408,17 @@ pub struct Surround {
 }
 
 /// Shares of a cell with mean normal n and n x n sky bits. The share above the horizon is what the sky bits leave, so that
-/// sky and surroundings always add up to the whole hemisphere: a white furnace stays white.
-pub fn surround(normal: [f32; 3], bits: &[u8], centres: &[[f32; 3]]) -> Surround {
+/// sky and surroundings always add up to the whole hemisphere: a white furnace stays white. Of leaves the mean of both hemispheres.
+pub fn surround(key: CellKey, normal: [f32; 3], bits: &[u8], centres: &[[f32; 3]]) -> Surround {
+    let sides = SidesOf(key);
     let share = 2.0 / centres.len() as f64;
     let mut sky = 0.0;
     for (t, d) in centres.iter().enumerate() {
         if bit(bits, t) {
-            let cos = normal[0] * d[0] + normal[1] * d[1] + normal[2] * d[2];
-            sky += f64::from(cos.max(0.0));
+            sky += f64::from(sides.cosine(normal[0] * d[0] + normal[1] * d[1] + normal[2] * d[2]));
         }
     }
-    let half = (1.0 + f64::from(normal[2])) / 2.0;
+    let half = sides.above(f64::from(normal[2]));
     Surround { up: (half - sky * share).max(0.0), down: (1.0 - half).max(0.0) }
 }
 

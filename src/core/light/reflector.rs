@@ -8,7 +8,7 @@ pub type Reflectance = Vec<f64>;
 /// Optical properties of a material that recombination needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflector {
-    /// Diffuse reflectance, 0 to 1.
+    /// Diffuse reflectance, 0 to 1; of a canopy the share that its leaves scatter, half of it to each side.
     pub diffuse: f64,
     /// First-hit class that its light counts for.
     pub class: Class,
@@ -24,6 +24,16 @@ impl Reflector {
     /// What a replay may change: of a canopy its transmittance, else the diffuse reflectance.
     pub fn variable(&self) -> f64 {
         self.transmittance.unwrap_or(self.diffuse)
+    }
+
+    /// What is scattered of the light in a state of [`Reflector::variable`]. A canopy of another transmittance has more or fewer leaves, which
+    /// scatter the same share of the light that they stop.
+    pub fn scattered(&self, variable: f64) -> f64 {
+        match self.transmittance {
+            None => variable,
+            Some(stored) if self.diffuse > 0.0 => self.diffuse * (1.0 - variable) / (1.0 - stored),
+            Some(_) => 0.0,
+        }
     }
 
     /// The properties of a material of the scene.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::hemisphere::{bilinear, bit, texel_centres};
-use crate::layers::canopy::SEEN;
+use crate::layers::canopy::{Canopy, SEEN};
 use crate::layers::cells::Cells;
 use crate::layers::mirror::CellMirrors;
 use crate::layers::response::{CLASSES, Response};
@@ -157,7 +157,7 @@ impl ResponseSolver {
         }
         let surrounds = (0..keys.len())
             .into_par_iter()
-            .map(|i| surround(probes.normals[i], probes.bits_of(i), &self.centres))
+            .map(|i| surround(probes.keys[i], probes.normals[i], probes.bits_of(i), &self.centres))
             .collect();
         let mut keys: Vec<CellKey> = known.into_iter().collect();
         keys.sort_unstable_by(|a, b| b.level.cmp(&a.level).then_with(|| a.cmp(b)));
@@ -173,7 +173,7 @@ impl ResponseSolver {
             probes,
             surrounds,
             seen: Vec::new(),
-            mirrored: CellMap::default(),
+            besides: CellMap::default(),
             chains,
             keys,
             places,
@@ -182,17 +182,19 @@ impl ResponseSolver {
         };
         let of_probe = |key: &CellKey| if first_only { Ok(0) } else { group.place(tables, key) };
         let mut seen: Vec<usize> = group.probes.seen.iter().map(of_probe).collect::<Result<_>>()?;
-        let mut mirrored: CellMap<usize> = group.probes.seen.iter().copied().zip(0..).collect();
-        if group.probes.mirrors.is_empty() {
-            mirrored.clear();
+        let in_mirrors = group.probes.mirrors.iter().flat_map(CellMirrors::cells);
+        let mut others = in_mirrors.chain(group.probes.canopies.iter().flat_map(Canopy::cells)).peekable();
+        let mut besides = CellMap::default();
+        if others.peek().is_some() {
+            besides = group.probes.seen.iter().copied().zip(0..).collect();
         }
-        for key in group.probes.mirrors.iter().flat_map(CellMirrors::cells) {
-            if let Entry::Vacant(entry) = mirrored.entry(key) {
+        for key in others {
+            if let Entry::Vacant(entry) = besides.entry(key) {
                 entry.insert(seen.len());
                 seen.push(of_probe(&key)?);
             }
         }
-        (group.seen, group.mirrored) = (seen, mirrored);
+        (group.seen, group.besides) = (seen, besides);
         Ok(Some(group))
     }
 }
@@ -210,10 +212,10 @@ struct Group<'r> {
     responder: &'r ResponseSolver,
     probes: Cells,
     surrounds: Vec<Surround>,
-    /// Place in `keys` of each cell that probes see, then of those that they see only in mirrors.
+    /// Place in `keys` of each cell that probes see, then of those that they see only in mirrors, and of leaves.
     seen: Vec<usize>,
-    /// Where in `seen` each cell stands that probes see in mirrors; empty where there are no mirrors.
-    mirrored: CellMap<usize>,
+    /// Where in `seen` each cell stands that probes see in mirrors, and each of leaves; empty where there are none.
+    besides: CellMap<usize>,
     /// By which chains probes see the sky.
     chains: Chains,
     /// Bounce cells, coarser first: closed ones, then those of `fine`.
@@ -278,7 +280,7 @@ impl Group<'_> {
         for (part, cells) in self.fine.iter().enumerate() {
             let chains = Chains::of_cells(cells, &tables.bounces, &tables.mirrors, bounce_centres)?;
             let of_cell = |row: usize| {
-                let shade = Shade::of(cells, row, &leafages.powers[leafage]);
+                let shade = Shade::of(cells, row, &leafages.powers[leafage], bounce_centres);
                 let weighted = rules.row(cells, row, &shade, bounce_centres, reflectors).into_iter();
                 let seen = weighted.map(|(cell, w)| Ok((self.place(tables, &cell)? as u32, w)));
                 let (place, seen) = (self.place(tables, &cells.keys[row])?, seen.collect::<Result<_>>()?);
@@ -325,7 +327,7 @@ impl Group<'_> {
         viewer: &Viewer,
         leafage: usize,
     ) -> Result<Transport> {
-        let ResponseSolver { settings, slots, reflectors, rules, leafages, .. } = self.responder;
+        let ResponseSolver { settings, slots, reflectors, rules, leafages, centres, .. } = self.responder;
         let powers = &leafages.powers[leafage];
         let per_receiver = settings.hit * settings.hit;
         let texels = settings.probe * settings.probe;
@@ -345,7 +347,9 @@ impl Group<'_> {
             let weight = on_texels[path.texel as usize] * left(&path.steps, reflectors);
             (path.cell, path.steps[0].0, weight)
         });
-        let mut lights: Vec<(CellKey, u16, f64)> = direct.chain(in_mirrors).collect();
+        let leaves = tile.canopies.get(index).map_or_else(Vec::new, |canopy| canopy.leaves(powers));
+        let leaves = leaves.into_iter().map(|(key, share)| (key, key.material, f64::from(share)));
+        let mut lights: Vec<(CellKey, u16, f64)> = direct.chain(in_mirrors).chain(leaves).collect();
         lights.sort_by_key(|light| (light.0, light.1));
         let same = |a: &(CellKey, u16, f64), b: &(CellKey, u16, f64)| (a.0, a.1) == (b.0, b.1);
         for lights in lights.chunk_by(same) {
@@ -361,7 +365,7 @@ impl Group<'_> {
             }
             let scaled = |normal: [f32; 3]| normal.map(|c| c * weight as f32);
             let out = &mut first[slot][class * 3 * texels..(class + 1) * 3 * texels];
-            let shade = Shade::of(&self.probes, probe, powers);
+            let shade = Shade::of(&self.probes, probe, powers, centres);
             match &shade.sky {
                 None => add_bits(out, self.probes.bits_of(probe), scaled(self.probes.normals[probe]), texels),
                 Some(shares) => add_shares(out, self.probes.bits_of(probe), scaled(self.probes.normals[probe]), shares),
@@ -383,8 +387,13 @@ impl Group<'_> {
                     let share = each[usize::from(path.up)] * left(&path.steps, reflectors) * weight;
                     // The group holds all that its probes see.
                     let no_cell = || tables.bounces.missing(&path.cell, tables.probes.block_of(&key));
-                    let cell = *self.mirrored.get(&path.cell).ok_or_else(no_cell)?;
+                    let cell = *self.besides.get(&path.cell).ok_or_else(no_cell)?;
                     indirect.push(IndirectTerm { cell, class, slot, weight: share as f32 });
+                }
+                for (leaf, share) in &shade.leaves {
+                    let no_cell = || tables.bounces.missing(leaf, tables.probes.block_of(&key));
+                    let cell = *self.besides.get(leaf).ok_or_else(no_cell)?;
+                    indirect.push(IndirectTerm { cell, class, slot, weight: share * weight as f32 });
                 }
             }
         }

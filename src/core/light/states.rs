@@ -34,7 +34,7 @@ pub struct Schedule {
 /// States of the reflectances of a replay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct States {
-    /// By material; of a canopy, which reflects nothing, its transmittance.
+    /// By material; of a canopy its transmittance, from which it follows what it scatters.
     pub reflectances: Vec<Reflectance>,
     /// `[condition]`: states and their shares, which sum to 1.
     pub of_condition: Vec<Vec<(usize, f64)>>,

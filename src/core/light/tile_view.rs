@@ -58,12 +58,17 @@ impl TileView {
 
     /// All cells that its receivers see.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
-        self.hits.palette.iter().copied().chain(self.mirrors.iter().flat_map(ReceiverMirrors::cells))
+        let besides = self.mirrors.iter().flat_map(ReceiverMirrors::cells);
+        self.hits.palette.iter().copied().chain(besides).chain(self.canopies.iter().flat_map(Canopy::cells))
     }
 
     /// Name of the block by which its receivers see a cell.
     pub fn block_that_sees(&self, key: &CellKey) -> String {
-        let kind = if self.hits.palette.contains(key) { format::HIT } else { format::MIRROR };
+        let kind = match () {
+            () if self.hits.palette.contains(key) => format::HIT,
+            () if key.is_leaf() => format::CANOPY,
+            () => format::MIRROR,
+        };
         format::block_name(kind, TileNumber(self.number))
     }
 }

@@ -206,7 +206,12 @@ impl Changeable<'_> {
     fn opaque(&self, name: &str) -> Result<Vec<usize>> {
         let mut members = members(self.site, self.materials, name)?;
         members.retain(|&material| !self.is_canopy(material));
-        self.some(members, name, "is a canopy, which reflects nothing", "change its {transmittance}")
+        self.some(
+            members,
+            name,
+            "is a canopy: what it scatters follows from what it lets through",
+            "change its {transmittance}",
+        )
     }
 
     /// Those of the materials of a name that let light through.

@@ -31,9 +31,13 @@ const FACINGS: u8 = 54;
 /// inside the solid, though both sides of two neighbours may share a voxel and a facing.
 const BACK: u8 = 64;
 
+/// Added to the facing of cells of leaves, which are both sides of their triangles: a leaf sends the same light to either side.
+const LEAF: u8 = 128;
+
 /// Name of a surface patch: the surfaces of one material that face one way inside one voxel of edge 2^level metres. Voxels are those of
 /// the input's coordinates, whatever scene holds the patch.
-/// `facing` is one of 54 bins, or 54 + cube face for the coarse cells of the bounce system, plus 64 for the triangles' back.
+/// `facing` is one of 54 bins, or 54 + cube face for the coarse cells of the bounce system, plus 64 for the triangles' back, or 128 for both sides
+/// of leaves.
 ///
 /// Keys are ordered by place first: by the Morton code of a region, then by the fields as they stand. So what is near each
 /// other lies near each other in an archive, and a part of a site needs a part of its cells.
@@ -41,7 +45,7 @@ const BACK: u8 = 64;
 pub struct CellKey {
     /// Edge of the voxel: 2^level metres.
     pub level: i8,
-    /// Part of a cube's face that the normal points to; 64 is added for the back of triangles.
+    /// Part of a cube's face that the normal points to; 64 is added for the back of triangles, 128 for leaves.
     pub facing: u8,
     /// Row of the materials table.
     pub material: u16,
@@ -158,6 +162,17 @@ impl CellKey {
         CellKey { level, facing: facing_code(outward, back), material, voxel }
     }
 
+    /// Cell of edge 2^level metres that holds a point of a leaf (input coordinates), whichever of its sides is seen.
+    pub fn leaf(point: DVec3, outward: DVec3, material: u16, level: i8) -> Self {
+        let key = CellKey::new(point, upper(outward), false, material, level);
+        CellKey { facing: key.facing + LEAF, ..key }
+    }
+
+    /// Whether this is a cell of leaves, both sides of them.
+    pub fn is_leaf(self) -> bool {
+        self.facing & LEAF != 0
+    }
+
     /// A cell without any surface, so without light: its voxel lies half a window from the coordinates' origin on each axis, farther than a scene
     /// reaches. Receivers that no light comes to see nothing else.
     pub fn dark(material: u16) -> Self {
@@ -169,7 +184,7 @@ impl CellKey {
         let shift = u32::from(level.saturating_sub(self.level).max(0).unsigned_abs()).min(31);
         CellKey {
             level: self.level.max(level),
-            facing: FACINGS + self.face() + (self.facing & BACK),
+            facing: FACINGS + self.face() + (self.facing & (BACK | LEAF)),
             voxel: self.voxel.map(|v| v >> shift),
             ..self
         }
@@ -178,6 +193,7 @@ impl CellKey {
     /// The normal of this cell's side of a triangle, if the triangle belongs to the cell.
     pub fn side_of(self, outward: DVec3) -> Option<DVec3> {
         let back = self.is_back();
+        let outward = if self.is_leaf() { upper(outward) } else { outward };
         let bin = facing_code(outward, back) & !BACK;
         let belongs = if self.bin() < FACINGS { self.bin() == bin } else { self.face() == bin / 9 };
         belongs.then_some(if back { -outward } else { outward })
@@ -189,7 +205,7 @@ impl CellKey {
     }
 
     fn bin(self) -> u8 {
-        self.facing & !BACK
+        self.facing & !(BACK | LEAF)
     }
 
     /// Cube face 0..6: x+, x-, y+, y-, z+, z-.
@@ -247,6 +263,11 @@ pub fn level_of(size_m: f64) -> i8 {
 /// Facing of one side of a triangle with this unit normal.
 fn facing_code(outward: DVec3, back: bool) -> u8 {
     if back { facing_bin(-outward) + BACK } else { facing_bin(outward) }
+}
+
+/// That of the two normals of a leaf whose largest component is positive.
+fn upper(normal: DVec3) -> DVec3 {
+    if facing_bin(normal) / 9 % 2 == 1 { -normal } else { normal }
 }
 
 /// Bin of a unit vector: cube face (x+, x-, y+, y-, z+, z-), then its 3 x 3 part.
@@ -348,6 +369,21 @@ mod tests {
         assert_eq!(cells.map(|c| c.side_of(DVec3::Z)), [Some(DVec3::Z), Some(DVec3::NEG_Z)]);
         assert_eq!(cells.map(|c| c.side_of(DVec3::NEG_Z)), [None, None]);
         assert_eq!(cells.map(CellKey::axis), [(2, 1.0), (2, -1.0)]);
+    }
+
+    /// Leaves of normals that are opposite lie in one cell, which has the normal of the larger component, also when it is coarser: 2 of 2; no
+    /// side of an opaque surface belongs to it by its facing's number, and 128 is added to that.
+    #[test]
+    fn leaves() {
+        for (normal, side) in [(DVec3::new(0.6, 0.0, -0.8), -1.0), (DVec3::new(0.8, 0.0, -0.6), 1.0)] {
+            let [one, other] = [normal, -normal].map(|n| CellKey::leaf(DVec3::ONE, n, 3, 0));
+            assert_eq!((one, one.is_leaf(), one.is_back()), (other, true, false));
+            for key in [one, one.coarse(2)] {
+                assert_eq!([normal, -normal].map(|n| key.side_of(n)), [Some(normal * side); 2]);
+                assert_eq!(key.side_of(DVec3::Y), None);
+            }
+            assert_eq!(one.facing, CellKey::new(DVec3::ONE, normal * side, false, 3, 0).facing + 128);
+        }
     }
 
     /// Levels round to the nearest power of two: 0.5 m is -1, 1.4 m is 0, 1.5 m is 1, 30 m is 5; all 256 have the size 2^level.

@@ -73,18 +73,18 @@ impl Glass {
     }
 }
 
-/// Checked optical properties of one material; `diffuse + specular + transmittance <= 1`, each in 0..=1.
+/// Checked optical properties of one material; `diffuse + specular <= 1`, `diffuse + transmittance <= 1`, each in 0..=1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name in the files of the scene.
     pub name: String,
-    /// Diffuse reflectance of both sides, 0 to 1.
+    /// Diffuse reflectance of both sides, 0 to 1. Of a canopy the share of the light that its leaves scatter, half of it to each side.
     pub diffuse: f64,
     /// Specular reflectance at any angle; 0 for glass.
     pub specular: f64,
     /// Clear glass, whose specular reflectance follows from the angle; `None` for all else.
     pub glass: Option<Glass>,
-    /// Share of the light that goes straight on at each crossing: a canopy or a screen, which reflects nothing. `None` is opaque.
+    /// Share of the light that goes straight on at each crossing of a canopy or a screen. `None` is opaque.
     pub transmittance: Option<f64>,
     /// First-hit class that its light counts for.
     pub class: Class,
@@ -103,10 +103,18 @@ impl Material {
         self.specular > 0.0 || self.glass.is_some()
     }
 
+    /// Whether it is a canopy whose leaves scatter light.
+    pub fn scatters(&self) -> bool {
+        self.transmittance.is_some() && self.diffuse > 0.0
+    }
+
     /// What it does with light, in words.
     pub fn optics(&self) -> String {
         let diffuse = rounded(self.diffuse);
         match (self.transmittance, self.glass) {
+            (Some(transmittance), _) if self.diffuse > 0.0 => {
+                format!("transmittance {}, diffuse {diffuse}", rounded(transmittance))
+            }
             (Some(transmittance), _) => format!("transmittance {}", rounded(transmittance)),
             (None, Some(Glass::Single)) => format!("diffuse {diffuse}, glass"),
             (None, Some(Glass::Double)) => format!("diffuse {diffuse}, double glass"),
@@ -127,10 +135,13 @@ impl Material {
         if self.glass.is_some() && specular > 0.0 {
             return Err(format!("`glass` has the reflectance of its panes, not a `specular` of {specular}"));
         }
-        if self.transmittance.is_some() && (diffuse > 0.0 || self.mirrors()) {
-            return Err("a material with `transmittance` lets light through or absorbs it, it reflects none: \
-                        `diffuse` and `specular` are 0 and `glass` is false"
-                .into());
+        if self.transmittance.is_some() && self.mirrors() {
+            return Err("a material with `transmittance` is no mirror: `specular` is 0 and `glass` is false".into());
+        }
+        if diffuse + transmittance > 1.0 + 1e-12 {
+            return Err(format!(
+                "`diffuse` {diffuse} and `transmittance` {transmittance} add up to more than 1: more light than arrives"
+            ));
         }
         // 0.7 + 0.3 may be the next number after 1.
         if diffuse + specular > 1.0 + 1e-12 {

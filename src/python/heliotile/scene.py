@@ -226,7 +226,7 @@ def build(
     settings
         Single settings by name, as in `{"hit": 16}`.
     effects
-        Light paths: `"auto"`, `"all"`, `"none"`, or some of `"diffuse,bounces,mirrors,canopies"`.
+        Light paths: `"auto"`, `"all"`, `"none"`, or some of `"diffuse,bounces,mirrors,canopies,leaves"`.
     with_scene
         Whether the archive holds the scene's triangles, for those who look at it.
     before

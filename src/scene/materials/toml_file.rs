@@ -100,7 +100,7 @@ impl Reader<'_> {
                 }
             }
         }
-        // What lets light through reflects none.
+        // Leaves and screens scatter nothing unless a file says so.
         let Some(diffuse) = diffuse.or(material.transmittance.map(|_| 0.0)) else {
             return Err(self.error(place, format!("material `{shown}` has no `diffuse`"), "add a line: diffuse = 0.2"));
         };
@@ -212,8 +212,8 @@ mod tests {
             ("[pane]\nglass = true", 1, "`pane` has no `diffuse`"),
             ("[pane]\ndiffuse = 0.1\nspecular = 1.1", 3, "`specular` of material `pane` is 1.1"),
             ("[tree]\ntransmittance = -0.1", 2, "is -0.1, not a number"),
-            ("[tree]\ntransmittance = 0.5\ndiffuse = 0.1", 1, "it reflects none"),
-            ("[tree]\ntransmittance = 0.5\nglass = true", 1, "it reflects none"),
+            ("[tree]\ntransmittance = 0.5\ndiffuse = 0.6", 1, "add up to more than 1"),
+            ("[tree]\ntransmittance = 0.5\nglass = true", 1, "is no mirror"),
         ] {
             let message = parse(text).expect_err(text).to_string();
             assert!(message.starts_with(&format!("materials.toml, line {line}")), "{text:?}: {message}");

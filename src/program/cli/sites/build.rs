@@ -62,7 +62,7 @@ pub struct BuildArgs {
     /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference
     #[arg(long, value_parser = choice::<Share>(), default_value = "cells", conflicts_with = "error")]
     pub share: Share,
-    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
+    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves
     #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
     pub effects: EffectChoice,
     /// Leave out effects whose light makes up no more than this of the sum over a weather file, in each group of receivers, such as 0.5%
@@ -102,7 +102,7 @@ pub struct PlanArgs {
     /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
     #[arg(long, short)]
     pub receivers: PathBuf,
-    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies
+    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves
     #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
     pub effects: EffectChoice,
     /// Weather file: also say what each effect brings in its time, by groups of receivers
