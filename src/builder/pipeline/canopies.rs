@@ -3,11 +3,11 @@
 
 use super::site_tracer::SiteTracer;
 use crate::settings::Effect;
-use crate::trace::canopy::{CellCrossings, LeafView, Path, SeenLeaves};
+use crate::trace::canopy::{Canopies, CellCrossings, LeafView, Passage, Path, SeenLeaves};
 use crate::trace::receiver::{HitTrace, Viewpoint};
 use heliotile_core::hemisphere::{HEMISPHERE_SR, texels_in_blocks};
 use heliotile_core::layers::bits::BitSquare;
-use heliotile_core::layers::canopy::{Canopy, sky_side};
+use heliotile_core::layers::canopy::{Canopy, SeenLeaf, sky_side};
 use heliotile_core::site::cells::{CellKey, level_of};
 
 impl SiteTracer<'_> {
@@ -43,20 +43,33 @@ impl SiteTracer<'_> {
         let seen: Vec<Path> = view.hit_paths(n, &hits.distances_m, scatter, self.tracer);
         let (rays, cast) = ([side * side, n * n], (sky.len() + seen.len()) as u64);
         let mut passages = canopies.passages(&seen);
-        let mut leaves = SeenLeaves::default();
-        if scatter {
-            let (texel_sr, direction) = (HEMISPHERE_SR / (n * n) as f64, view.hit_directions(n));
-            for passage in &passages {
-                let share = view.normal.dot(direction(passage.place as usize)) * 2.0 / (n * n) as f64;
-                for leaf in canopies.leaves(passage) {
-                    let level = self.cell_settings().level(leaf.distance_m, texel_sr.sqrt());
-                    leaves.add(CellKey::leaf(leaf.point, leaf.normal, leaf.material, level), leaf, share);
-                }
-            }
-            passages.retain(|passage| hits.distances_m[passage.place as usize].is_finite());
-        }
+        let leaves = if scatter { self.leaves_of_receiver(view, canopies, &passages) } else { Vec::new() };
+        passages.retain(|passage| hits.distances_m[passage.place as usize].is_finite());
         let crossings = [&canopies.crossings(&sky)[..], &canopies.counted(&passages)];
-        (Canopy::new(crossings, rays, leaves.gathered(n * n / 2, view.seed())), cast)
+        (Canopy::new(crossings, rays, leaves), cast)
+    }
+
+    /// The cells of leaves that a receiver with these hits sees; none where leaves scatter nothing.
+    pub(super) fn leaf_cells(&self, view: &Viewpoint, hits: &HitTrace) -> Vec<CellKey> {
+        let Some(canopies) = self.canopies.filter(|_| self.leaves_scatter()) else { return Vec::new() };
+        let paths = view.hit_paths(self.settings.hit, &hits.distances_m, true, self.tracer);
+        let leaves = self.leaves_of_receiver(view, canopies, &canopies.passages(&paths));
+        leaves.into_iter().map(|leaf| leaf.cell).collect()
+    }
+
+    /// The leaves on the way of a receiver's hit rays.
+    fn leaves_of_receiver(&self, view: &Viewpoint, canopies: &Canopies, passages: &[Passage]) -> Vec<SeenLeaf> {
+        let n = self.settings.hit;
+        let (texel_sr, direction) = (HEMISPHERE_SR / (n * n) as f64, view.hit_directions(n));
+        let mut leaves = SeenLeaves::default();
+        for passage in passages {
+            let share = view.normal.dot(direction(passage.place as usize)) * 2.0 / (n * n) as f64;
+            for leaf in canopies.leaves(passage) {
+                let level = self.cell_settings().level(leaf.distance_m, texel_sr.sqrt());
+                leaves.add(CellKey::leaf(leaf.point, leaf.normal, leaf.material, level), leaf, share);
+            }
+        }
+        leaves.gathered(n * n / 2, view.seed())
     }
 }
 

@@ -113,7 +113,7 @@ impl SiteTracer<'_> {
             let (view, mut rays) = (self.viewpoint(receiver), 0);
             let hits = self.trace_hits(&view);
             let paths = self.mirror_paths(&view, &hits, &mut rays);
-            (view, hits.cells, paths, rays)
+            (view, self.leaf_cells(&view, &hits), hits.cells, paths, rays)
         };
         // Others see cells that nobody traces.
         let in_light = receivers.par_iter().filter(|receiver| self.is_reached(&self.viewpoint(receiver)));
@@ -123,7 +123,7 @@ impl SiteTracer<'_> {
         let n = self.settings.hit;
         let mut reflecting = 0.0_f64;
         let mut cells = [BTreeSet::new(), BTreeSet::new()];
-        for (i, (view, keys, paths, _)) in hits.iter().enumerate() {
+        for (i, (view, leaves, keys, paths, _)) in hits.iter().enumerate() {
             let weight = |texel: usize| {
                 texel_direction(texel % n, texel / n, n, jitter(view.seed(), texel as u64)).z * 2.0 / (n * n) as f64
             };
@@ -137,10 +137,14 @@ impl SiteTracer<'_> {
                 }
                 cells[1].insert(*key);
             }
+            if i % 4 == 0 {
+                cells[0].extend(leaves.iter().copied());
+            }
+            cells[1].extend(leaves.iter().copied());
             reflecting = reflecting.max(share);
         }
         let of_windows = windows.iter().map(|w| w.1 as f64).sum::<f64>() / windows.len().max(1) as f64;
-        let of_paths = hits.iter().map(|h| h.3 as f64).sum::<f64>() / hits.len().max(1) as f64;
+        let of_paths = hits.iter().map(|h| h.4 as f64).sum::<f64>() / hits.len().max(1) as f64;
         let counts = [cells[0].len(), cells[1].len()];
         let [_, cells] = cells;
         Sample {
@@ -154,7 +158,7 @@ impl SiteTracer<'_> {
             ],
             seconds: [sky_s + hits_s, windows_s, leaves_s],
             reflecting,
-            sees_mirrors: windows.iter().any(|w| w.0) || hits.iter().any(|h| !h.2.is_empty()),
+            sees_mirrors: windows.iter().any(|w| w.0) || hits.iter().any(|h| !h.3.is_empty()),
             cells: counts,
             traced: self.look_at_cells(&cells.into_iter().collect::<Vec<_>>()),
         }

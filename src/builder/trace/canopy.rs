@@ -40,6 +40,8 @@ pub struct Canopies<'a> {
     tracer: Tracer,
     /// `[material]`: whether its leaves scatter light.
     scatters: Vec<bool>,
+    /// Whether some that are there do.
+    some_scatter: bool,
 }
 
 /// A ray that meets leaves.
@@ -76,8 +78,11 @@ impl<'a> Canopies<'a> {
             scene.materials.get(material).is_some_and(|material| material.transmittance.is_some())
         };
         let (leaves, opaque): (Vec<u32>, Vec<u32>) = (0..mesh.triangles.len() as u32).partition(lets_through);
-        let scatters = scene.materials.iter().map(Material::scatters).collect();
-        let canopies = (!leaves.is_empty()).then(|| Canopies { mesh, tracer: Tracer::of(mesh, &leaves), scatters });
+        let scatters: Vec<bool> = scene.materials.iter().map(Material::scatters).collect();
+        let scatter = |&id: &u32| scatters[usize::from(mesh.triangle_material[id as usize])];
+        let some_scatter = leaves.iter().any(scatter);
+        let canopies =
+            (!leaves.is_empty()).then(|| Canopies { mesh, tracer: Tracer::of(mesh, &leaves), scatters, some_scatter });
         (Tracer::of(mesh, &opaque), canopies)
     }
 
@@ -88,7 +93,7 @@ impl<'a> Canopies<'a> {
 
     /// Whether some leaves scatter light.
     pub(crate) fn scatter(&self) -> bool {
-        self.mesh.triangle_material.iter().any(|&material| self.scatters[usize::from(material)])
+        self.some_scatter
     }
 
     /// What some rays cross, by place and material.
