@@ -51,6 +51,7 @@ enums:
     20: extents
     21: names
     22: objects
+    23: bands
 types:
   slot:
     seq:
@@ -206,6 +207,13 @@ types:
       beside: { pos: 'columns[4].start', type: u1, repeat: expr, repeat-expr: 'columns[4].count' }
       row: { pos: 'columns[5].start', type: u2, repeat: expr, repeat-expr: 'columns[5].count' }
       attributes: { pos: 0, type: 'string(columns[6].start + 8 * _index)', repeat: expr, repeat-expr: 'columns[6].count' }
+  table_bands:
+    instances:
+      columns: { pos: _io.size - 32, type: 'column(_io.size - 32 + 8 * _index)', repeat: expr, repeat-expr: 4 }
+      material: { pos: 'columns[0].start', type: u2, repeat: expr, repeat-expr: 'columns[0].count' }
+      property: { pos: 'columns[1].start', type: u1, repeat: expr, repeat-expr: 'columns[1].count' }
+      band: { pos: 'columns[2].start', type: u1, repeat: expr, repeat-expr: 'columns[2].count' }
+      value: { pos: 'columns[3].start', type: f8, repeat: expr, repeat-expr: 'columns[3].count' }
   layer_hit:
     doc: The rest is four byte planes of the texels, lowest first.
     seq:

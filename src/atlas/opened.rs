@@ -19,8 +19,15 @@ use heliotile_remote::places::find_archive;
 const NAMED: usize = 5;
 
 /// Blocks that whoever asks for results reads first.
-const READ_FIRST: [BlockKind; 6] =
-    [format::MATERIALS, format::OPTICS, format::MIRRORS, format::RECEIVERS, format::PARTS, format::EXTENTS];
+const READ_FIRST: [BlockKind; 7] = [
+    format::MATERIALS,
+    format::OPTICS,
+    format::MIRRORS,
+    format::BANDS,
+    format::RECEIVERS,
+    format::PARTS,
+    format::EXTENTS,
+];
 
 /// How far beyond its place rounding may put a receiver, metres.
 const ROUNDING_M: f64 = 0.01;

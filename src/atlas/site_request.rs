@@ -17,9 +17,9 @@ use heliotile_core::weather::series::Weather;
 use heliotile_remote::places::open_archive;
 use heliotile_results::{
     Archives, BeforeSide, BuildingsRequest, BuildingsSummary, ComfortDone, ComfortRequest, CompareRequest,
-    CompareSummary, Every, FactorsRequest, FileRequest, Illumination, LightChoice, PlacesRequest, PlacesSummary,
-    Provenance, QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, Sources, SunlightDone,
-    SunlightRequest, SunlightSite, Tile, TileStream,
+    CompareSummary, Every, FactorsRequest, FileRequest, Illumination, PlacesRequest, PlacesSummary, Provenance,
+    QueryRequest, ReceiverChoice, ReceiverSet, ReplayRequest, Resources, Sources, SunlightDone, SunlightRequest,
+    SunlightSite, Tile, TileStream,
 };
 
 /// An archive, or an atlas whose parts are asked like one archive.
@@ -67,7 +67,7 @@ impl SiteRequest {
     ) -> Result<Option<String>> {
         request.check()?;
         let read: Vec<&Path> = request.light.files().chain([request.conditions.as_path()]).collect();
-        files.check(request.light.columns.as_ref(), None, &self.inputs(&read))?;
+        files.check(request.light.chosen_columns().as_ref(), None, &self.inputs(&read))?;
         self.query_stream(request, &files.output, about, resources, |stream, archives| {
             files.write(stream, archives, &self.place)
         })
@@ -83,7 +83,7 @@ impl SiteRequest {
     ) -> Result<Option<String>> {
         request.check()?;
         let read: Vec<&Path> = request.files().collect();
-        files.check(request.light.columns.as_ref(), Some(request.every), &self.inputs(&read))?;
+        files.check(request.light.chosen_columns().as_ref(), Some(request.every), &self.inputs(&read))?;
         self.stream(request, &files.output, about, resources, |stream, archives| {
             files.write(stream, archives, &self.place)
         })
@@ -119,8 +119,7 @@ impl SiteRequest {
 
     /// What each receiver gets over a weather file, kWh/m2, in the order of the archive. Memory grows with the receivers.
     pub fn totals(&self, request: &ReplayRequest, resources: &Resources) -> Result<Vec<ReceiverTotal>> {
-        let columns = Some(ComponentList::of(Component::Total));
-        let light = LightChoice { columns, ..request.light.clone() };
+        let light = request.light.only(ComponentList::of(Component::Total));
         let request = ReplayRequest { every: Every::Total, light, ..request.clone() };
         request.check()?;
         let mut totals = Vec::new();
@@ -273,7 +272,7 @@ impl SiteRequest {
         })?;
         let dated = request.dated(&weather, resources.observer)?;
         let opened = found.map_or_else(|| self.open(resources.memory), Ok)?;
-        request.tell_misfits(opened.archives(), &weather, resources.observer);
+        request.tell_misfits(opened.archives(), &weather, resources.observer)?;
         opened.tell_north(resources);
         let series = request.series(opened.archives(), &weather, &dated, about, resources)?;
         let receivers = opened.receivers(output, resources.memory)?;

@@ -67,6 +67,9 @@ pub mod canopies {}
 #[doc = include_str!("mirrors-and-glass.md")]
 pub mod mirrors_and_glass {}
 
+#[doc = include_str!("bands.md")]
+pub mod bands {}
+
 #[doc = include_str!("longwave.md")]
 pub mod longwave {}
 

@@ -7,6 +7,7 @@
 //! | --- | --- |
 //! | `request` | [`QueryRequest`], [`ReplayRequest`], [`LightChoice`]: what a user asks for |
 //! | `archives`, `receivers` | one archive or those of an atlas, and which of their receivers count |
+//! | `bands` | [`BandChoice`]: light by band, as columns beside those of all light |
 //! | `own_skies` | [`SkyFiles`]: skies and clouds of files, put into conditions |
 //! | `series` | conditions with labels, coarser periods of them |
 //! | `stream` | [`TileStream`], the one place where a replay is set up, and [`TileSink`], what takes its tiles |
@@ -35,6 +36,7 @@
 
 pub mod along;
 mod archives;
+mod bands;
 mod buildings;
 mod checks;
 mod comfort;
@@ -62,6 +64,7 @@ mod update;
 mod viewer;
 
 pub use archives::{Archives, Sources};
+pub use bands::{BandChoice, BandList};
 pub use buildings::{BuildingsRequest, BuildingsSummary};
 pub use checks::{
     AuditReport, AuditRequest, ComponentErrors, HourKindErrors, RepairDone, RepairRequest, SkyViewErrors, Verdict,

@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use super::archives::Archives;
+use super::bands::BandList;
 use super::doubts::{dated_rows, no_longwave, of_archive};
 use super::own_skies::SkyFiles;
 use super::resources::Resources;
@@ -37,24 +38,58 @@ pub struct LightChoice {
     pub changes: Changes,
     /// A sky in place of the model's, and clouds; few requests have any.
     pub sky_files: Box<SkyFiles>,
+    /// Bands whose columns stand behind the others; few requests have any.
+    pub bands: Box<BandList>,
 }
 
 impl Default for LightChoice {
     fn default() -> Self {
         let (sky, paths, changes) = (SkyModel::default(), LightPaths::ALL, Changes::default());
-        LightChoice { columns: None, sky, patches: None, paths, changes, sky_files: Box::default() }
+        let (sky_files, bands) = (Box::default(), Box::default());
+        LightChoice { columns: None, sky, patches: None, paths, changes, sky_files, bands }
     }
 }
 
 impl LightChoice {
-    /// The columns: the six components and their total, if none are chosen.
+    /// The columns: the six components and their total, if none are chosen; behind them those of bands.
     pub fn columns(&self) -> ComponentList {
-        self.columns.clone().unwrap_or_else(ComponentList::all)
+        self.columns_or(ComponentList::all())
     }
 
-    /// Files that reflectances and transmittances follow, and those of skies and clouds.
+    /// The columns: `usual` ones if none are chosen; behind them those of bands.
+    pub fn columns_or(&self, usual: ComponentList) -> ComponentList {
+        let columns = self.columns.clone().unwrap_or(usual);
+        columns.with(&self.bands.columns, self.bands.own_names())
+    }
+
+    /// The columns, if any are chosen, be it by a band.
+    pub fn chosen_columns(&self) -> Option<ComponentList> {
+        (self.columns.is_some() || !self.bands.columns.is_empty()).then(|| self.columns())
+    }
+
+    /// The same light with these columns and no others.
+    #[must_use]
+    pub fn only(&self, columns: ComponentList) -> Self {
+        let bands = Box::new(BandList { columns: Vec::new(), ..*self.bands.clone() });
+        LightChoice { columns: Some(columns), bands, ..self.clone() }
+    }
+
+    /// Files that reflectances and transmittances follow, and those of skies, clouds and bands.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        followed_files(&self.changes.scheduled, &self.changes.transmittance).chain(self.sky_files.files())
+        let bands = self.bands.files.iter().map(PathBuf::as_path);
+        followed_files(&self.changes.scheduled, &self.changes.transmittance).chain(self.sky_files.files()).chain(bands)
+    }
+
+    /// Tells what is doubtful about archives in the bands that are asked for.
+    pub(super) fn tell_bands(&self, archives: Archives, observer: &dyn Observer) -> Result<()> {
+        let doubts = self.bands.doubts(archives, self.columns().set())?;
+        doubts.iter().for_each(|text| observer.note(text));
+        Ok(())
+    }
+
+    /// Whether results depend on the dew point of the air.
+    fn is_by_humidity(&self) -> bool {
+        self.columns().set().contains(Component::Illuminance)
     }
 
     fn is_longwave(&self) -> bool {
@@ -143,7 +178,8 @@ impl ReplayRequest {
 
     /// Reads the weather; `place` is that of the scene, asked for where the file states none. Tells what is odd about the file.
     pub fn read_weather(&self, resources: &Resources, place: ScenePlace) -> Result<Weather> {
-        let options = WeatherOptions { with_air: self.light.is_longwave(), ..self.about_weather };
+        let with_air = self.light.is_longwave() || self.light.is_by_humidity();
+        let options = WeatherOptions { with_air, ..self.about_weather };
         let weather = parse_weather_as(&self.weather, &(resources.files)(&self.weather)?, &options, place)?;
         weather.report.warnings.iter().for_each(|text| resources.observer.warn(text));
         Ok(weather)
@@ -158,11 +194,16 @@ impl ReplayRequest {
         Ok(dated)
     }
 
-    /// Tells why this weather may not fit archives: it is of elsewhere, or lights what they leave out.
-    pub fn tell_misfits(&self, archives: Archives, weather: &Weather, observer: &dyn Observer) {
+    /// Tells why this weather and these columns may not fit archives: it is of elsewhere, or lights what they leave out; nothing in them is stated
+    /// by band.
+    pub fn tell_misfits(&self, archives: Archives, weather: &Weather, observer: &dyn Observer) -> Result<()> {
         let apart = archives.manifest().place.and_then(|place| far_apart(&place, weather));
         let odd = of_archive(archives.first(), Some(&self.weather));
         apart.iter().chain(&odd).for_each(|text| observer.warn(text));
+        if self.light.is_by_humidity() && weather.air.iter().all(|air| air.dew_point_c.is_none()) {
+            observer.note("the weather states no dew point: lux are those of air with 2 cm of precipitable water");
+        }
+        self.light.tell_bands(archives, observer)
     }
 
     /// Temperatures of what longwave radiation comes from, if it is asked for.

@@ -122,12 +122,11 @@ impl<'a> Series<'a> {
         let places = chosen.iter().enumerate().filter_map(|(place, chosen)| chosen.then_some(place)).collect();
         let rows = ConditionRows { places, count: chosen.len(), file: "a weather file" };
         let mut conditions = request.light.sky_files.over(conditions, &rows, resources)?;
+        let air = weather.air.iter().zip(chosen).filter_map(|(air, chosen)| chosen.then_some(*air));
+        conditions.iter_mut().zip(air).for_each(|(condition, air)| condition.air = Some(air));
         if let Some(temperatures) = request.longwave() {
             let emissions = emissions(weather, &request.weather, chosen, temperatures, resources.files)?;
-            let air = weather.air.iter().zip(chosen).filter_map(|(air, chosen)| chosen.then_some(*air));
-            for ((condition, emission), air) in conditions.iter_mut().zip(emissions).zip(air) {
-                (condition.emission, condition.air) = (Some(emission), Some(air));
-            }
+            conditions.iter_mut().zip(emissions).for_each(|(condition, emission)| condition.emission = Some(emission));
         }
         let dates = dated.dates.iter().zip(chosen).filter_map(|(date, chosen)| chosen.then_some(*date));
         let stamps =
@@ -175,15 +174,16 @@ impl<'a> Series<'a> {
         if longer.every == self.every {
             return None;
         }
+        let of_means = self.every == Some(Every::Hour);
         let mut of_label = vec![(0, 0.0); self.labels.len()];
         for (fine, coarse) in self.bins.of_condition.iter().zip(&longer.bins.of_condition) {
             // Means over an interval become energy, sums stay sums.
-            let weight = if self.every == Some(Every::Hour) { coarse.1 } else { 1.0 };
+            let weight = if of_means { coarse.1 } else { 1.0 };
             if let Some(to) = of_label.get_mut(fine.0) {
                 *to = (coarse.0, weight);
             }
         }
-        Some(Coarsening { labels: longer.labels.len(), of_label })
+        Some(Coarsening { labels: longer.labels.len(), of_label, of_means })
     }
 
     /// What is known of the inputs, and how rows are labelled.
@@ -243,6 +243,7 @@ impl QueryRequest {
         file.warnings.iter().for_each(tell);
         mean_ground(archives.first(), &self.light.changes)?.iter().for_each(tell);
         of_archive(archives.first(), None).iter().for_each(tell);
+        self.light.tell_bands(archives, resources.observer)?;
         let name = self.conditions.file_name().unwrap_or(self.conditions.as_os_str()).to_string_lossy();
         let called = match file.conditions.as_slice() {
             [only] => format!("{name}: {}", only.label),
@@ -293,6 +294,8 @@ pub struct Coarsening {
     labels: usize,
     /// `[short]`: the long period that it lies in, and what its value counts there.
     of_label: Vec<(usize, f64)>,
+    /// Whether the short rows are means.
+    of_means: bool,
 }
 
 impl Coarsening {
@@ -301,12 +304,13 @@ impl Coarsening {
         let mut coarse = TileValues::new(values.receivers(), self.labels);
         let mut sums = vec![0.0_f64; self.labels];
         for component in components.iter() {
+            let unit = if self.of_means { component.measure().sum_factor() } else { 1.0 };
             let rows = coarse.component_mut(component).chunks_mut(self.labels.max(1));
             for (receiver, to) in rows.enumerate() {
                 sums.fill(0.0);
                 for ((label, weight), value) in self.of_label.iter().zip(values.row(component, receiver)) {
                     if let Some(sum) = sums.get_mut(*label) {
-                        *sum += weight * f64::from(*value);
+                        *sum += weight * unit * f64::from(*value);
                     }
                 }
                 to.iter_mut().zip(&sums).for_each(|(to, sum)| *to = *sum as f32);

@@ -9,10 +9,12 @@ use super::request::LightChoice;
 use super::resources::Resources;
 use super::series::{Coarsening, Series};
 use crate::outputs::provenance::Provenance;
+use crate::outputs::tables::layout::Labels;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::observer::{Observer, Stage};
+use heliotile_core::observer::{Observer, Silent, Stage};
 use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::bands::BandPass;
 use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::replay::values::TileValues;
@@ -219,7 +221,14 @@ impl<'a> TileStream<'a> {
             storage: resources.storage,
         };
         let schedules = series.schedules(archive, site, elsewhere, resources)?;
-        Replay::builder(site, &series.conditions, settings).summed(&series.bins).scheduled(&schedules).build()
+        let mut bands = BandPass::all(site, components, &light.bands.own);
+        // What is to be said of schedules was said of those of all light.
+        let quietly = Resources { observer: &Silent, ..*resources };
+        for pass in &mut bands {
+            pass.schedules = series.schedules(archive, &pass.site, elsewhere, &quietly)?;
+        }
+        let builder = Replay::builder(site, &series.conditions, settings).summed(&series.bins).scheduled(&schedules);
+        builder.with_bands(&bands, series.kind == Labels::Sums).build()
     }
 }
 

@@ -274,6 +274,11 @@ impl Scene {
                 content.bytes(b"transmittance");
                 content.number(transmittance);
             }
+            for (property, band, value) in material.bands.all() {
+                content.bytes(property.name().as_bytes());
+                content.bytes(band.name().as_bytes());
+                content.number(value);
+            }
         }
         content.finish()
     }

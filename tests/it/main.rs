@@ -8,6 +8,7 @@ mod addresses;
 mod archive;
 mod atlas;
 mod audit;
+mod bands;
 mod buildings;
 mod canopy;
 mod cities;

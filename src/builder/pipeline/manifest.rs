@@ -38,11 +38,13 @@ impl SiteTracer<'_> {
         table.encode(format::MATERIALS, TileNumber::FIRST, COMPRESSION)
     }
 
-    /// What materials do besides reflecting diffusely, and the orientations of the mirrors; nothing where none does.
+    /// What materials do besides reflecting diffusely, the orientations of the mirrors, and what materials do by band; nothing where none does.
     pub(super) fn optics_blocks(&self) -> Result<Vec<EncodedBlock>> {
         let materials = &self.scene.materials;
+        let bands = tables::BandsTable::of(materials.iter().map(|m| &m.bands));
+        let bands = bands.map(|table| table.encode(format::BANDS, TileNumber::FIRST, COMPRESSION)).transpose()?;
         if !materials.iter().any(|m| m.mirrors() || m.transmittance.is_some()) {
-            return Ok(Vec::new());
+            return Ok(bands.into_iter().collect());
         }
         let table = tables::OpticsTable {
             panes: materials.iter().map(|m| m.glass.map_or(0, Glass::panes)).collect(),
@@ -58,6 +60,7 @@ impl SiteTracer<'_> {
             };
             blocks.push(table.encode(format::MIRRORS, TileNumber::FIRST, COMPRESSION)?);
         }
+        blocks.extend(bands);
         Ok(blocks)
     }
 

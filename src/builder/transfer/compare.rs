@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, format, tables};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::site::bands::BandOptics;
 use heliotile_core::site::content::ContentHasher;
 
 /// Keys of the manifest that tell of one file, not of what it holds.
@@ -67,8 +68,17 @@ pub fn shows(archive: &Archive) -> bool {
 /// The materials by name, with their numbers in cell keys.
 fn materials(archive: &Archive) -> Result<Value> {
     let table = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, TileNumber::FIRST)?)?;
+    let bands = match archive.has(format::BANDS, TileNumber::FIRST) {
+        true => tables::BandsTable::from_block(&archive.block(format::BANDS, TileNumber::FIRST)?)?.optics(table.rows()),
+        false => None,
+    };
+    let by_band = |i: usize| -> Map<String, Value> {
+        let all = bands.as_ref().and_then(|all| all.get(i)).into_iter().flat_map(BandOptics::all);
+        all.map(|(property, band, value)| (format!("{}.{}", property.name(), band.name()), value.into())).collect()
+    };
     let row = |i: usize| {
         json!({
+            "bands": by_band(i),
             "number": i,
             "diffuse": table.diffuse[i],
             "specular": table.specular[i],

@@ -107,6 +107,10 @@ impl<'a> ArchiveAssembly<'a> {
             let table = tables::MirrorsTable::from_block(&archive.block(format::MIRRORS, TileNumber::FIRST)?)?;
             self.writer.append(table.encode(format::MIRRORS, TileNumber::FIRST, pack::COMPRESSION)?)?;
         }
+        if archive.has(format::BANDS, TileNumber::FIRST) {
+            let table = tables::BandsTable::from_block(&archive.block(format::BANDS, TileNumber::FIRST)?)?;
+            self.writer.append(table.encode(format::BANDS, TileNumber::FIRST, pack::COMPRESSION)?)?;
+        }
         Ok(())
     }
 

@@ -132,6 +132,8 @@ pub const EXTENTS: BlockKind = BlockKind(20);
 pub const NAMES: BlockKind = BlockKind(21);
 /// Kind: the objects that a chunk of the scene's triangles is made of; in archives that may show their scene.
 pub const OBJECTS: BlockKind = BlockKind(22);
+/// Kind: what materials do in bands of the light, one block; in archives of materials that state it.
+pub const BANDS: BlockKind = BlockKind(23);
 
 /// The two kinds of cells; each has chunks, layers of them, and an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -169,7 +171,7 @@ impl CellKind {
 }
 
 /// Kinds that this release knows: id, name, schema id of the raw bytes.
-pub const KINDS: [(BlockKind, &str, u16); 22] = [
+pub const KINDS: [(BlockKind, &str, u16); 23] = [
     (RECEIVERS, "receivers", 1),
     (SKY, "sky", 1),
     (HIT, "hit", 3),
@@ -192,6 +194,7 @@ pub const KINDS: [(BlockKind, &str, u16); 22] = [
     (EXTENTS, "extents", 1),
     (NAMES, "names", 1),
     (OBJECTS, "objects", 2),
+    (BANDS, "bands", 1),
 ];
 
 /// Name of a kind; a kind of a later release gets its number.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::archive::codec::block::Block;
 use crate::archive::format;
 use crate::archive::format::{
-    BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, BlockKind, CANOPY, CellKind, EXTENTS, Entry, FIRST_BLOCK, HIT, INDEX,
+    BANDS, BOUNCE, BOUNCE_CANOPY, BOUNCE_MIRROR, BlockKind, CANOPY, CellKind, EXTENTS, Entry, FIRST_BLOCK, HIT, INDEX,
     MATERIALS, MIRROR, MIRRORS, NAMES, OBJECTS, OPTICS, OVERVIEW, PARTS, PROBE_CANOPY, PROBE_MIRROR, PROBES, RECEIVERS,
     RESPONSE, SCENE, SKY, SLOT_OFFSETS, SLOT_SIZE, TileNumber,
 };
@@ -18,8 +18,8 @@ use crate::archive::reader::{Archive, by_place};
 use crate::archive::source::Access;
 use crate::archive::source::Source;
 use crate::archive::tables::{
-    CellsTable, ExtentsTable, GeometryTable, IndexTable, MaterialsTable, MirrorsTable, NameOf, NameRow, NamesTable,
-    ObjectsTable, OpticsTable, OverviewTable, PartsTable, ReceiversTable, TILES_A_CHUNK,
+    BandsTable, CellsTable, ExtentsTable, GeometryTable, IndexTable, MaterialsTable, MirrorsTable, NameOf, NameRow,
+    NamesTable, ObjectsTable, OpticsTable, OverviewTable, PartsTable, ReceiversTable, TILES_A_CHUNK,
 };
 use crate::error::{Error, Result};
 use crate::layers::canopy;
@@ -185,6 +185,7 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
             let optics = OpticsTable::from_block(&block)?;
             if optics.rows() as u64 == site.materials { Ok(()) } else { shape(false) }
         }
+        BANDS => check_materials(&block, BandsTable::from_block(&block)?.material.into_iter(), site),
         MIRRORS => check_materials(&block, MirrorsTable::from_block(&block)?.material.into_iter(), site),
         SCENE => check_materials(&block, GeometryTable::from_block(&block)?.material.into_iter(), site),
         OBJECTS => {

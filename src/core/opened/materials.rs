@@ -5,14 +5,16 @@ use glam::DVec3;
 use crate::archive::format::TileNumber;
 use crate::archive::{Blocks, format, tables};
 use crate::error::Result;
+use crate::site::bands::BandOptics;
 use crate::site::chain::MirrorPlane;
 use crate::site::material::{Glass, Material};
 
-/// The materials in the rows of their table; without a table of optics all are opaque and no glass.
+/// The materials in the rows of their table; without a table of optics all are opaque and no glass, without one of bands all
+/// light is alike to them.
 pub(super) fn materials(blocks: &dyn Blocks) -> Result<Vec<Material>> {
     let block = blocks.block(format::MATERIALS, TileNumber::FIRST)?;
     let table = tables::MaterialsTable::from_block(&block)?;
-    let optics = optics(blocks, table.rows())?;
+    let (optics, bands) = (optics(blocks, table.rows())?, bands(blocks, table.rows())?);
     let group = |row: usize| Some(table.group[row].clone()).filter(|group| !group.is_empty());
     let material = |row: usize| {
         let material = Material {
@@ -23,6 +25,7 @@ pub(super) fn materials(blocks: &dyn Blocks) -> Result<Vec<Material>> {
             transmittance: optics.as_ref().and_then(|o| (o.canopy[row] == 1).then(|| o.transmittance[row])),
             class: table.class_of(row),
             group: group(row),
+            bands: bands.get(row).copied().unwrap_or_default(),
         };
         match material.check() {
             Ok(()) => Ok(material),
@@ -43,6 +46,16 @@ fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::Optics
         return Err(block.corrupt(format!("{} rows", optics.rows()), format!("{materials}, one per material")));
     }
     Ok(Some(optics))
+}
+
+/// What so many materials do in bands of the light; empty if none states it.
+fn bands(blocks: &dyn Blocks, materials: usize) -> Result<Vec<BandOptics>> {
+    if !blocks.has(format::BANDS, TileNumber::FIRST) {
+        return Ok(Vec::new());
+    }
+    let block = blocks.block(format::BANDS, TileNumber::FIRST)?;
+    let bands = tables::BandsTable::from_block(&block)?.optics(materials);
+    bands.ok_or_else(|| block.corrupt("an unknown material", "rows of the materials table"))
 }
 
 /// Orientations of the mirrors, of so many materials; none where nothing is a mirror.

@@ -12,6 +12,7 @@ use crate::archive::{Archive, Block, Blocks, format};
 use crate::error::{Error, Result};
 use crate::opened::materials;
 use crate::opened::settings::SiteSettings;
+use crate::site::bands::Band;
 use crate::site::chain::MirrorPlane;
 use crate::site::material::{Class, Material};
 use crate::site::north::North;
@@ -21,6 +22,8 @@ use crate::site::north::North;
 pub struct SiteFacts {
     settings: SiteSettings,
     materials: Vec<Material>,
+    /// Whether the materials are those that the responses of the blocks were derived for.
+    as_stored: bool,
     orientations: Vec<MirrorPlane>,
     north: North,
     receivers: u64,
@@ -45,7 +48,7 @@ impl SiteFacts {
         let settings = SiteSettings::of(stated, path)?;
         let (receivers, tiles) = (receivers.count, receivers.tiles);
         let north = North::default();
-        Ok(SiteFacts { settings, materials, orientations, north, receivers, tiles })
+        Ok(SiteFacts { settings, materials, as_stored: true, orientations, north, receivers, tiles })
     }
 
     /// By the numbers in cell keys.
@@ -100,6 +103,25 @@ impl<'a> OpenSite<'a> {
     pub fn with_y_for_north(mut self) -> Self {
         Arc::make_mut(&mut self.facts).north = North::default();
         self
+    }
+
+    /// The same in a band of the light: materials have its values.
+    #[must_use]
+    pub fn in_band(&self, band: Band) -> Self {
+        let materials: Vec<Material> = self.materials().iter().map(|material| material.in_band(band)).collect();
+        let alike = |(new, old): (&Material, &Material)| Material { bands: old.bands, ..new.clone() } == *old;
+        if materials.iter().zip(self.materials()).all(alike) {
+            return self.clone();
+        }
+        let mut site = self.clone();
+        let facts = Arc::make_mut(&mut site.facts);
+        (facts.materials, facts.as_stored) = (materials, false);
+        site
+    }
+
+    /// Whether materials do what the stored responses were derived for.
+    pub fn is_as_stored(&self) -> bool {
+        self.facts.as_stored
     }
 
     /// Where true north lies: replay turns suns by it.

@@ -33,6 +33,64 @@ pub enum Component {
     SkyDiffuseGround,
     /// ... from obstructions.
     SkyDiffuseObstruction,
+    /// The sum of the six in ultraviolet light.
+    TotalUv,
+    /// ... in what is seen.
+    TotalVisible,
+    /// ... in what plants live on.
+    TotalPar,
+    /// ... in near infrared light.
+    TotalNir,
+    /// Photons of what plants live on.
+    Ppfd,
+    /// Light as an eye is sensitive to it.
+    Illuminance,
+    /// The sum of the six in the first band of one's own.
+    TotalOwn1,
+    /// ... in the second.
+    TotalOwn2,
+    /// ... in the third.
+    TotalOwn3,
+    /// ... in the fourth.
+    TotalOwn4,
+    /// ... in the fifth.
+    TotalOwn5,
+    /// ... in the sixth.
+    TotalOwn6,
+    /// ... in the seventh.
+    TotalOwn7,
+    /// ... in the eighth.
+    TotalOwn8,
+}
+
+/// What a column measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightMeasure {
+    /// W/m2; kWh/m2 in sums.
+    Irradiance,
+    /// Photons of 400 to 700 nm, umol/(m2 s); mol/m2 in sums.
+    PhotonFlux,
+    /// Lux; klx h in sums.
+    Illuminance,
+}
+
+impl LightMeasure {
+    /// Ending of columns of sums.
+    pub fn sum_suffix(self) -> &'static str {
+        match self {
+            LightMeasure::Irradiance => SUM_SUFFIX,
+            LightMeasure::PhotonFlux => "_mol_m2",
+            LightMeasure::Illuminance => "_klx_h",
+        }
+    }
+
+    /// What sums over hours / 1000 are taken times to be in their unit: a flux of photons counts by the second.
+    pub fn sum_factor(self) -> f64 {
+        match self {
+            LightMeasure::PhotonFlux => 3.6,
+            LightMeasure::Irradiance | LightMeasure::Illuminance => 1.0,
+        }
+    }
 }
 
 impl Component {
@@ -48,13 +106,45 @@ impl Component {
     ];
 
     /// Columns beyond them, for results that name them.
-    pub const FURTHER: [Component; 5] = [
+    pub const FURTHER: [Component; 11] = [
         Component::Longwave,
         Component::SunDiffuseGround,
         Component::SunDiffuseObstruction,
         Component::SkyDiffuseGround,
         Component::SkyDiffuseObstruction,
+        Component::TotalUv,
+        Component::TotalVisible,
+        Component::TotalPar,
+        Component::TotalNir,
+        Component::Ppfd,
+        Component::Illuminance,
     ];
+
+    /// Columns of bands of one's own, in their order; results name them after the bands.
+    pub const OWN: [Component; 8] = [
+        Component::TotalOwn1,
+        Component::TotalOwn2,
+        Component::TotalOwn3,
+        Component::TotalOwn4,
+        Component::TotalOwn5,
+        Component::TotalOwn6,
+        Component::TotalOwn7,
+        Component::TotalOwn8,
+    ];
+
+    /// All columns, in the order of their numbers.
+    pub fn every() -> impl Iterator<Item = Component> {
+        Component::ALL.into_iter().chain(Component::FURTHER).chain(Component::OWN)
+    }
+
+    /// What it measures.
+    pub fn measure(self) -> LightMeasure {
+        match self {
+            Component::Ppfd => LightMeasure::PhotonFlux,
+            Component::Illuminance => LightMeasure::Illuminance,
+            _ => LightMeasure::Irradiance,
+        }
+    }
 
     /// The two that a component is made of, by what is seen first: ground, obstructions.
     pub fn parts(self) -> Option<[Component; 2]> {
@@ -65,8 +155,8 @@ impl Component {
         }
     }
 
-    /// Number of both; components are numbered from 0 in this order.
-    pub const COUNT: usize = Component::ALL.len() + Component::FURTHER.len();
+    /// Number of all; components are numbered from 0 in this order.
+    pub const COUNT: usize = Component::ALL.len() + Component::FURTHER.len() + Component::OWN.len();
 
     /// Its column in results of means, without unit: `sun_direct`.
     pub fn name(self) -> &'static str {
@@ -83,6 +173,20 @@ impl Component {
             Component::SunDiffuseObstruction => "sun_diffuse_obstruction",
             Component::SkyDiffuseGround => "sky_diffuse_ground",
             Component::SkyDiffuseObstruction => "sky_diffuse_obstruction",
+            Component::TotalUv => "total_uv",
+            Component::TotalVisible => "total_visible",
+            Component::TotalPar => "total_par",
+            Component::TotalNir => "total_nir",
+            Component::Ppfd => "ppfd",
+            Component::Illuminance => "illuminance",
+            Component::TotalOwn1 => "total_own_1",
+            Component::TotalOwn2 => "total_own_2",
+            Component::TotalOwn3 => "total_own_3",
+            Component::TotalOwn4 => "total_own_4",
+            Component::TotalOwn5 => "total_own_5",
+            Component::TotalOwn6 => "total_own_6",
+            Component::TotalOwn7 => "total_own_7",
+            Component::TotalOwn8 => "total_own_8",
         }
     }
 
@@ -109,13 +213,27 @@ impl Component {
             Component::SkyDiffuseObstruction => {
                 "irradiance on the receiver from the sky by diffuse reflection, obstructions seen first"
             }
+            Component::TotalUv => "solar irradiance on the receiver, 280 to 380 nm",
+            Component::TotalVisible => "solar irradiance on the receiver, 380 to 780 nm",
+            Component::TotalPar => "solar irradiance on the receiver, 400 to 700 nm",
+            Component::TotalNir => "solar irradiance on the receiver, 780 to 4000 nm",
+            Component::Ppfd => "photosynthetic photon flux density on the receiver, 400 to 700 nm",
+            Component::Illuminance => "illuminance on the receiver",
+            Component::TotalOwn1
+            | Component::TotalOwn2
+            | Component::TotalOwn3
+            | Component::TotalOwn4
+            | Component::TotalOwn5
+            | Component::TotalOwn6
+            | Component::TotalOwn7
+            | Component::TotalOwn8 => "solar irradiance on the receiver in a band of one's own",
         }
     }
 }
 
 /// Which components results hold, whatever their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ComponentSet(u16);
+pub struct ComponentSet(u32);
 
 impl ComponentSet {
     /// Of [`Component::ALL`].
@@ -123,7 +241,7 @@ impl ComponentSet {
 
     /// The set of those listed.
     pub fn of(components: &[Component]) -> Self {
-        ComponentSet(components.iter().fold(0, |set, component| set | 1 << *component as u16))
+        ComponentSet(components.iter().fold(0, |set, component| set | 1 << *component as u32))
     }
 
     /// The components that are listed in one of both sets.
@@ -134,18 +252,18 @@ impl ComponentSet {
 
     /// The components that are listed, in the order of their numbers.
     pub fn iter(self) -> impl Iterator<Item = Component> {
-        Component::ALL.into_iter().chain(Component::FURTHER).filter(move |component| self.contains(*component))
+        Component::every().filter(move |component| self.contains(*component))
     }
 
     /// Whether a component is listed in the set.
     pub fn contains(self, component: Component) -> bool {
-        self.0 & 1 << component as u16 != 0
+        self.0 & 1 << component as u32 != 0
     }
 
     /// Whether a component must be computed: it is asked for, or a part of the total that is, or one of its parts.
     pub fn needs(self, component: Component) -> bool {
         self.contains(component)
-            || self.contains(Component::Total) && !Component::FURTHER.contains(&component)
+            || self.contains(Component::Total) && Component::ALL.contains(&component)
             || self.needs_parts(component)
     }
 
@@ -156,48 +274,73 @@ impl ComponentSet {
 
     /// Number of components that values of the set are written for at most.
     pub fn places(self) -> usize {
-        let further = Component::FURTHER.iter().filter(|component| self.contains(**component)).count();
-        Component::ALL.len() + further
+        Component::ALL.len() + self.iter().filter(|component| !Component::ALL.contains(component)).count()
     }
 }
 
 /// Components in the order asked for: at least one, none twice.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ComponentList(Vec<Component>);
+pub struct ComponentList {
+    list: Vec<Component>,
+    /// Columns of [`Component::OWN`], as they are called in these results.
+    own: Vec<String>,
+}
 
 impl ComponentList {
     /// The six components and their total, in the order of their numbers.
     pub fn all() -> Self {
-        ComponentList(Component::ALL.to_vec())
+        ComponentList::listed(Component::ALL.to_vec())
     }
 
     /// One column.
     pub fn of(component: Component) -> Self {
-        ComponentList(vec![component])
+        ComponentList::listed(vec![component])
+    }
+
+    fn listed(list: Vec<Component>) -> Self {
+        ComponentList { list, own: Vec::new() }
+    }
+
+    /// The same with further columns behind them, as far as they are not there yet; `own` are the names of the first of [`Component::OWN`].
+    #[must_use]
+    pub fn with(mut self, further: &[Component], own: Vec<String>) -> Self {
+        for component in further {
+            if !self.list.contains(component) {
+                self.list.push(*component);
+            }
+        }
+        self.own = own;
+        self
+    }
+
+    /// What a column is called in these results, without unit.
+    pub fn name_of(&self, component: Component) -> &str {
+        let own = Component::OWN.iter().position(|one| *one == component).and_then(|place| self.own.get(place));
+        own.map_or(component.name(), String::as_str)
     }
 
     /// The columns, in the order that they are asked for.
     pub fn as_slice(&self) -> &[Component] {
-        &self.0
+        &self.list
     }
 
     /// Place of the one that stands for all: the total, or else the first.
     pub fn main_place(&self) -> usize {
-        self.0.iter().position(|one| *one == Component::Total).unwrap_or_default()
+        self.list.iter().position(|one| *one == Component::Total).unwrap_or_default()
     }
 
     /// The one that stands for all.
     pub fn main(&self) -> Component {
-        self.0.get(self.main_place()).copied().unwrap_or(Component::Total)
+        self.list.get(self.main_place()).copied().unwrap_or(Component::Total)
     }
 
     /// The same without order.
     pub fn set(&self) -> ComponentSet {
-        ComponentSet::of(&self.0)
+        ComponentSet::of(&self.list)
     }
 }
 
-/// `total,sun_direct`: names with or without [`SUM_SUFFIX`].
+/// `total,sun_direct`: names with or without the ending of sums.
 impl FromStr for ComponentList {
     type Err = String;
 
@@ -205,17 +348,17 @@ impl FromStr for ComponentList {
         let known = || Component::ALL.into_iter().chain(Component::FURTHER);
         let mut list = Vec::new();
         for part in text.split(',').map(str::trim) {
-            let name = part.strip_suffix(SUM_SUFFIX).unwrap_or(part);
-            let Some(component) = known().find(|c| c.name() == name) else {
+            let is_named = |c: &Component| part.strip_suffix(c.measure().sum_suffix()).unwrap_or(part) == c.name();
+            let Some(component) = known().find(is_named) else {
                 let names: Vec<&str> = known().map(Component::name).collect();
                 return Err(format!("`{part}` is no column, name some of {}", names.join(", ")));
             };
             if list.contains(&component) {
-                return Err(format!("`{name}` stands there twice"));
+                return Err(format!("`{}` stands there twice", component.name()));
             }
             list.push(component);
         }
-        Ok(ComponentList(list))
+        Ok(ComponentList::listed(list))
     }
 }
 
@@ -256,7 +399,7 @@ mod tests {
         assert!(!list.set().needs(Component::SunDirect));
     }
 
-    /// An unknown name is refused with all 12 names, an empty one and a repeated one too: 3 of 3.
+    /// An unknown name is refused with all 18 names, an empty one and a repeated one too: 3 of 3.
     #[test]
     fn refusals() {
         let refused = |text: &str| text.parse::<ComponentList>().expect_err(text);

@@ -2,6 +2,7 @@
 //! components and their total for every receiver and condition, and longwave irradiance where it is asked for. It never casts a ray:
 //! the crate has no code that could.
 
+pub mod bands;
 pub mod components;
 pub(crate) mod direct;
 pub mod factors;

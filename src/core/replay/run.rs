@@ -21,6 +21,7 @@ use crate::light::tables::Tables;
 use crate::light::tile_view::TileView;
 use crate::memory::MemoryBudget;
 use crate::opened::OpenSite;
+use crate::replay::bands::BandPass;
 use crate::replay::components::{Component, ComponentSet};
 use crate::replay::longwave::Longwave;
 use crate::replay::tile::Forcing;
@@ -108,6 +109,13 @@ pub struct Replay<'a> {
     mirrors: Option<MirrorTable>,
     /// Only where the archive's own responses do not serve.
     responder: Option<(Tables<'a>, ResponseSolver)>,
+    bands: Vec<BandReplay<'a>>,
+}
+
+/// A replay in a band, and the columns that its totals are of, one after the other.
+struct BandReplay<'a> {
+    replay: Replay<'a>,
+    components: Vec<Component>,
 }
 
 /// Receiver ids, in the order of the tile, and irradiance: `[component][receiver][result]`, W/m2 or what sums add up to.
@@ -126,7 +134,7 @@ impl<'a> Replay<'a> {
         conditions: &'r [Condition],
         settings: ReplaySettings<'r>,
     ) -> ReplayBuilder<'r, 'a> {
-        ReplayBuilder { site, conditions, settings, bins: None, schedules: &[] }
+        ReplayBuilder { site, conditions, settings, bins: None, schedules: &[], bands: &[], are_sums: false }
     }
 }
 
@@ -137,6 +145,8 @@ pub struct ReplayBuilder<'r, 'a> {
     settings: ReplaySettings<'r>,
     bins: Option<&'r Bins>,
     schedules: &'r [Schedule],
+    bands: &'r [BandPass<'a>],
+    are_sums: bool,
 }
 
 impl<'r, 'a> ReplayBuilder<'r, 'a> {
@@ -150,10 +160,33 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         ReplayBuilder { schedules, ..self }
     }
 
-    /// Makes the replay ready. An error: a number of patches that is not offered, longwave irradiance without emissions, cells that do not fit
-    /// together, schedules of an archive that was built without diffuse reflections and has no canopies.
+    /// Also gives columns of bands; `are_sums` says that the bins add hours / 1000.
+    pub fn with_bands(self, bands: &'r [BandPass<'a>], are_sums: bool) -> Self {
+        ReplayBuilder { bands, are_sums, ..self }
+    }
+
+    /// Makes the replay ready, and those of its bands. An error: see [`ReplayBuilder::build_one`].
     pub fn build(self) -> Result<Replay<'a>> {
-        let ReplayBuilder { site, conditions, settings, bins, schedules } = self;
+        let (conditions, bands, are_sums) = (self.conditions, self.bands, self.are_sums);
+        // All of them work at once.
+        let memory = MemoryBudget::new(self.settings.memory.total() / (1 + bands.len() as u64));
+        let settings = ReplaySettings { memory, ..self.settings };
+        let bins = self.bins.map_or_else(|| Cow::Owned(Bins::each(conditions.len())), Cow::Borrowed);
+        let mut replay = ReplayBuilder { settings, ..self }.build_one()?;
+        let settings = ReplaySettings { components: ComponentSet::of(&[Component::Total]), ..settings };
+        for pass in bands {
+            let (conditions, bins, schedules) =
+                (pass.conditions(conditions), pass.bins(&bins, are_sums), pass.repeated());
+            let builder = Replay::builder(&pass.site, &conditions, settings).summed(&bins).scheduled(&schedules);
+            replay.bands.push(BandReplay { replay: builder.build_one()?, components: pass.components() });
+        }
+        Ok(replay)
+    }
+
+    /// Makes the replay of all light ready. An error: a number of patches that is not offered, longwave irradiance without emissions, cells that do not fit
+    /// together, schedules of an archive that was built without diffuse reflections and has no canopies.
+    fn build_one(self) -> Result<Replay<'a>> {
+        let ReplayBuilder { site, conditions, settings, bins, schedules, .. } = self;
         let bins = &*bins.map_or_else(|| Cow::Owned(Bins::each(conditions.len())), Cow::Borrowed);
         let conditions = &*in_axes(conditions, site.north());
         if settings.sky.brightens() && conditions.iter().any(|c| c.own_sky.is_some() || c.clouds.is_some()) {
@@ -182,7 +215,8 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         };
         let paths = settings.paths;
         let matt = !paths.mirror_diffuse && !site.orientations().is_empty();
-        let derives = reflects && (paths.depth != MaxBounces::All || matt || !schedules.is_empty());
+        let is_changed = !site.is_as_stored() || !schedules.is_empty();
+        let derives = reflects && (paths.depth != MaxBounces::All || matt || is_changed);
         if !derives && (leaves.is_empty() || schedules.is_empty()) {
             let forcing = behind(forced(&[])?, vec![(leaves.clone(), bins.clone())]);
             return Replay::with(site, forcing, settings.memory, None);
@@ -226,7 +260,7 @@ impl<'a> Replay<'a> {
     ) -> Result<Self> {
         let reflects = forcing.reads_mirrors() && !site.orientations().is_empty();
         let mirrors = reflects.then(|| MirrorTable::of(site));
-        Ok(Replay { site: site.clone(), forcing, memory, mirrors, responder })
+        Ok(Replay { site: site.clone(), forcing, memory, mirrors, responder, bands: Vec::new() })
     }
 
     /// Number of tiles: those from 0 up to it can be asked for.
@@ -241,8 +275,8 @@ impl<'a> Replay<'a> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
         let cores = rayon::current_num_threads().max(1);
         let half = usize::try_from(self.memory.total() / 2).unwrap_or(usize::MAX);
-        let fit = (half / self.forcing.working_bytes().max(1)).clamp(1, cores);
-        let step = (RESULT_BYTES / self.forcing.tile_bytes().max(1)).clamp(fit, 16 * cores);
+        let fit = (half / self.bytes(Forcing::working_bytes).max(1)).clamp(1, cores);
+        let step = (RESULT_BYTES / self.bytes(Forcing::tile_bytes).max(1)).clamp(fit, 16 * cores);
         (0..tiles.len()).step_by(step).flat_map(move |first| {
             self.expect(tiles.get(first..tiles.len().min(first + 2 * step)).unwrap_or_default());
             match self.run(tiles.iter().copied().skip(first).take(step)) {
@@ -252,10 +286,32 @@ impl<'a> Replay<'a> {
         })
     }
 
+    /// Bytes of all light and of the bands.
+    fn bytes(&self, of: impl Fn(&Forcing) -> usize) -> usize {
+        of(&self.forcing) + self.bands.iter().map(|band| of(&band.replay.forcing)).sum::<usize>()
+    }
+
     /// Results of some tiles, all in memory at once; a damaged block among theirs is an error.
     pub fn run(&self, tiles: impl IntoIterator<Item = u32>) -> Result<Vec<TileResult>> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
-        self.expect(&tiles);
+        let mut results = self.run_one(&tiles)?;
+        for band in &self.bands {
+            for ((_, values), (_, of_band)) in results.iter_mut().zip(band.replay.run_one(&tiles)?) {
+                let labels = values.labels();
+                for receiver in 0..values.receivers() {
+                    let totals = of_band.row(Component::Total, receiver).chunks(labels.max(1));
+                    for (component, totals) in band.components.iter().zip(totals) {
+                        values.row_mut(*component, receiver).copy_from_slice(totals);
+                    }
+                }
+            }
+        }
+        Ok(results)
+    }
+
+    /// Results of all light.
+    fn run_one(&self, tiles: &[u32]) -> Result<Vec<TileResult>> {
+        self.expect(tiles);
         let reads = self.reads();
         let replayed = |(ids, layers): (Vec<String>, TileLayers)| (ids, self.forcing.replay(&layers));
         let reflects = self.reflects();
@@ -264,7 +320,7 @@ impl<'a> Replay<'a> {
                 let responses = if reflects { vec![self.site.tile_responses(tile)?] } else { Vec::new() };
                 Ok(replayed(TileLayers::read(&self.site, tile, reads, responses)?))
             };
-            return tiles.into_par_iter().map(read).collect();
+            return tiles.par_iter().copied().map(read).collect();
         };
         let view = |tile: &u32| TileView::read(&self.site, *tile);
         let views = tiles.par_iter().map(view).collect::<Result<Vec<_>>>()?;

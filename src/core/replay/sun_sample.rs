@@ -12,7 +12,7 @@ use crate::weather::time::bins::Bins;
 pub struct SunSample {
     /// Result.
     pub bin: usize,
-    /// Irradiance normal to it x share of the time x what clouds let through x weight in the result.
+    /// Irradiance normal to it x [`Condition::scale`] x share of the time x what clouds let through x weight in the result.
     pub strength: f64,
     /// Of its middle.
     pub direction: DVec3,
@@ -21,13 +21,13 @@ pub struct SunSample {
 impl SunSample {
     /// Suns of all conditions with DNI, in their order.
     pub fn of_suns(conditions: &[Condition], bins: &Bins) -> Vec<SunSample> {
-        SunSample::of(conditions, bins, |c| c.dni_w_m2)
+        SunSample::of(conditions, bins, |c| c.dni_w_m2 * c.scale.sun)
     }
 
     /// The same for the light that a model's skies send from where the suns are; most have none.
     pub fn of_circumsolar(conditions: &[Condition], bins: &Bins, model: SkyModel) -> Vec<SunSample> {
         let conditions = if model.brightens() { conditions } else { &[] };
-        SunSample::of(conditions, bins, |c| model.parts(c).circumsolar_w_m2)
+        SunSample::of(conditions, bins, |c| model.parts(c).circumsolar_w_m2 * c.scale.sky)
     }
 
     fn of(conditions: &[Condition], bins: &Bins, normal_w_m2: impl Fn(&Condition) -> f64 + Sync) -> Vec<SunSample> {

@@ -95,7 +95,7 @@ impl TileValues {
     pub fn select(&self, kept: &[bool]) -> TileValues {
         let rows: Vec<usize> = (0..self.receivers).filter(|row| kept.get(*row) == Some(&true)).collect();
         let mut out = TileValues::new(rows.len(), self.labels);
-        for component in Component::ALL.into_iter().chain(Component::FURTHER) {
+        for component in Component::every() {
             for (to, &from) in rows.iter().enumerate() {
                 out.row_mut(component, to).copy_from_slice(self.row(component, from));
             }

@@ -1,5 +1,7 @@
 //! A surface's optical properties. In: shares of the light. Out: one checked material.
 
+use crate::site::bands::{Band, BandOptics, BandProperty};
+
 /// Which of the two first-hit classes a surface counts for (the five EnergyPlus factors need them apart).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
@@ -90,12 +92,15 @@ pub struct Material {
     pub class: Class,
     /// Materials of one group may follow a schedule at replay.
     pub group: Option<String>,
+    /// Values for bands of the light, beside those for all of it.
+    pub bands: BandOptics,
 }
 
 impl Material {
     /// A material without mirrors, panes or gaps.
     pub fn matt(name: impl Into<String>, diffuse: f64, class: Class) -> Self {
-        Material { name: name.into(), diffuse, specular: 0.0, glass: None, transmittance: None, class, group: None }
+        let (name, bands) = (name.into(), BandOptics::default());
+        Material { name, diffuse, specular: 0.0, glass: None, transmittance: None, class, group: None, bands }
     }
 
     /// Whether rays that meet it go on as from a mirror.
@@ -121,6 +126,84 @@ impl Material {
             (None, None) if self.specular > 0.0 => format!("diffuse {diffuse}, specular {}", rounded(self.specular)),
             (None, None) => format!("diffuse {diffuse}"),
         }
+    }
+
+    /// The value of a property for all light, if the material has the property: of a specular reflectance, a transmittance or what leaves scatter
+    /// only what is traced as a mirror, a canopy or one that scatters has one.
+    fn solar(&self, property: BandProperty) -> Option<f64> {
+        match property {
+            BandProperty::Diffuse => {
+                Some(self.diffuse).filter(|diffuse| self.transmittance.is_none() || *diffuse > 0.0)
+            }
+            BandProperty::Specular => Some(self.specular).filter(|specular| *specular > 0.0),
+            BandProperty::Transmittance => self.transmittance,
+        }
+    }
+
+    /// The material in a band, as its values make it: they may not be those of a material where the band's follow from others.
+    fn unclipped(&self, band: Band) -> Material {
+        let value = |property| Some(self.bands.of(property).value(band, self.solar(property)?));
+        Material {
+            diffuse: value(BandProperty::Diffuse).unwrap_or_default(),
+            specular: value(BandProperty::Specular).unwrap_or_default(),
+            transmittance: value(BandProperty::Transmittance),
+            bands: BandOptics::default(),
+            ..self.clone()
+        }
+    }
+
+    /// The material in a band of the light: its values there are those for all light. What follows from other values and lies outside 0..=1 is
+    /// moved there, and what then gives back more than arrives is dimmed.
+    #[must_use]
+    pub fn in_band(&self, band: Band) -> Material {
+        if self.bands.is_empty() {
+            return self.clone();
+        }
+        let mut material = self.unclipped(band);
+        let share = |value: f64| value.clamp(0.0, 1.0);
+        (material.diffuse, material.specular) = (share(material.diffuse), share(material.specular));
+        material.transmittance = material.transmittance.map(share);
+        let whole = material.given_back().max(1.0);
+        (material.diffuse, material.specular) = (material.diffuse / whole, material.specular / whole);
+        material.transmittance = material.transmittance.map(|through| through / whole);
+        material
+    }
+
+    /// Share of the light that is reflected or goes on.
+    fn given_back(&self) -> f64 {
+        self.diffuse + self.specular + self.transmittance.unwrap_or_default()
+    }
+
+    /// What follows from the values of other bands and is no share of the light, in words: [`Material::in_band`] moves it to one.
+    pub fn misfit(&self, band: Band) -> Option<String> {
+        let value = |property| Some((property, self.bands.of(property).value(band, self.solar(property)?)));
+        let mut values = BandProperty::ALL.into_iter().filter_map(value);
+        // 0.25 of 0.25 is what is left of 0.25, but for the last digit.
+        let outside = values.find(|(_, value)| !(-1e-9..=1.0 + 1e-9).contains(value));
+        let outside = outside.map(|(property, value)| format!("`{}` would be {}", property.name(), rounded(value)));
+        let all = self.unclipped(band).given_back();
+        outside.or_else(|| (all > 1.0 + 1e-9).then(|| format!("it would give back {} of the light", rounded(all))))
+    }
+
+    /// Says what is wrong with values by band.
+    fn check_bands(&self) -> std::result::Result<(), String> {
+        for (property, band, value) in self.bands.all() {
+            let (key, name) = (property.name(), band.name());
+            if !(0.0..=1.0).contains(&value) {
+                return Err(format!("`{key}` is {value} for `{name}`, not from 0 to 1"));
+            }
+            if self.solar(property).is_none() {
+                return Err(format!(
+                    "`{key}` is {value} for `{name}` and 0 for all light: what is traced follows from the value for all light"
+                ));
+            }
+            let given_back = self.unclipped(band).given_back();
+            if given_back > 1.0 + 1e-12 {
+                let (sum, names) = (rounded(given_back), "`diffuse`, `specular` and `transmittance`");
+                return Err(format!("{names} add up to {sum} for `{name}`: more light than arrives"));
+            }
+        }
+        Ok(())
     }
 
     /// Says what is wrong with properties that this type must not hold.
@@ -149,7 +232,7 @@ impl Material {
                 "`diffuse` {diffuse} and `specular` {specular} add up to more than 1: more light than arrives"
             ));
         }
-        Ok(())
+        self.check_bands()
     }
 }
 
@@ -161,12 +244,48 @@ pub fn rounded(share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::site::bands::BandValues;
 
     /// 0.2, 0.0625 and 0.12345678 are shown as 0.2, 0.0625 and 0.1235.
     #[test]
     fn shown() {
         let shown = [0.2, 0.0625, 0.123_456_78].map(|diffuse| Material::matt("m", diffuse, Class::Ground).optics());
         assert_eq!(shown, ["diffuse 0.2", "diffuse 0.0625", "diffuse 0.1235"]);
+    }
+
+    /// A mirror of 0.2 + 0.5 whose `visible` values are 0.1 and 0.3 has 0.3185 + 0.7370 of the near infrared: more than arrives, which is said
+    /// (1.0555) and dimmed to 1; the other 3 bands fit. 6 of 6 statements that no material can have are refused.
+    #[test]
+    fn bands() {
+        let mut mirror = Material { specular: 0.5, ..Material::matt("m", 0.2, Class::Obstruction) };
+        mirror.bands.diffuse = BandValues::of(Band::Visible, 0.1);
+        mirror.bands.specular = BandValues::of(Band::Visible, 0.3);
+        assert_eq!(mirror.check(), Ok(()));
+        let nir = mirror.in_band(Band::Nir);
+        assert!((nir.diffuse + nir.specular - 1.0).abs() < 1e-12 && nir.check() == Ok(()), "{nir:?}");
+        assert_eq!(mirror.misfit(Band::Nir).as_deref(), Some("it would give back 1.0555 of the light"));
+        let seen = mirror.in_band(Band::Par);
+        assert_eq!((seen.diffuse, seen.specular, seen.bands.is_empty()), (0.1, 0.3, true));
+        assert!([Band::Uv, Band::Visible, Band::Par].iter().all(|band| mirror.misfit(*band).is_none()));
+        let matt = Material::matt("w", 0.2, Class::Obstruction);
+        assert_eq!(matt.in_band(Band::Nir), matt);
+        let dark = Material { transmittance: Some(0.5), ..Material::matt("leaf", 0.0, Class::Obstruction) };
+        let pane = Material { glass: Some(Glass::Single), ..matt.clone() };
+        let of = |property: BandProperty, value, of: &Material| {
+            let mut material = of.clone();
+            *material.bands.of_mut(property) = BandValues::of(Band::Visible, value);
+            material.check()
+        };
+        for (refused, words) in [
+            (of(BandProperty::Diffuse, 1.2, &matt), "1.2 for `visible`, not from 0 to 1"),
+            (of(BandProperty::Specular, 0.1, &matt), "0 for all light"),
+            (of(BandProperty::Transmittance, 0.1, &matt), "0 for all light"),
+            (of(BandProperty::Specular, 0.1, &pane), "0 for all light"),
+            (of(BandProperty::Diffuse, 0.8, &mirror), "add up to 1.1 for `visible`"),
+            (of(BandProperty::Diffuse, 0.1, &dark), "0 for all light"),
+        ] {
+            assert!(refused.as_ref().is_err_and(|text| text.contains(words)), "{refused:?}");
+        }
     }
 
     /// Both classes come back from their codes 0 and 1, which are their places in arrays; the other 254 numbers are none.

@@ -3,6 +3,7 @@
 
 pub mod disc;
 pub mod distribution;
+pub mod efficacy;
 pub mod horizon;
 pub mod model;
 pub mod own_skies;

@@ -55,6 +55,7 @@ impl Skies {
                         }
                         for (way, bins) in ways.iter().enumerate() {
                             let (bin, weight) = bins.of_condition[i];
+                            let weight = weight * condition.scale.sky;
                             if weight != 0.0 {
                                 let sum = sums.entry((way, bin)).or_insert_with(|| vec![0.0; sources]);
                                 sum.iter_mut().zip(&radiances).for_each(|(sum, l)| *sum += l * weight);

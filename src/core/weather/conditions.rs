@@ -11,6 +11,7 @@ use glam::DVec3;
 
 use crate::dome::series::PatchRow;
 use crate::error::{Error, Result};
+use crate::site::bands::SourceScale;
 use crate::site::north::North;
 use crate::text::separator_hint;
 use crate::units::direction_from_degrees;
@@ -70,12 +71,15 @@ pub struct Condition {
     pub stamp: Option<Stamp>,
     /// Present where longwave irradiance is asked for.
     pub emission: Option<Emission>,
-    /// The air of the hour, present with the emission.
+    /// The air of the hour, where the weather was read with it.
     pub air: Option<Air>,
     /// Radiances of the sky's patches where a file gives them in place of a model; they are scaled to DHI, so only their ratios count.
     pub own_sky: Option<PatchRow>,
     /// What clouds before the sky let through, by patch; the suns' shares are in [`Instant::unclouded`].
     pub clouds: Option<PatchRow>,
+    /// What the light of the sun and of the sky is taken times in results: shares of a band, or another unit. How the sky's light is spread
+    /// follows from the irradiances as they are.
+    pub scale: SourceScale,
 }
 
 impl Condition {
@@ -99,6 +103,7 @@ impl Condition {
             air: None,
             own_sky: None,
             clouds: None,
+            scale: SourceScale::WHOLE,
         }
     }
 

@@ -138,6 +138,14 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
             line!(out, "  canopies    {}", canopies.join(" "));
         }
     }
+    if archive.has(format::BANDS, TileNumber::FIRST) {
+        let names = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, TileNumber::FIRST)?)?.name;
+        let table = tables::BandsTable::from_block(&archive.block(format::BANDS, TileNumber::FIRST)?)?;
+        let optics = table.optics(names.len()).unwrap_or_default();
+        let stated = names.iter().zip(&optics).filter(|(_, optics)| !optics.is_empty());
+        let stated: Vec<&str> = stated.map(|(name, _)| name.as_str()).collect();
+        line!(out, "  bands       {} values of {}", table.rows(), stated.join(", "));
+    }
     line!(out, "  layer            blocks      raw bytes   stored bytes  a receiver");
     let mut stored = 0;
     for layer in &manifest.layers {

@@ -8,9 +8,6 @@ Progress = Callable[[str, int, int | None], object]
 
 __version__: str
 
-#: Light paths in words, by the names of columns.
-MEANINGS: dict[str, str]
-
 def use_threads(count: int) -> int:
     """Makes all work of this process run on so many threads, if none has begun; how many they are."""
 
@@ -67,6 +64,10 @@ class FrameHandle:
     def label(self) -> str: ...
     @property
     def unit(self) -> str: ...
+    @property
+    def units(self) -> list[str]: ...
+    @property
+    def meanings(self) -> list[str]: ...
     @property
     def provenance(self) -> dict[str, str]: ...
 

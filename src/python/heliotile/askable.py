@@ -148,7 +148,7 @@ class Askable(ABC):
         """Irradiance through weather: `heliotile replay`, value by value.
 
         `weather` is a path, a DataFrame with pvlib's names, or a `Weather`. The choices are those of `heliotile.options.ReplayOptions`: `every`,
-        `columns`, `receivers`, `reflectance`, `transmittance`, `snow`, `snow_reflectance`, `temperature`, `sky`, `sky_scale`,
+        `columns`, `bands`, `receivers`, `reflectance`, `transmittance`, `snow`, `snow_reflectance`, `temperature`, `sky`, `sky_scale`,
         `sky_white`, `clouds`, `image_top`, `patches`, `paths`, `bounces`,
         `steps`, `stamp`, `year`, `start`, `end`, `memory`, `progress`.
         """
@@ -164,7 +164,7 @@ class Askable(ABC):
 
         `conditions` is the path of a CSV file, a DataFrame or a mapping of arrays with the columns `sun_azimuth_deg` (clockwise from true
         north), `sun_altitude_deg` (without refraction: pvlib's `elevation`), `dni_w_m2`, `dhi_w_m2`, and `condition`, a name for each, which may be left out.
-        The choices are those of `heliotile.options.QueryOptions`: `columns`, `receivers`, `reflectance`, `transmittance`, `sky`, `sky_scale`,
+        The choices are those of `heliotile.options.QueryOptions`: `columns`, `bands`, `receivers`, `reflectance`, `transmittance`, `sky`, `sky_scale`,
         `sky_white`, `clouds`, `image_top`, `patches`, `paths`, `bounces`, `memory`, `progress`.
         """
         check("query", options, QueryOptions)

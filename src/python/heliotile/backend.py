@@ -59,6 +59,7 @@ class HeliotileBackend(BackendEntrypoint):
         weather: Any = None,
         every: str = "hour",
         columns: Sequence[str] | None = None,
+        bands: Sequence[str | os.PathLike[str]] | str | None = None,
         reflectance: Mapping[str, Follow] | None = None,
         transmittance: Mapping[str, Follow] | None = None,
         snow: str | None = None,
@@ -95,7 +96,7 @@ class HeliotileBackend(BackendEntrypoint):
             archive = Archive.open(filename_or_obj, access=access, grid_north=grid_north)
         # xarray reads the names of its choices from the signature.
         options = ReplayOptions(
-            columns=columns, reflectance=reflectance, transmittance=transmittance, sky=sky, sky_scale=sky_scale, sky_white=sky_white,
+            columns=columns, bands=bands, reflectance=reflectance, transmittance=transmittance, sky=sky, sky_scale=sky_scale, sky_white=sky_white,
             clouds=clouds, image_top=image_top, patches=patches, paths=paths, bounces=bounces, memory=memory, every=every, stamp=stamp, year=year, start=start, end=end, steps=steps, snow=snow, snow_reflectance=snow_reflectance,
             temperature=temperature,
         )

@@ -71,6 +71,9 @@ class QueryOptions(LightOptions, total=False):
 
     columns
         Names of components; default: the six and their `total`.
+    bands
+        Bands of the light, whose columns stand behind the others: some of `"uv"`, `"visible"`, `"par"`, `"nir"` and paths of files of own bands. The
+        book's page of bands.
     receivers
         An id, ids, a table with a column `receiver`, or one of `{"objects": names}` (buildings too), `{"surfaces": names}` and
         `{"bbox": (xmin, ymin, xmax, ymax)}`, with `zmin, zmax` behind it if heights count; default: all. A `pathlib.Path` is a CSV file with a
@@ -78,6 +81,7 @@ class QueryOptions(LightOptions, total=False):
     """
 
     columns: Sequence[str] | None
+    bands: Sequence[str | os.PathLike[str]] | str | None
     receivers: Wanted | None
 
 
@@ -182,8 +186,11 @@ def light_args(options: QueryOptions) -> dict[str, Any]:
     """Choices of light as the engine takes them."""
     columns, paths = options.get("columns"), options.get("paths", "all")
     joined = [columns] if isinstance(columns, str) else columns
+    bands = options.get("bands")
+    named = [bands] if isinstance(bands, (str, os.PathLike)) else bands
     return {
         "columns": None if joined is None else ",".join(str(column) for column in joined),
+        "bands": None if named is None else ",".join(os.fspath(band) for band in named),
         "sky": _sky(options.get("sky", "perez")),
         "sky_scale": options.get("sky_scale"),
         "sky_white": given.number("sky_white", options.get("sky_white"), "give W/m2/sr"),

@@ -26,6 +26,7 @@ class Frame:
         self.columns: dict[str, str] = dict(frame.columns)
         self.label: str = frame.label
         self.unit: str = frame.unit
+        self._about: dict[str, tuple[str, str]] = dict(zip(self.columns, zip(frame.units, frame.meanings, strict=True), strict=True))
         self.provenance: dict[str, str] = frame.provenance
         self.time_utc: np.ndarray | None = None
         self.utc_offset: timedelta | None = None
@@ -64,11 +65,14 @@ class Frame:
 
     def attributes(self, column: str) -> dict[str, str]:
         """Of a variable."""
-        units = {"W/m2": "W m-2", "kWh/m2": "kW h m-2"}[self.unit]
+        unit, meaning = self._about[column]
         method = {"W/m2": "time: mean", "kWh/m2": "time: sum"}[self.unit] if self.label == "time" else ""
-        about = {"long_name": _heliotile.MEANINGS[column], "units": units}
+        about = {"long_name": meaning, "units": UNITS.get(unit, unit)}
         return about | ({"cell_methods": method} if method else {})
 
+
+#: Units as CF and UDUNITS write them.
+UNITS = {"W/m2": "W m-2", "kWh/m2": "kW h m-2", "umol/(m2 s)": "umol m-2 s-1", "mol/m2": "mol m-2"}
 
 #: What is known of receivers.
 COORDINATES: dict[str, dict[str, str]] = {

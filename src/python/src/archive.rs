@@ -283,7 +283,7 @@ impl ArchiveHandle {
     ) -> PyResult<Option<String>> {
         let files: FileRequest = request(files).map_err(|error| raised(py, error))?;
         self.streamed(py, light, Forcing::of(&forcing)?, receivers, progress, |stream, asked| {
-            files.check(asked.light().columns.as_ref(), stream.series.every, &[&self.place])?;
+            files.check(asked.light().chosen_columns().as_ref(), stream.series.every, &[&self.place])?;
             files.write(stream, self.sources.borrowed(), &self.place)
         })
     }

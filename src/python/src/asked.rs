@@ -22,8 +22,8 @@ use heliotile_core::weather::options::{WeatherOptions, parse_zone};
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::temperatures::Temperature;
 use heliotile_results::{
-    Archives, ComfortChoice, ComfortRequest, Illumination, LightChoice, Provenance, QueryRequest, ReplayRequest,
-    Resources, Series, SkyChoice, SkyFiles,
+    Archives, BandChoice, BandList, ComfortChoice, ComfortRequest, Illumination, LightChoice, Provenance, QueryRequest,
+    ReplayRequest, Resources, Series, SkyChoice, SkyFiles,
 };
 use heliotile_scene::input;
 
@@ -48,6 +48,7 @@ pub enum Follow {
 #[pyo3(from_item_all)]
 pub struct LightArgs {
     columns: Option<String>,
+    bands: Option<String>,
     sky: String,
     sky_scale: Option<String>,
     sky_white: Option<f64>,
@@ -174,7 +175,11 @@ impl LightArgs {
             clouds: self.clouds,
             image_top_deg: self.image_top.map(|top| azimuth("image_top", top)).transpose()?,
         });
-        Ok(LightChoice { columns, sky, patches: self.patches, paths, changes, sky_files })
+        let choice = self.bands.as_deref().map(str::parse::<BandChoice>).transpose();
+        let choice =
+            choice.map_err(wrong("bands", "give names, as in [\"visible\", \"par\"], or the path of a file"))?;
+        let bands = Box::new(choice.map_or(Ok(BandList::default()), |choice| choice.read(&input::read))?);
+        Ok(LightChoice { columns, sky, patches: self.patches, paths, changes, sky_files, bands })
     }
 }
 
@@ -295,7 +300,7 @@ impl Filled {
             Illumination::Weather(request) => {
                 let weather = request.read_weather(&resources, &mut || Ok(archives.manifest().place))?;
                 let dated = request.dated(&weather, observer)?;
-                request.tell_misfits(archives, &weather, observer);
+                request.tell_misfits(archives, &weather, observer)?;
                 then(&request.series(archives, &weather, &dated, about, &resources)?, resources)
             }
         }
@@ -303,7 +308,7 @@ impl Filled {
 }
 
 fn names(columns: &ComponentList) -> String {
-    columns.as_slice().iter().map(|column| column.name()).collect::<Vec<_>>().join(",")
+    columns.as_slice().iter().map(|column| columns.name_of(*column)).collect::<Vec<_>>().join(",")
 }
 
 impl Follow {
@@ -326,6 +331,7 @@ impl LightArgs {
     fn options(&self) -> Map<String, Value> {
         let is_constant = |entry: &&(String, Follow)| matches!(entry.1, Follow::Constant(_));
         let options = [
+            ("bands", self.bands.as_deref().into()),
             ("sky", self.sky.as_str().into()),
             ("sky_scale", self.sky_scale.as_deref().into()),
             ("sky_white", self.sky_white.into()),

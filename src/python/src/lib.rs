@@ -28,9 +28,6 @@ mod studies;
 mod table;
 mod work;
 
-use std::collections::HashMap;
-
-use heliotile_core::replay::components::Component;
 use pyo3::prelude::*;
 
 #[pymodule]
@@ -90,9 +87,6 @@ mod _heliotile {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        let meanings =
-            Component::ALL.into_iter().chain(Component::FURTHER).map(|column| (column.name(), column.meaning()));
-        module.add("MEANINGS", meanings.collect::<HashMap<_, _>>())
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -49,7 +49,7 @@ impl Frame {
     /// The place of a column by its name, with or without the ending of sums.
     pub fn column(&self, name: &str) -> Option<usize> {
         let names = self.layout.values();
-        let place = self.components().iter().position(|component| component.name() == name);
+        let place = self.components().iter().position(|component| self.components.name_of(*component) == name);
         place.or_else(|| names.iter().position(|known| known == name))
     }
 }
@@ -182,7 +182,7 @@ impl Recombined {
 
 /// Names that a message shows.
 pub fn no_column(frame: &Frame, name: &str) -> String {
-    let known: Vec<&str> = frame.components().iter().map(|component| component.name()).collect();
+    let known: Vec<&str> = frame.components().iter().map(|component| frame.components.name_of(*component)).collect();
     format!("no column `{name}`: there are {}", known.join(", "))
 }
 
@@ -246,8 +246,21 @@ impl FrameHandle {
 
     /// Names of components, and of the columns that files have.
     #[getter]
-    fn columns(&self) -> Vec<(&'static str, String)> {
-        self.0.components().iter().map(|component| component.name()).zip(self.0.layout.values()).collect()
+    fn columns(&self) -> Vec<(String, String)> {
+        let names = self.0.components().iter().map(|component| self.0.components.name_of(*component).to_owned());
+        names.zip(self.0.layout.values()).collect()
+    }
+
+    /// Units of the columns, in their order.
+    #[getter]
+    fn units(&self) -> Vec<&'static str> {
+        self.0.layout.units()
+    }
+
+    /// Light paths of the columns in words, in their order.
+    #[getter]
+    fn meanings(&self) -> Vec<&'static str> {
+        self.0.components().iter().map(|component| component.meaning()).collect()
     }
 
     /// `time` or `condition`.

@@ -113,6 +113,8 @@ def test_weather(site: heliotile.Archive) -> None:
     [
         ({"every": "week"}, "every: `week` is none of its values\n  to fix: give hour, day, month, year, total"),
         ({"columns": ["sun"]}, "columns: .*`?sun`?"),
+        ({"bands": ["visible", "red"]}, "bands: `red` is no band: name some of uv, visible, par, nir"),
+        ({"bands": "own.toml"}, "No such file"),
         ({"sky": "blue"}, "sky: "),
         ({"sky": Path("no.mtx")}, "No such file"),
         ({"sky_scale": "half"}, "sky_scale: `half` is none of its values\n  to fix: give dhi, given"),

@@ -63,6 +63,19 @@ def test_own_skies_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> 
     same(site.replay(weather, sky=matrix, sky_scale="dhi", clouds=clouds), values)
 
 
+def test_bands_are_the_programs(site: heliotile.Archive, tmp_path: Path) -> None:
+    """Two bands and one of a file, hours and sums: equal to the bit, under their names, each with its unit."""
+    own = tmp_path / "own.toml"
+    own.write_text('[[band]]\nname = "half"\nsun = 0.5\nsky = 0.5\n')
+    for every in ["hour", "month"]:
+        words = ["--weather", DAYS, "--every", every, "--columns", "total", "--bands", f"visible,par,{own}"]
+        with pytest.warns(heliotile.HeliotileWarning, match="no material states values by band"):
+            results = site.replay(DAYS, every=every, columns=["total"], bands=["visible", "par", own])
+        same(results, of_program(tmp_path, "replay", site, *words))
+        assert results.columns == ["total", "total_visible", "illuminance", "total_par", "ppfd", "total_half"]
+        assert np.allclose(results["total_half"], 0.5 * results["total"], rtol=1e-5)
+
+
 def test_receivers_by_object_surface_and_box(block: heliotile.Archive, tmp_path: Path) -> None:
     """A building, two surfaces and a box, of 1,228 receivers: equal to the bit to the program's, and to a list of their ids."""
     table = pd.DataFrame(block.receivers())

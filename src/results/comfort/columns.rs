@@ -5,6 +5,7 @@ use std::str::FromStr;
 use crate::outputs::periods::Every;
 use crate::outputs::quantities::{Measure, Quantity, ValueSource};
 use heliotile_core::named::{NamedValues, of_name};
+use heliotile_core::replay::components::LightMeasure;
 use heliotile_core::weather::time::bins::Bins;
 
 /// What a column says, or six of them.
@@ -73,7 +74,7 @@ impl ComfortColumn {
                 column: self,
                 name: format!("{kind}_{plane}"),
                 words: format!("{kind} irradiance of the plane that looks {plane}"),
-                measure: Measure::Light,
+                measure: Measure::Light(LightMeasure::Irradiance),
             };
             PLANES.iter().map(of_plane).collect()
         };

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::columns::ComfortColumn;
 use crate::files::FileRequest;
 use crate::outputs::periods::Every;
-use crate::request::{LightChoice, ReplayRequest};
+use crate::request::ReplayRequest;
 use heliotile_core::comfort::mean_radiant::RadiantBody;
 use heliotile_core::comfort::pet::{PetPerson, PetPosture};
 use heliotile_core::comfort::surroundings::{
@@ -241,8 +241,8 @@ impl ComfortRequest {
     /// The replay that gives the light of each hour, with the air.
     pub fn stream(&self) -> ReplayRequest {
         // Longwave brings the air with it.
-        let columns = "sun_direct,total,longwave".parse().ok();
-        let light = LightChoice { columns, ..self.replay.light.clone() };
+        let columns = "sun_direct,total,longwave".parse();
+        let light = columns.map_or_else(|_| self.replay.light.clone(), |columns| self.replay.light.only(columns));
         ReplayRequest { light, every: Every::Hour, ..self.replay.clone() }
     }
 

@@ -84,7 +84,7 @@ impl CompareRequest {
             return Err(Error::argument("output, plot", what, hint));
         }
         let inputs: Vec<&Path> = inputs.iter().copied().chain(self.after.iter().map(PathBuf::as_path)).collect();
-        files.check(self.under.light().columns.as_ref(), every, &inputs)?;
+        files.check(self.under.light().chosen_columns().as_ref(), every, &inputs)?;
         let tables = [self.summary.as_deref(), self.unmatched.as_deref()];
         let written = tables.into_iter().flatten().chain([files.output.as_path()]);
         let written: Vec<&Path> = written.filter(|path| *path != Path::new("-")).collect();
@@ -106,6 +106,6 @@ impl CompareRequest {
 
     /// The columns that are compared.
     fn columns(&self) -> ComponentList {
-        self.under.light().columns.clone().unwrap_or_else(|| ComponentList::of(Component::Total))
+        self.under.light().columns_or(ComponentList::of(Component::Total))
     }
 }

@@ -46,7 +46,7 @@ impl CompareRequest {
         let (has_details, asked) = (self.has_details(files), self.columns());
         let columns = if has_details { asked.clone() } else { ComponentList::of(asked.main()) };
         let patches = Some(before.stream.light.patches_of(before.archives.first()));
-        let light = LightChoice { columns: Some(columns.clone()), patches, ..before.stream.light.clone() };
+        let light = LightChoice { patches, ..before.stream.light.only(columns.clone()) };
         let totals = before.stream.series.by(Every::Total);
         let series = if has_details { before.stream.series } else { &totals };
         let stream = TileStream { light: &light, series, ..*before.stream };

@@ -72,7 +72,7 @@ impl CompareSummary {
             before,
             under: under.to_owned(),
             what: label(main),
-            unit: layout.unit(),
+            unit: layout.unit_of(layout.main_quantity()),
             columns: layout.values(),
             variants: variants.iter().map(summary).collect(),
         }

@@ -189,7 +189,7 @@ impl AreaChart<'_> {
         };
         let title = capital(&format!("{what} by {by}"));
         let labels = self.series.labels.text.clone();
-        Bars { title, called, unit: layout.unit().into(), labels, stacks, scale: self.scale() }
+        Bars { title, called, unit: layout.unit_of(main).into(), labels, stacks, scale: self.scale() }
     }
 
     /// The components that add up to the total, as far as they are asked for, or else what stands for all.
@@ -247,7 +247,9 @@ impl AreaChart<'_> {
         let mean = |(sum, count): (f64, u32)| (count > 0).then(|| sum / f64::from(count));
         let columns = sums.into_iter().map(|hours| hours.map(mean)).collect();
         let by = if by_month { "month" } else { "day" };
-        let title = format!("{} by hour and {by}, W/m2", self.layout().main_quantity().words);
+        let layout = self.layout();
+        let main = layout.main_quantity();
+        let title = format!("{} by hour and {by}, {}", main.words, layout.unit_of(main));
         Carpet { title, called, labels, columns, scale: self.scale() }
     }
 }

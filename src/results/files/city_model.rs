@@ -65,7 +65,7 @@ impl<'a> CityModelSink<'a> {
         let labels = &stream.series.labels.text;
         let every = stream.series.every;
         let whole = every == Some(Every::Total) || every == Some(Every::Year) && labels.len() == 1;
-        let sums = ModelSums::new(stream.light.columns().as_slice(), if whole { &[] } else { labels });
+        let sums = ModelSums::new(&stream.light.columns(), if whole { &[] } else { labels });
         Ok(CityModelSink {
             model: model.to_owned(),
             text,

@@ -35,7 +35,7 @@ pub fn write(stream: &TileStream, by: By, folder: &Path, about: Provenance) -> R
     let hours = LitHours::of(&series.conditions)
         .map_err(|(what, hint)| Error::input(&series.source, None, format!("has {what}, Honeybee has none"), hint))?;
     let grids = Grids::of(stream.receivers.receivers(), by)?;
-    let components = stream.light.columns.as_ref().map_or(COMPONENTS.to_vec(), |columns| columns.as_slice().to_vec());
+    let components = stream.light.chosen_columns().map_or(COMPONENTS.to_vec(), |columns| columns.as_slice().to_vec());
     let mut sink = HoneybeeSink {
         receivers: stream.receivers.receivers(),
         components: ComponentSet::of(&components),

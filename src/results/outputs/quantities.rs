@@ -4,7 +4,7 @@
 //! A further question to archives is a further list of [`Quantity`]; tables, maps and pictures know nothing of components.
 
 use crate::outputs::pictures::colours::label;
-use heliotile_core::replay::components::{Component, ComponentList};
+use heliotile_core::replay::components::{Component, ComponentList, LightMeasure};
 use heliotile_core::replay::values::TileValues;
 
 /// A number that each place has for each label.
@@ -23,8 +23,8 @@ pub struct Quantity {
 /// What a quantity measures: its unit, and how tables show it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// Irradiance or irradiation, in the unit of the labels.
-    Light,
+    /// Light, in its unit for the labels.
+    Light(LightMeasure),
     /// A share.
     Percent,
     /// A time.
@@ -109,11 +109,35 @@ const BEFORE: &str = "before";
 const AFTER: &str = "after";
 const CHANGE: &str = "change";
 
+/// Which unit the names of light end with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightEnding {
+    /// None.
+    Bare,
+    /// That of means.
+    Means,
+    /// That of sums.
+    Sums,
+}
+
+impl LightEnding {
+    /// The ending.
+    pub fn of(self, measure: LightMeasure) -> &'static str {
+        match (self, measure) {
+            (LightEnding::Bare, _) => "",
+            (LightEnding::Sums, measure) => measure.sum_suffix(),
+            (LightEnding::Means, LightMeasure::Irradiance) => "_w_m2",
+            (LightEnding::Means, LightMeasure::PhotonFlux) => "_umol_m2_s",
+            (LightEnding::Means, LightMeasure::Illuminance) => "_lx",
+        }
+    }
+}
+
 impl Quantity {
-    /// Name of its column, where that of irradiance has an ending that says the unit.
-    pub fn with_ending(&self, of_irradiance: &str) -> String {
+    /// Name of its column, where that of light has an ending that says the unit.
+    pub fn with_ending(&self, of_light: LightEnding) -> String {
         let ending = match self.measure {
-            Measure::Light => of_irradiance,
+            Measure::Light(measure) => of_light.of(measure),
             Measure::Percent => PERCENT,
             _ => "",
         };
@@ -123,10 +147,10 @@ impl Quantity {
     /// Components of a replay, whose arrays come in the same order.
     pub fn of_components(components: &ComponentList) -> Vec<Quantity> {
         let quantity = |(number, component): (usize, &Component)| Quantity {
-            name: component.name().to_owned(),
-            words: label(*component),
+            name: components.name_of(*component).to_owned(),
+            words: words_of(components, *component),
             source: ValueSource::Array(number),
-            measure: Measure::Light,
+            measure: Measure::Light(component.measure()),
         };
         components.as_slice().iter().enumerate().map(quantity).collect()
     }
@@ -136,10 +160,10 @@ impl Quantity {
         let count = components.as_slice().len();
         let of_component = |(from, component): (usize, &Component)| {
             let to = count + from;
-            let words = label(*component);
+            let words = words_of(components, *component);
             let named = |side: &str, words: String, source: ValueSource| {
-                let name = format!("{side}_{}", component.name());
-                let measure = if source.is_percent() { Measure::Percent } else { Measure::Light };
+                let name = format!("{side}_{}", components.name_of(*component));
+                let measure = if source.is_percent() { Measure::Percent } else { Measure::Light(component.measure()) };
                 Quantity { name, words, source, measure }
             };
             let change = |kind| ValueSource::Change { kind, from, to };
@@ -151,6 +175,14 @@ impl Quantity {
             ]
         };
         components.as_slice().iter().enumerate().flat_map(of_component).collect()
+    }
+}
+
+/// A component in words.
+fn words_of(components: &ComponentList, component: Component) -> String {
+    match Component::OWN.contains(&component) {
+        true => components.name_of(component).replace('_', " "),
+        false => label(component),
     }
 }
 

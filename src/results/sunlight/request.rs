@@ -208,7 +208,7 @@ impl SunlightRequest {
             Some(path) => {
                 let request = ReplayRequest { about_weather: self.about_weather, ..ReplayRequest::of(path) };
                 let weather = request.read_weather(resources, &mut || Ok(place))?;
-                request.tell_misfits(archives, &weather, resources.observer);
+                request.tell_misfits(archives, &weather, resources.observer)?;
                 Some(weather)
             }
         };

@@ -14,10 +14,15 @@ use crate::input;
 use crate::materials::select::{MaterialTable, table_header};
 use crate::text::{excerpt, line_of_offset, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
+use heliotile_core::site::bands::{Band, BandProperty};
 use heliotile_core::site::material::{Class, Glass, Material};
 
-const KEYS: &str = "valid keys are `diffuse`, `specular` and `transmittance` (numbers from 0 to 1), `glass` (true, \"single\" or \
-                    \"double\"), `class` (\"ground\" or \"obstruction\") and `group` (a name)";
+const KEYS: &str = "valid keys are `diffuse`, `specular` and `transmittance` (numbers from 0 to 1, or by band as in \
+                    { solar = 0.25, visible = 0.1, nir = 0.4 }), `glass` (true, \"single\" or \"double\"), `class` (\"ground\" or \
+                    \"obstruction\") and `group` (a name)";
+
+/// The key of the value for all light beside those of bands.
+const SOLAR: &str = "solar";
 
 pub(crate) fn read_toml(path: &Path) -> Result<(MaterialTable, Option<EndlessGround>)> {
     let bytes = input::read(path)?;
@@ -72,10 +77,10 @@ impl Reader<'_> {
         let mut material = Material::matt(name, 0.0, class_of_name(name));
         for (key, value) in entries {
             match (key.get_ref().as_ref(), value.get_ref()) {
-                ("diffuse", _) => diffuse = Some(self.reflectance(name, "diffuse", value)?),
-                ("specular", _) => material.specular = self.reflectance(name, "specular", value)?,
+                ("diffuse", _) => diffuse = Some(self.share(&mut material, BandProperty::Diffuse, value)?),
+                ("specular", _) => material.specular = self.share(&mut material, BandProperty::Specular, value)?,
                 ("transmittance", _) => {
-                    material.transmittance = Some(self.reflectance(name, "transmittance", value)?)
+                    material.transmittance = Some(self.share(&mut material, BandProperty::Transmittance, value)?);
                 }
                 ("glass", DeValue::Boolean(true)) => material.glass = Some(Glass::Single),
                 ("glass", DeValue::Boolean(false)) => material.glass = None,
@@ -118,14 +123,41 @@ impl Reader<'_> {
         })
     }
 
-    fn reflectance(&self, name: &str, key: &str, value: &Spanned<DeValue>) -> Result<f64> {
-        number(value).filter(|number| (0.0..=1.0).contains(number)).ok_or_else(|| {
-            let what = format!(
-                "`{key}` of material `{}` is {}, not a number from 0 to 1",
-                excerpt(name.as_bytes()),
-                self.quote(value)
-            );
-            self.error(value.span(), what, KEYS)
+    /// The value of a property for all light; values by band go into the material.
+    fn share(&self, material: &mut Material, property: BandProperty, value: &Spanned<DeValue>) -> Result<f64> {
+        let of = format!("`{}` of material `{}`", property.name(), excerpt(material.name.as_bytes()));
+        let number = |called: &str, value: &Spanned<DeValue>| {
+            number(value).filter(|number| (0.0..=1.0).contains(number)).ok_or_else(|| {
+                let what = format!("{called} is {}, not a number from 0 to 1", self.quote(value));
+                self.error(value.span(), what, KEYS)
+            })
+        };
+        let DeValue::Table(by_band) = value.get_ref() else { return number(&of, value) };
+        let names: Vec<&str> = Band::ALL.into_iter().map(Band::name).collect();
+        let mut solar = None;
+        for (key, value) in by_band {
+            let name = key.get_ref().as_ref();
+            let share = number(&format!("{of} for `{}`", excerpt(name.as_bytes())), value)?;
+            match Band::of_name(name) {
+                Some(band) => {
+                    let values = material.bands.of_mut(property);
+                    *values = values.with(band, share);
+                }
+                None if name == SOLAR => solar = Some(share),
+                None => {
+                    let what = format!("{of} has no band `{}`", excerpt(name.as_bytes()));
+                    let hint = format!("give `{SOLAR}` (all light) and some of {}", names.join(", "));
+                    return Err(self.error(key.span(), what, hint));
+                }
+            }
+        }
+        solar.ok_or_else(|| {
+            let what = format!("{of} has values by band and none for all light");
+            self.error(
+                value.span(),
+                what,
+                format!("add the value for all light, as in {{ {SOLAR} = 0.2, visible = 0.1 }}"),
+            )
         })
     }
 
@@ -184,6 +216,21 @@ mod tests {
         assert_eq!((tree.transmittance, tree.diffuse, tree.mirrors()), (Some(0.25), 0.0, false));
     }
 
+    /// A leaf with values by band, in one line or in tables of their own, 2 of 2, has the 4 that are stated and 3 for all light.
+    #[test]
+    fn bands() {
+        let by_line = "[leaf]\ndiffuse = { solar = 0.25, visible = 0.08, nir = 0.45 }\nspecular = { solar = 0.02, par = 0.03, uv = 0 }";
+        let by_table = "[leaf.diffuse]\nsolar = 0.25\nvisible = 0.08\nnir = 0.45\n[leaf.specular]\nsolar = 0.02\npar = 0.03\nuv = 0";
+        for text in [by_line, by_table] {
+            let leaf = &parse(text).expect("readable")["leaf"];
+            assert_eq!((leaf.diffuse, leaf.specular, leaf.bands.all().count()), (0.25, 0.02, 4), "{text}");
+            assert_eq!(leaf.bands.diffuse.stated(Band::Visible), Some(0.08));
+            assert_eq!(leaf.bands.specular.stated(Band::Par), Some(0.03));
+        }
+        let tree = &parse("[tree]\ntransmittance = { solar = 0.3, visible = 0.1 }").expect("readable")["tree"];
+        assert_eq!((tree.transmittance, tree.in_band(Band::Par).transmittance), (Some(0.3), Some(0.1)));
+    }
+
     /// Every refusal names the file, the line and the offending text.
     #[test]
     fn refusals() {
@@ -214,6 +261,14 @@ mod tests {
             ("[tree]\ntransmittance = -0.1", 2, "is -0.1, not a number"),
             ("[tree]\ntransmittance = 0.5\ndiffuse = 0.6", 1, "add up to more than 1"),
             ("[tree]\ntransmittance = 0.5\nglass = true", 1, "is no mirror"),
+            ("[a]\n\ndiffuse = { visible = 0.1 }", 3, "has values by band and none for all light"),
+            ("[a]\ndiffuse = { solar = 0.2, red = 0.1 }", 2, "`diffuse` of material `a` has no band `red`"),
+            ("[a]\ndiffuse = { solar = 0.2, visible = 1.1 }", 2, "for `visible` is 1.1, not a number"),
+            ("[a]\ndiffuse = { solar = 0.2, nir = \"x\" }", 2, "for `nir` is \"x\""),
+            ("[a]\ndiffuse = { solar = 0.2, visible = 0.1, visible = 0.1 }", 2, "duplicate key"),
+            ("[a]\ndiffuse = { solar = 0.2, visible = 0.6 }\nspecular = 0.5", 1, "add up to 1.1 for `visible`"),
+            ("[a]\ndiffuse = 0.2\nspecular = { solar = 0, visible = 0.5 }", 1, "0 for all light"),
+            ("[a.diffuse]\nvisible = 0.1", 1, "none for all light"),
         ] {
             let message = parse(text).expect_err(text).to_string();
             assert!(message.starts_with(&format!("materials.toml, line {line}")), "{text:?}: {message}");

@@ -1,6 +1,7 @@
 //! Tables: rkyv columns inside blocks, by kind and schema id. In: a block, or columns. Out: columns that hold only checked
 //! values, or a block's raw bytes. A layout that was released never changes: a test of each table holds its bytes.
 
+mod bands;
 mod cells;
 mod extents;
 mod geometry;
@@ -17,6 +18,7 @@ use std::fmt::Debug;
 
 use crate::error::Error;
 
+pub use bands::BandsTable;
 pub use cells::{CellsTable, pack_tag, unpack_tag};
 pub use extents::{ExtentsTable, TILES_A_CHUNK};
 pub use geometry::{GeometryTable, MAX_TRIANGLES};

@@ -23,9 +23,10 @@ use heliotile_results::outputs::periods::Every;
 use heliotile_results::outputs::shapes::writer::MapFormat;
 use heliotile_results::outputs::tables::layout::By;
 use heliotile_results::{
-    CompareRequest, FactorsRequest, FileRequest, Illumination, LightChoice, QueryRequest, ReceiverChoice,
-    ReplayRequest, SkyChoice, SkyFiles,
+    BandChoice, BandList, CompareRequest, FactorsRequest, FileRequest, Illumination, LightChoice, QueryRequest,
+    ReceiverChoice, ReplayRequest, SkyChoice, SkyFiles,
 };
+use heliotile_scene::input;
 
 /// Help of --output.
 fn output_help() -> String {
@@ -108,6 +109,8 @@ pub struct RecombineArgs {
     /// sun_diffuse_ground and sun_diffuse_obstruction, and `replay` gives longwave [default: the six components and their total]
     #[arg(long, value_name = "NAMES")]
     pub columns: Option<ComponentList>,
+    #[arg(long, value_name = "NAMES|FILE", help = BandChoice::described())]
+    pub bands: Option<BandChoice>,
     #[command(flatten)]
     pub sky: SkyArgs,
     /// Sky patches: 145, 577 or 2305 [default: those that the archive was built for]
@@ -206,7 +209,10 @@ impl RecombineArgs {
         let paths = self.paths.with_depth(self.bounces).map_err(|what| Error::argument("bounces", what, hint))?;
         let changes = self.changes.changes(None);
         let (sky, sky_files) = self.sky.parts();
-        Ok(LightChoice { columns: self.columns.clone(), sky, patches: self.patches, paths, changes, sky_files })
+        let bands = self.bands.as_ref().map_or(Ok(BandList::default()), |bands| bands.read(&input::read))?;
+        let bands = Box::new(bands);
+        let (columns, patches) = (self.columns.clone(), self.patches);
+        Ok(LightChoice { columns, sky, patches, paths, changes, sky_files, bands })
     }
 
     /// Where results go.
@@ -214,9 +220,10 @@ impl RecombineArgs {
         FileRequest { geo: self.geo, plots: self.plot.clone(), ..self.table.files() }
     }
 
-    /// Files that reflectances and transmittances follow, and those of skies and clouds.
+    /// Files that reflectances and transmittances follow, and those of skies, clouds and bands.
     pub fn schedules(&self) -> impl Iterator<Item = &Path> {
-        self.changes.files().chain(self.sky.files())
+        let bands = self.bands.iter().flat_map(BandChoice::files);
+        self.changes.files().chain(self.sky.files()).chain(bands)
     }
 }
 

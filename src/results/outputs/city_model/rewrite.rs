@@ -350,13 +350,13 @@ fn with_member(fields: &Fields, key: &str, value: &str, out: &mut impl Write) ->
 mod tests {
     use super::*;
     use glam::DVec3;
-    use heliotile_core::replay::components::Component;
+    use heliotile_core::replay::components::{Component, ComponentList};
     use heliotile_core::replay::values::TileValues;
     use heliotile_core::site::receiver::Receiver;
 
     /// Sums of 1,000 kWh/m2 on 2 m2 of some faces of objects.
     fn sums(faces: &[(&str, &str)]) -> ModelSums {
-        let mut sums = ModelSums::new(&[Component::Total], &[]);
+        let mut sums = ModelSums::new(&ComponentList::of(Component::Total), &[]);
         let mut values = TileValues::new(1, 1);
         values.row_mut(Component::Total, 0).fill(1000.0);
         for (object, face) in faces {

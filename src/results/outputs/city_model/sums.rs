@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use heliotile_core::replay::components::{Component, SUM_SUFFIX};
+use heliotile_core::replay::components::{Component, ComponentList, SUM_SUFFIX};
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
 
@@ -73,7 +73,8 @@ pub(super) struct ObjectSums {
 pub struct ModelSums {
     /// Those that are asked for; behind them the total if it is not.
     components: Vec<Component>,
-    asked: usize,
+    /// Keys of those that are asked for.
+    names: Vec<String>,
     /// Endings of keys of single periods; none if there is one period only.
     periods: Vec<String>,
     objects: HashMap<String, ObjectSums>,
@@ -85,16 +86,20 @@ pub struct ModelSums {
 
 impl ModelSums {
     /// Zeros, for components and the labels of periods that totals are told by besides, all or none of those that values come in.
-    pub fn new(asked: &[Component], labels: &[String]) -> Self {
-        let mut components = asked.to_vec();
+    pub fn new(asked: &ComponentList, labels: &[String]) -> Self {
+        let name = |component: &Component| {
+            format!("{PREFIX}{}{}", asked.name_of(*component), component.measure().sum_suffix())
+        };
+        let names = asked.as_slice().iter().map(name).collect();
+        let mut components = asked.as_slice().to_vec();
         if !components.contains(&Component::Total) {
             components.push(Component::Total);
         }
         let plain = |label: &String| label.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-        let has_total = asked.len() == components.len();
+        let has_total = asked.as_slice().len() == components.len();
         let periods = if has_total { labels.iter().map(plain).collect() } else { Vec::new() };
         let (objects, values) = (HashMap::new(), Vec::new());
-        ModelSums { components, asked: asked.len(), periods, objects, homeless: 0, values }
+        ModelSums { components, names, periods, objects, homeless: 0, values }
     }
 
     /// All that must be computed.
@@ -163,10 +168,8 @@ impl ModelSums {
     /// Keys and numbers, each as JSON has it.
     pub(super) fn attributes(&self, means: &Means) -> Vec<(String, String)> {
         let number = |value: f64| format!("{value:.3}");
-        let asked = self.components.iter().take(self.asked).enumerate();
-        let mut all: Vec<(String, String)> = asked
-            .map(|(i, component)| (format!("{PREFIX}{}{SUM_SUFFIX}", component.name()), number(means.mean(i))))
-            .collect();
+        let asked = self.names.iter().enumerate();
+        let mut all: Vec<(String, String)> = asked.map(|(i, name)| (name.clone(), number(means.mean(i)))).collect();
         let total = format!("{PREFIX}{}{SUM_SUFFIX}", Component::Total.name());
         for (i, period) in self.periods.iter().enumerate() {
             all.push((format!("{total}_{period}"), number(means.mean(self.components.len() + i))));

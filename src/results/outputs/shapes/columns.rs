@@ -5,7 +5,7 @@ use super::stated::{StatedColumns, TextKind};
 use crate::outputs::groups::{Extent, ONE_WAY};
 use crate::outputs::periods::Every;
 use crate::outputs::pictures::colours::ColourScale;
-use crate::outputs::quantities::{PlaceValues, Quantity, ValueSource};
+use crate::outputs::quantities::{LightEnding, PlaceValues, Quantity, ValueSource};
 use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::error::{Error, Result};
@@ -85,7 +85,11 @@ impl MapColumns {
         let main = layout.main_quantity();
         if wide == Wide::Sums {
             let months = months(&labels.text);
-            values.extend(months.iter().map(|month| (format!("{}_{month}{ending}", main.name), unit(main))));
+            let of_month = |month: &String| {
+                let named = Quantity { name: format!("{}_{month}", main.name), ..main.clone() };
+                (named.with_ending(ending), unit(main))
+            };
+            values.extend(months.iter().map(of_month));
         }
         if values.len() > MOST_COLUMNS {
             let what = format!(
@@ -183,11 +187,11 @@ impl MapColumns {
     }
 }
 
-/// Unit of irradiance, at the end of names.
-pub fn ending(layout: &Layout) -> &'static str {
+/// Which unit the names of light end with.
+pub fn ending(layout: &Layout) -> LightEnding {
     match layout.labels {
-        Labels::Sums => "_kwh_m2",
-        Labels::Conditions | Labels::Times | Labels::Dates | Labels::Rules => "_w_m2",
+        Labels::Sums => LightEnding::Sums,
+        Labels::Conditions | Labels::Times | Labels::Dates | Labels::Rules => LightEnding::Means,
     }
 }
 

@@ -1,10 +1,10 @@
 //! The columns of a table: a label, a receiver, and the quantities that are asked for, with their unit.
 
-use crate::outputs::quantities::{ChangeKind, Measure, Quantity, ValueSource};
+use crate::outputs::quantities::{ChangeKind, LightEnding, Measure, Quantity, ValueSource};
 use crate::outputs::tables::column::{Column, Digits, Kind, TableColumns};
 use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::named::NamedValues;
-use heliotile_core::replay::components::{Component, ComponentList, SUM_SUFFIX};
+use heliotile_core::replay::components::{Component, ComponentList, LightMeasure};
 
 /// What the labels of a table are, and with them the unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,7 +134,7 @@ impl Layout {
         let label = Column::of_steps(self.label(), Kind::Category, labels);
         let place = Column::of_places(self.place(), Kind::Category);
         let of_quantity = |quantity: &Quantity| match quantity.measure {
-            Measure::Clock | Measure::Verdict => Column::text(quantity.with_ending("")),
+            Measure::Clock | Measure::Verdict => Column::text(quantity.with_ending(LightEnding::Bare)),
             _ => {
                 let name = quantity.with_ending(self.ending());
                 Column::float(name, self.digits(quantity)).with_unit(self.unit_of(quantity))
@@ -166,8 +166,8 @@ impl Layout {
     }
 
     /// Ending of the names of light.
-    fn ending(&self) -> &'static str {
-        if self.labels == Labels::Sums { SUM_SUFFIX } else { "" }
+    fn ending(&self) -> LightEnding {
+        if self.labels == Labels::Sums { LightEnding::Sums } else { LightEnding::Bare }
     }
 
     /// Names of the value columns.
@@ -214,7 +214,7 @@ impl Layout {
     /// Unit of a quantity.
     pub fn unit_of(&self, quantity: &Quantity) -> &'static str {
         match quantity.measure {
-            Measure::Light => self.unit(),
+            Measure::Light(measure) => self.unit_of_light(measure),
             Measure::Percent => "%",
             Measure::Minutes | Measure::Clock => "min",
             Measure::Celsius => "degC",
@@ -225,9 +225,17 @@ impl Layout {
 
     /// Unit of irradiance.
     pub fn unit(&self) -> &'static str {
-        match self.labels {
-            Labels::Sums => "kWh/m2",
-            Labels::Conditions | Labels::Times | Labels::Dates | Labels::Rules => "W/m2",
+        self.unit_of_light(LightMeasure::Irradiance)
+    }
+
+    fn unit_of_light(&self, measure: LightMeasure) -> &'static str {
+        match (measure, self.labels == Labels::Sums) {
+            (LightMeasure::Irradiance, false) => "W/m2",
+            (LightMeasure::Irradiance, true) => "kWh/m2",
+            (LightMeasure::PhotonFlux, false) => "umol/(m2 s)",
+            (LightMeasure::PhotonFlux, true) => "mol/m2",
+            (LightMeasure::Illuminance, false) => "lx",
+            (LightMeasure::Illuminance, true) => "klx h",
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What light does at layers of a building. In: shares, panes and heat losses as models state them. Out: checked shares, glass, and materials
 //! under names of their own.
 
+use heliotile_core::site::bands::{Band, BandValues};
 use heliotile_core::site::material::{Glass, Material};
 
 use crate::formats::building::notes::Notes;
@@ -35,6 +36,11 @@ pub(in crate::formats) fn share(value: f64, name: &str, notes: &mut Notes) -> f6
         notes.add("shares of light are not from 0 to 1; the nearest is taken", name);
     }
     value.clamp(0.0, 1.0)
+}
+
+/// What is stated of visible light beside a value for all light: nothing where it is the same.
+pub(in crate::formats) fn visible(value: Option<f64>, solar: f64) -> BandValues {
+    value.filter(|value| *value != solar).map_or(BandValues::default(), |value| BandValues::of(Band::Visible, value))
 }
 
 /// Materials that a model states.

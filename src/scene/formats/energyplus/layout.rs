@@ -144,8 +144,9 @@ const LAYOUTS: &[Layout] = layouts! {
     "Construction:CfactorUndergroundWall": "name";
     "Construction:FfactorGroundFloor": "name";
     "Material": "name" "roughness" "thickness" "conductivity" "density" "specific_heat" "thermal_absorptance"
-        "solar_absorptance";
-    "Material:NoMass": "name" "roughness" "thermal_resistance" "thermal_absorptance" "solar_absorptance";
+        "solar_absorptance" "visible_absorptance";
+    "Material:NoMass": "name" "roughness" "thermal_resistance" "thermal_absorptance" "solar_absorptance"
+        "visible_absorptance";
     "Material:AirGap": "name";
     "Material:InfraredTransparent": "name";
     "Material:RoofVegetation": "name" "height_of_plants" "leaf_area_index" "leaf_reflectivity";

@@ -12,6 +12,7 @@ use crate::formats::energyplus::panes;
 use crate::geometry::Geometry;
 use crate::materials::select::MaterialTable;
 use heliotile_core::error::Result;
+use heliotile_core::site::bands::BandOptics;
 use heliotile_core::site::material::{Class, Glass, Material};
 
 /// Default of shades (`ShadingProperty:Reflectance`).
@@ -115,9 +116,13 @@ impl<'m> Materials<'m> {
         }
         let outside = construction.text("outside_layer");
         let layer = self.layers.get(&same(outside));
+        let mut bands = BandOptics::default();
         let diffuse = match layer.map(|layer| (layer, layer.layout.class)) {
             Some((layer, "Material" | "Material:NoMass")) => {
-                1.0 - share(layer, self.file, "solar_absorptance", ABSORPTANCE, notes)?
+                let diffuse = 1.0 - share(layer, self.file, "solar_absorptance", ABSORPTANCE, notes)?;
+                let seen = stated_share(layer, self.file, "visible_absorptance", notes)?.map(|absorbed| 1.0 - absorbed);
+                bands.diffuse = optics::visible(seen, diffuse);
+                diffuse
             }
             Some((layer, "Material:RoofVegetation")) => {
                 share(layer, self.file, "leaf_reflectivity", LEAF_REFLECTANCE, notes)?
@@ -132,7 +137,7 @@ impl<'m> Materials<'m> {
                 1.0 - ABSORPTANCE
             }
         };
-        Ok(matt(diffuse))
+        Ok(Material { bands, ..matt(diffuse) })
     }
 
     /// Panes among the layers: systems count by their heat loss.
@@ -162,13 +167,19 @@ impl<'m> Materials<'m> {
         let key = "diffuse_solar_reflectance_of_unglazed_part_of_shading_surface";
         let diffuse = share(said, self.file, key, SHADE_REFLECTANCE, notes)?;
         let glazed = share(said, self.file, "fraction_of_shading_surface_that_is_glazed", 0.0, notes)?;
+        let seen = "diffuse_visible_reflectance_of_unglazed_part_of_shading_surface";
+        let seen = stated_share(said, self.file, seen, notes)?.map(|seen| (1.0 - glazed) * seen);
+        let unglazed = optics::visible(seen, (1.0 - glazed) * diffuse);
+        let bands = BandOptics { diffuse: unglazed, ..BandOptics::default() };
         if glazed == 0.0 {
             let name = if diffuse == SHADE_REFLECTANCE { "shading".to_owned() } else { format!("shading {diffuse}") };
-            return Ok(self.stated.add(Material::matt(name, diffuse, Class::Obstruction), geometry));
+            return Ok(self
+                .stated
+                .add(Material { bands, ..Material::matt(name, diffuse, Class::Obstruction) }, geometry));
         }
         let (glass, front) = self.glazing(said, notes)?;
         let name = format!("shading {diffuse} glazed {glazed}");
-        let matt = Material::matt(name, (1.0 - glazed) * diffuse, Class::Obstruction);
+        let matt = Material { bands, ..Material::matt(name, (1.0 - glazed) * diffuse, Class::Obstruction) };
         let [one, two] = CLEAR_GLASS;
         let clear = if glass == Glass::Single { one } else { two };
         let front = front.unwrap_or(clear);
@@ -210,4 +221,9 @@ impl<'m> Materials<'m> {
 /// A share of light, moved into 0..=1.
 pub(super) fn share(object: &Object, file: &Path, key: &str, otherwise: f64, notes: &mut Notes) -> Result<f64> {
     Ok(optics::share(object.number_or(file, key, otherwise)?, &object.name, notes))
+}
+
+/// The same where the model states it.
+fn stated_share(object: &Object, file: &Path, key: &str, notes: &mut Notes) -> Result<Option<f64>> {
+    Ok(object.number(file, key)?.map(|value| optics::share(value, &object.name, notes)))
 }

@@ -9,6 +9,7 @@ use crate::formats::building::frame::area_vector;
 use crate::formats::energyplus::*;
 use crate::ground::model::ModelGround;
 use crate::polygon::triangulate;
+use heliotile_core::site::bands::Band;
 use heliotile_core::site::material::{Class, Glass};
 
 const BOX_IDF: &str = include_str!("../../../../tests/data/energyplus/box.idf");
@@ -196,6 +197,31 @@ fn hull() {
     let geometry = idf(&text);
     assert_eq!(geometry.objects.as_slice(), ["Out", "Ground", "Neighbour", "Self"]);
     assert_eq!(geometry.left_out.into_iter().collect::<Vec<_>>(), [("because they lie inside the building".into(), 4)]);
+}
+
+/// Visible absorptances and reflectances are values of the visible band, 3 of 3: 1 - 0.8 of a layer, 0.3 of a shade and 0.2 of one that is half
+/// glazed; a layer that states none, one of the same absorptance for both and a shade without a word state nothing by band. IDF and epJSON agree.
+#[test]
+fn visible_light() {
+    let text = "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World; Zone,Z;\n".to_owned()
+        + "Material,Brick,Rough,0.1,0.5,1000,900,0.9,0.6,0.8;\nMaterial,Plain,Rough,0.1,0.5,1000,900,0.9,0.6;\n"
+        + "Material:NoMass,Same,Rough,1,0.9,0.7,0.7;\nConstruction,Wall,Brick;\nConstruction,Bare,Plain;\nConstruction,Even,Same;\n"
+        + "Wall:Exterior,W1,Wall,Z,,0,90,0,0,0,3,2;\nWall:Exterior,W2,Bare,Z,,0,90,5,0,0,3,2;\nWall:Exterior,W3,Even,Z,,0,90,9,0,0,3,2;\n"
+        + "Shading:Site:Detailed,S1,,3,0,9,0,1,9,0,1,9,1;\nShading:Site:Detailed,S2,,3,0,19,0,1,19,0,1,19,1;\n"
+        + "ShadingProperty:Reflectance,S1,0.35,0.3;\nShadingProperty:Reflectance,S2,0.5,0.4,0.5;\n";
+    let stated = idf(&text).stated;
+    let seen = |name: &str| stated[name].bands.diffuse.stated(Band::Visible);
+    for (name, expected) in [("Wall", Some(0.2)), ("Bare", None), ("Even", None), ("shading 0.35", Some(0.3))] {
+        assert!(seen(name).zip(expected).map_or(seen(name) == expected, |(a, b)| (a - b).abs() < 1e-12), "{name}");
+    }
+    assert_eq!(seen("shading 0.5 glazed 0.5"), Some(0.2));
+    assert!(stated.values().all(|material| material.check().is_ok()));
+    let json = r#"{"Version":{"v":{"version_identifier":"25.2"}},"Zone":{"Z":{}},
+        "GlobalGeometryRules":{"g":{"starting_vertex_position":"UpperLeftCorner","vertex_entry_direction":"Counterclockwise","coordinate_system":"World"}},
+        "Material":{"Brick":{"solar_absorptance":0.6,"visible_absorptance":0.8}},"Construction":{"Wall":{"outside_layer":"Brick"}},
+        "Wall:Exterior":{"W1":{"construction_name":"Wall","zone_name":"Z","azimuth_angle":0,"tilt_angle":90,"length":3,"height":2}}}"#;
+    let other = read_bytes(json.as_bytes(), "m.epJSON").expect("readable").stated;
+    assert_eq!(other["Wall"].bands, stated["Wall"].bands);
 }
 
 /// Seventeen surfaces get the material of their construction or shade, all of them materials that the checks let pass.

@@ -3,9 +3,12 @@
 use std::collections::HashMap;
 
 use crate::formats::building::notes::Notes;
-use crate::formats::building::optics::{ABSORPTANCE, LEAF_REFLECTANCE, glass_of_panes, panes_of_system, share};
+use crate::formats::building::optics::{
+    ABSORPTANCE, LEAF_REFLECTANCE, glass_of_panes, panes_of_system, share, visible,
+};
 use crate::formats::honeybee::materials::find;
 use crate::formats::honeybee::properties::{Construction, Layer, Modifier, Schedule};
+use heliotile_core::site::bands::BandOptics;
 use heliotile_core::site::material::{Class, Glass, Material};
 
 /// Default reflectance of a `ShadeConstruction` (honeybee-schema).
@@ -68,9 +71,15 @@ pub(super) fn of_construction(construction: &Construction, layers: &Layers, note
     let name = construction.identifier.as_str();
     if construction.kind == "ShadeConstruction" {
         let reflectance = share(construction.solar_reflectance.unwrap_or(SHADE_REFLECTANCE), name, notes);
+        let seen = visible(construction.visible_reflectance.map(|seen| share(seen, name, notes)), reflectance);
         return Some(match construction.is_specular {
-            Some(true) => Material { specular: reflectance, ..matt(name, 0.0) },
-            _ => matt(name, reflectance),
+            // What reflects nothing of all light is traced as no mirror.
+            Some(true) if reflectance > 0.0 => {
+                let bands = BandOptics { specular: seen, ..BandOptics::default() };
+                Material { specular: reflectance, bands, ..matt(name, 0.0) }
+            }
+            Some(true) => matt(name, 0.0),
+            _ => Material { bands: BandOptics { diffuse: seen, ..BandOptics::default() }, ..matt(name, reflectance) },
         });
     }
     // With a shade or changing: the bare or first one, under the name of the whole.
@@ -87,9 +96,13 @@ pub(super) fn of_construction(construction: &Construction, layers: &Layers, note
         return Some(Material { glass: Some(glass), ..matt(name, 0.0) });
     }
     let outside = bare.materials.iter().flatten().next().and_then(|layer| find(layer, layers.0));
+    let mut bands = BandOptics::default();
     let diffuse = match outside.map(|layer| (layer, layer.kind.as_str())) {
         Some((layer, "EnergyMaterial" | "EnergyMaterialNoMass")) => {
-            1.0 - share(layer.solar_absorptance.unwrap_or(ABSORPTANCE), name, notes)
+            let diffuse = 1.0 - share(layer.solar_absorptance.unwrap_or(ABSORPTANCE), name, notes);
+            let seen = layer.visible_absorptance.map(|absorbed| 1.0 - share(absorbed, name, notes));
+            bands.diffuse = visible(seen, diffuse);
+            diffuse
         }
         Some((layer, "EnergyMaterialVegetation")) => {
             share(layer.leaf_reflectivity.unwrap_or(LEAF_REFLECTANCE), name, notes)
@@ -99,7 +112,7 @@ pub(super) fn of_construction(construction: &Construction, layers: &Layers, note
             return None;
         }
     };
-    Some(matt(name, diffuse))
+    Some(Material { bands, ..matt(name, diffuse) })
 }
 
 /// What a shade of a constant schedule lets through; nothing where it lets none through.

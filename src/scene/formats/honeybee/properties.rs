@@ -171,6 +171,7 @@ pub(super) struct Construction {
     pub materials: Option<Vec<Named<Layer>>>,
     /// Of shades.
     pub solar_reflectance: Option<f64>,
+    pub visible_reflectance: Option<f64>,
     pub is_specular: Option<bool>,
     /// Of windows with shades.
     pub window_construction: Option<Box<Construction>>,
@@ -186,6 +187,7 @@ pub(super) struct Layer {
     #[serde(default)]
     pub identifier: String,
     pub solar_absorptance: Option<f64>,
+    pub visible_absorptance: Option<f64>,
     pub leaf_reflectivity: Option<f64>,
     pub u_factor: Option<f64>,
 }

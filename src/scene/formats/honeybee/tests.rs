@@ -7,9 +7,13 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::formats::building::frame::area_vector;
+use crate::formats::building::notes::Notes;
+use crate::formats::honeybee::optics::{Layers, of_construction};
+use crate::formats::honeybee::properties::Layer;
 use crate::formats::honeybee::*;
 use crate::polygon::triangulate;
-use heliotile_core::site::material::{Class, Glass};
+use heliotile_core::site::bands::Band;
+use heliotile_core::site::material::{Class, Glass, Material};
 
 const TWO_ROOMS: &str = include_str!("../../../../tests/data/honeybee/two_rooms.hbjson");
 /// What honeybee-core 1.64 says of the surfaces of that model that face outdoors.
@@ -189,6 +193,33 @@ fn global_sets() {
         assert_eq!(found.0, name, "{surface}");
         assert!((found.1 - diffuse).abs() < 1e-12, "{surface}: {}", found.1);
     }
+}
+
+/// A layer that absorbs 0.8 of what is seen and a shade that reflects 0.1 of it state 0.2 and 0.1 for the visible band; a shade that says the
+/// same of both states nothing; a specular shade states what its mirror reflects: 4 of 4.
+#[test]
+fn visible_light() {
+    let shade = |more: Value| {
+        let mut shade = json!({"type": "ShadeConstruction", "identifier": "s", "solar_reflectance": 0.3});
+        shade.as_object_mut().expect("an object").extend(more.as_object().expect("an object").clone());
+        let shade = serde_json::from_value(shade).expect("a construction");
+        of_construction(&shade, &Layers(&HashMap::new()), &mut Notes::default()).expect("a material")
+    };
+    let seen = |material: &Material| material.bands.diffuse.stated(Band::Visible);
+    assert_eq!(seen(&shade(json!({"visible_reflectance": 0.1}))), Some(0.1));
+    assert!(shade(json!({"visible_reflectance": 0.3})).bands.is_empty());
+    let mirror = shade(json!({"visible_reflectance": 0.1, "is_specular": true}));
+    assert_eq!((mirror.bands.specular.stated(Band::Visible), mirror.check()), (Some(0.1), Ok(())));
+    let layer: Layer = serde_json::from_value(
+        json!({"type": "EnergyMaterial", "identifier": "Brick", "solar_absorptance": 0.6, "visible_absorptance": 0.8}),
+    )
+    .expect("a layer");
+    let wall =
+        serde_json::from_value(json!({"type": "OpaqueConstruction", "identifier": "Wall", "materials": ["Brick"]}));
+    let wall =
+        of_construction(&wall.expect("a wall"), &Layers(&HashMap::from([("Brick", &layer)])), &mut Notes::default());
+    let seen = wall.as_ref().and_then(seen).expect("stated");
+    assert!((seen - 0.2).abs() < 1e-12, "{seen}");
 }
 
 /// Six modifiers reflect as Radiance has them: what is rough is matt, metal colours its mirror image, plastic does not.

@@ -1,0 +1,250 @@
+//! Bands of sunlight. In: what a material states for some of them. Out: their limits, their shares of the light of sun and sky, and what the
+//! material does in each.
+//!
+//! The shares are integrals of ASTM G173-03 (2012), "Standard tables for reference solar spectral irradiances: direct normal and hemispherical on
+//! 37 degree tilted surface", from 280 to 4000 nm, by the trapezoidal rule on its 2002 wavelengths as pvlib 0.16 has them
+//! (`pvlib.spectrum.get_reference_spectra`): the sun's of the direct normal spectrum, 900.14 W/m2, the sky's of what the hemispherical one has
+//! beyond it on the tilted plane, 117.34 W/m2. `tools/peers/bands.py` computes them. That sky is clear, of an air mass of 1.5; under clouds the
+//! light of the sky is less blue.
+
+/// A band of sunlight by its wavelengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Band {
+    /// Ultraviolet, 280 to 380 nm.
+    Uv,
+    /// What is seen, 380 to 780 nm.
+    Visible,
+    /// What plants live on (photosynthetically active radiation), 400 to 700 nm: a part of what is seen.
+    Par,
+    /// Near infrared, 780 to 4000 nm.
+    Nir,
+}
+
+/// Factors of the light of the sun and of the sky.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SourceScale {
+    /// Of the sun's disc.
+    pub sun: f64,
+    /// Of the sky.
+    pub sky: f64,
+}
+
+impl SourceScale {
+    /// The light as it is.
+    pub const WHOLE: SourceScale = SourceScale { sun: 1.0, sky: 1.0 };
+
+    /// Both times a number.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        SourceScale { sun: self.sun * factor, sky: self.sky * factor }
+    }
+}
+
+impl Band {
+    /// All of them, in the order of their codes. Ultraviolet, visible and near infrared are the whole of the light.
+    pub const ALL: [Band; 4] = [Band::Uv, Band::Visible, Band::Par, Band::Nir];
+
+    /// Its name, wherever users give one.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Band::Uv => "uv",
+            Band::Visible => "visible",
+            Band::Par => "par",
+            Band::Nir => "nir",
+        }
+    }
+
+    /// The band of a name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Band::ALL.into_iter().find(|band| band.name() == name)
+    }
+
+    /// The band as a number in archives.
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// The band of a [`Band::code`]; `None` for any other number.
+    pub fn of_code(code: u8) -> Option<Self> {
+        Band::ALL.get(usize::from(code)).copied()
+    }
+
+    /// Shares of the light of the sun and of the sky that lie in the band.
+    pub const fn shares(self) -> SourceScale {
+        match self {
+            Band::Uv => SourceScale { sun: 0.0226, sky: 0.1047 },
+            Band::Visible => SourceScale { sun: 0.5197, sky: 0.6436 },
+            Band::Par => SourceScale { sun: 0.4164, sky: 0.5296 },
+            Band::Nir => SourceScale { sun: 0.4577, sky: 0.2517 },
+        }
+    }
+}
+
+/// A property of a material that may have values by band.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BandProperty {
+    /// Diffuse reflectance.
+    Diffuse,
+    /// Specular reflectance at any angle.
+    Specular,
+    /// Share of the light that goes straight on at each crossing of a canopy.
+    Transmittance,
+}
+
+impl BandProperty {
+    /// All of them, in the order of their codes.
+    pub const ALL: [BandProperty; 3] = [BandProperty::Diffuse, BandProperty::Specular, BandProperty::Transmittance];
+
+    /// Its key where materials are stated.
+    pub const fn name(self) -> &'static str {
+        match self {
+            BandProperty::Diffuse => "diffuse",
+            BandProperty::Specular => "specular",
+            BandProperty::Transmittance => "transmittance",
+        }
+    }
+
+    /// The property as a number in archives.
+    pub const fn code(self) -> u8 {
+        self as u8
+    }
+
+    /// The property of a [`BandProperty::code`]; `None` for any other number.
+    pub fn of_code(code: u8) -> Option<Self> {
+        BandProperty::ALL.get(usize::from(code)).copied()
+    }
+}
+
+/// What is stated of one property, by band: `None` where nothing is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BandValues([Option<f64>; 4]);
+
+impl BandValues {
+    /// One value.
+    pub fn of(band: Band, value: f64) -> Self {
+        BandValues::default().with(band, value)
+    }
+
+    /// The same with a value for a band.
+    #[must_use]
+    pub fn with(mut self, band: Band, value: f64) -> Self {
+        if let Some(place) = self.0.get_mut(usize::from(band.code())) {
+            *place = Some(value);
+        }
+        self
+    }
+
+    /// What is stated for a band.
+    pub fn stated(&self, band: Band) -> Option<f64> {
+        self.0.get(usize::from(band.code())).copied().flatten()
+    }
+
+    /// Bands with a value, in the order of their codes.
+    pub fn all(&self) -> impl Iterator<Item = (Band, f64)> {
+        Band::ALL.into_iter().zip(self.0).filter_map(|(band, value)| Some((band, value?)))
+    }
+
+    /// The value in a band of a property that has the value `solar` for all light. What is not stated follows:
+    ///
+    /// - what is seen and what plants live on stand for one another, and without either are as `solar`;
+    /// - ultraviolet is as what is seen;
+    /// - near infrared is what is left of `solar`, so that the three make it up under the sun's own shares: solar = the sum of share x value.
+    ///   It may lie outside 0..=1 where the numbers do not fit.
+    pub fn value(&self, band: Band, solar: f64) -> f64 {
+        let either = |one, other| self.stated(one).or_else(|| self.stated(other));
+        let visible = either(Band::Visible, Band::Par);
+        match band {
+            Band::Visible => visible.unwrap_or(solar),
+            Band::Par => either(Band::Par, Band::Visible).unwrap_or(solar),
+            Band::Uv => self.stated(Band::Uv).or(visible).unwrap_or(solar),
+            Band::Nir => match (self.stated(Band::Nir), visible) {
+                (Some(stated), _) => stated,
+                (None, None) => solar,
+                (None, Some(visible)) => {
+                    let [uv, seen, nir] = [Band::Uv, Band::Visible, Band::Nir].map(|band| band.shares().sun);
+                    (solar - uv * self.value(Band::Uv, solar) - seen * visible) / nir
+                }
+            },
+        }
+    }
+}
+
+/// What a material states by band besides its values for all light; nothing for most.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BandOptics {
+    /// Diffuse reflectances.
+    pub diffuse: BandValues,
+    /// Specular reflectances.
+    pub specular: BandValues,
+    /// Transmittances of a canopy.
+    pub transmittance: BandValues,
+}
+
+impl BandOptics {
+    /// What is stated of a property.
+    pub fn of(&self, property: BandProperty) -> &BandValues {
+        match property {
+            BandProperty::Diffuse => &self.diffuse,
+            BandProperty::Specular => &self.specular,
+            BandProperty::Transmittance => &self.transmittance,
+        }
+    }
+
+    /// What is stated of a property, to be changed.
+    pub fn of_mut(&mut self, property: BandProperty) -> &mut BandValues {
+        match property {
+            BandProperty::Diffuse => &mut self.diffuse,
+            BandProperty::Specular => &mut self.specular,
+            BandProperty::Transmittance => &mut self.transmittance,
+        }
+    }
+
+    /// Whether nothing is stated by band.
+    pub fn is_empty(&self) -> bool {
+        *self == BandOptics::default()
+    }
+
+    /// All that is stated: property, band, value; in the order of archives.
+    pub fn all(&self) -> impl Iterator<Item = (BandProperty, Band, f64)> {
+        let of = |property: BandProperty| self.of(property).all().map(move |(band, value)| (property, band, value));
+        BandProperty::ALL.into_iter().flat_map(of)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ultraviolet, visible and near infrared light add up to all of it, of the sun and of the sky, to 1e-12; the 4 bands and 3 properties come
+    /// back from their codes and names.
+    #[test]
+    fn shares_and_codes() {
+        let of = |part: fn(SourceScale) -> f64| [Band::Uv, Band::Visible, Band::Nir].map(|band| part(band.shares()));
+        for shares in [of(|scale| scale.sun), of(|scale| scale.sky)] {
+            assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{shares:?}");
+        }
+        for band in Band::ALL {
+            assert_eq!((Band::of_code(band.code()), Band::of_name(band.name())), (Some(band), Some(band)));
+        }
+        for property in BandProperty::ALL {
+            assert_eq!(BandProperty::of_code(property.code()), Some(property));
+        }
+        assert_eq!((Band::of_code(4), BandProperty::of_code(3), Band::of_name("red")), (None, None, None));
+    }
+
+    /// A leaf of 0.25 that reflects 0.08 of what is seen reflects 0.4514 of the near infrared, so that all three make 0.25 again, to 1e-12; with
+    /// nothing stated every band has 0.25; par stands for visible and the other way; a stated near infrared stays 0.45; 0.9 of what is seen
+    /// leaves less than nothing.
+    #[test]
+    fn what_is_not_stated_follows() {
+        let leaf = BandValues::of(Band::Visible, 0.08);
+        let [uv, visible, par, nir] = Band::ALL.map(|band| leaf.value(band, 0.25));
+        assert_eq!((uv, visible, par), (0.08, 0.08, 0.08));
+        let whole = Band::Uv.shares().sun * uv + Band::Visible.shares().sun * visible + Band::Nir.shares().sun * nir;
+        assert!((nir - 0.4514).abs() < 1e-4 && (whole - 0.25).abs() < 1e-12, "{nir} {whole}");
+        assert_eq!(Band::ALL.map(|band| BandValues::default().value(band, 0.25)), [0.25; 4]);
+        let two = BandValues::of(Band::Par, 0.07).with(Band::Nir, 0.45);
+        assert_eq!(Band::ALL.map(|band| two.value(band, 0.25)), [0.07, 0.07, 0.07, 0.45]);
+        assert!(BandValues::of(Band::Visible, 0.9).value(Band::Nir, 0.25) < 0.0);
+    }
+}

@@ -1,0 +1,265 @@
+//! Bands of light that are asked for. In: names of bands, files of one's own. Out: their columns, and what is doubtful about an archive in them.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use serde::Deserialize;
+
+use super::archives::Archives;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::bands::{OwnBand, columns_of};
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::site::bands::{Band, SourceScale};
+use heliotile_core::site::material::Material;
+use heliotile_scene::line_of_offset;
+
+/// What a file of bands may hold.
+const KEYS: &str = "give tables [[band]] with a `name`, the shares `sun` and `sky` (0 to 1) and, if they are not those for all light, the band \
+                    whose reflectances count as `optics` (uv, visible, par or nir); `partition = true` above them says that they are all of the \
+                    light";
+
+/// How far from 1 the shares of a partition may add up: a share is stated to four digits.
+const PARTITION_SLACK: f64 = 0.002;
+
+/// Materials that a note names.
+const NAMED: usize = 3;
+
+/// Bands by their names, and files of bands of one's own.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BandChoice {
+    bands: Vec<Band>,
+    files: Vec<PathBuf>,
+}
+
+impl BandChoice {
+    /// What it can be, for help.
+    pub fn described() -> String {
+        let names: Vec<&str> = Band::ALL.into_iter().map(Band::name).collect();
+        format!(
+            "Light by band, in further columns: some of {}, as in visible,par; or a file of bands of your own that ends with .toml",
+            names.join(", ")
+        )
+    }
+
+    /// The files.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.files.iter().map(PathBuf::as_path)
+    }
+
+    /// The bands, with those of files, whose bytes `files` gives.
+    pub fn read(&self, files: &dyn Fn(&Path) -> Result<Vec<u8>>) -> Result<BandList> {
+        let mut own: Vec<OwnBand> = Vec::new();
+        for path in &self.files {
+            own.extend(own_bands(path, &String::from_utf8_lossy(&files(path)?))?);
+        }
+        let twice = (1..own.len()).find(|&i| own.iter().take(i).any(|other| other.name == own[i].name));
+        if let Some(name) = twice.and_then(|i| own.get(i)).map(|band| &band.name) {
+            let what = format!("`{name}` is the name of two bands");
+            return Err(Error::argument("bands", what, "give each band a name of its own, and each file once"));
+        }
+        if own.len() > Component::OWN.len() {
+            let what = "bands of files".to_owned();
+            return Err(Error::Limit { what, value: own.len() as u64, max: Component::OWN.len() as u64 });
+        }
+        let of_bands = self.bands.iter().flat_map(|band| columns_of(*band)).copied();
+        let columns = of_bands.chain(Component::OWN.into_iter().take(own.len())).collect();
+        Ok(BandList { columns, own, files: self.files.clone() })
+    }
+}
+
+/// `visible,par` or `visible,own.toml`.
+impl FromStr for BandChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let mut choice = BandChoice::default();
+        for part in text.split(',').map(str::trim) {
+            match Band::of_name(part) {
+                Some(band) if choice.bands.contains(&band) => return Err(format!("`{part}` stands there twice")),
+                Some(band) => choice.bands.push(band),
+                None if part.ends_with(".toml") && choice.files.iter().any(|file| file == Path::new(part)) => {
+                    return Err(format!("`{part}` stands there twice"));
+                }
+                None if part.ends_with(".toml") => choice.files.push(part.into()),
+                None => {
+                    let names: Vec<&str> = Band::ALL.into_iter().map(Band::name).collect();
+                    let names = names.join(", ");
+                    return Err(format!(
+                        "`{part}` is no band: name some of {names}, or a file of bands that ends with .toml"
+                    ));
+                }
+            }
+        }
+        Ok(choice)
+    }
+}
+
+/// Columns of bands, and what bands of one's own are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BandList {
+    /// Columns that stand behind the others.
+    pub columns: Vec<Component>,
+    /// Bands of one's own, in the order of [`Component::OWN`] and at most as many.
+    pub own: Vec<OwnBand>,
+    /// Files that these were read from.
+    pub files: Vec<PathBuf>,
+}
+
+impl BandList {
+    /// What results call the columns of bands of one's own.
+    pub fn own_names(&self) -> Vec<String> {
+        self.own.iter().map(|band| format!("total_{}", band.name)).collect()
+    }
+
+    /// What a user should know of archives whose columns of bands are asked for: no material states values by band, or what follows from some is
+    /// no share of the light.
+    pub(super) fn doubts(&self, archives: Archives, components: ComponentSet) -> Result<Vec<String>> {
+        let optics = |component: Component| {
+            let band = Band::ALL.into_iter().find(|band| columns_of(*band).contains(&component));
+            let own = || self.own.get(Component::OWN.iter().position(|one| *one == component)?)?.optics;
+            band.or_else(own)
+        };
+        let is_asked = |band: &Band| components.iter().any(|component| optics(component) == Some(*band));
+        let bands: Vec<Band> = Band::ALL.into_iter().filter(is_asked).collect();
+        if bands.is_empty() {
+            return Ok(Vec::new());
+        }
+        let site = OpenSite::of(archives.first())?;
+        let stated = site.materials().iter().filter(|material| !material.bands.is_empty());
+        if stated.clone().next().is_none() {
+            return Ok(vec![format!(
+                "{}: no material states values by band, so each reflects in all bands alike, and bands differ by their shares of sun and sky only",
+                site.path().display()
+            )]);
+        }
+        let of_band = |band: &Band| {
+            let misfit = |material: &Material| Some(format!("`{}`: {}", material.name, material.misfit(*band)?));
+            let found: Vec<String> = stated.clone().filter_map(misfit).collect();
+            let more = if found.len() > NAMED { ", ..." } else { "" };
+            let names = found.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+            (!found.is_empty()).then(|| format!(
+                "what materials reflect in {} follows from their other values and is no share of the light; the nearest is taken: {names}{more}",
+                band.name()
+            ))
+        };
+        Ok(bands.iter().filter_map(of_band).collect())
+    }
+}
+
+/// A file of bands.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BandFile {
+    #[serde(default)]
+    partition: bool,
+    band: Vec<toml::Spanned<StatedBand>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StatedBand {
+    name: String,
+    sun: f64,
+    sky: f64,
+    optics: Option<String>,
+}
+
+/// The bands of a file.
+fn own_bands(path: &Path, text: &str) -> Result<Vec<OwnBand>> {
+    let refuse = |offset: Option<usize>, what: String| {
+        Error::input(path, offset.map(|offset| line_of_offset(text.as_bytes(), offset)), what, KEYS)
+    };
+    let file: BandFile = toml::from_str(text)
+        .map_err(|error| refuse(error.span().map(|span| span.start), error.message().to_owned()))?;
+    let mut all: Vec<OwnBand> = Vec::new();
+    for band in &file.band {
+        let StatedBand { name, sun, sky, optics } = band.get_ref();
+        let refuse = |what: String| Err(refuse(Some(band.span().start), what));
+        let is_word = name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+        if name.is_empty() || !is_word || Band::of_name(name).is_some() || all.iter().any(|other| other.name == *name) {
+            return refuse(format!(
+                "`{name}` is no name of a band of one's own: small letters, digits and _, none of the program's bands, none twice"
+            ));
+        }
+        if let Some((key, value)) =
+            [("sun", sun), ("sky", sky)].into_iter().find(|(_, value)| !(0.0..=1.0).contains(*value))
+        {
+            return refuse(format!("`{key}` of band `{name}` is {value}, not a share from 0 to 1"));
+        }
+        let optics = match optics.as_deref() {
+            None => None,
+            Some(of) => match Band::of_name(of) {
+                Some(band) => Some(band),
+                None => return refuse(format!("`optics` of band `{name}` is `{of}`, which is no band")),
+            },
+        };
+        all.push(OwnBand { name: name.clone(), shares: SourceScale { sun: *sun, sky: *sky }, optics });
+    }
+    if all.is_empty() {
+        return Err(refuse(None, "holds no band".to_owned()));
+    }
+    let sums = [
+        ("sun", all.iter().map(|band| band.shares.sun).sum::<f64>()),
+        ("sky", all.iter().map(|band| band.shares.sky).sum()),
+    ];
+    match sums.into_iter().find(|(_, sum)| file.partition && (sum - 1.0).abs() > PARTITION_SLACK) {
+        Some((key, sum)) => {
+            Err(refuse(None, format!("is a partition, and its shares `{key}` add up to {sum:.4}, not to 1")))
+        }
+        None => Ok(all),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two names and a file are read, with 6 columns; 5 of 5 wrong lists are refused by what is wrong in them.
+    #[test]
+    fn choices() {
+        let choice: BandChoice = "visible, par,own.toml".parse().expect("bands");
+        let text = "partition = true\n[[band]]\nname = \"half\"\nsun = 0.5\nsky = 0.5\n[[band]]\nname = \"rest\"\nsun = 0.5\nsky = 0.5\noptics = \"nir\"";
+        let list = choice.read(&|_| Ok(text.into())).expect("a file");
+        assert_eq!(list.columns.len(), 6);
+        assert_eq!(list.own_names(), ["total_half", "total_rest"]);
+        assert_eq!(list.own.iter().map(|band| band.optics).collect::<Vec<_>>(), [None, Some(Band::Nir)]);
+        for (text, says) in [
+            ("visible,red", "`red` is no band: name some of uv, visible, par, nir"),
+            ("par,par", "`par` stands there twice"),
+            ("a.toml,a.toml", "`a.toml` stands there twice"),
+            ("", "`` is no band"),
+            ("visible,", "`` is no band"),
+        ] {
+            assert!(text.parse::<BandChoice>().expect_err(text).contains(says), "{text}");
+        }
+    }
+
+    /// Ten wrong files are refused by what is wrong in them, eight of them with the line; nine bands are one too many.
+    #[test]
+    fn wrong_files() {
+        let read = |text: &str| own_bands(Path::new("own.toml"), text);
+        let band = |lines: &str| format!("\n[[band]]\n{lines}\n");
+        for (text, says) in [
+            (band("name = \"a\"\nsun = 1.2\nsky = 0.1"), "own.toml, line 2: `sun` of band `a` is 1.2, not a share"),
+            (band("name = \"a\"\nsun = 0.2\nsky = nan"), "line 2: `sky` of band `a` is NaN"),
+            (band("name = \"par\"\nsun = 0.2\nsky = 0.1"), "line 2: `par` is no name of a band of one's own"),
+            (band("name = \"A b\"\nsun = 0.2\nsky = 0.1"), "line 2: `A b` is no name"),
+            (band("name = \"a\"\nsun = 0.2"), "missing field `sky`"),
+            (band("name = \"a\"\nsun = 0.2\nsky = 0.2\noptics = \"red\""), "`red`, which is no band"),
+            (band("name = \"a\"\nsun = 0.2\nsky = 0.2\nshare = 1"), "line 6: unknown field `share`"),
+            (band("name = \"a\"\nsun = 0.2\nsky = 0.2").repeat(2), "line 7: `a` is no name"),
+            (
+                format!("partition = true{}", band("name = \"a\"\nsun = 0.2\nsky = 1")),
+                "`sun` add up to 0.2000, not to 1",
+            ),
+            ("band = []".into(), "holds no band"),
+        ] {
+            let error = read(&text).expect_err(says).to_string();
+            assert!(error.contains(says), "{says}: {error}");
+        }
+        let many: String = (0..9).map(|i| band(&format!("name = \"b{i}\"\nsun = 0.1\nsky = 0.1"))).collect();
+        let choice: BandChoice = "many.toml".parse().expect("a file");
+        assert!(matches!(choice.read(&|_| Ok(many.clone().into())), Err(Error::Limit { value: 9, max: 8, .. })));
+    }
+}
