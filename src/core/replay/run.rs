@@ -165,7 +165,8 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         ReplayBuilder { bands, are_sums, ..self }
     }
 
-    /// Makes the replay ready, and those of its bands. An error: see [`ReplayBuilder::build_one`].
+    /// Makes the replay ready, and those of its bands. An error: a number of patches that is not offered, longwave irradiance without emissions,
+    /// cells that do not fit together, schedules of an archive that was built without diffuse reflections and has no canopies.
     pub fn build(self) -> Result<Replay<'a>> {
         let (conditions, bands, are_sums) = (self.conditions, self.bands, self.are_sums);
         // All of them work at once.
@@ -183,8 +184,7 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         Ok(replay)
     }
 
-    /// Makes the replay of all light ready. An error: a number of patches that is not offered, longwave irradiance without emissions, cells that do not fit
-    /// together, schedules of an archive that was built without diffuse reflections and has no canopies.
+    /// Makes the replay of all light ready.
     fn build_one(self) -> Result<Replay<'a>> {
         let ReplayBuilder { site, conditions, settings, bins, schedules, .. } = self;
         let bins = &*bins.map_or_else(|| Cow::Owned(Bins::each(conditions.len())), Cow::Borrowed);
