@@ -13,7 +13,7 @@ use crate::settings::{BuildSettings, Effect};
 use crate::trace::Tracer;
 use crate::trace::canopy::Canopies;
 use crate::trace::mirror::Reflections;
-use crate::trace::surface::Surfaces;
+use crate::trace::surface::CellSurfaces;
 use crate::writing::Writer;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::radiosity::centres_f32;
@@ -82,9 +82,9 @@ impl<'a> SiteTracer<'a> {
     }
 
     /// The surfaces that cells are on.
-    pub fn surfaces(&self) -> Surfaces<'_> {
+    pub fn surfaces(&self) -> CellSurfaces<'_> {
         let canopies = self.canopies.map(Canopies::tracer);
-        Surfaces { mesh: &self.scene.mesh, tracer: self.tracer, canopies }
+        CellSurfaces { mesh: &self.scene.mesh, tracer: self.tracer, canopies }
     }
 
     /// What need not be derived again, if the archive is to be a preview.

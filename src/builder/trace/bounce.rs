@@ -3,7 +3,7 @@
 
 use crate::trace::mirror::Reflections;
 use crate::trace::probe::{Directions, ProbeTrace, trace_probe};
-use crate::trace::surface::Surfaces;
+use crate::trace::surface::CellSurfaces;
 use crate::trace::surroundings::{SurroundingSettings, Surroundings, surroundings};
 use heliotile_core::site::cells::CellKey;
 
@@ -12,7 +12,7 @@ pub fn trace_bounce(
     key: CellKey,
     texture: &Directions,
     settings: SurroundingSettings,
-    surfaces: Surfaces,
+    surfaces: CellSurfaces,
     reflections: Option<&Reflections>,
 ) -> (ProbeTrace, Surroundings) {
     let probe = trace_probe(key, texture, surfaces);

@@ -11,7 +11,7 @@ use glam::DVec3;
 
 use crate::trace::hidden::{LOOKS, Verdict, hidden};
 use crate::trace::kernel::rays::{Ray, Tracer};
-use crate::trace::surface::{POINTS, SurfacePoint, Surfaces, sample};
+use crate::trace::surface::{CellSurfaces, POINTS, SurfacePoint, sample};
 use heliotile_core::hemisphere::{jitter, mix, texel_direction, texels_in_blocks, unit};
 use heliotile_core::site::cells::CellKey;
 
@@ -138,13 +138,13 @@ fn mean_normal(key: CellKey, normals: impl Iterator<Item = DVec3>) -> DVec3 {
 }
 
 /// The points of a cell for an n x n texture.
-fn points_of(key: CellKey, n: usize, surfaces: Surfaces) -> Vec<SurfacePoint> {
+fn points_of(key: CellKey, n: usize, surfaces: CellSurfaces) -> Vec<SurfacePoint> {
     // With fewer rays a point, many that see little sky would have to be looked at for whether they are hidden.
     sample(key, (n * n / LEAST_RAYS).clamp(1, POINTS), surfaces)
 }
 
 /// What [`trace_probe`] gives of a cell without hidden points whose sky bits are known, and no ray is cast.
-pub fn known_probe(key: CellKey, bits: Vec<u8>, texture: &Directions, surfaces: Surfaces) -> ProbeTrace {
+pub fn known_probe(key: CellKey, bits: Vec<u8>, texture: &Directions, surfaces: CellSurfaces) -> ProbeTrace {
     let points = points_of(key, texture.n, surfaces);
     let share = 1.0 / points.len() as f64;
     ProbeTrace {
@@ -170,7 +170,7 @@ pub fn sky_rays<'a>(key: CellKey, probe: &'a ProbeTrace, texture: &'a Directions
 }
 
 /// Traces the n x n sky bits of a cell. A cell without any surface (which no hit can name) has zero bits and no points.
-pub fn trace_probe(key: CellKey, texture: &Directions, surfaces: Surfaces) -> ProbeTrace {
+pub fn trace_probe(key: CellKey, texture: &Directions, surfaces: CellSurfaces) -> ProbeTrace {
     let (n, directions, tracer) = (texture.n, texture.of(key), surfaces.tracer);
     let points = points_of(key, n, surfaces);
     let count = points.len();
@@ -247,7 +247,7 @@ impl Look<'_> {
         owner: &[u8],
         key: CellKey,
         texture: &Directions,
-        surfaces: Surfaces,
+        surfaces: CellSurfaces,
     ) -> (Verdict, u64) {
         if key.is_leaf() || !open.contains(&true) || !open.contains(&false) {
             return (Verdict { hidden: vec![false; open.len()], doubtful: false }, 0);

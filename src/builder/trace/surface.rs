@@ -22,7 +22,7 @@ const TRIES: u32 = 160;
 
 /// The surfaces of a scene that cells are on.
 #[derive(Clone, Copy)]
-pub struct Surfaces<'a> {
+pub struct CellSurfaces<'a> {
     pub mesh: &'a Mesh,
     /// Of what stops rays.
     pub tracer: &'a Tracer,
@@ -30,7 +30,7 @@ pub struct Surfaces<'a> {
     pub canopies: Option<&'a Tracer>,
 }
 
-impl<'a> Surfaces<'a> {
+impl<'a> CellSurfaces<'a> {
     /// The tracer that holds the triangles of a cell.
     fn holding(&self, key: CellKey) -> &'a Tracer {
         self.canopies.filter(|_| key.is_leaf()).unwrap_or(self.tracer)
@@ -63,7 +63,7 @@ struct Line {
 }
 
 /// Up to so many points of a cell; empty only if no surface of that name exists in the voxel.
-pub fn sample(key: CellKey, wanted: usize, surfaces: Surfaces) -> Vec<SurfacePoint> {
+pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<SurfacePoint> {
     let (mesh, tracer) = (surfaces.mesh, surfaces.holding(key));
     let (axis, sign) = key.axis();
     let grid = tracer.grid();

@@ -10,7 +10,7 @@ use crate::trace::change::ChangeInView;
 use crate::trace::kernel::rays::{Hit, Ray};
 use crate::trace::mirror::{MirrorRay, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, pick};
-use crate::trace::surface::{SurfacePoint, Surfaces};
+use crate::trace::surface::{CellSurfaces, SurfacePoint};
 use heliotile_core::hemisphere::{Frame, bit, cosine_direction_of, mix, unit};
 use heliotile_core::layers::cells::{DOWN, MISS};
 use heliotile_core::light::radiosity::SidesOf;
@@ -186,10 +186,10 @@ pub fn surroundings(
     probe: &ProbeTrace,
     texture: &Directions,
     settings: SurroundingSettings,
-    surfaces: Surfaces,
+    surfaces: CellSurfaces,
     reflections: Option<&Reflections>,
 ) -> Surroundings {
-    let Surfaces { mesh, tracer, .. } = surfaces;
+    let CellSurfaces { mesh, tracer, .. } = surfaces;
     let SurroundingSettings { closed_level, rays: count } = settings;
     let rays = looks_around(key, probe, texture, count);
     let cast: Vec<Ray> = rays.iter().map(|r| r.0).collect();

@@ -115,12 +115,20 @@ impl PatchGrid {
 
     /// Patch at an azimuth, turns clockwise from north in 0..=1, and the sine of an altitude.
     pub fn patch_at(&self, turns: f64, z: f64) -> usize {
+        self.patch_in(self.row_at(z), turns).unwrap_or_default()
+    }
+
+    /// Row of patches, from the horizon up, at the sine of an altitude.
+    pub(crate) fn row_at(&self, z: f64) -> usize {
         let above = self.bands.iter().take_while(|b| b.high <= z).count();
-        let Some(band) = self.bands.get(above).or(self.bands.last()) else {
-            return 0;
-        };
+        above.min(self.bands.len().saturating_sub(1))
+    }
+
+    /// Patch of a row at an azimuth, turns clockwise from north in 0..=1.
+    pub(crate) fn patch_in(&self, row: usize, turns: f64) -> Option<usize> {
+        let band = self.bands.get(row)?;
         let place = (turns * band.count as f64 + 0.5) as usize;
-        band.first + if place >= band.count { 0 } else { place }
+        Some(band.first + if place >= band.count { 0 } else { place })
     }
 
     /// Exact solid angle of each patch, sr.

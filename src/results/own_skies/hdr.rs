@@ -5,7 +5,8 @@
 
 use std::path::Path;
 
-use super::images::{Pixels, check_sides, luminance};
+use super::images::{Pixels, check_sides};
+use heliotile_core::dome::formats::luminance;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::excerpt;
 

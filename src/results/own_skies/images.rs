@@ -10,7 +10,7 @@ use std::path::Path;
 use exr::prelude::{ReadChannels, ReadLayers, read};
 
 use super::hdr;
-use heliotile_core::dome::formats::{LUMINANCE, PatchQuantity};
+use heliotile_core::dome::formats::{PatchQuantity, luminance};
 use heliotile_core::dome::image::DomeImage;
 use heliotile_core::error::{Error, Result};
 
@@ -97,11 +97,6 @@ pub(super) fn read_image(path: &Path, bytes: &[u8], levels: Levels, top_azimuth_
         return Err(Error::input(path, None, "the sky is black", "give a photograph that is exposed"));
     }
     Ok(image)
-}
-
-/// One level of red, green and blue.
-pub(super) fn luminance(rgb: [f64; 3]) -> f64 {
-    rgb.iter().zip(LUMINANCE).map(|(part, weight)| part * weight).sum()
 }
 
 /// Refuses sides beyond what memory is planned for.

@@ -23,8 +23,9 @@ interface Hooks {
 }
 
 /** What has to change for other values to be needed. */
-function wish(state: State, weather: boolean): string {
-  const changes = [state.reflectance, state.transmittance, state.sky];
+function wish(state: State, session: Session): string {
+  const weather = session.weather !== null;
+  const changes = [state.reflectance, state.transmittance, state.sky, session.cloudsTop(state)];
   switch (state.show) {
     case "sky":
     case "reference":
@@ -85,7 +86,7 @@ export class Asker {
 
   /** Asks again where the state wishes for other values. */
   update(): void {
-    const now = wish(this.store.state, this.session.weather !== null);
+    const now = wish(this.store.state, this.session);
     if (now === this.wished) return;
     this.wished = now;
     this.settled = this.drawn = false;
@@ -98,7 +99,7 @@ export class Asker {
     });
   }
 
-  /** The weather is another one: what depends on it is asked again. */
+  /** Weather or clouds are others: what depends on it is asked again. */
   renew(): void {
     this.wished = "";
     this.shown = "";
@@ -121,9 +122,12 @@ export class Asker {
       if (!done || ask !== this.ask) return;
     } catch (error) {
       if (ask !== this.ask) return;
+      // What was shown before is not what was asked for.
+      const values = isOfSun(this.store.state.show) ? this.minutes : this.values;
+      if (values.fresh === 0) values.begin(true);
       this.hooks.onError(error);
     }
-    if (this.wished !== wish(this.store.state, this.session.weather !== null)) return;
+    if (this.wished !== wish(this.store.state, this.session)) return;
     this.settled = true;
     if (this.card) this.card.shown = null;
     this.hooks.onValues(null);
@@ -148,6 +152,7 @@ export class Asker {
       this.shown = kind;
       return true;
     }
+    session.turnClouds(state);
     const changes = session.changes(state);
     const common = { sky: state.sky, changes, components: [...site.components] };
     const tiles = session.tilesNear(hooks.target());

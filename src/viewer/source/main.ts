@@ -5,6 +5,7 @@ import { readOptions, takeBlock, takeLaterBlock } from "./blocks";
 import { Legend } from "./colour/legend";
 import { byId, download } from "./dom";
 import type { Card } from "./card/card";
+import { readPicture, type CloudPicture } from "./clouds";
 import { csv, provenance } from "./download/csv";
 import { picture } from "./download/picture";
 import { Engine, type Clock, type Group, type Site, type Source, type WeatherInfo } from "./engine/client";
@@ -58,6 +59,8 @@ class Main {
   private turnBeside = 0;
   /** Reads the weather again, which an archive that is opened needs. */
   private weather: (engine: Engine) => Promise<WeatherInfo | null> = () => Promise.resolve(null);
+  /** Of clouds, which an archive that is opened gets. */
+  private picture: CloudPicture | null = null;
 
   constructor() {
     this.player = new Player(this.store, () => this.opened);
@@ -67,15 +70,19 @@ class Main {
       legend: new Legend(),
       messages: this.messages,
       show: new ShowPanel(this.store),
-      light: new LightPanel(this.store),
+      light: new LightPanel(this.store, () => void (this.opening = this.removeClouds())),
       variant: new VariantPanel(this.store),
       playing: () => this.player.playing,
       say: (text) => (byId("live", HTMLElement).textContent = text),
       openTab: listenToTabs(),
     };
     listenToView(this.stage, (x, y) => this.opened?.pick(x, y));
-    const after = (file: File): void => void (this.opening = this.openAfter({ file }));
-    listenForFiles((file) => void this.anotherArchive(file), after, (file) => void this.anotherWeather(file));
+    listenForFiles({
+      onArchive: (file) => void this.anotherArchive(file),
+      onAfter: (file) => void (this.opening = this.openAfter({ file })),
+      onWeather: (file) => void this.anotherWeather(file),
+      onClouds: (file) => void (this.opening = this.openClouds(file)),
+    });
     addEventListener("keydown", (event) => {
       if (event.key === "Escape") this.store.set({ selected: null, pinned: null });
     });
@@ -181,10 +188,13 @@ class Main {
       return;
     }
     this.opened?.close();
+    this.opened = null;
     this.closeAfter();
     const session = new Session(engine, site);
     describe(site);
     this.store.set({ ...this.fallbacks(site), ...this.sensible(site) });
+    await session.takeClouds(this.picture);
+    if (turn !== this.turn) return;
     this.opened = new OpenedSite(this.page, session);
     document.body.dataset["state"] = "open";
     this.surfaces.open(site);
@@ -222,6 +232,8 @@ class Main {
       this.after = engine;
       const session = new Session(engine, site, opened.session);
       session.weather = weather;
+      await session.takeClouds(this.picture);
+      if (turn !== this.turnBeside) return engine.close();
       [session.foreign, opened.session.foreign] = [namesBeyond(before, site), namesBeyond(site, before)];
       this.takeChanges(site, opened.session);
       this.surfaces.open(before, site);
@@ -291,7 +303,7 @@ class Main {
     if (!weather) {
       if (isSum(this.store.state.show)) this.store.set({ show: opened.session.site.hasReference ? "reference" : "sky" });
       if (this.store.state.light === "weather") this.store.set({ light: this.fallbacks(opened.session.site).light ?? "own" });
-      opened.renewWeather();
+      opened.renew();
       return;
     }
     describeWeather(weather);
@@ -301,7 +313,7 @@ class Main {
     if (this.given.light === undefined && this.given.sunBy === undefined) [changes.sunBy, changes.light] = ["clock", "weather"];
     if (this.given.show === undefined && this.store.state.show !== "moment") [changes.show, changes.range] = ["year", this.given.range ?? null];
     this.store.set(changes);
-    opened.renewWeather();
+    opened.renew();
   }
 
   private async anotherArchive(file: File): Promise<void> {
@@ -312,6 +324,7 @@ class Main {
       this.store.set({ ...DEFAULTS });
     }
     this.weather = () => Promise.resolve(null);
+    this.picture = null;
     await this.open({ file });
   }
 
@@ -331,6 +344,31 @@ class Main {
     } catch (error) {
       this.messages.error(`reading ${file.name}`, error);
     }
+  }
+
+  /** Puts a picture of clouds before the sky, in place of the former. */
+  private async openClouds(file: File): Promise<void> {
+    if (!this.opened) {
+      this.messages.tell(["Open an archive first, then clouds."], false);
+      return;
+    }
+    try {
+      await this.takeClouds(await readPicture(file));
+      this.page.light.turnClouds(this.store.state.clouds ?? 0);
+    } catch (error) {
+      this.messages.error(`reading ${file.name}`, error);
+    }
+  }
+
+  private async removeClouds(): Promise<void> {
+    this.store.set({ clouds: null });
+    await this.takeClouds(null);
+  }
+
+  private async takeClouds(picture: CloudPicture | null): Promise<void> {
+    this.picture = picture;
+    await Promise.all((this.opened?.layers ?? []).map(({ session }) => session.takeClouds(picture)));
+    this.opened?.renew();
   }
 
   private async saveCsv(): Promise<void> {

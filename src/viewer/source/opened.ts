@@ -201,8 +201,8 @@ export class OpenedSite {
     } else say("There is no receiver.");
   }
 
-  /** The weather is another one. */
-  renewWeather(): void {
+  /** Weather or clouds are others. */
+  renew(): void {
     this.page.light.renew();
     this.page.show.refresh();
     for (const { asker } of this.layers) asker.renew();
@@ -289,8 +289,9 @@ export class OpenedSite {
       if (changed.has("selected") || changed.has("pinned")) this.receiver.choose();
       stage.draw();
     }
+    if (changed.has("clouds")) this.receiver.showClouds();
     if (["show", "component", "range", "month", "variant", "percent"].some((key) => changed.has(key as keyof State))) this.repaint();
-    if (["sky", "reflectance", "transmittance", "dayOfYear"].some((key) => changed.has(key as keyof State))) this.receiver.drawLater();
+    if (["sky", "reflectance", "transmittance", "clouds", "dayOfYear"].some((key) => changed.has(key as keyof State))) this.receiver.drawLater();
   }
 
   private showProgress(): void {

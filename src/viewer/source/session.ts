@@ -1,5 +1,6 @@
 // One opened archive: its tiles as they arrive, names of receivers, weather. In: the engine. Out: plain arrays by receiver.
 
+import { cloudsOf, type CloudPicture, type Clouds } from "./clouds";
 import type { Changes, Engine, Group, Overview, ReceiverInfo, Site, Vector, WeatherInfo } from "./engine/client";
 import type { Place, State } from "./state";
 
@@ -42,8 +43,12 @@ export class Session {
   /** Another archive is open: nothing is asked any more. */
   closed = false;
   weather: WeatherInfo | null = null;
+  /** The picture that its engine has. */
+  clouds: Clouds | null = null;
   /** What only the other archive has of names that changes take, by `nameOf`. */
   foreign: ReadonlySet<string> = new Set();
+  /** Where the engine has their top. */
+  private turned: number | null = null;
   private readonly tables = new Map<number, Promise<ReceiverInfo[]>>();
 
   /** `first`: the archive that was open before this one was put beside it; its engine says where the sun stands for both. */
@@ -105,6 +110,28 @@ export class Session {
     const own = (kind: Group["kind"], changes: Readonly<Record<string, number>>): [string, number][] =>
       Object.entries(changes).filter(([name]) => !this.foreign.has(nameOf({ kind, name })));
     return { reflectance: own("opaque", reflectance), transmittance: own("canopy", transmittance) };
+  }
+
+  /** Gives a picture of clouds to the engine, in place of the former; none takes that away. */
+  async takeClouds(picture: CloudPicture | null): Promise<void> {
+    if (!picture && !this.clouds) return;
+    this.clouds = this.turned = null;
+    if (picture) this.clouds = await cloudsOf(this.engine, picture);
+    else await this.engine.clouds(0, new Uint8Array(), 0);
+  }
+
+  /** Lets the engine have its clouds as a state has them, before it is asked for light. */
+  turnClouds(state: State): void {
+    const top = this.cloudsTop(state);
+    if (top === this.turned) return;
+    this.turned = top;
+    // What is wrong with the engine is told of what it is asked next.
+    this.engine.turnClouds(top).catch(() => undefined);
+  }
+
+  /** Where the top of the clouds before the sky lies; none where there are no clouds. */
+  cloudsTop({ clouds }: State): number | null {
+    return this.clouds && clouds;
   }
 
   /** Tiles, those nearest to a point first. */

@@ -25,6 +25,8 @@ export interface State {
   dni: number;
   dhi: number;
   sky: string;
+  /** Azimuth of the top of the picture of clouds, degrees; none: no clouds. */
+  clouds: number | null;
   /** By name of a group; only what differs from the archive's values. */
   reflectance: Readonly<Record<string, number>>;
   transmittance: Readonly<Record<string, number>>;
@@ -55,6 +57,7 @@ export const DEFAULTS: Readonly<State> = {
   dni: 800,
   dhi: 120,
   sky: "perez",
+  clouds: null,
   reflectance: {},
   transmittance: {},
   range: null,

@@ -13,7 +13,12 @@ use crate::error::{Error, Result};
 use crate::text::excerpt;
 
 /// Weights of red, green and blue.
-pub const LUMINANCE: [f64; 3] = [0.265, 0.670, 0.065];
+const LUMINANCE: [f64; 3] = [0.265, 0.670, 0.065];
+
+/// One level of red, green and blue.
+pub fn luminance(rgb: [f64; 3]) -> f64 {
+    rgb.iter().zip(LUMINANCE).map(|(part, weight)| part * weight).sum()
+}
 
 /// How a header of Radiance begins.
 const MAGIC: &[u8] = b"#?";

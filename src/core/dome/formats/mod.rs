@@ -4,7 +4,7 @@
 mod matrix;
 mod table;
 
-pub use matrix::LUMINANCE;
+pub use matrix::luminance;
 
 use std::collections::HashMap;
 use std::path::Path;

@@ -6,6 +6,7 @@ use serde_json::json;
 use crate::Answered;
 use crate::answer::{Answer, Numbers};
 use crate::asked::{Span, SumAsk, columns};
+use crate::clouds::Clouds;
 use crate::failure::{Failure, Kind};
 use crate::interactive::InteractiveTiles;
 use crate::light::Every;
@@ -26,6 +27,7 @@ pub struct Engine {
     weather: Option<LoadedWeather>,
     recombinations: Recombinations,
     moments: InteractiveTiles,
+    clouds: Clouds,
     /// The day of the year that minutes of sun were asked of last.
     day: Option<(u32, DayMinutes)>,
 }
@@ -38,7 +40,7 @@ impl Engine {
         if let Request::Open { name, bytes, beside } = request {
             return self.open(&name, bytes, beside.as_ref());
         }
-        let Engine { opened, weather, recombinations, moments, day } = self;
+        let Engine { opened, weather, recombinations, moments, clouds, day } = self;
         let opened = opened.as_ref().ok_or_else(|| Failure::new(Kind::Other, "no archive is open", "open one"))?;
         let manifest = opened.archive.manifest();
         match request {
@@ -54,6 +56,17 @@ impl Engine {
                 moments.clear();
                 Ok(weather.insert(loaded).info(&name))
             }
+            Request::Clouds { side, map } => {
+                recombinations.clear();
+                moments.clear();
+                clouds.take(side, &bytes, map)
+            }
+            Request::TurnClouds { top } => {
+                recombinations.clear();
+                moments.clear();
+                clouds.turn(top);
+                Ok(Answer::of(json!({})))
+            }
             Request::Sun { day_of_year, minutes } => {
                 Ok(weather::sun(weather.as_ref(), manifest.place, day_of_year, minutes)?)
             }
@@ -62,12 +75,12 @@ impl Engine {
             }
             Request::Moment { ask, tile, next } => {
                 let columns = columns(&ask.components)?;
-                let force = || light::moment(opened, weather.as_ref(), ask.light, &ask.changes);
+                let force = || clouds.over(&ask.sky, light::moment(opened, weather.as_ref(), ask.light, &ask.changes)?);
                 let values = moments.values(opened, &ask, tile, &next, force)?;
                 of_tile(opened, tile, &columns, &values)
             }
             Request::Light { ask } => {
-                let force = || light::moment(opened, weather.as_ref(), ask.light, &ask.changes);
+                let force = || clouds.over(&ask.sky, light::moment(opened, weather.as_ref(), ask.light, &ask.changes)?);
                 let light = moments.light(opened, &ask, force)?;
                 Ok(textures::light(&light.texels(opened.site.settings().sky_base, manifest.settings.patches())))
             }
@@ -76,8 +89,8 @@ impl Engine {
                 moments.textures(opened, schedules, tile, &next, |made| textures::tile(opened.first(tile), made))
             }
             Request::Sums { ask, tile } => {
-                let SumAsk { span, changes, .. } = ask.clone();
-                let force = || light::span(opened, weather.as_mut(), span, Every::Total, &changes);
+                let SumAsk { span, sky, changes, .. } = ask.clone();
+                let force = || clouds.over(&sky, light::span(opened, weather.as_mut(), span, Every::Total, &changes)?);
                 let key = Key::Sums(ask);
                 let values = recombinations.values(opened, &key, tile, force)?;
                 of_tile(opened, tile, &key.columns()?, &values)
@@ -96,8 +109,9 @@ impl Engine {
                 Ok(answer.with("minutes", Numbers::F32(&of(day, &opened.site, tile)?)))
             }
             Request::Months { tile, row, sky, changes } => {
-                let force = || light::span(opened, weather.as_mut(), Span::Year, Every::Month, &changes);
-                let key = Key::Months { sky, changes: changes.clone() };
+                let key = Key::Months { sky: sky.clone(), changes: changes.clone() };
+                let force =
+                    || clouds.over(&sky, light::span(opened, weather.as_mut(), Span::Year, Every::Month, &changes)?);
                 let values = recombinations.values(opened, &key, tile, force)?;
                 let labels: Vec<String> = (1..=MONTHS).map(|month| format!("{month:02}")).collect();
                 of_receiver(&labels, row, &values)
@@ -105,8 +119,8 @@ impl Engine {
             Request::Day { tile, row, day_of_year, sky, changes } => {
                 let span = Span::Day { day_of_year };
                 let labels = weather.as_ref().map_or_else(Vec::new, |loaded| loaded.labels(span));
-                let force = || light::span(opened, weather.as_mut(), span, Every::Hour, &changes);
-                let key = Key::Day { day_of_year, sky, changes: changes.clone() };
+                let key = Key::Day { day_of_year, sky: sky.clone(), changes: changes.clone() };
+                let force = || clouds.over(&sky, light::span(opened, weather.as_mut(), span, Every::Hour, &changes)?);
                 let values = recombinations.values(opened, &key, tile, force)?;
                 of_receiver(&labels, row, &values)
             }

@@ -50,7 +50,7 @@ pub struct InteractiveTiles {
 }
 
 impl InteractiveTiles {
-    /// Forgets the light: the weather is another.
+    /// Forgets the light: weather or clouds are others.
     pub fn clear(&mut self) {
         self.lit = None;
     }

@@ -6,6 +6,7 @@
 
 mod answer;
 mod asked;
+mod clouds;
 mod engine;
 mod failure;
 mod fisheye;

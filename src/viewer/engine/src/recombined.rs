@@ -48,7 +48,7 @@ pub struct Recombinations {
 }
 
 impl Recombinations {
-    /// Forgets what was made: the weather is another.
+    /// Forgets what was made: weather or clouds are others.
     pub fn clear(&mut self) {
         self.kept.clear();
     }

@@ -108,6 +108,8 @@ pub struct Site {
     scene_chunks: usize,
     has_reference: bool,
     skies: Vec<String>,
+    /// Those that no clouds can stand before.
+    cloudless_skies: Vec<String>,
 }
 
 impl Site {
@@ -148,6 +150,7 @@ impl Site {
             scene_chunks: archive.entries_of(format::SCENE).len(),
             has_reference: archive.has(format::OVERVIEW, TileNumber::FIRST) && manifest.place.is_some(),
             skies: SkyModel::all().map(|sky| sky.to_string()).collect(),
+            cloudless_skies: SkyModel::all().filter(|sky| sky.brightens()).map(|sky| sky.to_string()).collect(),
         }
     }
 }

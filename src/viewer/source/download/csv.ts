@@ -32,6 +32,8 @@ export function provenance(state: State, { before, after }: Site): string[] {
     lines.push(`sun: azimuth ${shine.azimuth} deg, altitude ${shine.altitude} deg`, `dni_w_m2: ${shine.dni}`, `dhi_w_m2: ${shine.dhi}`);
   }
   lines.push(`sky: ${state.sky}`);
+  const top = before.session.cloudsTop(state);
+  if (top !== null) lines.push(`clouds: ${before.session.clouds!.name}`, `image_top_deg: ${top}`);
   for (const key of ["reflectance", "transmittance"] as const) {
     for (const [name, value] of Object.entries(state[key])) lines.push(`${key}: ${name}=${value}`);
   }

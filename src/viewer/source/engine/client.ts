@@ -83,6 +83,19 @@ export class Engine {
     return this.call("loadWeather", [name, bytes, clock]);
   }
 
+  /**
+   * Takes a picture of clouds, of red, green, blue and opacity; of 0 pixels a side, takes it away. Resolves with how much each point of a map
+   * hides, 0 to 255. It stands before the sky once it is turned.
+   */
+  clouds(side: number, levels: Uint8Array, map: number): Promise<Uint8Array> {
+    return this.call("clouds", [side, levels, map]);
+  }
+
+  /** Puts the picture before the sky, with its top at an azimuth, or takes it away from there. */
+  turnClouds(top: number | null): Promise<void> {
+    return this.call("turnClouds", [top]);
+  }
+
   /** At the place and by the clock of the weather file, or else of the site. */
   sun(dayOfYear: number, minutes: number): Promise<Sun> {
     return this.call("sun", [dayOfYear, minutes]);

@@ -68,6 +68,14 @@ export class Tasks {
     return { ...(value as object), ...arrays } as unknown as WeatherInfo;
   }
 
+  clouds(side: number, levels: Uint8Array, map: number): Uint8Array {
+    return this.engine().call({ request: "clouds", side, map }, levels).arrays["hidden"] as Uint8Array;
+  }
+
+  turnClouds(top: number | null): void {
+    this.call({ request: "turnClouds", top });
+  }
+
   sun(dayOfYear: number, minutes: number): Sun {
     return this.call({ request: "sun", dayOfYear, minutes }).value as Sun;
   }
@@ -127,6 +135,9 @@ export class Tasks {
     request: "moment" | "sums" | "sunMinutes", ask: object, components: string[], tiles: number[], onTile: OnTile, onDamage: OnDamage,
   ): Promise<boolean> {
     const turn = ++this.newest[request];
+    // Sums are slow to begin: of those that wait, as behind a slider, the newest does.
+    if (request === "sums") await this.pause();
+    if (turn !== this.newest[request]) return false;
     let started = performance.now();
     for (const [place, tile] of tiles.entries()) {
       try {

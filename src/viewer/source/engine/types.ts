@@ -59,6 +59,8 @@ export interface Site {
   hasReference: boolean;
   /** Names that `sky` takes. */
   skies: string[];
+  /** Those that no clouds can stand before. */
+  cloudlessSkies: string[];
 }
 
 /** As the option --sky takes it. */

@@ -1,5 +1,6 @@
 // A small sky: zenith in the middle, horizon round it, north up. Shows the sun and its way on that day; dragging moves the sun.
 
+import { CLOUD_OPACITY } from "../clouds";
 import { byId, svg } from "../dom";
 
 const HORIZON = 46;
@@ -17,6 +18,7 @@ function place({ azimuth, altitude }: Direction): [number, number] {
 
 export class Dial {
   private readonly box = byId("dial", SVGSVGElement);
+  private readonly clouds = svg("image", { x: -HORIZON, y: -HORIZON, width: 2 * HORIZON, height: 2 * HORIZON, opacity: CLOUD_OPACITY, visibility: "hidden" });
   private readonly way = svg("path", { fill: "none", stroke: "#d9a400", "stroke-width": 1.5 });
   private readonly sun = svg("circle", { r: 5.5, fill: "#f2b705", stroke: "#7a5b00" });
 
@@ -27,7 +29,7 @@ export class Dial {
       const [x, y] = place({ azimuth: 90 * quarter, altitude: -14 });
       return svg("text", { x, y: y + 3.5, "text-anchor": "middle", "font-size": 9.5, fill: "#5b6772", text });
     });
-    this.box.append(ring(0), ring(30), ring(60), ...letters, this.way, this.sun);
+    this.box.append(ring(0), this.clouds, ring(30), ring(60), ...letters, this.way, this.sun);
     const drag = (event: PointerEvent): void => {
       const frame = this.box.getBoundingClientRect();
       const x = ((event.clientX - frame.left) / frame.width) * 120 - 60;
@@ -50,6 +52,17 @@ export class Dial {
     this.sun.setAttribute("cx", x.toFixed(1));
     this.sun.setAttribute("cy", y.toFixed(1));
     this.sun.setAttribute("visibility", direction.altitude > 0 ? "visible" : "hidden");
+  }
+
+  /** A map of clouds; the state says where its top lies. */
+  showClouds(map: HTMLCanvasElement | null): void {
+    if (map) this.clouds.setAttribute("href", map.toDataURL());
+    else this.clouds.removeAttribute("href");
+  }
+
+  turnClouds(top: number | null): void {
+    this.clouds.setAttribute("visibility", top === null ? "hidden" : "visible");
+    this.clouds.setAttribute("transform", `rotate(${top ?? 0})`);
   }
 
   showWay(directions: readonly Direction[]): void {

@@ -3,7 +3,7 @@
 import { byId, el, options } from "../dom";
 import type { Session } from "../session";
 import { knowsClearSkies, type Shine } from "../light";
-import { isOfSun, type LightFrom, type Store } from "../state";
+import { isOfSun, isSum, type LightFrom, type Store } from "../state";
 import { clock, dayName, skyLabel, W_M2 } from "../words";
 import { Dial } from "./dial";
 
@@ -15,11 +15,12 @@ export class LightPanel {
   private readonly sky = byId("sky-model", HTMLSelectElement);
   private readonly radios = [...document.querySelectorAll<HTMLInputElement>('input[name="sun-by"]')];
   private readonly facts = byId("sun-facts", HTMLElement);
+  private readonly cloudsTop = byId("clouds-top", HTMLInputElement);
   private readonly dial: Dial;
   private session: Session | null = null;
   private wayOf = "";
 
-  constructor(private readonly store: Store) {
+  constructor(private readonly store: Store, onRemove: () => void) {
     this.dial = new Dial((direction) => this.change({ ...direction, ...this.anglesNeed() }));
     for (const id of SLIDERS) {
       const slider = byId(id, HTMLInputElement);
@@ -33,20 +34,27 @@ export class LightPanel {
     for (const radio of this.radios) {
       radio.addEventListener("change", () => this.change(radio.value === "angles" ? this.anglesNeed() : { sunBy: "clock" }));
     }
+    this.cloudsTop.addEventListener("input", () => this.turnClouds(this.cloudsTop.valueAsNumber));
+    byId("remove-clouds", HTMLButtonElement).addEventListener("click", onRemove);
     store.subscribe(() => this.refresh());
   }
 
   open(session: Session): void {
     this.session = session;
+    this.renew();
+  }
+
+  /** Weather or clouds are others. */
+  renew(): void {
     this.wayOf = "";
-    options(this.sky, session.site.skies.map((value) => ({ value, label: skyLabel(value) })));
+    this.dial.showClouds(this.session?.clouds?.map ?? null);
     this.refresh();
   }
 
-  /** The weather is another one. */
-  renew(): void {
-    this.wayOf = "";
-    this.refresh();
+  /** Turns the clouds; what is shown stays where it depends on them. */
+  turnClouds(clouds: number): void {
+    if (isSum(this.store.state.show)) this.store.set({ clouds });
+    else this.change({ clouds });
   }
 
   showShine(shine: Shine): void {
@@ -87,7 +95,7 @@ export class LightPanel {
     ]);
     this.from.value = state.light;
     if (state.show !== "moment") this.facts.replaceChildren(el("dt", { class: "hint", text: "Move the sun to see one moment." }));
-    this.sky.value = state.sky;
+    this.showClouds(session);
     for (const radio of this.radios) {
       radio.checked = radio.value === state.sunBy;
       radio.disabled = radio.value === "clock" && !placed;
@@ -113,6 +121,25 @@ export class LightPanel {
       byId(`${id}-text`, HTMLOutputElement).textContent = texts[id];
     }
     void this.followSun(session, placed);
+  }
+
+  /** Clouds, and which skies they can stand before. */
+  private showClouds(session: Session): void {
+    const { state } = this.store;
+    const top = session.cloudsTop(state);
+    const barred = new Set(top === null ? [] : session.site.cloudlessSkies);
+    options(this.sky, session.site.skies.map((value) => ({ value, label: barred.has(value) ? `${skyLabel(value)} – not with clouds` : skyLabel(value), disabled: barred.has(value) })));
+    this.sky.value = state.sky;
+    const name = byId("clouds-name", HTMLElement);
+    name.textContent = session.clouds?.name ?? "";
+    byId("remove-clouds", HTMLButtonElement).hidden = byId("row-turn", HTMLElement).hidden = name.hidden = top === null;
+    byId("clouds-note", HTMLElement).hidden = state.clouds === null || session.clouds !== null;
+    this.dial.turnClouds(top);
+    if (top === null) return;
+    const text = `${top}°`;
+    this.cloudsTop.value = String(top);
+    this.cloudsTop.setAttribute("aria-valuetext", text);
+    byId("clouds-top-text", HTMLOutputElement).textContent = text;
   }
 
   /** The way of the sun on the chosen day, and the sun where no moment is asked for. */

@@ -1,5 +1,6 @@
 // What a receiver sees of the upper hemisphere, from below as a map: north up, east right, the horizon round it; with the ways of the sun.
 
+import { CLOUD_OPACITY, CLOUD_RGB } from "../clouds";
 import type { Fisheye } from "../engine/client";
 import { el } from "../dom";
 
@@ -17,41 +18,62 @@ const CLASSES = [
 export const SIDE = 256;
 const DRAWN = 512;
 const RIM = 30;
+const RADIUS = DRAWN / 2 - RIM;
+/** The class of the sky. */
+const SKY = 1;
 
-export function drawFisheye(seen: Fisheye, caption: string, northDeg: number): HTMLElement {
-  const small = new OffscreenCanvas(seen.side, seen.side);
-  const pixels = new ImageData(seen.side, seen.side);
-  const counts = new Uint32Array(CLASSES.length);
-  seen.classes.forEach((kind, at) => {
-    const { rgb } = CLASSES[kind] ?? CLASSES[0];
-    pixels.data.set([...rgb, kind === 0 ? 0 : 255], 4 * at);
-    counts[kind]! += 1;
-  });
-  small.getContext("2d")?.putImageData(pixels, 0, 0);
+/** The picture of what a receiver sees; it is drawn anew where clouds turn. */
+export class Sight {
+  readonly figure: HTMLElement;
+  private readonly canvas: HTMLCanvasElement;
+  private readonly classes: OffscreenCanvas;
+  /** Where the sky is seen. */
+  private readonly sky: OffscreenCanvas;
+  private readonly cloudKey = el("li", {}, swatch(CLOUD_RGB), "clouds");
 
-  const there = CLASSES.map(({ name }, kind) => ({ name, kind })).filter(({ kind }) => kind > 0 && counts[kind]! > 0);
-  const canvas = el("canvas", { width: DRAWN, height: DRAWN, role: "img", "aria-label": `Upper hemisphere of ${caption}: ${there.map(({ name }) => name).join(", ")}.` });
-  const draw = canvas.getContext("2d");
-  if (draw) {
-    const radius = DRAWN / 2 - RIM;
-    draw.translate(DRAWN / 2, DRAWN / 2);
+  constructor(
+    private readonly seen: Fisheye,
+    caption: string,
+    private readonly northDeg: number,
+  ) {
+    const counts = new Uint32Array(CLASSES.length);
+    for (const kind of seen.classes) counts[kind]! += 1;
+    this.classes = pixelsOf(seen, (kind) => [...(CLASSES[kind] ?? CLASSES[0]).rgb, kind === 0 ? 0 : 255]);
+    this.sky = pixelsOf(seen, (kind) => [0, 0, 0, kind === SKY ? 255 : 0]);
+    const there = CLASSES.map(({ name, rgb }, kind) => ({ name, rgb, kind })).filter(({ kind }) => kind > 0 && counts[kind]! > 0);
+    this.canvas = el("canvas", { width: DRAWN, height: DRAWN, role: "img", "aria-label": `Upper hemisphere of ${caption}: ${there.map(({ name }) => name).join(", ")}.` });
+    const key = there.map(({ name, rgb }) => el("li", {}, swatch(rgb), name));
+    this.figure = el("figure", {}, this.canvas, el("ul", { class: "key" }, ...key, this.cloudKey));
+  }
+
+  /** Draws it, with a map of clouds whose top lies at an azimuth. */
+  draw(clouds: HTMLCanvasElement | null, top: number | null): void {
+    const { northDeg } = this;
+    const draw = this.canvas.getContext("2d");
+    const veil = clouds && top !== null ? this.behind(clouds, northDeg + top) : null;
+    this.cloudKey.hidden = veil === null;
+    if (!draw) return;
+    draw.setTransform(1, 0, 0, 1, DRAWN / 2, DRAWN / 2);
+    draw.clearRect(-DRAWN / 2, -DRAWN / 2, DRAWN, DRAWN);
     draw.save();
     draw.beginPath();
-    draw.arc(0, 0, radius, 0, 2 * Math.PI);
+    draw.arc(0, 0, RADIUS, 0, 2 * Math.PI);
     draw.clip();
-    draw.drawImage(small, -radius, -radius, 2 * radius, 2 * radius);
+    draw.drawImage(this.classes, -RADIUS, -RADIUS, 2 * RADIUS, 2 * RADIUS);
+    draw.globalAlpha = CLOUD_OPACITY;
+    if (veil) draw.drawImage(veil, -RADIUS, -RADIUS);
     draw.restore();
     draw.strokeStyle = "#5b6772";
     draw.lineWidth = 1.5;
     draw.beginPath();
-    draw.arc(0, 0, radius, 0, 2 * Math.PI);
+    draw.arc(0, 0, RADIUS, 0, 2 * Math.PI);
     draw.stroke();
-    for (const { label, points } of seen.paths) {
+    for (const { label, points } of this.seen.paths) {
       const hour = /^\d+$/.test(label);
       draw.strokeStyle = hour ? "#c9820088" : "#c97a00";
       draw.lineWidth = hour ? 1.2 : 2.6;
       draw.beginPath();
-      for (let at = 0; at < points.length; at += 2) draw.lineTo(radius * points[at]!, -radius * points[at + 1]!);
+      for (let at = 0; at < points.length; at += 2) draw.lineTo(RADIUS * points[at]!, -RADIUS * points[at + 1]!);
       draw.stroke();
     }
     draw.fillStyle = "#1f2933";
@@ -60,13 +82,34 @@ export function drawFisheye(seen: Fisheye, caption: string, northDeg: number): H
     draw.textBaseline = "middle";
     ["N", "E", "S", "W"].forEach((letter, quarter) => {
       const angle = ((northDeg + 90 * quarter) * Math.PI) / 180;
-      draw.fillText(letter, (radius + 15) * Math.sin(angle), -(radius + 15) * Math.cos(angle));
+      draw.fillText(letter, (RADIUS + 15) * Math.sin(angle), -(RADIUS + 15) * Math.cos(angle));
     });
   }
-  const key = there.map(({ name, kind }) => {
-    const box = el("span", { class: "swatch" });
-    box.style.background = `rgb(${CLASSES[kind]!.rgb.join(",")})`;
-    return el("li", {}, box, name);
-  });
-  return el("figure", {}, canvas, el("ul", { class: "key" }, ...key));
+
+  /** Clouds where the sky is seen, turned clockwise. */
+  private behind(clouds: HTMLCanvasElement, degrees: number): OffscreenCanvas {
+    const veil = new OffscreenCanvas(2 * RADIUS, 2 * RADIUS);
+    const draw = veil.getContext("2d");
+    if (!draw) return veil;
+    draw.drawImage(this.sky, 0, 0, 2 * RADIUS, 2 * RADIUS);
+    draw.globalCompositeOperation = "source-in";
+    draw.translate(RADIUS, RADIUS);
+    draw.rotate((degrees * Math.PI) / 180);
+    draw.drawImage(clouds, -RADIUS, -RADIUS, 2 * RADIUS, 2 * RADIUS);
+    return veil;
+  }
+}
+
+function swatch(rgb: readonly number[]): HTMLElement {
+  const box = el("span", { class: "swatch" });
+  box.style.background = `rgb(${rgb.join(",")})`;
+  return box;
+}
+
+function pixelsOf({ side, classes }: Fisheye, rgba: (kind: number) => number[]): OffscreenCanvas {
+  const canvas = new OffscreenCanvas(side, side);
+  const pixels = new ImageData(side, side);
+  classes.forEach((kind, at) => pixels.data.set(rgba(kind), 4 * at));
+  canvas.getContext("2d")?.putImageData(pixels, 0, 0);
+  return canvas;
 }

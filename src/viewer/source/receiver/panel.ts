@@ -7,7 +7,7 @@ import type { Quantity } from "../quantity";
 import type { Place, State, Store } from "../state";
 import { dayName, KWH_M2, MONTHS, W_M2 } from "../words";
 import { drawChart, key, topOf } from "./chart";
-import { drawFisheye, SIDE } from "./fisheye";
+import { SIDE, Sight } from "./fisheye";
 import { Groups } from "./groups";
 import { changedSums, changes, facts, letter, sums, tag, values, type ChangedSum, type NamedSum, type When } from "./tables";
 
@@ -45,6 +45,7 @@ const REST = 250;
 export class ReceiverPanel {
   private readonly body = byId("receiver-body", HTMLElement);
   private readonly parts: Record<"title" | "facts" | "values" | "sums" | "charts" | "sight", HTMLElement>;
+  private sights: { sight: Sight; layer: Layer }[] = [];
   private readonly groups = new Map<Layer, Groups>();
   /** Resolves when who was chosen last is on the page. */
   choosing: Promise<void> = Promise.resolve();
@@ -66,6 +67,7 @@ export class ReceiverPanel {
     this.turn += 1;
     clearTimeout(this.timer);
     this.chosen = [];
+    this.sights = [];
     this.body.replaceChildren();
   }
 
@@ -101,6 +103,11 @@ export class ReceiverPanel {
     this.speak();
     for (const { layer, index } of chosen[0]!.sides) void this.groupsOf(layer).readAll(middleOf(layer, index), () => this.showSums());
     this.drawLater(0, true);
+  }
+
+  /** Clouds before the sky that it sees, as the state has them. */
+  showClouds(): void {
+    for (const { sight, layer } of this.sights) sight.draw(layer.session.clouds?.map ?? null, layer.session.cloudsTop(this.store.state));
   }
 
   /** Values of what is shown have come, or another quantity is shown. */
@@ -212,6 +219,7 @@ export class ReceiverPanel {
         const days: TaggedSeries[] = [];
         for (const { layer, tile, row, which, when } of sides) {
           const { engine } = layer.session;
+          layer.session.turnClouds(this.store.state);
           const ask = { tile, row, sky: state.sky, changes: layer.session.changes(state) };
           const tagged = { components: layer.session.site.components, tags: () => this.tags(which, when) };
           months.push({ ...(await engine.months(ask)), ...tagged });
@@ -223,14 +231,17 @@ export class ReceiverPanel {
         this.parts.charts.replaceChildren(el("h3", { text: "Months and day" }), el("p", { class: "note", text: "Open a weather file to see months and the hours of a day." }));
       }
       if (!withSight) return;
-      const pictures: HTMLElement[] = [];
+      const sights: typeof this.sights = [];
       for (const { layer, tile, row, which, when, info } of sides) {
         const seen: Fisheye = await layer.session.engine.fisheye({ tile, row, side: SIDE });
         if (turn !== this.turn) return;
-        const figure = drawFisheye(seen, info.id, layer.session.site.northDeg);
-        figure.prepend(...this.tags(which, when));
-        pictures.push(figure);
+        const sight = new Sight(seen, info.id, layer.session.site.northDeg);
+        sight.figure.prepend(...this.tags(which, when));
+        sights.push({ sight, layer });
       }
+      this.sights = sights;
+      this.showClouds();
+      const pictures = sights.map(({ sight }) => sight.figure);
       const note = el("p", { class: "note", text: "The upper hemisphere as on a map, zenith in the middle; lines: ways of the sun." });
       this.parts.sight.replaceChildren(el("h3", { text: "What it sees" }), el("div", { class: pictures.length > 1 ? "fishes" : "fishes single" }, ...pictures), note);
     } catch (error) {

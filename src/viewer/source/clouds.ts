@@ -1,0 +1,82 @@
+// A picture of clouds. In: a file. Out: its levels as they are coded, and its map as the engine makes it. Shares of light are the engine's matter.
+
+import type { Engine } from "./engine/client";
+import { el } from "./dom";
+import { EngineError } from "./engine/failure";
+
+/** Most pixels a side. */
+const MOST = 4096;
+
+/** Points a side of the map. */
+const MAP = 256;
+
+/** What hides, on the map, and how much of it is drawn: what lies behind is still told. */
+export const CLOUD_RGB = [104, 114, 125] as const;
+
+export const CLOUD_OPACITY = 0.8;
+
+export interface CloudPicture {
+  name: string;
+  side: number;
+  /** Red, green, blue and opacity of each pixel, by rows from the top. */
+  levels: Uint8Array;
+}
+
+/** A picture that an engine has, as it is shown. */
+export interface Clouds {
+  name: string;
+  /** As a map, whose top is that of the picture and whose right is clockwise of it; where nothing is hidden it lets through. */
+  map: HTMLCanvasElement;
+}
+
+function refused(message: string, hint: string): EngineError {
+  return new EngineError({ kind: "other", message, hint });
+}
+
+/** Reads a picture; one that is not square is refused. */
+export async function readPicture(file: File): Promise<CloudPicture> {
+  let bitmap: ImageBitmap;
+  try {
+    // Levels are shares as they stand in the file, whatever the colours that it says they are, and behind whatever opacity.
+    bitmap = await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+  } catch {
+    throw refused("this browser does not read it as a picture", "Save the picture as PNG.");
+  }
+  const { width, height } = bitmap;
+  try {
+    if (width !== height) throw refused(`${width} x ${height} pixels are not a square`, "Crop it to the square around the circle of the horizon, whose middle is the zenith.");
+    if (width > MOST) throw refused(`${width} x ${height} pixels, and ${MOST} a side are read`, "Scale the picture down.");
+    return { name: file.name, side: width, levels: levelsOf(bitmap) };
+  } finally {
+    bitmap.close();
+  }
+}
+
+/** A 2D canvas would multiply levels by opacity, which cannot be undone; a texture keeps them. */
+function levelsOf(bitmap: ImageBitmap): Uint8Array {
+  const { width, height } = bitmap;
+  const gl = new OffscreenCanvas(1, 1).getContext("webgl2");
+  if (!gl) throw refused("the browser gives no WebGL 2 to read it by", "");
+  try {
+    if (width > (gl.getParameter(gl.MAX_TEXTURE_SIZE) as number)) throw refused(`${width} pixels a side are more than the graphics card takes`, "Scale the picture down.");
+    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, gl.getParameter(gl.TEXTURE_BINDING_2D) as WebGLTexture, 0);
+    const levels = new Uint8Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, levels);
+    return levels;
+  } finally {
+    gl.getExtension("WEBGL_lose_context")?.loseContext();
+  }
+}
+
+/** The picture of an engine. */
+export async function cloudsOf(engine: Engine, { name, side, levels }: CloudPicture): Promise<Clouds> {
+  const hidden = await engine.clouds(side, levels, MAP);
+  const map = el("canvas", { width: MAP, height: MAP });
+  const pixels = new ImageData(MAP, MAP);
+  hidden.forEach((level, at) => pixels.data.set([...CLOUD_RGB, level], 4 * at));
+  map.getContext("2d")?.putImageData(pixels, 0, 0);
+  return { name, map };
+}
