@@ -300,7 +300,7 @@ fn the_commands() {
     let inputs = ["s.obj", "-m", "m.toml", "-r", "r.csv"];
     let (code, table, _) = run(&[&["plan"], &inputs[..]].concat());
     let on = |table: &str| table.lines().filter(|line| line.contains(" on ")).count();
-    assert_eq!((code, on(&table), table.lines().count()), (Some(0), 5, 9), "{table}");
+    assert_eq!((code, on(&table), table.lines().count()), (Some(0), 5, 10), "{table}");
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 4);
     let (code, head, _) = run(&[&["build"], &inputs[..], &["--effects", "none", "-o", "n.helio"]].concat());
     assert_eq!((code, on(&head)), (Some(0), 2), "{head}");
