@@ -18,6 +18,7 @@ use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::time::bins::Bins;
 use heliotile_scene::Scene;
 
+use crate::cli::{Folder, stderr};
 use crate::scenes::*;
 
 fn leaf(name: &str, transmittance: f64, scattered: f64) -> Material {
@@ -210,4 +211,48 @@ fn leaves_may_be_left_out() {
     };
     let [all, without, dark] = [built("all", 0.5, &[]), built("without", 0.5, &["leaves"]), built("dark", 0.0, &[])];
     assert!(without == dark && all.iter().zip(&dark).all(|(a, b)| a >= b) && all != dark, "{all:?} {dark:?}");
+}
+
+/// A tree of twelve leaves as OBJ, one of them moved, and a wall if there is one.
+fn obj(moved_m: f64, wall: bool) -> String {
+    let mut text = "usemtl lawn\nv -20 -20 0\nv 20 -20 0\nv 20 20 0\nv -20 20 0\nf -4 -3 -2 -1\n".to_owned();
+    for i in 0..12 {
+        let (x, z) = (f64::from(i % 4) - 2.0 + if i == 5 { moved_m } else { 0.0 }, 3.0 + 0.4 * f64::from(i / 4));
+        text += &format!("usemtl leaf\nv {x} 0 {z}\nv {} 0.1 {z}\nv {} 1 {}\nv {x} 1 {z}\n", x + 0.8, x + 0.8, z + 0.3);
+        text += "f -4 -3 -2 -1\n";
+    }
+    if wall {
+        text += "usemtl brick\nv -6 5 0\nv 6 5 0\nv 6 5 8\nv -6 5 8\nf -4 -3 -2 -1\n";
+    }
+    text
+}
+
+/// An archive that is built from one of the scene before has the bytes of a build of its own where a leaf moved, where a wall came, and where
+/// leaves that absorbed scatter light: 3 of 3.
+#[test]
+fn a_changed_tree_has_the_bytes_of_its_build() {
+    let folder = Folder::new();
+    let materials = |scattered: f64| {
+        format!(
+            "[lawn]\ndiffuse = 0.2\nclass = \"ground\"\n[brick]\ndiffuse = 0.4\n[leaf]\ntransmittance = 0.1\ndiffuse = {scattered}\n"
+        )
+    };
+    folder.write("bright.toml", &materials(0.5));
+    folder.write("dark.toml", &materials(0.0));
+    folder.write("r.csv", "receiver,x,y,z,nx,ny,nz\na,0,0.5,0.01,0,0,1\nb,-3,-2,1,0.6,0.8,0\nc,9,9,1,0,0,1\n");
+    let build = |scene: &str, materials: &str, out: &str, more: &str| {
+        let output = folder.run(&format!("build {scene} -m {materials}.toml -r r.csv -o {out}{more}"));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        std::fs::read(folder.path(out)).expect("an archive")
+    };
+    folder.write("s.obj", &obj(0.0, false));
+    build("s.obj", "bright", "bright.helio", "");
+    build("s.obj", "dark", "dark.helio", "");
+    for (moved_m, wall, from) in [(0.7, false, "bright.helio"), (0.0, true, "bright.helio"), (0.0, false, "dark.helio")]
+    {
+        folder.write("s.obj", &obj(moved_m, wall));
+        let own = build("s.obj", "bright", "own.helio", " --fresh");
+        let of_before = build("s.obj", "bright", "of_before.helio", &format!(" --fresh --from {from}"));
+        assert!(own == of_before, "{moved_m} {wall} {from}");
+    }
 }
