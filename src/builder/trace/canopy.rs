@@ -5,11 +5,14 @@
 //! of a leaf drawn from both sides, crosses once. Where faces meet without a corner in common, a ray through that very line may
 //! count twice.
 
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+
 use crate::trace::kernel::rays::{Hit, Ray, Tracer};
 use crate::trace::probe::{Directions, ProbeTrace};
 use crate::trace::receiver::Viewpoint;
 use crate::trace::surroundings::{SeenCell, seen_from};
-use glam::DVec3;
 use heliotile_core::hemisphere::{bit, jitter, mix, texel_direction, unit};
 use heliotile_core::layers::canopy::SeenLeaf;
 use heliotile_core::light::radiosity::{SidesOf, Surround, each_ray};
@@ -18,7 +21,6 @@ use heliotile_core::site::crossing::Crossing;
 use heliotile_core::site::material::Material;
 use heliotile_scene::Scene;
 use heliotile_scene::mesh::Mesh;
-use std::collections::BTreeMap;
 
 /// Share of the distance below which two hits of touching triangles are one: the rounding of distances at grazing incidence.
 const ONE_PLACE: f32 = 1e-4;
