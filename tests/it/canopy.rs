@@ -43,7 +43,7 @@ fn coarse() -> BuildSettings {
 }
 
 /// All seven columns of every receiver, `[component][condition]`.
-fn columns(
+pub fn columns(
     path: &Path,
     conditions: &[Condition],
     sky: SkyModel,

@@ -1,23 +1,22 @@
 //! Leaves that scatter light: what they add by closed forms, by energy balance and by the reference path tracer.
 
+use std::path::Path;
+
 use glam::DVec3;
 use heliotile_builder::judge::{Judge, JudgedSky};
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::settings::{BuildSettings, Effects};
-use heliotile_core::archive::Archive;
 use heliotile_core::hemisphere::mix;
 use heliotile_core::light::radiosity::MaxBounces;
 use heliotile_core::light::states::Schedule;
-use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::Component::{SkyDiffuse, SunDiffuse, Total};
-use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::Condition;
-use heliotile_core::weather::time::bins::Bins;
 use heliotile_scene::Scene;
 
+use crate::canopy::columns;
 use crate::cli::{Folder, stderr};
 use crate::scenes::*;
 
@@ -29,7 +28,7 @@ fn of(triangles: &Triangles, materials: Vec<Material>) -> Scene {
     Scene::from_triangles(triangles, materials).expect("a scene")
 }
 
-/// Between ground of rho and the open sky lie endless leaves with R = d / 2 and T = tau + d / 2. Two layers (Kubelka 1948): the ground gets
+/// Between ground of rho and the open sky lie endless leaves with R = d / 2 and T = tau + d / 2. Two layers (Kubelka 1954): the ground gets
 /// T / (1 - R rho) of what comes from above, sun or sky, and a receiver that looks down from above them R + T^2 rho / (1 - R rho): within
 /// 1 % for 3 kinds of leaves, 2 albedos and 3 suns, 36 values.
 #[test]
@@ -170,17 +169,10 @@ fn a_tree_beside_a_wall() {
     assert!(bias.abs() < 0.005 && rmse < 0.015 && most > 0.2, "{bias} {rmse} {most}");
 }
 
-fn totals(path: &std::path::Path, conditions: &[Condition], schedules: &[Schedule]) -> Vec<f32> {
-    let archive = Archive::open(path).expect("an archive");
-    let settings = ReplaySettings { sky: SkyModel::Perez, ..ReplaySettings::default() };
-    let bins = Bins::each(conditions.len());
-    let replay = Replay::builder(&OpenSite::of(&archive).expect("a site"), conditions, settings)
-        .summed(&bins)
-        .scheduled(schedules)
-        .build()
-        .expect("a replay");
-    let tiles = replay.run(0..replay.tiles()).expect("tiles");
-    tiles.iter().flat_map(|(_, values)| (0..values.receivers()).flat_map(|r| values.row(Total, r).to_vec())).collect()
+/// Totals of all receivers, `[receiver][condition]`.
+fn totals(path: &Path, conditions: &[Condition], schedules: &[Schedule]) -> Vec<f64> {
+    let rows = columns(path, conditions, SkyModel::Perez, schedules);
+    rows.into_values().flat_map(|mut row| row.swap_remove(Total as usize)).collect()
 }
 
 /// Half of the leaves fall: a replay with a transmittance of 0.55 for the 0.1 of the archive is the archive that is built with it, and with
@@ -191,7 +183,7 @@ fn fewer_leaves_scatter_less() {
     let season = [Schedule { materials: vec![2], values: vec![0.55; 2] }];
     let [full, half, wrong] = [(0.5, 0.1), (0.25, 0.55), (0.45, 0.55)]
         .map(|(d, tau)| totals(&site(&tree(d, tau), &around_the_tree(), &fine()).path, &conditions, &season));
-    let off = |a: &[f32]| a.iter().zip(&full).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f32::max);
+    let off = |a: &[f64]| a.iter().zip(&full).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
     println!("half of the leaves: {:.1e} off, more scattered {:.3}", off(&half), off(&wrong));
     assert!(off(&half) < 1e-5 && off(&wrong) > 0.01, "{} {}", off(&half), off(&wrong));
 }

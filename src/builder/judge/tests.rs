@@ -113,8 +113,8 @@ fn ordered([sun_direct, sky_direct, sun_diffuse, sky_diffuse, sun_specular, sky_
     out
 }
 
-/// Between ground of 0.3 and the open sky lie endless leaves that let 0.4 through and scatter 0.5, half to each side. Two layers (Kubelka 1948,
-/// "New contributions to the optics of intensely light-scattering materials"): below them a level receiver gets T / (1 - R rho) of what comes from
+/// Between ground of 0.3 and the open sky lie endless leaves that let 0.4 through and scatter 0.5, half to each side. Two layers (Kubelka 1954,
+/// "New contributions to the optics of intensely light-scattering materials, part II"): below them a level receiver gets T / (1 - R rho) of what comes from
 /// above, one that looks down from above R + T^2 rho / (1 - R rho), with R = 0.25 and T = 0.65: within 3 standard errors in 97.5 % of 240
 /// comparisons.
 #[test]

@@ -21,7 +21,7 @@ use heliotile_core::archive::format::{CellKind, TileNumber};
 use heliotile_core::archive::{Blocks, format, tables};
 use heliotile_core::error::Result;
 use heliotile_core::layers::cells::{Cell, Cells};
-use heliotile_core::light::radiosity::{centres_f32, surround};
+use heliotile_core::light::radiosity::surround;
 use heliotile_core::memory::Use;
 use heliotile_core::observer::Stage;
 use heliotile_core::opened::OpenSite;
@@ -139,7 +139,7 @@ impl SiteTracer<'_> {
         let mut mirror = 0;
         let mirrors = self.cell_mirrors(key, &probe, texture, &seen, &mut mirror);
         let (normal, doubtful) = (probe.normal.as_vec3().to_array(), probe.doubtful);
-        let around = || surround(key, normal, &probe.bits, &centres_f32(texture.n));
+        let around = || surround(key, normal, &probe.bits, &texture.centres);
         let leaves = self.leaf_view(self.traces(Effect::Bounces));
         let crossings = CellCrossings::of(leaves, key, &probe, texture, &seen.seen, around);
         let cast = Cast { plain: probe.rays + seen.cast + crossings.rays, mirror };

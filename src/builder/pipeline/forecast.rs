@@ -279,7 +279,7 @@ impl Decision<'_> {
                 effect: Effect::Leaves,
                 on: leaves_on,
                 bound_w_m2: bounds.leaves,
-                // Those of receivers are among the rays through canopies, those of cells among reflections and bounces.
+                // The lines of canopies count the rays of receivers to leaves, the lines of reflections and bounces those of cells.
                 rays: 0.0,
                 seconds: 0.0,
                 nothing: "no canopy has a `diffuse`",

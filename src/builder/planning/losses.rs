@@ -171,9 +171,8 @@ impl YearLosses {
 
 /// What a group loses without some effects, percent of its sum: reflected light holds what is reflected again and what leaves scatter.
 fn lost_percent(group: &GroupLosses, without: &[Effect]) -> f64 {
-    let within =
-        |effect: &Effect, whole: Effect| matches!(effect, Effect::Bounces | Effect::Leaves) && without.contains(&whole);
-    let counts = |effect: &&Effect| !within(effect, Effect::Diffuse);
+    let is_diffuse = |effect: &Effect| matches!(effect, Effect::Bounces | Effect::Leaves);
+    let counts = |effect: &&Effect| !(is_diffuse(effect) && without.contains(&Effect::Diffuse));
     without.iter().filter(counts).map(|effect| group.percent(*effect)).sum()
 }
 

@@ -103,7 +103,7 @@ impl<'a> Canopies<'a> {
         self.counted(&self.passages(paths))
     }
 
-    /// Those of some rays that cross leaves, in their order.
+    /// The rays among `paths` that cross leaves, in the order of `paths`.
     pub(crate) fn passages(&self, paths: &[Path]) -> Vec<Passage> {
         let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
         // Most rays meet no leaf at all, and packets find that out fast.
@@ -185,7 +185,7 @@ impl SeenLeaves {
         *self.0.entry((cell, leaf.before)).or_default() += share;
     }
 
-    /// All of them, or so many of them at most, drawn evenly by what they may send (systematic sampling: Madow and Madow 1944): their shares
+    /// All of them, or so many of them at most, drawn evenly by what they may send (systematic sampling: Madow 1949): their shares
     /// stand for the others.
     pub fn gathered(self, most: usize, seed: u64) -> Vec<SeenLeaf> {
         let weight = |before: &[(u16, u8)], share: f64| {

@@ -13,12 +13,15 @@ use crate::trace::hidden::{LOOKS, Verdict, hidden};
 use crate::trace::kernel::rays::{Ray, Tracer};
 use crate::trace::surface::{CellSurfaces, POINTS, SurfacePoint, sample};
 use heliotile_core::hemisphere::{jitter, mix, texel_direction, texels_in_blocks, unit};
+use heliotile_core::light::radiosity::centres_f32;
 use heliotile_core::site::cells::CellKey;
 
 /// Jittered directions through the texels of cells' n x n sky textures: a few patterns, made once, of which each cell takes
 /// one by its seed.
 pub struct Directions {
     pub n: usize,
+    /// `[texel]`: mean directions.
+    pub centres: Vec<[f32; 3]>,
     patterns: Vec<Vec<DVec3>>,
     /// As [`texels_in_blocks`] lists them.
     places: Vec<Place>,
@@ -44,7 +47,7 @@ impl Directions {
             block: (row / 4 * n.div_ceil(4) + column / 4) as u64,
             inside: (row % 4) * 4 + column % 4,
         };
-        Directions { n, patterns, places: texels_in_blocks(n).map(place).collect() }
+        Directions { n, centres: centres_f32(n), patterns, places: texels_in_blocks(n).map(place).collect() }
     }
 
     /// All texels; neighbours in the list are neighbours on the sphere.
@@ -240,7 +243,7 @@ impl Look<'_> {
     }
 
     /// Which points are hidden, and the rays that it took to find out. Only points that see no sky are suspected, and only where others
-    /// see some: nobody else could take their rays. Leaves are not asked: the inside of a crown is no solid.
+    /// see some: only those could take their rays. Leaves are not asked: the inside of a crown is no solid.
     fn hidden(
         &self,
         open: &[bool],

@@ -45,7 +45,7 @@ impl DomeImage {
         fits.then(|| image.turned(top_azimuth_deg))
     }
 
-    /// The same picture, whose top has another azimuth.
+    /// A copy of the picture whose top has the azimuth `top_azimuth_deg`.
     #[must_use]
     pub fn turned(&self, top_azimuth_deg: f64) -> Self {
         let (sin, cos) = top_azimuth_deg.to_radians().sin_cos();

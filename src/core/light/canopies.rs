@@ -2,7 +2,7 @@
 //! each ray, and what the leaves weigh that scatter light.
 //!
 //! A leaf scatters the same light to both sides (a bi-Lambertian leaf whose reflectance equals its transmittance: Goudriaan 1977, "Crop
-//! micrometeorology: a simulation study", section 2.2): the radiosity of either side is its `diffuse` times the mean irradiance of both.
+//! micrometeorology: a simulation study"): the radiosity of either side is its `diffuse` times the mean irradiance of both.
 
 use crate::layers::canopy::{Powers, SEEN, SKY};
 use crate::layers::cells::Cells;

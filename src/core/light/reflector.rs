@@ -31,7 +31,8 @@ impl Reflector {
     pub fn scattered(&self, variable: f64) -> f64 {
         match self.transmittance {
             None => variable,
-            Some(stored) if self.diffuse > 0.0 => self.diffuse * (1.0 - variable) / (1.0 - stored),
+            // Where all light comes through there is nothing that could scatter it.
+            Some(stored) if stored < 1.0 => self.diffuse * (1.0 - variable) / (1.0 - stored),
             Some(_) => 0.0,
         }
     }
@@ -50,5 +51,23 @@ impl Reflector {
     /// Whether it reflects like a mirror.
     pub fn mirrors(&self) -> bool {
         self.specular > 0.0 || self.panes > 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Leaves that let 0.2 through and scatter 0.4 scatter 0.2 where 0.6 comes through, and nothing where all does. A canopy that lets all light
+    /// through and scatters a rounding error scatters nothing, no NaN: 2 of 2 transmittances. An opaque surface has its own reflectance.
+    #[test]
+    fn fewer_leaves_scatter_less() {
+        let of = |transmittance, diffuse| {
+            Reflector::of(&Material { transmittance, ..Material::matt("m", diffuse, Class::Obstruction) })
+        };
+        let leaf = of(Some(0.2), 0.4);
+        assert!((leaf.scattered(0.6) - 0.2).abs() < 1e-12 && leaf.scattered(1.0) == 0.0);
+        assert_eq!([0.5, 1.0].map(|through| of(Some(1.0), 5e-13).scattered(through)), [0.0; 2]);
+        assert_eq!((of(Some(0.2), 0.0).scattered(0.6), of(None, 0.3).scattered(0.7)), (0.0, 0.7));
     }
 }

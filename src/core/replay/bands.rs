@@ -31,7 +31,7 @@ pub struct OwnBand {
 /// What the light of a condition is taken times.
 #[derive(Clone, Copy, Debug)]
 enum SourceScaling {
-    /// The same in all conditions.
+    /// One scale for all conditions.
     Constant(SourceScale),
     /// [`luminous_efficacy`].
     Luminous,
@@ -54,7 +54,7 @@ struct BandColumn {
 }
 
 impl BandColumn {
-    /// None for a column that is of no band, or of a band of one's own that nobody states.
+    /// The column of `component`; `None` where it belongs to no band, or to a band of a file that is not there.
     fn of(component: Component, own: &[OwnBand]) -> Option<Self> {
         let band = |band: Band, factor| {
             let scaling = SourceScaling::Constant(band.shares().times(factor));

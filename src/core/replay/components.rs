@@ -301,7 +301,8 @@ impl ComponentList {
         ComponentList { list, own: Vec::new() }
     }
 
-    /// The same with further columns behind them, as far as they are not there yet; `own` are the names of the first of [`Component::OWN`].
+    /// The list with `further` columns behind those that it has; a column that it has already is not added. `own` names the first of
+    /// [`Component::OWN`].
     #[must_use]
     pub fn with(mut self, further: &[Component], own: Vec<String>) -> Self {
         for component in further {
