@@ -62,9 +62,9 @@ impl BandChoice {
             let what = "bands of files".to_owned();
             return Err(Error::Limit { what, value: own.len() as u64, max: Component::OWN.len() as u64 });
         }
-        let of_bands = self.bands.iter().flat_map(|band| columns_of(*band)).copied();
-        let columns = of_bands.chain(Component::OWN.into_iter().take(own.len())).collect();
-        Ok(BandList { columns, own, files: self.files.clone() })
+        let mut list = BandList::of(&self.bands);
+        list.columns.extend(Component::OWN.into_iter().take(own.len()));
+        Ok(BandList { own, files: self.files.clone(), ..list })
     }
 }
 
@@ -107,6 +107,12 @@ pub struct BandList {
 }
 
 impl BandList {
+    /// The columns of bands, none of them one's own.
+    pub fn of(bands: &[Band]) -> Self {
+        let columns = bands.iter().flat_map(|band| columns_of(*band)).copied().collect();
+        BandList { columns, ..BandList::default() }
+    }
+
     /// What results call the columns of bands of one's own.
     pub fn own_names(&self) -> Vec<String> {
         self.own.iter().map(|band| format!("total_{}", band.name)).collect()

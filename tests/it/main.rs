@@ -45,6 +45,7 @@ mod place;
 mod plan;
 mod previews;
 mod pv;
+mod pv_ground;
 mod reader;
 mod reflectance;
 #[cfg(feature = "remote")]

@@ -8,28 +8,28 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use crate::cli::{Folder, golden, stderr, stdout};
 
 /// Rows of a table by column.
-fn table(folder: &Folder, name: &str) -> Vec<HashMap<String, String>> {
+pub fn table(folder: &Folder, name: &str) -> Vec<HashMap<String, String>> {
     let mut lines = csv::Reader::from_path(folder.path(name)).expect("a table");
     let header = lines.headers().expect("a header").clone();
     let row = |line: csv::StringRecord| header.iter().map(str::to_owned).zip(line.iter().map(str::to_owned)).collect();
     lines.records().map(|line| row(line.expect("a line"))).collect()
 }
 
-fn number(row: &HashMap<String, String>, column: &str) -> f64 {
+pub fn number(row: &HashMap<String, String>, column: &str) -> f64 {
     row[column].parse().unwrap_or_else(|_| panic!("{column}: {row:?}"))
 }
 
-fn good(folder: &Folder, arguments: &str) -> String {
+pub fn good(folder: &Folder, arguments: &str) -> String {
     let output = folder.run(arguments);
     assert_eq!(output.status.code(), Some(0), "{arguments}: {}", stderr(&output));
     stdout(&output)
 }
 
 /// Six hours of an even sky of 100 W/m2: 0.6 kWh/m2 on open level ground.
-const EVEN: &str = "time,ghi,dni,dhi\n2019-06-21T09:00+01:00,100,0,100\n2019-06-21T10:00+01:00,100,0,100\n\
+pub const EVEN: &str = "time,ghi,dni,dhi\n2019-06-21T09:00+01:00,100,0,100\n2019-06-21T10:00+01:00,100,0,100\n\
                     2019-06-21T11:00+01:00,100,0,100\n2019-06-21T12:00+01:00,100,0,100\n\
                     2019-06-21T13:00+01:00,100,0,100\n2019-06-21T14:00+01:00,100,0,100\n";
-const PLACE: &str = "--latitude 50 --longitude 15";
+pub const PLACE: &str = "--latitude 50 --longitude 15";
 
 /// A folder with a wall of 8 km x 4 km half a metre north of the origin on black ground, and even light.
 fn wall(material: &str) -> Folder {

@@ -3,12 +3,13 @@
 import sys
 
 import field
+import ground
 import horizon
 import rows
 import sheds
 import walls
 
-PARTS = {"field": field.main, "walls": walls.main, "rows": rows.main, "sheds": sheds.main, "horizon": horizon.main}
+PARTS = {"field": field.main, "walls": walls.main, "rows": rows.main, "sheds": sheds.main, "ground": ground.main, "horizon": horizon.main}
 
 for part in sys.argv[1:] or PARTS:
     print(f"## {part}", flush=True)

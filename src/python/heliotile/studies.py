@@ -114,7 +114,8 @@ def pv(
     memory: int = MEMORY,
     progress: Progress | None = None,
 ) -> Study:
-    """Light on solar modules: `heliotile pv`, file by file. Give a table of `points`, or `rows` of modules; the book's page of pv has their layouts."""
+    """Light on solar modules: `heliotile pv`, file by file. Give a table of `points`, or `rows` of modules; the book's page of pv has their layouts.
+    Rows that ask for receivers on the `ground` among them add `ground.csv` and `ground_months.csv` to the files of the study."""
     request: dict[str, Any] = {
         "scene": scene_request(scene),
         **weather_request(weather),

@@ -45,6 +45,29 @@ def test_pv_is_the_programs(tmp_path: Path) -> None:
     assert "south" in done.table
 
 
+def test_ground_among_rows_is_the_programs(tmp_path: Path) -> None:
+    """Rows with receivers on the ground: six files of the program, two of them of the ground, and a replay of its 20 places has their sums."""
+    (tmp_path / "scene.obj").write_text("v -50 -50 0\nv 50 -50 0\nv 50 50 0\nv -50 50 0\nusemtl ground\nf 1 2 3 4\n")
+    lines = ['name = "a"', "area = [[0, 0], [8, 0], [8, 6], [0, 6]]", "tilt = 30", "azimuth = 180", "pitch = 3"]
+    lines += ["width = 2", "height = 1", "clearance = 1", "ground = 1.5"]
+    (tmp_path / "rows.toml").write_text("\n".join(["[[rows]]", *lines, ""]))
+    scene, modules = tmp_path / "scene.obj", tmp_path / "rows.toml"
+    program("pv", scene, "--weather", DAYS, "--rows", modules, "--quality", "draft", "-o", tmp_path / "program")
+    done = heliotile.pv(scene, DAYS, tmp_path / "python", rows=modules, quality="draft")
+    assert done.files == ["points.csv", "months.csv", "ground.csv", "ground_months.csv", "hourly.csv"]
+    for name in [*done.files, "site.helio"]:
+        assert (tmp_path / "program" / name).read_bytes() == (tmp_path / "python" / name).read_bytes(), name
+    assert "ground among" in done.table
+    table = rows(tmp_path / "python" / "ground.csv")
+    places = [dict(zip(table[0].split(","), line.split(","), strict=True)) for line in table[1:]]
+    assert len(places) == 4 * 5
+    with done.open() as site:
+        sums = site.replay(DAYS, every="total", bands=["par"], receivers=[place["receiver"] for place in places])
+        found = dict(zip(sums.receivers, sums["ppfd"][:, 0], strict=True))
+    for place in places:
+        assert abs(found[place["receiver"]] - float(place["ppfd_mol_m2"])) < 0.01
+
+
 def test_energyplus_is_the_programs(tmp_path: Path) -> None:
     """A model gets the tables that the program gives it, byte by byte."""
     model = DATA / "energyplus" / "box.idf"

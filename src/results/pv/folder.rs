@@ -21,6 +21,8 @@ pub struct PvFolder {
     pub archive: PathBuf,
     pub points: PathBuf,
     pub months: PathBuf,
+    /// Of receivers on the ground, if there are any: a row each, and their months.
+    pub ground: Option<[PathBuf; 2]>,
     pub hours: PathBuf,
     pub horizon_table: PathBuf,
     /// With a list for each point.
@@ -32,13 +34,15 @@ pub struct PvFolder {
 }
 
 impl PvFolder {
-    pub fn of(request: &PvRequest) -> Self {
+    /// `has_ground` says whether there are receivers on the ground.
+    pub fn of(request: &PvRequest, has_ground: bool) -> Self {
         let folder = request.folder.clone();
         let file = |name: &str| folder.join(name);
         PvFolder {
             archive: file("site.helio"),
             points: file("points.csv"),
             months: file("months.csv"),
+            ground: has_ground.then(|| ["ground.csv", "ground_months.csv"].map(file)),
             hours: file(&format!("hourly.{}", request.format)),
             horizon_table: file("horizons.csv"),
             horizons: file("horizon"),
@@ -62,6 +66,7 @@ impl PvFolder {
     /// Tables that are written.
     fn tables(&self, request: &PvRequest) -> Vec<&Path> {
         let mut tables: Vec<&Path> = vec![&self.points, &self.months];
+        tables.extend(self.ground.iter().flatten().map(PathBuf::as_path));
         if request.points.is_some() {
             tables.push(&self.horizon_table);
         }

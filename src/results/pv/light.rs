@@ -1,10 +1,12 @@
 //! The light of a weather file on an archive. In: an archive, weather. Out: sums by month and hours of its receivers, as core replays them.
 
 use std::cell::RefCell;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use super::PvRequest;
+use crate::bands::BandList;
+use crate::outputs::pv::ground::{DayCounts, PAR, PlantLight};
 use crate::outputs::pv::hourly::SideHours;
 use crate::outputs::pv::sums::{MonthlySums, PARTS};
 use crate::outputs::tables::row_labels::RowLabels;
@@ -15,6 +17,7 @@ use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
 use heliotile_core::observer::{Observer, Silent};
 use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::site::bands::Band;
 use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::series::Weather;
@@ -84,14 +87,49 @@ impl<'a> Light<'a> {
         Ok(self.hours(archive)?.labels.clone())
     }
 
+    /// Days that have rows, of all months and of each.
+    pub fn days(&self, archive: &Archive) -> Result<DayCounts> {
+        let hours = self.hours(archive)?;
+        let (days, months) = (hours.by(Every::Day), hours.by(Every::Month));
+        let mut seen: Vec<HashSet<usize>> = vec![HashSet::new(); months.labels.len()];
+        for ((day, _), (month, _)) in days.bins.of_condition.iter().zip(&months.bins.of_condition) {
+            seen.get_mut(*month).map(|of_month| of_month.insert(*day));
+        }
+        Ok(DayCounts { all: days.labels.len(), of_month: seen.iter().map(HashSet::len).collect() })
+    }
+
+    /// Tells what is doubtful about an archive in the light that plants live on.
+    pub fn tell_par(&self, archive: &Archive) -> Result<()> {
+        let light = LightChoice { bands: Box::new(BandList::of(&[Band::Par])), ..LightChoice::default() };
+        light.tell_bands(Archives::one(archive), self.resources.observer)
+    }
+
     /// Sums of every receiver by month and component, kWh/m2.
     pub fn monthly(&self, archive: &Archive) -> Result<HashMap<String, MonthlySums>> {
+        let found = self.by_month(archive, ComponentSet::ALL, PARTS, |_| true)?;
+        Ok(found.into_iter().map(|(id, months)| (id, MonthlySums(months))).collect())
+    }
+
+    /// What plants live on by month, of some receivers.
+    pub fn monthly_par(&self, archive: &Archive, wanted: impl Fn(&str) -> bool) -> Result<HashMap<String, PlantLight>> {
+        let found = self.by_month(archive, ComponentSet::of(&PAR), PAR, wanted)?;
+        Ok(found.into_iter().map(|(id, months)| (id, PlantLight(months))).collect())
+    }
+
+    /// Sums of some receivers, `[month][column]`, of columns that are among some components.
+    fn by_month<const N: usize>(
+        &self,
+        archive: &Archive,
+        components: ComponentSet,
+        columns: [Component; N],
+        wanted: impl Fn(&str) -> bool,
+    ) -> Result<HashMap<String, Vec<[f64; N]>>> {
         let mut found = HashMap::new();
-        self.replayed(archive, Every::Month, ComponentSet::ALL, |tile| {
-            for (row, id) in tile.ids.iter().enumerate() {
+        self.replayed(archive, Every::Month, components, |tile| {
+            for (row, id) in tile.ids.iter().enumerate().filter(|(_, id)| wanted(id)) {
                 let value = |part, label: usize| tile.values.row(part, row).get(label).copied().map_or(0.0, f64::from);
-                let month = |label: usize| PARTS.map(|part| value(part, label));
-                found.insert(id.clone(), MonthlySums((0..tile.values.labels()).map(month).collect()));
+                let month = |label: usize| columns.map(|part| value(part, label));
+                found.insert(id.clone(), (0..tile.values.labels()).map(month).collect());
             }
             Ok(())
         })?;

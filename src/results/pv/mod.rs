@@ -1,7 +1,8 @@
-//! Light on solar modules. In: a scene, weather, places. Out: a folder with sums, hours, shading losses, horizons and, if
-//! they are asked for, the best turns. What light does stands in core; what becomes of it in a module is pvlib's.
+//! Light on solar modules and on the ground among them. In: a scene, weather, places. Out: a folder with sums, hours, shading losses, horizons
+//! and, if they are asked for, the best turns. What light does stands in core; what becomes of it in a module is pvlib's.
 
 mod folder;
+mod ground;
 mod light;
 mod modules;
 mod open_plain;
@@ -20,6 +21,7 @@ use crate::outputs::provenance::Provenance;
 use crate::resources::Resources;
 use crate::site_archive::{TraceRequest, WaysOut, build_or_reuse};
 use folder::PvFolder;
+use ground::GroundSpot;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::planning::AccuracyRequest;
 use heliotile_builder::settings::EffectChoice;
@@ -105,6 +107,13 @@ enum Wanted {
     Rows(Vec<RowsOfModules>),
 }
 
+impl Wanted {
+    /// Whether receivers on the ground are asked for.
+    fn has_ground(&self) -> bool {
+        matches!(self, Wanted::Rows(all) if all.iter().any(|rows| rows.ground_step_m.is_some()))
+    }
+}
+
 impl Default for PvRequest {
     fn default() -> Self {
         let mut request = PvRequest::of(SceneRequest::default(), "", "", "");
@@ -123,9 +132,9 @@ impl PvRequest {
 fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<PvDone> {
     let observer = resources.observer;
     let mut site = request.scene.site()?;
-    let files = PvFolder::of(request);
-    files.guard(&site, request)?;
     let wanted = request.wanted(observer)?;
+    let files = PvFolder::of(request, wanted.has_ground());
+    files.guard(&site, request)?;
     // Before the scene, which takes longer: a wrong weather file is found at once.
     let mut loaded = None;
     let mut place = || Ok(loaded.insert(load(&site, &wanted, observer)?).0.place);
@@ -151,6 +160,10 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         (Wanted::Points(points), _) => Spots::of_points(request.points_file(), points, &siting)?,
         (_, laid) => Spots::of_modules(laid.iter().flat_map(LaidRows::modules), &siting),
     };
+    let ground = match &laid {
+        Some(laid) => GroundSpot::among(request.rows_file(), laid, &siting, observer)?,
+        None => Vec::new(),
+    };
     fs::create_dir_all(&files.folder).map_err(Error::io(&files.folder, "create"))?;
     let beside = tempfile::Builder::new().prefix(".pv").tempdir_in(&files.folder);
     let beside = beside.map_err(Error::io(&files.folder, "make a folder in"))?;
@@ -168,7 +181,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         None => None,
     };
     let traced = with_modules.as_ref().unwrap_or(&scene);
-    let receivers = spots.write_receivers(beside.path(), north)?;
+    let receivers = spots.write_receivers(&ground, beside.path(), north)?;
     let asked = TraceRequest {
         folder: &files.folder,
         receivers: &receivers,
@@ -198,13 +211,21 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         .with_weather(&request.weather, &weather)
         .with_option("steps", light.steps(&archive))
         .with_option("patches", archive.manifest().settings.patches());
-    let results = Results { request, files: &files, light: &light, archive: &archive, spots: &spots, about: &about };
-    let sides = results.write(&scene, &siting, north)?;
+    let results = Results {
+        request,
+        files: &files,
+        light: &light,
+        archive: &archive,
+        spots: &spots,
+        ground: &ground,
+        about: &about,
+    };
+    let (sides, on_ground) = results.write(&scene, &siting, north)?;
     if request.search {
         results.write_search(&searched)?;
     }
     light.notes(request).iter().for_each(|text| observer.note(text));
-    let table = summary::table(&sides, &searched, &request.weather);
+    let table = summary::table(&sides, &searched, &on_ground, &request.weather);
     Ok(PvDone { files: files.names(request), folder: files.folder, archive: files.archive, table })
 }
 

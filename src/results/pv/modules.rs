@@ -28,7 +28,16 @@ const MOST_PLACES: f64 = 1e9;
 
 /// Rows with their modules.
 pub struct LaidRows {
-    rows: Vec<(RowsOfModules, Vec<Module>)>,
+    fields: Vec<Field>,
+}
+
+/// Modules of one kind on their area.
+pub struct Field {
+    pub rows: RowsOfModules,
+    pub modules: Vec<Module>,
+    pub outline: Outline,
+    /// Of the fronts, in the scene's axes.
+    pub normal: DVec3,
 }
 
 impl LaidRows {
@@ -41,7 +50,7 @@ impl LaidRows {
         north: North,
         observer: &dyn Observer,
     ) -> Result<Self> {
-        let mut all = Vec::new();
+        let mut fields = Vec::new();
         for rows in rows {
             let outline = match &rows.ground {
                 RowsGround::Area(corners) => Outline::of_polygon(corners),
@@ -79,14 +88,21 @@ impl LaidRows {
                     rows.name
                 ));
             }
-            all.push((rows, modules));
+            fields.push(Field { rows, modules, outline, normal });
         }
-        Ok(LaidRows { rows: all })
+        Ok(LaidRows { fields })
+    }
+
+    /// All fields, in the order of the file.
+    pub fn fields(&self) -> &[Field] {
+        &self.fields
     }
 
     /// All modules, with the turn and the receivers of their kind.
     pub fn modules(&self) -> impl Iterator<Item = (&Module, Orientation, usize)> {
-        self.rows.iter().flat_map(|(rows, all)| all.iter().map(|module| (module, rows.turn, rows.samples)))
+        self.fields
+            .iter()
+            .flat_map(|Field { rows, modules, .. }| modules.iter().map(|module| (module, rows.turn, rows.samples)))
     }
 
     /// Writes the modules into a folder and adds them to a site.
@@ -103,7 +119,7 @@ impl LaidRows {
     /// OBJ and the reflectances of its materials.
     fn texts(&self) -> (String, String) {
         let (mut obj, mut toml, mut corner) = (String::new(), String::new(), 0);
-        for (rows, modules) in &self.rows {
+        for Field { rows, modules, .. } in &self.fields {
             let [front, rear] = ["front", "rear"].map(|side| format!("pv {side} {}", rows.name));
             for (material, reflectance) in [&front, &rear].into_iter().zip(rows.reflectances) {
                 let _ = writeln!(toml, "[\"{material}\"]\ndiffuse = {reflectance}\nclass = \"obstruction\"");

@@ -1,18 +1,17 @@
-//! What a surface would get with nothing around it. In: turns, the ground below. Out: sums on an endless plain of that ground with an open
-//! horizon, traced and replayed as the site is, with its settings.
+//! What a surface would get with nothing around it. In: turns, the ground below, how an archive is replayed. Out: sums on an endless plain of
+//! that ground with an open horizon, traced as the site is, with its settings.
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use glam::DVec3;
 
-use super::light::Light;
 use super::search::trace_aside;
-use crate::outputs::pv::sums::MonthlySums;
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::settings::BuildSettings;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::Result;
+use heliotile_core::observer::Observer;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::north::North;
@@ -25,27 +24,32 @@ const HALF_M: f64 = 20_000.0;
 /// A turn above a ground: the bits of the normal.
 type Key = (Option<u16>, [u64; 3]);
 
-/// Sums on open plains.
-pub struct OpenPlain<'a> {
+/// Sums on open plains, of whatever a replay gives.
+pub struct OpenPlain<'a, T> {
     scene: &'a Scene,
     settings: BuildSettings,
     folder: &'a Path,
-    known: HashMap<Key, MonthlySums>,
+    known: HashMap<Key, T>,
 }
 
 fn key(ground: Option<u16>, turn: Orientation) -> Key {
     (ground, turn.normal().to_array().map(f64::to_bits))
 }
 
-impl<'a> OpenPlain<'a> {
+impl<'a, T: Clone + Default> OpenPlain<'a, T> {
     /// With the settings of the site's archive; temporary files go into a folder.
     pub fn new(scene: &'a Scene, archive: &Archive, folder: &'a Path) -> Self {
         let settings = BuildSettings::of(&archive.manifest().settings);
         OpenPlain { scene, settings, folder, known: HashMap::new() }
     }
 
-    /// Traces and replays turns above their grounds; above none the plain is black.
-    pub fn learn(&mut self, wanted: impl Iterator<Item = (Option<u16>, Orientation)>, light: &Light) -> Result<()> {
+    /// Traces turns above their grounds and replays them, which gives sums by receiver; above no ground the plain is black.
+    pub fn learn(
+        &mut self,
+        wanted: impl Iterator<Item = (Option<u16>, Orientation)>,
+        replayed: impl Fn(&Archive) -> Result<HashMap<String, T>>,
+        observer: &dyn Observer,
+    ) -> Result<()> {
         let mut of_ground: HashMap<Option<u16>, HashMap<[u64; 3], DVec3>> = HashMap::new();
         for (ground, turn) in wanted {
             let (_, bits) = key(ground, turn);
@@ -60,11 +64,11 @@ impl<'a> OpenPlain<'a> {
             };
             let receivers: Vec<Receiver> = all.iter().enumerate().map(receiver).collect();
             let prepared = PreparedScene::new(&plain)?;
-            let traced = trace_aside(&prepared, &receivers, &self.settings, self.folder, light.observer())?;
-            for (id, months) in light.monthly(traced.archive())? {
+            let traced = trace_aside(&prepared, &receivers, &self.settings, self.folder, observer)?;
+            for (id, sums) in replayed(traced.archive())? {
                 let found = id.parse::<usize>().ok().and_then(|i| all.get(i));
                 if let Some((bits, _)) = found {
-                    self.known.insert((ground, *bits), months);
+                    self.known.insert((ground, *bits), sums);
                 }
             }
         }
@@ -72,7 +76,7 @@ impl<'a> OpenPlain<'a> {
     }
 
     /// Sums of a turn that was learnt.
-    pub fn months(&self, ground: Option<u16>, turn: Orientation) -> MonthlySums {
+    pub fn sums(&self, ground: Option<u16>, turn: Orientation) -> T {
         self.known.get(&key(ground, turn)).cloned().unwrap_or_default()
     }
 

@@ -1,14 +1,16 @@
 //! Results of `pv`. In: an archive of its receivers, weather. Out: the tables, lists and pictures of the folder.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fs;
 
 use super::PvRequest;
 use super::folder::PvFolder;
+use super::ground::GroundSpot;
 use super::light::Light;
 use super::open_plain::OpenPlain;
 use super::spots::{Spot, SpotSide, Spots};
 use crate::outputs::provenance::Provenance;
+use crate::outputs::pv::ground::{GroundSums, PlantLight, SumsOnGround, write_ground, write_ground_months};
 use crate::outputs::pv::horizon::{self, PointHorizon};
 use crate::outputs::pv::hourly::{HourlyTable, ONE_SIDE, SideHours, TWO_SIDES};
 use crate::outputs::pv::polar;
@@ -20,11 +22,19 @@ use heliotile_builder::transfer::ArchiveReceivers;
 use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::opened::OpenSite;
+use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
 use heliotile_scene::Scene;
 
 /// Heights of a horizon.
 const HORIZON_DIRECTIONS: usize = 360;
+
+/// What a replay and the archive say of a receiver.
+struct OfReceiver {
+    months: MonthlySums,
+    /// Share of its hemisphere that is sky, by the cosine.
+    sky_view: f64,
+}
 
 /// What results are made of.
 pub struct Results<'a, 'l> {
@@ -33,15 +43,18 @@ pub struct Results<'a, 'l> {
     pub light: &'a Light<'l>,
     pub archive: &'a Archive,
     pub spots: &'a Spots,
+    pub ground: &'a [GroundSpot],
     pub about: &'a Provenance,
 }
 
 impl Results<'_, '_> {
-    /// Writes sums, hours and horizons; gives the sums. `scene` is the one without modules.
-    pub fn write(&self, scene: &Scene, siting: &Siting, north: North) -> Result<Vec<SideSums>> {
+    /// Writes sums, hours and horizons; gives the sums of sides and of the ground. `scene` is the one without modules.
+    pub fn write(&self, scene: &Scene, siting: &Siting, north: North) -> Result<(Vec<SideSums>, SumsOnGround)> {
         let (files, about) = (self.files, self.about);
         let has_horizons = self.request.points.is_some();
-        let sides = self.sums(scene, has_horizons)?;
+        let of_receiver = self.of_receivers()?;
+        let sides = self.sums(scene, &of_receiver, has_horizons)?;
+        let ground = self.sums_on_ground(scene, &of_receiver)?;
         if has_horizons {
             let horizons = self.horizons(siting, north);
             fs::create_dir_all(&files.horizons).map_err(Error::io(&files.horizons, "create"))?;
@@ -49,11 +62,17 @@ impl Results<'_, '_> {
             horizon::write_table(&files.horizon_table, &horizons, about)?;
         }
         write_points(&files.points, &sides, about)?;
-        write_months(&files.months, &sides, &self.light.month_labels(self.archive)?, about)?;
+        let months = self.light.month_labels(self.archive)?;
+        write_months(&files.months, &sides, &months, about)?;
+        if let Some([places, by_month]) = &files.ground {
+            self.light.tell_par(self.archive)?;
+            write_ground(places, &ground, about)?;
+            write_ground_months(by_month, &ground, &months, about)?;
+        }
         if self.request.hourly {
             self.write_hours()?;
         }
-        Ok(sides)
+        Ok((sides, ground))
     }
 
     /// Writes what a search found.
@@ -76,23 +95,38 @@ impl Results<'_, '_> {
         self.spots.list.iter().map(of).collect()
     }
 
-    /// Sums of every side, beside those of an open plain.
-    fn sums(&self, scene: &Scene, has_horizons: bool) -> Result<Vec<SideSums>> {
-        let of_receiver = self.light.monthly(self.archive)?;
-        let mut sky_views: HashMap<String, f64> = HashMap::new();
+    /// Sums and sky views of all receivers, by name.
+    fn of_receivers(&self) -> Result<HashMap<String, OfReceiver>> {
+        let months = self.light.monthly(self.archive)?;
+        let mut all: HashMap<String, OfReceiver> =
+            months.into_iter().map(|(id, months)| (id, OfReceiver { months, sky_view: 0.0 })).collect();
         for row in ArchiveReceivers::<()>::new(&OpenSite::of(self.archive)?) {
             let row = row?;
-            sky_views.insert(row.receiver.id, f64::from(row.views[0]));
+            if let Some(found) = all.get_mut(&row.receiver.id) {
+                found.sky_view = f64::from(row.views[0]);
+            }
         }
+        Ok(all)
+    }
+
+    /// Sums of every side, beside those of an open plain.
+    fn sums(
+        &self,
+        scene: &Scene,
+        of_receiver: &HashMap<String, OfReceiver>,
+        has_horizons: bool,
+    ) -> Result<Vec<SideSums>> {
         let mut plain = OpenPlain::new(scene, self.archive, &self.files.folder);
         let turns = |spot: &Spot| spot.sides.iter().map(|side| (spot.ground, spot.turn_of(side))).collect::<Vec<_>>();
-        plain.learn(self.spots.list.iter().flat_map(turns), self.light)?;
+        let wanted = self.spots.list.iter().flat_map(turns);
+        plain.learn(wanted, |archive| self.light.monthly(archive), self.light.observer())?;
         let of_side = |spot: &Spot, side: &SpotSide| {
             let (mut months, mut sky_view) = (MonthlySums::default(), 0.0);
             let share = 1.0 / side.receivers.len() as f64;
             for (id, _) in &side.receivers {
-                of_receiver.get(id).iter().for_each(|sums| months.add(sums, share));
-                sky_view += share * sky_views.get(id).copied().unwrap_or_default();
+                let Some(found) = of_receiver.get(id) else { continue };
+                months.add(&found.months, share);
+                sky_view += share * found.sky_view;
             }
             let turn = spot.turn_of(side);
             SideSums {
@@ -100,7 +134,7 @@ impl Results<'_, '_> {
                 side: side.name,
                 position: spot.position,
                 turn,
-                open: plain.months(spot.ground, turn),
+                open: plain.sums(spot.ground, turn),
                 sky_view,
                 horizon: if has_horizons { PvFolder::list_of(&spot.name) } else { String::new() },
                 bifacial_gain_percent: None,
@@ -116,6 +150,32 @@ impl Results<'_, '_> {
             sides
         };
         Ok(self.spots.list.iter().flat_map(of_spot).collect())
+    }
+
+    /// Sums of every place on the ground, beside what plants live on at an open plain.
+    fn sums_on_ground(&self, scene: &Scene, of_receiver: &HashMap<String, OfReceiver>) -> Result<SumsOnGround> {
+        if self.ground.is_empty() {
+            return Ok(SumsOnGround::default());
+        }
+        let names: HashSet<&str> = self.ground.iter().map(|spot| spot.place.name.as_str()).collect();
+        let mut par = self.light.monthly_par(self.archive, |id| names.contains(id))?;
+        let mut plain: OpenPlain<PlantLight> = OpenPlain::new(scene, self.archive, &self.files.folder);
+        let wanted = self.ground.iter().map(|spot| (spot.material, Orientation::FLAT));
+        plain.learn(wanted, |archive| self.light.monthly_par(archive, |_| true), self.light.observer())?;
+        let of_spot = |spot: &GroundSpot| {
+            let found = of_receiver.get(&spot.place.name);
+            GroundSums {
+                receiver: spot.place.name.clone(),
+                rows: spot.rows.clone(),
+                position: spot.place.position,
+                behind_m: spot.place.behind_m,
+                months: found.map(|found| found.months.clone()).unwrap_or_default(),
+                par: par.remove(&spot.place.name).unwrap_or_default(),
+                open: plain.sums(spot.material, Orientation::FLAT),
+                sky_view: found.map_or(0.0, |found| found.sky_view),
+            }
+        };
+        Ok(SumsOnGround { places: self.ground.iter().map(of_spot).collect(), days: self.light.days(self.archive)? })
     }
 
     /// Hours of every point and module. Kept in memory are modules of which some receivers are still to come: their tiles are neighbours.

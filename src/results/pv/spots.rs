@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+use super::ground::GroundSpot;
 use crate::outputs::pv::search::PointSearch;
 use crate::outputs::sink::Sink;
 use heliotile_builder::siting::{Enclosed, Siting};
@@ -16,8 +17,8 @@ use heliotile_core::site::north::North;
 use heliotile_scene::pv::layout::Module;
 use heliotile_scene::pv::points::{PointHeight, PvPoint};
 
-/// Receivers of modules lie so far off them, metres.
-const OFF_M: f64 = 0.005;
+/// Receivers of modules and of the ground lie so far off them, metres.
+pub const OFF_M: f64 = 0.005;
 
 /// A place of a module.
 #[derive(Clone, Debug)]
@@ -120,23 +121,26 @@ impl Spots {
         }
     }
 
-    /// Writes the receivers into a folder that they do not stay in; gives the file.
-    pub fn write_receivers(&self, folder: &Path, north: North) -> Result<PathBuf> {
+    /// Writes the receivers and those on the ground into a folder that they do not stay in; gives the file.
+    pub fn write_receivers(&self, ground: &[GroundSpot], folder: &Path, north: North) -> Result<PathBuf> {
         let file = folder.join("receivers.csv");
         let mut sink = Sink::file(&file)?;
         let mut write = || -> std::io::Result<()> {
             writeln!(sink, "receiver,x,y,z,nx,ny,nz")?;
+            let mut row = |id: &str, p: DVec3, n: DVec3| {
+                // Names are quoted, whatever they hold.
+                let name = id.replace('"', "\"\"");
+                writeln!(sink, "\"{name}\",{},{},{},{},{},{}", p.x, p.y, p.z, n.x, n.y, n.z)
+            };
             for spot in &self.list {
                 for side in &spot.sides {
                     let n = north.to_axes(spot.turn_of(side).normal());
                     for (id, p) in &side.receivers {
-                        // Names are quoted, whatever they hold.
-                        let name = id.replace('"', "\"\"");
-                        writeln!(sink, "\"{name}\",{},{},{},{},{},{}", p.x, p.y, p.z, n.x, n.y, n.z)?;
+                        row(id, *p, n)?;
                     }
                 }
             }
-            Ok(())
+            ground.iter().try_for_each(|spot| row(&spot.place.name, spot.place.position, DVec3::Z))
         };
         write().map_err(Error::io(&file, "write to"))?;
         sink.finish()?;

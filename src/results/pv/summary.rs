@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
+use crate::outputs::pv::ground::{GroundSums, SumsOnGround};
 use crate::outputs::pv::search::PointSearch;
 use crate::outputs::pv::sums::SideSums;
 
 /// Rows at most: the rest stands in the files.
 const MOST_ROWS: usize = 20;
 
-/// Sums of sides, and the best turns if there was a search.
-pub fn table(sides: &[SideSums], searched: &[PointSearch], weather: &Path) -> String {
+/// Sums of sides, means and extremes on the ground if it has receivers, and the best turns if there was a search.
+pub fn table(sides: &[SideSums], searched: &[PointSearch], ground: &SumsOnGround, weather: &Path) -> String {
     let mut out = format!(
         "\nIrradiation through {}, kWh/m2:\n{:<20}{:>6}{:>7}{:>8}{:>9}{:>10}{:>10}{:>8}{:>9}\n",
         weather.display(),
@@ -38,6 +39,7 @@ pub fn table(sides: &[SideSums], searched: &[PointSearch], weather: &Path) -> St
         );
     }
     out += &rest(sides.len());
+    out += &on_ground(ground);
     if !searched.is_empty() {
         out += &format!(
             "\n{:<20}{:>6}{:>7}{:>10}{:>14}{:>15}{:>20}\n",
@@ -59,6 +61,33 @@ pub fn table(sides: &[SideSums], searched: &[PointSearch], weather: &Path) -> St
         );
     }
     out + &rest(searched.len())
+}
+
+/// A line for the ground of each rows.
+fn on_ground(ground: &SumsOnGround) -> String {
+    if ground.places.is_empty() {
+        return String::new();
+    }
+    let mut out = format!(
+        "\n{:<20}{:>7}{:>10}{:>14}{:>21}{:>8}{:>8}\n",
+        "ground among", "places", "total", "PAR mol/m2 d", "PAR of open %: mean", "least", "most"
+    );
+    for places in ground.places.chunk_by(|a, b| a.rows == b.rows) {
+        let mean = |value: &dyn Fn(&GroundSums) -> f64| places.iter().map(value).sum::<f64>() / places.len() as f64;
+        let share = |place: &GroundSums| place.par_of_open_percent().unwrap_or_default();
+        let shares = || places.iter().map(share);
+        out += &format!(
+            "{:<20}{:>7}{:>10.1}{:>14.2}{:>21.1}{:>8.1}{:>8.1}\n",
+            places.first().map_or("", |place| place.rows.as_str()),
+            places.len(),
+            mean(&|place| place.months.total()),
+            mean(&|place| place.daily_photons(&ground.days).unwrap_or_default()),
+            mean(&share),
+            shares().fold(f64::INFINITY, f64::min),
+            shares().fold(0.0, f64::max)
+        );
+    }
+    out
 }
 
 fn rest(count: usize) -> String {

@@ -66,9 +66,14 @@ impl Outline {
         (across / pitch_m + 1.0) * (across / STEP_M + 1.0)
     }
 
+    /// Whether a place in plan lies in the area.
+    pub(super) fn contains(&self, p: DVec2) -> bool {
+        is_within(self.edges.iter().copied(), p)
+    }
+
     /// Whether a convex shape lies in the area, so far from all edges.
     fn holds(&self, shape: &[DVec2; 4], setback_m: f64) -> bool {
-        let inside = |p: DVec2| is_within(self.edges.iter().copied(), p);
+        let inside = |p: DVec2| self.contains(p);
         let sides = || shape.iter().zip(shape.iter().cycle().skip(1));
         let middle = shape.iter().sum::<DVec2>() / 4.0;
         // Corners may lie on the edge.
@@ -110,6 +115,40 @@ fn between(one: [DVec2; 2], other: [DVec2; 2]) -> f64 {
     ends.fold(f64::INFINITY, f64::min)
 }
 
+/// How rows lie in plan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowAxes {
+    /// Where fronts look, a unit.
+    pub faces: DVec2,
+    /// To the right as seen from in front of a row, a unit.
+    pub along: DVec2,
+    /// First and last distance of the area against `faces`.
+    pub behind: [f64; 2],
+    /// First and last distance of the area along the rows.
+    pub sides: [f64; 2],
+}
+
+impl RowAxes {
+    /// Of rows whose fronts have a normal in the scene's axes.
+    pub fn of(normal: DVec3, outline: &Outline) -> Self {
+        // Modules that lie flat have their rows across y.
+        let faces = normal.truncate().try_normalize().unwrap_or(DVec2::NEG_Y);
+        let along = DVec2::new(-faces.y, faces.x);
+        RowAxes { faces, along, behind: outline.extent(-faces), sides: outline.extent(along) }
+    }
+
+    /// The lower edge of the first row, as a distance against `faces`.
+    pub fn first_edge(&self, rows: &RowsOfModules) -> f64 {
+        let [first, _] = self.behind;
+        first + rows.setback_m
+    }
+
+    /// A place in plan, so far along the rows and against `faces`.
+    pub fn at(&self, side: f64, back: f64) -> DVec2 {
+        self.along * side - self.faces * back
+    }
+}
+
 /// What came of rows.
 #[derive(Clone, Debug, Default)]
 pub struct Laid {
@@ -121,25 +160,21 @@ pub struct Laid {
 
 /// Lays rows out. `normal` is that of their fronts in the scene's axes; `below` gives the height of what is under a place in plan.
 pub fn lay(rows: &RowsOfModules, normal: DVec3, outline: &Outline, below: impl Fn(DVec2) -> Option<f64>) -> Laid {
-    // Modules that lie flat have their rows across y.
-    let faces = normal.truncate().try_normalize().unwrap_or(DVec2::NEG_Y);
-    // As seen from in front of it, a row goes to the right.
-    let along = DVec2::new(-faces.y, faces.x);
+    let axes = RowAxes::of(normal, outline);
+    let RowAxes { faces, along, behind: [_, last], sides: [left, right] } = axes;
     let (sin, cos) = (normal.truncate().length(), normal.z);
     let up = (-faces * cos).extend(sin);
     let depth = rows.height_m * cos.max(0.0);
-    let [left, right] = outline.extent(along);
-    let [first, last] = outline.extent(-faces);
     let mut laid = Laid::default();
     let mut number = 0;
     for row in 0_u32.. {
-        let back = first + rows.setback_m + f64::from(row) * rows.pitch_m;
+        let back = axes.first_edge(rows) + f64::from(row) * rows.pitch_m;
         if back + depth > last - rows.setback_m + ROUNDING_M {
             break;
         }
         let (mut side, mut count) = (left + rows.setback_m, 0);
         while side + rows.width_m <= right - rows.setback_m + ROUNDING_M {
-            let lower = along * side - faces * back;
+            let lower = axes.at(side, back);
             let foot = [lower, lower + along * rows.width_m];
             let head = foot.map(|p| p - faces * depth);
             let plan = [foot[0], foot[1], head[1], head[0]];
@@ -196,6 +231,14 @@ impl Module {
         self.front.map(|p| p - self.normal * self.thickness_m)
     }
 
+    /// Whether a point lies inside of it.
+    pub(super) fn holds(&self, p: DVec3) -> bool {
+        let [a, b, _, d] = self.front;
+        let from = p - a;
+        let within = |side: DVec3| (0.0..=side.length_squared()).contains(&from.dot(side));
+        within(b - a) && within(d - a) && (-self.thickness_m..=0.0).contains(&from.dot(self.normal))
+    }
+
     /// Points of one side, evenly up the slope, in the middle of the width, so far off it.
     pub fn points(&self, is_rear: bool, count: usize, off_m: f64) -> Vec<DVec3> {
         let [a, b, c, d] = if is_rear { self.rear() } else { self.front };
@@ -225,6 +268,7 @@ mod tests {
             thickness_m: 0.03,
             reflectances: [0.05; 2],
             samples: 4,
+            ground_step_m: None,
         }
     }
 

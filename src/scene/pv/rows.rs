@@ -13,7 +13,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::orientation::fan::Orientation;
 
 const KEYS: &str = "each [[rows]] has a name, an area = [[x, y], ...] or a surface = \"NAME\", tilt, azimuth, pitch, width, height, and \
-                    maybe clearance, setback, gap, thickness, front, rear, samples";
+                    maybe clearance, setback, gap, thickness, front, rear, samples, ground";
 
 /// Rows of modules of one kind.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +42,8 @@ pub struct RowsOfModules {
     pub reflectances: [f64; 2],
     /// Receivers on each side, up the slope.
     pub samples: usize,
+    /// Between receivers on the ground among the rows, metres; `None`: there are none.
+    pub ground_step_m: Option<f64>,
 }
 
 /// What rows are put on.
@@ -84,6 +86,7 @@ struct Entry {
     rear: f64,
     #[serde(default = "usual_samples")]
     samples: usize,
+    ground: Option<f64>,
 }
 
 /// Metres: a pane and its frame.
@@ -187,6 +190,7 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
         thickness_m: within("thickness", entry.thickness, [0.001, 1.0])?,
         reflectances: [share("front", entry.front)?, share("rear", entry.rear)?],
         samples: entry.samples,
+        ground_step_m: entry.ground.map(|step| within("ground", step, [0.01, 1000.0])).transpose()?,
     })
 }
 
@@ -212,9 +216,12 @@ mod tests {
             (270.0, 4, 0.03, [0.05; 2])
         );
         assert_eq!((rows.clearance_m, rows.setback_m, rows.gap_m), (0.0, 0.0, 0.0));
+        assert_eq!(rows.ground_step_m, None);
+        let with_ground = &read(&format!("{GOOD}ground = 0.5\n")).expect("rows")[0];
+        assert_eq!(with_ground.ground_step_m, Some(0.5));
     }
 
-    /// Nine wrong files are refused by name, with what is wrong.
+    /// Fourteen wrong files are refused by name, with what is wrong.
     #[test]
     fn refusals() {
         for (from, to, expected) in [
@@ -227,6 +234,11 @@ mod tests {
             ("width = 1", "widht = 1", "line 7"),
             ("area", "surface = \"x\"\narea", "both an `area` and a `surface`"),
             ("width = 1", "width = 1\nsamples = 0", "`samples` is 0"),
+            ("width = 1", "width = 1\nground = 0", "`ground` is 0, not from 0.01 to 1000"),
+            ("width = 1", "width = 1\nground = -1", "`ground` is -1"),
+            ("width = 1", "width = 1\nground = nan", "`ground` is NaN"),
+            ("width = 1", "width = 1\nground = 1e-9", "`ground` is 0.000000001, not from 0.01 to 1000"),
+            ("width = 1", "width = 1\ngrund = 1", "samples, ground"),
         ] {
             let message = read(&GOOD.replace(from, to)).expect_err(to).to_string();
             assert!(message.contains("rows.toml") && message.contains(expected), "{to}: {message}");

@@ -23,13 +23,14 @@ pub struct PvArgs {
     #[arg(long, short, value_name = "FILE")]
     pub points: Option<PathBuf>,
     /// Rows of modules, TOML: each [[rows]] has a name, an area or surface, tilt, azimuth, pitch, width, height; modules shade and light one
-    /// another, and have a front and a rear
+    /// another, and have a front and a rear; with ground = 0.5 there are receivers on the ground among them, so far apart, with the light that
+    /// plants live on
     #[arg(long, short, value_name = "FILE")]
     pub rows: Option<PathBuf>,
     /// Share of the light on the rear that counts beside the front, for poa_global and the gain
     #[arg(long, default_value_t = 0.8, value_parser = parse_bifaciality)]
     pub bifaciality: f64,
-    /// Folder for points.csv, months.csv, hourly.csv, horizon/, best.csv and the archive site.helio
+    /// Folder for points.csv, months.csv, ground.csv, ground_months.csv, hourly.csv, horizon/, best.csv and the archive site.helio
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
     /// Find the best tilt and azimuth of every point: best.csv, search.csv and a picture of each; points without angles take the best

@@ -27,9 +27,14 @@ impl MonthlySums {
         std::array::from_fn(|part| self.0.iter().map(|month| month[part]).sum())
     }
 
+    /// Of all parts, month by month.
+    pub fn totals(&self) -> impl Iterator<Item = f64> + '_ {
+        self.0.iter().map(total)
+    }
+
     /// Of all months and parts.
     pub fn total(&self) -> f64 {
-        self.0.iter().map(total).sum()
+        self.totals().sum()
     }
 
     /// Adds a share of others, month by month.
@@ -114,13 +119,17 @@ pub fn write_months(path: &Path, sides: &[SideSums], labels: &[String], about: &
 }
 
 /// Decimals of sums and percentages in CSV.
-const DECIMALS: usize = 3;
+pub const DECIMALS: usize = 3;
+
+/// Names of sums by part.
+pub fn columns_of_parts() -> impl Iterator<Item = String> {
+    PARTS.map(|part| format!("{}{SUM_SUFFIX}", part.name())).into_iter()
+}
 
 /// Sums by part, their total, that of an open plain, and what is lost beside it.
 fn columns_of_sums() -> impl Iterator<Item = Column> {
-    let parts = PARTS.map(|part| format!("{}{SUM_SUFFIX}", part.name()));
     let others = ["total_kwh_m2", "open_kwh_m2", "shading_loss_percent"].map(str::to_owned);
-    parts.into_iter().chain(others).map(|name| Column::number(name, DECIMALS))
+    columns_of_parts().chain(others).map(|name| Column::number(name, DECIMALS))
 }
 
 /// What is lost of what an open plain would give, percent.

@@ -205,7 +205,7 @@ impl TableColumns {
 }
 
 /// Units by the ending of a column's name, or by the whole of it; longer endings first.
-const UNITS: [(&str, &str); 14] = [
+const UNITS: [(&str, &str); 16] = [
     ("_minutes", "min"),
     ("_kwh_m2", "kWh/m2"),
     ("_kwh", "kWh"),
@@ -214,6 +214,8 @@ const UNITS: [(&str, &str); 14] = [
     ("_percent", "%"),
     ("_cpu_s", "s"),
     ("_deg", "deg"),
+    ("_mol_m2_d", "mol/(m2 d)"),
+    ("_mol_m2", "mol/m2"),
     ("_m2", "m2"),
     ("_m", "m"),
     ("_view", "1"),
@@ -235,12 +237,14 @@ fn unit_of(name: &str) -> Option<&'static str> {
 mod tests {
     use super::*;
 
-    /// Ten names of columns get their units.
+    /// Twelve names of columns get their units.
     #[test]
     fn units_by_name() {
         for (name, unit) in [
             ("total_kwh_m2", Some("kWh/m2")),
             ("dni_w_m2", Some("W/m2")),
+            ("ppfd_mol_m2", Some("mol/m2")),
+            ("dli_mol_m2_d", Some("mol/(m2 d)")),
             ("error_percent", Some("%")),
             ("area", Some("m2")),
             ("x", Some("m")),

@@ -1,0 +1,64 @@
+//! Receivers on the ground among rows of modules. In: rows with their modules, the scene without them. Out: places that lie free, a little
+//! above what is there, each with the material below it.
+
+use std::path::Path;
+
+use glam::DVec2;
+
+use super::modules::LaidRows;
+use super::spots::OFF_M;
+use heliotile_builder::siting::Siting;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::observer::Observer;
+use heliotile_scene::pv::ground::{GroundGrid, GroundPlace};
+
+/// More of them are a slip of metres and millimetres.
+const MOST_PLACES: f64 = 1e6;
+
+/// A receiver on the ground, which looks straight up.
+#[derive(Clone, Debug)]
+pub struct GroundSpot {
+    /// Name of the rows that it lies among.
+    pub rows: String,
+    pub place: GroundPlace,
+    /// Material of the ground below.
+    pub material: Option<u16>,
+}
+
+impl GroundSpot {
+    /// The places of all rows that ask for some; `file` is that of the rows, for messages.
+    pub fn among(file: &Path, laid: &LaidRows, siting: &Siting, observer: &dyn Observer) -> Result<Vec<Self>> {
+        let (mut all, mut wanted) = (Vec::new(), 0.0);
+        for field in laid.fields() {
+            let (name, Some(step_m)) = (&field.rows.name, field.rows.ground_step_m) else { continue };
+            let grid = GroundGrid::new(&field.rows, step_m, field.normal, &field.outline);
+            wanted += grid.size();
+            if wanted > MOST_PLACES {
+                let what = "the number of places on the ground among rows".to_owned();
+                return Err(Error::Limit { what, value: wanted as u64, max: MOST_PLACES as u64 });
+            }
+            let below = |p: DVec2| siting.top(p.x, p.y).map(|top| top.z);
+            let modules = laid.fields().iter().flat_map(|field| &field.modules);
+            let found = grid.places(OFF_M, below, modules);
+            let left_out = found.without_ground + found.in_modules;
+            if found.list.is_empty() {
+                let what = format!("the rows `{name}`: no place on the ground lies free in their area");
+                return Err(Error::input(file, None, what, "give `ground` a smaller distance, or leave it out"));
+            }
+            if left_out > 0 {
+                observer.warn(&format!(
+                    "{}: the rows `{name}`: {left_out} of {} places on the ground are left out, below them is nothing, or they lie inside of \
+                     modules",
+                    file.display(),
+                    found.list.len() + left_out
+                ));
+            }
+            let spot = |place: GroundPlace| {
+                let material = siting.ground_below(place.position).map(|ground| ground.material);
+                GroundSpot { rows: name.clone(), place, material }
+            };
+            all.extend(found.list.into_iter().map(spot));
+        }
+        Ok(all)
+    }
+}

@@ -1,0 +1,230 @@
+//! Places on the ground among rows of modules, a grid in plan that is aligned with the rows. In: rows, the outline of their area, modules,
+//! heights of what is below. Out: the places that lie free, each with its distance behind the lower edge of a row.
+
+use glam::{DVec2, DVec3};
+
+use super::layout::{Module, Outline, RowAxes};
+use super::rows::RowsOfModules;
+
+/// A place in the grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroundPlace {
+    /// `field/ground/2/5`: rows, line across them from where fronts look, place in the line from the left as seen from there.
+    pub name: String,
+    /// Input coordinates, metres; the given distance above what lies there.
+    pub position: DVec3,
+    /// Behind the lower edge of a row, in plan, from 0 to the pitch, metres.
+    pub behind_m: f64,
+}
+
+/// Places of a grid, and those that it has none of.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GroundPlaces {
+    /// Line by line.
+    pub list: Vec<GroundPlace>,
+    /// Places of the area below which is nothing.
+    pub without_ground: usize,
+    /// Places inside of modules.
+    pub in_modules: usize,
+}
+
+/// The grid of rows.
+#[derive(Clone, Debug)]
+pub struct GroundGrid<'a> {
+    rows: &'a RowsOfModules,
+    outline: &'a Outline,
+    axes: RowAxes,
+    /// Distances behind the first row's lower edge; a pitch holds a whole number of them.
+    across: PlaceLine,
+    /// Distances along the rows.
+    along: PlaceLine,
+}
+
+/// Places at equal distances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PlaceLine {
+    first: f64,
+    step: f64,
+    count: f64,
+}
+
+/// What rounding may do, in steps.
+const ROUNDING: f64 = 1e-6;
+
+/// The step next to the wanted one that a length holds a whole number of.
+fn even_step(length: f64, wanted: f64) -> f64 {
+    length / (length / wanted).round().max(1.0)
+}
+
+impl PlaceLine {
+    /// Middles of steps, which are counted from an origin, between two ends.
+    fn new(origin: f64, step: f64, ends: [f64; 2]) -> Self {
+        let [low, high] = ends.map(|end| (end - origin) / step - 0.5);
+        let (low, high) = ((low - ROUNDING).ceil(), (high + ROUNDING).floor());
+        PlaceLine { first: origin + (low + 0.5) * step, step, count: (high - low + 1.0).max(0.0) }
+    }
+
+    fn at(&self, place: usize) -> f64 {
+        self.first + place as f64 * self.step
+    }
+
+    /// Places from one distance to another.
+    fn within(&self, from: f64, to: f64) -> std::ops::Range<usize> {
+        let place = |distance: f64| ((distance - self.first) / self.step).clamp(0.0, self.count);
+        place(from).floor() as usize..(place(to).floor() + 1.0).min(self.count) as usize
+    }
+}
+
+impl<'a> GroundGrid<'a> {
+    /// The grid of rows whose fronts have a normal in the scene's axes; `step_m` is what the distance of its places comes near to. Across the
+    /// rows a pitch holds a whole number of places, so that all pitches are alike; along them the area does.
+    pub fn new(rows: &'a RowsOfModules, step_m: f64, normal: DVec3, outline: &'a Outline) -> Self {
+        let axes = RowAxes::of(normal, outline);
+        let [left, right] = axes.sides;
+        let across = PlaceLine::new(axes.first_edge(rows), even_step(rows.pitch_m, step_m), axes.behind);
+        let along = PlaceLine::new(left, even_step(right - left, step_m), axes.sides);
+        GroundGrid { rows, outline, axes, across, along }
+    }
+
+    /// Places of the grid, those outside of the area among them.
+    pub fn size(&self) -> f64 {
+        self.across.count * self.along.count
+    }
+
+    /// The places in the area which lie free; `below` gives the height of what is under a place in plan, `off_m` is their distance from it.
+    pub fn places<'m>(
+        &self,
+        off_m: f64,
+        below: impl Fn(DVec2) -> Option<f64>,
+        modules: impl Iterator<Item = &'m Module>,
+    ) -> GroundPlaces {
+        let (lines, in_line) = (self.across.count as usize, self.along.count as usize);
+        let mut found = GroundPlaces::default();
+        let mut positions: Vec<Option<DVec3>> = Vec::with_capacity(lines * in_line);
+        for line in 0..lines {
+            for place in 0..in_line {
+                let plan = self.axes.at(self.along.at(place), self.across.at(line));
+                let is_inside = self.outline.contains(plan);
+                let position = is_inside.then(|| below(plan)).flatten().map(|z| plan.extend(z + off_m));
+                found.without_ground += usize::from(is_inside && position.is_none());
+                positions.push(position);
+            }
+        }
+        for module in modules {
+            let corners = || module.front.into_iter().chain(module.rear()).map(DVec3::truncate);
+            let [behind, side] = [-self.axes.faces, self.axes.along].map(|axis| {
+                let all = corners().map(|corner| corner.dot(axis));
+                all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+            });
+            for line in self.across.within(behind[0], behind[1]) {
+                for place in self.along.within(side[0], side[1]) {
+                    let Some(position) = positions.get_mut(line * in_line + place) else { continue };
+                    if position.is_some_and(|position| module.holds(position)) {
+                        *position = None;
+                        found.in_modules += 1;
+                    }
+                }
+            }
+        }
+        let first_edge = self.axes.first_edge(self.rows);
+        let numbers = (0..lines).flat_map(|line| (0..in_line).map(move |place| (line, place)));
+        let free = numbers.zip(positions).filter_map(|((line, place), position)| {
+            let name = format!("{}/ground/{}/{}", self.rows.name, line + 1, place + 1);
+            let behind_m = (self.across.at(line) - first_edge).rem_euclid(self.rows.pitch_m);
+            Some(GroundPlace { name, position: position?, behind_m })
+        });
+        found.list = free.collect();
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pv::layout::lay;
+    use crate::pv::rows::RowsGround;
+    use heliotile_core::orientation::fan::Orientation;
+
+    const STEP_M: f64 = 0.7;
+    const OFF_M: f64 = 0.005;
+
+    fn rows(tilt_deg: f64, azimuth_deg: f64, clearance_m: f64) -> RowsOfModules {
+        RowsOfModules {
+            name: "r".into(),
+            ground: RowsGround::Area(Vec::new()),
+            turn: Orientation { tilt_deg, azimuth_deg },
+            pitch_m: 3.0,
+            width_m: 1.0,
+            height_m: 2.0,
+            clearance_m,
+            setback_m: 0.5,
+            gap_m: 0.0,
+            thickness_m: 0.03,
+            reflectances: [0.05; 2],
+            samples: 4,
+            ground_step_m: Some(STEP_M),
+        }
+    }
+
+    /// Places among rows on a polygon, over ground of a height.
+    fn among(rows: &RowsOfModules, corners: &[(f64, f64)], below: impl Fn(DVec2) -> Option<f64>) -> GroundPlaces {
+        let corners: Vec<DVec2> = corners.iter().copied().map(DVec2::from).collect();
+        let outline = Outline::of_polygon(&corners);
+        let normal = rows.turn.normal();
+        let laid = lay(rows, normal, &outline, &below);
+        assert!(!laid.modules.is_empty());
+        GroundGrid::new(rows, STEP_M, normal, &outline).places(OFF_M, below, laid.modules.iter())
+    }
+
+    const SQUARE: [(f64, f64); 4] = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)];
+
+    /// Asked for 0.7 m, a pitch of 3 m holds 4 places and 10 m along the rows hold 14: on 10 x 10 m are 14 lines of them, the first one 0.125 m
+    /// from the edge, which is 2.625 m behind a row before the first one; every 4th is as far behind its row, 5 mm above the ground.
+    #[test]
+    fn whole_numbers_a_pitch() {
+        let found = among(&rows(60.0, 180.0, 0.5), &SQUARE, |p| Some(0.1 * p.y));
+        assert_eq!((found.list.len(), found.without_ground, found.in_modules), (14 * 14, 0, 0));
+        let first = &found.list[0];
+        assert_eq!(first.name, "r/ground/1/1");
+        let expected = DVec3::new(5.0 / 14.0, 0.125, 0.0125 + OFF_M);
+        assert!(first.position.distance(expected) < 1e-9 && (first.behind_m - 2.625).abs() < 1e-9, "{first:?}");
+        for (place, next) in found.list.iter().zip(found.list.iter().skip(4 * 14)) {
+            assert!((place.behind_m - next.behind_m).abs() < 1e-9, "{place:?} {next:?}");
+            assert!((next.position.y - place.position.y - 3.0).abs() < 1e-9, "{place:?} {next:?}");
+        }
+    }
+
+    /// Turned to 240 degrees lines follow the rows: their places lie equally far behind an edge. An area like an L has no places in its notch,
+    /// and where nothing lies below there are none: they and what is left are all of them.
+    #[test]
+    fn turned_and_notched() {
+        let l = [(0.0, 0.0), (10.0, 0.0), (10.0, 5.0), (5.0, 5.0), (5.0, 10.0), (0.0, 10.0)];
+        let rows = rows(20.0, 240.0, 0.5);
+        let all = among(&rows, &l, |_| Some(0.0));
+        assert!(all.list.iter().all(|place| place.position.x < 5.0 || place.position.y < 5.0));
+        let faces = rows.turn.normal().truncate().normalize();
+        let line = |place: &GroundPlace| place.name.split('/').nth(2).and_then(|line| line.parse::<usize>().ok());
+        for pair in all.list.windows(2).filter(|pair| line(&pair[0]) == line(&pair[1])) {
+            let [a, b] = [&pair[0], &pair[1]].map(|place| place.position.truncate());
+            assert!((a - b).dot(faces).abs() < 1e-9, "{pair:?}");
+        }
+        let some = among(&rows, &l, |p| (p.x + p.y < 9.0).then_some(0.0));
+        assert!(some.without_ground > 0);
+        assert_eq!(some.list.len() + some.without_ground, all.list.len());
+    }
+
+    /// In modules of 3 cm that lie on the ground are 108 of 196 places, 3 of the 4 lines of each row, and none is left there; 0.2 m above the
+    /// ground modules hold none.
+    #[test]
+    fn inside_of_modules() {
+        let lying = among(&rows(0.0, 180.0, 0.0), &SQUARE, |_| Some(0.0));
+        assert_eq!((lying.list.len(), lying.in_modules), (88, 108));
+        // Rows begin 0.5 m from the edges, and the last one ends at 8.5 m.
+        let is_covered = |place: &GroundPlace| {
+            let p = place.position;
+            place.behind_m < 2.0 && (0.5..8.5).contains(&p.y) && (0.5..9.5).contains(&p.x)
+        };
+        assert!(!lying.list.iter().any(is_covered), "{:?}", lying.list);
+        assert_eq!(among(&rows(0.0, 180.0, 0.2), &SQUARE, |_| Some(0.0)).in_modules, 0);
+    }
+}
