@@ -23,17 +23,17 @@ pub const USUAL_GROUND_EMISSIVITY: f64 = 0.95;
 /// Emissivity of walls: that of SOLWEIG.
 pub const USUAL_OBSTRUCTION_EMISSIVITY: f64 = 0.90;
 
-/// What surfaces send is found from what they get until no plane changes by more, W/m2,
+/// Planes and temperatures are found together by Newton's method, until no plane changes by more, W/m2: what is then left is below 0.05 (a test),
 const ENOUGH_W_M2: f64 = 0.05;
 
-/// but so often at most. What is left falls by more than half each time in courts by day, and at once in the open.
-const MOST_PASSES: usize = 60;
+/// but in so many steps at most. Three are usual.
+const MOST_STEPS: usize = 20;
+
+/// Surfaces keep at least this share of what they get from one another: below it heat would have no way out.
+const LEAST_LOSS: f64 = 1e-3;
 
 /// Least heat transfer coefficient, W/m2K: it holds what surfaces radiate, 4 sigma T^3, which is 7 at 40 degrees.
 pub const LEAST_FILM_W_M2_K: f64 = 10.0;
-
-/// Steps of Newton's method to a surface's temperature; from the tangent at the air's two are exact to 0.001 K (a test).
-const STEPS: usize = 2;
 
 /// A number for each of the six planes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,6 +91,12 @@ pub struct HeatAround {
     pub obstruction: ClassSurfaces,
 }
 
+impl<T> SixPlanes<T> {
+    fn map<U>(self, of: impl Fn(T) -> U) -> SixPlanes<U> {
+        SixPlanes { up: of(self.up), down: of(self.down), sides: self.sides.map(of) }
+    }
+}
+
 impl SixPlanes<f64> {
     /// The values in their order: up, down, north, east, south, west.
     pub fn each(&self, of: impl FnMut(f64)) {
@@ -134,38 +140,12 @@ impl From<SixPlanes<f64>> for DirectionalIrradiance {
 impl HeatAround {
     /// Longwave irradiance of the six planes, W/m2; `shortwave` is their shortwave irradiance.
     pub fn longwave(&self, views: &SixPlanes<ViewShares>, shortwave: &SixPlanes<f64>) -> SixPlanes<f64> {
-        let air_w_m2 = black_body_w_m2(self.air_c);
-        let black = |class: &ClassSurfaces| match class.heat {
-            SurfaceHeat::Given(w_m2) => w_m2,
-            SurfaceHeat::SolAir(_) => air_w_m2,
-        };
-        let on_obstructions = shortwave.on_obstructions();
-        let from = |ground: f64, obstruction: &SixPlanes<f64>| {
-            let of = |view: &ViewShares, obstruction: f64| {
-                let of_ground = (1.0 - view.sky - view.obstruction).max(0.0);
-                let of_sky = view.sky * air_w_m2 - view.missed * (air_w_m2 - self.sky_w_m2);
-                of_sky + view.obstruction * obstruction + of_ground * ground
-            };
-            let mut sides = [0.0; 4];
-            for ((side, view), obstruction) in sides.iter_mut().zip(&views.sides).zip(obstruction.sides) {
-                *side = of(view, obstruction);
-            }
-            SixPlanes { up: of(&views.up, obstruction.up), down: of(&views.down, obstruction.down), sides }
-        };
-        let everywhere = black(&self.obstruction);
-        let mut planes =
-            from(black(&self.ground), &SixPlanes { up: everywhere, down: everywhere, sides: [everywhere; 4] });
-        for _ in 0..MOST_PASSES {
-            let ground = self.sent(&self.ground, planes.up, shortwave.up, air_w_m2);
-            let got = planes.on_obstructions();
-            let sent = |got: f64, light: f64| self.sent(&self.obstruction, got, light, air_w_m2);
-            let mut sides = [0.0; 4];
-            for ((side, got), light) in sides.iter_mut().zip(got.sides).zip(on_obstructions.sides) {
-                *side = sent(got, light);
-            }
-            // What is seen above and below gets the same.
-            let ends = sent(got.up, on_obstructions.up);
-            let next = from(ground, &SixPlanes { up: ends, down: ends, sides });
+        let balances = self.balances();
+        let mut sent = balances.at_first();
+        let mut planes = balances.on_planes(views, &sent).map(|plane| plane.w_m2);
+        for _ in 0..MOST_STEPS {
+            sent = balances.sent_back(&sent, shortwave, &planes);
+            let next = balances.on_planes(views, &sent).solved_about(&planes);
             let mut change = 0.0;
             next.less(&planes).each(|off| change = f64::max(change, off.abs()));
             planes = next;
@@ -176,140 +156,199 @@ impl HeatAround {
         planes
     }
 
-    /// How much warmer than the air a surface is that gains so much more than one as warm as the air sends.
-    fn warmer_k(&self, emissivity: f64, gained_w_m2: f64, air_w_m2: f64) -> f64 {
-        let slope = |black_w_m2: f64, celsius: f64| 4.0 * emissivity * black_w_m2 / (celsius + ZERO_CELSIUS_K);
-        let convection_w_m2_k = (self.film_w_m2_k - slope(air_w_m2, self.air_c)).max(0.0);
-        let mut warmer_k = gained_w_m2 / self.film_w_m2_k;
-        for _ in 0..STEPS {
-            let celsius = self.air_c + warmer_k;
-            let black_w_m2 = black_body_w_m2(celsius);
-            let lost_w_m2 = convection_w_m2_k * warmer_k + emissivity * (black_w_m2 - air_w_m2);
-            warmer_k -= (lost_w_m2 - gained_w_m2) / (convection_w_m2_k + slope(black_w_m2, celsius));
-        }
-        warmer_k
+    fn balances(&self) -> Balances {
+        let air_w_m2 = black_body_w_m2(self.air_c);
+        let of = |class: ClassSurfaces| {
+            let radiation_w_m2_k = radiation_w_m2_k(class.emissivity, air_w_m2, self.air_c);
+            Balance { class, convection_w_m2_k: (self.film_w_m2_k - radiation_w_m2_k).max(0.0), radiation_w_m2_k }
+        };
+        let (ground, obstruction) = (of(self.ground), of(self.obstruction));
+        Balances { air_c: self.air_c, air_w_m2, sky_w_m2: self.sky_w_m2, ground, obstruction }
+    }
+}
+
+/// What the balances of all surfaces share.
+struct Balances {
+    air_c: f64,
+    /// What a black surface sends that is as warm as the air.
+    air_w_m2: f64,
+    sky_w_m2: f64,
+    ground: Balance,
+    obstruction: Balance,
+}
+
+/// The balance of surfaces of a class.
+struct Balance {
+    class: ClassSurfaces,
+    /// What is left of the heat transfer coefficient of the surface without what it radiates at the air's temperature.
+    convection_w_m2_k: f64,
+    /// What it radiates at the air's temperature.
+    radiation_w_m2_k: f64,
+}
+
+/// What ground and obstructions send.
+#[derive(Clone, Copy)]
+struct Sent {
+    ground: Exitance,
+    /// Those that each plane sees.
+    obstructions: SixPlanes<Exitance>,
+}
+
+/// Radiation that leaves a surface.
+#[derive(Clone, Copy, Debug, Default)]
+struct Exitance {
+    w_m2: f64,
+    /// Its change by that of the longwave irradiance of the surface.
+    by_irradiance: f64,
+    /// How much warmer than the air the surface is, what a black one sends that is so warm,
+    warmer_k: f64,
+    black_w_m2: f64,
+    /// and how much more this one radiates for each K.
+    radiation_w_m2_k: f64,
+}
+
+impl Balances {
+    /// Before anything is known of what surfaces get: black, and as warm as the air or as they are given.
+    fn at_first(&self) -> Sent {
+        let [ground, obstruction] = [&self.ground, &self.obstruction].map(|of| {
+            let w_m2 = match of.class.heat {
+                SurfaceHeat::Given(w_m2) => w_m2,
+                SurfaceHeat::SolAir(_) => self.air_w_m2,
+            };
+            let (black_w_m2, radiation_w_m2_k) = (self.air_w_m2, of.radiation_w_m2_k);
+            Exitance { w_m2, black_w_m2, radiation_w_m2_k, ..Exitance::default() }
+        });
+        Sent { ground, obstructions: SixPlanes { up: obstruction, down: obstruction, sides: [obstruction; 4] } }
     }
 
-    /// What a surface sends and reflects that gets so much longwave and shortwave irradiance.
-    fn sent(&self, class: &ClassSurfaces, longwave_w_m2: f64, shortwave_w_m2: f64, air_w_m2: f64) -> f64 {
-        let emissivity = class.emissivity;
-        let black_w_m2 = match class.heat {
-            SurfaceHeat::Given(w_m2) => w_m2,
+    /// What surfaces send that get what follows from `planes`; `before` is what they sent before.
+    fn sent_back(&self, before: &Sent, shortwave: &SixPlanes<f64>, planes: &SixPlanes<f64>) -> Sent {
+        let (got, light) = (planes.on_obstructions(), shortwave.on_obstructions());
+        let sent = |before: &Exitance, got: f64, light: f64| self.exitance(&self.obstruction, before, got, light);
+        // What is seen above and below gets the same.
+        let ends = sent(&before.obstructions.up, got.up, light.up);
+        let mut sides = before.obstructions.sides;
+        for ((side, got), light) in sides.iter_mut().zip(got.sides).zip(light.sides) {
+            *side = sent(side, got, light);
+        }
+        Sent {
+            ground: self.exitance(&self.ground, &before.ground, planes.up, shortwave.up),
+            obstructions: SixPlanes { up: ends, down: ends, sides },
+        }
+    }
+
+    /// What a surface sends and reflects that gets so much longwave and shortwave irradiance: a step of Newton's method from the temperature that it had.
+    fn exitance(&self, of: &Balance, before: &Exitance, longwave_w_m2: f64, shortwave_w_m2: f64) -> Exitance {
+        let emissivity = of.class.emissivity;
+        let reflected_w_m2 = (1.0 - emissivity) * longwave_w_m2;
+        match of.class.heat {
+            SurfaceHeat::Given(black_w_m2) => {
+                Exitance { w_m2: emissivity * black_w_m2 + reflected_w_m2, by_irradiance: 1.0 - emissivity, ..*before }
+            }
             SurfaceHeat::SolAir(absorbed) => {
-                let gained_w_m2 = absorbed * shortwave_w_m2 + emissivity * (longwave_w_m2 - air_w_m2);
-                black_body_w_m2(self.air_c + self.warmer_k(emissivity, gained_w_m2, air_w_m2))
+                let gained_w_m2 = absorbed * shortwave_w_m2 + emissivity * (longwave_w_m2 - self.air_w_m2);
+                let lost_w_m2 =
+                    of.convection_w_m2_k * before.warmer_k + emissivity * (before.black_w_m2 - self.air_w_m2);
+                let slope_w_m2_k = of.convection_w_m2_k + before.radiation_w_m2_k;
+                let warmer_k = before.warmer_k + (gained_w_m2 - lost_w_m2) / slope_w_m2_k;
+                let celsius = self.air_c + warmer_k;
+                let black_w_m2 = black_body_w_m2(celsius);
+                let radiation_w_m2_k = radiation_w_m2_k(emissivity, black_w_m2, celsius);
+                let by_irradiance = emissivity * radiation_w_m2_k / (of.convection_w_m2_k + radiation_w_m2_k);
+                Exitance {
+                    w_m2: emissivity * black_w_m2 + reflected_w_m2,
+                    by_irradiance: by_irradiance + (1.0 - emissivity),
+                    warmer_k,
+                    black_w_m2,
+                    radiation_w_m2_k,
+                }
+            }
+        }
+    }
+
+    /// What planes get from the sky, from ground and from the obstructions that each of them sees.
+    fn on_planes(&self, views: &SixPlanes<ViewShares>, sent: &Sent) -> SixPlanes<OnPlane> {
+        let Sent { ground, obstructions } = sent;
+        let on_plane = |view: &ViewShares, obstruction: &Exitance| {
+            let of_ground = (1.0 - view.sky - view.obstruction).max(0.0);
+            let of_sky = view.sky * self.air_w_m2 - view.missed * (self.air_w_m2 - self.sky_w_m2);
+            OnPlane {
+                w_m2: of_sky + view.obstruction * obstruction.w_m2 + of_ground * ground.w_m2,
+                by_obstruction: view.obstruction * obstruction.by_irradiance,
+                by_ground: of_ground * ground.by_irradiance,
             }
         };
-        emissivity * black_w_m2 + (1.0 - emissivity) * longwave_w_m2
+        let mut sides = [OnPlane::default(); 4];
+        for ((side, view), obstruction) in sides.iter_mut().zip(&views.sides).zip(&obstructions.sides) {
+            *side = on_plane(view, obstruction);
+        }
+        SixPlanes { up: on_plane(&views.up, &obstructions.up), down: on_plane(&views.down, &obstructions.down), sides }
+    }
+}
+
+/// What a surface radiates more for each K that it is warmer, W/m2K: 4 epsilon sigma T^3.
+fn radiation_w_m2_k(emissivity: f64, black_w_m2: f64, celsius: f64) -> f64 {
+    4.0 * emissivity * black_w_m2 / (celsius + ZERO_CELSIUS_K)
+}
+
+/// Longwave irradiance of a plane.
+#[derive(Clone, Copy, Debug, Default)]
+struct OnPlane {
+    w_m2: f64,
+    /// Its change by that of what the obstructions get that it sees,
+    by_obstruction: f64,
+    /// and by that of what the ground gets.
+    by_ground: f64,
+}
+
+/// How much an irradiance changes, over how much that of the plane that looks up changes.
+#[derive(Clone, Copy)]
+struct Change {
+    constant: f64,
+    by_up: f64,
+}
+
+impl SixPlanes<OnPlane> {
+    /// Irradiances that agree with what they cause, as far as all is linear about `planes`, from which these follow: one step of Newton's method.
+    fn solved_about(&self, planes: &SixPlanes<f64>) -> SixPlanes<f64> {
+        let [north, east, south, west] = &self.sides;
+        let [at_north, at_east, at_south, at_west] = planes.sides;
+        let of_sides = [
+            north.facing(at_north, south, at_south),
+            east.facing(at_east, west, at_west),
+            south.facing(at_south, north, at_north),
+            west.facing(at_west, east, at_east),
+        ];
+        let constant = 0.25 * of_sides.iter().map(|side| side.constant).sum::<f64>();
+        let by_up = 0.25 * of_sides.iter().map(|side| side.by_up).sum::<f64>();
+        let up = &self.up;
+        let kept = up.by_ground + up.by_obstruction * by_up;
+        let up_changes = (up.w_m2 - planes.up + up.by_obstruction * constant) / (1.0 - kept).max(LEAST_LOSS);
+        let sides_change = constant + by_up * up_changes;
+        let mut solved = SixPlanes {
+            up: planes.up + up_changes,
+            down: self.down.w_m2 + self.down.by_obstruction * sides_change + self.down.by_ground * up_changes,
+            sides: planes.sides,
+        };
+        for (side, change) in solved.sides.iter_mut().zip(of_sides) {
+            *side += change.constant + change.by_up * up_changes;
+        }
+        solved
+    }
+}
+
+impl OnPlane {
+    /// The change of a side at `at` beside one that looks the other way, whose light falls on the obstructions that this one sees, and the other way round.
+    fn facing(&self, at: f64, opposite: &OnPlane, opposite_at: f64) -> Change {
+        let gain = 1.0 / (1.0 - self.by_obstruction * opposite.by_obstruction).max(LEAST_LOSS);
+        let solve = |own: f64, other: f64| (own + self.by_obstruction * other) * gain;
+        Change {
+            constant: solve(self.w_m2 - at, opposite.w_m2 - opposite_at),
+            by_up: solve(self.by_ground, opposite.by_ground),
+        }
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const OPEN: SixPlanes<ViewShares> = SixPlanes {
-        up: ViewShares { sky: 1.0, obstruction: 0.0, missed: 1.0 },
-        down: ViewShares { sky: 0.0, obstruction: 0.0, missed: 0.0 },
-        sides: [ViewShares { sky: 0.5, obstruction: 0.0, missed: 0.5 }; 4],
-    };
-
-    const UNDER_ROOF: SixPlanes<ViewShares> = SixPlanes {
-        up: ViewShares { sky: 0.0, obstruction: 1.0, missed: 0.0 },
-        down: ViewShares { sky: 0.0, obstruction: 0.0, missed: 0.0 },
-        sides: [ViewShares { sky: 0.0, obstruction: 0.5, missed: 0.0 }; 4],
-    };
-
-    fn given(celsius: f64, emissivity: f64) -> ClassSurfaces {
-        ClassSurfaces { heat: SurfaceHeat::Given(black_body_w_m2(celsius)), emissivity }
-    }
-
-    fn around(ground: ClassSurfaces, obstruction: ClassSurfaces) -> HeatAround {
-        HeatAround { sky_w_m2: 300.0, air_c: 20.0, film_w_m2_k: USUAL_FILM_W_M2_K, ground, obstruction }
-    }
-
-    /// On an open plain of 40 degrees and emissivity 0.95 below a sky of 300 W/m2: 300 from above, 0.95 sigma 313.15^4 + 0.05 x 300 =
-    /// 533.0 from below, the mean of the two on the sides, within 0.05.
-    #[test]
-    fn open_plain() {
-        let found = around(given(40.0, 0.95), given(0.0, 0.9)).longwave(&OPEN, &SixPlanes::default());
-        let below = 0.95 * black_body_w_m2(40.0) + 0.05 * 300.0;
-        assert!((found.up - 300.0).abs() < 1e-9 && (found.down - below).abs() < 1e-9, "{found:?}");
-        assert!(found.sides.iter().all(|side| (side - 0.5 * (300.0 + below)).abs() < 1e-9), "{found:?}");
-    }
-
-    /// Between an endless roof and the ground, both gray, what each sends is that of two endless plates, J1 = e1 B1 + (1 - e1) J2 and so on,
-    /// within 0.3 W/m2; where both are as warm as each other it is sigma T^4 within 1e-9.
-    #[test]
-    fn below_a_roof() {
-        let (ground, roof) = (given(30.0, 0.95), given(12.0, 0.9));
-        let found = around(ground, roof).longwave(&UNDER_ROOF, &SixPlanes::default());
-        let (warm, cold) = (black_body_w_m2(30.0), black_body_w_m2(12.0));
-        let of_roof = (0.9 * cold + 0.1 * 0.95 * warm) / (1.0 - 0.1 * 0.05);
-        let of_ground = 0.95 * warm + 0.05 * of_roof;
-        // What the roof gets is taken as the mean of the sides, half of it from the roof itself: a tenth of half the difference is lost.
-        assert!((found.up - of_roof).abs() < 5.0 && (found.down - of_ground).abs() < 0.5, "{found:?} {of_roof}");
-        let even = around(given(20.0, 0.95), given(20.0, 0.9)).longwave(&UNDER_ROOF, &SixPlanes::default());
-        assert!((even.up - black_body_w_m2(20.0)).abs() < 1e-9, "{even:?}");
-    }
-
-    /// By hand: ground that absorbs 0.8 of 850 W/m2 below a sky that sends as much as the air is 37.5 K warmer than it: 11.57 x 37.5 = 434 W/m2 go to the
-    /// air, 0.95 sigma (330.65^4 - 293.15^4) = 246 are radiated, 680 in all. By the tangent it would be 40 K.
-    #[test]
-    fn sol_air() {
-        let ground = ClassSurfaces { heat: SurfaceHeat::SolAir(0.8), emissivity: 0.95 };
-        let sky_w_m2 = black_body_w_m2(20.0);
-        let sunny = SixPlanes { up: 850.0, down: 100.0, sides: [200.0; 4] };
-        let found = HeatAround { sky_w_m2, ..around(ground, given(20.0, 0.9)) }.longwave(&OPEN, &sunny);
-        let expected = 0.95 * black_body_w_m2(57.5) + 0.05 * sky_w_m2;
-        assert!((found.down - expected).abs() < 0.2, "{found:?} {expected}");
-    }
-
-    /// A wall in the south that the sun does not reach is colder than one in the north that it shines on: of walls all around, with 400 W/m2 on planes
-    /// that look south, the side that looks north sees a wall that is some 16 K warmer (400 x 0.7 / 17 by the tangent); the wall across from it is warmed by that one.
-    #[test]
-    fn opposite_walls() {
-        let wall = ClassSurfaces { heat: SurfaceHeat::SolAir(0.7), emissivity: 1.0 };
-        let walls = ViewShares { sky: 0.0, obstruction: 1.0, missed: 0.0 };
-        let views = SixPlanes {
-            up: ViewShares { sky: 1.0, obstruction: 0.0, missed: 1.0 },
-            down: ViewShares::default(),
-            sides: [walls; 4],
-        };
-        let light = SixPlanes { up: 0.0, down: 0.0, sides: [0.0, 0.0, 400.0, 0.0] };
-        let found = around(given(20.0, 1.0), wall).longwave(&views, &light);
-        let [north, _, south, _] = found.sides;
-        let colder = found.sides[1];
-        assert!(north > colder + 80.0 && south - colder < 60.0, "{found:?}");
-    }
-
-    /// In a sunny court with gray walls of sol-air temperature surfaces send what follows from what they get, within 0.1 W/m2. Walls with the least coefficient stay below 120 degrees.
-    #[test]
-    fn courts_are_in_balance() {
-        let views = SixPlanes {
-            up: ViewShares { sky: 0.1, obstruction: 0.9, missed: 0.12 },
-            down: ViewShares { sky: 0.0, obstruction: 0.05, missed: 0.0 },
-            sides: [ViewShares { sky: 0.0, obstruction: 0.6, missed: 0.0 }; 4],
-        };
-        let light = SixPlanes { up: 600.0, down: 150.0, sides: [200.0, 200.0, 600.0, 200.0] };
-        let class = |absorbed, emissivity| ClassSurfaces { heat: SurfaceHeat::SolAir(absorbed), emissivity };
-        let court = around(class(0.8, 0.95), class(0.7, 0.9));
-        let found = court.longwave(&views, &light);
-        // The balance itself: ground and walls send what follows from what they get.
-        let air_w_m2 = black_body_w_m2(court.air_c);
-        let ground = court.sent(&court.ground, found.up, light.up, air_w_m2);
-        let (got, lit) = (found.on_obstructions(), light.on_obstructions());
-        let wall = |got: f64, lit: f64| court.sent(&court.obstruction, got, lit, air_w_m2);
-        let up = 0.1 * air_w_m2 - 0.12 * (air_w_m2 - court.sky_w_m2) + 0.9 * wall(got.up, lit.up);
-        let south = 0.6 * wall(got.sides[2], lit.sides[2]) + 0.4 * ground;
-        assert!((found.up - up).abs() < 0.1 && (found.sides[2] - south).abs() < 0.1, "{found:?} {up} {south}");
-        for gained_w_m2 in [-150.0, 10.0, 700.0] {
-            let warmer_k = court.warmer_k(0.9, gained_w_m2, air_w_m2);
-            let convection = court.film_w_m2_k - 4.0 * 0.9 * air_w_m2 / (court.air_c + ZERO_CELSIUS_K);
-            let lost = convection * warmer_k + 0.9 * (black_body_w_m2(court.air_c + warmer_k) - air_w_m2);
-            assert!((lost - gained_w_m2).abs() < 0.01, "{gained_w_m2}: {warmer_k} K");
-        }
-        let calm = HeatAround { film_w_m2_k: LEAST_FILM_W_M2_K, ..court }.longwave(&views, &light);
-        assert!(calm.up > found.up && calm.up < black_body_w_m2(120.0), "{calm:?}");
-    }
-}
+#[path = "surroundings_tests.rs"]
+mod tests;
