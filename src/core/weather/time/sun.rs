@@ -2,6 +2,8 @@
 //!
 //! Positions are geometric (no refraction) and belong to the centre of the disc: archives hold straight rays.
 
+use std::cell::OnceCell;
+
 use glam::DVec3;
 use solar_positioning::SolarPositions;
 use solar_positioning::time::JulianDate;
@@ -22,6 +24,9 @@ const BISECTIONS: usize = 16;
 
 /// Parts that an interval is cut into before its horizon crossings are bisected.
 const PARTS: usize = 8;
+
+/// Longest interval, minutes, whose suns are those of a [`SunArc`].
+const LONGEST_ARC_MIN: f64 = 60.0;
 
 /// A place on Earth whose weather is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,7 +122,8 @@ impl Location {
     /// above the geometric horizon, in one piece or two); empty when the sun stays down. `middle` is the sun at mid-interval.
     pub fn sunlit(&self, interval: &Interval, middle: DVec3, steps: usize) -> Vec<DVec3> {
         let steps = steps.max(1);
-        let pieces = self.sunlit_pieces(interval, middle);
+        let arc = SunArc::of(self, interval, middle);
+        let pieces = arc.sunlit_pieces();
         let total: f64 = pieces.iter().map(|p| p.1 - p.0).sum();
         if total <= 0.0 {
             return Vec::new();
@@ -133,11 +139,7 @@ impl Location {
                         break;
                     }
                 }
-                if steps == 1 && total == interval.end_min - interval.start_min {
-                    middle
-                } else {
-                    self.sun(interval.date, at)
-                }
+                if steps == 1 && total == interval.end_min - interval.start_min { middle } else { arc.sun(at) }
             })
             .filter(|sun| sun.z > 0.0)
             .collect()
@@ -145,7 +147,8 @@ impl Location {
 
     /// How long the sun's centre is up in an interval.
     pub fn sunlit_hours(&self, interval: &Interval, middle: DVec3) -> f64 {
-        self.sunlit_pieces(interval, middle).iter().map(|(start, end)| end - start).sum::<f64>() / 60.0
+        let pieces = SunArc::of(self, interval, middle).sunlit_pieces();
+        pieces.iter().map(|(start, end)| end - start).sum::<f64>() / 60.0
     }
 
     /// How far the clock's meridian lies from the site: hours that the sun is ahead of the clock, -12 to 12.
@@ -153,24 +156,73 @@ impl Location {
         (self.longitude_deg / DEGREES_PER_HOUR - self.zone_hours + 12.0).rem_euclid(24.0) - 12.0
     }
 
+    /// The sun `minutes` earlier (negative) or later on the same day circle: turned about the celestial pole, declination held
+    /// (it changes by less than 0.04 deg in two hours).
+    pub fn turned(&self, sun: DVec3, minutes: f64) -> DVec3 {
+        let (sin_latitude, cos_latitude) = self.latitude_deg.to_radians().sin_cos();
+        let pole = DVec3::new(0.0, cos_latitude, sin_latitude);
+        // Seen from above the north pole the sun moves clockwise.
+        let (sin, cos) = (-minutes / 60.0 * DEGREES_PER_HOUR).to_radians().sin_cos();
+        sun * cos + pole.cross(sun) * sin + pole * (pole.dot(sun) * (1.0 - cos))
+    }
+}
+
+/// The sun through an interval. The algorithm costs some microseconds, and an interval has a dozen suns and more: the sun at its start and at its end is
+/// turned about the pole to the middle, and what then is between the three, the change of declination and of the equation of time, is a parabola. Over an
+/// hour that is within 1e-6 degrees of the algorithm (a test), which is itself within 3e-4.
+struct SunArc<'a> {
+    site: &'a Location,
+    interval: &'a Interval,
+    /// The sun at mid-interval.
+    middle: DVec3,
+    /// Half of the change from the start to the end, and how far their mean is from the middle: found when they are asked for first.
+    parabola: OnceCell<(DVec3, DVec3)>,
+}
+
+impl<'a> SunArc<'a> {
+    fn of(site: &'a Location, interval: &'a Interval, middle: DVec3) -> Self {
+        SunArc { site, interval, middle, parabola: OnceCell::new() }
+    }
+
+    /// Unit vector towards the sun.
+    fn sun(&self, minutes: f64) -> DVec3 {
+        let SunArc { site, interval, middle, .. } = *self;
+        let half_min = 0.5 * (interval.end_min - interval.start_min);
+        if 2.0 * half_min > LONGEST_ARC_MIN {
+            return site.sun(interval.date, minutes);
+        }
+        let (slope, bend) = *self.parabola.get_or_init(|| {
+            let [first, last] = [-half_min, half_min].map(|after| {
+                let sun = site.sun(interval.date, interval.middle_min() + after);
+                site.turned(sun, -after)
+            });
+            (0.5 * (last - first), 0.5 * (last + first) - middle)
+        });
+        let after = minutes - interval.middle_min();
+        let share = after / half_min;
+        site.turned(middle + slope * share + bend * (share * share), after).normalize()
+    }
+
     /// Stretches (minutes) in which the sun's centre is up, found without a search where the sun is high or deep enough.
-    fn sunlit_pieces(&self, interval: &Interval, middle: DVec3) -> Vec<(f64, f64)> {
-        let middle_deg = middle.z.clamp(-1.0, 1.0).asin().to_degrees();
+    fn sunlit_pieces(&self) -> Vec<(f64, f64)> {
+        let interval = self.interval;
+        let middle_deg = self.middle.z.clamp(-1.0, 1.0).asin().to_degrees();
         let reach_deg = 0.5 * interval.hours() * DEGREES_PER_HOUR + MARGIN_DEG;
         if middle_deg <= -reach_deg {
             Vec::new()
         } else if middle_deg >= reach_deg {
             vec![(interval.start_min, interval.end_min)]
         } else {
-            self.searched_pieces(interval)
+            self.searched_pieces()
         }
     }
 
     /// The same by search. Crossings are bracketed by `PARTS` samples, so a day or a night
     /// shorter than an eighth of the interval (the sun then stays within 0.01 deg of the horizon) is not seen.
-    fn searched_pieces(&self, interval: &Interval) -> Vec<(f64, f64)> {
+    fn searched_pieces(&self) -> Vec<(f64, f64)> {
+        let interval = self.interval;
         let part = (interval.end_min - interval.start_min) / PARTS as f64;
-        let up = |minutes: f64| self.sun(interval.date, minutes).z > 0.0;
+        let up = |minutes: f64| self.sun(minutes).z > 0.0;
         let mut pieces = Vec::new();
         let mut was_up = up(interval.start_min);
         let mut since = interval.start_min;
@@ -198,16 +250,6 @@ impl Location {
             pieces.push((since, interval.end_min));
         }
         pieces
-    }
-
-    /// The sun `minutes` earlier (negative) or later on the same day circle: turned about the celestial pole, declination held
-    /// (it changes by less than 0.04 deg in two hours).
-    pub fn turned(&self, sun: DVec3, minutes: f64) -> DVec3 {
-        let (sin_latitude, cos_latitude) = self.latitude_deg.to_radians().sin_cos();
-        let pole = DVec3::new(0.0, cos_latitude, sin_latitude);
-        // Seen from above the north pole the sun moves clockwise.
-        let (sin, cos) = (-minutes / 60.0 * DEGREES_PER_HOUR).to_radians().sin_cos();
-        sun * cos + pole.cross(sun) * sin + pole * (pole.dot(sun) * (1.0 - cos))
     }
 }
 
@@ -253,12 +295,12 @@ mod tests {
         let day = date(2021, 3, 21);
         let interval = |hour: f64| Interval { date: day, start_min: 60.0 * hour, end_min: 60.0 * hour + 60.0 };
         let rising = interval(6.0);
-        let pieces = site.searched_pieces(&rising);
+        let middle = site.sun(day, rising.middle_min());
+        let pieces = SunArc::of(&site, &rising, middle).searched_pieces();
         assert_eq!(pieces.len(), 1);
         let altitude = site.sun(day, pieces[0].0).z.asin().to_degrees();
         assert!(altitude.abs() < 1e-3, "{altitude}");
         assert!(pieces[0].0 > 365.0 && pieces[0].0 < 375.0, "{pieces:?}");
-        let middle = site.sun(day, rising.middle_min());
         let suns = site.sunlit(&rising, middle, 4);
         assert_eq!(suns.len(), 4);
         assert!(suns.windows(2).all(|w| w[0].z > 0.0 && w[1].z > w[0].z));
@@ -267,6 +309,30 @@ mod tests {
         assert_eq!(site.sunlit(&next, middle, 1), vec![middle]);
         let night = interval(2.0);
         assert!(site.sunlit(&night, site.sun(day, night.middle_min()), 6).is_empty());
+    }
+
+    /// Suns of hours and of ten minutes, from pole to pole and through the seasons, are within 1e-6 degrees of the algorithm.
+    #[test]
+    fn arcs_are_suns() {
+        let mut most = 0.0_f64;
+        for (latitude, longitude) in
+            [(-89.9, 0.0), (-52.0, -70.0), (0.0, 100.0), (39.7, -105.2), (52.0, 4.3), (90.0, 0.0)]
+        {
+            let site = Location::new(latitude, longitude, 0.0, 100.0).expect("a site");
+            for (month, day) in [(1, 3), (3, 20), (6, 21), (8, 9), (11, 30)] {
+                let date = date(2021, month, day);
+                for (hour, long_min) in (0..24).flat_map(|hour| [(hour, 60.0), (hour, 10.0)]) {
+                    let start_min = 60.0 * f64::from(hour) - 0.5 * long_min;
+                    let interval = Interval { date, start_min, end_min: start_min + long_min };
+                    let arc = SunArc::of(&site, &interval, site.sun(date, interval.middle_min()));
+                    for i in 0..=12 {
+                        let minutes = start_min + long_min * f64::from(i) / 12.0;
+                        most = most.max((arc.sun(minutes) - site.sun(date, minutes)).length().to_degrees());
+                    }
+                }
+            }
+        }
+        assert!(most < 1e-6, "{most} degrees");
     }
 
     /// At 70 N the polar night has no sunlit minute and the polar day no dark one, over all 24 hours.
