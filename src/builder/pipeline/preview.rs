@@ -265,11 +265,10 @@ impl SiteTracer<'_> {
             .collect();
         missing.sort_unstable();
         missing.dedup();
-        let trace = |key: &CellKey| self.trace_cell(kind, *key, texture);
-        let mut traced: Vec<(Cell, Cast)> = altered.par_iter().map(trace).collect();
+        let mut traced = self.trace_cells(kind, &altered, texture);
         // Those whose surface is gone stay for the cells that still name them: cells that see so little of the change that they are kept.
         traced.retain(|(cell, _)| cell.normal != [0.0; 3]);
-        traced.par_extend(missing.par_iter().map(trace));
+        traced.extend(self.trace_cells(kind, &missing, texture));
         traced.sort_unstable_by_key(|(cell, _)| cell.key);
         let cast = traced.iter().fold(Cast::default(), |sum, (_, cast)| sum.and(*cast));
         Retraced { cells: traced.into_iter().map(|(cell, _)| cell).collect(), cast, alters: Vec::new() }

@@ -8,11 +8,10 @@ use rayon::prelude::*;
 use super::cells::Cast;
 use super::site_tracer::SiteTracer;
 use crate::receiver_tiles::ReceiverTiles;
-use crate::trace::bounce::trace_bounce;
 use crate::trace::probe::Directions;
 use crate::trace::receiver::SkyTrace;
 use crate::trace::sky_fans::SkyFans;
-use crate::trace::surroundings::SurroundingSettings;
+use heliotile_core::archive::format::CellKind;
 use heliotile_core::error::Result;
 use heliotile_core::hemisphere::{jitter, texel_direction};
 use heliotile_core::layers::bits::BitSquare;
@@ -20,7 +19,7 @@ use heliotile_core::layers::cells::{Cell, Cells};
 use heliotile_core::layers::mirror::CellPath;
 use heliotile_core::light::mirrors::left;
 use heliotile_core::light::radiosity::{centres_f32, each_ray, surround};
-use heliotile_core::site::cells::{CellKey, level_of};
+use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::receiver::Receiver;
 
 /// Receivers whose hits are looked at; if there are more, bounds take the worst that any could see. One in so many is traced whole.
@@ -174,7 +173,7 @@ impl SiteTracer<'_> {
         let texture = Directions::new(s.probe);
         let centres = centres_f32(s.probe);
         let timed = Instant::now();
-        let traced: Vec<(Cell, Cast)> = some.par_iter().map(|&key| self.trace_probe(key, &texture)).collect();
+        let traced = self.trace_cells(CellKind::Probes, &some, &texture);
         let probe_s = timed.elapsed().as_secs_f64() / some.len() as f64;
         let share = |(cell, _): &(Cell, Cast)| {
             let cells = Cells::new(std::slice::from_ref(cell));
@@ -189,15 +188,9 @@ impl SiteTracer<'_> {
         let next: BTreeSet<CellKey> = traced.iter().flat_map(|(cell, _)| cell.reached()).collect();
         let next: Vec<CellKey> = next.iter().copied().step_by(next.len().div_ceil(CELLS / 4).max(1)).collect();
         let texture = Directions::new(s.bounce_sky);
-        let settings = SurroundingSettings { closed_level: level_of(s.closed_m), rays: s.bounce_hits };
         let timed = Instant::now();
-        let bounces: Vec<u64> = next
-            .par_iter()
-            .map(|&key| {
-                let traced = trace_bounce(key, &texture, settings, self.surfaces(), self.reflections.as_ref());
-                self.cell(key, traced.0, traced.1, &texture).1.plain
-            })
-            .collect();
+        let bounces: Vec<u64> =
+            self.trace_cells(CellKind::Bounces, &next, &texture).iter().map(|(_, cast)| cast.plain).collect();
         let bounce_s = timed.elapsed().as_secs_f64() / next.len().max(1) as f64;
         let count = some.len() as f64;
         TracedCells {

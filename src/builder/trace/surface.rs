@@ -44,12 +44,10 @@ pub struct SurfacePoint {
     pub normal: DVec3,
 }
 
-/// A triangle of the cell, and how it looks along the cell's axis.
+/// A triangle of the cell; a coarse cell of a large map has very many of them.
 struct Candidate {
-    corners: [DVec3; 3],
-    normal: DVec3,
-    flat: [DVec2; 3],
-    /// Box of its part in the voxel.
+    triangle: u32,
+    /// Box of its part in the voxel, along the cell's axis.
     low: DVec2,
     high: DVec2,
 }
@@ -82,17 +80,15 @@ pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<Surfac
     let mut candidates = Vec::new();
     let mut clipper = Clipper::default();
     let (mut box_low, mut box_high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    let mut largest: Option<(f64, SurfacePoint)> = None;
-    let belongs = |triangle: u32| {
-        let i = triangle as usize;
-        mesh.triangle_material[i] == key.material && key.side_of(mesh.normal(i)).is_some()
-    };
-    for triangle in tracer.triangles_near(to_scene + low, to_scene + high, belongs) {
-        let i = triangle as usize;
-        let Some(normal) = key.side_of(mesh.normal(i)) else { continue };
-        let corners = mesh.triangle_points(i).map(|p| p - to_scene);
-        let polygon = clipper.clip(&corners, low, high);
-        let Some((area, centre)) = area_and_centre(polygon) else { continue };
+    let corners_of = |triangle: u32| mesh.triangle_points(triangle as usize).map(|p| p - to_scene);
+    for triangle in tracer.triangles_near(to_scene + low, to_scene + high, |tag| key.holds(tag)) {
+        let corners = corners_of(triangle);
+        // Nearly all triangles of a coarse cell.
+        let is_inside = corners.iter().all(|p| p.cmpge(low).all() && p.cmple(high).all());
+        let polygon = if is_inside { &corners[..] } else { clipper.clip(&corners, low, high) };
+        if !is_inside && area_and_centre(polygon).is_none() {
+            continue;
+        }
         let (mut low2, mut high2) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for p in polygon {
             low2 = low2.min(flat(*p));
@@ -100,10 +96,7 @@ pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<Surfac
         }
         box_low = box_low.min(low2);
         box_high = box_high.max(high2);
-        if largest.as_ref().is_none_or(|(a, _)| area > *a) {
-            largest = Some((area, SurfacePoint { position: centre, normal }));
-        }
-        candidates.push(Candidate { corners, normal, flat: corners.map(flat), low: low2, high: high2 });
+        candidates.push(Candidate { triangle, low: low2, high: high2 });
     }
 
     let seed = key.seed();
@@ -118,7 +111,7 @@ pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<Surfac
             Line { number: i, at: box_low + (box_high - box_low) * r.fract(), first: None }
         };
         let mut lines: Vec<Line> = (tried..last).map(line).collect();
-        // A coarse cell of a large map has very many candidates, each before few lines.
+        // Candidates may be very many, each before few lines.
         lines.sort_by(|a, b| a.at.x.total_cmp(&b.at.x));
         for c in &candidates {
             let from = lines.partition_point(|line| line.at.x < c.low.x);
@@ -127,8 +120,10 @@ pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<Surfac
                 if at.y < c.low.y || at.y > c.high.y {
                     continue;
                 }
-                let Some(weights) = barycentric(c.flat, at) else { continue };
-                let position = c.corners[0] * weights[0] + c.corners[1] * weights[1] + c.corners[2] * weights[2];
+                let corners = corners_of(c.triangle);
+                let Some(normal) = key.side_of(mesh.normal(c.triangle as usize)) else { continue };
+                let Some(weights) = barycentric(corners.map(flat), at) else { continue };
+                let position = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
                 let height = position[axis] * sign;
                 let rank = match key.is_leaf() {
                     true => unit(mix(seed ^ height.to_bits(), u64::from(line.number))),
@@ -136,7 +131,7 @@ pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<Surfac
                 };
                 let inside = position[axis] >= low[axis] && position[axis] <= high[axis];
                 if inside && line.first.as_ref().is_none_or(|(r, _)| rank > *r) {
-                    line.first = Some((rank, SurfacePoint { position, normal: c.normal }));
+                    line.first = Some((rank, SurfacePoint { position, normal }));
                 }
             }
         }
@@ -145,6 +140,15 @@ pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<Surfac
         (tried, count) = (last, count * 2);
     }
     if points.is_empty() {
+        let mut largest: Option<(f64, SurfacePoint)> = None;
+        for c in &candidates {
+            let part = area_and_centre(clipper.clip(&corners_of(c.triangle), low, high));
+            let Some((area, position)) = part else { continue };
+            let Some(normal) = key.side_of(mesh.normal(c.triangle as usize)) else { continue };
+            if largest.as_ref().is_none_or(|(a, _)| area > *a) {
+                largest = Some((area, SurfacePoint { position, normal }));
+            }
+        }
         points.extend(largest.map(|(_, p)| p));
     }
     points.iter_mut().for_each(|point| point.position += corner);

@@ -180,32 +180,37 @@ pub fn may_cast(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: u
     rays
 }
 
-/// Casts the rays of [`looks_around`].
-pub fn surroundings(
-    key: CellKey,
-    probe: &ProbeTrace,
+/// Casts the rays of [`looks_around`] from cells whose sky textures are traced: those of all cells together, since one cell has too few to fill
+/// packets. Of each cell what its rays met.
+pub fn surroundings<'p>(
+    cells: impl Iterator<Item = (CellKey, &'p ProbeTrace)>,
     texture: &Directions,
     settings: SurroundingSettings,
     surfaces: CellSurfaces,
     reflections: Option<&Reflections>,
-) -> Surroundings {
+) -> Vec<Surroundings> {
     let CellSurfaces { mesh, tracer, .. } = surfaces;
     let SurroundingSettings { closed_level, rays: count } = settings;
-    let rays = looks_around(key, probe, texture, count);
-    let cast: Vec<Ray> = rays.iter().map(|r| r.0).collect();
-    let mut met = Surroundings { cast: cast.len() as u64, ..Surroundings::default() };
-    for (hit, &(ray, up)) in tracer.closest_many(&cast).into_iter().zip(&rays) {
-        let [from, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
-        let cell = hit.map(|hit| {
-            seen_from(key, f64::from(hit.t), closed_level, |level| cell_of(hit, direction, level, mesh, from))
-        });
-        met.seen.push(SeenCell { up, cell, path: hit.map(|hit| (ray, hit.t)) });
-        if let Some(hit) = hit.filter(|&hit| reflections.is_some_and(|r| r.orientation(hit).is_some())) {
-            met.mirrors.push((up, MirrorRay { from, direction, hit }));
+    let looks = |(key, probe)| (key, looks_around(key, probe, texture, count));
+    let cells: Vec<(CellKey, Vec<(Ray, bool)>)> = cells.map(looks).collect();
+    let cast: Vec<Ray> = cells.iter().flat_map(|(_, rays)| rays.iter().map(|ray| ray.0)).collect();
+    let mut hits = tracer.closest_many(&cast).into_iter();
+    let met_by = |(key, rays): (CellKey, Vec<(Ray, bool)>)| {
+        let mut met = Surroundings { cast: rays.len() as u64, ..Surroundings::default() };
+        for ((ray, up), hit) in rays.into_iter().zip(hits.by_ref()) {
+            let [from, direction] = [ray.origin, ray.direction].map(|v| DVec3::from(v.map(f64::from)));
+            let cell = hit.map(|hit| {
+                seen_from(key, f64::from(hit.t), closed_level, |level| cell_of(hit, direction, level, mesh, from))
+            });
+            met.seen.push(SeenCell { up, cell, path: hit.map(|hit| (ray, hit.t)) });
+            if let Some(hit) = hit.filter(|&hit| reflections.is_some_and(|r| r.orientation(hit).is_some())) {
+                met.mirrors.push((up, MirrorRay { from, direction, hit }));
+            }
         }
-    }
-    met.seen.resize(count, SeenCell { up: true, cell: None, path: None });
-    met
+        met.seen.resize(count, SeenCell { up: true, cell: None, path: None });
+        met
+    };
+    cells.into_iter().map(met_by).collect()
 }
 
 /// The coarse cell that a cell sees. `met`: the cell at a distance, if it had a given level.

@@ -194,9 +194,25 @@ impl CellKey {
     pub fn side_of(self, outward: DVec3) -> Option<DVec3> {
         let back = self.is_back();
         let outward = if self.is_leaf() { upper(outward) } else { outward };
-        let bin = facing_code(outward, back) & !BACK;
-        let belongs = if self.bin() < FACINGS { self.bin() == bin } else { self.face() == bin / 9 };
+        let belongs = self.holds(FaceTag::of(outward, self.material));
         belongs.then_some(if back { -outward } else { outward })
+    }
+
+    /// Whether a triangle of this tag belongs to the cell.
+    pub fn holds(self, tag: FaceTag) -> bool {
+        let [front, back] = tag.bins;
+        let bin = match () {
+            () if self.is_leaf() => {
+                if is_upper(front) {
+                    front
+                } else {
+                    back
+                }
+            }
+            () if self.is_back() => back,
+            () => front,
+        };
+        tag.material == self.material && if self.bin() < FACINGS { self.bin() == bin } else { self.face() == bin / 9 }
     }
 
     /// Whether this is the back of its triangles.
@@ -235,6 +251,21 @@ impl CellKey {
     }
 }
 
+/// What cells ask of a triangle, in four bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FaceTag {
+    material: u16,
+    /// Of its normal, and of the opposite one.
+    bins: [u8; 2],
+}
+
+impl FaceTag {
+    /// Of a triangle with this unit normal.
+    pub fn of(outward: DVec3, material: u16) -> Self {
+        FaceTag { material, bins: [facing_bin(outward), facing_bin(-outward)] }
+    }
+}
+
 /// Edge of a cell of this level, metres.
 pub fn size_of(level: i8) -> f64 {
     // The exponent of a power of two.
@@ -267,7 +298,12 @@ fn facing_code(outward: DVec3, back: bool) -> u8 {
 
 /// That of the two normals of a leaf whose largest component is positive.
 fn upper(normal: DVec3) -> DVec3 {
-    if facing_bin(normal) / 9 % 2 == 1 { -normal } else { normal }
+    if is_upper(facing_bin(normal)) { normal } else { -normal }
+}
+
+/// Whether the largest component of the normals of a bin is positive.
+fn is_upper(bin: u8) -> bool {
+    (bin / 9).is_multiple_of(2)
 }
 
 /// Bin of a unit vector: cube face (x+, x-, y+, y-, z+, z-), then its 3 x 3 part.

@@ -12,6 +12,7 @@ use crate::trace::kernel::scan::{Scan, ScanSpace};
 use crate::trace::kernel::tree::{Child, Node, Tree, WIDTH};
 use crate::trace::kernel::triangle::intersect;
 use heliotile_core::error::Result;
+use heliotile_core::site::cells::FaceTag;
 use heliotile_core::site::grid::Grid;
 use heliotile_scene::mesh::Mesh;
 
@@ -108,7 +109,7 @@ impl Tracer {
     }
 
     /// Mesh indices of all `wanted` triangles whose own box touches the given one, ascending.
-    pub fn triangles_near(&self, low: DVec3, high: DVec3, wanted: impl Fn(u32) -> bool) -> Vec<u32> {
+    pub fn triangles_near(&self, low: DVec3, high: DVec3, wanted: impl Fn(FaceTag) -> bool) -> Vec<u32> {
         self.tree.triangles_near(low, high, wanted)
     }
 

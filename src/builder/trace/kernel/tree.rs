@@ -20,6 +20,7 @@ use rayon::prelude::*;
 use prefetch_index::prefetch_index;
 
 use crate::trace::kernel::triangle::EdgeTriangle;
+use heliotile_core::site::cells::FaceTag;
 use heliotile_scene::mesh::Mesh;
 
 /// Boxes grow by this share of the largest coordinate: measured to close all leaks at vertices. A triangle that a ray meets is so always
@@ -55,6 +56,8 @@ pub struct Tree {
     pub nodes: Vec<Node>,
     /// In the tree's order.
     pub triangles: Vec<EdgeTriangle>,
+    /// What cells ask of each of these triangles.
+    tags: Vec<FaceTag>,
 }
 
 impl Tree {
@@ -64,7 +67,7 @@ impl Tree {
         let pad = low.abs().max(high.abs()).max_element() as f32 * BOX_PAD;
         let blocks: Vec<(Tree, Aabb)> =
             blocks(mesh, ids).into_par_iter().map(|ids| Tree::of_block(mesh, &ids, pad)).collect();
-        let mut tree = Tree { nodes: Vec::new(), triangles: Vec::new() };
+        let mut tree = Tree { nodes: Vec::new(), triangles: Vec::new(), tags: Vec::new() };
         let mut order = Vec::new();
         if blocks.len() > 1 {
             let boxes: Vec<Aabb> = blocks.iter().map(|(_, bounds)| *bounds).collect();
@@ -74,11 +77,13 @@ impl Tree {
         let above = tree.nodes.len();
         tree.nodes.reserve_exact(blocks.iter().map(|(block, _)| block.nodes.len()).sum());
         tree.triangles.reserve_exact(blocks.iter().map(|(block, _)| block.triangles.len()).sum());
+        tree.tags.reserve_exact(tree.triangles.capacity());
         let mut roots = Vec::with_capacity(blocks.len());
         for (block, _) in blocks {
             let (node, triangle) = (tree.nodes.len() as u32, tree.triangles.len() as u32);
             roots.push(node);
             tree.triangles.extend(block.triangles);
+            tree.tags.extend(block.tags);
             tree.nodes.extend(block.nodes.into_iter().map(|mut moved| {
                 for child in &mut moved.child {
                     child.first += if child.count > 0 { triangle } else { node };
@@ -104,9 +109,11 @@ impl Tree {
         let params = BvhBuildParams { collapse_traversal_cost: 1.0, ..BvhBuildParams::slow_build() };
         let bvh = build_bvh2_from_tris(&boxed.collect::<Vec<_>>(), params, &mut Duration::default());
         let placed = bvh.primitive_indices.iter().map(|&i| ids[i as usize]);
-        let triangles = placed.map(|id| EdgeTriangle::new(corners_of(id), id)).collect();
+        let triangles: Vec<EdgeTriangle> = placed.map(|id| EdgeTriangle::new(corners_of(id), id)).collect();
+        let tag = |t: &EdgeTriangle| FaceTag::of(mesh.normal(t.id as usize), mesh.triangle_material[t.id as usize]);
+        let tags = triangles.iter().map(tag).collect();
         let bounds = bvh.nodes.first().map_or(Aabb::INVALID, |root| root.aabb);
-        (Tree { nodes: widened(&bvh, pad), triangles }, bounds)
+        (Tree { nodes: widened(&bvh, pad), triangles, tags }, bounds)
     }
 
     /// Asks for the memory of a child that will be visited.
@@ -126,8 +133,9 @@ impl Tree {
         }
     }
 
-    /// Mesh indices of all `wanted` triangles whose own box touches the given one, ascending.
-    pub fn triangles_near(&self, low: DVec3, high: DVec3, wanted: impl Fn(u32) -> bool) -> Vec<u32> {
+    /// Mesh indices of all `wanted` triangles whose own box touches the given one, ascending. Their tags are asked first: a coarse cell has most of
+    /// a large scene in its box.
+    pub fn triangles_near(&self, low: DVec3, high: DVec3, wanted: impl Fn(FaceTag) -> bool) -> Vec<u32> {
         let touches = |t: &EdgeTriangle| {
             let [a, b, c] = t.corners;
             (0..3).all(|i| {
@@ -135,14 +143,14 @@ impl Tree {
                 f64::from(most) >= low[i] && f64::from(least) <= high[i]
             })
         };
-        let near = |t: &&EdgeTriangle| touches(t) && wanted(t.id);
         let (low, high) = (low.as_vec3().to_array(), high.as_vec3().to_array());
         let mut found = Vec::new();
         let mut stack = vec![Child::default()];
         while let Some(next) = stack.pop() {
             if next.count > 0 {
                 let range = next.first as usize..(next.first + next.count) as usize;
-                found.extend(self.triangles[range].iter().filter(near).map(|t| t.id));
+                let wanted = range.filter(|&k| wanted(self.tags[k])).map(|k| &self.triangles[k]);
+                found.extend(wanted.filter(|t| touches(t)).map(|t| t.id));
                 continue;
             }
             let node = &self.nodes[next.first as usize];
@@ -174,10 +182,12 @@ fn blocks(mesh: &Mesh, ids: &[u32]) -> Vec<Vec<u32>> {
         let ends = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let (low, high) = part.iter().map(|id| centre(*id)).fold(ends, |(low, high), c| (low.min(c), high.max(c)));
         let axis = (high - low).max_position();
-        let middle = part.len() / 2;
-        part.select_nth_unstable_by(middle, |a, b| centre(*a)[axis].total_cmp(&centre(*b)[axis]).then(a.cmp(b)));
-        let rest = part.split_off(middle);
-        waiting.extend([part, rest]);
+        // Made once: comparisons are many more than triangles.
+        let mut keys: Vec<(f64, u32)> = part.iter().map(|id| (centre(*id)[axis], *id)).collect();
+        let middle = keys.len() / 2;
+        keys.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let (low, high) = keys.split_at(middle);
+        waiting.extend([low, high].map(|half| half.iter().map(|key| key.1).collect()));
     }
     done
 }
