@@ -203,6 +203,34 @@ fn below_leaves() {
     }
 }
 
+/// A weather file that is missing, one without humidity, another file than weather and one without the hours that are asked for are refused before the
+/// scene is traced: neither a folder nor a table is left, 8 of 8. Without humidity the mean radiant temperature is answered.
+#[test]
+fn weather_is_refused_before_the_scene() {
+    let folder = Folder::new();
+    plain(&folder, false);
+    let hour = |hour: usize| format!("2019-07-01T{hour:02}:00,800,700,100,25,2,350\n");
+    let dry = format!("time,ghi,dni,dhi,temp_air,wind_speed,longwave_down\n{}{}", hour(12), hour(13));
+    folder.write("dry.csv", &dry);
+    let place = "--latitude 39.7 --longitude -105.2 -m m.toml --quality draft --time-zone -7 -o table.csv";
+    let golden = golden().display().to_string();
+    for people in ["--points p.csv", "--spacing 500m"] {
+        for (weather, said) in [
+            ("none.epw".to_owned(), "none.epw"),
+            ("dry.csv".to_owned(), "humidity is missing in the hour 2019-07-01T"),
+            ("plain.obj".to_owned(), "plain.obj"),
+            (format!("{golden} --from 07-01 --to 07-02"), "golden_3_days.epw"),
+        ] {
+            folder.refused(&format!("comfort plain.obj {place} {people} -w {weather}"), &[said]);
+            for left in ["plain.people", "table.csv"] {
+                assert!(!folder.path(left).exists(), "{left} after {weather}");
+            }
+        }
+    }
+    let output = folder.run(&format!("comfort plain.obj {place} --points p.csv -w dry.csv --columns mrt"));
+    assert!(output.status.success() && folder.path("plain.people/site.helio").exists(), "{}", stderr(&output));
+}
+
 /// Ten wrong questions are refused with what would mend them: no humidity, no wind, an archive without people, points inside of things, numbers out of
 /// range.
 #[test]

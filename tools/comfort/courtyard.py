@@ -1,6 +1,6 @@
 """A person in a courtyard beside measurements. In: the folder of the rasters, the weather and the measurements of Kronenhuset (2005-10-07; Lindberg,
 Holmer and Thorsson 2008, as SOLWEIG's tests have them), the program, a folder to work in. Out: shortwave and longwave irradiance of six planes and the
-mean radiant temperature beside the measured ones, by hour and as bias and RMSE. Needs numpy, pandas and rasterio."""
+mean radiant temperature beside the measured ones, by hour, as bias and RMSE and as a picture of the hours. Needs numpy, pandas and rasterio."""
 import csv
 import subprocess
 import sys
@@ -11,8 +11,11 @@ import numpy as np
 import pandas
 
 sys.path.append(str(Path(__file__).resolve().parent.parent / "rasters"))
+from chart import draw  # noqa: E402
 from gothenburg import MATERIALS, PLANES, SHADOW_EDGE, write_receivers  # noqa: E402
 
+#: Of the book's page of comfort.
+PICTURE = Path(__file__).resolve().parent.parent / "pictures" / "courtyard_day.svg"
 #: The planes of a person in the order of the measured ones, by the names of their columns.
 NAMES = ["up", "down", "north", "east", "south", "west"]
 SIDES = [plane.removeprefix("K") for plane in PLANES]
@@ -77,6 +80,11 @@ def main(folder, program, out):
                                       "Lup": measured.Lup, "found  ": found.longwave_down, "Tmrt": radiant(measured), "found   ": found.mrt_c,
                                       "UTCI": found.utci_c, "PET": found.pet_c})
             print(table.round(1).to_string())
+            draw(PICTURE, measured.index, [
+                ("Shortwave down, W/m2", (0, 200), 50, measured.Kdown, found.shortwave_up),
+                ("Longwave down, W/m2", (280, 380), 20, measured.Ldown, found.longwave_up),
+                ("Mean radiant temperature, C", (0, 50), 10, radiant(measured), found.mrt_c)])
+            print(f"drawn: {PICTURE}")
     print("bias / RMSE, W/m2 and K")
     print(pandas.DataFrame(summary, columns=["surfaces", "of", *off.columns]).to_string(index=False))
 

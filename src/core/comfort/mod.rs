@@ -11,6 +11,7 @@
 //! | `clear_sky` | how a clear sky's longwave radiance falls towards the zenith |
 //! | `surroundings` | longwave irradiance of six planes from sky, ground and obstructions |
 //! | `index_curve` | an index of an hour at many places |
+//! | `people` | points of an archive: their planes, the climate of an hour, their numbers |
 //! | `solar_gain` | SolarCal of ASHRAE 55: effective radiant field of the sun |
 //! | `humidity` | saturation pressure and vapour pressure of water |
 //! | `wind` | wind at the height of a body |
@@ -20,13 +21,14 @@
 //! humidity in percent. A function returns `None` where an input is missing (NaN), infinite or
 //! outside the range of its formula; NaN never comes out.
 //!
-//! Nothing here reads files, knows archives or weather, or keeps state.
+//! Nothing here reads files, opens archives, or keeps state.
 
 mod bracketed_root;
 pub mod clear_sky;
 pub mod humidity;
 pub mod index_curve;
 pub mod mean_radiant;
+pub mod people;
 pub mod pet;
 mod pet_balance;
 mod pet_body;

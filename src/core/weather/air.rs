@@ -19,6 +19,12 @@ pub struct Air {
 }
 
 impl Air {
+    /// Air of a temperature and a relative humidity in percent, above 0, of which nothing else is known.
+    pub fn of_humidity(dry_bulb_c: f64, humidity_percent: f64) -> Self {
+        let dew_point_c = Some(dew_point_c(dry_bulb_c, humidity_percent));
+        Air { dry_bulb_c: Some(dry_bulb_c), dew_point_c, ..Air::default() }
+    }
+
     /// Longwave irradiance of an open horizontal surface: as given, else computed; `None` if it cannot be.
     pub fn sky_w_m2(&self) -> Option<f64> {
         let computed = || {

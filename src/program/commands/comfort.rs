@@ -25,7 +25,7 @@ pub fn run(args: &ComfortArgs, about: Provenance) -> Result<Outcome> {
         None => {
             let site = args.site();
             request.check(&files, &site.scene.files.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
-            site.build(&terminal)?
+            site.build(Some(&request), &resources)?
         }
     };
     let done = SiteRequest::of(place).comfort(&request, &files, about, &resources)?;

@@ -30,7 +30,7 @@ from .errors import (
 )
 from .results import Results
 from .scene import BuildReport, Scene, build
-from .studies import LadderStep, Study, Tradeoff, diff, energyplus, merge, partition, pv, run, tradeoff
+from .studies import LadderStep, Study, Tradeoff, comfort, diff, energyplus, merge, partition, pv, run, tradeoff
 from .weather import Weather
 
 __all__ = [
@@ -66,6 +66,7 @@ __all__ = [
     "Weather",
     "__version__",
     "build",
+    "comfort",
     "compare",
     "diff",
     "energyplus",

@@ -1,4 +1,4 @@
-"""Work that writes folders and archives: the program's `run`, `pv`, `energyplus`, `tradeoff`, `merge` and `diff`. In: keyword arguments. Out: files, and what
+"""Work that writes folders and archives: the program's `run`, `pv`, `comfort`, `energyplus`, `tradeoff`, `merge` and `diff`. In: keyword arguments. Out: files, and what
 was done. Arguments fill the requests that the program fills."""
 
 from __future__ import annotations
@@ -133,6 +133,53 @@ def pv(
     }
     request |= {name: os.fspath(path) for name, path in (("points", points), ("rows", rows)) if path is not None}
     return _study(_heliotile.pv(json.dumps(request), memory, progress))
+
+
+def comfort(
+    scene: Files,
+    output: str | os.PathLike[str],
+    *,
+    weather: Any = None,
+    points: str | os.PathLike[str] | None = None,
+    on: str | Sequence[str] = "ground",
+    spacing: float = 2.0,
+    body_height: float = 1.1,
+    quality: str = "standard",
+    error: float | str | None = None,
+    error_weather: Any = None,
+    replace: bool = False,
+    memory: int = MEMORY,
+    progress: Progress | None = None,
+) -> Archive:
+    """Builds the archive of a scene with people and opens it, as `heliotile comfort` does before it asks: six receivers a point. `Archive.comfort` asks it.
+
+    Parameters
+    ----------
+    scene, output
+        A `Scene` or its files; the folder of `receivers.csv` and `site.helio`, which is taken again where it is of the same inputs.
+    weather
+        A weather file, or a `Weather` of one, that the archive will be asked under: one that comfort cannot be computed of is refused before anything is
+        traced. An `error` is of this weather, if there is no `error_weather`.
+    points
+        A table `point,x,y` and maybe `z` or `height`: where people stand. Without it they stand `on` these kinds of surfaces or materials, `spacing` metres apart.
+    body_height
+        How high above it the middle of a person is, metres.
+    quality, error, error_weather
+        As in `build`.
+    replace
+        Whether what the folder holds of other inputs goes.
+    """
+    site: dict[str, Any] = {
+        "scene": scene_request(scene),
+        "folder": os.fspath(output),
+        "on": [on] if isinstance(on, str) else list(on),
+        "spacing_m": given.number("spacing", spacing),
+        "height_m": given.number("body_height", body_height),
+        "accuracy": _accuracy(quality, error, weather if error_weather is None and error is not None else error_weather),
+        "replace": replace,
+    }
+    site |= {"points": os.fspath(points)} if points is not None else {}
+    return Archive.open(_heliotile.comfort(json.dumps({"site": site, **weather_request(weather)}), memory, progress))
 
 
 def energyplus(

@@ -67,6 +67,8 @@ mod _heliotile {
     #[pymodule_export]
     use super::studies::catalogue;
     #[pymodule_export]
+    use super::studies::comfort;
+    #[pymodule_export]
     use super::studies::diff;
     #[pymodule_export]
     use super::studies::energyplus;

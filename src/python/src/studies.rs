@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
@@ -18,10 +19,11 @@ use heliotile_core::archive::Access;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
+use heliotile_core::weather::options::WeatherOptions;
 use heliotile_energyplus::EnergyplusRequest;
 use heliotile_remote::places::open_archive;
 use heliotile_results::pv::PvRequest;
-use heliotile_results::{Provenance, Resources, RunRequest};
+use heliotile_results::{ComfortRequest, ComfortSiteRequest, Provenance, ReplayRequest, Resources, RunRequest};
 use heliotile_scene::input;
 
 /// The folder, the archive, names of files, and a table as text.
@@ -62,6 +64,29 @@ pub fn pv(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, 
     work::run(py, progress.as_ref(), |watch| {
         let done = request::<PvRequest>(&text)?.write(about("pv", &text), &resources(memory, watch))?;
         Ok((done.folder, done.archive, done.files, done.table))
+    })
+}
+
+/// An archive of people, and the weather that it will be asked under.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PeopleArgs {
+    site: ComfortSiteRequest,
+    weather: Option<PathBuf>,
+    #[serde(default)]
+    about_weather: WeatherOptions,
+}
+
+/// The archive of a scene with people: its path.
+#[pyfunction]
+pub fn comfort(py: Python<'_>, text: &str, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<PathBuf> {
+    work::run(py, progress.as_ref(), |watch| {
+        let PeopleArgs { site, weather, about_weather } = request(text)?;
+        let asked = weather.map(|weather| {
+            let usual = ComfortRequest::of(weather);
+            ComfortRequest { replay: ReplayRequest { about_weather, ..usual.replay }, ..usual }
+        });
+        site.build(asked.as_ref(), &resources(memory, watch))
     })
 }
 

@@ -68,6 +68,30 @@ def test_ground_among_rows_is_the_programs(tmp_path: Path) -> None:
         assert abs(found[place["receiver"]] - float(place["ppfd_mol_m2"])) < 0.01
 
 
+def test_comfort_is_the_programs(tmp_path: Path) -> None:
+    """Two people on a meadow, and 25 of a square 5 m apart: receivers and archives are the program's byte by byte, and answer; a weather file that is none is refused
+    before anything is written, and so is a distance of 0 m."""
+    (tmp_path / "scene.obj").write_text("v -12.5 -12.5 0\nv 12.5 -12.5 0\nv 12.5 12.5 0\nv -12.5 12.5 0\nusemtl ground\nf 1 2 3 4\n")
+    (tmp_path / "points.csv").write_text("point,x,y\nhere,1,2\nthere,-5,3\n")
+    scene = heliotile.Scene(tmp_path / "scene.obj", latitude=39.7, longitude=-105.2)
+    for name, words, choice, count in [
+        ("points", ("--points", tmp_path / "points.csv"), {"points": tmp_path / "points.csv"}, 2),
+        ("square", ("--spacing", "5m", "--body-height", "1.5m"), {"spacing": 5.0, "body_height": 1.5}, 25),
+    ]:
+        place = ("--latitude", "39.7", "--longitude", "-105.2", "--quality", "draft", "--folder", tmp_path / f"{name}.program")
+        program("comfort", tmp_path / "scene.obj", "-w", DAYS, *place, *words, "--every", "total", "-o", tmp_path / f"{name}-table.csv")
+        people = heliotile.comfort(scene, tmp_path / f"{name}.python", weather=DAYS, quality="draft", **choice)
+        for file in ["site.helio", "receivers.csv"]:
+            assert (tmp_path / f"{name}.program" / file).read_bytes() == (tmp_path / f"{name}.python" / file).read_bytes(), (name, file)
+        assert people.comfort(tmp_path / "python.csv", DAYS, every="total") == (count, 72)
+        assert (tmp_path / "python.csv").read_bytes() == (tmp_path / f"{name}-table.csv").read_bytes()
+    with pytest.raises(heliotile.InputError, match="scene.obj"):
+        heliotile.comfort(scene, tmp_path / "none", weather=tmp_path / "scene.obj", quality="draft")
+    with pytest.raises(heliotile.ArgumentError, match="spacing"):
+        heliotile.comfort(scene, tmp_path / "none", spacing=0.0)
+    assert not (tmp_path / "none").exists()
+
+
 def test_energyplus_is_the_programs(tmp_path: Path) -> None:
     """A model gets the tables that the program gives it, byte by byte."""
     model = DATA / "energyplus" / "box.idf"

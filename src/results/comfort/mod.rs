@@ -4,13 +4,13 @@
 //! | file | what it holds |
 //! | --- | --- |
 //! | `request` | what is asked: [`ComfortRequest`] |
-//! | `columns` | the columns of results |
-//! | `climate` | air, wind and surroundings of each hour, and the indices of that hour |
-//! | `persons` | the six receivers of a point, and its values in each hour |
+//! | `columns` | the columns of results, over hours and periods |
+//! | `climate` | the air of each hour, and what a weather file lacks |
+//! | `persons` | the six receivers of a point, and their light |
 //! | `pass` | from a stream of tiles to files |
 //! | `points` | where points stand, and the archive of a scene with them: [`ComfortSiteRequest`] |
 //!
-//! Formulas stand in [`heliotile_core::comfort`]. Nothing is traced here but by `points`.
+//! Formulas stand in [`heliotile_core::comfort`], what becomes of people in [`heliotile_core::comfort::people`], which the page uses too. Nothing is traced here but by `points`.
 
 mod climate;
 mod columns;
@@ -19,7 +19,8 @@ mod persons;
 mod points;
 mod request;
 
-pub use columns::ComfortColumn;
+pub use heliotile_core::comfort::people::columns::ComfortColumn;
+pub use heliotile_core::comfort::people::model::SunOnPerson;
 pub use pass::ComfortDone;
 pub use points::ComfortSiteRequest;
-pub use request::{ClassShare, ComfortChoice, ComfortRequest, Posture, SunOnPerson, SurfaceTemperatures, WindChoice};
+pub use request::{ClassShare, ComfortChoice, ComfortRequest, Posture, SurfaceTemperatures, WindChoice};

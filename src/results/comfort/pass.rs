@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::climate::{HourClimate, absorptance, climates};
-use super::columns::{ComfortColumn, ComfortColumns};
-use super::persons::{Absorbing, PersonCollector, PersonLight, PersonSet};
+use super::climate::climates;
+use super::columns::ComfortColumns;
+use super::persons::{PersonCollector, PersonSet, PointLight};
 use super::request::{ComfortRequest, WindChoice};
 use crate::archives::Archives;
 use crate::files::{FileRequest, ResultRows, RowFiles, RowsAbout, name_of};
@@ -17,6 +17,9 @@ use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::series::Series;
 use crate::stream::TileStream;
 use heliotile_core::comfort::index_curve::IndexCurve;
+use heliotile_core::comfort::people::climate::HourClimate;
+use heliotile_core::comfort::people::columns::ComfortColumn;
+use heliotile_core::comfort::people::model::ComfortModel;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named;
 use heliotile_core::opened::OpenSite;
@@ -41,7 +44,7 @@ struct PointPass<'a> {
     climates: &'a [HourClimate],
     columns: &'a ComfortColumns,
     asked: &'a [ComfortColumn],
-    absorbing: Absorbing,
+    model: &'a ComfortModel,
     rows: &'a Series<'a>,
 }
 
@@ -66,7 +69,8 @@ impl ComfortRequest {
         let asked: Vec<ComfortColumn> = columns.asked().collect();
         let site = OpenSite::of(archives.first())?;
         let conditions = &stream.series.conditions;
-        let climates = climates(self, conditions, site.materials(), &asked, resources)?;
+        let model = self.model(site.materials());
+        let climates = climates(self, conditions, &model, &asked, resources)?;
         self.tell_gaps(&climates, stream);
         let series = stream.series.by(every);
         let labels = if every == Every::Hour { Labels::Times } else { Labels::Dates };
@@ -82,11 +86,10 @@ impl ComfortRequest {
         }
         let mut to = to.with_maps(&maps, &receivers, &told, resources)?;
         to.start()?;
-        let absorbing = Absorbing { body: self.choice.body(), sun: self.choice.sun_on };
         let (climates, asked) = (climates.as_slice(), asked.as_slice());
-        let pass = PointPass { set: &set, climates, columns: &columns, asked, absorbing, rows: &series };
+        let pass = PointPass { set: &set, climates, columns: &columns, asked, model: &model, rows: &series };
         let mut collector = PersonCollector::new(&set);
-        let mut waiting: Vec<PersonLight> = Vec::new();
+        let mut waiting: Vec<PointLight> = Vec::new();
         stream.each(self.components(), |tile| {
             collector.add(tile.ids, tile.values);
             waiting.extend(collector.complete());
@@ -110,8 +113,8 @@ impl ComfortRequest {
             .with("film_w_m2_k", choice.film_w_m2_k)
             .with("emissivity_ground", choice.emissivity_of(Class::Ground))
             .with("emissivity_obstruction", choice.emissivity_of(Class::Obstruction))
-            .with("absorptance_ground", format!("{:.3}", absorptance(choice, Class::Ground, materials)))
-            .with("absorptance_obstruction", format!("{:.3}", absorptance(choice, Class::Obstruction, materials)))
+            .with("absorptance_ground", format!("{:.3}", choice.absorptance_of(Class::Ground, materials)))
+            .with("absorptance_obstruction", format!("{:.3}", choice.absorptance_of(Class::Obstruction, materials)))
             .with("person_absorptivity_shortwave", choice.body().shortwave_absorptivity)
             .with("person_emissivity", choice.body().longwave_emissivity)
             .with("pet_clothing_clo", choice.person().clothing_clo)
@@ -142,13 +145,14 @@ impl ComfortRequest {
 
 impl PointPass<'_> {
     /// Writes the rows of some points.
-    fn write(&self, lights: &[PersonLight], to: &mut RowFiles) -> Result<()> {
+    fn write(&self, lights: &[PointLight], to: &mut RowFiles) -> Result<()> {
         if lights.is_empty() {
             return Ok(());
         }
         let hours: Vec<f64> = self.climates.iter().map(|climate| climate.hours).collect();
-        let of_point = |light: &PersonLight| {
-            let numbers = light.numbers(self.set, self.climates, self.asked, self.absorbing);
+        let of_point = |point: &PointLight| {
+            let views = self.set.views(point.number).unwrap_or_default();
+            let numbers = point.light.numbers(&views, self.climates, self.asked, self.model);
             self.columns.rows(&numbers, &self.rows.bins, &hours)
         };
         let rows: Vec<Vec<Vec<f32>>> = lights.par_iter().map(of_point).collect();

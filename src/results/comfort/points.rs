@@ -4,21 +4,23 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
-use super::columns::PLANES;
-use super::persons::receiver_name;
-use crate::covering::{CoverRequest, cover_site};
+use super::request::ComfortRequest;
+use crate::covering::{CoverRequest, cover_scene};
 use crate::horizon::black_below_horizon;
 use crate::outputs::receivers::{ReceiverRow, ReceiverTable};
 use crate::pv::placed;
+use crate::resources::Resources;
 use crate::site_archive::{TraceRequest, WaysOut, build_or_reuse};
 use heliotile_builder::pipeline::PreparedScene;
 use heliotile_builder::planning::AccuracyRequest;
 use heliotile_builder::settings::EffectChoice;
 use heliotile_builder::siting::Siting;
+use heliotile_core::comfort::people::columns::PLANES;
+use heliotile_core::comfort::people::points::receiver_name;
 use heliotile_core::comfort::wind::BODY_HEIGHT_M;
 use heliotile_core::error::{Error, Result};
-use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::north::North;
@@ -26,8 +28,11 @@ use heliotile_core::site::patch::Patch;
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 use heliotile_scene::covering::cover::Density;
+use heliotile_scene::load::Soup;
 use heliotile_scene::pv::points::{PointDefaults, read_points};
+use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::request::SceneRequest;
+use heliotile_scene::site::Site;
 
 /// What receivers of people are called in the column `kind`.
 const PERSON: &str = "person";
@@ -37,7 +42,8 @@ const SPACINGS_M: [f64; 2] = [0.1, 1000.0];
 const HEIGHTS_M: [f64; 2] = [0.05, 10.0];
 
 /// The archive of a scene with people.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ComfortSiteRequest {
     /// The scene.
     pub scene: SceneRequest,
@@ -55,8 +61,12 @@ pub struct ComfortSiteRequest {
     pub folder: PathBuf,
     /// Whether what is there of other inputs goes.
     pub replace: bool,
-    /// For all that a build holds besides the scene and its tree.
-    pub memory: MemoryBudget,
+}
+
+impl Default for ComfortSiteRequest {
+    fn default() -> Self {
+        ComfortSiteRequest::of(SceneRequest::default(), "")
+    }
 }
 
 /// A point where a person stands.
@@ -65,6 +75,21 @@ struct Stand {
     position: DVec3,
     area_m2: Option<f64>,
     patch: Patch,
+}
+
+/// The scene and its objects.
+struct LoadedScene {
+    scene: Scene,
+    soup: Soup,
+    within: Option<RegionPart>,
+}
+
+impl LoadedScene {
+    fn of(site: &Site, observer: &dyn Observer) -> Result<Self> {
+        let (scene, soup) = Scene::load_with_objects(site)?;
+        scene.report.tell(observer);
+        Ok(LoadedScene { scene, soup, within: site.within })
+    }
 }
 
 impl ComfortSiteRequest {
@@ -79,22 +104,30 @@ impl ComfortSiteRequest {
             accuracy: AccuracyRequest::default(),
             folder: folder.into(),
             replace: false,
-            memory: MemoryBudget::DEFAULT,
         }
     }
 
-    /// The path of the archive: the one that is there, if it is of these inputs, or a new one.
-    pub fn build(&self, observer: &dyn Observer) -> Result<PathBuf> {
+    /// The path of the archive: the one that is there, if it is of these inputs, or a new one. `asked` is what it will be asked for: a wrong weather
+    /// file is refused before anything is traced or written.
+    pub fn build(&self, asked: Option<&ComfortRequest>, resources: &Resources) -> Result<PathBuf> {
+        let observer = resources.observer;
         for (field, metres, [least, most]) in
-            [("spacing", self.spacing_m, SPACINGS_M), ("height", self.height_m, HEIGHTS_M)]
+            [("spacing", self.spacing_m, SPACINGS_M), ("body_height", self.height_m, HEIGHTS_M)]
         {
             if !(least..=most).contains(&metres) {
                 return Err(Error::argument(field, format!("is {metres} m"), format!("give {least} to {most} metres")));
             }
         }
+        let site = self.scene.site()?;
+        let (load, mut loaded) = (|| LoadedScene::of(&site, observer), None);
+        // Before the scene, which takes longer; one that does not state its place takes the scene's.
+        if let Some(asked) = asked {
+            asked.check_weather(resources, &mut || Ok(loaded.insert(load()?).scene.place))?;
+        }
+        let load = || loaded.map_or_else(load, Ok);
         let (scene, stands) = match &self.points {
-            Some(table) => self.on_points(table, observer)?,
-            None => self.on_surfaces(observer)?,
+            Some(table) => self.on_points(table, load, observer)?,
+            None => self.on_surfaces(load, observer)?,
         };
         let archive = self.folder.join("site.helio");
         fs::create_dir_all(&self.folder).map_err(Error::io(&self.folder, "create"))?;
@@ -112,7 +145,7 @@ impl ComfortSiteRequest {
             offset_m: 0.0,
             replace: self.replace,
             ways_out: WaysOut::USUAL,
-            memory: self.memory,
+            memory: resources.memory,
             under: None,
             from: None,
         };
@@ -124,13 +157,17 @@ impl ComfortSiteRequest {
     }
 
     /// The points of a table; one inside of things is refused.
-    fn on_points(&self, table: &Path, observer: &dyn Observer) -> Result<(Scene, Vec<Stand>)> {
+    fn on_points(
+        &self,
+        table: &Path,
+        load: impl FnOnce() -> Result<LoadedScene>,
+        observer: &dyn Observer,
+    ) -> Result<(Scene, Vec<Stand>)> {
         let mut warnings = Vec::new();
         let defaults = PointDefaults { needs_turns: false, height_m: Some(self.height_m) };
         let points = read_points(table, defaults, &mut warnings)?;
         warnings.iter().for_each(|text| observer.warn(text));
-        let scene = Scene::load_site(&self.scene.site()?)?;
-        scene.report.tell(observer);
+        let LoadedScene { scene, .. } = load()?;
         let prepared = PreparedScene::new(&scene)?;
         let siting = Siting::new(&prepared);
         let stand = |point| {
@@ -142,10 +179,15 @@ impl ComfortSiteRequest {
     }
 
     /// Points above surfaces; those inside of things are left out.
-    fn on_surfaces(&self, observer: &dyn Observer) -> Result<(Scene, Vec<Stand>)> {
+    fn on_surfaces(
+        &self,
+        load: impl FnOnce() -> Result<LoadedScene>,
+        observer: &dyn Observer,
+    ) -> Result<(Scene, Vec<Stand>)> {
+        let LoadedScene { scene, soup, within } = load()?;
         let density = Density::Spacing(self.spacing_m);
-        let cover = CoverRequest { on: self.on.clone(), density, ..CoverRequest::default() };
-        let (scene, covered) = cover_site(&self.scene.site()?, &cover, observer)?;
+        let cover = CoverRequest { on: self.on.clone(), density, within, ..CoverRequest::default() };
+        let covered = cover_scene(&scene, soup, &cover, observer)?;
         let prepared = PreparedScene::new(&scene)?;
         let siting = Siting::new(&prepared);
         let (mut stands, mut inside) = (Vec::new(), 0);

@@ -5,28 +5,21 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::columns::ComfortColumn;
 use crate::files::FileRequest;
 use crate::outputs::periods::Every;
 use crate::request::ReplayRequest;
 use heliotile_core::comfort::mean_radiant::RadiantBody;
+use heliotile_core::comfort::people::columns::ComfortColumn;
+use heliotile_core::comfort::people::model::{ComfortModel, SunOnPerson, SurfaceModel, absorptance};
+use heliotile_core::comfort::people::periods::PeriodSum;
 use heliotile_core::comfort::pet::{PetPerson, PetPosture};
 use heliotile_core::comfort::surroundings::{
     LEAST_FILM_W_M2_K, USUAL_FILM_W_M2_K, USUAL_GROUND_EMISSIVITY, USUAL_OBSTRUCTION_EMISSIVITY,
 };
-use heliotile_core::comfort::utci::StressCategory;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::site::material::Class;
-
-/// The categories of the UTCI whose upper limits are the usual thresholds: moderate to extreme heat stress begin there.
-const BELOW_THRESHOLDS: [StressCategory; 4] = [
-    StressCategory::NoThermalStress,
-    StressCategory::ModerateHeatStress,
-    StressCategory::StrongHeatStress,
-    StressCategory::VeryStrongHeatStress,
-];
+use heliotile_core::site::material::{Class, Material};
 
 /// Heat transfer coefficients that surfaces can have, W/m2K.
 const FILMS_W_M2_K: [f64; 2] = [LEAST_FILM_W_M2_K, 200.0];
@@ -72,7 +65,7 @@ impl Default for ComfortChoice {
     fn default() -> Self {
         ComfortChoice {
             columns: Vec::new(),
-            above_c: BELOW_THRESHOLDS.map(StressCategory::upper_limit_c).to_vec(),
+            above_c: PeriodSum::usual_thresholds_c().to_vec(),
             posture: Posture::default(),
             sun_on: SunOnPerson::default(),
             surfaces: SurfaceTemperatures::default(),
@@ -92,16 +85,6 @@ pub enum Posture {
     Standing,
     /// On a chair.
     Sitting,
-}
-
-/// How the sun falls on a person.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SunOnPerson {
-    /// On an upright cylinder, from all azimuths alike.
-    #[default]
-    Cylinder,
-    /// On the planes of a box, as instruments measure it.
-    Box,
 }
 
 /// How warm surfaces are whose temperature nobody gives.
@@ -246,6 +229,25 @@ impl ComfortRequest {
         ReplayRequest { light, every: Every::Hour, ..self.replay.clone() }
     }
 
+    /// People and surfaces among these materials; surfaces whose temperature is given have that one.
+    pub(super) fn model(&self, materials: &[Material]) -> ComfortModel {
+        let choice = &self.choice;
+        let surfaces = |class| {
+            let is_given = self.replay.temperatures.iter().any(|given| given.class == class);
+            let is_sol_air = choice.surfaces == SurfaceTemperatures::SolAir && !is_given;
+            let sol_air = is_sol_air.then(|| choice.absorptance_of(class, materials));
+            SurfaceModel { emissivity: choice.emissivity_of(class), sol_air }
+        };
+        ComfortModel {
+            body: choice.body(),
+            person: choice.person(),
+            sun: choice.sun_on,
+            film_w_m2_k: choice.film_w_m2_k,
+            ground: surfaces(Class::Ground),
+            obstruction: surfaces(Class::Obstruction),
+        }
+    }
+
     /// The components of a replay that are taken.
     pub(super) fn components(&self) -> ComponentSet {
         ComponentSet::of(&[Component::SunDirect, Component::Total])
@@ -279,9 +281,9 @@ impl ComfortChoice {
         last_of(&self.emissivity, class).unwrap_or(usual)
     }
 
-    /// What a class absorbs, if anyone says.
-    pub(super) fn absorptance_of(&self, class: Class) -> Option<f64> {
-        last_of(&self.absorptance, class)
+    /// What a class absorbs: as asked for, else what its materials do not reflect in the mean.
+    pub(super) fn absorptance_of(&self, class: Class, materials: &[Material]) -> f64 {
+        last_of(&self.absorptance, class).unwrap_or_else(|| absorptance(class, materials))
     }
 }
 
@@ -294,13 +296,6 @@ impl NamedValues for Posture {
         &[("standing", "Upright", Posture::Standing), ("sitting", "On a chair", Posture::Sitting)];
 }
 
-impl NamedValues for SunOnPerson {
-    const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("cylinder", "On an upright cylinder, from all azimuths alike", SunOnPerson::Cylinder),
-        ("box", "On the six planes of a box, as instruments measure it", SunOnPerson::Box),
-    ];
-}
-
 impl NamedValues for SurfaceTemperatures {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
         ("sol-air", "As warm as light, sky and air make a surface without storage", SurfaceTemperatures::SolAir),
@@ -308,4 +303,4 @@ impl NamedValues for SurfaceTemperatures {
     ];
 }
 
-heliotile_core::serde_by_name!(Posture, SunOnPerson, SurfaceTemperatures);
+heliotile_core::serde_by_name!(Posture, SurfaceTemperatures);

@@ -9,7 +9,7 @@ const VARIANTS: readonly string[] = ["before", "after", "change"] satisfies Vari
 const AFTER = "after.";
 /** Bounds of what the address may set. */
 const NUMBERS = {
-  month: [1, 12], dayOfYear: [1, 366], minutes: [0, 1439], azimuth: [0, 360], clouds: [0, 359], altitude: [-90, 90], dni: [0, 1500], dhi: [0, 1500],
+  month: [1, 12], dayOfYear: [1, 366], minutes: [0, 1439], azimuth: [0, 360], clouds: [0, 359], altitude: [-90, 90], dni: [0, 1500], dhi: [0, 1500], air: [-40, 50], humidity: [1, 100], wind: [0, 17],
 } as const;
 
 function list(text: string, count: number): number[] | null {

@@ -2,8 +2,10 @@
 
 import type { Card } from "./card/card";
 import { Loader } from "./card/loader";
+import type { Air } from "./engine/client";
 import type { Session } from "./session";
 import { shineOf, type Shine } from "./light";
+import { airOf, comfortOf, namesOf } from "./people";
 import { isOfSun, isSum, type State, type Store } from "./state";
 import { Values } from "./values";
 
@@ -14,6 +16,8 @@ interface Hooks {
   /** Point whose tiles come first, m from the origin of the page. */
   target(): [number, number, number];
   onShine(shine: Shine): void;
+  /** Of people, in the moment that is asked about. */
+  onAir(air: Air): void;
   /** Values arrived, or are about to be asked for. */
   onValues(progress: { done: number; of: number } | null): void;
   /** The card has the colours of the newest light. */
@@ -25,7 +29,8 @@ interface Hooks {
 /** What has to change for other values to be needed. */
 function wish(state: State, session: Session): string {
   const weather = session.weather !== null;
-  const changes = [state.reflectance, state.transmittance, state.sky, session.cloudsTop(state)];
+  const isFelt = comfortOf(state, session.people) !== null;
+  const changes = [state.reflectance, state.transmittance, state.sky, session.cloudsTop(state), isFelt];
   switch (state.show) {
     case "sky":
     case "reference":
@@ -41,7 +46,7 @@ function wish(state: State, session: Session): string {
       return JSON.stringify([state.show, weather, changes, state.dayOfYear]);
     case "moment": {
       const sun = state.sunBy === "angles" ? [state.azimuth, state.altitude] : [state.dayOfYear, state.minutes];
-      return JSON.stringify([state.show, weather, changes, state.light, sun, state.dni, state.dhi]);
+      return JSON.stringify([state.show, weather, changes, state.light, sun, state.dni, state.dhi, isFelt && airOf(state, session.weather)]);
     }
   }
 }
@@ -53,8 +58,14 @@ export class Asker {
   /** True when all that can be known of the newest wish is known. */
   settled = true;
   shine: Shine | null = null;
+  /** The air of the moment that people were last asked about. */
+  air: Air | null = null;
+  /** By names of numbers. */
+  private readonly ofPeople = new Map<string, Values>();
   private readonly stop: () => void;
   private wished = "";
+  /** Number of the newest wish. */
+  private wishes = 0;
   private shown = "";
   private ask = 0;
   private waiting = false;
@@ -76,6 +87,19 @@ export class Asker {
     this.stop = store.subscribe(() => this.update());
   }
 
+  /** Numbers of people, with these names. */
+  felt(names: readonly string[]): Values {
+    const key = names.join();
+    let values = this.ofPeople.get(key);
+    if (!values) this.ofPeople.set(key, (values = new Values(names, this.session.site.receivers)));
+    return values;
+  }
+
+  private valuesOf(state: State): Values {
+    if (isOfSun(state.show)) return this.minutes;
+    return comfortOf(state, this.session.people) === null ? this.values : this.felt(namesOf(state, this.session.people));
+  }
+
   /** What still comes is of no use any more. */
   close(): void {
     this.stop();
@@ -89,6 +113,7 @@ export class Asker {
     const now = wish(this.store.state, this.session);
     if (now === this.wished) return;
     this.wished = now;
+    this.wishes += 1;
     this.settled = this.drawn = false;
     this.loader?.stop();
     if (this.waiting) return;
@@ -117,17 +142,19 @@ export class Asker {
 
   private async run(): Promise<void> {
     const ask = ++this.ask;
+    const { wishes } = this;
     try {
       const done = await this.askEngine(() => ask === this.ask);
       if (!done || ask !== this.ask) return;
     } catch (error) {
       if (ask !== this.ask) return;
       // What was shown before is not what was asked for.
-      const values = isOfSun(this.store.state.show) ? this.minutes : this.values;
+      const values = this.valuesOf(this.store.state);
       if (values.fresh === 0) values.begin(true);
       this.hooks.onError(error);
     }
-    if (this.wished !== wish(this.store.state, this.session)) return;
+    // A newer wish may wait for the next picture.
+    if (wishes !== this.wishes || this.wished !== wish(this.store.state, this.session)) return;
     this.settled = true;
     if (this.card) this.card.shown = null;
     this.hooks.onValues(null);
@@ -141,12 +168,15 @@ export class Asker {
     const { engine, site } = session;
     const state: State = { ...this.store.state };
     const kind = state.show;
-    const values = isOfSun(kind) ? this.minutes : this.values;
-    const forget = kind !== this.shown;
+    const values = this.valuesOf(state);
+    const isFelt = comfortOf(state, session.people) !== null;
+    const asked = isFelt ? `felt ${kind}` : kind;
+    const forget = asked !== this.shown;
     // What another kind of ask still computes is of no use any more.
-    if (forget && isSum(this.shown as State["show"]) && !isSum(kind)) void this.drop("sums");
+    if (forget && isSum(this.shown as State["show"]) && (isFelt || !isSum(kind))) void this.drop("sums");
     if (forget && isOfSun(this.shown as State["show"]) && !isOfSun(kind)) void this.drop("sunMinutes");
-    if (forget && this.shown === "moment" && kind !== "moment") void this.drop("moment");
+    if (forget && this.shown === "moment") void this.drop("moment");
+    if (forget && this.shown.startsWith("felt") && !isFelt) void this.drop("comfort");
     const sums = isSum(kind);
     if (!sums && !isOfSun(kind) && kind !== "moment") {
       this.shown = kind;
@@ -158,7 +188,7 @@ export class Asker {
     const tiles = session.tilesNear(hooks.target());
     const begin = (): void => {
       values.begin(forget);
-      this.shown = kind;
+      this.shown = asked;
       hooks.onValues({ done: 0, of: site.receivers });
     };
     const onTile = (tile: Parameters<Values["put"]>[0]): void => {
@@ -180,6 +210,7 @@ export class Asker {
       begin();
       if (!session.weather) return true;
       const span = kind === "month" ? { kind, month: state.month } : kind === "day" ? { kind, dayOfYear: state.dayOfYear } : { kind: "year" as const };
+      if (isFelt) return engine.comfort({ of: "span", span, sky: state.sky, changes, names: values.components, tiles }, onTile, onDamage);
       return engine.sums({ span, ...common, tiles }, onTile, onDamage);
     }
     if (state.light === "weather" && !session.weather) {
@@ -190,8 +221,18 @@ export class Asker {
     if (!isNewest()) return false;
     this.shine = shine;
     hooks.onShine(shine);
-    const ask = { light: shine.light, ...common };
     const { card } = this;
+    if (isFelt) {
+      if (card) card.shown = null;
+      begin();
+      const air = airOf(state, session.weather);
+      const known = await engine.air(air);
+      if (!isNewest()) return false;
+      this.air = known;
+      hooks.onAir(known);
+      return engine.comfort({ of: "moment", light: shine.light, air, sky: state.sky, changes, names: values.components, tiles }, onTile, onDamage);
+    }
+    const ask = { light: shine.light, ...common };
     if (card && this.loader && !forget && shine.light.kind === "sun" && card.serves(JSON.stringify(changes), state.component)) {
       begin();
       // Only what the card does not have, and what is read in tables, keeps in step with a sun that moves.
@@ -222,15 +263,16 @@ export class Asker {
   /** Brings receivers to the card for the next time that the sun moves. */
   private load(): void {
     const { state } = this.store;
-    if (!this.loader || state.show !== "moment" || state.light === "weather") return;
+    if (!this.loader || state.show !== "moment" || state.light === "weather" || comfortOf(state, this.session.people) !== null) return;
     void this.loader.load(this.session.changes(state), this.hooks.target());
   }
 
-  private async drop(what: "sums" | "sunMinutes" | "moment"): Promise<void> {
+  private async drop(what: "sums" | "sunMinutes" | "moment" | "comfort"): Promise<void> {
     const nothing = { sky: this.store.state.sky, changes: { reflectance: [], transmittance: [] }, components: ["total"], tiles: [] };
     const ignore = (): void => undefined;
     try {
       if (what === "sunMinutes") await this.session.engine.sunMinutes({ dayOfYear: 1, inMirrors: false, tiles: [] }, ignore, ignore);
+      else if (what === "comfort") await this.session.engine.comfort({ of: "span", span: { kind: "year" }, ...nothing, names: [] }, ignore, ignore);
       else if (what === "sums") await this.session.engine.sums({ span: { kind: "year" }, ...nothing }, ignore, ignore);
       else await this.session.engine.moment({ light: { kind: "sun", azimuth: 0, altitude: -1, dni: 0, dhi: 0 }, ...nothing }, ignore, ignore);
     } catch {

@@ -4,7 +4,7 @@
 import { type Matching, NO_PARTNER, type ReceiverPlace } from "./engine/client";
 import type { Quantity } from "./quantity";
 import type { Session } from "./session";
-import { signed } from "./words";
+import { CELSIUS, signed } from "./words";
 
 /** Receivers of two archives that are the same ones; -1 stands for none. */
 export class Partners {
@@ -57,8 +57,10 @@ export function percentOf(before: number, after: number): number {
 
 /** By receivers of the archive after; NaN, or nothing, where one has no partner. */
 export function changeOf(before: Quantity, after: Quantity, partners: Partners, percent: boolean): Quantity {
-  const differ = (one: number, other: number): number => (percent ? percentOf(one, other) : other - one);
-  const unit = percent ? "% of before" : after.unit === "%" ? "% points" : after.unit;
+  // A temperature has no percent.
+  const isShare = percent && after.unit !== CELSIUS;
+  const differ = (one: number, other: number): number => (isShare ? percentOf(one, other) : other - one);
+  const unit = isShare ? "% of before" : after.unit === "%" ? "% points" : after.unit === CELSIUS ? "K" : after.unit;
   const [from, to] = [before.column, after.column];
   const column = from && to && to.map((value, row) => (partners.ofAfter[row]! < 0 ? NaN : differ(from[partners.ofAfter[row]!]!, value)));
   return {

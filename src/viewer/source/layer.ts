@@ -4,6 +4,7 @@
 import { Box3, type BufferGeometry, Group, LineSegments, Mesh, Vector3 } from "three";
 import { Asker } from "./asker";
 import { Card } from "./card/card";
+import type { Air } from "./engine/client";
 import type { Shine } from "./light";
 import type { Messages } from "./panel/messages";
 import { quantityOf, type Quantity } from "./quantity";
@@ -31,6 +32,8 @@ interface Setting {
 
 interface Hooks {
   onShine(shine: Shine): void;
+  /** Of people, in the moment that is asked about. */
+  onAir(air: Air): void;
   /** Tiles are read, or values arrive; none when that is over. */
   onProgress(progress: Progress | null): void;
   /** There is something new to colour. */
@@ -64,6 +67,7 @@ export class Layer {
     this.asker = new Asker(session, store, {
       target: () => stage.controls.target.toArray(),
       onShine: hooks.onShine,
+      onAir: hooks.onAir,
       onValues: (progress) => {
         hooks.onProgress(progress);
         hooks.onChange();

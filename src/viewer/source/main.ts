@@ -19,6 +19,7 @@ import { Player } from "./panel/play";
 import { ShowPanel } from "./panel/show";
 import { describe, describeWeather, tellOf } from "./panel/site";
 import { readParts } from "./parts";
+import { FIRST, comfortOf, isOfComfort } from "./people";
 import { SurfacesPanel } from "./panel/surfaces";
 import { listenToTabs } from "./panel/tabs";
 import { VariantPanel } from "./panel/variant";
@@ -205,8 +206,11 @@ class Main {
     // Weather is read first where the address asks for what needs it, else the picture comes first.
     const found = this.weather(engine);
     const reading = this.opened.read();
+    const people = session.readPeople();
     const weather = await found;
+    await people;
     if (turn !== this.turn) return;
+    this.takePeople(session);
     this.takeWeather(weather);
     // What is beside it comes when the first is on the screen.
     await reading;
@@ -232,6 +236,7 @@ class Main {
       this.after = engine;
       const session = new Session(engine, site, opened.session);
       session.weather = weather;
+      await session.readPeople();
       await session.takeClouds(this.picture);
       if (turn !== this.turnBeside) return engine.close();
       [session.foreign, opened.session.foreign] = [namesBeyond(before, site), namesBeyond(site, before)];
@@ -277,7 +282,7 @@ class Main {
   /** What the address says, without what this archive does not have. */
   private sensible(site: Site): Partial<State> {
     const given = { ...this.given };
-    if (given.component !== undefined && !site.components.includes(given.component)) delete given.component;
+    if (given.component !== undefined && !site.components.includes(given.component) && !isOfComfort(given.component)) delete given.component;
     if (given.sky !== undefined && !site.skies.includes(given.sky)) delete given.sky;
     if (given.show === "reference" && !site.hasReference) delete given.show;
     if (given.show !== undefined && isOfSun(given.show) && !site.place) delete given.show;
@@ -294,6 +299,17 @@ class Main {
       if (changes) found[key] = Object.fromEntries(Object.entries(changes).filter(([name]) => known.has(name)));
     }
     return found;
+  }
+
+  /** People show what they feel, if the address does not ask for something else. */
+  private takePeople({ people }: Session): void {
+    const { state } = this.store;
+    if (people && this.given.show === undefined && this.given.component === undefined) {
+      [this.given.show, this.given.component] = ["moment", FIRST];
+      this.store.set({ show: "moment", component: FIRST });
+    }
+    if (!people && isOfComfort(state.component)) this.store.set({ component: DEFAULTS.component });
+    this.opened?.takePeople();
   }
 
   private takeWeather(weather: WeatherInfo | null): void {
@@ -405,7 +421,7 @@ class Main {
     const { state } = this.store;
     const name = this.opened?.session.site.name.replace(/\.helio$/, "") ?? "site";
     const variant = this.opened?.after ? `.${this.opened.variant}` : "";
-    return `${name}${variant}.${state.show}${state.show === "moment" || isSum(state.show) ? `.${state.component}` : ""}`;
+    return `${name}${variant}.${state.show}${state.show === "moment" || isSum(state.show) ? `.${comfortOf(state, this.opened?.session.people ?? null) ?? state.component}` : ""}`;
   }
 }
 

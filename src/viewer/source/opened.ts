@@ -8,6 +8,7 @@ import { changeOf, matched, type Partners } from "./change";
 import type { Legend } from "./colour/legend";
 import { PUOR } from "./colour/puor";
 import { autoRange, symmetricRange } from "./colour/range";
+import { STRESS_RANGE, bandsAmong, bandsOf, stressMap } from "./colour/stress";
 import { VIRIDIS } from "./colour/viridis";
 import { byId } from "./dom";
 import { Layer, type Progress } from "./layer";
@@ -201,6 +202,14 @@ export class OpenedSite {
     } else say("There is no receiver.");
   }
 
+  /** It is known whether receivers are people. */
+  takePeople(): void {
+    this.page.show.refresh();
+    this.page.light.renew();
+    for (const { asker } of this.layers) asker.update();
+    this.repaint();
+  }
+
   /** Weather or clouds are others. */
   renew(): void {
     this.page.light.renew();
@@ -219,6 +228,9 @@ export class OpenedSite {
         if (before) return;
         page.light.showShine(shine);
         this.overlay.showSun(shine.altitude > 0 && store.state.light !== "overcast" ? shine.azimuth : null);
+      },
+      onAir: (air) => {
+        if (!before) page.light.showAir(air);
       },
       onProgress: (progress) => {
         const told = progress && (isSum(store.state.show) || isOfSun(store.state.show) || !session.ready) ? progress : null;
@@ -328,12 +340,17 @@ export class OpenedSite {
     const { shown } = this;
     const isChange = this.variant === "change";
     for (const layer of isChange ? this.layers : [shown]) layer.colour();
-    const map = isChange ? PUOR : VIRIDIS;
-    shown.paint.shows(isChange ? (store.state.percent ? "percent" : "change") : "values", map);
     const quantity = this.quantity();
+    // Colours of what a UTCI means, unless someone wants a range of their own.
+    const stress = isChange || store.state.range ? undefined : quantity.stress;
+    const map = isChange ? PUOR : stress ? stressMap(stress) : VIRIDIS;
+    shown.paint.shows(isChange ? (store.state.percent ? "percent" : "change") : "values", map);
     const range = this.rangeFor(quantity, playing());
-    shown.paint.range(range[0], range[1]);
-    legend.show({ title: quantity.shownTitle, unit: quantity.unit, range, map });
+    const [low, high] = stress ? STRESS_RANGE : range;
+    shown.paint.range(low, high);
+    const columns = this.layers.map((layer) => layer.quantity().column).filter((column) => column !== null);
+    const bands = stress ? { bands: bandsAmong(bandsOf(stress), columns) } : {};
+    legend.show({ title: quantity.shownTitle, unit: quantity.unit, range, map, ...bands });
     show.showRange(range);
     if (store.state.selected) this.receiver.showValues();
     stage.draw();

@@ -1,9 +1,11 @@
 // What is shown now, as numbers and words: title, unit, a value for each receiver, all components of one.
 
 import type { Asker } from "./asker";
+import type { Stress } from "./engine/client";
+import { comfortOf, namesOf } from "./people";
 import type { Session } from "./session";
 import { isOfSun, isSum, type State } from "./state";
-import { componentLabel, dayName, KWH_M2, MONTHS, number, W_M2 } from "./words";
+import { CELSIUS, comfortUnit, componentLabel, dayName, KWH_M2, MONTHS, number, W_M2 } from "./words";
 
 export interface Quantity {
   /** "Year", "This moment" ... */
@@ -11,8 +13,10 @@ export interface Quantity {
   /** With the component. */
   shownTitle: string;
   unit: string;
-  /** Unit of value x area. */
-  wholeUnit: string;
+  /** Unit of value x area; none where a sum over areas means nothing. */
+  wholeUnit: string | null;
+  /** What stands behind names in tables: the unit, where the names do not have it. */
+  suffix: string;
   components: readonly string[];
   /** The component that colours show. */
   shown: string;
@@ -20,6 +24,10 @@ export interface Quantity {
   column: Float32Array | null;
   of(index: number): readonly number[] | null;
   label(value: number): string;
+  /** Of people: whether a receiver stands for its point. */
+  isRow?: (index: number) => boolean;
+  /** Of a UTCI: what it means. */
+  stress?: readonly Stress[];
 }
 
 /** What is shown in any case: of those that need weather, nothing without it. */
@@ -31,16 +39,20 @@ export function quantityOf(state: State, session: Session, asker: Asker): Quanti
   }
   if (show === "reference") return single("Clear year", KWH_M2, "kWh", "reference_kwh_m2", session.reference);
   if (isOfSun(show)) return ofSun(state, asker);
-  const titles = { year: "Year", month: MONTHS[state.month - 1] ?? "Month", day: dayName(state.dayOfYear), moment: "This moment" };
+  const titles: Record<string, string> = { year: "Year", month: MONTHS[state.month - 1] ?? "Month", day: dayName(state.dayOfYear), moment: "This moment" };
+  const title = titles[show]!;
+  const felt = comfortOf(state, session.people);
+  if (felt !== null) return ofPeople(title, felt, state, session, asker);
   const sums = isSum(show);
   const unit = sums ? KWH_M2 : W_M2;
   const { values } = asker;
   const component = values.components.includes(state.component) ? state.component : "total";
   return {
-    title: titles[show],
-    shownTitle: `${titles[show]}, ${componentLabel(component).toLowerCase()}`,
+    title,
+    shownTitle: `${title}, ${componentLabel(component).toLowerCase()}`,
     unit,
     wholeUnit: sums ? "kWh" : "W",
+    suffix: sums ? "_kwh_m2" : "",
     components: values.components,
     shown: component,
     column: values.column(component),
@@ -57,9 +69,30 @@ function ofSun({ show, dayOfYear }: State, { minutes }: Asker): Quantity {
   return single(title, "h", "h·m²", "sun_hours", column.map((value) => value / 60));
 }
 
+/** What people feel. */
+function ofPeople(title: string, shown: string, state: State, { people }: Session, asker: Asker): Quantity {
+  const components = namesOf(state, people);
+  const values = asker.felt(components);
+  const unit = comfortUnit(shown);
+  return {
+    title: `${title}, people`,
+    shownTitle: `${title}, ${componentLabel(shown)}`,
+    unit,
+    wholeUnit: null,
+    suffix: "",
+    components,
+    shown,
+    column: values.column(shown),
+    of: (index) => values.of(index),
+    label: (value) => `${number(value)} ${unit}`,
+    isRow: (index) => people?.up[index] === 1,
+    ...(people && shown.startsWith("utci") && unit === CELSIUS ? { stress: people.stress } : {}),
+  };
+}
+
 function single(title: string, unit: string, wholeUnit: string, name: string, column: Float32Array): Quantity {
   return {
-    title, shownTitle: title, unit, wholeUnit, components: [name], shown: name, column,
+    title, shownTitle: title, unit, wholeUnit, suffix: "", components: [name], shown: name, column,
     of: (index) => (Number.isFinite(column[index]) ? [column[index]!] : null),
     label: (value) => `${number(value)} ${unit}`,
   };

@@ -1,7 +1,7 @@
 // One opened archive: its tiles as they arrive, names of receivers, weather. In: the engine. Out: plain arrays by receiver.
 
 import { cloudsOf, type CloudPicture, type Clouds } from "./clouds";
-import type { Changes, Engine, Group, Overview, ReceiverInfo, Site, Vector, WeatherInfo } from "./engine/client";
+import type { Changes, Engine, Group, Overview, People, ReceiverInfo, Site, Vector, WeatherInfo } from "./engine/client";
 import type { Place, State } from "./state";
 
 export interface Tile {
@@ -43,6 +43,8 @@ export class Session {
   /** Another archive is open: nothing is asked any more. */
   closed = false;
   weather: WeatherInfo | null = null;
+  /** Of an archive of people. */
+  people: People | null = null;
   /** The picture that its engine has. */
   clouds: Clouds | null = null;
   /** What only the other archive has of names that changes take, by `nameOf`. */
@@ -98,6 +100,16 @@ export class Session {
       first += count;
     }
     this.ready = true;
+  }
+
+  /** Finds out whether the receivers are people; a damaged archive has none. */
+  async readPeople(): Promise<void> {
+    try {
+      const people = await this.engine.people();
+      this.people = people.count > 0 ? people : null;
+    } catch {
+      // What is damaged is told of where its values are asked for.
+    }
   }
 
   /** The engine that is asked where the sun stands. */

@@ -24,6 +24,10 @@ export interface State {
   light: LightFrom;
   dni: number;
   dhi: number;
+  /** Air of people where no weather file says: °C, %, m/s at 10 m. */
+  air: number;
+  humidity: number;
+  wind: number;
   sky: string;
   /** Azimuth of the top of the picture of clouds, degrees; none: no clouds. */
   clouds: number | null;
@@ -56,6 +60,9 @@ export const DEFAULTS: Readonly<State> = {
   light: "clear",
   dni: 800,
   dhi: 120,
+  air: 25,
+  humidity: 50,
+  wind: 1,
   sky: "perez",
   clouds: null,
   reflectance: {},

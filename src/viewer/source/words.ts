@@ -12,6 +12,12 @@ export const COMPONENT_LABELS: Record<string, string> = {
   reference_kwh_m2: "Clear year",
   sun_hours: "Possible sun",
   glare_minutes: "Sun in mirrors",
+  utci_c: "UTCI",
+  mrt_c: "Mean radiant temperature",
+  pet_c: "PET",
+  utci_mean_c: "UTCI, mean",
+  utci_max_c: "UTCI, highest",
+  mrt_mean_c: "Mean radiant temperature, mean",
 };
 
 // Okabe and Ito's colours, told apart by the colour-blind.
@@ -32,9 +38,19 @@ const MONTH_DAYS = [31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
 
 export const W_M2 = "W/m²";
 export const KWH_M2 = "kWh/m²";
+export const CELSIUS = "°C";
 
 export function componentLabel(name: string): string {
+  const above = /^utci_above_(.+)_h$/.exec(name);
+  if (above) return `UTCI above ${above[1]} ${CELSIUS}`;
+  const plane = /^(shortwave|longwave)_(.+)$/.exec(name);
+  if (plane) return `${plane[1] === "shortwave" ? "Shortwave" : "Longwave"}, ${plane[2]}`;
   return COMPONENT_LABELS[name] ?? name;
+}
+
+/** Unit of a number of people. */
+export function comfortUnit(name: string): string {
+  return name.endsWith("_c") ? CELSIUS : name.endsWith("_h") ? "h" : W_M2;
 }
 
 /** A value as one reads it: about four figures, never more than three decimals. */

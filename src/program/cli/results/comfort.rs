@@ -161,7 +161,6 @@ impl ComfortArgs {
             height_m: self.people.body_height.0,
             accuracy: self.accuracy.request_beside(Some(&self.weather), &self.about_weather),
             replace: self.people.replace,
-            memory: self.memory.into(),
             ..ComfortSiteRequest::of(scene, folder)
         }
     }

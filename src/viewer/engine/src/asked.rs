@@ -8,6 +8,8 @@ use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::{DateOrder, StampedAt, WeatherOptions, parse_zone};
 use serde::Deserialize;
 
+use crate::weather::LoadedWeather;
+
 /// Reflectances and transmittances, as `--reflectance` and `--transmittance` take them.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
 pub struct Changes {
@@ -77,6 +79,27 @@ pub enum Light {
     Weather { hour: usize },
     /// A sun by degrees from true north and above the horizon, W/m2.
     Sun { azimuth: f64, altitude: f64, dni: f64, dhi: f64 },
+}
+
+/// Where the air of a moment comes from.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "camelCase", tag = "kind")]
+pub enum AirAsk {
+    /// A row of the weather file.
+    Weather { hour: usize },
+    /// Degrees Celsius, percent, m/s at 10 m; tenths of the sky that clouds hide.
+    Own { temperature: f64, humidity: f64, wind: f64, cover: f64 },
+}
+
+impl AirAsk {
+    /// What messages call it.
+    pub fn label(self, weather: Option<&LoadedWeather>) -> String {
+        let of_row = |hour: usize| Some(weather?.weather.rows.get(hour)?.interval.label());
+        match self {
+            AirAsk::Weather { hour } => of_row(hour).unwrap_or_default(),
+            AirAsk::Own { .. } => "of these numbers".into(),
+        }
+    }
 }
 
 /// Part of the weather file that is summed.

@@ -1,16 +1,20 @@
 //! One engine: an archive, a weather file, what was recombined. In: a request. Out: its answer.
 
+use heliotile_core::error::Result;
 use heliotile_core::sunlight::DayMinutes;
+use heliotile_core::weather::options::WeatherOptions;
 use serde_json::json;
 
 use crate::Answered;
 use crate::answer::{Answer, Numbers};
 use crate::asked::{Span, SumAsk, columns};
 use crate::clouds::Clouds;
+use crate::comfort::{ComfortAsk, Felt, air_of, facts};
 use crate::failure::{Failure, Kind};
 use crate::interactive::InteractiveTiles;
 use crate::light::Every;
 use crate::open::Opened;
+use crate::people::People;
 use crate::recombined::{Key, Recombinations, of_receiver, of_tile};
 use crate::request::Request;
 use crate::site::{Beside, Site};
@@ -28,6 +32,10 @@ pub struct Engine {
     recombinations: Recombinations,
     moments: InteractiveTiles,
     clouds: Clouds,
+    /// Whether receivers are people, once that was asked.
+    people: Option<Option<People>>,
+    /// What people felt in the last moment, and over the last span.
+    felt: [Option<Felt>; 2],
     /// The day of the year that minutes of sun were asked of last.
     day: Option<(u32, DayMinutes)>,
 }
@@ -40,7 +48,7 @@ impl Engine {
         if let Request::Open { name, bytes, beside } = request {
             return self.open(&name, bytes, beside.as_ref());
         }
-        let Engine { opened, weather, recombinations, moments, clouds, day } = self;
+        let Engine { opened, weather, recombinations, moments, clouds, people, felt, day } = self;
         let opened = opened.as_ref().ok_or_else(|| Failure::new(Kind::Other, "no archive is open", "open one"))?;
         let manifest = opened.archive.manifest();
         match request {
@@ -50,19 +58,28 @@ impl Engine {
             Request::Overview { tile } => geometry::overview(opened, tile),
             Request::Receivers { tile } => receivers::receivers(opened, tile),
             Request::LoadWeather { name, clock } => {
-                let loaded = LoadedWeather::read(&name, &bytes, &clock.options()?, manifest)?;
+                // Other archives do without the air, whatever its columns hold.
+                let read = |with_air| {
+                    let options = WeatherOptions { with_air, ..clock.options()? };
+                    LoadedWeather::read(&name, &bytes, &options, manifest)
+                };
+                let with_air = People::are_likely(opened).unwrap_or(false);
+                let loaded = read(with_air).or_else(|error| if with_air { read(false) } else { Err(error) })?;
                 recombinations.clear();
+                *felt = [None, None];
                 *day = None;
                 moments.clear();
                 Ok(weather.insert(loaded).info(&name))
             }
             Request::Clouds { side, map } => {
                 recombinations.clear();
+                *felt = [None, None];
                 moments.clear();
                 clouds.take(side, &bytes, map)
             }
             Request::TurnClouds { top } => {
                 recombinations.clear();
+                *felt = [None, None];
                 moments.clear();
                 clouds.turn(top);
                 Ok(Answer::of(json!({})))
@@ -108,6 +125,30 @@ impl Engine {
                 let answer = Answer::of(json!({ "tile": tile, "first": opened.first(tile) }));
                 Ok(answer.with("minutes", Numbers::F32(&of(day, &opened.site, tile)?)))
             }
+            Request::People => Ok(People::answer(found(people, opened)?.as_ref())),
+            Request::Air { air } => Ok(facts(&air_of(air, weather.as_ref())?)),
+            Request::Comfort { ask, tile, next } => {
+                let none = || Failure::new(Kind::Other, "the receivers are no people", "");
+                let people = found(people, opened)?.as_mut().ok_or_else(none)?;
+                let [moment, span] = felt;
+                let kept = if ask.light().is_some() { moment } else { span };
+                let felt = match kept.take().filter(|kept| kept.is_of(&ask)) {
+                    Some(felt) => kept.insert(felt),
+                    None => kept.insert(Felt::of(opened, weather.as_ref(), &ask)?),
+                };
+                felt.tile(opened, people, tile, |tile| match (ask.light(), &ask) {
+                    (Some(light), _) => {
+                        let of = || light::moment(opened, weather.as_ref(), light.light, &light.changes);
+                        moments.values(opened, &light, tile, &next, || clouds.over(&light.sky, of()?))
+                    }
+                    (None, ComfortAsk::Span { span, sky, changes }) => {
+                        let key = Key::Hours { span: *span, sky: sky.clone(), changes: changes.clone() };
+                        let mut of = || light::span(opened, weather.as_mut(), *span, Every::Hour, changes);
+                        recombinations.values(opened, &key, tile, || clouds.over(sky, of()?))
+                    }
+                    (None, ComfortAsk::Moment { .. }) => Err(Failure::new(Kind::Other, "there is no light", "")),
+                })
+            }
             Request::Months { tile, row, sky, changes } => {
                 let key = Key::Months { sky: sky.clone(), changes: changes.clone() };
                 let force =
@@ -142,5 +183,13 @@ impl Engine {
         let site = Site::of(&opened, bytes);
         self.opened = Some(opened);
         Ok(Answer::of(site))
+    }
+}
+
+/// The people of the archive, looked for once.
+fn found<'p>(people: &'p mut Option<Option<People>>, opened: &Opened) -> Result<&'p mut Option<People>> {
+    match people.take() {
+        Some(known) => Ok(people.insert(known)),
+        None => Ok(people.insert(People::of(opened)?)),
     }
 }

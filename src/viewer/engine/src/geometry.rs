@@ -13,6 +13,9 @@ use crate::open::Opened;
 /// Patches of receivers whose area nobody gave, m2.
 const AREA_M2: f64 = 1.0;
 
+/// Sides of the box that receivers of one place are drawn as, metres: those of a person.
+const BOX_M: f64 = 0.6;
+
 /// A chunk of the scene's triangles.
 pub fn scene(opened: &Opened, chunk: u32) -> Answered {
     let table = tables::GeometryTable::from_block(&opened.site.block(format::SCENE, TileNumber(chunk))?)?;
@@ -23,7 +26,7 @@ pub fn scene(opened: &Opened, chunk: u32) -> Answered {
 }
 
 /// What is drawn of the receivers of a tile: from their overview, or else from their places; a square of its area for each whose patch nobody
-/// knows.
+/// knows, and a box around the place of those that look from there to several sides.
 pub fn overview(opened: &Opened, tile: u32) -> Answered {
     let tile = opened.tile(tile)?;
     let rows = opened.archive.entries_of(format::RECEIVERS).iter().find(|entry| entry.tile.0 == tile);
@@ -68,22 +71,47 @@ struct Drawn {
 }
 
 impl Drawn {
+    /// Where a receiver is drawn as a face of a box, relative to its place, metres: others look from there to a side, or up and down as this one, and not all
+    /// of them have patches.
+    fn face(&self, row: usize) -> Option<[f32; 3]> {
+        let (place, &[x, y, z]) = (self.places.get(row)?, self.normals.get(row)?);
+        let is_bare = |row: usize| {
+            let (patch, area) = (self.patches.get(row), self.areas.get(row));
+            patch.is_some_and(Patch::is_empty) && area == Some(&0.0)
+        };
+        let here = (0..self.places.len()).filter(|other| *other != row && self.places.get(*other) == Some(place));
+        let mut beside =
+            here.filter(|other| is_bare(row) || is_bare(*other)).filter_map(|other| self.normals.get(other));
+        let half_m = 0.5 * BOX_M as f32;
+        let is_face = beside.any(|[a, b, c]| (x * a + y * b + z * c).abs() < 0.5 || z.abs() > 0.99);
+        is_face.then_some([half_m * x, half_m * y, half_m * z])
+    }
+
     fn answer(&self) -> Answer {
         let (mut points, mut corners): (Vec<[f32; 3]>, Vec<[u32; 3]>) = (Vec::new(), Vec::new());
         let mut owner: Vec<u32> = Vec::new();
-        let facing = self.normals.iter().zip(&self.areas);
-        for (row, (place, (patch, (normal, area)))) in
-            (0..).zip(self.places.iter().zip(self.patches.iter().zip(facing)))
-        {
-            let area_m2 = if *area > 0.0 { f64::from(*area) } else { AREA_M2 };
-            let square = patch.is_empty().then(|| Patch::square(DVec3::from(normal.map(f64::from)), area_m2));
-            for polygon in square.as_ref().unwrap_or(patch).polygons() {
+        let mut draw = |row: usize, place: [f32; 3], patch: &Patch| {
+            for polygon in patch.polygons() {
                 let first = points.len() as u32;
                 points.extend(polygon.iter().map(|mm| [0, 1, 2].map(|axis| place[axis] + mm[axis] as f32 * 1e-3)));
                 for last in 2..polygon.len() as u32 {
                     corners.push([first, first + last - 1, first + last]);
-                    owner.push(row);
+                    owner.push(row as u32);
                 }
+            }
+        };
+        let facing = self.normals.iter().zip(&self.areas);
+        for (row, (place, (patch, (normal, area)))) in
+            self.places.iter().zip(self.patches.iter().zip(facing)).enumerate()
+        {
+            let normal = DVec3::from(normal.map(f64::from));
+            draw(row, *place, patch);
+            if let Some(off_m) = self.face(row) {
+                let place = [0, 1, 2].map(|axis| place[axis] + off_m[axis]);
+                draw(row, place, &Patch::square(normal, BOX_M * BOX_M));
+            } else if patch.is_empty() {
+                let area_m2 = if *area > 0.0 { f64::from(*area) } else { AREA_M2 };
+                draw(row, *place, &Patch::square(normal, area_m2));
             }
         }
         let unknown = vec![f32::NAN; self.places.len()];

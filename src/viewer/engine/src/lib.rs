@@ -7,6 +7,7 @@
 mod answer;
 mod asked;
 mod clouds;
+mod comfort;
 mod engine;
 mod failure;
 mod fisheye;
@@ -16,6 +17,7 @@ mod interactive;
 mod light;
 mod matching;
 mod open;
+mod people;
 mod receivers;
 mod recombined;
 mod request;

@@ -8,7 +8,7 @@ use heliotile_core::replay::values::TileValues;
 
 use crate::Answered;
 use crate::answer::{Answer, Numbers};
-use crate::asked::{Changes, SumAsk, columns, sky_of};
+use crate::asked::{Changes, Span, SumAsk, columns, sky_of};
 use crate::failure::{Failure, Kind};
 use crate::light::Forced;
 use crate::open::Opened;
@@ -20,15 +20,28 @@ const KEPT: usize = 4;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Key {
     Sums(SumAsk),
-    Months { sky: String, changes: Changes },
-    Day { day_of_year: u32, sky: String, changes: Changes },
+    Months {
+        sky: String,
+        changes: Changes,
+    },
+    Day {
+        day_of_year: u32,
+        sky: String,
+        changes: Changes,
+    },
+    /// Light of people in all hours of a span.
+    Hours {
+        span: Span,
+        sky: String,
+        changes: Changes,
+    },
 }
 
 impl Key {
     fn sky(&self) -> &str {
         match self {
             Key::Sums(SumAsk { sky, .. }) => sky,
-            Key::Months { sky, .. } | Key::Day { sky, .. } => sky,
+            Key::Months { sky, .. } | Key::Day { sky, .. } | Key::Hours { sky, .. } => sky,
         }
     }
 
@@ -37,6 +50,7 @@ impl Key {
         match self {
             Key::Sums(SumAsk { components, .. }) => columns(components),
             Key::Months { .. } | Key::Day { .. } => Ok(Component::ALL.to_vec()),
+            Key::Hours { .. } => Ok(vec![Component::SunDirect, Component::Total]),
         }
     }
 }

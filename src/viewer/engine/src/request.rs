@@ -2,7 +2,8 @@
 
 use serde::Deserialize;
 
-use crate::asked::{Changes, Clock, MinutesAsk, MomentAsk, SumAsk};
+use crate::asked::{AirAsk, Changes, Clock, MinutesAsk, MomentAsk, SumAsk};
+use crate::comfort::ComfortAsk;
 use crate::matching::AskedPlace;
 use crate::site::Beside;
 
@@ -64,6 +65,17 @@ pub enum Request {
     Sums { ask: SumAsk, tile: u32 },
     /// A tile's minutes of sun on a day, or of sun in mirrors.
     SunMinutes { ask: MinutesAsk, tile: u32 },
+    /// Whether the receivers are people, and what can be asked of them.
+    People,
+    /// What is known of the air of a moment.
+    Air { air: AirAsk },
+    /// What people of a tile feel.
+    Comfort {
+        ask: ComfortAsk,
+        tile: u32,
+        #[serde(default)]
+        next: Vec<u32>,
+    },
     /// Sums of one receiver by month.
     Months { tile: u32, row: usize, sky: String, changes: Changes },
     /// The hours of a day of one receiver.

@@ -4,9 +4,11 @@ use std::path::Path;
 
 use glam::DVec3;
 use heliotile_core::archive::Manifest;
+use heliotile_core::comfort::people::climate::HourAir;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::place::Place;
 use heliotile_core::units::tilt_and_azimuth;
+use heliotile_core::weather::air::Air;
 use heliotile_core::weather::clear::clear_moment;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::distance::far_apart;
@@ -49,6 +51,22 @@ impl LoadedWeather {
             conditions: vec![None; weather.rows.len()],
             weather,
         })
+    }
+
+    /// The air of one row.
+    pub fn air(&self, row: usize) -> Result<Air> {
+        self.weather.air.get(row).copied().ok_or_else(|| {
+            let what = format!("the file has no air of row {row}");
+            Error::argument("weather", what, "load a file with air temperature, humidity and wind")
+        })
+    }
+
+    /// The air of the rows of a span; of a file without air, none is known.
+    pub fn airs(&self, span: Span) -> Vec<HourAir> {
+        let hours = self.weather.interval_hours;
+        let rows = self.weather.rows.iter().enumerate().filter(|(_, row)| counts(span, row));
+        rows.map(|(i, _)| HourAir { hours, ..HourAir::of(self.weather.air.get(i).copied().unwrap_or_default()) })
+            .collect()
     }
 
     /// The condition of one row.

@@ -2,6 +2,7 @@
 
 import { byId, el } from "../dom";
 import { legendTicks } from "./range";
+import { limitsOf, type Band } from "./stress";
 import { number } from "../words";
 import type { ColourMap } from "./map";
 import { VIRIDIS } from "./viridis";
@@ -12,6 +13,8 @@ export interface Key {
   unit: string;
   range: readonly [number, number];
   map: ColourMap;
+  /** In place of the bar: what colours mean. */
+  bands?: readonly Band[];
 }
 
 export class Legend {
@@ -26,10 +29,23 @@ export class Legend {
   }
 
   show(key: Key): void {
-    const same = (["title", "unit", "map"] as const).every((part) => key[part] === this.key[part]) && String(key.range) === String(this.key.range);
+    const same = (["title", "unit", "map"] as const).every((part) => key[part] === this.key[part]) && String(key.range) === String(this.key.range) && named(key) === named(this.key);
     if (same && !this.box.hidden) return;
     this.key = key;
     this.box.hidden = false;
+    this.bar.hidden = key.bands !== undefined;
+    this.labels.className = key.bands ? "bands" : "";
+    if (key.bands) {
+      // Hot ones on top, as on a thermometer.
+      const rows = [...key.bands].reverse().map((band) => {
+        const swatch = el("i", {});
+        swatch.style.background = band.colour;
+        return el("p", {}, swatch, el("b", { text: band.name }), limitsOf(band));
+      });
+      this.heading.replaceChildren(key.title, " ", el("span", { class: "unit", text: key.unit }));
+      this.labels.replaceChildren(...rows);
+      return;
+    }
     const stops = Array.from({ length: 17 }, (_, step) => key.map.css(step / 16));
     this.bar.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
     this.heading.replaceChildren(key.title, " ", el("span", { class: "unit", text: key.unit }));
@@ -43,4 +59,8 @@ export class Legend {
       }),
     );
   }
+}
+
+function named({ bands }: Key): string {
+  return bands?.map(({ name }) => name).join() ?? "";
 }

@@ -3,6 +3,7 @@
 import { percentOf, type Partners } from "../change";
 import type { ReceiverInfo } from "../engine/client";
 import type { Layer } from "../layer";
+import { comfortOf } from "../people";
 import type { Session } from "../session";
 import { isOfSun, isSum, type State } from "../state";
 
@@ -24,12 +25,18 @@ export function provenance(state: State, { before, after }: Site): string[] {
     sunlight: `hours of possible sun on day ${state.dayOfYear} of the year`, glare: `minutes of sun in mirrors on day ${state.dayOfYear} of the year`,
     month: `sums of month ${state.month}, kWh/m2`, day: `sums of day ${state.dayOfYear} of the year, kWh/m2`, moment: "irradiance of a moment, W/m2",
   };
-  lines.push(`shown: ${shown[state.show]}`);
+  const isFelt = comfortOf(state, before.session.people) !== null;
+  lines.push(`shown: ${isFelt ? shown[state.show].replace(/^irradiance|^sums/, "comfort of people").replace(/, (kWh|W)\/m2$/, "") : shown[state.show]}`);
   if (state.show === "sky" || state.show === "reference" || isOfSun(state.show)) return lines;
   if (weather && (isSum(state.show) || state.light === "weather")) lines.push(`weather: ${weather.name}, ${weather.place}`);
   if (state.show === "moment" && shine) {
     if (shine.label !== null) lines.push(`hour: ${shine.label}`);
     lines.push(`sun: azimuth ${shine.azimuth} deg, altitude ${shine.altitude} deg`, `dni_w_m2: ${shine.dni}`, `dhi_w_m2: ${shine.dhi}`);
+  }
+  const { air } = before.asker;
+  if (isFelt && state.show === "moment" && air) {
+    const known = [["air_c", air.temperature], ["humidity_percent", air.humidity], ["wind_m_s", air.wind], ["sky_longwave_w_m2", air.sky]] as const;
+    for (const [name, value] of known) if (value !== null) lines.push(`${name}: ${figures(value)}`);
   }
   lines.push(`sky: ${state.sky}`);
   const top = before.session.cloudsTop(state);
@@ -50,9 +57,8 @@ function figures(value: number): string {
 
 /** Names of columns: of two archives, before, after, change and percent of each component. */
 function columnsOf(components: readonly string[], suffix: string, isPair: boolean): string[] {
-  const ending = (name: string): string => (name.endsWith("_m2") || name.endsWith("_percent") || name.startsWith("sun_hours") || name === "glare_minutes" ? "" : suffix);
   return components.flatMap((name) => {
-    const whole = name + ending(name);
+    const whole = name + suffix;
     return isPair ? [`before_${whole}`, `after_${whole}`, `change_${whole}`, `change_${name}_percent`] : [whole];
   });
 }
@@ -71,7 +77,7 @@ export async function csv(state: State, site: Site, onProgress: (share: number) 
   const pair = after && partners;
   const [former, latter] = [before.quantity(), (after ?? before).quantity()];
   const { components } = former;
-  const columns = columnsOf(components, isSum(state.show) ? "_kwh_m2" : "", pair !== null);
+  const columns = columnsOf(components, former.suffix, pair !== null);
   const chunks = [...provenance(state, site).map((line) => `# ${line.replaceAll(/[\r\n]+/g, " ")}\n`)];
   chunks.push(`${["receiver", "surface", "object", "building", "area_m2", "x", "y", "z", "tilt_deg", "azimuth_deg", "sky_view", ...columns].join(",")}\n`);
   // Of two archives the receivers after, then those that are before only.
@@ -95,7 +101,7 @@ export async function csv(state: State, site: Site, onProgress: (share: number) 
       }
       const rows = table.flatMap((receiver, row) => {
         const index = tile.first + row;
-        const values = valuesOf(index);
+        const values = (layer.quantity().isRow?.(index) ?? true) ? valuesOf(index) : null;
         return values ? [`${[...about(receiver, session, index), ...values].join(",")}\n`] : [];
       });
       chunks.push(rows.join(""));

@@ -3,16 +3,16 @@
 import { EngineError } from "./failure";
 import type { Call, FromWorker, ToWorker } from "./messages";
 import type {
-  Changes, ClearSky, Clock, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, ReceiverPlace, Scene, Series, Site, Source,
-  SumAsk, Sun, TileTextures, TileValues, Traffic, WeatherInfo,
+  Air, AirAsk, Changes, ClearSky, Clock, ComfortAsk, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, People, ReceiverInfo, ReceiverAsk, ReceiverPlace,
+  Scene, Series, Site, Source, SumAsk, Sun, TileTextures, TileValues, Traffic, WeatherInfo,
 } from "./types";
 
 export { EngineError } from "./failure";
 export type { Kind } from "./failure";
 export { NO_PARTNER } from "./types";
 export type {
-  Changes, ClearSky, Clock, Fisheye, Group, Light, LightTexels, Matching, Material, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, ReceiverPlace, Scene, Series,
-  Site, SitePlace, Sky, Source, Span, SumAsk, Sun, TileTextures, TileValues, Traffic, Vector, WeatherInfo,
+  Air, AirAsk, Changes, ClearSky, Clock, ComfortAsk, Fisheye, Group, Light, LightTexels, Matching, Material, MomentAsk, Overview, People, ReceiverInfo, ReceiverAsk,
+  ReceiverPlace, Scene, Series, Site, SitePlace, Sky, Source, Span, Stress, SumAsk, Sun, TileTextures, TileValues, Traffic, Vector, WeatherInfo,
 } from "./types";
 
 /** Nothing is changed. */
@@ -131,6 +131,21 @@ export class Engine {
   /** Minutes of sun on a day, likewise. */
   sunMinutes(ask: MinutesAsk, onTile: (tile: TileValues) => void, onDamage: (tile: number, message: string) => void): Promise<boolean> {
     return this.call("sunMinutes", [ask], { onTile, onDamage });
+  }
+
+  /** Whether the receivers are people, and what can be asked of them. */
+  people(): Promise<People> {
+    return this.call("people", []);
+  }
+
+  /** What is known of the air of a moment. */
+  air(air: AirAsk): Promise<Air> {
+    return this.call("air", [air]);
+  }
+
+  /** What people feel, likewise; each receiver gets the numbers of its point. */
+  comfort(ask: ComfortAsk, onTile: (tile: TileValues) => void, onDamage: (tile: number, message: string) => void): Promise<boolean> {
+    return this.call("comfort", [ask], { onTile, onDamage });
   }
 
   /** Sums of one receiver by month. */

@@ -5,7 +5,7 @@ import type { TileValues } from "./types";
 
 /** Calls by name, with their arguments: those of `Tasks`. */
 export type Call =
-  | "open" | "match" | "scene" | "overview" | "receivers" | "loadWeather" | "clouds" | "turnClouds" | "sun" | "clear" | "moment" | "light" | "textures" | "sums" | "sunMinutes" | "months" | "day" | "fisheye" | "traffic";
+  | "open" | "match" | "scene" | "overview" | "receivers" | "loadWeather" | "clouds" | "turnClouds" | "sun" | "clear" | "moment" | "light" | "textures" | "sums" | "sunMinutes" | "people" | "air" | "comfort" | "months" | "day" | "fisheye" | "traffic";
 
 /** To the worker: first the module, then calls. */
 export type ToWorker = { module: WebAssembly.Module } | { number: number; call: Call; args: unknown[] };

@@ -4,8 +4,8 @@
 import { FileBytes, MemoryBytes, type Bytes } from "./bytes";
 import { EngineError } from "./failure";
 import type {
-  Changes, ClearSky, Clock, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, ReceiverInfo, ReceiverAsk, ReceiverPlace, Scene, Series, Site, Source,
-  SumAsk, Sun, TileTextures, TileValues, Traffic, WeatherInfo,
+  Air, AirAsk, Changes, ClearSky, Clock, ComfortAsk, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, People, ReceiverInfo, ReceiverAsk, ReceiverPlace,
+  Scene, Series, Site, Source, SumAsk, Sun, TileTextures, TileValues, Traffic, WeatherInfo,
 } from "./types";
 import { UrlBytes } from "./url";
 import { Wasm, type Answer } from "./wasm";
@@ -25,7 +25,7 @@ export class Tasks {
   /** Columns of the archive that is open. */
   private components: string[] = [];
   /** Numbers of the last calls, which supersede those before. */
-  private readonly newest = { moment: 0, sums: 0, sunMinutes: 0, open: 0 };
+  private readonly newest = { moment: 0, sums: 0, sunMinutes: 0, comfort: 0, open: 0 };
 
   constructor(private readonly module: WebAssembly.Module, private readonly pause: () => Promise<void>) {}
 
@@ -35,6 +35,7 @@ export class Tasks {
     this.newest.moment++;
     this.newest.sums++;
     this.newest.sunMinutes++;
+    this.newest.comfort++;
     const bytes = await bytesOf(source);
     const wasm = await Wasm.start(this.module, bytes);
     const { value } = wasm.call({ request: "open", name: bytes.name, bytes: bytes.length, beside });
@@ -109,6 +110,20 @@ export class Tasks {
     return this.each("sunMinutes", rest, ["minutes"], tiles, onTile, onDamage);
   }
 
+  people(): People {
+    const { value, arrays } = this.call({ request: "people" });
+    return { ...(value as Omit<People, "up">), up: arrays["up"] as Uint8Array };
+  }
+
+  air(air: AirAsk): Air {
+    return this.call({ request: "air", air }).value as Air;
+  }
+
+  comfort(ask: ComfortAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
+    const { tiles, names, ...rest } = ask;
+    return this.each("comfort", rest, names, tiles, onTile, onDamage);
+  }
+
   months(ask: ReceiverAsk): Series {
     return this.series(this.call({ request: "months", ...ask }));
   }
@@ -132,11 +147,11 @@ export class Tasks {
 
   /** Tile after tile of an ask, until a newer one comes. */
   private async each(
-    request: "moment" | "sums" | "sunMinutes", ask: object, components: string[], tiles: number[], onTile: OnTile, onDamage: OnDamage,
+    request: "moment" | "sums" | "sunMinutes" | "comfort", ask: object, components: readonly string[], tiles: number[], onTile: OnTile, onDamage: OnDamage,
   ): Promise<boolean> {
     const turn = ++this.newest[request];
     // Sums are slow to begin: of those that wait, as behind a slider, the newest does.
-    if (request === "sums") await this.pause();
+    if (request === "sums" || request === "comfort") await this.pause();
     if (turn !== this.newest[request]) return false;
     let started = performance.now();
     for (const [place, tile] of tiles.entries()) {

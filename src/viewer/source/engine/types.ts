@@ -213,6 +213,43 @@ export interface MinutesAsk {
   tiles: number[];
 }
 
+/** What can be asked of an archive of people, and which receivers stand for them. */
+export interface People {
+  /** Points with six planes; 0: the receivers are no people. */
+  count: number;
+  /** Names of the numbers of a moment, and of a span of weather. */
+  moment: string[];
+  sums: string[];
+  /** What a UTCI means, from cold to hot; up to a limit, the last to none, °C. */
+  stress: Stress[];
+  /** [receiver]: 1 for those that look up, one a point. */
+  up: Uint8Array;
+}
+
+export interface Stress {
+  name: string;
+  to: number | null;
+}
+
+/** The air of a moment: a row of the weather file, or °C, %, m/s at 10 m and tenths of the sky that clouds hide. */
+export type AirAsk =
+  | { kind: "weather"; hour: number }
+  | { kind: "own"; temperature: number; humidity: number; wind: number; cover: number };
+
+/** What is known of it; `sky`: its longwave irradiance, W/m2. */
+export interface Air {
+  temperature: number | null;
+  humidity: number | null;
+  wind: number | null;
+  sky: number | null;
+}
+
+/** `names`: numbers that are wanted, of those that `People` offers. */
+export type ComfortAsk = { sky: Sky; changes: Changes; names: readonly string[]; tiles: number[] } & (
+  | { of: "moment"; light: Light; air: AirAsk }
+  | { of: "span"; span: Span }
+);
+
 export interface TileValues {
   tile: number;
   /** Number of the tile's first receiver in the archive. */

@@ -3,7 +3,7 @@
 import { failureOf } from "./failure";
 import type { Call, FromWorker, ToWorker } from "./messages";
 import { Tasks } from "./tasks";
-import type { MinutesAsk, MomentAsk, SumAsk, TileValues } from "./types";
+import type { ComfortAsk, MinutesAsk, MomentAsk, SumAsk, TileValues } from "./types";
 
 interface Scope {
   onmessage: ((event: MessageEvent<ToWorker>) => void) | null;
@@ -48,6 +48,8 @@ async function answer(number: number, call: Call, args: unknown[]): Promise<unkn
       return tasks.sums(args[0] as SumAsk, onTile, onDamage);
     case "sunMinutes":
       return tasks.sunMinutes(args[0] as MinutesAsk, onTile, onDamage);
+    case "comfort":
+      return tasks.comfort(args[0] as ComfortAsk, onTile, onDamage);
     default: {
       const method = tasks[call] as (...args: unknown[]) => unknown;
       return await method.apply(tasks, args);

@@ -1,13 +1,16 @@
 // Controls of sun and sky. In: the state. Out: the state; what the sun then does is the engine's word.
 
 import { byId, el, options } from "../dom";
-import type { Session } from "../session";
+import type { Air } from "../engine/client";
 import { knowsClearSkies, type Shine } from "../light";
+import { airOf, comfortOf } from "../people";
+import type { Session } from "../session";
 import { isOfSun, isSum, type LightFrom, type Store } from "../state";
-import { clock, dayName, skyLabel, W_M2 } from "../words";
+import { CELSIUS, clock, dayName, skyLabel, W_M2 } from "../words";
 import { Dial } from "./dial";
 
 const SLIDERS = ["day", "clock", "azimuth", "altitude", "dni", "dhi"] as const;
+const AIR_SLIDERS = ["air", "humidity", "wind"] as const;
 const KEYS = { day: "dayOfYear", clock: "minutes", azimuth: "azimuth", altitude: "altitude", dni: "dni", dhi: "dhi" } as const;
 
 export class LightPanel {
@@ -25,6 +28,10 @@ export class LightPanel {
     for (const id of SLIDERS) {
       const slider = byId(id, HTMLInputElement);
       slider.addEventListener("input", () => this.change({ [KEYS[id]]: slider.valueAsNumber }));
+    }
+    for (const id of AIR_SLIDERS) {
+      const slider = byId(id, HTMLInputElement);
+      slider.addEventListener("input", () => store.set({ [id]: slider.valueAsNumber }));
     }
     this.from.addEventListener("change", () => {
       const light = this.from.value as LightFrom;
@@ -69,6 +76,32 @@ export class LightPanel {
     this.facts.replaceChildren(...rows.flatMap(([name, value]) => [el("dt", { text: name }), el("dd", { text: value })]));
   }
 
+  /** The air of the moment that people are asked about. */
+  showAir({ temperature, humidity, wind, sky }: Air): void {
+    const { state } = this.store;
+    const own = airOf(state, this.session?.weather ?? null).kind === "own";
+    const rows: [string, number | null, string][] = own ? [] : [["Air", temperature, CELSIUS], ["Humidity", humidity, "%"], ["Wind", wind, "m/s"]];
+    rows.push([own ? `Longwave of ${state.light === "overcast" ? "an overcast" : "a clear"} sky` : "Longwave of the sky", sky, W_M2]);
+    const texts = rows.map(([name, value, unit]): [string, string] => [name, value === null ? "not known" : `${value.toFixed(unit === "%" || unit === W_M2 ? 0 : 1)} ${unit}`]);
+    byId("air-facts", HTMLElement).replaceChildren(...texts.flatMap(([name, value]) => [el("dt", { text: name }), el("dd", { text: value })]));
+  }
+
+  /** Where the air of people comes from. */
+  private refreshAir(session: Session): void {
+    const { state } = this.store;
+    const isAsked = state.show === "moment" && comfortOf(state, session.people) !== null;
+    byId("air-box", HTMLElement).hidden = !isAsked;
+    if (!isAsked) return;
+    byId("own-air", HTMLElement).hidden = airOf(state, session.weather).kind !== "own";
+    const texts = { air: `${state.air} ${CELSIUS}`, humidity: `${state.humidity} %`, wind: `${state.wind} m/s` };
+    for (const id of AIR_SLIDERS) {
+      const slider = byId(id, HTMLInputElement);
+      slider.value = String(state[id]);
+      slider.setAttribute("aria-valuetext", texts[id]);
+      byId(`${id}-text`, HTMLOutputElement).textContent = texts[id];
+    }
+  }
+
   /** Touching the sun or the sky shows the moment, unless sums are shown that depend on it. */
   private change(changes: Parameters<Store["set"]>[0]): void {
     const { show } = this.store.state;
@@ -96,6 +129,7 @@ export class LightPanel {
     this.from.value = state.light;
     if (state.show !== "moment") this.facts.replaceChildren(el("dt", { class: "hint", text: "Move the sun to see one moment." }));
     this.showClouds(session);
+    this.refreshAir(session);
     for (const radio of this.radios) {
       radio.checked = radio.value === state.sunBy;
       radio.disabled = radio.value === "clock" && !placed;

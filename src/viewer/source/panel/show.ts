@@ -2,9 +2,10 @@
 
 import type { Partners } from "../change";
 import { byId, options } from "../dom";
+import { choicesOf, comfortOf } from "../people";
 import type { Session } from "../session";
 import { isSum, type Show, type Store } from "../state";
-import { componentLabel, dayName, KWH_M2, MONTHS, number, W_M2 } from "../words";
+import { comfortUnit, componentLabel, dayName, KWH_M2, MONTHS, number, W_M2 } from "../words";
 
 export class ShowPanel {
   private readonly what = byId("show-what", HTMLSelectElement);
@@ -17,6 +18,7 @@ export class ShowPanel {
   private readonly note = byId("show-note", HTMLElement);
   private session: Session | null = null;
   private partners: Partners | null = null;
+  private offered = "";
 
   constructor(private readonly store: Store) {
     options(this.month, MONTHS.map((label, at) => ({ value: String(at + 1), label })));
@@ -39,9 +41,6 @@ export class ShowPanel {
   open(session: Session): void {
     this.session = session;
     this.partners = null;
-    const total = session.site.components.filter((name) => name === "total");
-    const parts = session.site.components.filter((name) => name !== "total");
-    options(this.component, [...total, ...parts].map((name) => ({ value: name, label: componentLabel(name) })));
     this.refresh();
   }
 
@@ -65,22 +64,25 @@ export class ShowPanel {
     const placed = session.site.place !== null || !dry;
     const mirrors = session.site.materials.some(({ mirror }) => mirror);
     const hint = dry ? " – needs weather" : "";
+    // Of people units are those of what is chosen below.
+    const of = (unit: string): string => (session.people ? "" : `, ${unit}`);
     options(this.what, [
       { value: "reference", label: `Clear year, ${KWH_M2}`, disabled: !session.site.hasReference },
       { value: "sky", label: "Sky view, %" },
       { value: "sunlight", label: placed ? "Day, possible sun, h" : "Day, possible sun – needs a place", disabled: !placed },
       ...(mirrors ? [{ value: "glare", label: "Day, sun in mirrors, min", disabled: !placed }] : []),
-      { value: "moment", label: `This moment, ${W_M2}` },
-      { value: "day", label: `Day, ${KWH_M2}${hint}`, disabled: dry },
-      { value: "month", label: `Month, ${KWH_M2}${hint}`, disabled: dry },
-      { value: "year", label: `Year, ${KWH_M2}${hint}`, disabled: dry },
+      { value: "moment", label: `This moment${of(W_M2)}` },
+      { value: "day", label: `Day${of(KWH_M2)}${hint}`, disabled: dry },
+      { value: "month", label: `Month${of(KWH_M2)}${hint}`, disabled: dry },
+      { value: "year", label: `Year${of(KWH_M2)}${hint}`, disabled: dry },
     ]);
     this.what.value = state.show;
-    this.component.value = state.component;
+    this.offer(session);
     this.month.value = String(state.month);
     byId("row-month", HTMLElement).hidden = state.show !== "month";
     byId("row-component", HTMLElement).hidden = state.show !== "moment" && !isSum(state.show);
     this.auto.checked = state.range === null;
+    const felt = comfortOf(state, session.people);
     const notes: Partial<Record<Show, string>> = {
       reference: "A year of cloudless days at this site, made with the archive: for a first look.",
       sky: "How much of an open sky each receiver sees.",
@@ -92,8 +94,24 @@ export class ShowPanel {
     byId("row-percent", HTMLElement).hidden = !isChange;
     this.percent.checked = state.percent;
     const note = this.partners && isChange ? compared(this.partners) : dry && state.show === "reference" && this.session ? `${notes.reference} Drop an EPW file for the year of a weather.` : notes[state.show];
-    this.note.textContent = note ?? "";
-    this.note.hidden = note === undefined;
+    const told = [note, felt === null || isChange ? undefined : ofPeople(felt)].filter((text) => text !== undefined);
+    this.note.textContent = told.join(" ");
+    this.note.hidden = told.length === 0;
+  }
+
+  /** What people feel, where there are people, then light: the total, then its parts. */
+  private offer({ site, people }: Session): void {
+    const { state } = this.store;
+    const choices = choicesOf(state, people);
+    const total = site.components.filter((name) => name === "total");
+    const parts = site.components.filter((name) => name !== "total");
+    const entries = [
+      ...choices.map((name) => ({ value: name, label: `${componentLabel(name)}, ${comfortUnit(name)}` })),
+      ...[...total, ...parts].map((name) => ({ value: name, label: componentLabel(name) })),
+    ];
+    if (entries.map(({ value }) => value).join() !== this.offered) options(this.component, entries);
+    this.offered = entries.map(({ value }) => value).join();
+    this.component.value = comfortOf(state, people) ?? (site.components.includes(state.component) ? state.component : "total");
   }
 }
 
@@ -107,4 +125,10 @@ function compared({ count, moved, ofAfter, ofBefore }: Partners): string {
     ...(gone > 0 ? [`${number(gone)} only before, not shown`] : []),
   ];
   return `${told.join("; ")}.`;
+}
+
+/** How people are taken: as by the program without options. */
+function ofPeople(name: string): string {
+  const index = name.startsWith("utci_above") ? "Hours in which the Universal Thermal Climate Index is higher. " : name.startsWith("utci") ? "Universal Thermal Climate Index: colours are its categories of stress. " : name.startsWith("pet") ? "Physiological Equivalent Temperature. " : "";
+  return `${index}Standing people; ground and walls have their sol-air temperature, without storage; the wind is the same everywhere.`;
 }

@@ -113,7 +113,9 @@ export class ReceiverPanel {
   /** Values of what is shown have come, or another quantity is shown. */
   showValues(): void {
     if (this.chosen.length === 0) return;
-    const { unit, title, components } = this.quantity();
+    const { title, components, unit: ofShown, wholeUnit } = this.quantity();
+    // Of people each number has a unit of its own.
+    const unit = wholeUnit === null ? "" : ofShown;
     const all = this.chosen.map(({ sides }) => sides.map(({ layer, index, when }) => ({ when, values: layer.quantity().of(index) })));
     const tables = this.isPair
       ? all.map((sides, which) => {
@@ -179,6 +181,7 @@ export class ReceiverPanel {
   private showSums(): void {
     if (this.chosen.length === 0) return;
     const { shownTitle, unit, wholeUnit } = this.quantity();
+    if (wholeUnit === null) return this.parts.sums.replaceChildren();
     const tables = this.chosen.flatMap(({ sides }, which) => {
       const found = sides.map((side) => ({ ...side, rows: this.sumsOf(side) }));
       if (found.every(({ rows }) => rows.length === 0)) return [];

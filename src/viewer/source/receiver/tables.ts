@@ -3,7 +3,7 @@
 import { percentOf } from "../change";
 import { el } from "../dom";
 import type { ReceiverInfo } from "../engine/client";
-import { bearing, componentLabel, number, signed } from "../words";
+import { bearing, comfortUnit, componentLabel, number, signed } from "../words";
 import { swatch } from "./chart";
 import type { Grouping, Sum } from "./groups";
 
@@ -21,6 +21,11 @@ export interface ChangedSum {
   name: string;
   before?: Sum;
   after?: Sum;
+}
+
+/** A number's name, with its unit where the table has none for all. */
+function labelOf(name: string, unit: string): string {
+  return unit === "" ? `${componentLabel(name)}, ${comfortUnit(name)}` : componentLabel(name);
 }
 
 export function letter(which: number): HTMLElement {
@@ -89,7 +94,7 @@ export function values(caption: string, unit: string, components: readonly strin
     });
     const [a, b] = columns.map((column) => column?.[at]);
     if (pair) cells.push(el("td", { text: a !== undefined && b !== undefined ? number(a - b) : "…" }));
-    return el("tr", { "data-component": name, class: name === "total" ? "total" : "part" }, el("th", { scope: "row" }, swatch(name), componentLabel(name)), ...cells);
+    return el("tr", { "data-component": name, class: name === "total" ? "total" : "part" }, el("th", { scope: "row" }, swatch(name), labelOf(name, unit)), ...cells);
   });
   const heading = head(unit, columns.length);
   if (pair) heading.firstElementChild?.append(el("th", { scope: "col", text: "A − B" }));
@@ -109,7 +114,7 @@ export function changes(
     return el(
       "tr",
       { "data-component": name, class: name === "total" ? "total" : "part" },
-      el("th", { scope: "row" }, swatch(name), componentLabel(name)),
+      el("th", { scope: "row" }, swatch(name), labelOf(name, unit)),
       cell(before, number, sides.before === undefined),
       cell(after, number, sides.after === undefined),
       cell(change[0], signed, isMissing),

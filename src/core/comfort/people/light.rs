@@ -1,0 +1,102 @@
+//! The light of a point. In: irradiance of its six planes in each hour, what they see, climates. Out: the numbers of the point in each hour.
+
+use super::climate::HourClimate;
+use super::columns::ComfortColumn;
+use super::model::{ComfortModel, SunOnPerson};
+use crate::comfort::index_curve::IndexCurve;
+use crate::comfort::mean_radiant::{
+    DirectSun, RadiationField, mean_radiant_temperature_c, mean_radiant_temperature_of_cylinder_c,
+};
+use crate::comfort::surroundings::{SixPlanes, ViewShares};
+
+/// The light of a point, `[plane][hour]`, W/m2.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PersonLight {
+    total: [Vec<f32>; 6],
+    direct: [Vec<f32>; 6],
+}
+
+impl PersonLight {
+    /// Takes what a plane gets in all hours, and what of it comes directly from the sun.
+    pub fn put(&mut self, plane: usize, total: &[f32], direct: &[f32]) {
+        for (to, from) in [(&mut self.total, total), (&mut self.direct, direct)] {
+            if let Some(to) = to.get_mut(plane) {
+                *to = from.to_vec();
+            }
+        }
+    }
+
+    /// The numbers of all hours, `[number][hour]`, in the order of `asked`; NaN where there is none.
+    pub fn numbers(
+        &self,
+        views: &SixPlanes<ViewShares>,
+        climates: &[HourClimate],
+        asked: &[ComfortColumn],
+        model: &ComfortModel,
+    ) -> Vec<Vec<f32>> {
+        let count = asked.iter().map(|column| column.width()).sum();
+        let mut numbers = vec![Vec::with_capacity(climates.len()); count];
+        for (hour, climate) in climates.iter().enumerate() {
+            let shortwave = at_hour(&self.total, hour);
+            let longwave = climate.surroundings.longwave(views, &shortwave);
+            let field = RadiationField { shortwave: shortwave.into(), longwave: longwave.into() };
+            let mean_radiant_c = match model.sun {
+                SunOnPerson::Box => mean_radiant_temperature_c(&field, &model.body),
+                SunOnPerson::Cylinder => {
+                    let direct = at_hour(&self.direct, hour);
+                    let diffuse = shortwave.less(&direct).into();
+                    let field = RadiationField { shortwave: diffuse, ..field };
+                    mean_radiant_temperature_of_cylinder_c(&field, &sun_of(&direct), &model.body)
+                }
+            };
+            let index = |curve: &Option<IndexCurve>| curve.as_ref()?.at(mean_radiant_c?);
+            let mut to = numbers.iter_mut();
+            let mut push = |value: Option<f64>| {
+                if let Some(to) = to.next() {
+                    to.push(value.map_or(f32::NAN, |value| value as f32));
+                }
+            };
+            for column in asked {
+                match column {
+                    ComfortColumn::Air => push(Some(climate.air_c)),
+                    ComfortColumn::Wind => push(Some(climate.wind_m_s)),
+                    ComfortColumn::MeanRadiant => push(mean_radiant_c),
+                    ComfortColumn::Utci => push(index(&climate.utci)),
+                    ComfortColumn::Pet => push(index(&climate.pet)),
+                    ComfortColumn::Shortwave => shortwave.each(|value| push(Some(value))),
+                    ComfortColumn::Longwave => longwave.each(|value| push(Some(value))),
+                }
+            }
+        }
+        numbers
+    }
+}
+
+fn at_hour(planes: &[Vec<f32>; 6], hour: usize) -> SixPlanes<f64> {
+    let [up, down, north, east, south, west] =
+        planes.each_ref().map(|plane| plane.get(hour).copied().map_or(0.0, f64::from));
+    SixPlanes { up, down, sides: [north, east, south, west] }
+}
+
+/// The sun whose direct light these planes get: opposite planes see it from one side each, so that their differences are its vector.
+fn sun_of(direct: &SixPlanes<f64>) -> DirectSun {
+    let [north, east, south, west] = direct.sides;
+    let (up, horizontal) = (direct.up - direct.down, (north - south).hypot(east - west));
+    DirectSun { beam_normal_w_m2: up.hypot(horizontal), altitude_deg: up.atan2(horizontal).to_degrees() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A beam of 800 W/m2 from azimuth 120 at 35 degrees is found from what it gives on the six planes.
+    #[test]
+    fn suns() {
+        let (azimuth, altitude) = (120.0_f64.to_radians(), 35.0_f64.to_radians());
+        let (east, north) = (azimuth.sin() * altitude.cos(), azimuth.cos() * altitude.cos());
+        let on = |cos: f64| 800.0 * cos.max(0.0);
+        let sides = [on(north), on(east), on(-north), on(-east)];
+        let sun = sun_of(&SixPlanes { up: on(altitude.sin()), down: 0.0, sides });
+        assert!((sun.beam_normal_w_m2 - 800.0).abs() < 1e-9 && (sun.altitude_deg - 35.0).abs() < 1e-9, "{sun:?}");
+    }
+}

@@ -1,0 +1,43 @@
+//! What each plane sees of the heat around it. In: a receiver's normal, shares of its hemisphere and sky. Out: [`ViewShares`].
+
+use glam::DVec3;
+
+use crate::comfort::clear_sky::ClearSky;
+use crate::comfort::surroundings::ViewShares;
+use crate::layers::sky_bitmap::SkyBitmap;
+use crate::weather::conditions::Condition;
+
+/// Diffuse irradiance of an open horizontal surface below [`uniform_sky`].
+const OPEN_W_M2: f64 = 100.0;
+
+/// A sky of equal radiance: the light that a plane gets directly from it says how much of its hemisphere is sky behind leaves and screens.
+pub fn uniform_sky() -> Condition {
+    Condition::new("uniform".into(), &[], DVec3::Z, 0.0, OPEN_W_M2)
+}
+
+/// Share of the hemisphere, weighted by the cosine, that is sky, as light passes the leaves before it, of what a plane gets directly from
+/// [`uniform_sky`].
+pub fn open_share(sky_direct_w_m2: f64) -> f64 {
+    sky_direct_w_m2 / OPEN_W_M2
+}
+
+/// Finds views; skies of one size after another are cheapest.
+#[derive(Default)]
+pub struct PlaneViews {
+    clear: Option<ClearSky>,
+}
+
+impl PlaneViews {
+    /// What a plane sees. `views`: sky, ground and obstructions, shares of its hemisphere; `open`: the share that is sky behind leaves
+    /// ([`open_share`]), where there are any.
+    pub fn of(&mut self, normal: DVec3, views: [f32; 3], layer: &SkyBitmap, open: Option<f64>) -> ViewShares {
+        let clear = match &mut self.clear {
+            Some(clear) if clear.side() == layer.side() => clear,
+            other => other.insert(ClearSky::of(layer.side())),
+        };
+        let [sky, _, obstruction] = views.map(f64::from);
+        // Leaves before the sky are as warm as the air and black, as far as light does not pass them.
+        let through = open.map_or(1.0, |open| (open / sky).min(1.0));
+        ViewShares { sky, obstruction, missed: through * clear.missed(normal, layer) }
+    }
+}

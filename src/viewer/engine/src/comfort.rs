@@ -1,0 +1,241 @@
+//! What people feel: in a moment, or over a span of the weather. In: light, air, the people of the archive. Out: numbers of each receiver's point, tile by
+//! tile. The formulas are the core's, as of `heliotile comfort`.
+
+use std::collections::HashMap;
+
+use heliotile_core::comfort::people::climate::{HourAir, HourClimate};
+use heliotile_core::comfort::people::columns::ComfortColumn;
+use heliotile_core::comfort::people::light::PersonLight;
+use heliotile_core::comfort::people::model::ComfortModel;
+use heliotile_core::comfort::people::periods::PeriodSum;
+use heliotile_core::error::{Error, Result};
+use heliotile_core::replay::components::Component;
+use heliotile_core::replay::values::TileValues;
+use heliotile_core::weather::air::Air;
+use heliotile_core::weather::time::bins::Bins;
+use serde::Deserialize;
+use serde_json::json;
+
+use crate::Answered;
+use crate::answer::{Answer, Numbers};
+use crate::asked::{AirAsk, Changes, Light, MomentAsk, Span};
+use crate::failure::Failure;
+use crate::open::Opened;
+use crate::people::People;
+use crate::weather::LoadedWeather;
+
+/// What is told of a moment.
+pub const MOMENT: [ComfortColumn; 5] = [
+    ComfortColumn::Utci,
+    ComfortColumn::MeanRadiant,
+    ComfortColumn::Pet,
+    ComfortColumn::Shortwave,
+    ComfortColumn::Longwave,
+];
+
+/// What is told of a span: an hour of the PET costs over ten times one of the UTCI.
+const SUMS: [ComfortColumn; 2] = [ComfortColumn::MeanRadiant, ComfortColumn::Utci];
+
+/// Names of the numbers of a span.
+pub fn sum_names() -> Vec<String> {
+    of_span().map(|(column, sum)| column.names().iter().map(|name| sum.name(name)).collect()).collect()
+}
+
+/// Columns of a span, and what is said of each.
+fn of_span() -> impl Iterator<Item = (ComfortColumn, PeriodSum)> {
+    let above_c = PeriodSum::usual_thresholds_c();
+    SUMS.into_iter()
+        .flat_map(move |column| PeriodSum::of_column(column, &above_c).into_iter().map(move |sum| (column, sum)))
+}
+
+/// Comfort in a moment or over a span.
+#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "camelCase", tag = "of")]
+pub enum ComfortAsk {
+    Moment { light: Light, sky: String, changes: Changes, air: AirAsk },
+    Span { span: Span, sky: String, changes: Changes },
+}
+
+impl ComfortAsk {
+    /// The light of a moment that has to be there.
+    pub fn light(&self) -> Option<MomentAsk> {
+        let ComfortAsk::Moment { light, sky, changes, .. } = self else { return None };
+        Some(MomentAsk { light: *light, sky: sky.clone(), changes: changes.clone(), components: Vec::new() })
+    }
+
+    fn columns(&self) -> &'static [ComfortColumn] {
+        match self {
+            ComfortAsk::Moment { .. } => &MOMENT,
+            ComfortAsk::Span { .. } => &SUMS,
+        }
+    }
+
+    fn names(&self) -> Vec<String> {
+        match self {
+            ComfortAsk::Moment { .. } => MOMENT.iter().flat_map(|column| column.names()).collect(),
+            ComfortAsk::Span { .. } => sum_names(),
+        }
+    }
+
+    /// Air of its hours, with their labels.
+    fn hours(&self, weather: Option<&LoadedWeather>) -> Result<Vec<(HourAir, String)>> {
+        match self {
+            ComfortAsk::Moment { air, .. } => Ok(vec![(HourAir::of(air_of(*air, weather)?), air.label(weather))]),
+            ComfortAsk::Span { span, .. } => {
+                let loaded = weather.ok_or_else(no_weather)?;
+                Ok(loaded.airs(*span).into_iter().zip(loaded.labels(*span)).collect())
+            }
+        }
+    }
+}
+
+/// The air of a moment: of a row of the weather, or by numbers.
+pub fn air_of(ask: AirAsk, weather: Option<&LoadedWeather>) -> Result<Air> {
+    match ask {
+        AirAsk::Weather { hour } => weather.ok_or_else(no_weather)?.air(hour),
+        AirAsk::Own { temperature, humidity, wind, cover } => {
+            let ranges = [
+                ("air temperature", temperature, -60.0..=60.0),
+                ("humidity", humidity, 1.0..=100.0),
+                ("wind", wind, 0.0..=60.0),
+                ("cloud cover", cover, 0.0..=10.0),
+            ];
+            if let Some((name, value, range)) = ranges.iter().find(|(_, value, range)| !range.contains(value)) {
+                let hint = format!("give {} to {}", range.start(), range.end());
+                return Err(Error::argument("weather", format!("the {name} is {value}"), hint));
+            }
+            let air = Air::of_humidity(temperature, humidity);
+            Ok(Air { wind_m_s: Some(wind), opaque_sky_tenths: Some(cover), ..air })
+        }
+    }
+}
+
+fn no_weather() -> Error {
+    Error::argument("weather", "there is none", "load a weather file")
+}
+
+/// What was found of an ask, tile by tile; points whose planes lie in two tiles wait for both.
+pub struct Felt {
+    ask: ComfortAsk,
+    model: ComfortModel,
+    climates: Vec<HourClimate>,
+    /// `[tile]` whose light was taken.
+    taken: Vec<bool>,
+    /// By point: planes that are there, and their light.
+    waiting: HashMap<usize, (usize, PersonLight)>,
+    /// `[point]`: its numbers.
+    found: Vec<Option<Box<[f32]>>>,
+}
+
+impl Felt {
+    /// Of an ask, where the air of all its hours is known.
+    pub fn of(
+        opened: &Opened,
+        weather: Option<&LoadedWeather>,
+        ask: &ComfortAsk,
+    ) -> std::result::Result<Self, Failure> {
+        let model = ComfortModel::usual(opened.site.materials());
+        let climate = |(hour, label): (HourAir, String)| {
+            hour.climate(&model, ask.columns()).map_err(|missing| {
+                let hint = "fill it in there, or set the sun and the air by numbers";
+                Error::argument("weather", missing.in_hour(&label), hint)
+            })
+        };
+        let climates = ask.hours(weather)?.into_iter().map(climate).collect::<Result<_>>()?;
+        let taken = vec![false; opened.site.tiles() as usize];
+        let ask = ask.clone();
+        Ok(Felt { ask, model, climates, taken, waiting: HashMap::new(), found: Vec::new() })
+    }
+
+    /// Whether it is of this ask.
+    pub fn is_of(&self, ask: &ComfortAsk) -> bool {
+        self.ask == *ask
+    }
+
+    /// The numbers of a tile's receivers, each those of its point; `light` gives the light of a tile in all hours.
+    pub fn tile(
+        &mut self,
+        opened: &Opened,
+        people: &mut People,
+        tile: u32,
+        mut light: impl FnMut(u32) -> std::result::Result<TileValues, Failure>,
+    ) -> Answered {
+        let points = people.in_tile(opened, tile)?;
+        for &point in &points {
+            for plane in people.planes(opened, point)? {
+                if self.taken.get(plane.tile as usize) == Some(&false) {
+                    self.take(opened, people, plane.tile, &light(plane.tile)?)?;
+                }
+            }
+        }
+        let names = self.ask.names();
+        let mut columns = vec![Vec::with_capacity(points.len()); names.len()];
+        for point in points {
+            let numbers = self.found.get(point).and_then(Option::as_ref);
+            for (number, column) in columns.iter_mut().enumerate() {
+                column.push(numbers.and_then(|numbers| numbers.get(number)).copied().unwrap_or(f32::NAN));
+            }
+        }
+        let answer = Answer::of(json!({ "tile": tile, "first": opened.first(tile) }));
+        let all = names.iter().zip(&columns);
+        Ok(all.fold(answer, |answer, (name, column)| answer.with(name, Numbers::F32(column))))
+    }
+
+    /// Takes the light of a tile, and finds the numbers of points that are whole with it.
+    fn take(
+        &mut self,
+        opened: &Opened,
+        people: &mut People,
+        tile: u32,
+        values: &TileValues,
+    ) -> std::result::Result<(), Failure> {
+        for (row, point) in people.in_tile(opened, tile)?.into_iter().enumerate() {
+            let planes = people.planes(opened, point)?;
+            let Some(plane) = planes.iter().position(|plane| plane.tile == tile && plane.row == row) else { continue };
+            let (there, light) = self.waiting.entry(point).or_default();
+            light.put(plane, values.row(Component::Total, row), values.row(Component::SunDirect, row));
+            *there += 1;
+            if *there < planes.len() {
+                continue;
+            }
+            let Some((_, light)) = self.waiting.remove(&point) else { continue };
+            let views = people.views(opened, point)?;
+            let hours = light.numbers(&views, &self.climates, self.ask.columns(), &self.model);
+            let numbers = match &self.ask {
+                ComfortAsk::Moment { .. } => hours.iter().filter_map(|hours| hours.first().copied()).collect(),
+                ComfortAsk::Span { .. } => self.over(&hours),
+            };
+            if self.found.len() <= point {
+                self.found.resize(point + 1, None);
+            }
+            if let Some(found) = self.found.get_mut(point) {
+                *found = Some(numbers);
+            }
+        }
+        if let Some(taken) = self.taken.get_mut(tile as usize) {
+            *taken = true;
+        }
+        Ok(())
+    }
+
+    /// Numbers of the whole span from those of its hours.
+    fn over(&self, hours: &[Vec<f32>]) -> Box<[f32]> {
+        let lengths: Vec<f64> = self.climates.iter().map(|climate| climate.hours).collect();
+        let bins = Bins { count: 1, of_condition: vec![(0, 1.0); lengths.len()] };
+        let of = |(column, sum): (ComfortColumn, PeriodSum)| {
+            let values = SUMS.iter().position(|other| *other == column).and_then(|place| hours.get(place));
+            values.and_then(|values| sum.of_hours(values, &bins, &lengths).pop()).unwrap_or(f32::NAN)
+        };
+        of_span().map(of).collect()
+    }
+}
+
+/// What is known of the air of a moment, for those who read; nulls where nothing is.
+pub fn facts(air: &Air) -> Answer {
+    Answer::of(json!({
+        "temperature": air.dry_bulb_c,
+        "humidity": HourAir::of(*air).humidity_percent(),
+        "wind": air.wind_m_s,
+        "sky": air.sky_w_m2(),
+    }))
+}

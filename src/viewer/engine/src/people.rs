@@ -1,0 +1,151 @@
+//! The people of an archive: points with six planes each. In: names of its receivers, their skies. Out: which receivers are whose planes, and what these
+//! see of the heat around them. What they feel stands in [`crate::comfort`].
+
+use std::collections::HashMap;
+
+use heliotile_core::archive::format::{CANOPY, RECEIVERS};
+use heliotile_core::comfort::people::columns::ComfortColumn;
+use heliotile_core::comfort::people::points::{PersonPoints, all_of, point_of};
+use heliotile_core::comfort::people::views::{PlaneViews, open_share, uniform_sky};
+use heliotile_core::comfort::surroundings::{SixPlanes, ViewShares};
+use heliotile_core::comfort::utci::StressCategory;
+use heliotile_core::error::Result;
+use heliotile_core::opened::OpenSite;
+use heliotile_core::replay::components::{Component, ComponentSet};
+use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::sky::model::SkyModel;
+use serde_json::json;
+
+use crate::answer::{Answer, Numbers};
+use crate::comfort::{MOMENT, sum_names};
+use crate::failure::{Failure, Kind};
+use crate::open::Opened;
+
+/// A plane of a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    pub tile: u32,
+    pub row: usize,
+}
+
+/// The points, and what of their views was found.
+pub struct People {
+    points: PersonPoints,
+    /// `[receiver]`: its point, and which plane of it it is.
+    of_receiver: Vec<(usize, usize)>,
+    /// `[tile][row]`
+    views: HashMap<u32, Vec<ViewShares>>,
+    found: PlaneViews,
+    /// The light of a uniform sky, where leaves stand before the sky.
+    through_leaves: Option<Replay<'static>>,
+}
+
+impl People {
+    /// Whether names of the first tile are those of planes: others are not read to find out.
+    pub fn are_likely(opened: &Opened) -> Result<bool> {
+        if opened.site.tiles() == 0 {
+            return Ok(false);
+        }
+        let receivers = opened.site.tile_receivers(0)?.receivers();
+        Ok(receivers.iter().any(|receiver| point_of(&receiver.id).1 > 0))
+    }
+
+    /// The people of an archive; none where its receivers are not all planes of points.
+    pub fn of(opened: &Opened) -> Result<Option<Self>> {
+        if !People::are_likely(opened)? {
+            return Ok(None);
+        }
+        opened.site.expect(&[RECEIVERS], 0..opened.site.tiles());
+        let mut names = Vec::new();
+        for tile in 0..opened.site.tiles() {
+            names.extend(opened.site.tile_receivers(tile)?.receivers().into_iter().map(|receiver| receiver.id));
+        }
+        let Ok(points) = PersonPoints::of(&names) else { return Ok(None) };
+        let of_receiver = names.iter().filter_map(|name| {
+            let (point, plane) = point_of(name);
+            Some((points.number(point)?, plane))
+        });
+        let of_receiver = of_receiver.collect();
+        let through_leaves = match opened.archive.entries_of(CANOPY).is_empty() {
+            true => None,
+            false => Some(below_uniform_sky(opened)?),
+        };
+        let (views, found) = (HashMap::new(), PlaneViews::default());
+        Ok(Some(People { points, of_receiver, views, found, through_leaves }))
+    }
+
+    /// What the page is told: how many there are, the numbers that can be asked for, what a UTCI means; and which receivers look up.
+    pub fn answer(people: Option<&People>) -> Answer {
+        let names = |asked: &[ComfortColumn]| asked.iter().flat_map(|column| column.names()).collect::<Vec<_>>();
+        let stress = StressCategory::ALL.map(|category| {
+            let to = Some(category.upper_limit_c()).filter(|limit| limit.is_finite());
+            json!({ "name": category.name(), "to": to })
+        });
+        let up = people.map_or_else(Vec::new, |people| {
+            people.of_receiver.iter().map(|(_, plane)| u8::from(*plane == 0)).collect::<Vec<_>>()
+        });
+        let count = people.map_or(0, |people| people.points.len());
+        let value = json!({ "count": count, "moment": names(&MOMENT), "sums": sum_names(), "stress": stress });
+        Answer::of(value).with("up", Numbers::U8(&up))
+    }
+
+    /// Points that have a plane among the receivers of a tile, `[row]`.
+    pub fn in_tile(&self, opened: &Opened, tile: u32) -> std::result::Result<Vec<usize>, Failure> {
+        let first = opened.first(opened.tile(tile)?) as usize;
+        let rows = self.of_receiver.get(first..first + opened.site.tile_rows(tile)).ok_or_else(lost)?;
+        Ok(rows.iter().map(|(point, _)| *point).collect())
+    }
+
+    /// Where the planes of a point are.
+    pub fn planes(&self, opened: &Opened, point: usize) -> std::result::Result<[Plane; 6], Failure> {
+        let receivers = self.points.planes(point).ok_or_else(lost)?;
+        Ok(receivers.map(|receiver| {
+            let tile = opened.firsts.partition_point(|first| *first <= receiver as u64).saturating_sub(1) as u32;
+            Plane { tile, row: receiver - opened.first(tile) as usize }
+        }))
+    }
+
+    /// What the planes of a point see.
+    pub fn views(&mut self, opened: &Opened, point: usize) -> std::result::Result<SixPlanes<ViewShares>, Failure> {
+        let planes = self.planes(opened, point)?;
+        for Plane { tile, .. } in planes {
+            if !self.views.contains_key(&tile) {
+                let made = self.views_of(&opened.site, tile)?;
+                self.views.insert(tile, made);
+            }
+        }
+        let view = |Plane { tile, row }: Plane| self.views.get(&tile)?.get(row).copied();
+        all_of(planes.map(view)).ok_or_else(lost)
+    }
+
+    fn views_of(&mut self, site: &OpenSite, tile: u32) -> Result<Vec<ViewShares>> {
+        let table = site.tile_receivers(tile)?;
+        let receivers = table.receivers();
+        let skies = site.tile_sky(tile, receivers.len())?;
+        let lit = match &self.through_leaves {
+            Some(replay) => replay.run([tile])?.pop().map(|(_, values)| values),
+            None => None,
+        };
+        let open = |row: usize| {
+            let light = lit.as_ref()?.row(Component::SkyDirect, row);
+            Some(open_share(light.iter().copied().map(f64::from).sum()))
+        };
+        let rows = receivers.iter().zip(table.views()).zip(&skies).enumerate();
+        Ok(rows.map(|(row, ((receiver, views), sky))| self.found.of(receiver.normal, views, sky, open(row))).collect())
+    }
+}
+
+/// A replay of a sky of equal radiance, for what leaves let through.
+fn below_uniform_sky(opened: &Opened) -> Result<Replay<'static>> {
+    let settings = ReplaySettings {
+        sky: SkyModel::Uniform,
+        patches: opened.archive.manifest().settings.patches(),
+        components: ComponentSet::of(&[Component::SkyDirect]),
+        ..ReplaySettings::default()
+    };
+    Replay::builder(&opened.site, &[uniform_sky()], settings).build()
+}
+
+fn lost() -> Failure {
+    Failure::new(Kind::Other, "there is no such point", "")
+}
