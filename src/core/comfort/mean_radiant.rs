@@ -127,9 +127,12 @@ pub fn mean_radiant_temperature_of_cylinder_c(
     sun: &DirectSun,
     body: &RadiantBody,
 ) -> Option<f64> {
-    let (sin, cos) = sun.altitude_deg.to_radians().sin_cos();
-    let share = body.cylinder_factor * cos + body.vertical_factor * sin;
-    let beam_w_m2 = if sun.altitude_deg < 0.0 { 0.0 } else { sun.beam_normal_w_m2 * share };
+    let beam_w_m2 = if sun.altitude_deg < 0.0 || sun.beam_normal_w_m2 == 0.0 {
+        0.0
+    } else {
+        let (sin, cos) = sun.altitude_deg.to_radians().sin_cos();
+        sun.beam_normal_w_m2 * (body.cylinder_factor * cos + body.vertical_factor * sin)
+    };
     temperature_c(field.shortwave.on_body_w_m2(body) + beam_w_m2, field, body)
 }
 

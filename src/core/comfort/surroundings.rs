@@ -23,10 +23,11 @@ pub const USUAL_GROUND_EMISSIVITY: f64 = 0.95;
 /// Emissivity of walls: that of SOLWEIG.
 pub const USUAL_OBSTRUCTION_EMISSIVITY: f64 = 0.90;
 
-/// Planes and temperatures are found together by Newton's method, until no plane changes by more, W/m2: what is then left is below 0.05 (a test),
+/// Newton's method, which finds planes and temperatures together, stops when no plane changes by more than this, W/m2. The planes are then within
+/// 0.1 of the balance (a test).
 const ENOUGH_W_M2: f64 = 0.05;
 
-/// but in so many steps at most. Three are usual.
+/// Steps of Newton's method at most; three are usual.
 const MOST_STEPS: usize = 20;
 
 /// Surfaces keep at least this share of what they get from one another: below it heat would have no way out.
@@ -188,7 +189,7 @@ struct Balance {
 
 /// What ground and obstructions send.
 #[derive(Clone, Copy)]
-struct Sent {
+struct Exitances {
     ground: Exitance,
     /// Those that each plane sees.
     obstructions: SixPlanes<Exitance>,
@@ -200,16 +201,17 @@ struct Exitance {
     w_m2: f64,
     /// Its change by that of the longwave irradiance of the surface.
     by_irradiance: f64,
-    /// How much warmer than the air the surface is, what a black one sends that is so warm,
+    /// Temperature of the surface above that of the air, K.
     warmer_k: f64,
+    /// Exitance of a black surface of that temperature.
     black_w_m2: f64,
-    /// and how much more this one radiates for each K.
+    /// Change of what the surface itself radiates, by K.
     radiation_w_m2_k: f64,
 }
 
 impl Balances {
     /// Before anything is known of what surfaces get: black, and as warm as the air or as they are given.
-    fn at_first(&self) -> Sent {
+    fn at_first(&self) -> Exitances {
         let [ground, obstruction] = [&self.ground, &self.obstruction].map(|of| {
             let w_m2 = match of.class.heat {
                 SurfaceHeat::Given(w_m2) => w_m2,
@@ -218,11 +220,11 @@ impl Balances {
             let (black_w_m2, radiation_w_m2_k) = (self.air_w_m2, of.radiation_w_m2_k);
             Exitance { w_m2, black_w_m2, radiation_w_m2_k, ..Exitance::default() }
         });
-        Sent { ground, obstructions: SixPlanes { up: obstruction, down: obstruction, sides: [obstruction; 4] } }
+        Exitances { ground, obstructions: SixPlanes { up: obstruction, down: obstruction, sides: [obstruction; 4] } }
     }
 
     /// What surfaces send that get what follows from `planes`; `before` is what they sent before.
-    fn sent_back(&self, before: &Sent, shortwave: &SixPlanes<f64>, planes: &SixPlanes<f64>) -> Sent {
+    fn sent_back(&self, before: &Exitances, shortwave: &SixPlanes<f64>, planes: &SixPlanes<f64>) -> Exitances {
         let (got, light) = (planes.on_obstructions(), shortwave.on_obstructions());
         let sent = |before: &Exitance, got: f64, light: f64| self.exitance(&self.obstruction, before, got, light);
         // What is seen above and below gets the same.
@@ -231,7 +233,7 @@ impl Balances {
         for ((side, got), light) in sides.iter_mut().zip(got.sides).zip(light.sides) {
             *side = sent(side, got, light);
         }
-        Sent {
+        Exitances {
             ground: self.exitance(&self.ground, &before.ground, planes.up, shortwave.up),
             obstructions: SixPlanes { up: ends, down: ends, sides },
         }
@@ -267,8 +269,8 @@ impl Balances {
     }
 
     /// What planes get from the sky, from ground and from the obstructions that each of them sees.
-    fn on_planes(&self, views: &SixPlanes<ViewShares>, sent: &Sent) -> SixPlanes<OnPlane> {
-        let Sent { ground, obstructions } = sent;
+    fn on_planes(&self, views: &SixPlanes<ViewShares>, sent: &Exitances) -> SixPlanes<OnPlane> {
+        let Exitances { ground, obstructions } = sent;
         let on_plane = |view: &ViewShares, obstruction: &Exitance| {
             let of_ground = (1.0 - view.sky - view.obstruction).max(0.0);
             let of_sky = view.sky * self.air_w_m2 - view.missed * (self.air_w_m2 - self.sky_w_m2);
@@ -295,9 +297,9 @@ fn radiation_w_m2_k(emissivity: f64, black_w_m2: f64, celsius: f64) -> f64 {
 #[derive(Clone, Copy, Debug, Default)]
 struct OnPlane {
     w_m2: f64,
-    /// Its change by that of what the obstructions get that it sees,
+    /// Its change by the longwave irradiance of the obstructions that it sees.
     by_obstruction: f64,
-    /// and by that of what the ground gets.
+    /// Its change by the longwave irradiance of the ground.
     by_ground: f64,
 }
 

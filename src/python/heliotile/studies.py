@@ -158,7 +158,7 @@ def comfort(
     scene, output
         A `Scene` or its files; the folder of `receivers.csv` and `site.helio`, which is taken again where it is of the same inputs.
     weather
-        A weather file, or a `Weather` of one, that the archive will be asked under: one that comfort cannot be computed of is refused before anything is
+        A weather file, or a `Weather` of one, that the archive will be asked under: one without the air that UTCI and PET need is refused before anything is
         traced. An `error` is of this weather, if there is no `error_weather`.
     points
         A table `point,x,y` and maybe `z` or `height`: where people stand. Without it they stand `on` these kinds of surfaces or materials, `spacing` metres apart.

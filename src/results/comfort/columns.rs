@@ -47,7 +47,10 @@ impl ComfortColumns {
     /// Of what is asked, in rows of hours or of longer periods.
     pub(super) fn new(asked: &[ComfortColumn], every: Every, above_c: &[f64]) -> Self {
         let asked = if asked.is_empty() { &ComfortColumn::USUAL } else { asked };
-        let numbers: Vec<HourNumber> = asked.iter().flat_map(|column| numbers_of(*column)).collect();
+        // One that is named twice stands where it is named first.
+        let first = |(i, column): &(usize, &ComfortColumn)| asked.iter().position(|other| other == *column) == Some(*i);
+        let asked = asked.iter().enumerate().filter(first).map(|(_, column)| *column);
+        let numbers: Vec<HourNumber> = asked.flat_map(numbers_of).collect();
         let sums = |number: &HourNumber| match every {
             Every::Hour => vec![None],
             _ => PeriodSum::of_column(number.column, above_c).into_iter().map(Some).collect(),

@@ -23,7 +23,6 @@ use heliotile_core::comfort::people::model::ComfortModel;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named;
 use heliotile_core::opened::OpenSite;
-use heliotile_core::site::material::{Class, Material};
 use heliotile_core::text::counted;
 
 /// Points that are computed together.
@@ -76,7 +75,7 @@ impl ComfortRequest {
         let labels = if every == Every::Hour { Labels::Times } else { Labels::Dates };
         let layout = Layout::of_quantities(labels, By::Receiver, columns.quantities());
         let rows = ResultRows::of(layout, series.labels.clone(), Some(every));
-        let about = self.about(stream.with_series(&series).about(archives, place), site.materials());
+        let about = self.about(stream.with_series(&series).about(archives, place), &model);
         let called = format!("{} under {}", name_of(place), series.called);
         let told = RowsAbout { called, about, place, scene: None };
         let maps = files.maps(files.plots.iter().map(PathBuf::as_path))?;
@@ -104,21 +103,23 @@ impl ComfortRequest {
     }
 
     /// What the files say of how they were made: every assumption.
-    fn about(&self, about: Provenance, materials: &[Material]) -> Provenance {
+    fn about(&self, about: Provenance, model: &ComfortModel) -> Provenance {
         let choice = &self.choice;
+        let absorptances = [("absorptance_ground", &model.ground), ("absorptance_obstruction", &model.obstruction)];
         let about = about
             .with("posture", named::name_of(&choice.posture))
             .with("sun_on_person", named::name_of(&choice.sun_on))
             .with("surface_temperatures", named::name_of(&choice.surfaces))
-            .with("film_w_m2_k", choice.film_w_m2_k)
-            .with("emissivity_ground", choice.emissivity_of(Class::Ground))
-            .with("emissivity_obstruction", choice.emissivity_of(Class::Obstruction))
-            .with("absorptance_ground", format!("{:.3}", choice.absorptance_of(Class::Ground, materials)))
-            .with("absorptance_obstruction", format!("{:.3}", choice.absorptance_of(Class::Obstruction, materials)))
-            .with("person_absorptivity_shortwave", choice.body().shortwave_absorptivity)
-            .with("person_emissivity", choice.body().longwave_emissivity)
-            .with("pet_clothing_clo", choice.person().clothing_clo)
-            .with("pet_activity_met", format!("{:.2}", choice.person().activity_met));
+            .with("film_w_m2_k", model.film_w_m2_k)
+            .with("emissivity_ground", model.ground.emissivity)
+            .with("emissivity_obstruction", model.obstruction.emissivity)
+            .with("person_absorptivity_shortwave", model.body.shortwave_absorptivity)
+            .with("person_emissivity", model.body.longwave_emissivity)
+            .with("pet_clothing_clo", model.person.clothing_clo)
+            .with("pet_activity_met", format!("{:.2}", model.person.activity_met));
+        // Surfaces of given temperatures absorb no light.
+        let absorbing = absorptances.into_iter().filter_map(|(name, surfaces)| Some((name, surfaces.sol_air?)));
+        let about = absorbing.fold(about, |about, (name, share)| about.with(name, format!("{share:.3}")));
         match &choice.wind {
             WindChoice::Factor(factor) => about.with("wind_factor", factor),
             WindChoice::File(file) => about.with("wind", name_of(file)),

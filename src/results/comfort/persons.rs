@@ -47,17 +47,18 @@ impl PersonSet {
     /// of the atlas.
     pub(super) fn of(stream: &TileStream, place: &Path) -> Result<(Self, Vec<bool>)> {
         let under_leaves = under_leaves(stream)?;
-        let (mut names, mut views, mut looks_up) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut receivers, mut views, mut looks_up) = (Vec::new(), Vec::new(), Vec::new());
         let mut found = PlaneViews::default();
         for row in stream.receivers.rows::<SkyBitmap>() {
             let row = row?;
-            let id = row.receiver.id;
-            views.push(found.of(row.receiver.normal, row.views, &row.layers, under_leaves.get(&id).copied()));
-            let (_, plane) = point_of(&id);
+            let receiver = row.receiver;
+            let open = under_leaves.get(&receiver.id).copied();
+            views.push(found.of(receiver.normal, row.views, &row.layers, open));
+            let (_, plane) = point_of(&receiver.id);
             looks_up.push(plane == 0);
-            names.push(id);
+            receivers.push(receiver);
         }
-        let points = PersonPoints::of(&names).map_err(|what| no_persons(place, what))?;
+        let points = PersonPoints::of(receivers).map_err(|what| no_persons(place, what))?;
         Ok((PersonSet { points, views }, looks_up))
     }
 
@@ -88,10 +89,8 @@ fn under_leaves(stream: &TileStream) -> Result<HashMap<String, f64>> {
     let light = LightChoice { sky: SkyModel::Uniform, ..LightChoice::default() };
     let stream = TileStream { series: &series, light: &light, ..*stream };
     stream.each(ComponentSet::of(&[Component::SkyDirect]), |tile| {
-        found.extend(tile.ids.iter().enumerate().map(|(row, id)| {
-            let light: f64 = tile.values.row(Component::SkyDirect, row).iter().copied().map(f64::from).sum();
-            (id.clone(), open_share(light))
-        }));
+        let share = |row: usize| open_share(tile.values.row(Component::SkyDirect, row));
+        found.extend(tile.ids.iter().enumerate().map(|(row, id)| (id.clone(), share(row))));
         Ok(true)
     })?;
     Ok(found)

@@ -1,5 +1,5 @@
 //! Receivers on the ground among rows of modules. In: rows with their modules, the scene without them. Out: places that lie free, a little
-//! above what is there, each with the material below it.
+//! above what is there.
 
 use std::path::Path;
 
@@ -21,8 +21,6 @@ pub struct GroundSpot {
     /// Name of the rows that it lies among.
     pub rows: String,
     pub place: GroundPlace,
-    /// Material of the ground below.
-    pub material: Option<u16>,
 }
 
 impl GroundSpot {
@@ -53,10 +51,7 @@ impl GroundSpot {
                     found.list.len() + left_out
                 ));
             }
-            let spot = |place: GroundPlace| {
-                let material = siting.ground_below(place.position).map(|ground| ground.material);
-                GroundSpot { rows: name.clone(), place, material }
-            };
+            let spot = |place: GroundPlace| GroundSpot { rows: name.clone(), place };
             all.extend(found.list.into_iter().map(spot));
         }
         Ok(all)

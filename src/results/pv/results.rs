@@ -55,6 +55,9 @@ impl Results<'_, '_> {
         let of_receiver = self.of_receivers()?;
         let sides = self.sums(scene, &of_receiver, has_horizons)?;
         let ground = self.sums_on_ground(scene, &of_receiver)?;
+        if files.ground.is_some() {
+            self.light.tell_par(self.archive)?;
+        }
         if has_horizons {
             let horizons = self.horizons(siting, north);
             fs::create_dir_all(&files.horizons).map_err(Error::io(&files.horizons, "create"))?;
@@ -65,7 +68,6 @@ impl Results<'_, '_> {
         let months = self.light.month_labels(self.archive)?;
         write_months(&files.months, &sides, &months, about)?;
         if let Some([places, by_month]) = &files.ground {
-            self.light.tell_par(self.archive)?;
             write_ground(places, &ground, about)?;
             write_ground_months(by_month, &ground, &months, about)?;
         }
@@ -160,22 +162,28 @@ impl Results<'_, '_> {
         let names: HashSet<&str> = self.ground.iter().map(|spot| spot.place.name.as_str()).collect();
         let mut par = self.light.monthly_par(self.archive, |id| names.contains(id))?;
         let mut plain: OpenPlain<PlantLight> = OpenPlain::new(scene, self.archive, &self.files.folder);
-        let wanted = self.ground.iter().map(|spot| (spot.material, Orientation::FLAT));
+        // What looks straight up sees nothing of the plain, whatever that is made of.
+        let wanted = std::iter::once((None, Orientation::FLAT));
         plain.learn(wanted, |archive| self.light.monthly_par(archive, |_| true), self.light.observer())?;
         let of_spot = |spot: &GroundSpot| {
-            let found = of_receiver.get(&spot.place.name);
-            GroundSums {
-                receiver: spot.place.name.clone(),
+            let name = &spot.place.name;
+            let (Some(found), Some(par)) = (of_receiver.get(name), par.remove(name)) else {
+                let what = format!("the archive has no light of `{name}`, which it was built with");
+                return Err(Error::defect(self.archive.path(), "receivers", "id", what));
+            };
+            Ok(GroundSums {
+                receiver: name.clone(),
                 rows: spot.rows.clone(),
                 position: spot.place.position,
                 behind_m: spot.place.behind_m,
-                months: found.map(|found| found.months.clone()).unwrap_or_default(),
-                par: par.remove(&spot.place.name).unwrap_or_default(),
-                open: plain.sums(spot.material, Orientation::FLAT),
-                sky_view: found.map_or(0.0, |found| found.sky_view),
-            }
+                months: found.months.clone(),
+                par,
+                open: plain.sums(None, Orientation::FLAT),
+                sky_view: found.sky_view,
+            })
         };
-        Ok(SumsOnGround { places: self.ground.iter().map(of_spot).collect(), days: self.light.days(self.archive)? })
+        let places = self.ground.iter().map(of_spot).collect::<Result<_>>()?;
+        Ok(SumsOnGround { places, days: self.light.days(self.archive)? })
     }
 
     /// Hours of every point and module. Kept in memory are modules of which some receivers are still to come: their tiles are neighbours.

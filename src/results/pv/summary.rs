@@ -74,17 +74,18 @@ fn on_ground(ground: &SumsOnGround) -> String {
     );
     for places in ground.places.chunk_by(|a, b| a.rows == b.rows) {
         let mean = |value: &dyn Fn(&GroundSums) -> f64| places.iter().map(value).sum::<f64>() / places.len() as f64;
-        let share = |place: &GroundSums| place.par_of_open_percent().unwrap_or_default();
-        let shares = || places.iter().map(share);
+        let shares: Vec<f64> = places.iter().filter_map(GroundSums::par_of_open_percent).collect();
+        // On an open plain without light there is no share.
+        let of_shares = |value: f64| if shares.is_empty() { "-".to_owned() } else { format!("{value:.1}") };
         out += &format!(
-            "{:<20}{:>7}{:>10.1}{:>14.2}{:>21.1}{:>8.1}{:>8.1}\n",
+            "{:<20}{:>7}{:>10.1}{:>14.2}{:>21}{:>8}{:>8}\n",
             places.first().map_or("", |place| place.rows.as_str()),
             places.len(),
             mean(&|place| place.months.total()),
             mean(&|place| place.daily_photons(&ground.days).unwrap_or_default()),
-            mean(&share),
-            shares().fold(f64::INFINITY, f64::min),
-            shares().fold(0.0, f64::max)
+            of_shares(shares.iter().sum::<f64>() / shares.len() as f64),
+            of_shares(shares.iter().copied().fold(f64::INFINITY, f64::min)),
+            of_shares(shares.iter().copied().fold(0.0, f64::max))
         );
     }
     out

@@ -17,7 +17,7 @@ pub struct GroundPlace {
     pub behind_m: f64,
 }
 
-/// Places of a grid, and those that it has none of.
+/// Free places of a grid, and how many were left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GroundPlaces {
     /// Line by line.

@@ -91,7 +91,7 @@ test("people whose planes lie in two tiles have the values of comfort too, which
   t.diagnostic(`a person costs ${moment.toFixed(2)} ms a moment and ${year.toFixed(0)} ms a year`);
 });
 
-test("means and hours above 26, 32, 38 and 46 of a year and of July are those of comfort: 0.01 K and no hour but those within 0.01 K of a threshold", async () => {
+test("means and hours above 26, 32, 38 and 46 of a year and of July are those of comfort: 0.01 K and at most one hour, whose UTCI lies at a threshold", async () => {
   const { found, felt } = await ofPeople(FOUR);
   assert.deepEqual(found.sums, ["mrt_mean_c", "utci_mean_c", "utci_max_c", ...[26, 32, 38, 46].map((limit) => `utci_above_${limit}_h`)]);
   for (const [span, options] of [[{ kind: "year" }, ["--every", "total"]], [{ kind: "month", month: 7 }, ["--from", "07-01", "--to", "07-31", "--every", "total"]]]) {

@@ -34,7 +34,7 @@ pub struct MissingAir(&'static str);
 pub struct HourClimate {
     /// Air temperature, degrees Celsius.
     pub air_c: f64,
-    /// Wind at 10 m; 0 where no column asks for it.
+    /// Wind at 10 m, m/s; 0 where the file has none and no column needs it.
     pub wind_m_s: f64,
     /// What radiates.
     pub surroundings: HeatAround,
@@ -46,7 +46,7 @@ pub struct HourClimate {
     pub hours: f64,
 }
 
-/// What columns depend on, all of which is there.
+/// Air of an hour that has everything the asked columns need.
 struct KnownAir {
     air_c: f64,
     emission: Emission,

@@ -81,6 +81,10 @@ fn at_hour(planes: &[Vec<f32>; 6], hour: usize) -> SixPlanes<f64> {
 /// The sun whose direct light these planes get: opposite planes see it from one side each, so that their differences are its vector.
 fn sun_of(direct: &SixPlanes<f64>) -> DirectSun {
     let [north, east, south, west] = direct.sides;
+    // Half of all hours are dark.
+    if direct.up == 0.0 && direct.down == 0.0 && direct.sides == [0.0; 4] {
+        return DirectSun { beam_normal_w_m2: 0.0, altitude_deg: 0.0 };
+    }
     let (up, horizontal) = (direct.up - direct.down, (north - south).hypot(east - west));
     DirectSun { beam_normal_w_m2: up.hypot(horizontal), altitude_deg: up.atan2(horizontal).to_degrees() }
 }

@@ -1,9 +1,18 @@
-//! Which receivers are the six planes of a point. In: names of receivers. Out: points, each with the places of its planes.
+//! Which receivers are the six planes of a point. In: receivers with their names. Out: points, each with the places of its planes.
 
 use std::collections::HashMap;
 
+use glam::DVec3;
+
 use super::columns::PLANES;
 use crate::comfort::surroundings::SixPlanes;
+use crate::site::receiver::Receiver;
+
+/// Planes of a point may stand apart as instruments on a mast do, metres.
+const MOST_APART_M: f64 = 1.0;
+
+/// Cosines of angles between planes may be off by so much: half a degree.
+const COSINE: f64 = 0.01;
 
 /// Name of the receiver of a plane; the one that looks up has the name of the point.
 pub fn receiver_name(point: &str, plane: usize) -> String {
@@ -38,14 +47,15 @@ pub struct PersonPoints {
 }
 
 impl PersonPoints {
-    /// The points of receivers with these names, each of which must have all six planes. An error: what is missing.
-    pub fn of(receivers: impl IntoIterator<Item = impl AsRef<str>>) -> Result<Self, String> {
+    /// The points of these receivers, each of which must have all six planes at one place: up, down and four sides, which may be turned. An
+    /// error: what is missing, or does not look where its name says.
+    pub fn of(receivers: impl IntoIterator<Item = Receiver>) -> Result<Self, String> {
         let mut points = PersonPoints::default();
-        let mut found: HashMap<String, [Option<usize>; 6]> = HashMap::new();
-        for (place, receiver) in receivers.into_iter().enumerate() {
-            let (point, plane) = point_of(receiver.as_ref());
+        let mut found: HashMap<String, [Option<Plane>; 6]> = HashMap::new();
+        for (place, Receiver { id, position, normal, .. }) in receivers.into_iter().enumerate() {
+            let (point, plane) = point_of(&id);
             if let Some(of_plane) = found.entry(point.to_owned()).or_default().get_mut(plane) {
-                *of_plane = Some(place);
+                *of_plane = Some(Plane { place, position, normal });
             }
             if plane == 0 {
                 points.number_of.insert(point.to_owned(), points.names.len());
@@ -54,15 +64,18 @@ impl PersonPoints {
         }
         for name in &points.names {
             let planes = found.remove(name).unwrap_or_default();
-            let mut whole = [0; 6];
-            for (plane, (to, place)) in whole.iter_mut().zip(planes).enumerate() {
-                let missing = || {
-                    let lacking = receiver_name(name, plane);
-                    format!("receiver `{name}` is no point with six planes: `{lacking}` is not there")
-                };
-                *to = place.ok_or_else(missing)?;
+            let lacks = planes.iter().position(Option::is_none);
+            let (Some(planes), None) = (all_of(planes), lacks) else {
+                let lacking = receiver_name(name, lacks.unwrap_or(0));
+                return Err(format!("receiver `{name}` is no point with six planes: `{lacking}` is not there"));
+            };
+            if !are_planes(&planes) {
+                return Err(format!(
+                    "the receivers `{name}`, `{name}/down`, `{name}/north` and so on do not look up, down and to four sides from one place"
+                ));
             }
-            points.planes.push(whole);
+            let SixPlanes { up, down, sides: [north, east, south, west] } = planes;
+            points.planes.push([up, down, north, east, south, west].map(|plane| plane.place));
         }
         match found.into_keys().min() {
             Some(point) => Err(format!("point `{point}` has no receiver `{point}` that looks up")),
@@ -96,9 +109,47 @@ impl PersonPoints {
     }
 }
 
+/// A receiver that may be a plane.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    place: usize,
+    position: DVec3,
+    normal: DVec3,
+}
+
+/// Whether planes look where their names say from one place: up, down, and to four sides clockwise, whatever turn those have.
+fn are_planes(planes: &SixPlanes<Plane>) -> bool {
+    let [north, east, south, west] = planes.sides.map(|side| side.normal);
+    let sides = [(north, east), (east, south), (south, west), (west, north)];
+    let turn_right = sides.iter().all(|(one, next)| next.cross(*one).z > 1.0 - COSINE);
+    let all = [planes.up, planes.down].into_iter().chain(planes.sides);
+    let is_near = |plane: Plane| plane.position.distance(planes.up.position) <= MOST_APART_M;
+    turn_right
+        && planes.up.normal.z > 1.0 - COSINE
+        && planes.down.normal.z < COSINE - 1.0
+        && all.into_iter().all(is_near)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Two people, `a` and `b`, whose sides are turned by 15 degrees.
+    fn people() -> Vec<Receiver> {
+        let (sin, cos) = 15.0_f64.to_radians().sin_cos();
+        let normals = [
+            DVec3::Z,
+            DVec3::NEG_Z,
+            DVec3::new(sin, cos, 0.0),
+            DVec3::new(cos, -sin, 0.0),
+            DVec3::new(-sin, -cos, 0.0),
+            DVec3::new(-cos, sin, 0.0),
+        ];
+        let receiver = |(name, place): (&str, DVec3), plane: usize| {
+            Receiver::new(receiver_name(name, plane), place, normals.get(plane).copied().unwrap_or_default())
+        };
+        (0..6).flat_map(|plane| [("a", DVec3::ZERO), ("b", DVec3::X)].map(|of| receiver(of, plane))).collect()
+    }
 
     /// Names of planes go there and back; a receiver with a slash of its own is a point.
     #[test]
@@ -112,15 +163,31 @@ mod tests {
     /// Twelve receivers in any order are two points with their six planes; one without a plane, and planes without a point, are told of by name.
     #[test]
     fn whole_points() {
-        let mut names: Vec<String> =
-            (0..6).flat_map(|plane| ["a", "b"].map(|name| receiver_name(name, plane))).collect();
-        names.reverse();
-        let points = PersonPoints::of(&names).expect("points");
+        let mut people = people();
+        people.reverse();
+        let points = PersonPoints::of(people.clone()).expect("points");
         assert_eq!((points.len(), points.name(0), points.number("a")), (2, "b", Some(1)));
         assert_eq!(points.planes(0), Some(&[10, 8, 6, 4, 2, 0]));
-        let lacks = PersonPoints::of(names.iter().filter(|name| *name != "a/east"));
-        assert!(lacks.is_err_and(|what| what.contains("`a/east` is not there")));
-        let lost = PersonPoints::of(names.iter().filter(|name| *name != "a"));
-        assert!(lost.is_err_and(|what| what.contains("no receiver `a` that looks up")));
+        let without = |name: &str| PersonPoints::of(people.iter().filter(|of| of.id != name).cloned());
+        assert!(without("a/east").is_err_and(|what| what.contains("`a/east` is not there")));
+        assert!(without("a").is_err_and(|what| what.contains("no receiver `a` that looks up")));
+    }
+
+    /// Planes that look elsewhere than their names say, or stand elsewhere than their point, are no person: 4 of 4.
+    #[test]
+    fn names_alone_make_no_person() {
+        let refused = |change: fn(&mut [Receiver])| {
+            let mut people = people();
+            change(&mut people);
+            PersonPoints::of(people).is_err_and(|what| what.contains("do not look up, down and to four sides"))
+        };
+        let turned = |people: &mut [Receiver]| people.iter_mut().for_each(|of| of.normal.x *= -1.0);
+        assert!(refused(turned), "east and west are changed");
+        assert!(refused(|people| people.iter_mut().for_each(|of| of.normal.z *= -1.0)), "up and down are changed");
+        assert!(refused(|people| people.iter_mut().for_each(|of| of.normal = DVec3::Z)), "all look up");
+        assert!(
+            refused(|people| people.iter_mut().take(2).for_each(|of| of.position.y += 3.0)),
+            "one plane stands apart"
+        );
     }
 }

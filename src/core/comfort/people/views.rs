@@ -16,9 +16,9 @@ pub fn uniform_sky() -> Condition {
 }
 
 /// Share of the hemisphere, weighted by the cosine, that is sky, as light passes the leaves before it, of what a plane gets directly from
-/// [`uniform_sky`].
-pub fn open_share(sky_direct_w_m2: f64) -> f64 {
-    sky_direct_w_m2 / OPEN_W_M2
+/// [`uniform_sky`], W/m2.
+pub fn open_share(sky_direct: &[f32]) -> f64 {
+    sky_direct.iter().copied().map(f64::from).sum::<f64>() / OPEN_W_M2
 }
 
 /// Finds views; skies of one size after another are cheapest.

@@ -217,7 +217,7 @@ impl<'a> SunArc<'a> {
         }
     }
 
-    /// The same by search. Crossings are bracketed by `PARTS` samples, so a day or a night
+    /// Stretches (minutes) in which the sun's centre is up, found by `PARTS` samples and bisection: a day or a night
     /// shorter than an eighth of the interval (the sun then stays within 0.01 deg of the horizon) is not seen.
     fn searched_pieces(&self) -> Vec<(f64, f64)> {
         let interval = self.interval;

@@ -83,6 +83,7 @@ impl ComfortAsk {
             ComfortAsk::Moment { air, .. } => Ok(vec![(HourAir::of(air_of(*air, weather)?), air.label(weather))]),
             ComfortAsk::Span { span, .. } => {
                 let loaded = weather.ok_or_else(no_weather)?;
+                loaded.expect_air()?;
                 Ok(loaded.airs(*span).into_iter().zip(loaded.labels(*span)).collect())
             }
         }
@@ -114,20 +115,23 @@ fn no_weather() -> Error {
     Error::argument("weather", "there is none", "load a weather file")
 }
 
+/// Bits of the six planes of a point.
+const ALL_PLANES: u8 = 0b11_1111;
+
 /// What was found of an ask, tile by tile; points whose planes lie in two tiles wait for both.
-pub struct Felt {
+pub struct PeopleValues {
     ask: ComfortAsk,
     model: ComfortModel,
     climates: Vec<HourClimate>,
     /// `[tile]` whose light was taken.
     taken: Vec<bool>,
-    /// By point: planes that are there, and their light.
-    waiting: HashMap<usize, (usize, PersonLight)>,
+    /// By point: a bit for each plane that is there, and their light.
+    waiting: HashMap<usize, (u8, PersonLight)>,
     /// `[point]`: its numbers.
     found: Vec<Option<Box<[f32]>>>,
 }
 
-impl Felt {
+impl PeopleValues {
     /// Of an ask, where the air of all its hours is known.
     pub fn of(
         opened: &Opened,
@@ -144,7 +148,7 @@ impl Felt {
         let climates = ask.hours(weather)?.into_iter().map(climate).collect::<Result<_>>()?;
         let taken = vec![false; opened.site.tiles() as usize];
         let ask = ask.clone();
-        Ok(Felt { ask, model, climates, taken, waiting: HashMap::new(), found: Vec::new() })
+        Ok(PeopleValues { ask, model, climates, taken, waiting: HashMap::new(), found: Vec::new() })
     }
 
     /// Whether it is of this ask.
@@ -194,8 +198,8 @@ impl Felt {
             let Some(plane) = planes.iter().position(|plane| plane.tile == tile && plane.row == row) else { continue };
             let (there, light) = self.waiting.entry(point).or_default();
             light.put(plane, values.row(Component::Total, row), values.row(Component::SunDirect, row));
-            *there += 1;
-            if *there < planes.len() {
+            *there |= 1_u8 << plane;
+            if *there != ALL_PLANES {
                 continue;
             }
             let Some((_, light)) = self.waiting.remove(&point) else { continue };

@@ -9,7 +9,7 @@ use crate::Answered;
 use crate::answer::{Answer, Numbers};
 use crate::asked::{Span, SumAsk, columns};
 use crate::clouds::Clouds;
-use crate::comfort::{ComfortAsk, Felt, air_of, facts};
+use crate::comfort::{ComfortAsk, PeopleValues, air_of, facts};
 use crate::failure::{Failure, Kind};
 use crate::interactive::InteractiveTiles;
 use crate::light::Every;
@@ -35,7 +35,7 @@ pub struct Engine {
     /// Whether receivers are people, once that was asked.
     people: Option<Option<People>>,
     /// What people felt in the last moment, and over the last span.
-    felt: [Option<Felt>; 2],
+    felt: [Option<PeopleValues>; 2],
     /// The day of the year that minutes of sun were asked of last.
     day: Option<(u32, DayMinutes)>,
 }
@@ -58,13 +58,16 @@ impl Engine {
             Request::Overview { tile } => geometry::overview(opened, tile),
             Request::Receivers { tile } => receivers::receivers(opened, tile),
             Request::LoadWeather { name, clock } => {
-                // Other archives do without the air, whatever its columns hold.
+                // Only archives of people need the air; a column of it that cannot be read must not refuse the file for the others.
                 let read = |with_air| {
                     let options = WeatherOptions { with_air, ..clock.options()? };
                     LoadedWeather::read(&name, &bytes, &options, manifest)
                 };
                 let with_air = People::are_likely(opened).unwrap_or(false);
-                let loaded = read(with_air).or_else(|error| if with_air { read(false) } else { Err(error) })?;
+                let loaded = match read(with_air) {
+                    Err(error) if with_air => read(false)?.without_air(error),
+                    other => other?,
+                };
                 recombinations.clear();
                 *felt = [None, None];
                 *day = None;
@@ -134,7 +137,7 @@ impl Engine {
                 let kept = if ask.light().is_some() { moment } else { span };
                 let felt = match kept.take().filter(|kept| kept.is_of(&ask)) {
                     Some(felt) => kept.insert(felt),
-                    None => kept.insert(Felt::of(opened, weather.as_ref(), &ask)?),
+                    None => kept.insert(PeopleValues::of(opened, weather.as_ref(), &ask)?),
                 };
                 felt.tile(opened, people, tile, |tile| match (ask.light(), &ask) {
                     (Some(light), _) => {

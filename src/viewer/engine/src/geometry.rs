@@ -71,8 +71,8 @@ struct Drawn {
 }
 
 impl Drawn {
-    /// Where a receiver is drawn as a face of a box, relative to its place, metres: others look from there to a side, or up and down as this one, and not all
-    /// of them have patches.
+    /// Offset of the box face that stands for a receiver, metres; `None` if it is no face. A receiver is a face where another one of its place looks
+    /// sideways of it or the other way, and one of the two has no patch.
     fn face(&self, row: usize) -> Option<[f32; 3]> {
         let (place, &[x, y, z]) = (self.places.get(row)?, self.normals.get(row)?);
         let is_bare = |row: usize| {
@@ -83,7 +83,10 @@ impl Drawn {
         let mut beside =
             here.filter(|other| is_bare(row) || is_bare(*other)).filter_map(|other| self.normals.get(other));
         let half_m = 0.5 * BOX_M as f32;
-        let is_face = beside.any(|[a, b, c]| (x * a + y * b + z * c).abs() < 0.5 || z.abs() > 0.99);
+        let is_face = beside.any(|[a, b, c]| {
+            let along = x * a + y * b + z * c;
+            along.abs() < 0.5 || along < -0.99
+        });
         is_face.then_some([half_m * x, half_m * y, half_m * z])
     }
 

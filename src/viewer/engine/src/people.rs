@@ -56,11 +56,12 @@ impl People {
             return Ok(None);
         }
         opened.site.expect(&[RECEIVERS], 0..opened.site.tiles());
-        let mut names = Vec::new();
+        let mut receivers = Vec::new();
         for tile in 0..opened.site.tiles() {
-            names.extend(opened.site.tile_receivers(tile)?.receivers().into_iter().map(|receiver| receiver.id));
+            receivers.extend(opened.site.tile_receivers(tile)?.receivers());
         }
-        let Ok(points) = PersonPoints::of(&names) else { return Ok(None) };
+        let names: Vec<String> = receivers.iter().map(|receiver| receiver.id.clone()).collect();
+        let Ok(points) = PersonPoints::of(receivers) else { return Ok(None) };
         let of_receiver = names.iter().filter_map(|name| {
             let (point, plane) = point_of(name);
             Some((points.number(point)?, plane))
@@ -126,10 +127,7 @@ impl People {
             Some(replay) => replay.run([tile])?.pop().map(|(_, values)| values),
             None => None,
         };
-        let open = |row: usize| {
-            let light = lit.as_ref()?.row(Component::SkyDirect, row);
-            Some(open_share(light.iter().copied().map(f64::from).sum()))
-        };
+        let open = |row: usize| Some(open_share(lit.as_ref()?.row(Component::SkyDirect, row)));
         let rows = receivers.iter().zip(table.views()).zip(&skies).enumerate();
         Ok(rows.map(|(row, ((receiver, views), sky))| self.found.of(receiver.normal, views, sky, open(row))).collect())
     }

@@ -22,7 +22,7 @@ use serde_json::json;
 
 use crate::answer::{Answer, Numbers};
 use crate::asked::Span;
-use crate::failure::worded_text;
+use crate::failure::{Failure, worded_text};
 
 /// Minutes of a day.
 const DAY_MIN: f64 = 1440.0;
@@ -37,6 +37,8 @@ pub struct LoadedWeather {
     steps: usize,
     /// `[row]`: its condition, once it was asked for.
     conditions: Vec<Option<Condition>>,
+    /// Why the air of the file cannot be read.
+    without_air: Option<String>,
 }
 
 impl LoadedWeather {
@@ -50,11 +52,24 @@ impl LoadedWeather {
             steps: weather.steps_of(steps_an_hour),
             conditions: vec![None; weather.rows.len()],
             weather,
+            without_air: None,
         })
+    }
+
+    /// The same, with the reason why the air of the file cannot be read.
+    pub fn without_air(self, why: Error) -> Self {
+        LoadedWeather { without_air: Some(Failure::from(why).message), ..self }
+    }
+
+    /// Refuses a file whose air cannot be read.
+    pub fn expect_air(&self) -> Result<()> {
+        let hint = "mend the file, or set the air by numbers";
+        self.without_air.as_ref().map_or(Ok(()), |why| Err(Error::argument("weather", why.clone(), hint)))
     }
 
     /// The air of one row.
     pub fn air(&self, row: usize) -> Result<Air> {
+        self.expect_air()?;
         self.weather.air.get(row).copied().ok_or_else(|| {
             let what = format!("the file has no air of row {row}");
             Error::argument("weather", what, "load a file with air temperature, humidity and wind")

@@ -27,10 +27,12 @@ export function bandsOf(stress: readonly Stress[]): Band[] {
 /** The bands from the coldest to the hottest of some values. */
 export function bandsAmong(bands: readonly Band[], columns: readonly Float32Array[]): Band[] {
   let [low, high] = [bands.length, -1];
-  for (const value of columns.flatMap((column) => [...column])) {
-    if (!Number.isFinite(value)) continue;
-    const at = bands.findIndex(({ to }) => to === null || value <= to);
-    [low, high] = [Math.min(low, at), Math.max(high, at)];
+  for (const column of columns) {
+    for (const value of column) {
+      if (!Number.isFinite(value)) continue;
+      const at = bands.findIndex(({ to }) => to === null || value <= to);
+      [low, high] = [Math.min(low, at), Math.max(high, at)];
+    }
   }
   return bands.slice(low, high + 1);
 }

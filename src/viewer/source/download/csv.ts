@@ -77,6 +77,8 @@ export async function csv(state: State, site: Site, onProgress: (share: number) 
   const pair = after && partners;
   const [former, latter] = [before.quantity(), (after ?? before).quantity()];
   const { components } = former;
+  // Of people before and light after there is nothing to compare.
+  const compares = former.unit === latter.unit && former.shown === latter.shown;
   const columns = columnsOf(components, former.suffix, pair !== null);
   const chunks = [...provenance(state, site).map((line) => `# ${line.replaceAll(/[\r\n]+/g, " ")}\n`)];
   chunks.push(`${["receiver", "surface", "object", "building", "area_m2", "x", "y", "z", "tilt_deg", "azimuth_deg", "sky_view", ...columns].join(",")}\n`);
@@ -84,11 +86,12 @@ export async function csv(state: State, site: Site, onProgress: (share: number) 
   const archives = pair ? [after, before] : [before];
   for (const [which, layer] of archives.entries()) {
     const { session } = layer;
+    const { isRow } = layer === before ? former : latter;
     const valuesOf = (index: number): string[] | null => {
       if (!pair) return components.map((_, at) => figures(former.of(index)?.[at] ?? NaN));
       if (layer === before) return partners.ofBefore[index]! >= 0 ? null : cells(components, former.of(index), null);
       const partner = partners.ofAfter[index]!;
-      return cells(components, partner < 0 ? null : former.of(partner), latter.of(index));
+      return cells(components, partner < 0 ? null : former.of(partner), compares ? latter.of(index) : null);
     };
     for (const [number, tile] of session.tiles.entries()) {
       onProgress((which + number / session.tiles.length) / archives.length);
@@ -101,7 +104,7 @@ export async function csv(state: State, site: Site, onProgress: (share: number) 
       }
       const rows = table.flatMap((receiver, row) => {
         const index = tile.first + row;
-        const values = (layer.quantity().isRow?.(index) ?? true) ? valuesOf(index) : null;
+        const values = (isRow?.(index) ?? true) ? valuesOf(index) : null;
         return values ? [`${[...about(receiver, session, index), ...values].join(",")}\n`] : [];
       });
       chunks.push(rows.join(""));
