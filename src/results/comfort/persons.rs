@@ -47,18 +47,22 @@ impl PersonSet {
     /// of the atlas.
     pub(super) fn of(stream: &TileStream, place: &Path) -> Result<(Self, Vec<bool>)> {
         let under_leaves = under_leaves(stream)?;
-        let (mut receivers, mut views, mut looks_up) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut views, mut looks_up, mut failed) = (Vec::new(), Vec::new(), None);
         let mut found = PlaneViews::default();
-        for row in stream.receivers.rows::<SkyBitmap>() {
-            let row = row?;
+        let rows = stream.receivers.rows::<SkyBitmap>().map_while(|row| {
+            let row = row.map_err(|error| failed = Some(error)).ok()?;
             let receiver = row.receiver;
             let open = under_leaves.get(&receiver.id).copied();
             views.push(found.of(receiver.normal, row.views, &row.layers, open));
             let (_, plane) = point_of(&receiver.id);
             looks_up.push(plane == 0);
-            receivers.push(receiver);
+            Some(receiver)
+        });
+        let points = PersonPoints::of(rows);
+        if let Some(error) = failed {
+            return Err(error);
         }
-        let points = PersonPoints::of(receivers).map_err(|what| no_persons(place, what))?;
+        let points = points.map_err(|what| no_persons(place, what))?;
         Ok((PersonSet { points, views }, looks_up))
     }
 
