@@ -3,6 +3,7 @@ square with so many people, and of a year of their hours."""
 import math
 import os
 import resource
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -59,6 +60,8 @@ def main(count, program, out, weather):
     people, step = points(out / "points.csv", int(count))
     place = ["--latitude", "39.74", "--longitude", "-105.18", "-m", out / "m.toml", "--points", out / "points.csv", "--folder", out / "people"]
     asked = [program, "comfort", out / "square.obj", *place, "--quality", "draft", "--replace", "-w", weather]
+    # An archive of the same people would be taken again.
+    shutil.rmtree(out / "people", ignore_errors=True)
     # A day of the weather: nearly all of the time is the build's.
     build_s, build_mb = timed([*asked, "--from", "07-01", "--to", "07-01", "--every", "day", "-o", out / "day.csv"])
     year_s, year_mb = timed([program, "comfort", out / "people" / "site.helio", "-w", weather, "--every", "year", "-o", out / "year.csv"])
