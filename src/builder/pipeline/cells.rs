@@ -29,8 +29,7 @@ use heliotile_core::site::cells::{CellKey, CellSet, level_of};
 /// Bounce cells traced at a time.
 const WAVE: usize = 8192;
 
-/// Cells whose rays to what is around them are cast together. One cell has 8 or 16 of them, in all directions: packets of 16 held 2.3 rays of one
-/// cell and hold 13.4 of 32, which then take 0.4 of the time.
+/// Cells whose rays to what is around them are cast together. One cell has 8 or 16 of them in all directions, too few to fill packets of 16.
 const TOGETHER: usize = 32;
 
 /// RayCounts cast for cells: those that any scene needs, and those by way of mirrors.

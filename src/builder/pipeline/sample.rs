@@ -8,7 +8,6 @@ use rayon::prelude::*;
 use super::cells::Cast;
 use super::site_tracer::SiteTracer;
 use crate::receiver_tiles::ReceiverTiles;
-use crate::trace::probe::Directions;
 use crate::trace::receiver::SkyTrace;
 use crate::trace::sky_fans::SkyFans;
 use heliotile_core::archive::format::CellKind;
@@ -18,7 +17,7 @@ use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::cells::{Cell, Cells};
 use heliotile_core::layers::mirror::CellPath;
 use heliotile_core::light::mirrors::left;
-use heliotile_core::light::radiosity::{centres_f32, each_ray, surround};
+use heliotile_core::light::radiosity::{each_ray, surround};
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::receiver::Receiver;
 
@@ -165,19 +164,18 @@ impl SiteTracer<'_> {
 
     /// Traces some of the cells that are seen, evenly chosen.
     fn look_at_cells(&self, keys: &[CellKey]) -> TracedCells {
-        let (s, reflectors) = (self.settings, &self.reflectors);
+        let reflectors = &self.reflectors;
         let some: Vec<CellKey> = keys.iter().copied().step_by(keys.len().div_ceil(CELLS).max(1)).collect();
         if some.is_empty() {
             return TracedCells::default();
         }
-        let texture = Directions::new(s.probe);
-        let centres = centres_f32(s.probe);
+        let texture = self.directions(CellKind::Probes);
         let timed = Instant::now();
         let traced = self.trace_cells(CellKind::Probes, &some, &texture);
         let probe_s = timed.elapsed().as_secs_f64() / some.len() as f64;
         let share = |(cell, _): &(Cell, Cast)| {
             let cells = Cells::new(std::slice::from_ref(cell));
-            let each = each_ray(cells.hits_of(0), surround(cell.key, cell.normal, &cell.bits, &centres));
+            let each = each_ray(cells.hits_of(0), surround(cell.key, cell.normal, &cell.bits, &texture.centres));
             let rho = |key: &CellKey| reflectors.get(usize::from(key.material)).map_or(0.0, |r| r.diffuse);
             let direct: f64 =
                 cell.seen.iter().filter_map(|(up, key)| Some(each[usize::from(*up)] * rho(key.as_ref()?))).sum();
@@ -187,7 +185,7 @@ impl SiteTracer<'_> {
         let reflecting = traced.iter().map(share).fold(0.0, f64::max);
         let next: BTreeSet<CellKey> = traced.iter().flat_map(|(cell, _)| cell.reached()).collect();
         let next: Vec<CellKey> = next.iter().copied().step_by(next.len().div_ceil(CELLS / 4).max(1)).collect();
-        let texture = Directions::new(s.bounce_sky);
+        let texture = self.directions(CellKind::Bounces);
         let timed = Instant::now();
         let bounces: Vec<u64> =
             self.trace_cells(CellKind::Bounces, &next, &texture).iter().map(|(_, cast)| cast.plain).collect();

@@ -67,7 +67,7 @@ impl ComfortRequest {
 struct Hour<'w> {
     air: Air,
     emission: Option<Emission>,
-    /// That of a file, if there is one.
+    /// Wind of a file of its own, if there is one.
     wind: Option<&'w f64>,
 }
 

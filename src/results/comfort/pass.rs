@@ -45,6 +45,7 @@ struct PointPass<'a> {
     asked: &'a [ComfortColumn],
     model: &'a ComfortModel,
     rows: &'a Series<'a>,
+    place: &'a Path,
 }
 
 impl ComfortRequest {
@@ -86,7 +87,7 @@ impl ComfortRequest {
         let mut to = to.with_maps(&maps, &receivers, &told, resources)?;
         to.start()?;
         let (climates, asked) = (climates.as_slice(), asked.as_slice());
-        let pass = PointPass { set: &set, climates, columns: &columns, asked, model: &model, rows: &series };
+        let pass = PointPass { set: &set, climates, columns: &columns, asked, model: &model, rows: &series, place };
         let mut collector = PersonCollector::new(&set);
         let mut waiting: Vec<PointLight> = Vec::new();
         stream.each(self.components(), |tile| {
@@ -152,11 +153,14 @@ impl PointPass<'_> {
         }
         let hours: Vec<f64> = self.climates.iter().map(|climate| climate.hours).collect();
         let of_point = |point: &PointLight| {
-            let views = self.set.views(point.number).unwrap_or_default();
+            let views = self.set.views(point.number).ok_or_else(|| {
+                let what = format!("nothing is known of what point `{}` sees", self.set.name(point.number));
+                Error::defect(self.place, "receivers", "views", what)
+            })?;
             let numbers = point.light.numbers(&views, self.climates, self.asked, self.model);
-            self.columns.rows(&numbers, &self.rows.bins, &hours)
+            Ok(self.columns.rows(&numbers, &self.rows.bins, &hours))
         };
-        let rows: Vec<Vec<Vec<f32>>> = lights.par_iter().map(of_point).collect();
+        let rows: Vec<Vec<Vec<f32>>> = lights.par_iter().map(of_point).collect::<Result<_>>()?;
         let array = |number: usize| rows.iter().filter_map(|row| row.get(number)).flatten().copied().collect();
         let arrays: Vec<Vec<f32>> = (0..self.columns.count()).map(array).collect();
         let names: Vec<String> = lights.iter().map(|light| self.set.name(light.number).to_owned()).collect();

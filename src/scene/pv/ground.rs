@@ -141,29 +141,13 @@ impl<'a> GroundGrid<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pv::layout::lay;
-    use crate::pv::rows::RowsGround;
-    use heliotile_core::orientation::fan::Orientation;
+    use crate::pv::layout::{self, lay};
 
     const STEP_M: f64 = 0.7;
     const OFF_M: f64 = 0.005;
 
     fn rows(tilt_deg: f64, azimuth_deg: f64, clearance_m: f64) -> RowsOfModules {
-        RowsOfModules {
-            name: "r".into(),
-            ground: RowsGround::Area(Vec::new()),
-            turn: Orientation { tilt_deg, azimuth_deg },
-            pitch_m: 3.0,
-            width_m: 1.0,
-            height_m: 2.0,
-            clearance_m,
-            setback_m: 0.5,
-            gap_m: 0.0,
-            thickness_m: 0.03,
-            reflectances: [0.05; 2],
-            samples: 4,
-            ground_step_m: Some(STEP_M),
-        }
+        RowsOfModules { clearance_m, ground_step_m: Some(STEP_M), ..layout::tests::rows(tilt_deg, azimuth_deg, 0.5) }
     }
 
     /// Places among rows on a polygon, over ground of a height.

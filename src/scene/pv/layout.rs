@@ -249,12 +249,13 @@ impl Module {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::pv::rows::RowsGround;
     use heliotile_core::orientation::fan::Orientation;
 
-    fn rows(tilt_deg: f64, azimuth_deg: f64, setback_m: f64) -> RowsOfModules {
+    /// Modules of 1 m x 2 m, 3 m apart.
+    pub fn rows(tilt_deg: f64, azimuth_deg: f64, setback_m: f64) -> RowsOfModules {
         RowsOfModules {
             name: "r".into(),
             ground: RowsGround::Area(Vec::new()),

@@ -16,7 +16,7 @@ interface Hooks {
   /** Point whose tiles come first, m from the origin of the page. */
   target(): [number, number, number];
   onShine(shine: Shine): void;
-  /** Of people, in the moment that is asked about. */
+  /** Values of people in the chosen moment. */
   onAir(air: Air): void;
   /** Values arrived, or are about to be asked for. */
   onValues(progress: { done: number; of: number } | null): void;

@@ -33,7 +33,7 @@ async function placesOf(session: Session): Promise<{ places: ReceiverPlace[]; ro
         rows.push(first + row);
       });
     } catch {
-      // A damaged tile is told of where its values are asked for.
+      // The request for its values reports a damaged tile.
     }
   }
   return { places, rows };

@@ -32,7 +32,7 @@ interface Setting {
 
 interface Hooks {
   onShine(shine: Shine): void;
-  /** Of people, in the moment that is asked about. */
+  /** Values of people in the chosen moment. */
   onAir(air: Air): void;
   /** Tiles are read, or values arrive; none when that is over. */
   onProgress(progress: Progress | null): void;

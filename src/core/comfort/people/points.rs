@@ -11,7 +11,7 @@ use crate::site::receiver::Receiver;
 /// Planes of a point may stand apart as instruments on a mast do, metres.
 const MOST_APART_M: f64 = 1.0;
 
-/// Cosines of angles between planes may be off by so much: half a degree.
+/// Cosines of angles between planes may be off by so much: eight degrees.
 const COSINE: f64 = 0.01;
 
 /// Name of the receiver of a plane; the one that looks up has the name of the point.
@@ -160,7 +160,8 @@ mod tests {
         assert_eq!(point_of("roof/7"), ("roof/7", 0));
     }
 
-    /// Twelve receivers in any order are two points with their six planes; one without a plane, and planes without a point, are told of by name.
+    /// Twelve receivers in any order are two points with their six planes; a missing plane and planes without a point are
+    /// named in an error.
     #[test]
     fn whole_points() {
         let mut people = people();

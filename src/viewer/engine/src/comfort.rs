@@ -24,7 +24,7 @@ use crate::open::Opened;
 use crate::people::People;
 use crate::weather::LoadedWeather;
 
-/// What is told of a moment.
+/// Columns of a moment.
 pub const MOMENT: [ComfortColumn; 5] = [
     ComfortColumn::Utci,
     ComfortColumn::MeanRadiant,
@@ -33,7 +33,7 @@ pub const MOMENT: [ComfortColumn; 5] = [
     ComfortColumn::Longwave,
 ];
 
-/// What is told of a span: an hour of the PET costs over ten times one of the UTCI.
+/// Columns of a span, without the PET: an hour of it costs over ten times one of the UTCI.
 const SUMS: [ComfortColumn; 2] = [ComfortColumn::MeanRadiant, ComfortColumn::Utci];
 
 /// Names of the numbers of a span.
