@@ -55,6 +55,11 @@ pub fn jitter(seed: u64, index: u64) -> DVec2 {
     DVec2::new(unit(a), unit(mix(a, 1)))
 }
 
+/// Points of the unit square that are spread evenly however many are taken: the plane's analogue of the golden ratio (Roberts 2018, R2).
+pub fn r2(index: f64, start: DVec2) -> DVec2 {
+    (index * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + start).fract()
+}
+
 /// Solid angle of a hemisphere, sr.
 pub const HEMISPHERE_SR: f64 = 2.0 * PI;
 

@@ -161,7 +161,7 @@ fn conditions() -> Vec<Condition> {
 
 /// Trees in leaf in every second of 20 conditions (0.2 a crossing) and bare in the others (0.8), by schedule on either of two archives:
 /// each column is that of the archive built so, within 1e-6 of the largest where that one's response is derived anew too and within
-/// 5e-3, what coding may add under any one sun, with the stored one; the leaves themselves change it by more than 10 %.
+/// 1e-2, what coding may add under any one sun, with the stored one; the leaves themselves change it by more than 10 %.
 #[test]
 fn seasons_equal_builds() {
     let receivers = &many()[..60];
@@ -184,7 +184,7 @@ fn seasons_equal_builds() {
         let (of_anew, of_stored, moved) =
             (largest(&anew, &seasons), largest(&stored, &seasons), largest(&stored, &replay(site, &[])));
         println!("anew {of_anew:.1e}, stored {of_stored:.1e}, moved by {moved:.2}");
-        assert!(of_anew < 1e-6 && of_stored < 5e-3 && moved > 0.1, "{of_anew:.1e} {of_stored:.1e} {moved:.2}");
+        assert!(of_anew < 1e-6 && of_stored < 1e-2 && moved > 0.1, "{of_anew:.1e} {of_stored:.1e} {moved:.2}");
     }
 }
 

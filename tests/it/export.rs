@@ -363,7 +363,7 @@ fn exr_files() {
     let image = read_all_flat_layers_from_file(folder.path("a.exr")).expect("an EXR file");
     let list = |text: &str| text.split(' ').map(str::to_string).collect::<Vec<_>>();
     let expected = [
-        ("sky", 1024, "sky_direct sun_direct visible weight_sr"),
+        ("sky", 2048, "sky_direct sun_direct visible weight_sr"),
         ("hit", 32, "cell class material mirrors sky_diffuse sun_diffuse weight_sr"),
         ("response", 32, "ground.x ground.y ground.z obstruction.x obstruction.y obstruction.z sky_diffuse weight_sr"),
     ];

@@ -154,7 +154,7 @@ fn far_away_does_not_leak() {
 }
 
 /// Packets at every level that this machine has and single rays answer alike, bit for bit: 300,000 rays in a town and a sphere, with
-/// shared and with own origins.
+/// shared and with own origins, to any distance and to three.
 #[test]
 fn levels_and_single_rays_agree() {
     let mut triangles = sphere(v(0.0, 0.0, 0.0), 60.0, 40);
@@ -178,6 +178,10 @@ fn levels_and_single_rays_agree() {
         for tracer in &tracers {
             assert!(tracer.closest_many(&rays) == closest);
             assert!(tracer.occluded_many(&rays) == occluded);
+            for reach_m in [0.5, 5.0, 50.0] {
+                let near: Vec<bool> = closest.iter().map(|hit| hit.is_some_and(|hit| hit.t < reach_m)).collect();
+                assert!(tracer.blocked_within(&rays, reach_m) == near);
+            }
         }
     }
 }

@@ -304,8 +304,8 @@ fn from_the_command_line() {
         assert!(said.contains("0 triangles of its 12 are gone, 10 came"), "{said}");
         assert!(bytes(&format!("b-{effects}.helio")) == bytes(&format!("from-{effects}.helio")), "{effects}");
     }
-    let said = done("build b.obj -m m.toml -r r.csv --effects all --set hit=32 --from a-all.helio -o other.helio");
-    assert!(said.contains("a-all.helio: it was built with other settings (hit 16, now 32"), "{said}");
+    let said = done("build b.obj -m m.toml -r r.csv --effects all --set hit=16 --from a-all.helio -o other.helio");
+    assert!(said.contains("a-all.helio: it was built with other settings (hit 32, now 16"), "{said}");
     let said = done("build far.obj -m m.toml -r r.csv --no-ground --effects all --from a-all.helio -o far.helio");
     assert!(said.contains("a-all.helio: ") && said.contains("nothing of it is used"), "{said}");
     done("build a.obj -m m.toml -r r.csv --no-scene -o bare.helio");

@@ -208,7 +208,7 @@ fn finer(rungs: Rungs, errors: &Errors, target_percent: f64) -> Rungs {
     Rungs {
         // Skies cost little.
         sky: (2..SKY_RUNGS).find(|&sky| fine(sky) > fine(rungs.sky)).unwrap_or(SKY_RUNGS - 1),
-        // The first rung whose hits are not those of the first trials.
+        // From here on hits are others than those of the first trial.
         seen: up(ErrorSource::Seen, SEEN_RUNGS).max(3),
         bounced: up(ErrorSource::Bounced, BOUNCED_RUNGS).min(FINEST_PILOT_BOUNCES.max(rungs.bounced)).max(2),
         patches: rungs.patches,

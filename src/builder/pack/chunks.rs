@@ -3,6 +3,7 @@
 use crate::pack::{COMPRESSION, extra};
 use crate::writing::Writer;
 use heliotile_core::archive::format::{CellKind, TileNumber};
+use heliotile_core::archive::settings::Settings;
 use heliotile_core::archive::{EncodedBlock, format, tables};
 use heliotile_core::error::Result;
 use heliotile_core::layers::canopy::Canopy;
@@ -18,18 +19,18 @@ pub struct Chunks {
 }
 
 impl Chunks {
-    /// Chunks of probes with a number of rays each.
-    pub fn probes(rays: usize) -> Self {
-        Chunks::new(CellKind::Probes, rays)
+    /// Chunks of cells that cast so many rays each, with skies of `side` x `side` texels.
+    pub fn new(kind: CellKind, rays: usize, side: usize) -> Self {
+        Chunks { kind, size: cells_per_chunk(rays, side * side), firsts: Vec::new(), count: 0 }
     }
 
-    /// Chunks of bounce cells with a number of rays each.
-    pub fn bounces(rays: usize) -> Self {
-        Chunks::new(CellKind::Bounces, rays)
-    }
-
-    fn new(kind: CellKind, rays: usize) -> Self {
-        Chunks { kind, size: cells_per_chunk(rays), firsts: Vec::new(), count: 0 }
+    /// Chunks of the cells of an archive with these settings.
+    pub fn of(kind: CellKind, settings: &Settings) -> Self {
+        let (rays, side) = match kind {
+            CellKind::Probes => (settings.probe_hits, settings.probe),
+            CellKind::Bounces => (settings.bounce_hits, settings.bounce_sky),
+        };
+        Chunks::new(kind, rays as usize, side as usize)
     }
 
     pub fn kind(&self) -> CellKind {

@@ -280,7 +280,7 @@ impl SiteTracer<'_> {
         if cell.doubtful {
             return self.doubtful_stands(cell, before, texture, rays);
         }
-        if !cell.mirrors.is_empty() || change.touches(key) {
+        if !cell.mirrors.is_empty() || change.touches(key, texture.nearby()) {
             return false;
         }
         let (middle, spread) = change.middle(key);
@@ -309,7 +309,7 @@ impl SiteTracer<'_> {
         let (key, normal) = (cell.key, DVec3::from(cell.normal.map(f64::from)));
         let Some(change) = &before.in_doubt else { return false };
         // Of backs of triangles it is fronts that are in doubt.
-        if key.is_back() || change.touches(key) {
+        if key.is_back() || change.touches(key, texture.nearby()) {
             return false;
         }
         let (middle, spread) = change.middle(key);

@@ -13,7 +13,7 @@ use crate::pipeline::canopies::canopy_of_cell;
 use crate::settings::Effect;
 use crate::spill::{Sorter, damaged};
 use crate::trace::canopy::CellCrossings;
-use crate::trace::probe::{Directions, ProbeTrace, trace_probe};
+use crate::trace::probe::{Directions, PointWeights, ProbeTrace, trace_probe};
 use crate::trace::surroundings::{SeenCell, SurroundingSettings, Surroundings, surroundings};
 use crate::writing::Writer;
 use heliotile_core::archive::format::{CellKind, TileNumber};
@@ -65,7 +65,7 @@ impl SiteTracer<'_> {
         }
         let texture = self.directions(CellKind::Probes);
         let progress = Stage::begin(self.observer, "probes", None);
-        let mut chunks = Chunks::probes(self.settings.probe_hits);
+        let mut chunks = self.chunks(CellKind::Probes);
         let mut seen = CellSet::default();
         let looks = self.looks(CellKind::Probes);
         let mut keys = keys.peekable();
@@ -100,12 +100,26 @@ impl SiteTracer<'_> {
         }
     }
 
-    /// The directions in which cells of a kind look for the sky.
-    pub(super) fn directions(&self, kind: CellKind) -> Directions {
-        Directions::new(match kind {
+    /// Chunks of cells of a kind, none of them written.
+    pub(super) fn chunks(&self, kind: CellKind) -> Chunks {
+        Chunks::new(kind, self.hits(kind), self.side(kind))
+    }
+
+    /// Side of the sky textures of cells of a kind.
+    fn side(&self, kind: CellKind) -> usize {
+        match kind {
             CellKind::Probes => self.settings.probe,
             CellKind::Bounces => self.settings.bounce_sky,
-        })
+        }
+    }
+
+    /// The directions in which cells of a kind look for the sky.
+    pub(super) fn directions(&self, kind: CellKind) -> Directions {
+        let weighting = match kind {
+            CellKind::Probes => PointWeights::Open,
+            CellKind::Bounces => PointWeights::Alike,
+        };
+        Directions::new(self.side(kind), weighting)
     }
 
     /// Cells of a kind in the order of their keys, and the rays that were cast for each.
@@ -158,7 +172,7 @@ impl SiteTracer<'_> {
         }
         let mut found = BounceCells::new(self, start.iter().copied().collect());
         self.close(&mut found, start, writer, rays)?;
-        let mut chunks = Chunks::bounces(self.settings.bounce_hits);
+        let mut chunks = self.chunks(CellKind::Bounces);
         let mut sorted = found.sorted(self)?.peekable();
         while sorted.peek().is_some() {
             let batch: Vec<Cell> = sorted.by_ref().take(chunks.batch()).collect::<Result<_>>()?;

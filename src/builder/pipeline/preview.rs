@@ -325,10 +325,7 @@ impl SiteTracer<'_> {
     ) -> Result<u64> {
         let Some(before) = &self.before else { return Ok(0) };
         let progress = Stage::begin(self.observer, "cells", None);
-        let mut chunks = match kind {
-            CellKind::Probes => Chunks::probes(self.settings.probe_hits),
-            CellKind::Bounces => Chunks::bounces(self.settings.bounce_hits),
-        };
+        let mut chunks = self.chunks(kind);
         let (starts, mut others) = (before.starts(kind)?, others.peekable());
         let numbers: Vec<usize> = (0..starts.len().max(1)).collect();
         for batch in numbers.chunks(2 * rayon::current_num_threads()) {

@@ -62,7 +62,7 @@ impl Rungs {
             Quality::Draft => Rungs { sky: 1, seen: 1, bounced: 1, patches: 0 },
             Quality::Standard => Rungs { sky: 2, seen: 2, bounced: 2, patches: 1 },
             Quality::Fine => Rungs { sky: 3, seen: 3, bounced: 3, patches: 1 },
-            Quality::Reference => Rungs { sky: 4, seen: 5, bounced: 4, patches: 2 },
+            Quality::Reference => Rungs { sky: 4, seen: 6, bounced: 4, patches: 2 },
         }
     }
 

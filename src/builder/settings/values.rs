@@ -33,7 +33,8 @@ impl Share {
 /// Goes up with every change that makes the same scene and settings give other receivers or cells: what was traced before is not mixed with what is
 /// traced now, in stores, interrupted builds and merges. 1: points hidden in solids do not count, and receivers that no light comes to see none.
 /// 2: the lit side of a sheet hides nothing. 3: whether a side is lit is told by fewer paths. 4: receivers look for mirrors in parts of base texels.
-const TRACING: u32 = 4;
+/// 5: points of cells count by how far surfaces nearby leave them open, cells near each other are finer, fine probes are refined.
+const TRACING: u32 = 5;
 
 macro_rules! declare {
     ($($name:ident: $stored:ty as $native:ty, $range:ident($($bound:expr),*), $ladder:ident $rungs:tt, $meaning:literal;)*) => {

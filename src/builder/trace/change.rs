@@ -104,10 +104,10 @@ impl Change {
         ChangeInView { balls: self.boxes.iter().map(ball).collect() }
     }
 
-    /// Whether a box touches the voxel of a cell.
-    pub fn touches(&self, key: CellKey) -> bool {
+    /// Whether a box touches the voxel of a cell, or comes nearer to it than a share of its edge.
+    pub fn touches(&self, key: CellKey, nearby: f64) -> bool {
         let (corner, size) = (key.corner(self.grid.origin), size_of(key.level));
-        let slack = size / 4096.0 + self.grid.slack_m(corner, size) + MARGIN.0;
+        let slack = size * (nearby + 1.0 / 4096.0) + self.grid.slack_m(corner, size) + MARGIN.0;
         let low = corner - self.grid.origin - GRID_SHIFT_M - slack;
         let high = low + (size + 2.0 * slack);
         self.boxes.iter().any(|of| of[0].cmple(high).all() && of[1].cmpge(low).all())

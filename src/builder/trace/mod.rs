@@ -10,6 +10,7 @@ pub mod placement;
 pub(crate) mod probe;
 pub(crate) mod reach;
 pub mod receiver;
+pub(crate) mod refinement;
 pub mod sky_fans;
 pub(crate) mod surface;
 pub(crate) mod surroundings;

@@ -10,7 +10,7 @@
 use glam::{DVec2, DVec3};
 
 use crate::trace::kernel::rays::Tracer;
-use heliotile_core::hemisphere::{mix, unit};
+use heliotile_core::hemisphere::{mix, r2, unit};
 use heliotile_core::site::cells::{CellKey, GRID_SHIFT_M, size_of};
 use heliotile_scene::mesh::Mesh;
 
@@ -106,9 +106,8 @@ pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<Surfac
     while points.len() < wanted && tried < TRIES && !candidates.is_empty() {
         let last = TRIES.min(tried + count);
         let line = |i: u32| {
-            // R2 sequence (Roberts 2018): the plane's analogue of the golden ratio.
-            let r = f64::from(i) * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + start;
-            Line { number: i, at: box_low + (box_high - box_low) * r.fract(), first: None }
+            let at = box_low + (box_high - box_low) * r2(f64::from(i), start);
+            Line { number: i, at, first: None }
         };
         let mut lines: Vec<Line> = (tried..last).map(line).collect();
         // Candidates may be very many, each before few lines.

@@ -11,7 +11,7 @@ use crate::trace::kernel::rays::{Hit, Ray};
 use crate::trace::mirror::{MirrorRay, Reflections};
 use crate::trace::probe::{Directions, ProbeTrace, pick};
 use crate::trace::surface::{CellSurfaces, SurfacePoint};
-use heliotile_core::hemisphere::{Frame, bit, cosine_direction_of, mix, unit};
+use heliotile_core::hemisphere::{Frame, bit, cosine_direction_of, mix, r2, unit};
 use heliotile_core::layers::cells::{DOWN, MISS};
 use heliotile_core::light::radiosity::SidesOf;
 use heliotile_core::site::cells::{CellKey, level_of};
@@ -66,8 +66,9 @@ impl Surroundings {
 /// Surfaces at distance t are cut into cells of about t / 4, the footprint of a ray.
 const FAR_SHARE: f64 = 0.25;
 
-/// Nearby surfaces are cut into cells of about t at most: in a light well light falls off over the well's width.
-const NEAR_SHARE: f64 = 1.0;
+/// Nearby surfaces are cut into cells of about t / 2 at most: in a light well light falls off over the well's width, and below an arcade larger ones
+/// would hold what lies outside of it. With t errors are 1.3 times as large in an arcade, 1.2 in a well, for 5 to 10 % less time.
+const NEAR_SHARE: f64 = 0.5;
 
 /// The home of a cell is a voxel so many levels above its own: within it coarse cells see each other in circles, as in a court or a
 /// room of white walls. What lies beyond is seen by larger cells, or one street would drag in the next, and that the whole map.
@@ -139,11 +140,11 @@ fn downward(key: CellKey, direction: DVec3) -> Option<DVec3> {
     }
 }
 
-/// Where a cell tries the cosine-distributed hemisphere: R2 sequence (Roberts 2018).
+/// Where a cell tries the cosine-distributed hemisphere.
 fn tries_of(key: CellKey) -> impl Fn(usize) -> DVec2 {
     let seed = key.seed();
     let offset = DVec2::new(unit(mix(seed, 12)), unit(mix(seed, 13)));
-    move |j| (j as f64 * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + offset).fract()
+    move |j| r2(j as f64, offset)
 }
 
 /// All rays that a cell may cast for its sky and, `count` of them, for what else it sees, whichever of its points are hidden; but only those that

@@ -66,11 +66,8 @@ pub fn extract(
     probes.add(&of_probes, "hit", hits, |key| seen.push(key))?;
     bounces.add_reachable(&of_bounces, "probes", seen, keys)?;
     let settings = &manifest.settings;
-    output.probes(settings.probe_hits, cells(&of_probes, probes.chunks(), |chunk, row| probes.contains(chunk, row)))?;
-    output.bounces(
-        settings.bounce_hits,
-        cells(&of_bounces, bounces.chunks(), |chunk, row| bounces.contains(chunk, row)),
-    )?;
+    output.probes(settings, cells(&of_probes, probes.chunks(), |chunk, row| probes.contains(chunk, row)))?;
+    output.bounces(settings, cells(&of_bounces, bounces.chunks(), |chunk, row| bounces.contains(chunk, row)))?;
     output.materials(archive)?;
     if with_scene {
         output.scene(&[archive])?;

@@ -47,9 +47,9 @@ pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer
 
     let settings = &a.manifest().settings;
     let (from_a, from_b) = (CellSource::probes(&of_a)?, CellSource::probes(&of_b)?);
-    output.probes(settings.probe_hits, merge_cells("probe", &from_a, &from_b, &mut conflicts))?;
+    output.probes(settings, merge_cells("probe", &from_a, &from_b, &mut conflicts))?;
     let (from_a, from_b) = (CellSource::bounces(&of_a)?, CellSource::bounces(&of_b)?);
-    output.bounces(settings.bounce_hits, merge_cells("bounce cell", &from_a, &from_b, &mut conflicts))?;
+    output.bounces(settings, merge_cells("bounce cell", &from_a, &from_b, &mut conflicts))?;
     conflicts.check(a.path(), b.path())?;
     output.materials(a)?;
     output.scene(&[a, b])?;

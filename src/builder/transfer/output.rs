@@ -11,7 +11,8 @@ use crate::pipeline::Workspace;
 use crate::transfer::compare::shows;
 use crate::transfer::rows::{LayeredReceiver, Shown, TracedLayers};
 use crate::writing::{Job, Summary, Writer};
-use heliotile_core::archive::format::TileNumber;
+use heliotile_core::archive::format::{CellKind, TileNumber};
+use heliotile_core::archive::settings::Settings;
 use heliotile_core::archive::{Archive, EncodedBlock, Manifest, format, manifest, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::cells::{Cell, Cells};
@@ -84,14 +85,14 @@ impl<'a> ArchiveAssembly<'a> {
     }
 
     /// Writes probes and their index.
-    pub fn probes(&mut self, rays: u32, cells: impl Iterator<Item = Result<Cell>>) -> Result<()> {
-        self.cells.probes = self.chunks(Chunks::probes(rays as usize), cells)?;
+    pub fn probes(&mut self, settings: &Settings, cells: impl Iterator<Item = Result<Cell>>) -> Result<()> {
+        self.cells.probes = self.chunks(Chunks::of(CellKind::Probes, settings), cells)?;
         Ok(())
     }
 
     /// Writes bounce cells and their index.
-    pub fn bounces(&mut self, rays: u32, cells: impl Iterator<Item = Result<Cell>>) -> Result<()> {
-        self.cells.bounce_cells = self.chunks(Chunks::bounces(rays as usize), cells)?;
+    pub fn bounces(&mut self, settings: &Settings, cells: impl Iterator<Item = Result<Cell>>) -> Result<()> {
+        self.cells.bounce_cells = self.chunks(Chunks::of(CellKind::Bounces, settings), cells)?;
         Ok(())
     }
 

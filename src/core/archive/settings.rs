@@ -17,15 +17,15 @@ macro_rules! for_each_setting {
         $with! {
             sky_base: u32 as usize, PowerOfTwo(8, 1024), Sky [32, 64, 64, 128, 128, 128],
                 "Side of the receivers' sky texture before it is refined at edges.";
-            sky_fine: u32 as usize, PowerOfTwo(8, 4096), Sky [256, 512, 1024, 1024, 2048, 4096],
+            sky_fine: u32 as usize, PowerOfTwo(8, 4096), Sky [256, 512, 1024, 2048, 2048, 4096],
                 "Side of the finest level of the receivers' sky texture.";
-            hit: u32 as usize, PowerOfTwo(8, 256), Seen [8, 16, 16, 32, 32, 32, 64],
+            hit: u32 as usize, PowerOfTwo(8, 256), Seen [8, 16, 32, 32, 32, 64, 64, 128],
                 "Side of the hit texture.";
-            cell_factor: f64 as f64, Real(0.25, 64.0), Seen [4.0, 4.0, 2.0, 4.0, 2.0, 2.0, 4.0],
+            cell_factor: f64 as f64, Real(0.25, 64.0), Seen [4.0, 4.0, 4.0, 4.0, 2.0, 4.0, 4.0, 8.0],
                 "Edge of a cell over the footprint of a hit texel.";
-            cell_floor_m: f64 as f64, Real(0.01, 256.0), Seen [1.0, 0.25, 0.02, 0.02, 0.02, 0.02, 0.02],
+            cell_floor_m: f64 as f64, Real(0.01, 256.0), Seen [1.0, 0.25, 0.02, 0.02, 0.02, 0.02, 0.02, 0.02],
                 "Smallest edge of a cell that receivers see, metres.";
-            probe: u32 as usize, PowerOfTwo(8, 128), Seen [8, 16, 16, 32, 32, 64, 128],
+            probe: u32 as usize, PowerOfTwo(8, 128), Seen [8, 16, 16, 32, 32, 32, 64, 128],
                 "Side of a probe's sky texture, and of the response.";
             probe_hits: u32 as usize, Whole(1, 4096), Bounced [4, 8, 8, 16, 16, 32],
                 "Rays of a probe to the surfaces around it.";
@@ -210,7 +210,7 @@ fn unnamed(error: serde_json::Error) -> Error {
 mod tests {
     use super::*;
 
-    /// Of the 12 numbers every rung lies in its range, rungs of one ladder are equally many (6, 7, 6, 3), and 0, -1 and NaN are in no range.
+    /// Of the 12 numbers every rung lies in its range, rungs of one ladder are equally many (6, 8, 6, 3), and 0, -1 and NaN are in no range.
     #[test]
     fn rungs_lie_in_their_ranges() {
         for setting in SETTINGS {
@@ -218,7 +218,7 @@ mod tests {
             assert!([0.0, -1.0, f64::NAN].iter().all(|wrong| !setting.range.contains(*wrong)), "{}", setting.name);
             let count = match setting.ladder {
                 Ladder::Sky | Ladder::Bounced => 6,
-                Ladder::Seen => 7,
+                Ladder::Seen => 8,
                 Ladder::Patches => 3,
             };
             assert_eq!(setting.rungs.len(), count, "{}", setting.name);

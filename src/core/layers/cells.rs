@@ -36,9 +36,13 @@ const CHUNK: usize = 4096;
 /// Most indices that 15 bits of a block can tell apart, beside the one for nothing.
 pub const CHUNK_SEEN: usize = (1 << 15) - 1;
 
-/// Cells of a chunk of an archive: so many that 15 bits number all cells that they can see.
-pub fn cells_per_chunk(rays: usize) -> usize {
-    (CHUNK_SEEN / rays.max(1)).clamp(1, CHUNK)
+/// Most bytes of the sky bits of a chunk: half of what a block may hold.
+const CHUNK_SKY: usize = 1 << 22;
+
+/// Cells of a chunk of an archive, which cast so many rays each and have a sky of so many texels: so many that 15 bits number all cells that they can
+/// see, and that a block can hold them.
+pub fn cells_per_chunk(rays: usize, texels: usize) -> usize {
+    (CHUNK_SEEN / rays.max(1)).min(CHUNK_SKY / texels.div_ceil(8).max(1)).clamp(1, CHUNK)
 }
 
 /// One traced cell: its key, mean normal, sky bits, and for each ray whether it goes up and the cell it met.
@@ -336,7 +340,8 @@ mod tests {
             || Cell::from_bytes(&key(2).to_bytes(), &bytes[..cut], 64).is_none()));
         assert_eq!((parts[0].seen.len(), Cells::join(&parts)), (2, table));
         for rays in 0..40_000 {
-            assert!((1..=4096).contains(&cells_per_chunk(rays)) && cells_per_chunk(rays) * rays.min(32_767) <= 32_767);
+            let cells = cells_per_chunk(rays, 256);
+            assert!((1..=4096).contains(&cells) && cells * rays.min(32_767) <= 32_767);
         }
     }
 }

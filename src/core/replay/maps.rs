@@ -306,8 +306,8 @@ struct SkyTexel {
 }
 
 fn sky_texel(normal: DVec3, light: Option<&Illumination>, side: usize, t: usize) -> SkyTexel {
-    // Points 1/2048 of the square apart: 4 in a texel of the usual 1024.
-    let samples = (2048 / side).max(1);
+    // Points 1/2048 of the square apart, 4 in a texel of the usual 1024; no fewer, or texels that the surface's plane cuts would count by halves.
+    let samples = (2048 / side).max(2);
     let (mut cos, mut radiance, mut horizontal) = (0.0, 0.0, 0.0);
     for i in 0..samples * samples {
         let inside = (DVec2::new((i % samples) as f64, (i / samples) as f64) + 0.5) / samples as f64;

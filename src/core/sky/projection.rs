@@ -7,7 +7,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::hemisphere::{HEMISPHERE_SR, azimuth_and_z, direction_of};
+use crate::hemisphere::{HEMISPHERE_SR, azimuth_and_z, direction_of, r2};
 use crate::sky::horizon::HorizonBand;
 use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
@@ -167,7 +167,7 @@ fn mean_direction(corner: DVec2, n: usize) -> DVec3 {
     sum / (4 * rules * rules) as f64
 }
 
-/// Points in a texel: a lattice by the golden section, shifted from texel to texel by Roberts' R2 sequence ([`shift`]). Rows of
+/// Points in a texel: a lattice by the golden section, shifted from texel to texel ([`shift`]). Rows of
 /// patches are squares on the texture, so equal grids in all texels would miscount them by up to 2 %, an unshifted lattice by 1 %.
 fn lattice(count: usize) -> Vec<DVec2> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
@@ -176,8 +176,7 @@ fn lattice(count: usize) -> Vec<DVec2> {
 }
 
 fn shift(texel: usize) -> DVec2 {
-    const R2: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
-    (R2 * texel as f64).fract()
+    r2(texel as f64, DVec2::ZERO)
 }
 
 /// The sum of two points of the unit square, wrapped.

@@ -33,6 +33,8 @@ pub struct Packet {
     pub(super) origin: [F32x16; 3],
     pub(super) direction: [F32x16; 3],
     pub(super) active: u16,
+    /// What lies farther away does not count.
+    pub(super) reach: f32,
     /// All rays start at one point.
     shared: bool,
     /// Places of the rays among all that are asked about.
@@ -41,7 +43,7 @@ pub struct Packet {
 
 impl Packet {
     /// A packet of 1 to 16 of some rays.
-    fn new(rays: &[Ray], places: &[u32]) -> Self {
+    fn new(rays: &[Ray], places: &[u32], reach: f32) -> Self {
         let last = places.len().min(LANES) - 1;
         let ray = |lane: usize| rays[places[lane.min(last)] as usize];
         let from = ray(0).origin;
@@ -50,6 +52,7 @@ impl Packet {
             origin: from.map(|x| F32x16([x; LANES])),
             direction: [F32x16([0.0; LANES]); 3],
             active: u16::MAX >> (LANES - 1 - last),
+            reach,
             shared,
             places: std::array::from_fn(|lane| places[lane.min(last)]),
         };
@@ -75,14 +78,14 @@ impl Packet {
 /// Whether each ray meets anything.
 pub fn occluded(tree: &Tree, level: Level, rays: &[Ray]) -> Vec<bool> {
     let mut met = vec![false; rays.len()];
-    trace::<true>(tree, level, rays, &mut met, &mut []);
+    trace::<true>(tree, level, rays, f32::INFINITY, &mut met, &mut []);
     met
 }
 
-/// What each ray meets first.
-pub fn closest(tree: &Tree, level: Level, rays: &[Ray]) -> Vec<Option<Hit>> {
+/// What each ray meets first, no farther away than `reach`.
+pub fn closest(tree: &Tree, level: Level, rays: &[Ray], reach: f32) -> Vec<Option<Hit>> {
     let mut hits = vec![None; rays.len()];
-    trace::<false>(tree, level, rays, &mut [], &mut hits);
+    trace::<false>(tree, level, rays, reach, &mut [], &mut hits);
     hits
 }
 
@@ -98,7 +101,14 @@ thread_local! {
     static SPACE: RefCell<Space> = RefCell::default();
 }
 
-fn trace<const ANY: bool>(tree: &Tree, level: Level, rays: &[Ray], met: &mut [bool], hits: &mut [Option<Hit>]) {
+fn trace<const ANY: bool>(
+    tree: &Tree,
+    level: Level,
+    rays: &[Ray],
+    reach: f32,
+    met: &mut [bool],
+    hits: &mut [Option<Hit>],
+) {
     SPACE.with_borrow_mut(|Space { order, packets, stacks }| {
         // Sorted by counting; what the caller put together stays together.
         let mut counts = [0; 8];
@@ -117,7 +127,7 @@ fn trace<const ANY: bool>(tree: &Tree, level: Level, rays: &[Ray], met: &mut [bo
         let starts = [0].into_iter().chain(next);
         let alike = starts.zip(next).flat_map(|(start, end)| order[start..end].chunks(LANES));
         packets.clear();
-        packets.extend(alike.map(|places| Packet::new(rays, places)));
+        packets.extend(alike.map(|places| Packet::new(rays, places, reach)));
         dispatch(level, Traced::<ANY> { tree, packets, stacks, met, hits });
     });
 }

@@ -125,7 +125,12 @@ impl Tracer {
 
     /// What each ray meets first; the same triangles and bits as [`Tracer::closest`].
     pub fn closest_many(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
-        packet::closest(&self.tree, self.level, rays)
+        packet::closest(&self.tree, self.level, rays, f32::INFINITY)
+    }
+
+    /// Whether each ray meets anything nearer than `reach_m`.
+    pub fn blocked_within(&self, rays: &[Ray], reach_m: f32) -> Vec<bool> {
+        packet::closest(&self.tree, self.level, rays, reach_m).iter().map(Option::is_some).collect()
     }
 
     /// The first triangle met; among equal distances the one with the lowest index.

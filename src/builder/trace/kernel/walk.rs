@@ -88,8 +88,8 @@ impl<'a, F: Copy> Walk<'a, F> {
             backwards: [x.0[0] < 0.0, y.0[0] < 0.0, z.0[0] < 0.0],
             stack,
             met: 0,
-            limit: l.select(packet.active, l.splat(f32::INFINITY), l.splat(-1.0)),
-            reach: f32::INFINITY,
+            limit: l.select(packet.active, l.splat(packet.reach), l.splat(-1.0)),
+            reach: packet.reach,
             triangle: [0; LANES],
         }
     }
