@@ -183,30 +183,21 @@ fn follow(starts: Vec<([f32; 3], usize)>, from: &Start, mesh: &Mesh, tracer: &Tr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use heliotile_core::site::material::{Class, Material};
+    use crate::trace::test_scenes::matt;
     use heliotile_scene::Scene;
 
     /// Three houses in a row, 5 m wide, 10 m deep and 8 m high, on a plane 1 m above their feet, and opposite of them a wall 20 m high.
     fn row() -> Scene {
-        let mut triangles = Vec::new();
-        let mut quad = |p: DVec3, a: DVec3, b: DVec3| {
-            triangles.push(([p, p + a, p + a + b], 0));
-            triangles.push(([p, p + a + b, p + b], 0));
-        };
         let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
-        quad(DVec3::new(-50.0, -50.0, 1.0), 100.0 * x, 100.0 * y);
+        let mut faces = vec![[DVec3::new(-50.0, -50.0, 1.0), 100.0 * x, 100.0 * y]];
         let mut house = |p: DVec3, x: DVec3, y: DVec3, z: DVec3| {
-            quad(p, x, z);
-            quad(p + x, y, z);
-            quad(p + x + y, -x, z);
-            quad(p + y, -y, z);
-            quad(p + z, x, y);
+            faces.extend([[p, x, z], [p + x, y, z], [p + x + y, -x, z], [p + y, -y, z], [p + z, x, y]]);
         };
         for i in 0..3 {
             house(DVec3::new(5.0 * f64::from(i), 0.0, 0.0), 5.0 * x, 10.0 * y, 8.0 * z);
         }
         house(DVec3::new(-40.0, -11.0, 0.0), 80.0 * x, 8.0 * y, 20.0 * z);
-        Scene::from_triangles(&triangles, vec![Material::matt("all", 0.3, Class::Obstruction)]).expect("a scene")
+        matt(&faces)
     }
 
     /// Of 6 places on walls those 3 in party walls and below the ground are hidden, and those 3 in a street without sky are not, by 8 rays

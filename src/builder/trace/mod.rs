@@ -14,5 +14,7 @@ pub(crate) mod refinement;
 pub mod sky_fans;
 pub(crate) mod surface;
 pub(crate) mod surroundings;
+#[cfg(test)]
+mod test_scenes;
 
 pub use kernel::rays::{Ray, Tracer};

@@ -245,7 +245,7 @@ pub fn known_probe(key: CellKey, bits: Vec<u8>, texture: &Directions, surfaces: 
     let starts = Starts::of(key, &points, surfaces.tracer);
     let (worth, rays) = worth_of(key, &starts, texture.weighting, surfaces.tracer);
     let owner = if points.is_empty() { Vec::new() } else { texture.owners(key, &worth) };
-    ProbeTrace { bits, owner, rays, doubtful: false, ..ProbeTrace::of(key, points, starts, &worth) }
+    ProbeTrace { bits, owner, rays, ..ProbeTrace::of(key, points, starts, &worth) }
 }
 
 /// All rays that [`trace_probe`] may cast to the sky for a cell without hidden points.
@@ -421,26 +421,17 @@ pub fn pick(weights: &[f64], at: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trace::test_scenes::matt;
     use heliotile_core::hemisphere::bit;
     use heliotile_core::site::cells::level_of;
-    use heliotile_core::site::material::{Class, Material};
     use heliotile_scene::Scene;
 
     /// A plane of 200 m with a house of 20 x 12 m, 9 m high, whose floor lies 2 cm above it.
     fn house() -> Scene {
-        let mut triangles = Vec::new();
-        let mut quad = |p: DVec3, a: DVec3, b: DVec3| {
-            triangles.push(([p, p + a, p + a + b], 0));
-            triangles.push(([p, p + a + b, p + b], 0));
-        };
         let (x, y, z, low) = (20.0 * DVec3::X, 12.0 * DVec3::Y, 9.0 * DVec3::Z, DVec3::new(3.0, 0.0, 0.02));
-        quad(DVec3::new(-100.0, -100.0, 0.0), 200.0 * DVec3::X, 200.0 * DVec3::Y);
-        for (corner, a, b) in
-            [(low, x, z), (low + x, y, z), (low + x + y, -x, z), (low + y, -y, z), (low + z, x, y), (low, y, x)]
-        {
-            quad(corner, a, b);
-        }
-        Scene::from_triangles(&triangles, vec![Material::matt("all", 0.3, Class::Obstruction)]).expect("a scene")
+        let ground = [DVec3::new(-100.0, -100.0, 0.0), 200.0 * DVec3::X, 200.0 * DVec3::Y];
+        let walls = [[low, x, z], [low + x, y, z], [low + x + y, -x, z], [low + y, -y, z]];
+        matt(&[&[ground][..], &walls[..], &[[low + z, x, y], [low, y, x]][..]].concat())
     }
 
     /// Of a cell of ground, 8 m wide, the part below a floor 2 cm above it is no part of what others see: it has more than a half of the

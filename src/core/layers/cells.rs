@@ -304,7 +304,7 @@ mod tests {
     use super::*;
     use crate::layers::mirror::CellPath;
 
-    /// Three cells with four rays come back as they were, and 15 bits suffice for a chunk of any number of rays.
+    /// Three cells with four rays come back as they were, and 15 bits suffice for a chunk of any number of rays; with the finest skies it fits a block.
     #[test]
     fn cells_round_trip() {
         let key = |x: i32| CellKey { level: 1, facing: 5, material: 2, voxel: [x, 0, -x] };
@@ -342,6 +342,10 @@ mod tests {
         for rays in 0..40_000 {
             let cells = cells_per_chunk(rays, 256);
             assert!((1..=4096).contains(&cells) && cells * rays.min(32_767) <= 32_767);
+        }
+        // Skies of 128 x 128 texels, with 64 bytes of each cell and 2 of each ray besides, fit a block of 8 MiB.
+        for rays in 1..=64 {
+            assert!(cells_per_chunk(rays, 128 * 128) * (128 * 128 / 8 + 64 + 2 * rays) <= 8 << 20, "{rays}");
         }
     }
 }
