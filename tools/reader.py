@@ -72,7 +72,7 @@ NAMES = [("of", "1B", lambda o: o <= 3), ("shared", "1H", lambda n: n <= MAX_STR
          ("own", "1H", lambda n: n <= MAX_STRING), ("text", "1B", None), ("tile", "1I", None)]
 OBJECTS = [(name, "s", text(0)) for name in ("name", "object", "building", "object_type")]
 OBJECTS += [("beside", "1B", share), ("row", "1H", None), ("attributes", "s", text(0, 16384))]
-BANDS = [("material", "1H", None), ("property", "1B", lambda p: p <= 2), ("band", "1B", lambda b: b <= 3),
+BANDS = [("material", "1H", None), ("property", "1B", lambda p: p <= 3), ("band", "1B", lambda b: b <= 4),
          ("value", "1d", share)]
 KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None), 4: ("response", 2, None),
          5: ("probes", 4, CELLS), 6: ("bounce", 4, CELLS), 7: ("index", 2, KEY), 8: ("mirror", 2, None),
@@ -80,7 +80,7 @@ KINDS = {1: ("receivers", 1, RECEIVERS), 2: ("sky", 1, None), 3: ("hit", 3, None
          12: ("probe-mirror", 2, None), 13: ("bounce-mirror", 2, None), 14: ("probe-canopy", 2, None),
          15: ("bounce-canopy", 2, None), 16: ("mirrors", 1, MIRRORS), 17: ("parts", 1, PARTS),
          18: ("scene", 1, SCENE), 19: ("overview", 1, OVERVIEW), 20: ("extents", 1, EXTENTS),
-         21: ("names", 1, NAMES), 22: ("objects", 2, OBJECTS), 23: ("bands", 1, BANDS)}
+         21: ("names", 1, NAMES), 22: ("objects", 2, OBJECTS), 23: ("bands", 2, BANDS)}
 EXTRAS = {8: "receivers", 9: "receivers", 12: "probes", 13: "bounce", 14: "probes", 15: "bounce"}
 # Which cells are seen in mirrors, and cells of leaves behind others.
 MIRRORED = {"mirror": "probes", "probe-mirror": "bounce", "bounce-mirror": "bounce"}
@@ -700,6 +700,7 @@ class Checker:
             need(e.tile == 0 and all(m < self.materials for m in values["material"]), "a material that does not exist")
             rows = list(zip(values["material"], values["property"], values["band"]))
             need(all(a < b for a, b in zip(rows, rows[1:])), "values of bands do not ascend")
+            need(all((p == 3) == (b == 4) for _, p, b in rows), "longwave of another property than an emissivity")
         elif kind == "scene":
             need(1 <= e.items <= 1 << 16, f"{e.items} triangles")
             self.triangles[e.tile] = e.items

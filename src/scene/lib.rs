@@ -279,6 +279,10 @@ impl Scene {
                 content.bytes(band.name().as_bytes());
                 content.number(value);
             }
+            if let Some(emissivity) = material.bands.emissivity {
+                content.bytes(b"emissivity");
+                content.number(emissivity);
+            }
         }
         content.finish()
     }

@@ -108,6 +108,50 @@ fn open_plain() {
     assert!(nights > 24, "{nights}");
 }
 
+/// On a plain whose southern half is metal of emissivity 0.2 and as warm as the air, what comes from below is e sigma T^4 + (1 - e) of the sky, e the mean of
+/// what a person sees: 0.95 far in the north, 0.2 far in the south, 0.575 on the seam, within 0.5 W/m2 in 72 hours; with `--emissivity ground=0.95` all
+/// three are alike. The metadata of the table state the range.
+#[test]
+fn emissivities_of_what_is_seen() {
+    let folder = Folder::new();
+    let half = |name: &str, low: f64, high: f64, first: usize| {
+        let corners = [(-2000.0, low), (2000.0, low), (2000.0, high), (-2000.0, high)];
+        let vertices: String = corners.iter().map(|(x, y)| format!("v {x} {y} 0\n")).collect();
+        let [a, b, c, d] = [0, 1, 2, 3].map(|i| first + i);
+        format!("o {name}\nusemtl {name}\n{vertices}f {a} {b} {c} {d}\n")
+    };
+    folder.write("plain.obj", &(half("ground", 0.0, 2000.0, 1) + &half("metal", -2000.0, 0.0, 5)));
+    folder.write("m.toml", "[ground]\ndiffuse = 0.2\n[metal]\ndiffuse = 0.2\nemissivity = 0.2\nclass = \"ground\"\n");
+    folder.write("p.csv", "point,x,y\nnorth,0.3,900\nseam,0.3,0\nsouth,0.3,-900\n");
+    let options = "--points p.csv --surfaces air --columns air,longwave";
+    let check = |rows: &[Vec<f64>], emissivities: [f64; 3]| {
+        assert_eq!(rows.len(), 3 * 72);
+        for (hours, emissivity) in rows.chunks(72).zip(emissivities) {
+            for row in hours {
+                let (sky, below) = (row[1], row[2]);
+                let expected = emissivity * black(row[0]) + (1.0 - emissivity) * sky;
+                assert!((below - expected).abs() < 0.5, "{emissivity}: {below} {expected}");
+            }
+        }
+    };
+    // Rows of a table stand point by point, in the order of the archive: along y here.
+    let points = |rows: Vec<Vec<f64>>| {
+        let mut points: Vec<Vec<Vec<f64>>> = rows.chunks(72).map(<[Vec<f64>]>::to_vec).collect();
+        let below = |point: &Vec<Vec<f64>>| point[0][2];
+        points.sort_by(|a, b| below(b).total_cmp(&below(a)));
+        points.concat()
+    };
+    check(&points(hours(&folder, options)), [0.95, 0.575, 0.2]);
+    check(&hours(&folder, &format!("{options} --emissivity ground=0.95")), [0.95; 3]);
+    let output = folder
+        .run(&format!("comfort plain.people/site.helio --weather {} --every total -o people.csv", golden().display()));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let about = fs::read_to_string(folder.path("people.csv-metadata.json")).expect("metadata");
+    assert!(about.contains("0.2 to 0.95 by material"), "{about}");
+    let told = stdout(&folder.run("info plain.people/site.helio"));
+    assert!(told.contains("bands       1 values of metal"), "{told}");
+}
+
 /// Below an endless roof of 25 degrees over ground of 30, both gray, planes get what two endless plates send, and the mean radiant temperature is
 /// that of these within 0.2 K; where ground and roof have 20 degrees it is 20 degrees within 0.02 K.
 #[test]

@@ -5,7 +5,6 @@ use serde_json::{Map, Value, json};
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, format, tables};
 use heliotile_core::error::{Error, Result};
-use heliotile_core::site::bands::BandOptics;
 use heliotile_core::site::content::ContentHasher;
 
 /// Keys of the manifest that tell of one file, not of what it holds.
@@ -73,8 +72,10 @@ fn materials(archive: &Archive) -> Result<Value> {
         false => None,
     };
     let by_band = |i: usize| -> Map<String, Value> {
-        let all = bands.as_ref().and_then(|all| all.get(i)).into_iter().flat_map(BandOptics::all);
-        all.map(|(property, band, value)| (format!("{}.{}", property.name(), band.name()), value.into())).collect()
+        let Some(optics) = bands.as_ref().and_then(|all| all.get(i)) else { return Map::new() };
+        let light = optics.all().map(|(property, band, value)| (format!("{}.{}", property.name(), band.name()), value));
+        let emissivity = optics.emissivity.map(|value| ("emissivity".to_owned(), value));
+        light.chain(emissivity).map(|(name, value)| (name, value.into())).collect()
     };
     let row = |i: usize| {
         json!({

@@ -194,7 +194,7 @@ pub const KINDS: [(BlockKind, &str, u16); 23] = [
     (EXTENTS, "extents", 1),
     (NAMES, "names", 1),
     (OBJECTS, "objects", 2),
-    (BANDS, "bands", 1),
+    (BANDS, "bands", 2),
 ];
 
 /// Name of a kind; a kind of a later release gets its number.

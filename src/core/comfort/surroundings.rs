@@ -4,7 +4,8 @@
 //! A surface sends epsilon sigma T^4 and reflects the rest of what it gets. What a surface gets is taken from the planes at the point itself:
 //! ground gets what the plane gets that looks up, and an obstruction that a side sees gets what the opposite side gets. Those that are seen above and below
 //! get the mean of the four sides. The temperature of a surface is given, or it is the sol-air temperature: that at which a surface without storage
-//! is in balance.
+//! is in balance. Where materials differ, emissivity and absorptance are means over what a plane sees of obstructions; of ground, over what all planes
+//! see.
 //!
 //! Sol-air temperature: ASHRAE Handbook Fundamentals, 2017, chapter 18, equation 29: T = T_air + (a K + e (L - sigma T_air^4)) / h, where K and L are
 //! what the surface gets of shortwave and longwave irradiance, and h holds what it radiates. That is the tangent of the balance that is solved here,
@@ -47,6 +48,24 @@ pub struct SixPlanes<T> {
     pub sides: [T; 4],
 }
 
+/// Means over surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceMean {
+    /// Longwave emissivity.
+    pub emissivity: f64,
+    /// Share of shortwave irradiance that is absorbed.
+    pub absorptance: f64,
+}
+
+/// Means over the surfaces that a plane sees, weighted by the cosine. None: those of the class count, as where all its materials are alike.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SeenSurfaces {
+    /// Of ground.
+    pub ground: Option<SurfaceMean>,
+    /// Of obstructions.
+    pub obstruction: Option<SurfaceMean>,
+}
+
 /// Shares of a hemisphere, weighted by the cosine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ViewShares {
@@ -57,6 +76,8 @@ pub struct ViewShares {
     /// What is missed of the sky's longwave irradiance beside a black sky, in shares of what an open horizontal plane misses
     /// ([`crate::comfort::clear_sky`]); with the share of the sky in its place the sky is isotropic.
     pub missed: f64,
+    /// What the surfaces are made of.
+    pub surfaces: SeenSurfaces,
 }
 
 /// How warm the surfaces of a class are.
@@ -90,6 +111,44 @@ pub struct HeatAround {
     pub ground: ClassSurfaces,
     /// Obstructions.
     pub obstruction: ClassSurfaces,
+}
+
+impl SurfaceMean {
+    /// The mean of some means, each with its weight; none of nothing.
+    pub fn of(parts: impl IntoIterator<Item = (f64, Option<SurfaceMean>)>) -> Option<Self> {
+        let (mut weight, mut emissivity, mut absorptance) = (0.0, 0.0, 0.0);
+        for (of_part, mean) in parts {
+            let Some(mean) = mean else { continue };
+            weight += of_part;
+            emissivity += of_part * mean.emissivity;
+            absorptance += of_part * mean.absorptance;
+        }
+        (weight > 0.0).then(|| SurfaceMean { emissivity: emissivity / weight, absorptance: absorptance / weight })
+    }
+}
+
+impl ViewShares {
+    /// What is ground.
+    pub fn ground(&self) -> f64 {
+        (1.0 - self.sky - self.obstruction).max(0.0)
+    }
+
+    /// Obstructions and their mean.
+    fn obstructions(&self) -> (f64, Option<SurfaceMean>) {
+        (self.obstruction, self.surfaces.obstruction)
+    }
+}
+
+impl ClassSurfaces {
+    /// The same of materials of this mean.
+    fn of_mean(self, mean: Option<SurfaceMean>) -> Self {
+        let Some(SurfaceMean { emissivity, absorptance }) = mean else { return self };
+        let heat = match self.heat {
+            SurfaceHeat::SolAir(_) => SurfaceHeat::SolAir(absorptance),
+            given @ SurfaceHeat::Given(_) => given,
+        };
+        ClassSurfaces { heat, emissivity }
+    }
 }
 
 impl<T> SixPlanes<T> {
@@ -141,7 +200,7 @@ impl From<SixPlanes<f64>> for DirectionalIrradiance {
 impl HeatAround {
     /// Longwave irradiance of the six planes, W/m2; `shortwave` is their shortwave irradiance.
     pub fn longwave(&self, views: &SixPlanes<ViewShares>, shortwave: &SixPlanes<f64>) -> SixPlanes<f64> {
-        let balances = self.balances();
+        let balances = self.balances(views);
         let mut sent = balances.at_first();
         let mut planes = balances.on_planes(views, &sent).map(|plane| plane.w_m2);
         for _ in 0..MOST_STEPS {
@@ -157,14 +216,23 @@ impl HeatAround {
         planes
     }
 
-    fn balances(&self) -> Balances {
+    fn balances(&self, views: &SixPlanes<ViewShares>) -> Balances {
         let air_w_m2 = black_body_w_m2(self.air_c);
-        let of = |class: ClassSurfaces| {
+        let of = |class: ClassSurfaces, mean: Option<SurfaceMean>| {
+            let class = class.of_mean(mean);
             let radiation_w_m2_k = radiation_w_m2_k(class.emissivity, air_w_m2, self.air_c);
             Balance { class, convection_w_m2_k: (self.film_w_m2_k - radiation_w_m2_k).max(0.0), radiation_w_m2_k }
         };
-        let (ground, obstruction) = (of(self.ground), of(self.obstruction));
-        Balances { air_c: self.air_c, air_w_m2, sky_w_m2: self.sky_w_m2, ground, obstruction }
+        let ends = [&views.up, &views.down];
+        let seen = ends.into_iter().chain(&views.sides);
+        Balances {
+            air_c: self.air_c,
+            air_w_m2,
+            sky_w_m2: self.sky_w_m2,
+            ground: of(self.ground, SurfaceMean::of(seen.map(|view| (view.ground(), view.surfaces.ground)))),
+            ends: of(self.obstruction, SurfaceMean::of(ends.map(ViewShares::obstructions))),
+            sides: views.sides.map(|view| of(self.obstruction, view.surfaces.obstruction)),
+        }
     }
 }
 
@@ -175,7 +243,10 @@ struct Balances {
     air_w_m2: f64,
     sky_w_m2: f64,
     ground: Balance,
-    obstruction: Balance,
+    /// Of the obstructions that are seen above and below.
+    ends: Balance,
+    /// Of those that each side sees.
+    sides: [Balance; 4],
 }
 
 /// The balance of surfaces of a class.
@@ -212,26 +283,27 @@ struct Exitance {
 impl Balances {
     /// Before anything is known of what surfaces get: black, and as warm as the air or as they are given.
     fn at_first(&self) -> Exitances {
-        let [ground, obstruction] = [&self.ground, &self.obstruction].map(|of| {
+        let first = |of: &Balance| {
             let w_m2 = match of.class.heat {
                 SurfaceHeat::Given(w_m2) => w_m2,
                 SurfaceHeat::SolAir(_) => self.air_w_m2,
             };
             let (black_w_m2, radiation_w_m2_k) = (self.air_w_m2, of.radiation_w_m2_k);
             Exitance { w_m2, black_w_m2, radiation_w_m2_k, ..Exitance::default() }
-        });
-        Exitances { ground, obstructions: SixPlanes { up: obstruction, down: obstruction, sides: [obstruction; 4] } }
+        };
+        let (ends, sides) = (first(&self.ends), self.sides.each_ref().map(first));
+        Exitances { ground: first(&self.ground), obstructions: SixPlanes { up: ends, down: ends, sides } }
     }
 
     /// What surfaces send that get what follows from `planes`; `before` is what they sent before.
     fn sent_back(&self, before: &Exitances, shortwave: &SixPlanes<f64>, planes: &SixPlanes<f64>) -> Exitances {
         let (got, light) = (planes.on_obstructions(), shortwave.on_obstructions());
-        let sent = |before: &Exitance, got: f64, light: f64| self.exitance(&self.obstruction, before, got, light);
         // What is seen above and below gets the same.
-        let ends = sent(&before.obstructions.up, got.up, light.up);
+        let ends = self.exitance(&self.ends, &before.obstructions.up, got.up, light.up);
         let mut sides = before.obstructions.sides;
-        for ((side, got), light) in sides.iter_mut().zip(got.sides).zip(light.sides) {
-            *side = sent(side, got, light);
+        for ((side, of), (got, light)) in sides.iter_mut().zip(&self.sides).zip(got.sides.into_iter().zip(light.sides))
+        {
+            *side = self.exitance(of, side, got, light);
         }
         Exitances {
             ground: self.exitance(&self.ground, &before.ground, planes.up, shortwave.up),
@@ -272,7 +344,7 @@ impl Balances {
     fn on_planes(&self, views: &SixPlanes<ViewShares>, sent: &Exitances) -> SixPlanes<OnPlane> {
         let Exitances { ground, obstructions } = sent;
         let on_plane = |view: &ViewShares, obstruction: &Exitance| {
-            let of_ground = (1.0 - view.sky - view.obstruction).max(0.0);
+            let of_ground = view.ground();
             let of_sky = view.sky * self.air_w_m2 - view.missed * (self.air_w_m2 - self.sky_w_m2);
             OnPlane {
                 w_m2: of_sky + view.obstruction * obstruction.w_m2 + of_ground * ground.w_m2,

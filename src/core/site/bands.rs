@@ -178,6 +178,8 @@ pub struct BandOptics {
     pub specular: BandValues,
     /// Transmittances of a canopy.
     pub transmittance: BandValues,
+    /// Longwave emissivity, beyond 4000 nm: no light of the sun, so no band of it.
+    pub emissivity: Option<f64>,
 }
 
 impl BandOptics {
@@ -199,12 +201,12 @@ impl BandOptics {
         }
     }
 
-    /// Whether nothing is stated by band.
+    /// Whether nothing is stated for bands of the light.
     pub fn is_empty(&self) -> bool {
-        *self == BandOptics::default()
+        self.all().next().is_none()
     }
 
-    /// All that is stated: property, band, value; in the order of archives.
+    /// All that is stated for bands of the light: property, band, value; in the order of archives.
     pub fn all(&self) -> impl Iterator<Item = (BandProperty, Band, f64)> {
         let of = |property: BandProperty| self.of(property).all().map(move |(band, value)| (property, band, value));
         BandProperty::ALL.into_iter().flat_map(of)

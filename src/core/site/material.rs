@@ -92,7 +92,7 @@ pub struct Material {
     pub class: Class,
     /// Materials of one group may follow a schedule at replay.
     pub group: Option<String>,
-    /// Values for bands of the light, beside those for all of it.
+    /// Values for bands of the light, beside those for all of it, and for longwave radiation.
     pub bands: BandOptics,
 }
 
@@ -187,6 +187,9 @@ impl Material {
 
     /// Says what is wrong with values by band.
     fn check_bands(&self) -> std::result::Result<(), String> {
+        if let Some(emissivity) = self.bands.emissivity.filter(|share| !(0.0..=1.0).contains(share)) {
+            return Err(format!("`emissivity` is {emissivity}, not from 0 to 1"));
+        }
         for (property, band, value) in self.bands.all() {
             let (key, name) = (property.name(), band.name());
             if !(0.0..=1.0).contains(&value) {

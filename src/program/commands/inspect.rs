@@ -12,6 +12,7 @@ use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{format, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
+use heliotile_core::site::bands::BandOptics;
 use heliotile_core::site::material::rounded;
 use heliotile_core::text::counted;
 use heliotile_remote::places::open_archive;
@@ -142,7 +143,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
         let names = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, TileNumber::FIRST)?)?.name;
         let table = tables::BandsTable::from_block(&archive.block(format::BANDS, TileNumber::FIRST)?)?;
         let optics = table.optics(names.len()).unwrap_or_default();
-        let stated = names.iter().zip(&optics).filter(|(_, optics)| !optics.is_empty());
+        let stated = names.iter().zip(&optics).filter(|(_, optics)| **optics != BandOptics::default());
         let stated: Vec<&str> = stated.map(|(name, _)| name.as_str()).collect();
         line!(out, "  bands       {} values of {}", table.rows(), stated.join(", "));
     }

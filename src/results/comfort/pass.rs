@@ -23,6 +23,7 @@ use heliotile_core::comfort::people::model::ComfortModel;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named;
 use heliotile_core::opened::OpenSite;
+use heliotile_core::site::material::{Class, Material};
 use heliotile_core::text::counted;
 
 /// Points that are computed together.
@@ -63,7 +64,7 @@ impl ComfortRequest {
             return Err(Error::argument("by", "rows are about points", hint));
         }
         let resources = &stream.resources;
-        let (set, looks_up) = PersonSet::of(stream, place)?;
+        let (set, looks_up) = PersonSet::of(stream, &self.choice, place)?;
         let receivers = stream.receivers.some(&looks_up);
         let columns = ComfortColumns::new(&self.choice.columns, every, &self.choice.above_c);
         let asked: Vec<ComfortColumn> = columns.asked().collect();
@@ -76,7 +77,8 @@ impl ComfortRequest {
         let labels = if every == Every::Hour { Labels::Times } else { Labels::Dates };
         let layout = Layout::of_quantities(labels, By::Receiver, columns.quantities());
         let rows = ResultRows::of(layout, series.labels.clone(), Some(every));
-        let about = self.about(stream.with_series(&series).about(archives, place), &model);
+        let about = stream.with_series(&series).about(archives, place);
+        let about = self.about(about, &model, site.materials());
         let called = format!("{} under {}", name_of(place), series.called);
         let told = RowsAbout { called, about, place, scene: None };
         let maps = files.maps(files.plots.iter().map(PathBuf::as_path))?;
@@ -104,23 +106,29 @@ impl ComfortRequest {
     }
 
     /// What the files say of how they were made: every assumption.
-    fn about(&self, about: Provenance, model: &ComfortModel) -> Provenance {
+    fn about(&self, about: Provenance, model: &ComfortModel, materials: &[Material]) -> Provenance {
         let choice = &self.choice;
-        let absorptances = [("absorptance_ground", &model.ground), ("absorptance_obstruction", &model.obstruction)];
+        let emissivity = |class| choice.said_of(class, materials, |mean| mean.emissivity);
+        let absorptances = [
+            ("absorptance_ground", Class::Ground, &model.ground),
+            ("absorptance_obstruction", Class::Obstruction, &model.obstruction),
+        ];
         let about = about
             .with("posture", named::name_of(&choice.posture))
             .with("sun_on_person", named::name_of(&choice.sun_on))
             .with("surface_temperatures", named::name_of(&choice.surfaces))
             .with("film_w_m2_k", model.film_w_m2_k)
-            .with("emissivity_ground", model.ground.emissivity)
-            .with("emissivity_obstruction", model.obstruction.emissivity)
+            .with("emissivity_ground", emissivity(Class::Ground))
+            .with("emissivity_obstruction", emissivity(Class::Obstruction))
             .with("person_absorptivity_shortwave", model.body.shortwave_absorptivity)
             .with("person_emissivity", model.body.longwave_emissivity)
             .with("pet_clothing_clo", model.person.clothing_clo)
             .with("pet_activity_met", format!("{:.2}", model.person.activity_met));
         // Surfaces of given temperatures absorb no light.
-        let absorbing = absorptances.into_iter().filter_map(|(name, surfaces)| Some((name, surfaces.sol_air?)));
-        let about = absorbing.fold(about, |about, (name, share)| about.with(name, format!("{share:.3}")));
+        let absorbing = absorptances.into_iter().filter(|(_, _, surfaces)| surfaces.sol_air.is_some());
+        let about = absorbing.fold(about, |about, (name, class, _)| {
+            about.with(name, choice.said_of(class, materials, |mean| mean.absorptance))
+        });
         match &choice.wind {
             WindChoice::Factor(factor) => about.with("wind_factor", factor),
             WindChoice::File(file) => about.with("wind", name_of(file)),

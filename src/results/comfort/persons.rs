@@ -3,18 +3,23 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
+use super::request::ComfortChoice;
 use crate::outputs::provenance::Provenance;
 use crate::request::LightChoice;
 use crate::series::Series;
 use crate::stream::TileStream;
+use heliotile_builder::transfer::Layers;
 use heliotile_core::archive::format;
+use heliotile_core::archive::format::BlockKind;
 use heliotile_core::comfort::people::columns::PLANES;
 use heliotile_core::comfort::people::light::PersonLight;
 use heliotile_core::comfort::people::points::{PersonPoints, all_of, point_of};
-use heliotile_core::comfort::people::views::{PlaneViews, open_share, uniform_sky};
-use heliotile_core::comfort::surroundings::{SixPlanes, ViewShares};
+use heliotile_core::comfort::people::surfaces::seen_surfaces;
+use heliotile_core::comfort::people::views::{PlaneViews, SeenByPlane, open_share, uniform_sky};
+use heliotile_core::comfort::surroundings::{SeenSurfaces, SixPlanes, ViewShares};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::layers::sky_bitmap::SkyBitmap;
+use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::reflectances::Changes;
 use heliotile_core::replay::values::TileValues;
@@ -25,6 +30,20 @@ pub(super) struct PersonSet {
     points: PersonPoints,
     /// `[receiver]`
     views: Vec<ViewShares>,
+}
+
+/// What a plane sees of materials.
+struct OfPlane(SeenSurfaces);
+
+impl Layers for OfPlane {
+    /// Nothing ahead: hits are read only where materials differ.
+    fn kinds() -> Vec<BlockKind> {
+        Vec::new()
+    }
+
+    fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>> {
+        Ok(seen_surfaces(site, tile, receivers)?.into_iter().map(OfPlane).collect())
+    }
 }
 
 /// The light of a point.
@@ -43,17 +62,18 @@ pub(super) struct PersonCollector<'s> {
 }
 
 impl PersonSet {
-    /// The points of the receivers of a stream, each of which must have all six planes; which receivers look up. `place` is that of the archive or
-    /// of the atlas.
-    pub(super) fn of(stream: &TileStream, place: &Path) -> Result<(Self, Vec<bool>)> {
+    /// The points of the receivers of a stream, each of which must have all six planes; which receivers look up. `choice` may say what surfaces are;
+    /// `place` is that of the archive or of the atlas.
+    pub(super) fn of(stream: &TileStream, choice: &ComfortChoice, place: &Path) -> Result<(Self, Vec<bool>)> {
         let under_leaves = under_leaves(stream)?;
         let (mut views, mut looks_up, mut failed) = (Vec::new(), Vec::new(), None);
         let mut found = PlaneViews::default();
-        let rows = stream.receivers.rows::<SkyBitmap>().map_while(|row| {
+        let rows = stream.receivers.rows::<(SkyBitmap, OfPlane)>().map_while(|row| {
             let row = row.map_err(|error| failed = Some(error)).ok()?;
-            let receiver = row.receiver;
+            let (receiver, (sky, OfPlane(surfaces))) = (row.receiver, row.layers);
             let open = under_leaves.get(&receiver.id).copied();
-            views.push(found.of(receiver.normal, row.views, &row.layers, open));
+            let surfaces = choice.over(surfaces);
+            views.push(found.of(receiver.normal, &SeenByPlane { shares: row.views, sky: &sky, open, surfaces }));
             let (_, plane) = point_of(&receiver.id);
             looks_up.push(plane == 0);
             Some(receiver)

@@ -10,16 +10,14 @@ use crate::outputs::periods::Every;
 use crate::request::ReplayRequest;
 use heliotile_core::comfort::mean_radiant::RadiantBody;
 use heliotile_core::comfort::people::columns::ComfortColumn;
-use heliotile_core::comfort::people::model::{ComfortModel, SunOnPerson, SurfaceModel, absorptance};
+use heliotile_core::comfort::people::model::{ComfortModel, SunOnPerson, SurfaceModel};
 use heliotile_core::comfort::people::periods::PeriodSum;
 use heliotile_core::comfort::pet::{PetPerson, PetPosture};
-use heliotile_core::comfort::surroundings::{
-    LEAST_FILM_W_M2_K, USUAL_FILM_W_M2_K, USUAL_GROUND_EMISSIVITY, USUAL_OBSTRUCTION_EMISSIVITY,
-};
+use heliotile_core::comfort::surroundings::{LEAST_FILM_W_M2_K, SeenSurfaces, SurfaceMean, USUAL_FILM_W_M2_K};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
-use heliotile_core::site::material::{Class, Material};
+use heliotile_core::site::material::{Class, Material, rounded};
 
 /// Heat transfer coefficients that surfaces can have, W/m2K.
 const FILMS_W_M2_K: [f64; 2] = [LEAST_FILM_W_M2_K, 200.0];
@@ -52,7 +50,7 @@ pub struct ComfortChoice {
     pub surfaces: SurfaceTemperatures,
     /// Heat transfer coefficient between surfaces and air, radiation included, W/m2K.
     pub film_w_m2_k: f64,
-    /// Longwave emissivities by class; of several the last counts.
+    /// Longwave emissivities by class; of several the last counts; none: what the materials of the archive state, else the usual ones.
     pub emissivity: Vec<ClassShare>,
     /// Shares of shortwave irradiance that surfaces absorb by class; none: what the materials of the archive do not reflect.
     pub absorptance: Vec<ClassShare>,
@@ -235,8 +233,9 @@ impl ComfortRequest {
         let surfaces = |class| {
             let is_given = self.replay.temperatures.iter().any(|given| given.class == class);
             let is_sol_air = choice.surfaces == SurfaceTemperatures::SolAir && !is_given;
-            let sol_air = is_sol_air.then(|| choice.absorptance_of(class, materials));
-            SurfaceModel { emissivity: choice.emissivity_of(class), sol_air }
+            let SurfaceMean { emissivity, absorptance } =
+                choice.over_mean(class, SurfaceMean::of_class(class, materials));
+            SurfaceModel { emissivity, sol_air: is_sol_air.then_some(absorptance) }
         };
         ComfortModel {
             body: choice.body(),
@@ -272,18 +271,32 @@ impl ComfortChoice {
         PetPerson { posture, ..PetPerson::VDI_3787 }
     }
 
-    /// Emissivity of a class.
-    pub(super) fn emissivity_of(&self, class: Class) -> f64 {
-        let usual = match class {
-            Class::Ground => USUAL_GROUND_EMISSIVITY,
-            Class::Obstruction => USUAL_OBSTRUCTION_EMISSIVITY,
-        };
-        last_of(&self.emissivity, class).unwrap_or(usual)
+    /// What a plane sees of materials, with what is asked for in its place.
+    pub(super) fn over(&self, seen: SeenSurfaces) -> SeenSurfaces {
+        let over = |class, mean: Option<SurfaceMean>| mean.map(|mean| self.over_mean(class, mean));
+        SeenSurfaces {
+            ground: over(Class::Ground, seen.ground),
+            obstruction: over(Class::Obstruction, seen.obstruction),
+        }
     }
 
-    /// What a class absorbs: as asked for, else what its materials do not reflect in the mean.
-    pub(super) fn absorptance_of(&self, class: Class, materials: &[Material]) -> f64 {
-        last_of(&self.absorptance, class).unwrap_or_else(|| absorptance(class, materials))
+    fn over_mean(&self, class: Class, mean: SurfaceMean) -> SurfaceMean {
+        SurfaceMean {
+            emissivity: last_of(&self.emissivity, class).unwrap_or(mean.emissivity),
+            absorptance: last_of(&self.absorptance, class).unwrap_or(mean.absorptance),
+        }
+    }
+
+    /// Emissivities and absorptances of the surfaces of a class, in words: one number, or the lowest and the highest of its materials.
+    pub(super) fn said_of(&self, class: Class, materials: &[Material], of: fn(&SurfaceMean) -> f64) -> String {
+        let mut values: Vec<f64> =
+            SurfaceMean::of_solids(class, materials).map(|mean| of(&self.over_mean(class, mean))).collect();
+        values.sort_by(f64::total_cmp);
+        let whole = of(&self.over_mean(class, SurfaceMean::of_class(class, materials)));
+        match (values.first(), values.last()) {
+            (Some(low), Some(high)) if low < high => format!("{} to {} by material", rounded(*low), rounded(*high)),
+            _ => rounded(whole).to_string(),
+        }
     }
 }
 

@@ -18,7 +18,7 @@ use heliotile_core::site::bands::{Band, BandProperty};
 use heliotile_core::site::material::{Class, Glass, Material};
 
 const KEYS: &str = "valid keys are `diffuse`, `specular` and `transmittance` (numbers from 0 to 1, or by band as in \
-                    { solar = 0.25, visible = 0.1, nir = 0.4 }), `glass` (true, \"single\" or \"double\"), `class` (\"ground\" or \
+                    { solar = 0.25, visible = 0.1, nir = 0.4 }), `emissivity` (longwave, a number from 0 to 1), `glass` (true, \"single\" or \"double\"), `class` (\"ground\" or \
                     \"obstruction\") and `group` (a name)";
 
 /// The key of the value for all light beside those of bands.
@@ -82,6 +82,10 @@ impl Reader<'_> {
                 ("transmittance", _) => {
                     material.transmittance = Some(self.share(&mut material, BandProperty::Transmittance, value)?);
                 }
+                ("emissivity", _) => {
+                    let called = format!("`emissivity` of material `{shown}`");
+                    material.bands.emissivity = Some(self.fraction(&called, value)?);
+                }
                 ("glass", DeValue::Boolean(true)) => material.glass = Some(Glass::Single),
                 ("glass", DeValue::Boolean(false)) => material.glass = None,
                 ("glass", DeValue::String(text)) if text == "single" => material.glass = Some(Glass::Single),
@@ -123,21 +127,23 @@ impl Reader<'_> {
         })
     }
 
+    /// A number from 0 to 1; `called` names it in messages.
+    fn fraction(&self, called: &str, value: &Spanned<DeValue>) -> Result<f64> {
+        number(value).filter(|number| (0.0..=1.0).contains(number)).ok_or_else(|| {
+            let what = format!("{called} is {}, not a number from 0 to 1", self.quote(value));
+            self.error(value.span(), what, KEYS)
+        })
+    }
+
     /// The value of a property for all light; values by band go into the material.
     fn share(&self, material: &mut Material, property: BandProperty, value: &Spanned<DeValue>) -> Result<f64> {
         let of = format!("`{}` of material `{}`", property.name(), excerpt(material.name.as_bytes()));
-        let number = |called: &str, value: &Spanned<DeValue>| {
-            number(value).filter(|number| (0.0..=1.0).contains(number)).ok_or_else(|| {
-                let what = format!("{called} is {}, not a number from 0 to 1", self.quote(value));
-                self.error(value.span(), what, KEYS)
-            })
-        };
-        let DeValue::Table(by_band) = value.get_ref() else { return number(&of, value) };
+        let DeValue::Table(by_band) = value.get_ref() else { return self.fraction(&of, value) };
         let names: Vec<&str> = Band::ALL.into_iter().map(Band::name).collect();
         let mut solar = None;
         for (key, value) in by_band {
             let name = key.get_ref().as_ref();
-            let share = number(&format!("{of} for `{}`", excerpt(name.as_bytes())), value)?;
+            let share = self.fraction(&format!("{of} for `{}`", excerpt(name.as_bytes())), value)?;
             match Band::of_name(name) {
                 Some(band) => {
                     let values = material.bands.of_mut(property);
@@ -231,6 +237,13 @@ mod tests {
         assert_eq!((tree.transmittance, tree.in_band(Band::Par).transmittance), (Some(0.3), Some(0.1)));
     }
 
+    /// An emissivity is read; it is no band of the light.
+    #[test]
+    fn emissivities() {
+        let zinc = &parse("[zinc]\ndiffuse = 0.4\nemissivity = 0.25").expect("readable")["zinc"];
+        assert_eq!((zinc.bands.emissivity, zinc.bands.is_empty()), (Some(0.25), true));
+    }
+
     /// Every refusal names the file, the line and the offending text.
     #[test]
     fn refusals() {
@@ -269,6 +282,8 @@ mod tests {
             ("[a]\ndiffuse = { solar = 0.2, visible = 0.6 }\nspecular = 0.5", 1, "add up to 1.1 for `visible`"),
             ("[a]\ndiffuse = 0.2\nspecular = { solar = 0, visible = 0.5 }", 1, "0 for all light"),
             ("[a.diffuse]\nvisible = 0.1", 1, "none for all light"),
+            ("[a]\ndiffuse = 0.2\nemissivity = 1.2", 3, "`emissivity` of material `a` is 1.2, not a number"),
+            ("[a]\ndiffuse = 0.2\nemissivity = { solar = 0.9 }", 3, "`emissivity` of material `a` is {"),
         ] {
             let message = parse(text).expect_err(text).to_string();
             assert!(message.starts_with(&format!("materials.toml, line {line}")), "{text:?}: {message}");

@@ -1,4 +1,4 @@
-//! What materials do in bands of the light. Only in archives of scenes whose materials state it.
+//! What materials do in bands of the light, and their longwave emissivity. Only in archives of scenes whose materials state it.
 
 use rkyv::{Archive, Deserialize, Serialize};
 
@@ -7,18 +7,24 @@ use crate::archive::tables::{Flaw, column, is_share, table};
 use crate::site::bands::{Band, BandOptics, BandProperty};
 
 /// All values of all materials.
-const MOST_VALUES: usize = MAX_MATERIALS * BandProperty::ALL.len() * Band::ALL.len();
+const MOST_VALUES: usize = MAX_MATERIALS * (BandProperty::ALL.len() * Band::ALL.len() + 1);
 
-/// A row for each value that a material states for a band, schema 1, strictly ascending by material, property and band.
+/// Property of an emissivity: the code behind those of [`BandProperty`].
+const EMISSIVITY: u8 = 3;
+
+/// Band of an emissivity: the code behind those of [`Band`].
+const LONGWAVE: u8 = 4;
+
+/// A row for each value that a material states for a band, schema 2, strictly ascending by material, property and band.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct BandsTable {
     /// Row of the materials table.
     pub material: Vec<u16>,
-    /// [`BandProperty::code`].
+    /// [`BandProperty::code`], or 3 for an emissivity.
     pub property: Vec<u8>,
-    /// [`Band::code`].
+    /// [`Band::code`], or 4 for longwave radiation, of emissivities alone.
     pub band: Vec<u8>,
-    /// Reflectance or transmittance.
+    /// Reflectance, transmittance or emissivity.
     pub value: Vec<f64>,
 }
 
@@ -29,10 +35,11 @@ impl BandsTable {
     pub fn of<'a>(materials: impl IntoIterator<Item = &'a BandOptics>) -> Option<Self> {
         let mut table = BandsTable::default();
         for (material, optics) in (0..=u16::MAX).zip(materials) {
-            for (property, band, value) in optics.all() {
+            let light = optics.all().map(|(property, band, value)| (property.code(), band.code(), value));
+            for (property, band, value) in light.chain(optics.emissivity.map(|value| (EMISSIVITY, LONGWAVE, value))) {
                 table.material.push(material);
-                table.property.push(property.code());
-                table.band.push(band.code());
+                table.property.push(property);
+                table.band.push(band);
                 table.value.push(value);
             }
         }
@@ -45,6 +52,10 @@ impl BandsTable {
         let columns = self.material.iter().zip(&self.property).zip(self.band.iter().zip(&self.value));
         for ((material, property), (band, value)) in columns {
             let optics = found.get_mut(usize::from(*material))?;
+            if *property == EMISSIVITY {
+                optics.emissivity = Some(*value);
+                continue;
+            }
             let values = optics.of_mut(BandProperty::of_code(*property)?);
             *values = values.with(Band::of_code(*band)?, *value);
         }
@@ -61,9 +72,13 @@ impl BandsTable {
         if rows == 0 || rows > most {
             return Err(Flaw::new(format!("{rows} values"), format!("1 to {most}")));
         }
-        column("property", &self.property, rows, "0 to 2", |code| BandProperty::of_code(*code).is_some())?;
-        column("band", &self.band, rows, "0 to 3", |code| Band::of_code(*code).is_some())?;
+        column("property", &self.property, rows, "0 to 3", |code| *code <= EMISSIVITY)?;
+        column("band", &self.band, rows, "0 to 4", |code| *code <= LONGWAVE)?;
         column("value", &self.value, rows, "0 to 1", |value| is_share(*value))?;
+        let mut pairs = self.property.iter().zip(&self.band);
+        if !pairs.all(|(property, band)| (*property == EMISSIVITY) == (*band == LONGWAVE)) {
+            return Err(Flaw::new("a property and a band that do not belong together", "property 3 with band 4 alone"));
+        }
         let keys = self.material.iter().zip(&self.property).zip(&self.band);
         match keys.is_sorted_by(|a, b| a < b) {
             true => Ok(()),
@@ -83,11 +98,12 @@ mod tests {
     fn known() -> BandsTable {
         let leaf = BandValues::of(Band::Visible, 0.08).with(Band::Nir, 0.45);
         let leaf = BandOptics { transmittance: leaf, ..BandOptics::default() };
-        let wall = BandOptics { diffuse: BandValues::of(Band::Par, 0.5), ..BandOptics::default() };
+        let diffuse = BandValues::of(Band::Par, 0.5);
+        let wall = BandOptics { diffuse, emissivity: Some(0.875), ..BandOptics::default() };
         BandsTable::of([&wall, &BandOptics::default(), &leaf]).expect("some are stated")
     }
 
-    /// Three values of three materials have the known 72 bytes and come back, of each material its own; with two materials a row is of none.
+    /// Four values of three materials have the known bytes and come back, of each material its own; with two materials a row is of none.
     #[test]
     fn layout_is_frozen() {
         let table = known();
@@ -96,19 +112,22 @@ mod tests {
         assert_eq!(BandsTable::from_block(&block(&table.encode(BANDS, TileNumber::FIRST, 9).unwrap())).unwrap(), table);
         let optics = table.optics(3).expect("three materials");
         assert_eq!(optics[2].transmittance.all().collect::<Vec<_>>(), [(Band::Visible, 0.08), (Band::Nir, 0.45)]);
-        assert_eq!((optics[0].diffuse.stated(Band::Par), optics[1].is_empty()), (Some(0.5), true));
+        assert_eq!((optics[0].diffuse.stated(Band::Par), optics[0].emissivity), (Some(0.5), Some(0.875)));
+        assert_eq!(optics[1], BandOptics::default());
         assert!(table.optics(2).is_none() && BandsTable::of([&BandOptics::default()]).is_none());
     }
 
-    /// Each of 6 values out of range is refused.
+    /// Each of 8 values out of range is refused; only an emissivity is of longwave radiation.
     #[test]
     fn ranges_are_checked() {
-        let flaws: [fn(&mut BandsTable); 6] = [
-            |t| t.property[0] = 3,
+        let flaws: [fn(&mut BandsTable); 8] = [
+            |t| t.property[1] = 4,
+            |t| t.property[1] = 2,
+            |t| t.band[1] = 5,
             |t| t.band[0] = 4,
             |t| t.value[0] = 1.1,
             |t| t.value[0] = f64::NAN,
-            |t| t.material[2] = 0,
+            |t| t.material[3] = 0,
             |t| t.value.truncate(2),
         ];
         let refused = flaws.iter().filter(|flaw| {
@@ -116,7 +135,7 @@ mod tests {
             flaw(&mut wrong);
             wrong.to_bytes().is_err()
         });
-        assert_eq!(refused.count(), 6);
+        assert_eq!(refused.count(), 8);
     }
 
     /// No change of a bit and no cut ends the program, though checksums fit; all cuts are refused.

@@ -6,6 +6,7 @@
 //! | `columns` | what can be asked of a point |
 //! | `points` | which receivers are the six planes of a point |
 //! | `views` | what each plane sees of the heat around it |
+//! | `surfaces` | which materials each plane sees |
 //! | `model` | how people and surfaces are taken: the same in all hours |
 //! | `climate` | air and surroundings of an hour, and the indices of that hour |
 //! | `periods` | means, highest values and hours above thresholds of days and longer |
@@ -17,4 +18,5 @@ pub mod light;
 pub mod model;
 pub mod periods;
 pub mod points;
+pub mod surfaces;
 pub mod views;

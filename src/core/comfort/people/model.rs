@@ -2,7 +2,7 @@
 
 use crate::comfort::mean_radiant::RadiantBody;
 use crate::comfort::pet::PetPerson;
-use crate::comfort::surroundings::{USUAL_FILM_W_M2_K, USUAL_GROUND_EMISSIVITY, USUAL_OBSTRUCTION_EMISSIVITY};
+use crate::comfort::surroundings::{SurfaceMean, USUAL_FILM_W_M2_K};
 use crate::named::NamedValues;
 use crate::site::material::{Class, Material};
 
@@ -16,7 +16,7 @@ pub enum SunOnPerson {
     Box,
 }
 
-/// The surfaces of a class.
+/// The surfaces of a class, where nothing is known of those that a plane sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceModel {
     /// Longwave emissivity.
@@ -45,25 +45,19 @@ pub struct ComfortModel {
 impl ComfortModel {
     /// Standing people among surfaces of sol-air temperatures, which absorb what their materials do not reflect.
     pub fn usual(materials: &[Material]) -> Self {
-        let surfaces = |class, emissivity| SurfaceModel { emissivity, sol_air: Some(absorptance(class, materials)) };
+        let surfaces = |class| {
+            let SurfaceMean { emissivity, absorptance } = SurfaceMean::of_class(class, materials);
+            SurfaceModel { emissivity, sol_air: Some(absorptance) }
+        };
         ComfortModel {
             body: RadiantBody::STANDING,
             person: PetPerson::VDI_3787,
             sun: SunOnPerson::default(),
             film_w_m2_k: USUAL_FILM_W_M2_K,
-            ground: surfaces(Class::Ground, USUAL_GROUND_EMISSIVITY),
-            obstruction: surfaces(Class::Obstruction, USUAL_OBSTRUCTION_EMISSIVITY),
+            ground: surfaces(Class::Ground),
+            obstruction: surfaces(Class::Obstruction),
         }
     }
-}
-
-/// What the surfaces of a class absorb of light: what its materials do not reflect in the mean.
-pub fn absorptance(class: Class, materials: &[Material]) -> f64 {
-    let of_class = materials.iter().filter(|material| material.class == class && material.transmittance.is_none());
-    let absorbed: Vec<f64> = of_class.map(|material| 1.0 - material.diffuse - material.specular).collect();
-    let share = absorbed.iter().sum::<f64>() / absorbed.len() as f64;
-    // A class without materials is not seen.
-    if share.is_finite() { share.clamp(0.0, 1.0) } else { 1.0 }
 }
 
 impl NamedValues for SunOnPerson {

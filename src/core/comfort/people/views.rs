@@ -1,9 +1,9 @@
-//! What each plane sees of the heat around it. In: a receiver's normal, shares of its hemisphere and sky. Out: [`ViewShares`].
+//! What each plane sees of the heat around it. In: a receiver's normal, shares of its hemisphere, sky and surfaces. Out: [`ViewShares`].
 
 use glam::DVec3;
 
 use crate::comfort::clear_sky::ClearSky;
-use crate::comfort::surroundings::ViewShares;
+use crate::comfort::surroundings::{SeenSurfaces, ViewShares};
 use crate::layers::sky_bitmap::SkyBitmap;
 use crate::weather::conditions::Condition;
 
@@ -21,6 +21,18 @@ pub fn open_share(sky_direct: &[f32]) -> f64 {
     sky_direct.iter().copied().map(f64::from).sum::<f64>() / OPEN_W_M2
 }
 
+/// What a plane of a person sees, as archives hold it.
+pub struct SeenByPlane<'a> {
+    /// Sky, ground and obstructions, shares of its hemisphere.
+    pub shares: [f32; 3],
+    /// Its sky.
+    pub sky: &'a SkyBitmap,
+    /// The share that is sky behind leaves ([`open_share`]), where there are any.
+    pub open: Option<f64>,
+    /// What the surfaces are made of.
+    pub surfaces: SeenSurfaces,
+}
+
 /// Finds views; skies of one size after another are cheapest.
 #[derive(Default)]
 pub struct PlaneViews {
@@ -28,16 +40,16 @@ pub struct PlaneViews {
 }
 
 impl PlaneViews {
-    /// What a plane sees. `views`: sky, ground and obstructions, shares of its hemisphere; `open`: the share that is sky behind leaves
-    /// ([`open_share`]), where there are any.
-    pub fn of(&mut self, normal: DVec3, views: [f32; 3], layer: &SkyBitmap, open: Option<f64>) -> ViewShares {
+    /// What a plane of this normal sees.
+    pub fn of(&mut self, normal: DVec3, seen: &SeenByPlane) -> ViewShares {
         let clear = match &mut self.clear {
-            Some(clear) if clear.side() == layer.side() => clear,
-            other => other.insert(ClearSky::of(layer.side())),
+            Some(clear) if clear.side() == seen.sky.side() => clear,
+            other => other.insert(ClearSky::of(seen.sky.side())),
         };
-        let [sky, _, obstruction] = views.map(f64::from);
+        let [sky, _, obstruction] = seen.shares.map(f64::from);
         // Leaves before the sky are as warm as the air and black, as far as light does not pass them.
-        let through = open.map_or(1.0, |open| (open / sky).min(1.0));
-        ViewShares { sky, obstruction, missed: through * clear.missed(normal, layer) }
+        let through = seen.open.map_or(1.0, |open| (open / sky).min(1.0));
+        let missed = through * clear.missed(normal, seen.sky);
+        ViewShares { sky, obstruction, missed, surfaces: seen.surfaces }
     }
 }

@@ -63,7 +63,7 @@ pub struct ComfortArgs {
     /// Heat transfer coefficient between surfaces and air, radiation included, W/m2K
     #[arg(long, value_name = "W/M2K", default_value_t = ComfortChoice::default().film_w_m2_k)]
     pub film: f64,
-    /// Longwave emissivity of `ground` or `obstruction`; may be repeated [default: ground=0.95, obstruction=0.9]
+    /// Longwave emissivity of `ground` or `obstruction`; may be repeated [default: what their materials state, else ground=0.95, obstruction=0.9]
     #[arg(long, value_name = "CLASS=SHARE")]
     pub emissivity: Vec<ClassShare>,
     /// Share of light that `ground` or `obstruction` absorb, for --surfaces sol-air; may be repeated [default: what their materials do not reflect]

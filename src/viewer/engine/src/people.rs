@@ -6,13 +6,15 @@ use std::collections::HashMap;
 use heliotile_core::archive::format::{CANOPY, RECEIVERS};
 use heliotile_core::comfort::people::columns::ComfortColumn;
 use heliotile_core::comfort::people::points::{PersonPoints, all_of, point_of};
-use heliotile_core::comfort::people::views::{PlaneViews, open_share, uniform_sky};
+use heliotile_core::comfort::people::surfaces::seen_surfaces;
+use heliotile_core::comfort::people::views::{PlaneViews, SeenByPlane, open_share, uniform_sky};
 use heliotile_core::comfort::surroundings::{SixPlanes, ViewShares};
 use heliotile_core::comfort::utci::StressCategory;
 use heliotile_core::error::Result;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::replay::run::{Replay, ReplaySettings};
+use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
 use serde_json::json;
 
@@ -128,8 +130,13 @@ impl People {
             None => None,
         };
         let open = |row: usize| Some(open_share(lit.as_ref()?.row(Component::SkyDirect, row)));
-        let rows = receivers.iter().zip(table.views()).zip(&skies).enumerate();
-        Ok(rows.map(|(row, ((receiver, views), sky))| self.found.of(receiver.normal, views, sky, open(row))).collect())
+        let surfaces = seen_surfaces(site, tile, receivers.len())?;
+        let rows = receivers.iter().zip(table.views()).zip(skies.iter().zip(surfaces)).enumerate();
+        let view = |(row, ((receiver, shares), (sky, surfaces)))| {
+            let receiver: &Receiver = receiver;
+            self.found.of(receiver.normal, &SeenByPlane { shares, sky, open: open(row), surfaces })
+        };
+        Ok(rows.map(view).collect())
     }
 }
 
