@@ -1,5 +1,5 @@
-//! In: a GeoPackage (OGC 12-128r19), a database of SQLite. Out: the features of its tables that hold polygons. SQLite itself reads it, without
-//! writing.
+//! In: a GeoPackage (OGC 12-128r19), which is an SQLite database. Out: the features of its feature
+//! tables. SQLite reads the file itself, without writing.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use crate::text::excerpt;
 /// A table of features.
 struct Table {
     name: String,
-    /// Its column of geometries.
+    /// Name of its geometry column.
     geometry: String,
     system: FeatureSystem,
 }
