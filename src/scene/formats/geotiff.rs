@@ -51,6 +51,7 @@ impl Read for Patched<'_> {
         let start = self.inner.position();
         let mut count = self.inner.read(buffer)?;
         let end = self.inner.get_ref().len() as u64 + self.patches.zeros;
+        // Behind the end of the file the decoder reads the appended zeros.
         if count == 0 && start < end {
             count = buffer.len().min((end - start) as usize);
             buffer.iter_mut().take(count).for_each(|byte| *byte = 0);
@@ -91,6 +92,7 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let (columns, rows) = tiff.dimensions().map_err(bad("its size"))?;
     let samples = check_size(file, columns.into(), rows.into())?;
     let is_zstd = tiff.find_tag_unsigned::<u16>(Tag::Compression).ok().flatten() == Some(ZSTD);
+    // An impossible claim is refused before anything of its size is allocated.
     if samples as u64 > bytes.len() as u64 * if is_zstd { MOST_PACKED_ZSTD } else { MOST_PACKED } {
         let what = format!("{columns} x {rows} samples are claimed in {} bytes", bytes.len());
         return Err(Error::input(file, None, what, "the file is damaged or cut off: fetch it again"));

@@ -63,6 +63,7 @@ pub(super) fn read_libraries(
                 let nothing = parse(&bytes, &path, wanted, &mut table, &mut odd)?;
                 warnings.extend(undescribed(&path, &nothing.without, "without a `Kd`"));
                 warnings.extend(undescribed(&path, &nothing.white, WHITE_WORDS));
+                // A library of hundreds of materials would otherwise flood the warnings.
                 if odd.len() > MOST_ODD {
                     let sentence = format!(
                         "{}: {} things about materials are not taken as they stand (textures, transparency, more light than \
@@ -141,6 +142,7 @@ fn parse(
             });
             continue;
         }
+        // Materials that no face uses are not even checked: libraries are shared by files.
         let Some(block) = &mut block else { continue };
         match keyword {
             b"Kd" => block.diffuse = Some(mean_of_channels(file, line, "Kd", rest)?),

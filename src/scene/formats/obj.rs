@@ -185,6 +185,7 @@ impl<'f> Reader<'f> {
 
     fn finish(mut self) -> Result<(Geometry, Vec<Library>)> {
         let count = self.geometry.vertices.len();
+        // A face may name a later vertex, so that its index can be checked only now.
         if let Some((index, line)) = self.ahead.filter(|&(index, _)| index > count as i64) {
             return Err(Error::input(
                 self.file,

@@ -21,6 +21,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
     let (header, body) = Header::read(bytes, file)?;
     let mut body = Body::new(&header, body, file);
     let mut geometry = Geometry::default();
+    // Faces may precede the vertices, so that their number comes from the header.
     let vertices = header.elements.iter().filter(|element| element.name == "vertex").map(|element| element.count).sum();
     for element in &header.elements {
         match element.name.as_str() {

@@ -148,6 +148,7 @@ impl Projection {
         let get = |names: &[&str]| {
             parameters.iter().find(|(name, _)| names.contains(&name.as_str())).map(|(_, value)| *value)
         };
+        // `somerc` of PROJ is this projection with an azimuth of 90 degrees.
         if *kind == "somerc"
             && get(&["azimuth", "azimuth_of_initial_line"]).is_some_and(|azimuth| (azimuth - 90.0).abs() > 1e-6)
         {

@@ -89,6 +89,7 @@ fn facing(panels: &[Option<Panel>], number: usize, lines: &[DVec3], agreed: usiz
                 None => {}
             }
         }
+        // Equal parities mean a gap in the room: the ray decides nothing.
         match (before % 2, behind % 2) {
             (0, 1) => out += 1,
             (1, 0) => inwards += 1,

@@ -79,6 +79,7 @@ pub(super) fn add(reader: &mut Reader, levels: &mut Levels, draft: Draft) -> Res
     for (reason, count) in &store.left_out {
         (0..*count).for_each(|_| reader.geometry.leave_out(reason));
     }
+    // Frees the geometry of the object before the reader stores it again.
     drop(store);
     reader.add(&document)
 }

@@ -35,6 +35,8 @@ fn open_edges(store: &Store, sides: &[Side], shift: f64) -> Option<bool> {
             for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
                 lowest = lowest.min(a.z);
                 let (a, b) = if side.is_reversed { (cell(*b), cell(*a)) } else { (cell(*a), cell(*b)) };
+                // An edge has one key for its two directions, which count +1 and -1: opposite edges
+                // cancel.
                 match () {
                     () if a < b => *edges.entry((a, b)).or_default() += 1,
                     () if a > b => *edges.entry((b, a)).or_default() -= 1,

@@ -88,6 +88,7 @@ impl Coordinates {
                 excerpt(text.as_bytes()),
                 excerpt(known.as_bytes())
             )),
+            // Positions were read as plain metres already.
             None if self.way.is_some() => {
                 Err(format!("it is in `{}`, and objects before it state no system", excerpt(text.as_bytes())))
             }

@@ -175,6 +175,7 @@ impl Scan<'_> {
         let count = self.numbers.len();
         match around.dimension {
             Some(2) => Ok(Ring::Flat),
+            // An even number that 3 does not divide means corners of two coordinates.
             None if !count.is_multiple_of(3) && count.is_multiple_of(2) => Ok(Ring::Flat),
             _ if !count.is_multiple_of(3) => {
                 self.wrong(ring.line, &format!("a ring has {count} numbers, not three a corner"));

@@ -135,6 +135,7 @@ impl Scan<'_> {
             parent,
             ..Feature::default()
         });
+        // Features nest: an error in a part belongs to the part alone.
         let around = self.draft.wrong.take();
         while let Some(property) = self.xml.child()? {
             self.property(&property, number)?;

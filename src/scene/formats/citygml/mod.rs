@@ -8,7 +8,7 @@
 //! | `scan` | a file, city object by city object |
 //! | `feature`, `attributes` | buildings, their parts and surfaces, their attributes |
 //! | `drawing` | solids, surfaces and rings of GML |
-//! | `srs_name`, `northing_first`, `coordinates` | names of coordinate systems, and conversion to metres |
+//! | `srs_name`, `northing_first`, `coordinates` | coordinate systems; conversion to metres |
 //! | `store`, `members` | geometry of one city object, and resolution of its references |
 //! | `library` | geometry that several objects refer to |
 //! | `closed`, `levels` | choice of the level of detail |
@@ -97,6 +97,7 @@ fn read_all(path: &Path, asked: &Asked, open: &dyn Fn(&mut Opener) -> Result<()>
         corners = Scan::new(Xml::new(bytes, path), &mut coordinates, corners).all(&mut |draft| model.take(draft))?;
         Ok(())
     })?;
+    // The second pass only collects the geometry that waiting objects refer to.
     if model.library.has_waiting() {
         open(&mut |bytes| {
             let scan = Scan::new(Xml::new(bytes, path), &mut coordinates, 0);

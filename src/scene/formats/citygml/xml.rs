@@ -128,6 +128,7 @@ impl<'f> Xml<'f> {
     fn step(&mut self, keep: bool) -> Result<Piece> {
         let Xml { reader, buffer, text, file, line, depth } = self;
         buffer.clear();
+        // The limit holds for each piece, so that none can fill the memory.
         reader.get_mut().left = LONGEST;
         let event = reader.read_event_into(buffer).map_err(|error| broken(&error, file, *line))?;
         let mut pass = |bytes: &[u8]| *line += bytes.iter().filter(|byte| **byte == b'\n').count();

@@ -187,6 +187,7 @@ impl<'h> Reader<'_, 'h> {
             return offers;
         }
         for (number, shape) in object.geometry.iter().flatten().enumerate() {
+            // An instance has the type and the level of detail of its template.
             let shown = self.template(shape).map_or(shape, |template| &template.shape);
             match depth_of(&shown.kind.0) {
                 None if shown.kind.0 != "GeometryInstance" => self.geometry.leave_out(match shown.kind.0.as_ref() {
@@ -234,6 +235,7 @@ impl<'h> Reader<'_, 'h> {
             }
             self.geometry.push_vertex(self.file, position)?;
         }
+        // Mirroring turns faces inside out; reversed rings turn them back.
         let mirrored = matrix.determinant() < 0.0;
         self.surfaces(owner, &template.shape, Range { first, count: template.vertices.len() as u32, mirrored })
     }
@@ -297,6 +299,7 @@ impl<'h> Reader<'_, 'h> {
         };
         let kind = kind_of(name);
         let material = self.geometry.materials.id(name);
+        // The face may be turned outwards later, and is then named again.
         if stated.is_none() && is_building(owner.kind) {
             self.geometry.by_tilt.push(self.geometry.face_count());
         }
@@ -379,6 +382,7 @@ fn finest_parts(objects: &[(Text, CityObject)], chosen: &[Offers]) -> Vec<Option
             *slot = level.max(*slot);
         }
     };
+    // Files state the relation at the parent, at the part, or at both.
     for (i, (_, object)) in objects.iter().enumerate() {
         object.parents.iter().flatten().filter_map(number).for_each(|parent| link(parent, i));
         object.children.iter().flatten().filter_map(number).for_each(|child| link(i, child));

@@ -36,6 +36,7 @@ struct Facade {
 pub(super) fn cut_openings(geometry: &mut Geometry) -> usize {
     let mut buildings: BTreeMap<&str, Facade> = BTreeMap::new();
     let has_openings = (0..geometry.face_count()).any(|face| is_opening(geometry, face));
+    // Most models have no openings, and their outlines need not be copied.
     if !has_openings {
         return 0;
     }

@@ -35,6 +35,7 @@ pub(super) fn prepare(templates: Templates<'_>) -> Result<Vec<Template<'_>>, Str
             used.extend(boundaries.numbers_mut().map(|number| *number));
         }
         let corners = used.len() as u64;
+        // Vertices are renumbered, so that an instance copies only those that its template uses.
         used.sort_unstable();
         used.dedup();
         if let Some(bad) = used.last().filter(|last| **last as usize >= count) {

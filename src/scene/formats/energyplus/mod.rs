@@ -70,6 +70,7 @@ fn assemble(model: &Model, file: &Path, asked: &Asked) -> Result<Geometry> {
     let surfaces = Surfaces::read(model, file, &place, &mut geometry, &mut notes)?;
     surfaces.write(file, &mut geometry, &mut materials, &mut notes)?;
     shades::write(model, file, &place, &surfaces, &mut geometry, &mut materials, &mut notes)?;
+    // Only surfaces of zones belong to the building: shades have no zone.
     if let Some(building) = model.of("Building").next() {
         for note in geometry.object_notes.values_mut().filter(|note| !note.object.is_empty()) {
             note.building.clone_from(&building.name);

@@ -41,6 +41,7 @@ pub(super) fn write(
                         &object.name,
                     );
                 }
+                // A shade at a window is placed in the zone of the wall, too.
                 let wall = base.and_then(|surface| surfaces.list.get(surface.base));
                 let of = wall.map_or(Of::Building, |wall| Of::Zone(wall.object.text("zone_name")));
                 writer.detailed(object, of)?;

@@ -77,6 +77,7 @@ impl<'m> Surfaces<'m> {
                 surfaces.add_base(object, &kind, file, place, geometry, notes)?;
             }
         }
+        // Openings come second, because they may stand before their wall in the file.
         for object in &model.objects {
             match object.layout.class {
                 "FenestrationSurface:Detailed" | "Window" | "GlazedDoor" | "Door" => {

@@ -80,6 +80,7 @@ impl<'a> Collector<'a> {
         }
         let id = feature.id.take().filter(|id| !id.trim().is_empty()).or_else(|| stated.id());
         let name = self.name(id);
+        // With a stated height, corners at several heights are a footprint on sloping ground.
         if feature.is_body || (stated.heights().is_err() && are_faces(&feature.polygons)) {
             let object = self.geometry.objects.id(&name);
             let note = ObjectNote {
@@ -160,6 +161,7 @@ impl<'a> Collector<'a> {
     /// Returns the geometry in metres.
     pub(super) fn finish(mut self, system: FeatureSystem) -> Result<Geometry> {
         self.refuse_nothing()?;
+        // The extent of all coordinates helps to tell degrees from metres.
         let outlines = self.geometry.footprints.iter().flat_map(Footprint::rings).flatten().copied();
         let all = outlines.chain(self.geometry.vertices.iter().map(|vertex| vertex.truncate()));
         let bounds = all.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)]);

@@ -128,6 +128,7 @@ impl<'de> Visitor<'de> for Top<'_, '_, '_> {
                 _ => drop(map.next_value::<IgnoredAny>()?),
             }
         }
+        // Members come in any order, so that a single feature is complete only now.
         if is_collection {
             return Ok(());
         }

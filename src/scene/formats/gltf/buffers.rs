@@ -172,6 +172,7 @@ impl<'r> Buffers<'r> {
             count: sparse.count as usize,
             size: size as usize,
         };
+        // Values are looked up by binary search, which needs increasing indices.
         let mut places = (0..found.count).filter_map(|i| found.place(i));
         if !places.clone().is_sorted_by(|a, b| a < b) || places.next_back().is_some_and(|last| u64::from(last) >= count)
         {
@@ -197,6 +198,8 @@ impl<'r> Buffers<'r> {
                 }
             }
         })?;
+        // Bytes beyond the stated length, such as padding of a .glb chunk, are not part of the
+        // buffer.
         let announced = self.root.buffers.get(view.buffer).map_or(0, |buffer| buffer.byte_length);
         let bytes = part(buffer.all(), 0, announced).and_then(|all| part(all, view.byte_offset, view.byte_length));
         let bytes =

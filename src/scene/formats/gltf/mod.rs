@@ -278,6 +278,7 @@ impl<'r> Reader<'r> {
                 count as i64 - 1
             )));
         };
+        // Triangles of a primitive share the vertex.
         if slot.0 == self.round {
             return Ok(slot.1);
         }

@@ -62,6 +62,7 @@ impl<'d> Reader<'_, 'd> {
             .collect();
         let mut rings: Vec<Rings> = faces.iter().map(|(_, face)| Rings::of(&face.geometry, self.metres)).collect();
         let turned = self.turn_outwards(model, &mut rings);
+        // Adiabatic faces back to back separate two rooms: they lie inside.
         let open = faces.iter().zip(&rings).enumerate();
         let open = open.filter(|(_, ((_, face), _))| face.boundary_condition.kind == Boundary::Adiabatic);
         let pairs: HashSet<usize> = back_to_back(open.map(|(i, (_, rings))| (i, rings.outline.as_slice())));
