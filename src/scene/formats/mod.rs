@@ -2,7 +2,7 @@
 //! a file of unknown origin. Out: polygons with every index and coordinate checked.
 //!
 //! No reader drops anything silently. A reader opens only the files that it is given, the files
-//! that these name, and the files of the same name beside a raster.
+//! that these name, and the files of the same name beside a raster or a shapefile.
 
 mod ascii_grid;
 mod building;

@@ -156,7 +156,8 @@ impl<'b> Bytes<'b> {
 }
 
 /// Checks that the values of every tag of the first directory lie in the file (TIFF 6.0, section 2;
-/// BigTIFF). A file that is not TIFF, or ends within its header, is left to the decoder.
+/// BigTIFF), and returns the patches for the decoder. A file that is not TIFF, or ends within its
+/// header, is left to the decoder.
 pub(super) fn check(bytes: &[u8]) -> Result<Patches, String> {
     let Some(bytes) = Bytes::of(bytes) else { return Ok(Patches::default()) };
     let (at, length) = bytes.first();
