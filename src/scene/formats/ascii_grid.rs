@@ -1,4 +1,5 @@
-//! In: the bytes of an Esri ASCII grid (ArcGIS "Esri ASCII raster format"; GDAL's AAIGrid). Out: its heights.
+//! In: the bytes of an Esri ASCII grid (ArcGIS "Esri ASCII raster format"; GDAL's AAIGrid). Out:
+//! its heights.
 
 use std::path::Path;
 
@@ -11,7 +12,7 @@ use heliotile_core::error::{Error, Result};
 
 const HEADER: &str = "write ncols, nrows, xllcorner (or xllcenter), yllcorner (or yllcenter), cellsize and NODATA_value, then the heights";
 
-/// Header lines by key, each with its value and where that stands.
+/// Header values by key, each with the byte offset of its key.
 #[derive(Default)]
 struct Header {
     entries: Vec<(&'static str, f64, usize)>,
@@ -52,7 +53,7 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
         }
         words.next();
         let value = words.next().map(|(word, _)| word).unwrap_or_default();
-        // "nan" and "inf" are fine for nodata only.
+        // "nan" and "inf" are allowed for nodata only.
         let number = number(value).filter(|n| key == "nodata_value" || n.is_finite());
         let Some(number) = number else {
             return Err(Error::input(file, line(), format!("{key} is `{}`, not a number", excerpt(value)), HEADER));
@@ -89,8 +90,9 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     Raster::new(file, grid, heights, &meaning, warnings)
 }
 
-/// What else goes by the name of `.dem`. A USGS DEM has whole numbers in columns 145 to 162: level, pattern (1 is a grid) and reference
-/// system (U.S. Geological Survey, Standards for Digital Elevation Models, part 2, 1998, record A).
+/// Returns the name of another format that uses the ending `.dem`, if the bytes are one. A USGS DEM
+/// has whole numbers in columns 145 to 162: level, pattern (1 is a grid) and reference system (U.S.
+/// Geological Survey, Standards for Digital Elevation Models, part 2, 1998, record A).
 fn other_kind(bytes: &[u8]) -> Option<&'static str> {
     let head = bytes.get(..1024).unwrap_or(bytes);
     let (first, _) = Offsets { bytes: without_byte_order_mark(head), at: 0 }.next()?;
@@ -108,7 +110,7 @@ fn other_kind(bytes: &[u8]) -> Option<&'static str> {
 }
 
 fn heights(words: &mut Offsets, samples: usize, file: &Path, [columns, rows]: [u64; 2]) -> Result<Vec<f32>> {
-    // A height and the blank behind it are two bytes at least.
+    // A height and the blank behind it take at least two bytes, which bounds the allocation.
     let mut heights = Vec::with_capacity(samples.min(words.bytes.len() / 2 + 1));
     while let Some((word, at)) = words.next() {
         let Some(height) = number(word) else {
@@ -137,7 +139,7 @@ fn number(word: &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// Words between blanks and where they begin.
+/// Iterator over words between blanks, with the offset of each.
 struct Offsets<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -170,8 +172,9 @@ mod tests {
         parse(text.as_bytes(), Path::new("g.asc")).expect_err(text).to_string()
     }
 
-    /// The south-west corner 100, 200 of 10 m cells puts the first of 6 samples at 105, 215; keys in any case, values over any lines,
-    /// centres in place of corners and oblong cells are all the same grid.
+    /// The south-west corner 100, 200 of 10 m cells puts the first of 6 samples at 105, 215. Keys
+    /// in any case, values over any lines, centres instead of corners, and `dx` with `dy` give the
+    /// same grid.
     #[test]
     fn places() {
         let read = |text: &str| parse(text.as_bytes(), Path::new("g.asc")).expect("a grid");
@@ -188,8 +191,8 @@ mod tests {
         }
     }
 
-    /// What else is called `.dem` is told apart by its bytes: a USGS DEM by its columns, raw heights by their zeros, 2 of 2; a grid of
-    /// whole numbers in those columns is read.
+    /// Other files named `.dem` are recognised by their bytes, 2 of 2: a USGS DEM by its columns,
+    /// raw heights by their zeros. A grid with whole numbers in those columns is read.
     #[test]
     fn other_kinds() {
         let usgs = format!("{:<40}{:<104}{:>6}{:>6}{:>6}{:>6}", "MT WASHINGTON, NH", "BIG BASIN", 1, 1, 1, 19);
@@ -202,7 +205,8 @@ mod tests {
         assert_eq!(parse(wide.as_bytes(), Path::new("g.dem")).expect("a grid").height(2, 1), 6.0);
     }
 
-    /// Twelve bad files are refused, each with what was found in it; where a value is at fault its line is named.
+    /// Twelve damaged files are refused with a message of what was found; where a value is at
+    /// fault, the message names its line.
     #[test]
     fn hostile() {
         let body = "1 2 3\n4 5 6\n";
@@ -228,7 +232,7 @@ mod tests {
             let found = message(&text);
             assert!(found.contains(expected), "{found}\nin place of {expected}");
         }
-        // 250 million samples are claimed: nothing of that size is allocated.
+        // The file claims 250 million samples; nothing of that size is allocated.
         assert!(message(&format!("{HEAD}1").replace("ncols 3", "ncols 125000000")).contains("only 1 of the 250000000"));
     }
 }

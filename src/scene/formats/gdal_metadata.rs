@@ -1,26 +1,28 @@
-//! What GDAL writes of a band beside its samples. In: the XML of tag 42112 (`GDAL_METADATA`) or of a file `.aux.xml` (`PAMDataset`). Out:
-//! scale, offset, unit of the heights and nodata of the first band.
+//! Metadata that GDAL stores for a band. In: the XML of tag 42112 (`GDAL_METADATA`) or of an
+//! `.aux.xml` file (`PAMDataset`). Out: scale, offset, unit of heights and nodata of the first
+//! band.
 
 use crate::epsg_numbers::{FOOT_M, US_FOOT_M};
 
-/// What is stated of the numbers of a band.
+/// Metadata of a band: how its stored numbers become heights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct BandNotes {
     pub scale: Option<f64>,
     pub offset: Option<f64>,
-    /// Name of the unit of `scale` times what is stored plus `offset`.
+    /// Name of the unit of the heights, which are stored value times `scale` plus `offset`.
     pub unit: Option<String>,
     pub nodata: Option<f64>,
 }
 
 impl BandNotes {
-    /// The items of the first band in the XML of the tag (GDAL, "GTiff driver", metadata of bands: `sample` counts from 0).
+    /// Returns the items of the first band in the XML of the tag (GDAL, "GTiff driver", metadata of
+    /// bands: `sample` counts from 0).
     pub(super) fn of_tag(xml: &str) -> BandNotes {
         let mut notes = BandNotes::default();
         for item in xml.split("<Item").skip(1) {
             let Some((head, rest)) = item.split_once('>') else { continue };
             let value = rest.split('<').next().unwrap_or_default().trim();
-            // Without a sample and a role it is a note of the user's own.
+            // An item without a sample is a note of the user's own.
             if attribute(head, "sample") != Some("0") {
                 continue;
             }
@@ -34,7 +36,8 @@ impl BandNotes {
         notes
     }
 
-    /// The first band of a `PAMDataset` (GDAL, "Persistent Auxiliary Metadata").
+    /// Returns the notes on the first band of a `PAMDataset` (GDAL, "Persistent Auxiliary
+    /// Metadata").
     pub(super) fn of_aux(xml: &str) -> BandNotes {
         let Some((_, band)) = xml.split_once("<PAMRasterBand band=\"1\"") else { return BandNotes::default() };
         let band = band.split("</PAMRasterBand>").next().unwrap_or_default();
@@ -47,7 +50,7 @@ impl BandNotes {
         }
     }
 
-    /// What these notes state, and for the rest what others do.
+    /// Returns these notes, completed by `other`.
     pub(super) fn or(self, other: BandNotes) -> BandNotes {
         BandNotes {
             scale: self.scale.or(other.scale),
@@ -58,11 +61,11 @@ impl BandNotes {
     }
 }
 
-/// The text of the first element of a name, as it stands.
+/// Returns the text of the first element called `name`, unchanged.
 pub(super) fn element<'x>(xml: &'x str, name: &str) -> Option<&'x str> {
     let (_, behind) = xml.split_once(&format!("<{name}"))?;
     let (head, behind) = behind.split_once('>')?;
-    // A longer name that begins alike, or an element without content.
+    // Skips a longer name that begins alike, and an element without content.
     if head.ends_with('/') || head.starts_with(|c: char| c.is_alphanumeric()) {
         return None;
     }
@@ -74,13 +77,13 @@ fn attribute<'x>(head: &'x str, name: &str) -> Option<&'x str> {
     behind.split('"').next()
 }
 
-/// Text without the five entities of XML.
+/// Returns text with the five entities of XML replaced by their characters.
 pub(super) fn unescaped(text: &str) -> String {
     let plain = text.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&apos;", "'");
     plain.replace("&amp;", "&")
 }
 
-/// Metres of a unit of length by its name, as programs of maps write it.
+/// Returns the length in metres of a unit, by its name as GIS programs write it.
 pub(super) fn metres_of_unit(name: &str) -> Option<f64> {
     let letters: String = name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
     Some(match letters.as_str() {
@@ -101,7 +104,8 @@ pub(super) fn metres_of_unit(name: &str) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Of a tag with items of two bands and of the file, the scale 0.1, the offset 50 and the unit of the first band are found.
+    /// A tag with items of two bands gives the scale 0.1, the offset 50 and the unit of the first
+    /// band. Broken items give nothing.
     #[test]
     fn items_of_the_first_band() {
         let xml = "<GDALMetadata>\n<Item name=\"AREA\">7</Item><Item name=\"SCALE\" sample=\"1\" role=\"scale\">9</Item>\
@@ -121,7 +125,8 @@ mod tests {
         }
     }
 
-    /// A file `.aux.xml` states nodata -1, the offset 5, the scale 2 and feet; what the raster states itself goes first.
+    /// An `.aux.xml` file states nodata -1, offset 5, scale 2 and feet; the raster's own statement
+    /// comes first.
     #[test]
     fn notes_of_a_file_beside() {
         let xml = "<PAMDataset><SRS dataAxisToSRSAxisMapping=\"1,2\">LOCAL</SRS><PAMRasterBand band=\"1\"><NoDataValue>-1</NoDataValue>\
@@ -136,7 +141,7 @@ mod tests {
         assert_eq!(BandNotes::of_aux("<PAMDataset/>"), BandNotes::default());
     }
 
-    /// Six spellings of units have their metres, a name of no length has none.
+    /// Six spellings of units give their metres; a name that is no length gives `None`.
     #[test]
     fn names_of_units() {
         for (name, metres) in [

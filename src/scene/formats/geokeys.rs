@@ -1,4 +1,5 @@
-//! In: the numbers of a GeoTIFF's GeoKeyDirectory (tag 34735, OGC 19-008r4 section 7.1). Out: which system and which units are meant.
+//! In: the numbers of a GeoTIFF's GeoKeyDirectory (tag 34735, OGC 19-008r4 section 7.1). Out: the
+//! coordinate system and the units that it states.
 
 use std::path::Path;
 
@@ -20,7 +21,8 @@ const HEIGHT_UNIT: u16 = 4099;
 const METHOD: u16 = 3075;
 const HALF_AXIS: u16 = 2057;
 
-/// Codes of projections (OGC 19-008r4, annex on `ProjMethodGeoKey`), with their names in well-known text.
+/// Codes of projections (OGC 19-008r4, annex on `ProjMethodGeoKey`), with their names in well-known
+/// text.
 const METHODS: [(u16, &str); 8] = [
     (1, "transverse_mercator"),
     (7, "mercator"),
@@ -52,11 +54,12 @@ const PARAMETERS: [(u16, &str); 16] = [
     (3095, "central_meridian"),
 ];
 
-/// The tag of floating numbers that keys point to, and the code of what its user defines.
+/// Tag of the floating-point numbers that keys point to, and the code for user-defined values.
 const DOUBLES: u16 = 34736;
 const USER_DEFINED: u16 = 32767;
 
-/// Numbers of the directory, by key: those in the directory itself, and those that stand in the tag of floating numbers.
+/// Values of the directory by key: short codes in the directory itself, and numbers in the tag of
+/// floating-point numbers.
 pub(super) struct GeoKeys {
     codes: Vec<(u16, u16)>,
     numbers: Vec<(u16, f64)>,
@@ -65,7 +68,8 @@ pub(super) struct GeoKeys {
 impl GeoKeys {
     pub(super) fn read(directory: &[u16], doubles: &[f64]) -> GeoKeys {
         let (_, entries) = directory.split_at(directory.len().min(4));
-        // Key, tag that holds its value (0: here), count, value or place in the tag.
+        // An entry is: key, tag that holds its value (0 for the entry itself), count, value or
+        // index in the tag.
         let entries = entries.as_chunks::<4>().0;
         let codes = entries.iter().filter(|entry| entry[1] == 0).map(|&[key, _, _, value]| (key, value)).collect();
         let numbers = entries
@@ -88,13 +92,14 @@ impl GeoKeys {
         self.get(RASTER_TYPE) == Some(2)
     }
 
-    /// The plane system by its number, or of one that the file defines itself by its parameters; codes below and above are those of users.
+    /// Returns the plane system by its EPSG number, or by the parameters that the file states.
+    /// Codes below 1024 and from 32767 on are user-defined.
     fn system(&self) -> Option<Reference> {
         let stated = self.get(PROJECTED_SYSTEM).filter(|code| (1024..USER_DEFINED).contains(code));
         stated.map(u32::from).or_else(|| self.number_of_parameters()).map(Reference::Epsg)
     }
 
-    /// The number of the system whose parameters stand in the file.
+    /// Returns the EPSG number of the system whose parameters the file states.
     fn number_of_parameters(&self) -> Option<u32> {
         let method = self.get(METHOD)?;
         let (_, method) = METHODS.iter().find(|(code, _)| *code == method)?;
@@ -112,7 +117,7 @@ impl GeoKeys {
         Projection::of_parameters(method, &parameters, unit, half_axis_m)?.epsg(datum)
     }
 
-    /// Metres a unit of the plane coordinates as the file states it.
+    /// Returns the unit of plane coordinates that the file states, in metres.
     fn stated_plane_unit_m(&self) -> Option<f64> {
         match self.get(PLANE_UNIT)? {
             USER_DEFINED => self.number(PLANE_UNIT_SIZE).filter(|size| *size > 0.0 && size.is_finite()),
@@ -120,7 +125,8 @@ impl GeoKeys {
         }
     }
 
-    /// The same, or what its system has by definition.
+    /// Returns the unit of plane coordinates, in metres: the stated one, or the one that the
+    /// coordinate system has by definition.
     fn plane_unit_m(&self) -> Option<f64> {
         self.stated_plane_unit_m().or_else(|| {
             let Reference::Epsg(number) = self.system()? else { return None };
@@ -128,13 +134,14 @@ impl GeoKeys {
         })
     }
 
-    /// Metres a unit of height: what the file states, else what its vertical system has by definition.
+    /// Returns the unit of heights, in metres: the stated one, or the one that the vertical system
+    /// has by definition.
     fn height_unit_m(&self) -> Option<f64> {
         let by_system = || self.get(HEIGHT_SYSTEM).and_then(|code| height_unit_m(code.into()));
         self.get(HEIGHT_UNIT).and_then(metres).or_else(by_system)
     }
 
-    /// Refuses degrees and geocentric coordinates.
+    /// Returns the coordinate system and units; refuses degrees and geocentric coordinates.
     pub(super) fn meaning(&self, file: &Path, warnings: &mut Vec<String>) -> Result<Meaning> {
         // 1 is projected, 2 longitude and latitude, 3 geocentric.
         let model = self.get(MODEL_TYPE);
@@ -175,7 +182,7 @@ impl GeoKeys {
     }
 }
 
-/// Metres of a unit of length of the EPSG register.
+/// Returns the length in metres of a unit of the EPSG register.
 fn metres(unit: u16) -> Option<f64> {
     Some(match unit {
         9001 => 1.0,
@@ -185,7 +192,7 @@ fn metres(unit: u16) -> Option<f64> {
         1025 => 0.001,
         1033 => 0.01,
         9036 => 1000.0,
-        // The feet of Clarke, of the Gold Coast, of Sears, of Britain of 1936, of India.
+        // Clarke's, Gold Coast, Sears's, British (1936) and Indian feet.
         9005 => 0.304_797_265_4,
         9094 => 0.304_799_710_181_508_8,
         9041 => 0.304_799_471_538_676_2,
@@ -209,8 +216,9 @@ mod tests {
         Ok((found, warnings.len()))
     }
 
-    /// UTM zone 11 is EPSG:32611 in metres; survey feet are 1200/3937 m by their key or by the number of the system, which stays; longitude and
-    /// latitude and geocentric coordinates are refused.
+    /// UTM zone 11 is EPSG:32611 in metres. Survey feet are 1200/3937 m, by their key or by the
+    /// number of the system, which is kept. Longitude and latitude and geocentric coordinates are
+    /// refused.
     #[test]
     fn systems() {
         let (utm, warnings) = meaning(&[[1024, 0, 1, 1], [3072, 0, 1, 32611], [3076, 0, 1, 9001]]).expect("metres");
@@ -226,7 +234,8 @@ mod tests {
         assert!(message.contains("geocentric") && message.contains("reproject it to metres"), "{message}");
     }
 
-    /// Heights are feet by their unit (0.3048 m) or by their system (EPSG:6360: 1200/3937 m, EPSG:5703: 1 m), and of no stated unit otherwise.
+    /// Heights are in feet by their unit (0.3048 m) or by their system (EPSG:6360: 1200/3937 m;
+    /// EPSG:5703: 1 m); otherwise their unit is unknown.
     #[test]
     fn units_of_heights() {
         for (keys, unit) in [
@@ -240,8 +249,8 @@ mod tests {
         }
     }
 
-    /// A system without a number is found by its parameters: NAD83 with the cone of Long Island in US feet is EPSG:2263; one that nobody has
-    /// registered is told of.
+    /// A system without a number is found by its parameters: NAD83 with the Lambert cone of Long
+    /// Island in US feet is EPSG:2263. An unregistered system gets a warning.
     #[test]
     fn a_system_by_its_parameters() {
         let doubles = [40.666_666_666_7, 41.033_333_333_3, -74.0, 40.166_666_666_7, 984_250.0, 0.0];
@@ -260,7 +269,7 @@ mod tests {
         assert_eq!((found.reference, found.plane_unit_m, warnings.len()), (None, Some(1200.0 / 3937.0), 1));
     }
 
-    /// A unit of 0.5 m that the file defines by itself stands in the tag of floating numbers.
+    /// A user-defined unit of 0.5 m is read from the tag of floating-point numbers.
     #[test]
     fn a_unit_of_its_own() {
         let directory = [1, 1, 0, 2, 3076, 0, 1, 32767, 3077, 34736, 1, 1];
@@ -268,7 +277,7 @@ mod tests {
         assert_eq!(keys.meaning(Path::new("r.tif"), &mut Vec::new()).expect("read").plane_unit_m, Some(0.5));
     }
 
-    /// Directories of 0 to 9 numbers are read without a key that is not whole.
+    /// Directories of 0 to 9 numbers are read without keys; nothing panics.
     #[test]
     fn short() {
         for length in 0..10 {

@@ -1,6 +1,8 @@
-//! In: the bytes of a GeoTIFF (OGC 19-008r4 "GeoTIFF 1.1" over TIFF 6.0 or BigTIFF). Out: the heights of its first band; what a mask or a band of
-//! opacity hides is nodata. Samples are
-//! decoded by the crate `tiff`, a strip or tile at a time; what the file claims of its size is checked before.
+//! In: the bytes of a GeoTIFF (OGC 19-008r4 "GeoTIFF 1.1" over TIFF 6.0 or BigTIFF). Out: the
+//! heights of its first band; samples that a mask or an opacity band hides are nodata.
+//!
+//! The crate `tiff` decodes samples, one strip or tile at a time. The size that the file claims is
+//! checked before.
 
 use std::io;
 use std::io::{Cursor, Read, Seek, SeekFrom};
@@ -20,21 +22,23 @@ use crate::terrain::raster::{Grid, Meaning, Raster, check_size};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
-/// Most bytes that a strip or tile may unpack to, and the most that the crate may allocate at once.
+/// Most bytes that a strip or tile may unpack to, and most that the crate may allocate at once.
 const MAX_CHUNK: usize = 1 << 28;
 
-/// The tag that GDAL writes XML of bands to.
+/// Tag in which GDAL stores XML about the bands.
 const GDAL_METADATA: u16 = 42112;
 
-/// No byte of Deflate (1032) or LZW (some 2500) unpacks to more samples than this, none of Zstandard to more than the second (4 bytes for a
-/// block of 128 KiB): a claim beyond is refused unread.
+/// Most samples that a packed byte may unpack to: a file that claims more is refused unread. A byte
+/// of Deflate yields at most 1032 bytes, of LZW some 2500; Zstandard has the higher limit below (4
+/// bytes for a block of 128 KiB).
 const MOST_PACKED: u64 = 4096;
 const MOST_PACKED_ZSTD: u64 = 1 << 15;
 
-/// GDAL's number of Zstandard in the tag of compression.
+/// GDAL's code of Zstandard in the compression tag.
 const ZSTD: u16 = 50_000;
 
-/// A file of which some bytes are read as others.
+/// Reader of a TIFF file that replaces some bytes and appends zeros, because the decoder needs
+/// them.
 struct Patched<'b> {
     inner: Cursor<&'b [u8]>,
     patches: Patches,
@@ -47,6 +51,7 @@ impl Read for Patched<'_> {
         let start = self.inner.position();
         let mut count = self.inner.read(buffer)?;
         let end = self.inner.get_ref().len() as u64 + self.patches.zeros;
+        // Behind the end of the file the decoder reads the appended zeros.
         if count == 0 && start < end {
             count = buffer.len().min((end - start) as usize);
             buffer.iter_mut().take(count).for_each(|byte| *byte = 0);
@@ -87,6 +92,7 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let (columns, rows) = tiff.dimensions().map_err(bad("its size"))?;
     let samples = check_size(file, columns.into(), rows.into())?;
     let is_zstd = tiff.find_tag_unsigned::<u16>(Tag::Compression).ok().flatten() == Some(ZSTD);
+    // An impossible claim is refused before anything of its size is allocated.
     if samples as u64 > bytes.len() as u64 * if is_zstd { MOST_PACKED_ZSTD } else { MOST_PACKED } {
         let what = format!("{columns} x {rows} samples are claimed in {} bytes", bytes.len());
         return Err(Error::input(file, None, what, "the file is damaged or cut off: fetch it again"));
@@ -115,7 +121,7 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     Raster::new(file, grid, heights, &meaning, warnings)
 }
 
-/// Makes nodata of samples whose mask or opacity is 0, or is not there.
+/// Makes samples nodata whose mask or opacity is 0 or missing.
 fn hide(heights: &mut [f32], shown: &[f32]) {
     for (height, shown) in heights.iter_mut().zip(shown) {
         if shown.is_nan() || *shown == 0.0 {
@@ -163,7 +169,7 @@ fn nodata(tiff: &mut Tiff, file: &Path, warnings: &mut Vec<String>) -> Option<f6
     number
 }
 
-/// Where the samples lie, and what their numbers are.
+/// Returns the position of the samples, and the meaning of their numbers.
 fn georeference(
     tiff: &mut Tiff,
     file: &Path,
@@ -178,11 +184,12 @@ fn georeference(
     let (scale, ties) = (doubles(Tag::ModelPixelScaleTag), doubles(Tag::ModelTiepointTag));
     let transformation = doubles(Tag::ModelTransformationTag);
     let parameters = doubles(Tag::GeoDoubleParamsTag);
-    // What the raster states itself goes before the files beside it.
+    // The georeference in the raster itself comes before the files beside it.
     let stated = (scale.len() >= 2 && ties.len() >= 6) || transformation.len() >= 8;
     let beside = if stated { None } else { sidecar::world_file(file)?.or_else(|| sidecar::place_of_aux(aux?)) };
     let refuse = |what: &str, hint: &str| Err(Error::input(file, None, what, hint));
-    // Both ways lead to the position of the corner (or sample) 0, 0 and a step eastwards and southwards.
+    // Scale with tie point, and transformation, both lead to the position of corner (or sample) 0,
+    // 0 and a step east and south.
     let (first, step) = match (scale.as_slice(), ties.as_slice(), transformation.as_slice()) {
         _ if beside.is_some() => (DVec2::ZERO, DVec2::ZERO),
         ([sx, sy, ..], [i, j, _, x, y, _, ..], _) => {
@@ -216,7 +223,8 @@ fn georeference(
     let mut meaning = keys.meaning(file, warnings)?;
     sidecar::complete(&mut meaning, file, aux, warnings)?;
     let plane = meaning.plane_unit_m.unwrap_or(1.0);
-    // A sample stands for its cell, whose corner is meant, unless it is a point. World files state the middle of the cell.
+    // A sample stands for its cell, and the position is the cell's corner, unless samples are
+    // points. World files state the centre of the cell.
     let (first, step) = match beside {
         Some(world) => (world.first, world.step),
         None if keys.samples_are_points() => (first, step),
@@ -226,16 +234,17 @@ fn georeference(
     Ok((grid, meaning))
 }
 
-/// Samples of the first band, whatever the file's number format.
+/// Returns the samples of the first band, in any number format. Samples that an opacity band hides
+/// are NaN.
 fn first_band(tiff: &mut Tiff, file: &Path, samples: usize, warnings: &mut Vec<String>) -> Result<Vec<f32>> {
     let bad = |e: TiffError| refused(file, "its samples", &e);
-    // White as zero turns numbers around; `tiff` would, and no height is meant so.
+    // "White is zero" inverts numbers, and `tiff` would invert them; no heights are meant that way.
     if tiff.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten() == Some(0) {
         let what = "its samples are stated as white at 0 (tag 262)";
         return Err(Error::input(file, None, what, "export it as GeoTIFF of heights"));
     }
     let bands = tiff.colortype().map_err(bad)?.num_samples();
-    // Of the bands behind those of the colour, 1 and 2 are opacity (tag 338).
+    // The extra bands stand behind the colour bands; kinds 1 and 2 are opacity (tag 338).
     let extra: Vec<u16> = tiff.find_tag_unsigned_vec(Tag::ExtraSamples).ok().flatten().unwrap_or_default();
     let colours = usize::from(bands).saturating_sub(extra.len());
     let alpha =
@@ -250,7 +259,7 @@ fn first_band(tiff: &mut Tiff, file: &Path, samples: usize, warnings: &mut Vec<S
     Ok(heights)
 }
 
-/// Samples of one band, NaN where the file leaves them out.
+/// Returns the samples of one band, NaN where the file leaves them out.
 fn band(tiff: &mut Tiff, file: &Path, number: usize, samples: usize) -> Result<Vec<f32>> {
     let bad = |e: TiffError| refused(file, "its samples", &e);
     let (columns, rows) = tiff.dimensions().map_err(bad)?;
@@ -297,7 +306,7 @@ fn band(tiff: &mut Tiff, file: &Path, number: usize, samples: usize) -> Result<V
     Ok(heights)
 }
 
-/// Copies one line of single bits, the highest of a byte first.
+/// Copies one line of single bits, the highest bit of a byte first.
 fn copy_bits(to: &mut [f32], all: &[u8], from: usize) {
     let line = all.get(from..).unwrap_or_default();
     for (i, to) in to.iter_mut().enumerate() {
@@ -306,7 +315,8 @@ fn copy_bits(to: &mut [f32], all: &[u8], from: usize) {
     }
 }
 
-/// Copies one line of a chunk, a sample in every `between`.
+/// Copies one line of a strip or tile; `between` is the distance from one sample of the band to the
+/// next.
 fn copy(to: &mut [f32], decoded: &DecodingResult, from: usize, between: usize) {
     fn each<T: Copy>(to: &mut [f32], all: &[T], from: usize, between: usize, height: impl Fn(T) -> f32) {
         let line = all.get(from..).unwrap_or_default();

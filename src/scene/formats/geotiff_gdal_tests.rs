@@ -1,4 +1,4 @@
-//! Rasters that GDAL wrote, of `tests/data/rasters`: 100 + column / 2 + row / 4 in metres.
+//! Rasters that GDAL wrote, in `tests/data/rasters`: heights are 100 + column / 2 + row / 4 metres.
 
 use std::path::PathBuf;
 
@@ -20,7 +20,8 @@ fn read(name: &str) -> Raster {
     parse(&std::fs::read(&path).expect(name), &path).expect(name)
 }
 
-/// Largest difference from the heights that were written, and how many samples are nodata.
+/// Returns the largest difference from the heights that were written, and the number of nodata
+/// samples.
 fn compared(raster: &Raster, written: impl Fn(f64) -> f64) -> (f64, usize) {
     let (mut most, mut nodata) = (0.0_f64, 0);
     for (row, column) in (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (row, column))) {
@@ -34,8 +35,8 @@ fn compared(raster: &Raster, written: impl Fn(f64) -> f64) -> (f64, usize) {
     (most, nodata)
 }
 
-/// Five packings of four types of numbers are read to 0.01 mm, among them LZW in tiles that reach beyond the raster, which the decoder alone takes
-/// for cut off.
+/// Four rasters of four number types, LZW in tiles or Deflate, are read to 0.01 mm. The LZW tiles
+/// reach beyond the raster, which the decoder alone takes for a cut file.
 #[test]
 fn packings_of_gdal() {
     for (name, times) in [("int16_lzw_tiles.tif", 4.0), ("float32_lzw_tiles.tif", 1.0), ("float64_deflate.tif", 1.0)] {
@@ -49,7 +50,8 @@ fn packings_of_gdal() {
     assert_eq!(compared(&read("uint8_lzw_tiles.tif"), f64::trunc), (0.0, 0));
 }
 
-/// Stored whole numbers become (0.01 n + 5) feet; nodata is as written, 11900, which stands for 124 ft at 14 places.
+/// Stored whole numbers become (0.01 n + 5) feet. Nodata is the stored value 11900, which stands
+/// for 124 ft and occurs in 14 places.
 #[test]
 fn scale_offset_and_unit() {
     let raster = read("int32_scaled_ft.tif");
@@ -62,8 +64,9 @@ fn scale_offset_and_unit() {
     assert!((low.z - 150.0).abs() < 1e-4 && (high.z - 170.0).abs() < 1e-4, "{low} {high}");
 }
 
-/// Half of the samples, 720 of 1440, is nodata by a mask in strips, in big-endian BigTIFF, in a COG with overviews, by a band of opacity in
-/// planes or beside each height, without a warning of bands; 200 of 400 by a mask that is not packed.
+/// Half of the samples, 720 of 1440, are nodata: by a mask in strips, in big-endian BigTIFF, in a
+/// COG with overviews, or by an opacity band in planes or beside each height. No band gets a
+/// warning. A mask that is not packed hides 200 of 400.
 #[test]
 fn masks_and_opacity() {
     for (name, times) in [
@@ -83,7 +86,8 @@ fn masks_and_opacity() {
     assert_eq!((0..400).filter(|i| raster.height(i % 20, i / 20).is_nan()).count(), 200);
 }
 
-/// Feet by the numbers of the systems alone are metres: 57.9 m wide and 304.80 m high, heights of 100 US feet 30.48 m.
+/// Units of feet that follow only from the system numbers become metres: a raster is 57.9 m wide
+/// and starts at 304.80 m, and heights of 100 US feet are 30.48 m.
 #[test]
 fn feet_by_their_numbers() {
     let raster = read("gdal_6839_like.tif");
@@ -100,8 +104,9 @@ fn load(names: &[&str], frame: SiteFrame) -> Result<Scene> {
     Scene::load_site(&Site::of(&files, None)?.framed(&frame))
 }
 
-/// A city model and a raster in feet without a unit of heights meet in New York with a scale of 0.3048006: 118.9 m wide, 8 m high from 9.14 m on;
-/// alone the raster is read in metres of height with the scale in a warning, and its system stated once more changes nothing.
+/// A city model and a raster in feet without a height unit meet in New York with a scale of
+/// 0.3048006: 118.9 m wide, 8 m high from 9.14 m on. Alone, the raster's heights are read as
+/// metres, a warning names the scale, and stating its system again changes nothing.
 #[test]
 fn feet_meet_in_new_york() {
     let feet = SiteFrame { scale: Some(0.3048006), ..SiteFrame::default() };
@@ -121,7 +126,8 @@ fn feet_meet_in_new_york() {
     }
 }
 
-/// Metres of UTM with a system in feet asked for stay where the file says, at 51.45 N 9.00 E, and one warning says so.
+/// UTM metres stay at 51.45 N 9.00 E, where the file says, although the user asks for a system in
+/// feet; one warning says so.
 #[test]
 fn metres_are_no_feet() {
     let scene = load(&["scale_offset.tif"], SiteFrame { epsg: Some(2263), ..SiteFrame::default() }).expect("a scene");
@@ -131,8 +137,9 @@ fn metres_are_no_feet() {
     assert!(said.len() == 1 && said[0].contains("the place is that of the files"), "{said:?}");
 }
 
-/// Files beside a raster say where it lies: a world file and a `.prj` of Esri (first sample 500005 5699995, EPSG:25832), an `.aux.xml` with a scale of
-/// 0.1 and nodata, a `.prj` beside an ASCII grid; degrees there are refused, and a world file of five numbers is.
+/// Files beside a raster say where it lies: a world file and a `.prj` of Esri (first sample 500005
+/// 5699995, EPSG:25832), an `.aux.xml` with a scale of 0.1 and nodata, and a `.prj` beside an ASCII
+/// grid. A `.prj` in degrees and a world file of five numbers are refused.
 #[test]
 fn files_beside_a_raster() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -180,8 +187,9 @@ fn files_beside_a_raster() {
     assert!((place.latitude_deg - 51.4513).abs() < 1e-3 && place.epsg == Some(25832), "{place}");
 }
 
-/// A street of 60 x 60 samples in Int16 with a scale, Float32 in Zstandard with predictor 3, UInt8 with a scale and without: 79.79 to 92.73 m of surface,
-/// 79.87 to 81.13 m of ground, crowns up to 8 m, codes from 1 to 5.
+/// Four rasters of a street, 60 x 60 samples each, have the right range: Int16 with a scale,
+/// Float32 in Zstandard with predictor 3, and UInt8 with and without a scale. The surface is 79.79
+/// to 92.73 m, the ground 79.87 to 81.13 m, crowns reach 8 m, and codes run from 1 to 5.
 #[test]
 fn rasters_of_a_street() {
     for (name, least, most) in [

@@ -1,4 +1,5 @@
-//! GeoTIFF files of a few samples, made by the crate's encoder with tags of our own, good and bad.
+//! GeoTIFF files of a few samples, valid and damaged, written by the crate's encoder with tags
+//! added.
 
 use super::*;
 use crate::reference::Reference;
@@ -11,7 +12,7 @@ const SCALE: [f64; 3] = [10.0, 20.0, 0.0];
 const TIE: [f64; 6] = [0.0, 0.0, 0.0, 100.0, 500.0, 0.0];
 const UTM: [u16; 20] = [1, 1, 0, 4, 1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32611, 3076, 0, 1, 9001];
 
-/// Tags beside the samples; what is empty is left out.
+/// Tags beside the samples; empty ones are left out.
 #[derive(Clone, Copy)]
 struct Tags<'t> {
     scale: &'t [f64],
@@ -72,7 +73,8 @@ fn heights(raster: &Raster) -> Vec<f32> {
     (0..6).map(|i| raster.height(i % 3, i / 3)).collect()
 }
 
-/// Five number formats and three packings give the same six heights, the first at the middle of its cell: 105, 490.
+/// Four number formats and three packings give the same six heights; the first sample is at the
+/// centre of its cell: 105, 490. Unsigned 16 bit numbers are read too.
 #[test]
 fn formats() {
     const DEFLATE: Compression = Compression::Deflate(DeflateLevel::Balanced);
@@ -95,8 +97,8 @@ fn formats() {
     assert_eq!(unsigned.height(2, 1), 6000.0);
 }
 
-/// Samples that are points lie 5 m west and 10 m north of cells' middles; a transformation says the same as scale and tie point; a tie
-/// point may hold at sample 2, 1.
+/// Samples that are points lie 5 m west and 10 m north of the centres of cells. A transformation
+/// gives the same place as scale and tie point, and so does a tie point at sample 2, 1.
 #[test]
 fn places() {
     let points: Vec<u16> = UTM.iter().enumerate().map(|(i, &key)| if i == 11 { 2 } else { key }).collect();
@@ -111,7 +113,8 @@ fn places() {
     }
 }
 
-/// Of three bands the first is taken, with one warning; a nodata value of 32768 that an int16 cannot hold hurts nobody.
+/// The first of three bands is read, with one warning. A nodata value of 32768, which an int16
+/// cannot hold, gives no warning.
 #[test]
 fn bands() {
     let data: Vec<u8> = (0..18).collect();
@@ -122,7 +125,7 @@ fn bands() {
     assert_eq!(read(&plain::<GrayI16>(&[1, 2, 3, 4, 5, 6], &tags)).expect("a raster").warnings.len(), 0);
 }
 
-/// Fifteen bad files are refused, each with a message of what was found and what to do.
+/// 17 unusable files are refused, each with a message of what was found and what to do.
 #[test]
 fn hostile() {
     let data = [1_i16, 2, 3, 4, 5, 6];
@@ -130,7 +133,8 @@ fn hostile() {
     let with = |tags: Tags| plain::<GrayI16>(&data, &tags);
     let turned = [7.0, 7.0, 0.0, 100.0, 7.0, -7.0, 0.0, 500.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     let float = |data: [f32; 6], nodata| plain::<Gray32Float>(&data, &Tags { nodata, ..PLAIN });
-    // Width and height stand in the first entries of the directory; a TIFF is patched where its tag number is found.
+    // Width and height stand in the first entries of the directory; a TIFF is patched where its tag
+    // number is found.
     let patched = |tag: u16, kind: u16, value: u32| {
         let mut bytes = good.clone();
         let find: Vec<u8> = tag.to_le_bytes().into();
@@ -177,7 +181,7 @@ fn hostile() {
     assert!(odd.warnings.iter().any(|w| w.contains("the nodata value `none` is not a number")), "{:?}", odd.warnings);
 }
 
-/// A file cut off after any of its bytes, and one with any of its bytes inverted, is refused or read, and nothing panics.
+/// A file cut after any byte, or with any byte inverted, is refused or read; nothing panics.
 #[test]
 fn damaged() {
     let good = encode::<GrayI16>([3, 2], &[1, 2, 3, 4, 5, 6], &PLAIN, Compression::Lzw, Predictor::Horizontal);

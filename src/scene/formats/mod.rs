@@ -1,6 +1,8 @@
-//! Readers of scene files, one a file, chosen by the ending of the name. In: a file of unknown origin. Out: polygons whose every
-//! index and coordinate is checked. They drop nothing silently and look at
-//! no other file than those they are given, those that these name, and those of the same name that go with a raster.
+//! Readers of scene files, one format a file or folder, chosen by the ending of the file name. In:
+//! a file of unknown origin. Out: polygons with every index and coordinate checked.
+//!
+//! No reader drops anything silently. A reader opens only the files that it is given, the files
+//! that these name, and the files of the same name beside a raster or a shapefile.
 
 mod ascii_grid;
 mod building;
@@ -42,33 +44,36 @@ use crate::text::{excerpt, utf8};
 use features::FeatureFormat;
 use heliotile_core::error::{Error, Result};
 
-/// What is asked of a reader besides the geometry.
+/// Options of a reader: how to read a file, and which parts of it besides the geometry.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Asked {
-    /// Whether the materials that the file itself describes are wanted.
+    /// True if the materials that the file itself describes are wanted.
     pub reflectances: bool,
-    /// Names of those that somebody else describes: what the file says of them does not matter.
+    /// Names of the materials that the user describes elsewhere: their description in the file is
+    /// ignored.
     pub described: BTreeSet<String>,
-    /// Level of detail where an object carries several; the finest without it.
+    /// Level of detail to read where an object has several; `None` for the finest.
     pub lod: Option<String>,
-    /// Where geocentric coordinates become metres about: that of the files before, if one had such.
+    /// Origin of the local metres that replace geocentric coordinates: the frame of an earlier
+    /// geocentric file of the scene, if there is one.
     pub local_frame: Option<LocalFrame>,
-    /// Plane system, by its EPSG number, that degrees become metres of: that of the scene, if it has one by now.
+    /// EPSG number of the plane system that longitudes and latitudes are projected to: the system
+    /// of the scene, if it has one yet.
     pub system: Option<u32>,
-    /// Where heights of footprints come from.
+    /// Source of the heights of footprints.
     pub footprints: FootprintOptions,
-    /// Version of EnergyPlus that models are taken for, whatever they state.
+    /// Version of EnergyPlus to read models as, whatever version they state.
     pub assume_version: Option<ModelVersion>,
 }
 
 impl Asked {
-    /// Whether what the file says of a material is wanted.
+    /// Returns true if the file's own description of `material` is wanted.
     fn wants(&self, material: &str) -> bool {
         self.reflectances && !self.described.contains(material)
     }
 }
 
-/// What a file holds.
+/// Content of a scene file: polygons, or a raster of terrain heights.
 pub(super) enum Content {
     Polygons(Box<Geometry>),
     Terrain(Raster),
@@ -84,14 +89,15 @@ enum Format {
     GeoTiff,
     Gltf,
     Honeybee,
-    /// What it holds decides.
+    /// A `.json` file, whose content decides: Honeybee, epJSON, GeoJSON or CityJSON.
     Json,
     Obj,
     Ply,
     Stl,
 }
 
-/// What names end with, in lower case; `.gz` or `.zip` may stand behind each.
+/// Endings of file names in lower case, with their formats. Each may be followed by `.gz` or
+/// `.zip`.
 const ENDINGS: [(&str, Format); 24] = [
     ("asc", Format::AsciiGrid),
     ("cityjson", Format::CityJson),
@@ -122,19 +128,20 @@ const ENDINGS: [(&str, Format); 24] = [
 const SUPPORTED: &str = ".json, .jsonl, .cityjson and .cityjsonl (CityJSON), .gml and .xml (CityGML), .tif, .tiff, .asc and .dem (terrain), .epjson and .idf (EnergyPlus), .hbjson \
                          (Honeybee), .geojson, .geojsonl, .shp, .gpkg, .parquet and .geoparquet (footprints), .gltf, .glb, .obj, .ply, .stl, each also packed, with .gz or .zip behind it, and site.toml";
 
-/// The format of scenes that a name certainly belongs to, `.gz` or not; `None` also for `.json`, which may be much else.
+/// Returns the scene format that the name of `path` belongs to, packed with `.gz` or not. Returns
+/// `None` for `.json` too, which need not be a scene.
 pub fn format_of_name(path: &Path) -> Option<&'static str> {
     let ending = input::ending(path);
     ENDINGS.iter().find(|(known, _)| *known == ending).and_then(|(_, format)| format.name())
 }
 
 impl Format {
-    /// Whether it is a format of meshes of any kind, in which no axis is bound to be up.
+    /// Returns true for the mesh formats, which do not fix an up axis.
     fn is_any_mesh(self) -> bool {
         matches!(self, Format::Gltf | Format::Obj | Format::Ply | Format::Stl)
     }
 
-    /// Whether files are nothing but text, which may be UTF-16.
+    /// Returns true if files of this format are plain text, which may be UTF-16.
     fn is_text(self) -> bool {
         !matches!(self, Format::GeoTiff | Format::Gltf | Format::Ply | Format::Stl)
             && (!matches!(self, Format::Features(_)) || self == Format::Features(FeatureFormat::GeoJson))
@@ -203,7 +210,7 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
         Format::Json if honeybee::is_model(&bytes) => honeybee::parse(&bytes, path, asked),
         Format::Json if energyplus::is_model(&bytes) => energyplus::parse(&bytes, path, asked),
         Format::Json if features::is_geojson(&bytes) => features::parse(FeatureFormat::GeoJson, bytes, path, asked),
-        // The name in a zip cannot be that of CityGML, which was read before.
+        // The name inside a zip is not CityGML here: such an archive was read above.
         Format::CityGml => citygml::read(path, asked),
         Format::CityJson | Format::Json => cityjson::parse(&bytes, path, asked),
         Format::Obj => obj::read(&bytes, path, asked),
@@ -226,7 +233,8 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
     settled(geometry, path)
 }
 
-/// Polygons of a format that has z up, which geocentric coordinates have not.
+/// Finishes polygons of a format that has z up. Refuses geocentric coordinates, in which z is not
+/// up.
 fn settled(geometry: Geometry, path: &Path) -> Result<Content> {
     if is_geocentric(&geometry.vertices) {
         let hint = "reproject the file to a system in metres with z up, such as the national grid or UTM";
@@ -240,10 +248,10 @@ fn settled(geometry: Geometry, path: &Path) -> Result<Content> {
     finished(geometry)
 }
 
-/// Polygons with their outside where it belongs.
+/// Turns the faces outwards and returns the polygons.
 fn finished(mut geometry: Geometry) -> Result<Content> {
     facing::settle(&mut geometry);
-    // Names of some faces depend on where they look.
+    // Names of some CityJSON faces depend on their tilt, which is final only now.
     cityjson::name_by_tilt(&mut geometry);
     Ok(Content::Polygons(Box::new(geometry)))
 }
@@ -267,7 +275,8 @@ fn unknown_ending(path: &Path, ending: &str) -> Error {
     }
 }
 
-/// Name of a file without its folder and ending: what an object without a name is called.
+/// Returns the name of a file without its folder and endings, which names objects that have no
+/// name.
 pub(super) fn stem(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.split('.').find(|part| !part.is_empty()).unwrap_or("scene").to_owned()
@@ -277,7 +286,8 @@ pub(super) fn stem(path: &Path) -> String {
 mod tests {
     use super::*;
 
-    /// The message that names the endings names all of them, and says that each may be packed.
+    /// The message that lists the supported endings lists all of them, and says that each may be
+    /// packed.
     #[test]
     fn endings_are_named() {
         for (ending, format) in ENDINGS {
@@ -286,7 +296,7 @@ mod tests {
         assert!(SUPPORTED.contains(".gz"));
     }
 
-    /// Of 24 endings 23 belong to one format, packed or not.
+    /// 23 of 24 endings belong to one format, packed or not.
     #[test]
     fn formats_of_names() {
         let named = |ending: &str, more: &str| format_of_name(Path::new(&format!("A.{}{more}", ending.to_uppercase())));

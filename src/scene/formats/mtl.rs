@@ -1,8 +1,10 @@
-//! In: the MTL libraries that an OBJ file names. Out: materials by name, for scenes without a `materials.toml`.
+//! In: the MTL libraries that an OBJ file names. Out: materials by name, for scenes without a
+//! `materials.toml`.
 //!
-//! An MTL file was made for pictures, so it is the fallback, and what says nothing of a colour (no `Kd`, a white one) is not described by it:
-//! the usual reflectance of the name counts. Diffuse is the plain mean of the three `Kd` channels; specular
-//! is the mean of `Ks` where `illum` is 3 or above (the models with true mirrors) and 0 otherwise, as `Ks` is mere gloss there.
+//! MTL files were made for pictures, so they are a fallback. A material without `Kd`, or with a
+//! white one, says nothing of its colour, and the usual reflectance for its name applies. Diffuse
+//! is the plain mean of the three `Kd` channels. Specular is the mean of `Ks` where `illum` is 3 or
+//! above (the models with true mirrors) and 0 otherwise, because `Ks` is mere gloss there.
 
 use crate::materials::assumed::{WHITE_WORDS, assumed, is_white, undescribed};
 use crate::materials::select::class_of_name;
@@ -18,10 +20,10 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 use heliotile_core::text::with_list;
 
-/// Of which materials something is wanted.
+/// Materials that are wanted from the libraries of an OBJ file.
 pub(super) struct Wanted<'a> {
     pub asked: &'a Asked,
-    /// Names that faces bear; libraries are shared by files that use a part of them each.
+    /// Names that faces use; several files may share a library and use a part of it each.
     pub used: HashSet<&'a str>,
 }
 
@@ -31,14 +33,16 @@ impl Wanted<'_> {
     }
 }
 
-/// Names of materials of which a library says nothing.
+/// Names of materials that a library names but does not describe: without a `Kd`, or with a white
+/// one.
 #[derive(Debug, Default)]
 struct Undescribed {
     without: Vec<String>,
     white: Vec<String>,
 }
 
-/// Reads the libraries of an OBJ file; one that is not there is a warning, as its materials may not be needed.
+/// Reads the libraries of an OBJ file. A missing library is only a warning, because its materials
+/// may not be needed.
 pub(super) fn read_libraries(
     obj: &Path,
     libraries: &[Library],
@@ -59,6 +63,7 @@ pub(super) fn read_libraries(
                 let nothing = parse(&bytes, &path, wanted, &mut table, &mut odd)?;
                 warnings.extend(undescribed(&path, &nothing.without, "without a `Kd`"));
                 warnings.extend(undescribed(&path, &nothing.white, WHITE_WORDS));
+                // A library of hundreds of materials would otherwise flood the warnings.
                 if odd.len() > MOST_ODD {
                     let sentence = format!(
                         "{}: {} things about materials are not taken as they stand (textures, transparency, more light than \
@@ -83,10 +88,11 @@ pub(super) fn read_libraries(
     Ok(table)
 }
 
-/// So many odd things of a file get a warning each; more are a list.
+/// Most remarks on a library that get a warning each; more than that become one list.
 const MOST_ODD: usize = 3;
 
-/// One file whose name may hold blanks if there is such a file, several names otherwise.
+/// Returns the paths in the text of an `mtllib` statement: one path if a file has the whole text as
+/// its name (with its blanks), otherwise one for each word.
 fn files_of(folder: &Path, text: &str) -> Vec<PathBuf> {
     let place = |name: &str| {
         let direct = input::plain_or_packed(folder.join(name));
@@ -99,7 +105,7 @@ fn files_of(folder: &Path, text: &str) -> Vec<PathBuf> {
     text.split_whitespace().map(place).collect()
 }
 
-/// A `newmtl` block as far as read.
+/// A `newmtl` block that is being read.
 struct Block {
     name: String,
     line: usize,
@@ -136,6 +142,7 @@ fn parse(
             });
             continue;
         }
+        // Materials that no face uses are not even checked: libraries are shared by files.
         let Some(block) = &mut block else { continue };
         match keyword {
             b"Kd" => block.diffuse = Some(mean_of_channels(file, line, "Kd", rest)?),
@@ -159,7 +166,7 @@ fn parse(
     Ok(nothing)
 }
 
-/// The mean of `r g b`, or of `r` alone, which stands for all three.
+/// Returns the mean of `r g b`, or `r` alone, which stands for all three channels.
 fn mean_of_channels(file: &Path, line: usize, keyword: &str, text: &[u8]) -> Result<f64> {
     let channels: Vec<Option<f64>> = Words(text).take(4).map(number).collect();
     let (sum, count) = match channels.as_slice() {
@@ -185,7 +192,8 @@ fn finish(block: Block, file: &Path, table: &mut MaterialTable, nothing: &mut Un
     if stated.is_none() {
         let names = if block.diffuse.is_none() { &mut nothing.without } else { &mut nothing.white };
         names.push(block.name.clone());
-        // What a mirror does not reflect as one is scattered as usual; of all else nothing is known.
+        // A mirror is usable: the part that it does not reflect is scattered as usual for its name.
+        // Other materials without a colour are unknown.
         if !block.mirror || block.specular == 0.0 {
             return;
         }
@@ -226,7 +234,7 @@ mod tests {
         Ok((table, warnings))
     }
 
-    /// Diffuse is the mean of Kd; Ks counts from illumination model 3 on only.
+    /// Diffuse is the mean of `Kd`; `Ks` counts only from illumination model 3 on.
     #[test]
     fn reflectances() {
         let (table, warnings) = read(
@@ -239,7 +247,8 @@ mod tests {
         assert_eq!((table["my mirror"].diffuse, warnings.len()), (0.1, 0));
     }
 
-    /// More light than arrives is scaled to 1 with a warning, a second definition is ignored with one, a texture noted.
+    /// Reflectances above 1 in sum are scaled to 1 with a warning. A second definition is ignored
+    /// with a warning, and a texture gets a warning.
     #[test]
     fn warnings() {
         let (table, warnings) =
@@ -266,8 +275,9 @@ mod tests {
         }
     }
 
-    /// Of five materials one is described, 0.9; three without a `Kd` or with a white one are not, whether textured or not; a white mirror keeps
-    /// what it mirrors, 0.7, and scatters the usual 0.2; what no face bears is not looked at.
+    /// A library describes one of five materials, with 0.9. Three without a `Kd` or with a white
+    /// one are not described, textured or not. A white mirror keeps its specular 0.7 and scatters
+    /// the usual 0.2. A material that no face uses is not read.
     #[test]
     fn white_says_nothing() {
         let text = "newmtl wall\nKd 1 1 1\nnewmtl roof\nKa 1 1 1\nmap_Kd a.png\nnewmtl near\nKd 0.98 0.99 0.98\nmap_Kd b.png\n\
@@ -284,7 +294,8 @@ mod tests {
         assert!(said.starts_with("t.mtl: 3 materials (`wall` is the first) of white"), "{said}");
     }
 
-    /// Libraries are found beside the OBJ file, with blanks in the name or two on a line; one that is missing is a warning.
+    /// Libraries are found beside the OBJ file, with blanks in the name or two on a line. A missing
+    /// one is a warning.
     #[test]
     fn libraries() {
         let folder = tempfile::tempdir().expect("a scratch folder");

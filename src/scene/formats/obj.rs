@@ -1,4 +1,5 @@
-//! In: the bytes of a Wavefront OBJ file. Out: its polygons, materials and objects, every index checked.
+//! In: the bytes of a Wavefront OBJ file. Out: its polygons, materials and objects, every index
+//! checked.
 
 use std::path::Path;
 
@@ -12,20 +13,20 @@ use crate::geometry::Geometry;
 use crate::text::{Lines, Words, excerpt, keyword_and_rest, leading_index, number};
 use heliotile_core::error::{Error, Result};
 
-/// Name of the material of faces that stand before any `usemtl`.
+/// Name of the material of faces before any `usemtl`.
 pub(super) const DEFAULT_MATERIAL: &str = "default";
 
-/// Statements of other kinds of geometry that are named in warnings one by one; a hostile file holds millions.
+/// Most kinds of ignored statements that get a warning each; a hostile file holds millions.
 const MAX_KINDS_IGNORED: usize = 16;
 
-/// One `mtllib` statement: a file name, or several.
+/// One `mtllib` statement: one file name or several, and its line.
 #[derive(Debug)]
 pub(crate) struct Library {
     pub line: usize,
     pub text: String,
 }
 
-/// Reads an OBJ file, and its libraries where reflectances are wanted.
+/// Reads an OBJ file, and its MTL libraries where reflectances are wanted.
 pub(super) fn read(bytes: &[u8], path: &Path, asked: &Asked) -> Result<Geometry> {
     let (mut geometry, libraries) = parse(bytes, path)?;
     if geometry.materials.as_slice().iter().any(|name| asked.wants(name)) {
@@ -60,9 +61,10 @@ struct Reader<'f> {
     libraries: Vec<Library>,
     material: Option<u32>,
     object: Option<u32>,
-    /// Largest index that was beyond the vertices read so far, and its line: allowed if the vertex comes later.
+    /// Largest vertex index beyond the vertices read so far, and its line; it is allowed if the
+    /// vertex comes later.
     ahead: Option<(i64, usize)>,
-    /// Keyword, first line and count of statements that this reader passes over.
+    /// Keyword, first line and count of each kind of statement that this reader ignores.
     ignored: Vec<(Vec<u8>, usize, usize)>,
 }
 
@@ -125,7 +127,7 @@ impl<'f> Reader<'f> {
         Ok(())
     }
 
-    /// The vertex of `a`, `a/b`, `a//c` or `a/b/c`, counted from 0.
+    /// Returns the vertex of a face corner `a`, `a/b`, `a//c` or `a/b/c`, counted from 0.
     #[inline]
     fn corner(&mut self, line: usize, word: &[u8]) -> Result<u32> {
         let count = self.geometry.vertices.len() as i64;
@@ -165,7 +167,7 @@ impl<'f> Reader<'f> {
         self.material = Some(self.geometry.materials.id(&name));
     }
 
-    /// A group or an object; without a name that of the file.
+    /// Starts a group or object; without a name, faces belong to the object named after the file.
     fn use_object(&mut self, name: &[u8]) {
         self.object = match name {
             [] => None,
@@ -183,6 +185,7 @@ impl<'f> Reader<'f> {
 
     fn finish(mut self) -> Result<(Geometry, Vec<Library>)> {
         let count = self.geometry.vertices.len();
+        // A face may name a later vertex, so that its index can be checked only now.
         if let Some((index, line)) = self.ahead.filter(|&(index, _)| index > count as i64) {
             return Err(Error::input(
                 self.file,
@@ -225,14 +228,16 @@ mod tests {
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0 1.0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\n";
 
-    /// All four spellings of a corner, relative ones and later vertices name the same vertex.
+    /// All four spellings of a corner, relative indices and indices of later vertices name the
+    /// right vertex.
     #[test]
     fn corner_forms() {
         let text = format!("{SQUARE}f 1 2/7 3//8 4/9/9\nf -4 -3/1 -2//1 -1/1/1\nf 1 2 5\nv 3 3 3 # late\n");
         assert_eq!(corners(&text), [vec![0, 1, 2, 3], vec![0, 1, 2, 3], vec![0, 1, 4]]);
     }
 
-    /// CRLF, tabs, leading blanks, continuation, comments and bytes that are not UTF-8 change nothing.
+    /// CRLF, tabs, leading blanks, continued lines, comments and bytes that are not UTF-8 change
+    /// nothing.
     #[test]
     fn as_found_in_the_wild() {
         let wild = b"\xef\xbb\xbf# caf\xe9\r\no b\r\n \tv\t0 0 0\r\nv 1. +0 .0e0\r\nv 1 1 0\r\nv 0 1 0\r\nvn 0 0 1\r\n\
@@ -247,7 +252,8 @@ mod tests {
         assert!(obj.warnings[0].contains("line 16: `curv`"), "{}", obj.warnings[0]);
     }
 
-    /// Faces before any `usemtl` are of the material "default", and a name used twice is one material.
+    /// Faces before any `usemtl` have the material "default", and a name used twice is one
+    /// material.
     #[test]
     fn materials_in_file_order() {
         let obj = parse(&format!("{SQUARE}f 1 2 3\nusemtl b\nf 1 2 3\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n"));

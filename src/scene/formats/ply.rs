@@ -1,7 +1,9 @@
-//! In: the bytes of a PLY file, text or binary of either byte order. Out: its polygons; colours and all other properties are passed over.
+//! In: the bytes of a PLY file, text or binary of either byte order. Out: its polygons; colours and
+//! all other properties are skipped.
 //!
-//! Read here: `ply-rs-bw` gives a map of values or its caller's struct for each vertex, and skips no element without keeping it.
-//! Source: G. Turk, The PLY Polygon File Format, 1994.
+//! The crate `ply-rs-bw` is not used: it builds a map of values or its caller's struct for each
+//! vertex, and cannot skip an element without keeping it. Source: G. Turk, The PLY Polygon File
+//! Format, 1994.
 
 use std::path::Path;
 
@@ -19,6 +21,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
     let (header, body) = Header::read(bytes, file)?;
     let mut body = Body::new(&header, body, file);
     let mut geometry = Geometry::default();
+    // Faces may precede the vertices, so that their number comes from the header.
     let vertices = header.elements.iter().filter(|element| element.name == "vertex").map(|element| element.count).sum();
     for element in &header.elements {
         match element.name.as_str() {
@@ -99,7 +102,7 @@ fn read_faces<'b>(element: &'b Element, vertices: u64, body: &mut Body<'b>, geom
             let count = body.count(property)?;
             for _ in 0..count {
                 let corner = body.number(property.kind)?;
-                // Exact: below 2^32 every index is an f64.
+                // An f64 holds every index below 2^32 exactly.
                 if !(corner >= 0.0 && corner < vertices.min(1 << 32) as f64 && corner.fract() == 0.0) {
                     return Err(
                         body.error(&format!("names vertex {corner}, but vertices are 0 to {}", vertices as f64 - 1.0))
@@ -114,7 +117,8 @@ fn read_faces<'b>(element: &'b Element, vertices: u64, body: &mut Body<'b>, geom
 }
 
 fn skip<'b>(element: &'b Element, body: &mut Body<'b>) -> Result<()> {
-    // Without properties an item takes no byte of a binary file, and a hostile file claims billions.
+    // An item without properties takes no byte of a binary file, and a hostile file claims
+    // billions.
     if element.properties.is_empty() && body.is_binary() {
         return Ok(());
     }

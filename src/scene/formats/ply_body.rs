@@ -1,4 +1,5 @@
-//! In: the data of a PLY file. Out: one number after the other, whichever way they are written; nothing is kept.
+//! In: the data of a PLY file, text or binary. Out: its numbers, one after the other; nothing is
+//! kept.
 
 use std::path::Path;
 
@@ -10,11 +11,11 @@ pub(super) struct Body<'b> {
     pub file: &'b Path,
     encoding: Encoding,
     rest: &'b [u8],
-    /// Text only: what is left of the line, and its number.
+    /// Rest of the current line, with its number below; text files only.
     words: Words<'b>,
     line: usize,
     end_of_line: u8,
-    /// What is being read, for messages.
+    /// Element and item being read, for messages.
     element: &'b str,
     item: u64,
     items: u64,
@@ -39,12 +40,12 @@ impl<'b> Body<'b> {
         self.encoding != Encoding::Text
     }
 
-    /// The line of a text file, 0 in others.
+    /// Returns the current line of a text file, 0 for a binary one.
     pub(super) fn line(&self) -> usize {
         if self.is_binary() { 0 } else { self.line }
     }
 
-    /// Goes on to an item of an element: in a text file the next line that is not empty.
+    /// Goes on to the next item of an element: in a text file, to the next line that is not empty.
     pub(super) fn begin(&mut self, element: &'b Element, item: u64) -> Result<()> {
         (self.element, self.item, self.items) = (&element.name, item, element.count);
         if self.is_binary() {
@@ -65,7 +66,8 @@ impl<'b> Body<'b> {
         }
     }
 
-    /// The next number; of text, one that may be neither finite nor whole.
+    /// Reads the next number. In a text file it may be infinite, NaN or a fraction, whatever its
+    /// type.
     #[inline]
     pub(super) fn number(&mut self, kind: Kind) -> Result<f64> {
         if self.is_binary() {
@@ -82,7 +84,7 @@ impl<'b> Body<'b> {
         };
         self.rest = rest;
         let mut bytes = [0; 8];
-        // Least significant byte first from here on.
+        // `bytes` hold the least significant byte first from here on.
         bytes.iter_mut().zip(head).for_each(|(to, from)| *to = *from);
         if self.encoding == Encoding::BigEndian {
             bytes.iter_mut().zip(head.iter().rev()).for_each(|(to, from)| *to = *from);
@@ -100,7 +102,7 @@ impl<'b> Body<'b> {
         })
     }
 
-    /// The number of values that a list claims to hold; the values themselves may be missing.
+    /// Reads the length of a list, as the file claims it; its values may be missing.
     pub(super) fn count(&mut self, property: &Property) -> Result<u64> {
         let count = self.number(property.list.unwrap_or(Kind::U8))?;
         if !(0.0..=f64::from(u32::MAX)).contains(&count) || count.fract() != 0.0 {
@@ -109,7 +111,7 @@ impl<'b> Body<'b> {
         Ok(count as u64)
     }
 
-    /// Passes over values.
+    /// Skips `count` values.
     pub(super) fn skip(&mut self, kind: Kind, count: u64) -> Result<()> {
         if !self.is_binary() {
             for _ in 0..count {
@@ -125,7 +127,8 @@ impl<'b> Body<'b> {
         Ok(())
     }
 
-    /// Bytes behind the last item, blanks of a text file aside.
+    /// Returns the number of bytes after the last item, without the blanks around them in a text
+    /// file.
     pub(super) fn left(&self) -> usize {
         if self.is_binary() { self.rest.len() } else { self.rest.trim_ascii().len() }
     }
@@ -134,7 +137,7 @@ impl<'b> Body<'b> {
         self.error("is where the file ends")
     }
 
-    /// An error about the item that is being read.
+    /// Returns an error about the item being read.
     #[cold]
     pub(super) fn error(&self, what: &str) -> Error {
         let (item, element) = (self.item, excerpt(self.element.as_bytes()));

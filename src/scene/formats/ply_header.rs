@@ -1,11 +1,12 @@
-//! In: the head of a PLY file. Out: its elements with their properties in order, and where the data begin.
+//! In: the header of a PLY file. Out: its elements with their properties in order, and the data
+//! behind the header.
 
 use std::path::Path;
 
 use crate::text::{Words, excerpt};
 use heliotile_core::error::{Error, Result};
 
-/// How the data are written.
+/// Encoding of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Text,
@@ -13,7 +14,7 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// Type of a number.
+/// Type of a number in the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     I8,
@@ -27,7 +28,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// By its name of 1994 or the later one.
+    /// Returns the type by its name of 1994 or its later name.
     fn of(name: &[u8]) -> Option<Kind> {
         Some(match name {
             b"char" | b"int8" => Kind::I8,
@@ -56,17 +57,17 @@ impl Kind {
 pub(super) struct Property {
     pub name: String,
     pub kind: Kind,
-    /// Type of the number of values before them; `None` for a single value.
+    /// Type of the count in front of a list; `None` for a single value.
     pub list: Option<Kind>,
 }
 
 #[derive(Debug)]
 pub(super) struct Element {
     pub name: String,
-    /// As the file claims.
+    /// Number of items, as the file claims it.
     pub count: u64,
     pub properties: Vec<Property>,
-    /// 1-based line of its declaration.
+    /// Line of its declaration, counted from 1.
     pub line: usize,
 }
 
@@ -74,14 +75,14 @@ pub(super) struct Element {
 pub(super) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
-    /// Lines of the head.
+    /// Number of lines of the header.
     pub lines: usize,
-    /// What ends each of its lines.
+    /// Bytes that end each line of the header.
     pub end_of_line: &'static [u8],
 }
 
 impl Header {
-    /// Gives the bytes behind the head too.
+    /// Reads the header; returns the bytes behind it too.
     pub(super) fn read<'b>(bytes: &'b [u8], file: &Path) -> Result<(Header, &'b [u8])> {
         let end_of_line: &'static [u8] = match bytes {
             [b'p', b'l', b'y', b'\r', b'\n', ..] => b"\r\n",

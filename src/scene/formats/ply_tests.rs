@@ -1,4 +1,5 @@
-//! In: PLY files, most of them wrong. Out: proof that they are read as they mean it, or refused with a message.
+//! In: PLY files, most of them damaged. Out: proof that they are read correctly, or refused with a
+//! message.
 
 use super::*;
 use crate::formats::test_solids::{area_and_volume, cube};
@@ -19,7 +20,7 @@ fn head(format: &str, float: &str, count: &str, index: &str, name: &str) -> Stri
     )
 }
 
-/// The cube in bytes of either order; `float` is 4 or 8 bytes, `index` 1, 2 or 4.
+/// The data of the cube in either byte order; `float` is 4 or 8 bytes, `index` 1, 2 or 4.
 fn binary(big: bool, float: usize, count: usize, index: usize) -> Vec<u8> {
     let mut bytes = vec![];
     let mut put = |mut little: Vec<u8>| {
@@ -48,7 +49,8 @@ fn binary(big: bool, float: usize, count: usize, index: usize) -> Vec<u8> {
     bytes
 }
 
-/// A cube of 6 quadrangles has 6 m2 and 1 m3 as text and in both byte orders, with other properties and elements in between.
+/// A cube of 6 quadrangles has 6 m2 and 1 m3 as text and in both byte orders, with other properties
+/// and elements in between.
 #[test]
 fn cubes() {
     let mut files = vec![];
@@ -88,7 +90,8 @@ fn small(vertices: &str, faces: &str, body: &str) -> Vec<u8> {
 
 const POINTS: &str = "0 0 0\n1 0 0\n0 1 0\n";
 
-/// 31 files that are wrong are refused with what was found; counts of billions without data take no memory.
+/// 31 damaged files are refused with a message of what was found; counts of billions without data
+/// take no memory.
 #[test]
 fn refusals() {
     let swap = |from: &str, to: &str| {
@@ -141,7 +144,7 @@ fn refusals() {
     }
 }
 
-/// An element of 2^64 - 1 items without properties takes no time, and 3 bytes too many are a warning.
+/// An element of 2^64 - 1 items without properties takes no time, and 3 extra bytes are a warning.
 #[test]
 fn empty_items() {
     let head = "ply\nformat binary_big_endian 1.0\nelement air 18446744073709551615\nelement vertex 1\nproperty char x\n\
@@ -151,7 +154,8 @@ fn empty_items() {
     assert_eq!(geometry.warnings, ["town.ply: 3 bytes after the last element were passed over"]);
 }
 
-/// A polygon of 1,000,000 corners is read and then refused with its size, before any time is spent on it.
+/// A polygon of 1,000,000 corners is read, and triangulation refuses it by its size before spending
+/// any time on it.
 #[test]
 fn huge_polygon() {
     let corners = "0 1 2 ".repeat(333_333);

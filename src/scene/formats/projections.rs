@@ -1,38 +1,40 @@
-//! Plane systems by their parameters. In: a projection with its parameters, as well-known text names them, or as a definition of PROJ does.
-//! Out: the number in the EPSG register of the system that has the same ones.
+//! EPSG numbers of plane systems by their parameters. In: a projection with its parameters, as
+//! well-known text or a PROJ definition states them. Out: the EPSG number of the system with equal
+//! parameters.
 
-/// Parameters agree if they differ by less: degrees, metres, shares.
+/// Largest differences between parameters that are still equal: angles in degrees, lengths in
+/// metres, and relative differences of factors.
 const DEGREES: f64 = 1e-5;
 const METRES: f64 = 0.05;
 const SHARE: f64 = 1e-7;
 
-/// Numbers of plane systems whose parameters are known lie in this range.
+/// Range of EPSG numbers that are compared: those whose parameters `crs_definitions` may know.
 const NUMBERS: std::ops::Range<u16> = 1024..32_767;
 
-/// A projection with its parameters; what it does not have is 0, a factor 1.
+/// A projection with its parameters; a parameter that it does not have is 0, a factor 1.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Projection {
-    /// Name of PROJ.
+    /// Name of the projection in PROJ.
     kind: &'static str,
     latitude_deg: f64,
     longitude_deg: f64,
-    /// The smaller one first.
+    /// Standard parallels, degrees, the smaller one first.
     parallels_deg: [f64; 2],
     factor: f64,
     easting_m: f64,
     northing_m: f64,
     unit_m: f64,
-    /// Longer half axis of the ellipsoid.
+    /// Semi-major axis of the ellipsoid, metres.
     half_axis_m: f64,
 }
 
-/// How the systems of a datum are told from those of others with the same ellipsoid.
+/// Hint that tells the systems of a datum from those of other datums with the same ellipsoid.
 struct DatumHint {
-    /// Parts of its names, in upper case.
+    /// Parts of the datum's names, in upper case.
     names: &'static [&'static str],
-    /// Part of the definitions of PROJ.
+    /// Part of the PROJ definitions of its systems.
     words: &'static str,
-    /// Numbers of its zones of UTM.
+    /// Usual range of the EPSG numbers of its systems, such as its UTM zones.
     usual: std::ops::Range<u16>,
 }
 
@@ -54,11 +56,11 @@ const HINTS: [DatumHint; 7] = [
     DatumHint { names: &["GDA"], words: "+ellps=GRS80", usual: 28_300..28_400 },
 ];
 
-/// Names of projections in PROJ that take their parameters under the same names.
+/// PROJ names of the projections that are compared; they name their parameters alike.
 const KINDS: [&str; 11] =
     ["tmerc", "lcc", "merc", "aea", "laea", "sterea", "stere", "somerc", "krovak", "cass", "poly"];
 
-/// Names of well-known texts, in lower case, and those of PROJ.
+/// Names of projections in well-known text, in lower case, and in PROJ.
 const METHODS: [(&str, &str); 27] = [
     ("transverse_mercator", "tmerc"),
     ("gauss_kruger", "tmerc"),
@@ -89,7 +91,8 @@ const METHODS: [(&str, &str); 27] = [
     ("polyconic", "poly"),
 ];
 
-/// Longer half axes of ellipsoids and of the ellipsoids of datums, by the names of PROJ (its file `ellps.cpp`), metres.
+/// Semi-major axes of ellipsoids, and of the ellipsoids of datums, by their PROJ names (its file
+/// `ellps.cpp`), metres.
 const HALF_AXES: [(&str, f64); 27] = [
     ("WGS84", 6_378_137.0),
     ("GRS80", 6_378_137.0),
@@ -120,7 +123,7 @@ const HALF_AXES: [(&str, f64); 27] = [
     ("evrst69", 6_377_295.664),
 ];
 
-/// Longer half axis of the ellipsoid of a geographic system.
+/// Returns the semi-major axis, in metres, of the ellipsoid of a geographic system.
 pub(super) fn half_axis_of(epsg: u32) -> Option<f64> {
     let definition = crs_definitions::from_code(u16::try_from(epsg).ok()?)?.proj4;
     let mut words = definition.split_whitespace().filter_map(|word| word.strip_prefix('+')?.split_once('='));
@@ -132,7 +135,8 @@ pub(super) fn half_axis_of(epsg: u32) -> Option<f64> {
 }
 
 impl Projection {
-    /// A projection as well-known text states it: lengths are in the unit of the plane.
+    /// Returns a projection from the parameters of well-known text, whose lengths are in the unit
+    /// of the plane.
     pub(super) fn of_parameters(
         method: &str,
         parameters: &[(String, f64)],
@@ -144,6 +148,7 @@ impl Projection {
         let get = |names: &[&str]| {
             parameters.iter().find(|(name, _)| names.contains(&name.as_str())).map(|(_, value)| *value)
         };
+        // `somerc` of PROJ is this projection with an azimuth of 90 degrees.
         if *kind == "somerc"
             && get(&["azimuth", "azimuth_of_initial_line"]).is_some_and(|azimuth| (azimuth - 90.0).abs() > 1e-6)
         {
@@ -181,7 +186,8 @@ impl Projection {
         Some(found.polar(&method).in_order(second.is_some()))
     }
 
-    /// Well-known texts state the true parallel of a polar projection, PROJ the pole besides.
+    /// Moves the true parallel of a polar projection to where PROJ has it: well-known text states
+    /// it as the latitude, PROJ states the pole there.
     fn polar(mut self, method: &str) -> Projection {
         let pole = match method {
             "stereographic_north_pole" => 90.0,
@@ -196,14 +202,15 @@ impl Projection {
         self
     }
 
-    /// A definition of PROJ.
+    /// Returns a projection from a PROJ definition.
     fn of_proj(definition: &str) -> Option<Projection> {
         let get = |key: &str| {
             let mut words = definition.split_whitespace().filter_map(|word| word.strip_prefix('+')?.split_once('='));
             words.find(|(name, _)| *name == key).map(|(_, value)| value)
         };
         let number = |key: &str| get(key).and_then(|text| text.parse::<f64>().ok());
-        // Heights of their own: a compound system.
+        // Heights with a unit of their own make it a compound system; another prime meridian is not
+        // compared.
         if get("vunits").is_some() || get("pm").is_some() {
             return None;
         }
@@ -247,7 +254,8 @@ impl Projection {
         Some(found.in_order(second.is_some()))
     }
 
-    /// Puts the parallels of a cone in order; a cone of one parallel touches at its origin.
+    /// Puts the parallels of a cone in order; a cone of one parallel touches the ellipsoid at its
+    /// origin.
     fn in_order(mut self, two: bool) -> Projection {
         let [first, second] = self.parallels_deg;
         self.parallels_deg = match self.kind {
@@ -275,11 +283,12 @@ impl Projection {
             && near(self.half_axis_m, other.half_axis_m, 1.0)
     }
 
-    /// The number of the system of these parameters; of several that of the datum, which is named in upper case, and of these the
-    /// usual one, or the lowest.
+    /// Returns the EPSG number of the system with these parameters. Of several, the systems of the
+    /// datum come first, which `datum` names in upper case; then the datum's usual range; then the
+    /// lowest number.
     pub(super) fn epsg(&self, datum: &str) -> Option<u32> {
         let alike = NUMBERS.filter_map(crs_definitions::from_code).filter(|definition| {
-            // Most definitions are of other projections; reading one is dear.
+            // Most definitions are of other projections; parsing one is slow.
             Projection::of_proj(definition.proj4).is_some_and(|other| other.is_same(self))
         });
         let hint = HINTS.iter().find(|hint| hint.names.iter().any(|name| datum.contains(name)));

@@ -1,5 +1,5 @@
-//! Small files beside a raster. In: the path of the raster. Out: where it lies by its world file, its coordinate system by its `.prj`,
-//! notes on its band by its `.aux.xml`.
+//! Small files beside a raster. In: the path of the raster. Out: the position of its cells from its
+//! world file, its coordinate system from its `.prj`, and notes on its band from its `.aux.xml`.
 
 use std::path::{Path, PathBuf};
 
@@ -13,13 +13,15 @@ use crate::terrain::raster::{Meaning, degrees, geocentric};
 use crate::text::{excerpt, utf8};
 use heliotile_core::error::{Error, Result};
 
-/// Position of the middle of the first cell, and a step eastwards and southwards.
+/// Position of a raster: centre of its first cell, and cell size east and south, in units of its
+/// system.
 pub(super) struct WorldFile {
     pub first: DVec2,
     pub step: DVec2,
 }
 
-/// The file of the same name with another ending, in small or capital letters.
+/// Returns the path of the file that has the name of `raster` and another ending, in lower or upper
+/// case.
 fn beside(raster: &Path, endings: &[&str]) -> Option<PathBuf> {
     let name = raster.file_name()?.to_string_lossy();
     let plain = input::without_packing(&name);
@@ -28,17 +30,18 @@ fn beside(raster: &Path, endings: &[&str]) -> Option<PathBuf> {
     names.map(|ending| raster.with_file_name(format!("{stem}.{ending}"))).find(|path| path.is_file())
 }
 
-/// The bytes of the file of the same name with another ending, if there is one.
+/// Returns the bytes of the file that has the name of `file` and another ending, if it exists.
 pub(super) fn bytes_beside(file: &Path, ending: &str) -> Result<Option<Vec<u8>>> {
     beside(file, &[ending]).map(|path| input::read(&path)).transpose()
 }
 
-/// The text of a file beside.
+/// Returns the text of a file beside a raster, decoded to UTF-8.
 fn text_of(path: &Path) -> Result<String> {
     Ok(String::from_utf8_lossy(&utf8(input::read(path)?)).into_owned())
 }
 
-/// What the world file of a raster says: `.tfw`, `.tifw`, `.tiffw` or `.wld`, six numbers, a line each (Esri; the GDAL manual, "World files").
+/// Reads the world file of a raster: `.tfw`, `.tifw`, `.tiffw` or `.wld`, six numbers, one a line
+/// (Esri; the GDAL manual, "World files").
 pub(super) fn world_file(raster: &Path) -> Result<Option<WorldFile>> {
     let Some(path) = beside(raster, &["tfw", "tifw", "tiffw", "wld"]) else { return Ok(None) };
     let text = text_of(&path)?;
@@ -56,7 +59,8 @@ pub(super) fn world_file(raster: &Path) -> Result<Option<WorldFile>> {
     }
 }
 
-/// The place of a raster by its `.aux.xml`.
+/// Returns the position of a raster by the `GeoTransform` of its `.aux.xml`; `None` if it is absent
+/// or rotated.
 pub(super) fn place_of_aux(aux: &str) -> Option<WorldFile> {
     let numbers: Vec<f64> =
         element(aux, "GeoTransform")?.split(',').map_while(|word| word.trim().parse().ok()).collect();
@@ -69,14 +73,15 @@ pub(super) fn place_of_aux(aux: &str) -> Option<WorldFile> {
     }
 }
 
-/// The `.aux.xml` of a raster, which stands behind its whole name.
+/// Returns the text of the `.aux.xml` of a raster, which is named after the raster's whole name.
 pub(super) fn aux(raster: &Path) -> Result<Option<String>> {
     let Some(name) = raster.file_name().map(|name| name.to_string_lossy()) else { return Ok(None) };
     let path = raster.with_file_name(format!("{}.aux.xml", input::without_packing(&name)));
     if path.is_file() { text_of(&path).map(Some) } else { Ok(None) }
 }
 
-/// Fills what a raster does not state with what the file beside it does: the system, the units.
+/// Completes `meaning` from the `.prj` or `.aux.xml` beside a raster: its coordinate system and its
+/// units. Does nothing if the raster states its own system.
 pub(super) fn complete(
     meaning: &mut Meaning,
     raster: &Path,
@@ -114,7 +119,7 @@ pub(super) fn complete(
     Ok(())
 }
 
-/// What the `.aux.xml` says of the first band.
+/// Returns the notes on the first band in the text of an `.aux.xml`.
 pub(super) fn notes_of_aux(aux: Option<&str>) -> BandNotes {
     aux.map_or_else(BandNotes::default, BandNotes::of_aux)
 }

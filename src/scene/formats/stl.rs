@@ -1,9 +1,10 @@
 //! In: the bytes of an STL file, text or binary. Out: its triangles, corners not yet shared.
 //!
-//! 50 bytes a triangle (or a line a corner) are read here and not by a crate: `stl_io` looks every corner up in a table, which the
-//! scene does anyway, and takes a file for text by its first word, which binary files of some CAD programs bear too. The format
-//! names no unit, taken are metres, z up. Sources: 3D Systems, SLC/StereoLithography Interface Specification, 1989; M. Burns,
-//! Automated Fabrication, 1993, section 6.5.
+//! The crate `stl_io` is not used. It looks up every corner in a table, which the scene does
+//! anyway. It also takes a file for text by its first word, which binary files of some CAD programs
+//! have too. STL names no unit: coordinates are read as metres, z up. Sources: 3D Systems,
+//! SLC/StereoLithography Interface Specification, 1989; M. Burns, Automated Fabrication, 1993,
+//! section 6.5.
 
 use std::path::Path;
 
@@ -18,10 +19,11 @@ use heliotile_core::error::{Error, Result};
 
 /// Bytes before the first triangle of a binary file: a comment and the number of triangles.
 const HEAD: usize = 84;
-/// Bytes of a triangle: a normal, three corners and two bytes that programs put colours into.
+/// Bytes of a triangle: a normal, three corners and two bytes in which some programs store colours.
 const RECORD: usize = 50;
 
 pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
+    // The size decides first: binary files may begin with `solid` too.
     let geometry = match claimed(bytes) {
         Some(count) if binary_size(count) == bytes.len() as u64 => binary(bytes, count, file)?,
         _ if is_text(bytes) => Text::new(file).read(bytes)?,
@@ -37,7 +39,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
     Ok(geometry)
 }
 
-/// The number of triangles that a binary file claims to hold.
+/// Returns the number of triangles that a binary file claims to hold.
 fn claimed(bytes: &[u8]) -> Option<u32> {
     bytes.get(HEAD - 4..HEAD)?.first_chunk().map(|count| u32::from_le_bytes(*count))
 }
@@ -46,7 +48,8 @@ fn binary_size(count: u32) -> u64 {
     HEAD as u64 + RECORD as u64 * u64::from(count)
 }
 
-/// The first word alone would not do: binary files bear it too.
+/// Returns true if the file is text: it begins with `solid` and its first 512 bytes hold no zero.
+/// The first word alone does not decide, because binary files may have it too.
 fn is_text(bytes: &[u8]) -> bool {
     let text = without_byte_order_mark(bytes).trim_ascii_start();
     let head = text.get(..512).unwrap_or(text);
@@ -91,7 +94,7 @@ fn binary(bytes: &[u8], count: u32, file: &Path) -> Result<Geometry> {
     Ok(geometry)
 }
 
-/// Stored normals beside those that follow from the corners, which count.
+/// Count of stored normals that disagree with the order of the corners. The corners decide.
 #[derive(Default)]
 struct Normals {
     judged: usize,
@@ -123,7 +126,7 @@ struct Text<'f> {
     normals: Normals,
     material: u32,
     object: Option<u32>,
-    /// Line of the `facet` that is being read, its normal and corners.
+    /// Line of the `facet` being read, its normal and its corners.
     facet: Option<(usize, DVec3, Vec<DVec3>)>,
 }
 
@@ -146,7 +149,8 @@ impl<'f> Text<'f> {
                     if self.facet.is_some() {
                         return Err(self.error(line, "a facet begins within another one"));
                     }
-                    // Normals are hints: of flat triangles many programs write nan.
+                    // A normal is only a hint, and many programs write nan for degenerate
+                    // triangles.
                     let (_, rest) = keyword_and_rest(rest);
                     self.facet = Some((line, three(rest).unwrap_or(DVec3::NAN), Vec::new()));
                 }
@@ -246,7 +250,8 @@ mod tests {
         format!("solid my cube\r\n{}endsolid my cube\n", facets.concat())
     }
 
-    /// A cube has 12 triangles, 6 m2 and a volume of 1 m3 as text and as binary, even if its head begins with "solid".
+    /// A cube has 12 triangles, 6 m2 and a volume of 1 m3 as text and as binary, even if its head
+    /// begins with "solid".
     #[test]
     fn cubes() {
         for (bytes, object) in [
@@ -265,7 +270,8 @@ mod tests {
         }
     }
 
-    /// 12 normals against the corners and 7 bytes too many are warnings; two solids are two objects.
+    /// 12 normals against the corner order and 7 extra bytes are warnings; two solids are two
+    /// objects.
     #[test]
     fn warnings() {
         let swapped = parse(text_cube(-1.0).as_bytes()).expect("readable");
@@ -277,7 +283,8 @@ mod tests {
         assert_eq!(parse(two.as_bytes()).expect("readable").objects.as_slice(), ["my cube", "other"]);
     }
 
-    /// 15 files that are none are refused with what was found; 4 billion announced triangles take no memory.
+    /// 15 files that are not STL or are damaged are refused with a message of what was found; 4
+    /// billion claimed triangles take no memory.
     #[test]
     fn refusals() {
         let facet = |inside: &str| format!("solid a\nfacet normal 0 0 1\nouter loop\n{inside}").into_bytes();

@@ -1,11 +1,12 @@
-//! The directory of a TIFF file, looked through before the decoder sees it: the crate allocates what a tag claims, 256 MiB at most, before
-//! it finds that the file ends. In: the bytes of a file. Out: nothing, or a sentence on the tag whose values cannot be there; where the mask
-//! of the picture stands.
+//! Checks of the directory of a TIFF file before the decoder sees it. The crate `tiff` allocates
+//! what a tag claims, 256 MiB at most, before it finds that the file ends. In: the bytes of a file.
+//! Out: patches for the decoder, or an error on a tag whose values lie beyond the file; the place
+//! of the image's mask.
 
-/// Bytes of a value by its type, from 1 on.
+/// Bytes of a value by its type number, from type 1 on.
 const SIZES: [u64; 18] = [1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 1, 1, 8, 8, 8];
 
-/// Directories that are looked through; files with overviews have some twenty.
+/// Most directories that are searched for a mask; files with overviews have some twenty.
 const MOST_DIRECTORIES: usize = 64;
 
 const SUBFILE_TYPE: u64 = 254;
@@ -13,16 +14,17 @@ const WIDTH: u64 = 256;
 const HEIGHT: u64 = 257;
 const COMPRESSION: u64 = 259;
 const INTERPRETATION: u64 = 262;
-/// Positions and lengths of strips, of tiles.
+/// Tags of the positions and lengths of strips, and of tiles.
 const CHUNKS: [[u64; 2]; 2] = [[273, 279], [324, 325]];
 
 const LZW: u64 = 5;
 
-/// The decoder of LZW wants more bytes than it needs: where a line ends with the packed bytes, it takes that for a cut file. It gets so many
-/// bytes behind each strip or tile, and zeros behind the file.
+/// Bytes added to each LZW strip or tile, and zeros added behind the file. The LZW decoder of the
+/// crate asks for more bytes than it needs: where a line ends with the packed bytes, it takes the
+/// file for cut.
 pub(super) const MORE_FOR_LZW: u64 = 64;
 
-/// The bytes of a TIFF, classic or big.
+/// Bytes of a TIFF, classic or BigTIFF.
 struct Bytes<'b> {
     bytes: &'b [u8],
     little: bool,
@@ -33,29 +35,29 @@ struct Bytes<'b> {
 struct Entry {
     tag: u64,
     count: u64,
-    /// Where its values begin, and the bytes of them all.
+    /// Position of its values, and below the bytes of all of them and of one.
     place: u64,
     length: u64,
     size: u64,
 }
 
-/// A directory, and where the next one begins, 0 for none.
+/// A directory, and the position of the next one, 0 for none.
 struct Directory {
     entries: Vec<Entry>,
     next: u64,
 }
 
-/// Bytes to be read at a position in place of those of the file.
+/// Bytes that replace those of the file from position `at` on.
 pub(super) struct Patch {
     pub at: u64,
     pub bytes: Vec<u8>,
 }
 
-/// What a decoder is to read in place of the file, so that it reads what is meant.
+/// Changes to the file that the decoder needs to read it correctly.
 #[derive(Default)]
 pub(super) struct Patches {
     pub list: Vec<Patch>,
-    /// Zeros behind the end of the file.
+    /// Number of zeros appended to the file.
     pub zeros: u64,
 }
 
@@ -84,13 +86,14 @@ impl<'b> Bytes<'b> {
         bytes
     }
 
-    /// Where the position of the first directory stands, and how long it is.
+    /// Returns the position of the first directory's offset, and the length of that offset in
+    /// bytes.
     fn first(&self) -> (u64, u64) {
         if self.big { (8, 8) } else { (4, 4) }
     }
 
     fn directory(&self, start: u64) -> Option<Directory> {
-        // Lengths of a directory's count, of a tag, of a number in it.
+        // Bytes of a directory's count, of an entry, and of a number in it.
         let (head, tag, wide) = if self.big { (8, 20, 8) } else { (2, 12, 4) };
         let (mut entries, count) = (Vec::new(), self.number(start, head)?);
         for i in 0..count {
@@ -106,13 +109,14 @@ impl<'b> Bytes<'b> {
         Some(Directory { entries, next: self.number(behind, wide).unwrap_or(0) })
     }
 
-    /// The first value of a tag.
+    /// Returns the first value of a tag.
     fn value(&self, directory: &Directory, tag: u64) -> Option<u64> {
         let entry = directory.entries.iter().find(|entry| entry.tag == tag && entry.count > 0)?;
         self.number(entry.place, entry.size)
     }
 
-    /// What the decoder of LZW needs; an error if strips or tiles lie beyond the end of the file.
+    /// Returns the patches that the LZW decoder needs; an error if a strip or tile lies beyond the
+    /// end of the file.
     fn for_lzw(&self, directory: &Directory) -> Result<Patches, String> {
         let mut patches = Patches::default();
         if self.value(directory, COMPRESSION) != Some(LZW) {
@@ -130,7 +134,7 @@ impl<'b> Bytes<'b> {
                     return Err(format!("strip or tile {i} lies beyond its {} bytes", self.bytes.len()));
                 }
                 let most = u64::MAX >> (64 - 8 * lengths.size.clamp(1, 8));
-                // 0 stands for one that is left out.
+                // Length 0 stands for a strip or tile that is left out.
                 let more = if length == 0 || length > most - MORE_FOR_LZW { length } else { length + MORE_FOR_LZW };
                 bytes.extend(self.written(more, lengths.size as usize));
             }
@@ -151,8 +155,9 @@ impl<'b> Bytes<'b> {
     }
 }
 
-/// Checks that the values of every tag of the first directory lie in the file (TIFF 6.0, section 2; BigTIFF). What is no TIFF at all, or
-/// ends within its header, is left to the decoder.
+/// Checks that the values of every tag of the first directory lie in the file (TIFF 6.0, section 2;
+/// BigTIFF), and returns the patches for the decoder. A file that is not TIFF, or ends within its
+/// header, is left to the decoder.
 pub(super) fn check(bytes: &[u8]) -> Result<Patches, String> {
     let Some(bytes) = Bytes::of(bytes) else { return Ok(Patches::default()) };
     let (at, length) = bytes.first();
@@ -165,7 +170,9 @@ pub(super) fn check(bytes: &[u8]) -> Result<Patches, String> {
     }
 }
 
-/// Finds the mask of the picture of the first directory: one of its size, for what is transparent (type 4; those of overviews have 5).
+/// Finds the mask of the image in the first directory: a directory of the same size and of type 4,
+/// transparency (masks of overviews have type 5). Returns patches that make the decoder read the
+/// mask in place of the image.
 pub(super) fn mask(bytes: &[u8]) -> Result<Option<Patches>, String> {
     let Some(bytes) = Bytes::of(bytes) else { return Ok(None) };
     let (at, length) = bytes.first();
@@ -181,7 +188,7 @@ pub(super) fn mask(bytes: &[u8]) -> Result<Option<Patches>, String> {
             let interpretation = directory.entries.iter().find(|entry| entry.tag == INTERPRETATION);
             let Some(entry) = interpretation else { return Ok(None) };
             let size = entry.size as usize;
-            // 1: black is zero.
+            // 1 stands for "black is zero".
             let mut patches = bytes.for_lzw(&directory)?;
             patches.list.push(Patch { at, bytes: bytes.written(start, length as usize) });
             patches.list.push(Patch { at: entry.place, bytes: bytes.written(1, size) });
@@ -196,7 +203,8 @@ pub(super) fn mask(bytes: &[u8]) -> Result<Option<Patches>, String> {
 mod tests {
     use super::*;
 
-    /// A file with one tag whose values stand at a place of its own, classic or big, little or big endian.
+    /// Returns a file with one tag whose values stand elsewhere in it, classic or BigTIFF, little
+    /// or big endian.
     fn file(big: bool, little: bool, count: u64, place: u64) -> Vec<u8> {
         let n = |value: u64, length: usize| {
             let mut bytes = value.to_le_bytes()[..length].to_vec();
@@ -217,7 +225,8 @@ mod tests {
         out
     }
 
-    /// Values within 64 bytes pass in all 4 kinds of file; 4 billion, or a place behind the end, are named; what is cut or none is let through.
+    /// Values within 64 bytes pass in all 4 kinds of file. A count of 4 billion, or a position
+    /// behind the end, is an error that names the tag. A cut file and a file that is not TIFF pass.
     #[test]
     fn claims() {
         for (big, little) in [(false, true), (false, false), (true, true), (true, false)] {

@@ -1,10 +1,11 @@
-//! Formats that are not read. In: the ending of a name. Out: what it is, and the program that makes something of it that is read.
+//! Formats that heliotile does not read. In: the ending of a name. Out: an error that names the
+//! format and a program that converts it to a format that heliotile reads.
 
 use std::path::Path;
 
 use heliotile_core::error::Error;
 
-/// Endings, what they belong to, and what makes a scene of it.
+/// File endings, the kind of file they belong to, and how to convert it to a scene.
 const UNREAD: [(&[&str], &str, &str); 17] = [
     (
         &["ifc", "ifczip", "ifcxml"],
@@ -81,7 +82,7 @@ const UNREAD: [(&[&str], &str, &str); 17] = [
     ),
 ];
 
-/// The error of a file that is not read, if its ending is known.
+/// Returns the error for a known ending that heliotile does not read; `None` for other endings.
 pub(super) fn refusal(path: &Path, ending: &str) -> Option<Error> {
     let (_, what, hint) = UNREAD.iter().find(|(endings, _, _)| endings.contains(&ending))?;
     Some(Error::input(path, None, format!("is {what}, which is not read"), *hint))
@@ -91,7 +92,7 @@ pub(super) fn refusal(path: &Path, ending: &str) -> Option<Error> {
 mod tests {
     use super::*;
 
-    /// Each of 50 endings and more is known once, in small letters, with a sentence that says what to do.
+    /// Each of more than 50 endings is listed once, in lower case, with a hint on what to do.
     #[test]
     fn endings_are_known_once() {
         let mut all: Vec<&str> = UNREAD.iter().flat_map(|(endings, _, _)| endings.iter().copied()).collect();

@@ -1,5 +1,6 @@
-//! Coordinate systems as well-known text. In: the text of a `.prj` file (OGC 01-009, ISO 19162, Esri's dialect, or the keywords of
-//! ArcInfo). Out: the number in the EPSG register, and the units of plane and heights.
+//! Coordinate systems as well-known text. In: the text of a `.prj` file (OGC 01-009, ISO 19162,
+//! Esri's dialect, or the keywords of ArcInfo). Out: the EPSG number, and the units of plane
+//! coordinates and heights.
 
 use crate::epsg_numbers::{Axes, axes_of};
 use crate::formats::gdal_metadata::metres_of_unit;
@@ -7,26 +8,26 @@ use crate::formats::projections::Projection;
 use crate::reference::Reference;
 use crate::text::excerpt;
 
-/// What a text says of coordinates.
+/// Coordinate system that a text describes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct TextSystem {
     pub axes: Option<Axes>,
-    /// Number of the plane system.
+    /// EPSG number of the plane system.
     pub epsg: Option<u32>,
-    /// Metres a unit of the plane.
+    /// Unit of plane coordinates, metres.
     pub plane_unit_m: Option<f64>,
-    /// Metres a unit of the heights.
+    /// Unit of heights, metres.
     pub height_unit_m: Option<f64>,
     pub name: String,
 }
 
 impl TextSystem {
-    /// The number as a reference.
+    /// Returns the EPSG number as a reference.
     pub(super) fn reference(&self) -> Option<Reference> {
         self.epsg.map(Reference::Epsg)
     }
 
-    /// Reads a text; `None` if it is none of a coordinate system.
+    /// Reads a text; returns `None` if it is not a coordinate system.
     pub(super) fn of(text: &str) -> Option<TextSystem> {
         let text = text.trim_start_matches('\u{feff}').trim();
         if text.get(..10).is_some_and(|head| head.eq_ignore_ascii_case("projection")) {
@@ -63,7 +64,7 @@ impl TextSystem {
     }
 }
 
-/// The plane system of the parameters of a node.
+/// Returns the EPSG number of the plane system with the parameters of `node`.
 fn of_parameters(node: &Node) -> Option<u32> {
     let name = node.texts.first()?;
     if name.contains("Web_Mercator") || name.contains("Pseudo-Mercator") {
@@ -83,7 +84,8 @@ fn of_parameters(node: &Node) -> Option<u32> {
     Projection::of_parameters(method, &parameters, node.unit().unwrap_or(1.0), spheroid)?.epsg(&datum)
 }
 
-/// The keywords of ArcInfo: `Projection UTM`, `Zone 32`, `Datum WGS84`, `Zunits METERS`, a line each.
+/// Reads the keywords of ArcInfo: `Projection UTM`, `Zone 32`, `Datum WGS84`, `Zunits METERS`, one
+/// a line.
 fn of_keywords(text: &str) -> TextSystem {
     let value = |key: &str| {
         let mut lines = text.lines().map(str::trim);
@@ -92,7 +94,7 @@ fn of_keywords(text: &str) -> TextSystem {
             word.eq_ignore_ascii_case(key).then(|| rest.trim().to_uppercase())
         })
     };
-    // A number is so many units a metre.
+    // A number means units a metre.
     let unit = |key: &str| {
         let text = value(key)?;
         metres_of_unit(&text).or_else(|| text.parse::<f64>().ok().filter(|many| *many > 0.0).map(|many| 1.0 / many))
@@ -115,21 +117,21 @@ fn of_keywords(text: &str) -> TextSystem {
     }
 }
 
-/// A keyword with what stands in its brackets.
+/// A keyword and the content of its brackets.
 #[derive(Debug, Default)]
 struct Node {
-    /// In upper case.
+    /// Keyword in upper case.
     keyword: String,
     texts: Vec<String>,
     numbers: Vec<f64>,
     nodes: Vec<Node>,
 }
 
-/// Brackets within brackets of real texts: six; hostile ones have thousands.
+/// Deepest nesting of brackets that is read: real texts have six, hostile ones thousands.
 const DEEPEST: usize = 20;
 
 impl Node {
-    /// Reads one node, and gives what follows it.
+    /// Reads one node; returns the text behind it too.
     fn read(text: &str, depth: usize) -> Option<(Node, &str)> {
         let text = text.trim_start();
         let length = text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).filter(|length| *length > 0)?;
@@ -164,7 +166,7 @@ impl Node {
         }
     }
 
-    /// The first node with one of some keywords, itself or within.
+    /// Returns the first node with one of the keywords `names`: this node or one within it.
     fn find(&self, names: &[&str]) -> Option<&Node> {
         if names.contains(&self.keyword.as_str()) {
             return Some(self);
@@ -177,7 +179,7 @@ impl Node {
         if self.keyword == name { vec![self] } else { within.collect() }
     }
 
-    /// Its own number in the register of EPSG.
+    /// Returns the node's own EPSG number.
     fn epsg(&self) -> Option<u32> {
         let own = self.nodes.iter().filter(|node| ["AUTHORITY", "ID"].contains(&node.keyword.as_str()));
         own.filter(|node| node.texts.first().is_some_and(|name| name.eq_ignore_ascii_case("EPSG"))).find_map(|node| {
@@ -186,7 +188,7 @@ impl Node {
         })
     }
 
-    /// Metres of its unit of length.
+    /// Returns the node's unit of length, metres.
     fn unit(&self) -> Option<f64> {
         let in_axes = || self.nodes.iter().filter(|node| node.keyword == "AXIS").flat_map(|node| &node.nodes);
         let unit =

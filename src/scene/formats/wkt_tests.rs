@@ -1,4 +1,4 @@
-//! Texts of coordinate systems as programs write them, right and wrong.
+//! Coordinate systems in well-known text as programs write them, valid and damaged.
 
 use super::*;
 
@@ -6,7 +6,7 @@ fn of(text: &str) -> TextSystem {
     TextSystem::of(text).expect(text)
 }
 
-/// A system of Esri's dialect in units of `unit`.
+/// Returns a system in Esri's dialect with the unit `unit`.
 fn esri(name: &str, [geographic, datum, spheroid]: [&str; 3], projection: &str, unit: &str) -> String {
     format!(
         "PROJCS[\"{name}\",GEOGCS[\"{geographic}\",DATUM[\"{datum}\",SPHEROID[{spheroid}]],PRIMEM[\"Greenwich\",0.0],\
@@ -20,8 +20,8 @@ const NAD: [&str; 3] = ["GCS_North_American_1983", "D_North_American_1983", "\"G
 const UTM_32: &str = "PROJECTION[\"Transverse_Mercator\"],PARAMETER[\"False_Easting\",500000.0],PARAMETER[\"False_Northing\",0.0],\
                       PARAMETER[\"Central_Meridian\",9.0],PARAMETER[\"Scale_Factor\",0.9996],PARAMETER[\"Latitude_Of_Origin\",0.0]";
 
-/// Eight systems without a number of the register, as ArcGIS writes them, are found by their parameters: UTM of three datums, state planes in
-/// feet, RD New, Lambert-93, LV95, the web's Mercator.
+/// Eight systems that ArcGIS writes without an EPSG number are found by their parameters: UTM of
+/// three datums, state planes in feet, RD New, Lambert-93, LV95 and Web Mercator.
 #[test]
 fn parameters_find_the_number() {
     let metre = "\"Meter\",1.0";
@@ -67,8 +67,8 @@ fn parameters_find_the_number() {
     }
 }
 
-/// A number that stands in the text is taken, in three dialects; vertical systems state 0.3048 m and 1200/3937 m; degrees and geocentric
-/// coordinates are told.
+/// A number in the text is read in three dialects. Vertical systems state 0.3048 m and 1200/3937 m.
+/// Degrees and geocentric coordinates are recognised.
 #[test]
 fn numbers_and_units_are_read() {
     assert_eq!(of("PROJCS[\"ETRS89_UTM_zone_32N\",AUTHORITY[\"EPSG\",\"25832\"]]").epsg, Some(25832));
@@ -94,7 +94,8 @@ fn numbers_and_units_are_read() {
     assert_eq!((local.epsg, local.plane_unit_m), (None, Some(0.3048)));
 }
 
-/// Keywords of ArcInfo state UTM zone 11 of NAD83 with heights in decimetres; longitude and latitude are told.
+/// Keywords of ArcInfo state UTM zone 11 of NAD83 with heights in decimetres; longitude and
+/// latitude are recognised.
 #[test]
 fn keywords_of_arcinfo() {
     let found = of(
@@ -104,7 +105,8 @@ fn keywords_of_arcinfo() {
     assert_eq!(of("Projection GEOGRAPHIC\nDatum WGS84\nUnits DD\n").axes, Some(Axes::Degrees));
 }
 
-/// Texts that are cut anywhere, are none, or have a thousand brackets are read as far as they go or not at all, and nothing panics.
+/// Texts that are cut anywhere, are no system, or have a thousand brackets give no EPSG number;
+/// nothing panics.
 #[test]
 fn hostile_texts() {
     let whole = esri("WGS_1984_UTM_Zone_32N", WGS, UTM_32, "\"Meter\",1.0");

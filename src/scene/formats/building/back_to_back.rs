@@ -1,4 +1,5 @@
-//! In: outlines of surfaces of which nobody says what lies behind them. Out: those that part two rooms, each with its other side in the list.
+//! In: outlines of surfaces that do not state what lies behind them. Out: the surfaces that
+//! separate two rooms, each of which has its other side in the list.
 
 use std::collections::{HashMap, HashSet};
 
@@ -6,12 +7,12 @@ use glam::DVec3;
 
 use crate::formats::building::frame::area_vector;
 
-/// Surfaces in half a cubic metre beyond which no more are compared.
+/// Most surfaces that are compared in one half-metre cell.
 const MOST_ALIKE: usize = 64;
 
-/// Numbers of the outlines that lie back to back.
+/// Returns the indices of the outlines that lie back to back.
 pub(in crate::formats) fn back_to_back<'o>(outlines: impl Iterator<Item = (usize, &'o [DVec3])>) -> HashSet<usize> {
-    // Centres on a grid of half metres: both of a pair are typed from one drawing.
+    // Centres are rounded to half metres: the two outlines of a pair come from one drawing.
     let mut at: HashMap<_, Vec<(usize, DVec3)>> = HashMap::new();
     for (i, outline) in outlines {
         let centre = outline.iter().sum::<DVec3>() / outline.len().max(1) as f64;

@@ -1,37 +1,39 @@
-//! Whether windows fit into a wall. In: outlines in space. Out: for each window whether it may be a hole of the wall.
+//! Fit of windows into a wall. In: outlines in space. Out: for each window, how it fits: as a hole,
+//! as the whole wall, or not.
 
 use glam::{DVec2, DVec3};
 
 use crate::formats::building::frame::{Frame, area_vector};
 
-/// Windows this far off their wall or over its edge are taken for rounded coordinates, metres (EnergyPlus merges vertices closer
-/// than this).
+/// Distance from a wall's plane or edge that is taken for rounding of a window's coordinates,
+/// metres (EnergyPlus merges vertices closer than this).
 pub(in crate::formats) const ROUNDED_M: f64 = 0.01;
-/// Comparisons of a wall's edges with its windows' beyond which no wall of a building goes.
+/// Most comparisons of edges of a wall and its windows; no real wall needs more, and windows of a
+/// wall that does are left out.
 const MOST_COMPARISONS: usize = 20_000_000;
 
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::formats) enum Fit {
-    /// A hole of the wall, moved onto its edge where it reaches over it by a hair.
+    /// A hole of the wall, moved onto the wall's edge where it reaches over it within rounding.
     Hole(Vec<DVec3>),
-    /// Takes up the whole wall.
+    /// An opening that takes up the whole wall.
     Whole,
-    /// Reaches over the wall's edge, lies off its plane or over another window.
+    /// An opening that reaches over the wall's edge, lies off its plane or overlaps another window.
     Beyond,
 }
 
-/// A wall that windows are to be cut out of.
+/// A wall from which windows are cut.
 pub(in crate::formats) struct Wall<'w> {
     pub outline: &'w [DVec3],
-    /// What is cut out already.
+    /// Outlines that are cut out of it already.
     pub holes: &'w [Vec<DVec3>],
-    /// Its plane.
+    /// Frame of its plane.
     pub frame: Frame,
-    /// How far off their place coordinates may be, metres: at least [`ROUNDED_M`].
+    /// Error that coordinates may have, metres: at least [`ROUNDED_M`].
     pub rounded_m: f64,
 }
 
-/// How each opening fits into a wall.
+/// Returns how each opening fits into a wall.
 pub(in crate::formats) fn fit(wall: &Wall, openings: &[&[DVec3]]) -> Vec<Fit> {
     let (frame, rounded_m) = (&wall.frame, wall.rounded_m);
     let (right, up) = (frame.right(), frame.up());
@@ -60,10 +62,10 @@ pub(in crate::formats) fn fit(wall: &Wall, openings: &[&[DVec3]]) -> Vec<Fit> {
             if !on_plane || !inside || cross(&outline, &ring, rounded_m) || taken.iter().any(over) {
                 return Fit::Beyond;
             }
-            // A wall without area is not written.
+            // Avoids dividing by the area of a wall that has none; such a wall is not written.
             let share = area_vector(opening).length() / area.max(f64::MIN_POSITIVE);
             taken.push(ring);
-            // Less than a millimetre in a metre is left of the wall.
+            // Beyond this share, less than a millimetre in a metre is left of the wall.
             if share > 0.999 { Fit::Whole } else { Fit::Hole(moved) }
         })
         .collect()
@@ -73,14 +75,14 @@ fn edges(ring: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
     ring.iter().copied().zip(ring.iter().copied().cycle().skip(1))
 }
 
-/// By the number of edges to the right of a point.
+/// Returns true if `p` lies inside a ring, by the number of edges to its right.
 fn contains(ring: &[DVec2], p: DVec2) -> bool {
     let crossed =
         |(a, b): &(DVec2, DVec2)| (a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x;
     edges(ring).filter(crossed).count() % 2 == 1
 }
 
-/// The point of a ring's edges that is next to a point.
+/// Returns the point on the edges of a ring that is nearest to `p`.
 fn nearest(ring: &[DVec2], p: DVec2) -> DVec2 {
     let on_edge = |(a, b): (DVec2, DVec2)| {
         let along = b - a;
@@ -91,19 +93,19 @@ fn nearest(ring: &[DVec2], p: DVec2) -> DVec2 {
     edges(ring).map(on_edge).min_by(closer).unwrap_or(DVec2::INFINITY)
 }
 
-/// Whether an edge of one ring crosses one of another by more than what rounding explains.
+/// Returns true if an edge of one ring crosses an edge of another by more than rounding explains.
 fn cross(a: &[DVec2], b: &[DVec2], rounded_m: f64) -> bool {
     edges(a).any(|(p, q)| edges(b).any(|(r, s)| crosses([p, q], [r, s], rounded_m)))
 }
 
 fn crosses([p, q]: [DVec2; 2], [r, s]: [DVec2; 2], rounded_m: f64) -> bool {
-    // Distance of a point from the line through two others, with its side.
+    // Signed distance of `c` from the line through `a` and `b`.
     let side = |a: DVec2, b: DVec2, c: DVec2| (b - a).normalize_or_zero().perp_dot(c - a);
     let apart = |x: f64, y: f64| x.min(y) < -rounded_m && x.max(y) > rounded_m;
     apart(side(p, q, r), side(p, q, s)) && apart(side(r, s, p), side(r, s, q))
 }
 
-/// Whether two windows cover a common area.
+/// Returns true if two windows overlap.
 fn overlap(a: &[DVec2], b: &[DVec2], rounded_m: f64) -> bool {
     let deep = |ring: &[DVec2], p: DVec2| contains(ring, p) && nearest(ring, p).distance(p) > rounded_m;
     let middle = |ring: &[DVec2]| ring.iter().sum::<DVec2>() / ring.len().max(1) as f64;

@@ -1,5 +1,6 @@
-//! What readers of building models share. In: walls, openings and layers, whatever the format. Out: holes where windows are, faces that
-//! lie inside or look inwards, the ground, glass by its panes, materials under names of their own, and one warning for each kind of oddity.
+//! Parts that the readers of building models share. In: walls, openings and layers, from any
+//! format. Out: holes for windows, faces that lie inside or look inwards, the ground, glass by its
+//! panes, materials under unique names, and one warning for each kind of oddity.
 
 pub(super) mod back_to_back;
 pub(super) mod frame;

@@ -1,4 +1,5 @@
-//! What a reader comes across, by kind. In: a kind and a name, over and over. Out: one warning a kind, with the first name.
+//! Oddities of a file, by kind. In: a kind and a name for each oddity. Out: one warning for each
+//! kind, with its count and the first name.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,7 +10,7 @@ use crate::text::excerpt;
 pub(in crate::formats) struct Notes(BTreeMap<&'static str, (usize, String)>);
 
 impl Notes {
-    /// `kind` completes "3 ...".
+    /// Counts an oddity. `kind` continues a sentence such as "3 ...".
     pub(in crate::formats) fn add(&mut self, kind: &'static str, name: &str) {
         let note = self.0.entry(kind).or_insert_with(|| (0, excerpt(name.as_bytes())));
         note.0 += 1;

@@ -1,5 +1,5 @@
-//! What light does at layers of a building. In: shares, panes and heat losses as models state them. Out: checked shares, glass, and materials
-//! under names of their own.
+//! Optical properties of a building's layers. In: shares of light, panes and heat losses as models
+//! state them. Out: checked shares, glass, and materials under unique names.
 
 use heliotile_core::site::bands::{Band, BandValues};
 use heliotile_core::site::material::{Glass, Material};
@@ -8,20 +8,21 @@ use crate::formats::building::notes::Notes;
 use crate::geometry::Geometry;
 use crate::materials::select::MaterialTable;
 
-/// Default of `Solar Absorptance` (EnergyPlus Input Output Reference, `Material`; honeybee-schema, `EnergyMaterial`).
+/// Default of `Solar Absorptance` (EnergyPlus Input Output Reference, `Material`; honeybee-schema,
+/// `EnergyMaterial`).
 pub(in crate::formats) const ABSORPTANCE: f64 = 0.7;
 /// Default of `Leaf Reflectivity` (`Material:RoofVegetation`; `EnergyMaterialVegetation`).
 pub(in crate::formats) const LEAF_REFLECTANCE: f64 = 0.22;
-/// Glazing systems that lose less are of two panes, W/(m2 K): a single clear pane loses 5.8, two lose 2.7 (ASHRAE Fundamentals,
-/// chapter 15).
+/// Heat loss below which a glazing system has two panes, W/(m2 K): a single clear pane loses 5.8,
+/// two lose 2.7 (ASHRAE Fundamentals, chapter 15).
 const TWO_PANES_BELOW: f64 = 4.0;
 
-/// Panes of a glazing system that only its heat loss in W/(m2 K) is known of.
+/// Returns the number of panes of a glazing system that states only its heat loss, in W/(m2 K).
 pub(in crate::formats) fn panes_of_system(loss_w_m2k: f64) -> usize {
     if loss_w_m2k < TWO_PANES_BELOW { 2 } else { 1 }
 }
 
-/// Glass of a number of panes; that of three is taken for that of two.
+/// Returns the glass of `panes` panes; `None` for 0. Three panes or more are taken for two.
 pub(in crate::formats) fn glass_of_panes(panes: usize) -> Option<Glass> {
     match panes {
         0 => None,
@@ -30,7 +31,7 @@ pub(in crate::formats) fn glass_of_panes(panes: usize) -> Option<Glass> {
     }
 }
 
-/// A share of light, moved into 0..=1.
+/// Returns a share of light, clamped to 0..=1, with a note if it lies outside.
 pub(in crate::formats) fn share(value: f64, name: &str, notes: &mut Notes) -> f64 {
     if !(0.0..=1.0).contains(&value) {
         notes.add("shares of light are not from 0 to 1; the nearest is taken", name);
@@ -38,7 +39,8 @@ pub(in crate::formats) fn share(value: f64, name: &str, notes: &mut Notes) -> f6
     value.clamp(0.0, 1.0)
 }
 
-/// What is stated of visible light beside a value for all light: nothing where it is the same.
+/// Returns a value for visible light; none if the model states none, or the same value as for all
+/// solar light.
 pub(in crate::formats) fn visible(value: Option<f64>, solar: f64) -> BandValues {
     value.filter(|value| *value != solar).map_or(BandValues::default(), |value| BandValues::of(Band::Visible, value))
 }
@@ -48,7 +50,8 @@ pub(in crate::formats) fn visible(value: Option<f64>, solar: f64) -> BandValues 
 pub(in crate::formats) struct Stated(pub MaterialTable);
 
 impl Stated {
-    /// The number of a material. A name that means something else already gets a number behind it.
+    /// Adds a material and returns its number. If its name already stands for another material, the
+    /// name gets a number behind it.
     pub(in crate::formats) fn add(&mut self, material: Material, geometry: &mut Geometry) -> u32 {
         let mut material = material;
         let plain = material.name.clone();

@@ -1,16 +1,18 @@
-//! Faces of rooms that look inwards. In: the outlines that bound one room, all of them, those to its neighbours too. Out: the faces of a
-//! room that is closed, or nearly so, whose normal points into it.
+//! Faces of rooms that look inwards. In: all outlines that bound one room, including those to its
+//! neighbours. Out: the faces whose normal points into the room, if the room is closed or nearly
+//! so.
 //!
-//! A line from a point of a face leaves a closed room through an odd number of its other faces on the inner side, and meets an even number
-//! on the outer one, whatever way each of them is wound and whether or not their corners meet.
+//! A ray from a point of a face of a closed room crosses an odd number of its other faces on the
+//! inner side, and an even number on the outer side. This holds for any winding of the faces, and
+//! also if their corners do not meet.
 
 use glam::{DVec2, DVec3};
 
 use crate::formats::building::frame::area_vector;
 
-/// Rooms of more faces are left as they are: the search goes by the square.
+/// Most faces of a room that is examined: the search takes time with the square of the number.
 const MOST_FACES: usize = 4_000;
-/// Directions of the lines, askew of whatever a building is drawn along.
+/// Directions of the rays, oblique to the usual directions of buildings.
 const LINES: [DVec3; 5] = [
     DVec3::new(0.613, 0.377, 0.694),
     DVec3::new(-0.421, 0.811, 0.406),
@@ -18,23 +20,23 @@ const LINES: [DVec3; 5] = [
     DVec3::new(0.883, -0.287, -0.371),
     DVec3::new(-0.337, -0.449, 0.828),
 ];
-/// So many lines have to agree that a face looks in or out; fewer are of a room that is open there.
+/// Fewest rays that must agree that a face looks in or out; where fewer agree, the room is open.
 const AGREED: usize = 4;
-/// A room is closed if this share of its area is known to look in or out.
+/// Share of a room's area that must be known to look in or out, for the room to count as closed.
 const CLOSED_SHARE: f64 = 0.9;
-/// Lines this flat to a face say nothing (cosine).
+/// Cosine below which a ray is too flat to a face to decide anything.
 const FLAT: f64 = 1e-3;
 
-/// A face of a room, flat.
+/// A flat face of a room.
 struct Panel {
-    /// Unit length.
+    /// Unit normal.
     normal: DVec3,
     area_m2: f64,
     origin: DVec3,
     axes: [DVec3; 2],
-    /// Outline and holes along the axes.
+    /// Outline and holes, along the axes.
     rings: Vec<Vec<DVec2>>,
-    /// A point on it.
+    /// A point on the face, in space.
     inner: DVec3,
 }
 
@@ -45,13 +47,14 @@ enum Facing {
     Unknown,
 }
 
-/// Numbers of the faces that look into their room; none where the room is not closed. Each face is its outline and then its holes.
+/// Returns the indices of the faces that look into their room; none if the room is not closed. A
+/// face is its outline, followed by its holes.
 pub(in crate::formats) fn facing_inwards(faces: &[Vec<&[DVec3]>]) -> Vec<usize> {
     if faces.len() > MOST_FACES {
         return Vec::new();
     }
     let panels: Vec<Option<Panel>> = faces.iter().map(|rings| Panel::of(rings)).collect();
-    // One line is enough to see that a room is as it should be.
+    // One ray per face is enough to see that a room is as it should be.
     let first = LINES.get(..1).unwrap_or_default();
     let doubted = (0..panels.len()).any(|i| facing(&panels, i, first, 1) == Facing::In);
     if !doubted {
@@ -68,7 +71,7 @@ pub(in crate::formats) fn facing_inwards(faces: &[Vec<&[DVec3]>]) -> Vec<usize> 
     found.iter().enumerate().filter(|(_, facing)| **facing == Facing::In).map(|(i, _)| i).collect()
 }
 
-/// Where a face looks, if so many lines agree and none contradicts.
+/// Returns where a face looks, if at least `agreed` rays agree and none contradicts.
 fn facing(panels: &[Option<Panel>], number: usize, lines: &[DVec3], agreed: usize) -> Facing {
     let Some(Some(panel)) = panels.get(number) else { return Facing::Unknown };
     let (mut out, mut inwards) = (0, 0);
@@ -86,6 +89,7 @@ fn facing(panels: &[Option<Panel>], number: usize, lines: &[DVec3], agreed: usiz
                 None => {}
             }
         }
+        // Equal parities mean a gap in the room: the ray decides nothing.
         match (before % 2, behind % 2) {
             (0, 1) => out += 1,
             (1, 0) => inwards += 1,
@@ -113,7 +117,7 @@ impl Panel {
         Some(Panel { normal, area_m2: vector.length(), origin, axes: [right, up], rings, inner })
     }
 
-    /// Where a line meets the face: so far along it, negative behind its start.
+    /// Returns the distance along a line at which it meets the face; negative behind its start.
     fn met(&self, start: DVec3, line: DVec3) -> Option<f64> {
         let along = line.dot(self.normal);
         if along.abs() < 1e-12 {
@@ -129,18 +133,19 @@ fn edges(rings: &[Vec<DVec2>]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
     rings.iter().flat_map(|ring| ring.iter().copied().zip(ring.iter().copied().cycle().skip(1)))
 }
 
-/// Inside an outline and outside its holes.
+/// Returns true if `p` lies inside the outline and outside the holes.
 fn is_within(rings: &[Vec<DVec2>], p: DVec2) -> bool {
     crossings(rings, p.y).filter(|x| *x > p.x).count() % 2 == 1
 }
 
-/// Where edges cross a height.
+/// Returns the x at which edges cross a height.
 fn crossings(rings: &[Vec<DVec2>], y: f64) -> impl Iterator<Item = f64> + '_ {
     let crossed = edges(rings).filter(move |(a, b)| (a.y > y) != (b.y > y));
     crossed.map(move |(a, b)| (b.x - a.x) * (y - a.y) / (b.y - a.y) + a.x)
 }
 
-/// A point well inside: in the middle of the widest stretch at half the height of the highest gap between corners.
+/// Returns a point well inside: halfway up the highest gap between corners, in the middle of the
+/// widest stretch there.
 fn inner_point(rings: &[Vec<DVec2>]) -> Option<DVec2> {
     let mut heights: Vec<f64> = rings.iter().flatten().map(|p| p.y).collect();
     heights.sort_by(f64::total_cmp);
@@ -158,7 +163,8 @@ fn inner_point(rings: &[Vec<DVec2>]) -> Option<DVec2> {
 mod tests {
     use super::*;
 
-    /// A box of 4 x 3 x 2 m with its floor cut in two, whose corners do not meet those of the walls; outwards.
+    /// A box of 4 x 3 x 2 m, faces outwards. Its floor is cut in two, with corners that do not meet
+    /// those of the walls.
     fn room() -> Vec<Vec<DVec3>> {
         let corners = |list: [[f64; 3]; 4]| list.map(DVec3::from_array).to_vec();
         vec![
@@ -176,7 +182,8 @@ mod tests {
         facing_inwards(&room.iter().map(|face| vec![face.as_slice()]).collect::<Vec<_>>())
     }
 
-    /// Of a room of 7 faces no face, one, two and all 7 look inwards and are found; without its ceiling, none of the 6 that are left.
+    /// In a room of 7 faces, exactly the faces that look inwards are found: none, one, two and all
+    /// 7. Without its ceiling, none of the other 6 is found.
     #[test]
     fn faces_that_look_into_a_closed_room() {
         for turned in [vec![], vec![1], vec![0, 6], (0..7).collect()] {
@@ -188,8 +195,8 @@ mod tests {
         }
     }
 
-    /// A room with a court of 1 m2: 4 walls of the court look into it, which is outdoors; floor and ceiling are rings. With all 10 faces turned, all
-    /// 10 are found.
+    /// The 4 walls of a court of 1 m2 look into the court, which is outdoors; floor and ceiling are
+    /// rings. With all 10 faces turned, all 10 are found.
     #[test]
     fn a_court_is_outdoors() {
         let square = |low: f64, high: f64, z: f64| {

@@ -1,28 +1,31 @@
-//! Where the ground of a building model lies. In: its faces. Out: the height of the plane, and what is said of a model that reaches below
-//! it or stands far above it.
+//! Ground of a building model. In: its faces. Out: the height of the ground plane, and warnings if
+//! the model reaches below z = 0 or stands far above it.
 //!
-//! EnergyPlus has its ground at z = 0 whatever the model is like: `SolarReflectionManager` of version 25.2 never sets `GroundLevelZ`.
+//! EnergyPlus has its ground at z = 0 for every model: `SolarReflectionManager` of version 25.2
+//! never sets `GroundLevelZ`.
 
 use std::path::Path;
 
 use crate::geometry::{Geometry, Polygon};
 use crate::semantics::SurfaceKind;
 
-/// Surfaces that reach less than this below z = 0 are taken for rounded coordinates, metres.
+/// Depth below z = 0 that is taken for rounding of coordinates, metres.
 const ROUNDED_M: f64 = 0.01;
-/// A model whose lowest surface in the sun lies higher than this is worth a word, metres.
+/// Height of the lowest surface in the sun above which a model gets a warning, metres.
 const HIGH_M: f64 = 10.0;
 
-/// What decides how low the ground lies, besides what the sun reaches of the building.
+/// Effect of shading surfaces on the height of the ground, besides the surfaces in the sun of the
+/// building.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::formats) enum Shades {
-    /// Shades may be terrain, and lie on the ground.
+    /// Shades count: they may be terrain and lie on the ground.
     Count,
-    /// Shades may stand in a pit.
+    /// Shades do not count: they may stand in a pit.
     Pass,
 }
 
-/// Height of the ground of a model, metres: 0, or that of the lowest corner of the surfaces in the sun where it lies below 0.
+/// Returns the height of a model's ground, metres: 0, or the height of the lowest corner of its
+/// surfaces in the sun if that lies below 0.
 pub(in crate::formats) fn ground_elevation_m(geometry: &mut Geometry, shades: Shades, file: &Path) -> f64 {
     let corner = |corner: &u32| geometry.vertices.get(*corner as usize).map(|p| p.z);
     let lowest_of = |face: &Polygon| face.corners().iter().filter_map(corner).reduce(f64::min);

@@ -1,5 +1,6 @@
-//! City objects as the reader of CityJSON takes them. In: a draft. Out: a document of its features, each with the one level of detail that is
-//! read of it, every surface once, with the name of the thematic surface that it is of.
+//! City objects in the form that the CityJSON reader takes. In: a draft. Out: a document of its
+//! features, each with the one level of detail that is read, every surface once, with the name of
+//! its thematic surface.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -25,14 +26,14 @@ const BESIDE: &str = "as solids whose surfaces stand beside them under their nam
 /// Surfaces of a feature in one level of detail.
 #[derive(Default)]
 pub(super) struct Surfaces {
-    /// Of its solids and multitudes of surfaces.
+    /// Surfaces of its solids and multi-surfaces.
     whole: Vec<Side>,
-    /// Of its thematic surfaces.
+    /// Surfaces of its thematic surfaces.
     thematic: Vec<Side>,
     roof_edge: Vec<Side>,
 }
 
-/// Adds the features of a draft to what was read.
+/// Adds the features of a draft to the geometry read so far.
 pub(super) fn add(reader: &mut Reader, levels: &mut Levels, draft: Draft) -> Result<()> {
     let Draft { mut store, features, .. } = draft;
     let ids: Vec<String> = features.iter().map(|feature| feature.id.clone()).collect();
@@ -78,11 +79,13 @@ pub(super) fn add(reader: &mut Reader, levels: &mut Levels, draft: Draft) -> Res
     for (reason, count) in &store.left_out {
         (0..*count).for_each(|_| reader.geometry.leave_out(reason));
     }
+    // Frees the geometry of the object before the reader stores it again.
     drop(store);
     reader.add(&document)
 }
 
-/// Refuses more places of templates than memory may hold before the first is made.
+/// Counts the corners of template instances, and refuses more than memory may hold before the first
+/// instance is made.
 fn count_instances(reader: &mut Reader, store: &Store, features: &[Feature]) -> Result<()> {
     for piece in features.iter().flat_map(|feature| &feature.pieces).filter(|piece| piece.instance.is_some()) {
         let sides = follow(store, piece.members.clone()).sides;
@@ -98,7 +101,7 @@ fn count_instances(reader: &mut Reader, store: &Store, features: &[Feature]) -> 
     })
 }
 
-/// Polygons of a piece; an error is what is wrong with it.
+/// Returns the polygons of a piece, or an error that says what is wrong with the piece.
 fn surfaces_of(store: &mut Store, piece: &Piece) -> std::result::Result<Vec<Side>, String> {
     let found = follow(store, piece.members.clone());
     for _ in &found.missing {
@@ -119,7 +122,7 @@ fn surfaces_of(store: &mut Store, piece: &Piece) -> std::result::Result<Vec<Side
     Ok(sides)
 }
 
-/// Polygons of a template where an instance has them.
+/// Returns the polygons of a template, placed by an instance.
 fn placed(store: &mut Store, sides: &[Side], instance: Instance) -> std::result::Result<Vec<Side>, String> {
     let template = store.lift(sides);
     let place = |vertex| instance.matrix.transform_point3(vertex) + instance.at;
@@ -145,7 +148,8 @@ impl Surfaces {
         self.whole.is_empty() && self.thematic.is_empty() && self.roof_edge.is_empty()
     }
 
-    /// Every surface once, and whether a solid or all of them are known to be closed.
+    /// Returns every surface once, and `Some(true)` if a solid or all surfaces are known to be
+    /// closed.
     fn joined(self, store: &mut Store) -> (Vec<Side>, Option<bool>) {
         let Surfaces { whole, thematic, roof_edge } = self;
         if whole.is_empty() && thematic.is_empty() {
@@ -180,7 +184,8 @@ fn once(mut sides: Vec<Side>) -> Vec<Side> {
     sides
 }
 
-/// Gives polygons without a name that of the thematic surface with the same corners, which goes.
+/// Gives a polygon without a name the name of the thematic surface with the same corners, and
+/// removes that surface.
 fn name_twins(store: &mut Store, whole: &[Side], thematic: &mut Vec<Side>) {
     if thematic.is_empty() {
         return;
@@ -198,7 +203,7 @@ fn name_twins(store: &mut Store, whole: &[Side], thematic: &mut Vec<Side>) {
     });
 }
 
-/// Corners of the outline of a polygon, in their order.
+/// Returns the corners of a polygon's outline, sorted.
 fn corners_of(store: &Store, side: Side) -> Vec<u32> {
     let outline = store.polygon(side.polygon).and_then(|polygon| store.rings(polygon).next());
     let mut corners = outline.unwrap_or_default().to_vec();
@@ -206,12 +211,14 @@ fn corners_of(store: &Store, side: Side) -> Vec<u32> {
     corners
 }
 
-/// Vertices of a document by those of a store.
+/// Vertices of a document by the vertices of a store; `u32::MAX` for a vertex that is not in the
+/// document.
 #[derive(Default)]
 struct Numbers(Vec<u32>);
 
 impl Numbers {
-    /// A geometry of a document, whose vertices are added to those of the document where they are not there yet.
+    /// Returns a geometry of the document, and adds the vertices that the document does not have
+    /// yet.
     fn shape(&mut self, store: &Store, offer: Offer, vertices: &mut Vec<[f64; 3]>) -> Shape<'static> {
         self.0.resize(store.vertices.len(), u32::MAX);
         let (mut boundaries, mut values, mut lines) = (Nested::default(), Nested::default(), Vec::new());
@@ -236,7 +243,8 @@ impl Numbers {
         }
         boundaries.close();
         values.close();
-        // Lines name surfaces only where each has its own; texts without line breaks have one.
+        // Lines name surfaces only where each surface has its own; a text without line breaks has
+        // only one line.
         if !lines.is_sorted_by(|a, b| a < b) && lines.iter().collect::<HashSet<_>>().len() < lines.len() {
             lines.clear();
         }

@@ -1,4 +1,5 @@
-//! Attributes of city objects. In: properties of a feature, and generic attributes. Out: values by name.
+//! Attributes of city objects. In: properties of a feature, and generic attributes. Out: values by
+//! name.
 
 use serde_json::{Map, Value};
 
@@ -42,11 +43,11 @@ const NUMBERS: [&str; 7] = [
     "averageHeight",
 ];
 
-/// Longest value and most bytes that are kept of an object.
+/// Longest name and value together that are kept, and most bytes kept of one object.
 const LONGEST: usize = 1 << 12;
 const MOST: usize = 1 << 16;
 
-/// What is said of a feature.
+/// Attributes of a feature.
 #[derive(Default)]
 pub(super) struct Attributes {
     values: Map<String, Value>,
@@ -54,7 +55,7 @@ pub(super) struct Attributes {
 }
 
 impl Attributes {
-    /// Adds a value; of an attribute with several values all count.
+    /// Adds a value. An attribute with several values keeps them all.
     pub(super) fn add(&mut self, name: &str, value: Value) {
         let length = name.len() + value.as_str().map_or(8, str::len);
         if name.is_empty() || value == Value::String(String::new()) || length > LONGEST || self.bytes + length > MOST {
@@ -73,14 +74,15 @@ impl Attributes {
         }
     }
 
-    /// All of them by name.
+    /// Returns all values by name.
     pub(super) fn into_values(self) -> Map<String, Value> {
         self.values
     }
 }
 
 impl Scan<'_> {
-    /// Reads a property as an attribute; `None` if it is none, and then it is not read.
+    /// Reads a property as an attribute. Returns `None`, and reads nothing, if the property is not
+    /// an attribute.
     pub(super) fn attribute(&mut self, property: &Element) -> Result<Option<(String, Value)>> {
         let name = property.name.as_str();
         if KNOWN.contains(&name) {
@@ -103,7 +105,7 @@ impl Scan<'_> {
         }
     }
 
-    /// Reads a generic attribute, whose name is an attribute (2.0) or an element (3.0).
+    /// Reads a generic attribute, whose name is an XML attribute (2.0) or an element (3.0).
     fn generic(&mut self, element: &Element, is_number: bool) -> Result<(String, Value)> {
         let mut name = element.attribute("name").unwrap_or_default().to_owned();
         let mut found = String::new();
@@ -118,7 +120,7 @@ impl Scan<'_> {
     }
 }
 
-/// A number if it ought to be one and is.
+/// Returns a number if the value should be one and is, otherwise text.
 fn value(text: String, is_number: bool) -> Value {
     let whole = || text.parse::<i64>().ok().map(Value::from);
     let number = || text.parse::<f64>().ok().and_then(serde_json::Number::from_f64).map(Value::Number);
@@ -132,7 +134,8 @@ fn value(text: String, is_number: bool) -> Value {
 mod tests {
     use super::*;
 
-    /// Two values of one name are a list, an empty one is none, and a value of 5,000 bytes is not kept.
+    /// Two values of one name become a list, an empty value is dropped, and a value of 5,000 bytes
+    /// is dropped.
     #[test]
     fn values_by_name() {
         let mut attributes = Attributes::default();

@@ -1,4 +1,5 @@
-//! Whether surfaces close a volume. In: polygons of a store. Out: whether every edge has its opposite once.
+//! Check that surfaces close a volume. In: polygons of a store. Out: true if every edge is matched
+//! by its opposite.
 
 use std::collections::HashMap;
 
@@ -7,19 +8,22 @@ use glam::DVec3;
 use crate::formats::citygml::members::Side;
 use crate::formats::citygml::store::Store;
 
-/// Corners closer than this are one, metres.
+/// Distance below which corners are one, metres.
 const WELD_M: f64 = 1e-3;
 
-/// A building that stands on open ground has open edges so low, metres above its lowest corner.
+/// Height above the lowest corner up to which edges may be open, metres: a building on open ground
+/// often has no ground surface.
 const GROUND_M: f64 = 1.0;
 
-/// Whether polygons close a volume, the ground left aside: models without ground surfaces are whole for all that light meets.
+/// Returns true if polygons close a volume, apart from the ground: a model without ground surfaces
+/// is complete for all that light meets.
 pub(super) fn is_closed(store: &Store, sides: &[Side]) -> bool {
-    // The welding grid parts corners that lie at both sides of one of its lines; then those of the other grid are one.
+    // The welding grid separates corners on two sides of one of its lines; the grid shifted by half
+    // a cell then joins them.
     !sides.is_empty() && [0.0, 0.5].into_iter().any(|shift| open_edges(store, sides, shift).is_none_or(|low| low))
 }
 
-/// `None` without open edges, else whether all of them lie at the ground.
+/// Returns `None` if no edge is open, otherwise true if all open edges lie near the ground.
 fn open_edges(store: &Store, sides: &[Side], shift: f64) -> Option<bool> {
     let cell = |p: DVec3| (p / WELD_M + shift).floor().to_array().map(|steps| steps as i64);
     let mut edges: HashMap<([i64; 3], [i64; 3]), i32> = HashMap::new();
@@ -31,6 +35,8 @@ fn open_edges(store: &Store, sides: &[Side], shift: f64) -> Option<bool> {
             for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
                 lowest = lowest.min(a.z);
                 let (a, b) = if side.is_reversed { (cell(*b), cell(*a)) } else { (cell(*a), cell(*b)) };
+                // An edge has one key for its two directions, which count +1 and -1: opposite edges
+                // cancel.
                 match () {
                     () if a < b => *edges.entry((a, b)).or_default() += 1,
                     () if a > b => *edges.entry((b, a)).or_default() -= 1,
@@ -51,7 +57,8 @@ mod tests {
 
     const BOX: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
-    /// A box of 10 m with some of its faces, each with corners of its own that lie up to 0.4 mm off.
+    /// Returns a box of 10 m with some of its faces. Each face has its own corners, which lie up to
+    /// 0.5 mm off.
     fn part_of_box(faces: &[usize]) -> (Store, Vec<Side>) {
         let (mut store, mut sides) = (Store::default(), Vec::new());
         for (i, face) in faces.iter().enumerate() {
@@ -66,7 +73,8 @@ mod tests {
         (store, sides)
     }
 
-    /// A box is closed, also without its floor, and not without its roof or a wall, nor with one face of 6 turned.
+    /// A box is closed, also without its floor. It is not closed without its roof or a wall, or
+    /// with one of its 6 faces turned.
     #[test]
     fn boxes_are_closed_but_for_their_ground() {
         for (faces, expected) in [

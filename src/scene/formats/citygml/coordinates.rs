@@ -1,9 +1,11 @@
-//! Numbers of a file become metres east, north and up. In: names of coordinate systems and three numbers at a time. Out: positions, the system
-//! that they are in, and what was decided about it, in words.
+//! Coordinates of a file as metres east, north and up. In: names of coordinate systems, and three
+//! numbers at a time. Out: positions, their coordinate system, and notes on what was decided.
 //!
-//! Latitude and longitude (latitude first, as the register has them) become metres of the scene's plane system, or of UTM. Of a plane system the
-//! first position of the file decides which number is the easting: the one order by which a metre of the system is about a metre on the
-//! ground there. Where both orders pass, that of the register counts for URNs and addresses, else easting, northing.
+//! Latitude and longitude (latitude first, as in the EPSG register) become metres of the scene's
+//! plane system, or of UTM. In a plane system the first position of the file decides which number
+//! is the easting: the one order in which a metre of the system is about a metre on the ground
+//! there. Where both orders pass, a URN or address follows the register, and any other name means
+//! easting, northing.
 
 use glam::DVec3;
 
@@ -15,33 +17,34 @@ use crate::placing::from_degrees::FromDegrees;
 use crate::reference::{PlaneSystem, Reference, Unplaced};
 use crate::text::excerpt;
 
-/// A metre of a system may differ by so much from one on the ground, where the system is made for that place.
+/// Relative difference between a metre of a system and a metre on the ground that is allowed where
+/// the system is made for the place.
 const STRETCH: f64 = 0.01;
 
-/// Why a position cannot be had.
+/// Reason why a position cannot be computed.
 pub(super) enum Unusable {
-    /// The object is wrong.
+    /// Only the object is wrong.
     Object(String),
-    /// All of the file is.
+    /// The whole file is wrong.
     File { what: String, hint: &'static str },
 }
 
-/// The coordinate system of a file.
+/// Coordinate system of a file.
 #[derive(Default)]
 pub(super) struct Coordinates {
-    /// Plane system of the scene, if it has one.
+    /// EPSG number of the scene's plane system, if it has one.
     scene: Option<u32>,
-    /// The name that came first, and what it says.
+    /// First `srsName` of the file, and its meaning.
     stated: Option<(String, SrsName)>,
-    /// Known from the first position on.
+    /// Conversion to metres, known from the first position on.
     way: Option<Way>,
-    /// What was decided, each completes "the file: ".
+    /// Notes on decisions; each continues "the file: ".
     pub notes: Vec<String>,
-    /// What is doubtful about it.
+    /// Notes on doubtful statements of the file.
     pub doubts: Vec<String>,
 }
 
-/// From numbers to metres.
+/// Conversion of numbers to metres.
 enum Way {
     Plain,
     Degrees { from: Box<FromDegrees>, longitude_first: bool },
@@ -53,7 +56,7 @@ impl Coordinates {
         Coordinates { scene, ..Coordinates::default() }
     }
 
-    /// The system that positions are in.
+    /// Returns the coordinate system of the converted positions.
     pub(super) fn reference(&self) -> Option<Reference> {
         match &self.way {
             Some(Way::Degrees { from, .. }) => Some(from.reference()),
@@ -61,7 +64,7 @@ impl Coordinates {
         }
     }
 
-    /// Whether numbers were no metres of the plane system.
+    /// Returns true if numbers had to be converted to metres.
     pub(super) fn made_metres(&self) -> bool {
         match self.way {
             Some(Way::Degrees { .. }) => true,
@@ -70,7 +73,8 @@ impl Coordinates {
         }
     }
 
-    /// Takes note of `srsName`; an error says what is wrong with the object that has another one than the file.
+    /// Records a `srsName`; the error says what is wrong with an object that has another system
+    /// than the file.
     pub(super) fn state(&mut self, text: &str) -> Result<(), String> {
         let text = text.trim();
         let name = match &self.stated {
@@ -84,6 +88,7 @@ impl Coordinates {
                 excerpt(text.as_bytes()),
                 excerpt(known.as_bytes())
             )),
+            // Positions were read as plain metres already.
             None if self.way.is_some() => {
                 Err(format!("it is in `{}`, and objects before it state no system", excerpt(text.as_bytes())))
             }
@@ -100,7 +105,7 @@ impl Coordinates {
         }
     }
 
-    /// The position of three numbers.
+    /// Returns the position of three numbers.
     pub(super) fn place(&mut self, numbers: [f64; 3]) -> Result<DVec3, Unusable> {
         if self.way.is_none() {
             self.way = Some(self.decide(numbers)?);
@@ -122,7 +127,7 @@ impl Coordinates {
             .ok_or_else(|| Unusable::Object(format!("a corner has the coordinates {a} {b} {height}")))
     }
 
-    /// The way for a file whose first position this is.
+    /// Returns the conversion for a file whose first position this is.
     fn decide(&mut self, [a, b, _]: [f64; 3]) -> Result<Way, Unusable> {
         let Some((text, name)) = &self.stated else { return Ok(Way::Plain) };
         let shown = excerpt(text.as_bytes());
@@ -159,7 +164,8 @@ impl Coordinates {
             };
             Unusable::File { what, hint: "reproject the file to a system in metres, such as the national grid or UTM" }
         })?;
-        // In the scene's own system, two numbers that only fit it the other way round are swapped.
+        // The system of the scene shows a swap: two numbers that fit it only in the other order are
+        // swapped.
         let fits = |latitude: f64, longitude: f64| {
             let plane = from.plane(latitude, longitude)?;
             let Reference::Epsg(epsg) = from.reference() else { return None };
@@ -205,7 +211,8 @@ impl Coordinates {
     }
 }
 
-/// By what share a metre of a system differs from one on the ground at a point, in the system's own unit.
+/// Returns the relative difference between a metre of a system and a metre on the ground, at a
+/// point in the system's own unit.
 fn stretch(epsg: u32, x: f64, y: f64) -> Option<f64> {
     let reference = Reference::Epsg(epsg);
     let (_, length) = reference.locate(x, y).ok()?;
@@ -225,8 +232,9 @@ mod tests {
         }
     }
 
-    /// Nine systems give the position that pyproj 3.7.2 gives within 0.1 m: degrees by latitude first or CRS84, swapped Gauss-Krueger, Poland by
-    /// its register and not, zones of UTM either way, feet as metres.
+    /// Nine systems give the position of pyproj 3.7.2 within 0.1 m: degrees with latitude first or
+    /// by CRS84, swapped Gauss-Krueger, Poland in the register's order and the other, UTM zones in
+    /// both orders, and feet as metres.
     #[test]
     fn positions_are_metres_east_and_north() {
         for (system, scene, numbers, expected) in [
@@ -254,8 +262,9 @@ mod tests {
         assert!((feet.z - 3.048_006).abs() < 1e-6, "{feet}");
     }
 
-    /// Six hopeless coordinates are refused: swapped degrees of Japan, swapped ones beside a German scene, geocentric ones, no degrees, and two
-    /// systems in one file, one of which came late.
+    /// Six hopeless coordinates are refused: swapped degrees of Japan, swapped degrees beside a
+    /// German scene, geocentric ones, numbers that are no degrees, and two systems in one file, one
+    /// of which comes late.
     #[test]
     fn wrong_orders_and_systems_are_named() {
         for (system, scene, numbers, said) in [

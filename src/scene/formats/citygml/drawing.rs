@@ -1,4 +1,5 @@
-//! Geometry of GML. In: an element that draws something. Out: its polygons and references in the store of the object that is being read.
+//! Geometry of GML. In: an element that draws something. Out: its polygons and references, in the
+//! store of the object being read.
 
 use crate::formats::citygml::coordinates::Unusable;
 use crate::formats::citygml::scan::Scan;
@@ -7,24 +8,24 @@ use crate::formats::cityjson::templates::MAX_CORNERS;
 use glam::DVec3;
 use heliotile_core::error::{Error, Result};
 
-/// What holds for an element of geometry by what is around it.
+/// Context of a geometry element: what the elements around it state.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Around {
-    /// Numbers a position, where it is stated.
+    /// Numbers in a position, where stated.
     pub dimension: Option<u8>,
-    /// Whether positions are those of a template, metres about its own origin.
+    /// True if positions belong to a template, in metres about its own origin.
     pub is_template: bool,
-    /// Whether something around it turns its surfaces to their other side.
+    /// True if an element around this one reverses its surfaces.
     pub is_reversed: bool,
-    /// The thematic surface that it is of: a number of a name.
+    /// Index of the name of the thematic surface to which it belongs.
     pub name: Option<u16>,
 }
 
-/// How a ring was found.
+/// Result of reading a ring.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Ring {
     Sound,
-    /// It has no heights.
+    /// A ring without heights.
     Flat,
     Wrong,
 }
@@ -54,7 +55,7 @@ impl Scan<'_> {
         }
     }
 
-    /// Reads an element of geometry to its end.
+    /// Reads a geometry element to its end.
     fn geometry(&mut self, element: &Element, mut around: Around) -> Result<()> {
         self.stated(element, &mut around);
         let start = self.draft.store.member_count();
@@ -89,7 +90,7 @@ impl Scan<'_> {
         Ok(())
     }
 
-    /// Takes note of what an element says of its coordinates.
+    /// Records the dimension and the coordinate system that an element states.
     fn stated(&mut self, element: &Element, around: &mut Around) {
         let dimension = element.attribute("srsDimension").and_then(|text| text.trim().parse().ok());
         around.dimension = dimension.or(around.dimension);
@@ -174,6 +175,7 @@ impl Scan<'_> {
         let count = self.numbers.len();
         match around.dimension {
             Some(2) => Ok(Ring::Flat),
+            // An even number that 3 does not divide means corners of two coordinates.
             None if !count.is_multiple_of(3) && count.is_multiple_of(2) => Ok(Ring::Flat),
             _ if !count.is_multiple_of(3) => {
                 self.wrong(ring.line, &format!("a ring has {count} numbers, not three a corner"));
@@ -183,7 +185,8 @@ impl Scan<'_> {
         }
     }
 
-    /// The numbers of an element go behind those before; whether all of them are such.
+    /// Appends the numbers of an element to those read before; returns true if all of them are
+    /// numbers.
     pub(super) fn read_numbers(&mut self, line: usize) -> Result<bool> {
         let text = self.xml.text()?;
         let words = text.split(|byte| byte.is_ascii_whitespace() || *byte == b',').filter(|word| !word.is_empty());
@@ -200,7 +203,7 @@ impl Scan<'_> {
         Ok(true)
     }
 
-    /// Makes a ring of the numbers that were read.
+    /// Makes a ring from the numbers that were read.
     fn corners(&mut self, ring: &Element, around: Around) -> Result<Ring> {
         let mut numbers = std::mem::take(&mut self.numbers);
         self.ring_corners.clear();
@@ -250,7 +253,7 @@ impl Scan<'_> {
         Ok(store.add_vertex(numbers, position))
     }
 
-    /// The position of a `Point` within a property.
+    /// Returns the position of a `Point` within a property.
     pub(super) fn point_within(&mut self) -> Result<Option<DVec3>> {
         let mut found = None;
         while let Some(point) = self.xml.child()? {

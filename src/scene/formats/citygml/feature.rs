@@ -1,5 +1,6 @@
-//! Features of a city model. In: the element of a building, a part of it, a tree, terrain. Out: its geometry by level of detail and its
-//! attributes; what is built onto it is a feature of its own.
+//! Features of a city model. In: the element of a building, a building part, a tree or terrain.
+//! Out: its geometry by level of detail and its attributes. Its parts and installations become
+//! features of their own.
 
 use std::ops::Range;
 
@@ -16,18 +17,18 @@ use heliotile_core::error::{Error, Result};
 /// A city object, or a part of one.
 #[derive(Default)]
 pub(super) struct Feature {
-    /// Its `gml:id`, or its type and line where it has none.
+    /// Its `gml:id`, or its type and line if it has none.
     pub id: String,
-    /// The local name of its element.
+    /// Local name of its element.
     pub kind: String,
     pub line: usize,
-    /// What it is a part of: a number of a feature.
+    /// Index of the feature that it is a part of.
     pub parent: Option<usize>,
     pub attributes: Attributes,
     pub pieces: Vec<Piece>,
-    /// Of terrain, which states it beside its geometry.
+    /// Level of detail of terrain, which states it beside its geometry.
     lod: Option<Lod>,
-    /// What is wrong with it, if it is to be left out.
+    /// Error for which the feature is left out.
     pub wrong: Option<Error>,
 }
 
@@ -36,29 +37,29 @@ pub(super) struct Piece {
     pub lod: Option<Lod>,
     pub members: Range<u32>,
     pub part: PiecePart,
-    /// Where its members are a template: how that lies in the scene.
+    /// Place in the scene, if the members are a template.
     pub instance: Option<Instance>,
 }
 
-/// What of a feature a piece is.
+/// Role of a piece in its feature.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum PiecePart {
-    /// All of it.
+    /// Geometry of the whole feature.
     Whole,
-    /// The outline of its roof seen from above.
+    /// Outline of the roof seen from above.
     RoofEdge,
-    /// A thematic surface: a number of a name.
+    /// A thematic surface, with the index of its name.
     Surface(Option<u16>),
 }
 
-/// A place of a template.
+/// Place of a template in the scene.
 #[derive(Clone, Copy)]
 pub(super) struct Instance {
     pub matrix: DMat4,
     pub at: DVec3,
 }
 
-/// Parts of features that are features.
+/// Elements within features that become features of their own.
 const PARTS: [&str; 25] = [
     "BuildingPart",
     "BuildingInstallation",
@@ -87,7 +88,7 @@ const PARTS: [&str; 25] = [
     "PlantCover",
 ];
 
-/// What lies inside of buildings, bridges and tunnels, or repeats their geometry by storeys.
+/// Elements inside buildings, bridges and tunnels, or that repeat their geometry by storeys.
 const INSIDE: [&str; 15] = [
     "Room",
     "BuildingRoom",
@@ -106,7 +107,7 @@ const INSIDE: [&str; 15] = [
     "RoomInstallation",
 ];
 
-/// Properties that say nothing of geometry or attributes, whatever is in them.
+/// Properties whose content is neither geometry nor an attribute.
 const SKIPPED: [&str; 12] = [
     "appearance",
     "appearanceMember",
@@ -134,6 +135,7 @@ impl Scan<'_> {
             parent,
             ..Feature::default()
         });
+        // Features nest: an error in a part belongs to the part alone.
         let around = self.draft.wrong.take();
         while let Some(property) = self.xml.child()? {
             self.property(&property, number)?;
@@ -208,7 +210,7 @@ impl Scan<'_> {
         Ok(())
     }
 
-    /// Reads a thematic surface, its openings too.
+    /// Reads a thematic surface and its openings.
     fn surface(&mut self, element: &Element, number: usize) -> Result<()> {
         let name = self.draft.store.name(usual_name(&element.name));
         while let Some(property) = self.xml.child()? {
@@ -252,7 +254,8 @@ impl Scan<'_> {
         }
     }
 
-    /// Reads a place of a template, which stands there or elsewhere.
+    /// Reads an instance of a template, which stands in the instance itself or elsewhere in the
+    /// file.
     fn implicit(&mut self, number: usize, lod: Option<Lod>, part: PiecePart) -> Result<()> {
         while let Some(geometry) = self.xml.child()? {
             let (mut transformation, mut at, mut is_elsewhere) = (None, None, false);
@@ -302,7 +305,8 @@ impl Scan<'_> {
     }
 }
 
-/// The level of detail of a property of geometry: of `lod2MultiSurface`, `lod0FootPrint`; `None` for others.
+/// Returns the level of detail of a geometry property, such as `lod2MultiSurface` or
+/// `lod0FootPrint`; `None` for other properties.
 fn level_of(property: &str) -> Option<Option<Lod>> {
     let digits = property.strip_prefix("lod")?;
     let length = digits.bytes().take_while(u8::is_ascii_digit).count();
@@ -314,7 +318,7 @@ fn is_surface(name: &str) -> bool {
     name.ends_with("Surface") || known.contains(&name)
 }
 
-/// Names of CityGML 3.0 that have older ones.
+/// Returns the CityGML 2.0 name of a type that CityGML 3.0 renamed.
 fn usual_name(name: &str) -> &str {
     match name {
         "WindowSurface" => "Window",

@@ -1,4 +1,5 @@
-//! In: city models that are broken, cut off or made to hurt. Out: proof that they are refused in words or cost no more than what is wrong.
+//! In: city models that are broken, cut off or malicious. Out: proof that they are refused with a
+//! message, or that only the wrong part is lost.
 
 use crate::formats::Asked;
 use crate::formats::citygml::tests::{building, left_out, member, model, polygon, read, read_as, solid};
@@ -9,7 +10,8 @@ fn refused(text: &str) -> String {
     read_as(text, &Asked::default()).expect_err(text).to_string()
 }
 
-/// Of three buildings the one with a coordinate that is no number, is infinite or one short is left out by name and line, and 12 faces stay.
+/// One of three buildings, with a coordinate that is no number, is infinite or is missing, is left
+/// out by name and line; the 12 faces of the other two stay.
 #[test]
 fn a_wrong_object_costs_no_other() {
     let one = |id: &str, geometry: &str| member(&format!(r#"<bldg:Building gml:id="{id}">{geometry}</bldg:Building>"#));
@@ -55,7 +57,8 @@ fn refusals() {
     }
 }
 
-/// A circle of references, one that leads nowhere, one into another file and a flat outline leave 1 face and 4 reasons.
+/// A circle of references, a reference that leads nowhere, one into another file and an outline
+/// without heights leave 1 face and 4 reasons.
 #[test]
 fn references_that_lead_nowhere() {
     let text = building(&format!(
@@ -68,7 +71,7 @@ fn references_that_lead_nowhere() {
     assert_eq!((geometry.face_count(), geometry.left_out.len()), (1, 4), "{:?}", geometry.left_out);
 }
 
-/// Two objects that refer to each other's aggregates in a circle end, with 1 face each and references that are counted.
+/// Two objects that refer to each other's aggregates in a circle do not loop: 4 faces in all.
 #[test]
 fn circles_across_objects_end() {
     let one = |id: &str, own: &str, other: &str, face: usize| {
@@ -82,7 +85,8 @@ fn circles_across_objects_end() {
     assert_eq!(geometry.face_count(), 4);
 }
 
-/// A hundred thousand rings in one polygon, and a ring of a hundred thousand corners, are read: 2 faces.
+/// A hundred thousand rings in one polygon, and a ring of a hundred thousand corners, are read: 2
+/// faces.
 #[test]
 fn many_rings_and_corners() {
     let ring = |corners: usize| "1 2 3 4 5 6 ".repeat(corners / 2);
@@ -101,7 +105,7 @@ fn many_rings_and_corners() {
     assert_eq!(geometry.faces().map(|face| face.corners().len()).collect::<Vec<_>>(), [400_004, 100_000]);
 }
 
-/// A template of 100,000 corners that stands in 1,400 places ends at the limit of 134 million corners.
+/// A template of 100,000 corners in 1,400 places is refused at the limit of 134 million corners.
 #[test]
 fn a_template_bomb_ends_at_the_limit() {
     let ring = "1 2 3 4 5 6 ".repeat(50_000);
@@ -122,7 +126,8 @@ fn a_template_bomb_ends_at_the_limit() {
     assert!(message.contains("instances of templates in town.gml"), "{message}");
 }
 
-/// Cut off after any of its bytes, or with one bit of any byte turned, a file of 3 kB is read or refused, without a panic.
+/// A file of 3 kB that is cut after any byte, or has one bit of any byte flipped, is read or
+/// refused without a panic.
 #[test]
 fn any_cut_and_any_bit() {
     let tree = member(

@@ -1,5 +1,6 @@
-//! Which level of detail is read of an object. In: its surfaces by level. Out: those of one level; of buildings whose finest one is not closed
-//! that of the finest closed one, which is counted.
+//! Choice of the level of detail of an object. In: its surfaces by level. Out: the surfaces of one
+//! level. A building whose finest level is not closed gets its finest closed level instead, with a
+//! note.
 
 use crate::formats::citygml::closed::is_closed;
 use crate::formats::citygml::members::Side;
@@ -9,14 +10,14 @@ use crate::formats::cityjson::objects::{LEVELS_NAMED, NO_LEVEL, OTHER_LEVEL, Rea
 use crate::formats::cityjson::surfaces::is_hull;
 use heliotile_core::text::{counted, with_list};
 
-/// The finest level that shows a building from outside; level 4 shows its rooms, too.
+/// Finest level that shows a building from outside; level 4 also shows its rooms.
 const OUTSIDE: &str = "3";
 
 /// Surfaces of an object in one level of detail.
 pub(super) struct Offer {
     pub lod: Option<Lod>,
     pub sides: Vec<Side>,
-    /// Whether they are known to be closed or not.
+    /// True if the surfaces are known to be closed; `None` if that must be checked.
     pub is_closed: Option<bool>,
 }
 
@@ -27,15 +28,16 @@ impl Offer {
     }
 }
 
-/// What was chosen that the user may want to know.
+/// Choices that the user may want to know about.
 #[derive(Default)]
 pub(super) struct Levels {
-    /// Buildings whose finest level is not closed and a coarser one is.
+    /// Names of buildings whose finest level is not closed while a coarser one is.
     coarser: Vec<String>,
 }
 
 impl Levels {
-    /// The level of an object that is read: none if it has no surfaces, or none in the level asked for or a coarser one.
+    /// Returns the level of an object to read; `None` if the object has no surfaces, or none in the
+    /// level asked for or a coarser one.
     pub(super) fn choose(
         &mut self,
         id: &str,
@@ -51,7 +53,7 @@ impl Levels {
             reader.levels.extend(offers.iter().filter_map(|offer| offer.lod));
         }
         let asked = reader.asked;
-        // Level 4 counts where it is asked for or all there is.
+        // Level 4 is read only if it is asked for or is the only one.
         let bounds = if asked.is_some() { [asked, None] } else { [Lod::of(OUTSIDE), None] };
         let tries = if asked.is_some() { bounds.get(..1) } else { bounds.get(..) };
         let level =
@@ -72,7 +74,7 @@ impl Levels {
         Some(offers.swap_remove(at))
     }
 
-    /// A sentence on buildings that are read in a coarser level than their finest one.
+    /// Returns a sentence on the buildings that are read in a coarser level than their finest.
     pub(super) fn doubt(&self) -> Option<String> {
         let first = self.coarser.first()?;
         let count = counted(self.coarser.len() as u64, "building");
@@ -83,7 +85,8 @@ impl Levels {
     }
 }
 
-/// A level itself if it is closed or no coarser one is, else the finest closed one below it; outlines are none.
+/// Returns `level` if it is closed or no coarser level is, otherwise the finest closed level below
+/// it. Flat outlines do not count.
 fn closed_below(store: &Store, offers: &[Offer], level: Option<Lod>) -> Option<Lod> {
     let is_solid = |offer: &&Offer| offer.lod < level && offer.lod.is_some_and(|lod| !lod.is_flat());
     let mut coarser: Vec<&Offer> = offers.iter().filter(is_solid).collect();
@@ -95,7 +98,8 @@ fn closed_below(store: &Store, offers: &[Offer], level: Option<Lod>) -> Option<L
     coarser.into_iter().rev().find(|offer| offer.is_closed(store)).map_or(level, |offer| offer.lod)
 }
 
-/// Windows and doors that are drawn upon whole walls leave the walls closed.
+/// Returns the sides without windows and doors, because walls behind windows drawn upon them may be
+/// closed.
 fn without_openings(store: &Store, sides: &[Side]) -> Vec<Side> {
     let is_opening = |name: &str| ["Window", "Door"].contains(&name);
     let name = |side: &Side| {

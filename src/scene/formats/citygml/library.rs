@@ -1,5 +1,5 @@
-//! What objects have in common. In: geometry with ids, as it comes by. Out: the same for objects that refer to it: templates of trees, walls of
-//! neighbours.
+//! Geometry shared by objects. In: geometry with ids, as it is read. Out: the geometry for the
+//! objects that refer to it: templates of trees, walls of neighbours.
 
 use std::collections::{HashMap, HashSet};
 
@@ -7,7 +7,8 @@ use crate::formats::citygml::members::follow;
 use crate::formats::citygml::scan::Draft;
 use crate::formats::citygml::store::{Lifted, Store};
 
-/// Most corners that are kept, and that objects hold which wait for what they refer to: some 200 MB.
+/// Most corners that are kept, and most corners of objects that wait for referenced geometry: some
+/// 200 MB.
 const MOST_CORNERS: u64 = 1 << 22;
 /// Most ids that are waited for.
 const MOST_IDS: usize = 1 << 18;
@@ -17,15 +18,16 @@ const MOST_IDS: usize = 1 << 18;
 pub(super) struct Library {
     kept: HashMap<String, Lifted>,
     corners: u64,
-    /// Ids that objects refer to and that were not met yet.
+    /// Ids that objects refer to and that were not found yet.
     wanted: HashSet<String>,
-    /// Objects that refer to what comes later, or came before and was not kept.
+    /// Objects that refer to geometry that comes later, or came before and was not kept.
     waiting: Vec<Draft>,
     waiting_corners: u64,
 }
 
 impl Library {
-    /// Keeps the templates of an object; those that others refer to stand in the first one that uses them.
+    /// Keeps the templates of an object. A template that several objects share stands in the first
+    /// of them.
     pub(super) fn keep_templates(&mut self, draft: &Draft) {
         let pieces = draft.features.iter().flat_map(|feature| &feature.pieces);
         let templates: Vec<_> = pieces.filter(|piece| piece.instance.is_some()).map(|piece| &piece.members).collect();
@@ -39,7 +41,7 @@ impl Library {
         }
     }
 
-    /// Keeps what is waited for, if the object has it.
+    /// Keeps the geometry of the object that other objects wait for.
     pub(super) fn keep_wanted(&mut self, draft: &Draft) {
         let met: Vec<String> = draft.store.ids.keys().filter(|id| self.wanted.contains(*id)).cloned().collect();
         for id in met {
@@ -59,7 +61,8 @@ impl Library {
         }
     }
 
-    /// Gives an object what it refers to, as far as it is there; returns ids that are not.
+    /// Copies into an object the geometry that it refers to, where known; returns the ids that are
+    /// not known.
     pub(super) fn supply(&self, draft: &mut Draft) -> Vec<String> {
         let mut missing = Vec::new();
         let referred: HashSet<&str> = draft.store.references.iter().filter_map(|href| href.strip_prefix('#')).collect();
@@ -77,7 +80,8 @@ impl Library {
         missing
     }
 
-    /// Puts an object aside until what it refers to was met; gives it back where too many wait.
+    /// Puts an object aside until the geometry that it refers to is read; returns it if too many
+    /// objects wait already.
     pub(super) fn wait(&mut self, draft: Draft, missing: Vec<String>) -> Option<Draft> {
         let corners = self.waiting_corners + u64::from(draft.store.corner_count());
         if corners > MOST_CORNERS || self.wanted.len() + missing.len() > MOST_IDS {

@@ -1,28 +1,30 @@
-//! References are followed. In: members of a store. Out: polygons, each once, whatever leads to them.
+//! Resolution of references. In: members of a store. Out: polygons, each once, however many
+//! references lead to it.
 
 use std::collections::HashSet;
 use std::ops::Range;
 
 use crate::formats::citygml::store::{Place, Store, Target};
 
-/// References that lead to references; real ones take two steps, from a solid to a composite surface to a polygon.
+/// Deepest chain of references; real ones take two steps, from a solid to a composite surface to a
+/// polygon.
 const DEEPEST: usize = 16;
 
 /// A polygon of a geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Side {
     pub polygon: u32,
-    /// Whether the geometry has it the other way round.
+    /// True if the geometry uses the polygon reversed.
     pub is_reversed: bool,
 }
 
-/// What members lead to.
+/// Result of following members.
 #[derive(Default)]
 pub(super) struct Followed {
     pub sides: Vec<Side>,
-    /// References to ids that are not in the store: numbers of references.
+    /// Indices of references to ids that are not in the store.
     pub missing: Vec<u32>,
-    /// References that go in circles or are too many.
+    /// Number of references that go in circles or are too many.
     pub endless: usize,
 }
 
@@ -30,7 +32,7 @@ pub(super) struct Followed {
 pub(super) fn follow(store: &Store, members: Range<u32>) -> Followed {
     let (mut found, mut seen) = (Followed::default(), HashSet::new());
     let mut steps = 1024 + 16 * store.members.len();
-    // Members that are still to be looked at, and whether they are reversed.
+    // Ranges of members still to be visited, and whether they are reversed.
     let mut open = vec![(members, false)];
     while let Some((range, is_reversed)) = open.last_mut() {
         let Some(number) = range.next() else {
@@ -60,7 +62,7 @@ pub(super) fn follow(store: &Store, members: Range<u32>) -> Followed {
     found
 }
 
-/// Members of what a reference leads to.
+/// Returns the members that a reference leads to.
 fn local(store: &Store, reference: u32) -> Option<Place> {
     let id = store.references.get(reference as usize)?.strip_prefix('#')?;
     store.ids.get(id).cloned()
@@ -70,7 +72,8 @@ fn local(store: &Store, reference: u32) -> Option<Place> {
 mod tests {
     use super::*;
 
-    /// A store of one polygon, `a`, and of composites that refer: each is an id and the ids it refers to.
+    /// Returns a store of one polygon, `a`, and of composites: each is an id and the ids that it
+    /// refers to.
     fn store(composites: &[(&str, &[&str])]) -> Store {
         let mut store = Store::default();
         let polygon = store.end_polygon(0, None, 1);
@@ -85,7 +88,7 @@ mod tests {
         store
     }
 
-    /// Two reversals are none, a polygon counts once, one reference of two leads nowhere.
+    /// Two reversals cancel, a polygon counts once, and one reference of two leads nowhere.
     #[test]
     fn references_lead_to_polygons() {
         let store = store(&[("b", &["a", "nowhere"]), ("c", &["b", "b"])]);
@@ -94,7 +97,8 @@ mod tests {
         assert_eq!((found.missing.len(), found.endless), (2, 0));
     }
 
-    /// A circle of two ends after 16 steps, and composites that each refer ten times to the next after steps that grow with the file.
+    /// A circle of two ends after 16 steps. Composites that each refer ten times to the next end
+    /// after a number of steps that grows with the file.
     #[test]
     fn endless_references_end() {
         let circle = store(&[("b", &["c"]), ("c", &["b"])]);

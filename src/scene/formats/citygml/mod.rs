@@ -1,26 +1,28 @@
-//! City models in XML. In: a CityGML file of version 1.0 to 3.0 (`.gml`, `.xml`), packed or not, or a zip of several. Out: polygons with holes,
-//! named after city objects, of materials named after thematic surfaces, as of CityJSON: the same reader makes them.
+//! City models in XML. In: a CityGML file of version 1.0 to 3.0 (`.gml`, `.xml`), packed or not, or
+//! a zip of several. Out: polygons with holes, named after city objects, with materials named after
+//! thematic surfaces, as for CityJSON, whose reader makes them.
 //!
-//! | file | what it does |
+//! | file | content |
 //! | --- | --- |
 //! | `xml` | elements, one after the other, with limits for hostile files |
-//! | `scan` | city object by city object |
+//! | `scan` | a file, city object by city object |
 //! | `feature`, `attributes` | buildings, their parts and surfaces, their attributes |
 //! | `drawing` | solids, surfaces and rings of GML |
-//! | `srs_name`, `northing_first`, `coordinates` | names of coordinate systems, and metres of what is in them |
-//! | `store`, `members` | geometry of one city object, and where its references lead |
+//! | `srs_name`, `northing_first`, `coordinates` | coordinate systems; conversion to metres |
+//! | `store`, `members` | geometry of one city object, and resolution of its references |
 //! | `library` | geometry that several objects refer to |
-//! | `closed`, `levels` | which level of detail is read |
-//! | `assembly` | all that as a document of CityJSON |
+//! | `closed`, `levels` | choice of the level of detail |
+//! | `assembly` | conversion to a CityJSON document |
 //!
-//! A file is read piece by piece: besides the polygons, memory holds one city object with its parts. A file whose objects refer to
-//! geometry of others that comes later is read twice.
+//! A file is read piece by piece: besides the polygons, memory holds one city object with its
+//! parts. A file is read twice if its objects refer to geometry of objects that come later.
 //!
 //! # What never happens
 //!
 //! - Entities are not expanded, and no other file is opened, whatever a reference says.
-//! - Appearance, code lists, addresses, time series and extensions (ADE) are passed, not stored.
-//! - What is wrong with one object costs no other one; what breaks the XML costs the file.
+//! - Appearance, code lists, addresses, time series and extensions (ADE) are skipped, not stored.
+//! - An error in one object does not affect other objects; an error in the XML makes the whole file
+//!   unreadable.
 
 mod assembly;
 mod attributes;
@@ -58,7 +60,7 @@ use library::Library;
 use scan::{Draft, MEND, Scan};
 use xml::Xml;
 
-/// Endings of names of CityGML.
+/// Endings of CityGML file names.
 pub(super) const ENDINGS: [&str; 2] = ["gml", "xml"];
 
 /// Reads a city model.
@@ -66,10 +68,10 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Geometry> {
     read_all(path, asked, &|take| input::members::each(path, &ENDINGS, take))
 }
 
-/// Takes the bytes of a file.
+/// Function that reads the bytes of a file.
 type Opener<'o> = dyn FnMut(Box<dyn Read + '_>) -> Result<()> + 'o;
 
-/// Reads all files that `open` gives, as often as need be.
+/// Reads all files that `open` opens: once, or twice if objects refer to geometry that comes later.
 fn read_all(path: &Path, asked: &Asked, open: &dyn Fn(&mut Opener) -> Result<()>) -> Result<Geometry> {
     let asked_lod = asked.lod.as_deref().map(|text| level(text, path)).transpose()?;
     let mut coordinates = Coordinates::new(asked.system);
@@ -95,6 +97,7 @@ fn read_all(path: &Path, asked: &Asked, open: &dyn Fn(&mut Opener) -> Result<()>
         corners = Scan::new(Xml::new(bytes, path), &mut coordinates, corners).all(&mut |draft| model.take(draft))?;
         Ok(())
     })?;
+    // The second pass only collects the geometry that waiting objects refer to.
     if model.library.has_waiting() {
         open(&mut |bytes| {
             let scan = Scan::new(Xml::new(bytes, path), &mut coordinates, 0);
@@ -116,7 +119,7 @@ fn read_all(path: &Path, asked: &Asked, open: &dyn Fn(&mut Opener) -> Result<()>
     Ok(geometry)
 }
 
-/// A city model as far as it is read.
+/// A city model that is being read.
 struct Model<'f> {
     reader: Reader<'f, 'f>,
     levels: Levels,
@@ -135,7 +138,7 @@ impl Model<'_> {
     /// Adds the objects that were put aside.
     fn take_waiting(&mut self) -> Result<()> {
         for mut draft in self.library.take_waiting() {
-            // What is missing still leads nowhere, and is counted as such.
+            // References that are still missing lead nowhere, and `assembly` counts them.
             self.library.supply(&mut draft);
             assembly::add(&mut self.reader, &mut self.levels, draft)?;
         }

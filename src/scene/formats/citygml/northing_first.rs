@@ -1,7 +1,9 @@
-//! Plane systems whose first coordinate is the northing. In: a number of the EPSG register. Out: whether the register has it so.
+//! Plane systems whose first coordinate is the northing. In: an EPSG number. Out: true if the
+//! register has the northing first.
 
-/// First and last numbers of the systems with the axes north, east, and no others of plane systems between them: those of version 11.022 of the
-/// register (2024), read with pyproj 3.7.2 (`query_crs_info`, `axis_info`). Systems that count south or west are not among them.
+/// First and last EPSG numbers of ranges of systems with the axes north, east. No other plane
+/// systems lie within the ranges. Source: version 11.022 of the register (2024), read with pyproj
+/// 3.7.2 (`query_crs_info`, `axis_info`). Systems that count south or west are not among them.
 #[rustfmt::skip]
 const NORTHING_FIRST: [(u32, u32); 96] = [
     (2044, 2045), (2081, 2083), (2093, 2093), (2096, 2098), (2105, 2132), (2169, 2180), (2193, 2193), (2200, 2200), (2206, 2212),
@@ -17,7 +19,7 @@ const NORTHING_FIRST: [(u32, u32); 96] = [
     (27391, 27398), (28404, 28432), (29701, 29702), (30161, 30179), (31251, 31290), (31466, 31469),
 ];
 
-/// Whether the register has the northing first.
+/// Returns true if the register has the northing first.
 pub(super) fn is_northing_first(epsg: u32) -> bool {
     NORTHING_FIRST.iter().any(|(first, last)| (*first..=*last).contains(&epsg))
 }
@@ -26,7 +28,8 @@ pub(super) fn is_northing_first(epsg: u32) -> bool {
 mod tests {
     use super::*;
 
-    /// Of ten systems in use six have the northing first: Gauss-Krueger, Poland, Japan, Sweden, and two of Europe.
+    /// Six of ten systems in use have the northing first: Gauss-Krueger, Poland, Japan, Sweden, and
+    /// two of Europe.
     #[test]
     fn systems_with_the_northing_first() {
         for (epsg, expected) in [

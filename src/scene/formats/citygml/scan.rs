@@ -1,4 +1,4 @@
-//! A file from city object to city object. In: its XML. Out: one draft after the other.
+//! A file, city object by city object. In: its XML. Out: one draft for each city object.
 
 use std::path::Path;
 
@@ -9,32 +9,32 @@ use crate::formats::citygml::xml::{Element, Xml};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
-/// What would mend a wrong file.
+/// Hint on how to repair a damaged file.
 pub(super) const MEND: &str = "the file is no valid CityGML: validate it (val3dity, a schema) or export it again";
 
 /// A city object with its parts, as far as it is read.
 #[derive(Default)]
 pub(super) struct Draft {
     pub store: Store,
-    /// The object, its parts and what is built onto them, each behind the one that it is a part of.
+    /// The object, its parts and its installations, each behind the feature that it is a part of.
     pub features: Vec<Feature>,
-    /// The first thing that is wrong with the feature that is being read.
+    /// First error in the feature that is being read.
     pub wrong: Option<Error>,
 }
 
-/// A file that is being read.
+/// Reader of one file.
 pub(super) struct Scan<'f> {
     pub xml: Xml<'f>,
     pub coordinates: &'f mut Coordinates,
-    /// The city object that is being read.
+    /// City object that is being read.
     pub draft: Draft,
-    /// Numbers and corners of the ring that is being read.
+    /// Numbers, and below corners, of the ring that is being read.
     pub numbers: Vec<f64>,
     pub ring_corners: Vec<u32>,
     pub corners_read: u64,
 }
 
-/// Takes drafts.
+/// Function that takes drafts.
 pub(super) type Taker<'t> = dyn FnMut(Draft) -> Result<()> + 't;
 
 impl<'f> Scan<'f> {
@@ -42,7 +42,8 @@ impl<'f> Scan<'f> {
         Scan { xml, coordinates, draft: Draft::default(), numbers: Vec::new(), ring_corners: Vec::new(), corners_read }
     }
 
-    /// Reads the file to its end; returns how many corners there were with those before.
+    /// Reads the file to its end; returns the number of corners read so far, including those of
+    /// earlier files.
     pub(super) fn all(mut self, take: &mut Taker) -> Result<u64> {
         let Some(root) = self.xml.child()? else {
             return Err(Error::input(self.xml.file(), None, "the file is empty", "export the city model again"));
@@ -54,7 +55,7 @@ impl<'f> Scan<'f> {
         Ok(self.corners_read)
     }
 
-    /// Reads the members of a city model or of an answer of a service.
+    /// Reads the members of a city model or of a service's answer.
     fn collection(&mut self, take: &mut Taker) -> Result<()> {
         while let Some(property) = self.xml.child()? {
             match property.name.as_str() {
@@ -80,7 +81,7 @@ impl<'f> Scan<'f> {
         take(std::mem::take(&mut self.draft))
     }
 
-    /// Takes note of the coordinate system of an envelope.
+    /// Records the coordinate system of an envelope.
     pub(super) fn envelope(&mut self) -> Result<()> {
         while let Some(element) = self.xml.child()? {
             self.state_system(&element);
@@ -89,7 +90,7 @@ impl<'f> Scan<'f> {
         Ok(())
     }
 
-    /// Takes note of `srsName`, if the element has one.
+    /// Records the `srsName` of an element, if it has one.
     pub(super) fn state_system(&mut self, element: &Element) {
         if let Some(text) = element.attribute("srsName")
             && let Err(what) = self.coordinates.state(text)
@@ -98,7 +99,8 @@ impl<'f> Scan<'f> {
         }
     }
 
-    /// Notes what is wrong with the feature that is being read, which is then left out.
+    /// Records an error in the feature that is being read, which is then left out. Only the first
+    /// error counts.
     #[cold]
     pub(super) fn wrong(&mut self, line: usize, what: &str) {
         if self.draft.wrong.is_none() {

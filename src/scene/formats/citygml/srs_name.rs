@@ -1,24 +1,27 @@
-//! Names of coordinate systems as GML spells them. In: the text of `srsName`. Out: numbers of the EPSG register, the unit of heights, and whether
-//! the axes follow the register.
+//! Names of coordinate systems as GML spells them. In: the text of `srsName`. Out: EPSG numbers,
+//! the unit of heights, and whether the axes follow the register.
 
 use crate::epsg_numbers::{epsg_numbers_in, height_unit_m};
 
-/// A coordinate system as a file states it.
+/// Coordinate system as a file names it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SrsName {
-    /// Number of the horizontal or compound system.
+    /// EPSG number of the horizontal or compound system.
     pub epsg: Option<u32>,
-    /// Metres a unit of the heights, if a vertical system is named that has a unit.
+    /// Unit of heights, metres, if the name has a vertical system whose unit is known.
     pub height_unit_m: Option<f64>,
-    /// Whether it is a URN or an address of the OGC: axes are in the order of the register (OGC 07-092r3, section 7).
+    /// True for a URN or address of the OGC: axes are in the order of the register (OGC 07-092r3,
+    /// section 7).
     pub is_formal: bool,
-    /// Whether longitude comes first: `CRS84`.
+    /// True if longitude comes first: `CRS84`.
     pub longitude_first: bool,
 }
 
 impl SrsName {
-    /// Reads `EPSG:25832`, `urn:ogc:def:crs:EPSG::25832`, `http://www.opengis.net/def/crs/EPSG/0/25832`, compound systems such as
-    /// `urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::5783` or `EPSG:25832+5783`, and what German surveys write, `urn:adv:crs:ETRS89_UTM32*DE_DHHN92_NH`.
+    /// Reads `EPSG:25832`, `urn:ogc:def:crs:EPSG::25832`,
+    /// `http://www.opengis.net/def/crs/EPSG/0/25832`, and compound systems such as
+    /// `urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::5783` or `EPSG:25832+5783`. Reads the names of
+    /// German surveys, too: `urn:adv:crs:ETRS89_UTM32*DE_DHHN92_NH`.
     pub(super) fn of(text: &str) -> SrsName {
         let upper = text.to_ascii_uppercase();
         if upper.contains("CRS84") {
@@ -37,8 +40,9 @@ impl SrsName {
     }
 }
 
-/// Names of the working group of German surveys (AdV, GeoInfoDok 7.1, annex on coordinate reference systems): UTM of ETRS89, Gauss-Krueger
-/// zones of DHDN, latitude and longitude.
+/// Returns the EPSG number for a name of the working group of German surveys (AdV, GeoInfoDok 7.1,
+/// annex on coordinate reference systems): UTM of ETRS89, Gauss-Krueger zones of DHDN, latitude and
+/// longitude.
 fn of_german_surveys(upper: &str) -> Option<u32> {
     let name = upper.strip_prefix("URN:ADV:CRS:")?;
     let plane = name.split('*').next().unwrap_or_default();
@@ -56,7 +60,8 @@ fn of_german_surveys(upper: &str) -> Option<u32> {
 mod tests {
     use super::*;
 
-    /// Fourteen spellings give their number; a foot of heights is 0.3048 m and a bare name follows no register.
+    /// Fourteen spellings give their number. Heights in feet give 0.3048 m, and a plain name does
+    /// not follow the register's axes.
     #[test]
     fn spellings_of_systems() {
         for (text, epsg) in [

@@ -1,5 +1,5 @@
-//! Geometry of one city object as its file has it. In: rings, polygons and references, one after the other. Out: the same by number, and where
-//! each `gml:id` is.
+//! Geometry of one city object, as its file has it. In: rings, polygons and references, one after
+//! the other. Out: the same by index, and the place of each `gml:id`.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
@@ -8,55 +8,56 @@ use glam::DVec3;
 
 use crate::formats::citygml::members::Side;
 
-/// Ends a ring among corners.
+/// Mark of the end of a ring among the corners.
 const END: u32 = u32::MAX;
 
-/// Surfaces of one city object, its parts and what is built onto them.
+/// Surfaces of one city object, its parts and its installations.
 #[derive(Default)]
 pub(super) struct Store {
-    /// Metres.
+    /// Positions, metres.
     pub vertices: Vec<DVec3>,
-    /// The vertex of three numbers of the file.
+    /// Vertices by the bits of their three numbers in the file.
     known: HashMap<[u64; 3], u32>,
-    /// Rings one after the other, each with `END` behind it.
+    /// Rings one after the other, each followed by `END`.
     corners: Vec<u32>,
     pub polygons: Vec<Polygon>,
-    /// What geometries consist of, in the order of the file: what an element holds stands together.
+    /// Members of geometries, in the order of the file: the members of an element stand together.
     pub members: Vec<Member>,
-    /// Where references lead to, as they are written.
+    /// Targets of references, as they are written.
     pub references: Vec<String>,
-    /// Where the element of each `gml:id` is.
+    /// Members of the element of each `gml:id`.
     pub ids: HashMap<String, Place>,
     /// Names of thematic surfaces.
     pub names: Vec<String>,
-    /// What is left out, by reason.
+    /// Number of things that are left out, by reason.
     pub left_out: BTreeMap<&'static str, usize>,
 }
 
 /// A surface with holes.
 #[derive(Clone)]
 pub(super) struct Polygon {
-    /// Its rings among the corners.
+    /// Range of its rings among the corners.
     rings: Range<u32>,
-    /// What it is: a number of a name, if the file says so.
+    /// Index of the name of its thematic surface, if the file has one.
     pub name: Option<u16>,
-    /// 1-based line of the file.
+    /// Line of the file, counted from 1.
     pub line: u32,
 }
 
-/// What an element holds.
+/// Members of an element.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     pub members: Range<u32>,
-    /// Whether its members look the other way than its own surfaces, since something around it reverses them.
+    /// True if the members look the other way than the element's own surfaces, because an element
+    /// around it reverses them.
     pub is_reversed: bool,
 }
 
-/// A polygon, or a reference to what stands elsewhere.
+/// A polygon, or a reference to geometry elsewhere.
 #[derive(Clone, Copy)]
 pub(super) struct Member {
     pub target: Target,
-    /// Whether it looks the other way.
+    /// True if it is reversed.
     pub is_reversed: bool,
 }
 
@@ -67,25 +68,26 @@ pub(super) enum Target {
 }
 
 impl Store {
-    /// The vertex of three numbers of the file, if they came before.
+    /// Returns the vertex of three numbers of the file, if they came before.
     pub(super) fn known(&self, numbers: [f64; 3]) -> Option<u32> {
         self.known.get(&numbers.map(f64::to_bits)).copied()
     }
 
-    /// Adds the vertex of three numbers of the file; vertices of an object are fewer than bytes of the limit that its file is read by.
+    /// Adds the vertex of three numbers of the file. Its index fits in 32 bits, because the limit
+    /// on corners of a file bounds the vertices of an object.
     pub(super) fn add_vertex(&mut self, numbers: [f64; 3], position: DVec3) -> u32 {
         let vertex = self.push_vertex(position);
         self.known.insert(numbers.map(f64::to_bits), vertex);
         vertex
     }
 
-    /// Adds a vertex that no three numbers of the file stand for.
+    /// Adds a vertex that does not stand for three numbers of the file.
     pub(super) fn push_vertex(&mut self, position: DVec3) -> u32 {
         self.vertices.push(position);
         self.vertices.len() as u32 - 1
     }
 
-    /// How many corners there are, with the ends of rings.
+    /// Returns the number of corners, ring ends included.
     pub(super) fn corner_count(&self) -> u32 {
         self.corners.len() as u32
     }
@@ -96,14 +98,14 @@ impl Store {
         self.corners.push(END);
     }
 
-    /// Ends a polygon whose rings were pushed since there were `first` corners.
+    /// Ends a polygon whose rings were added from corner `first` on; returns its index.
     pub(super) fn end_polygon(&mut self, first: u32, name: Option<u16>, line: usize) -> u32 {
         let rings = first..self.corner_count();
         self.polygons.push(Polygon { rings, name, line: u32::try_from(line).unwrap_or(u32::MAX) });
         self.polygons.len() as u32 - 1
     }
 
-    /// Takes back rings of a polygon that is not one.
+    /// Removes the corners from `first` on: the rings of a polygon that is not usable.
     pub(super) fn back_to(&mut self, first: u32) {
         self.corners.truncate(first as usize);
     }
@@ -112,14 +114,14 @@ impl Store {
         self.polygons.get(number as usize)
     }
 
-    /// The rings of a polygon, the outline first.
+    /// Returns the rings of a polygon, the outline first.
     pub(super) fn rings(&self, polygon: &Polygon) -> impl Iterator<Item = &[u32]> {
         let range = polygon.rings.start as usize..polygon.rings.end as usize;
         let corners = self.corners.get(range).unwrap_or_default();
         corners.split_inclusive(|corner| *corner == END).filter_map(|ring| ring.strip_suffix(&[END]))
     }
 
-    /// How many corners a polygon has, with the ends of its rings.
+    /// Returns the number of corners of a polygon, ring ends included.
     pub(super) fn corners_of(&self, polygon: u32) -> u64 {
         self.polygon(polygon).map_or(0, |polygon| polygon.rings.len() as u64)
     }
@@ -128,7 +130,7 @@ impl Store {
         self.vertices.get(vertex as usize).copied().unwrap_or_default()
     }
 
-    /// The number of the name of a surface; what is beyond 65,535 names has none.
+    /// Returns the index of a surface name; `None` beyond 65,536 names.
     pub(super) fn name(&mut self, name: &str) -> Option<u16> {
         let at = self.names.iter().position(|known| known == name).unwrap_or_else(|| {
             self.names.push(name.to_owned());
@@ -141,7 +143,7 @@ impl Store {
         self.members.len() as u32
     }
 
-    /// Notes what an element with an id holds: all members since there were `start`.
+    /// Records the members of an element with an id: all from member `start` on.
     pub(super) fn set_place(&mut self, id: &str, start: u32, is_reversed: bool) {
         let members = start..self.member_count();
         self.ids.insert(id.to_owned(), Place { members, is_reversed });
@@ -162,7 +164,7 @@ impl Store {
         *self.left_out.entry(reason).or_default() += 1;
     }
 
-    /// Polygons with their own vertices, apart from the store.
+    /// Returns a copy of polygons with their own vertices, independent of the store.
     pub(super) fn lift(&self, sides: &[Side]) -> Lifted {
         let (mut lifted, mut vertices) = (Lifted::default(), HashMap::new());
         for side in sides {
@@ -182,7 +184,7 @@ impl Store {
         lifted
     }
 
-    /// Adds polygons, whose vertices go where `place` puts them, and gives their members.
+    /// Adds polygons with their vertices moved by `place`; returns their members.
     pub(super) fn put(&mut self, lifted: &Lifted, place: impl Fn(DVec3) -> DVec3) -> Range<u32> {
         let (start, first_vertex) = (self.member_count(), self.vertices.len() as u32);
         self.vertices.extend(lifted.vertices.iter().map(|vertex| place(*vertex)));
@@ -199,7 +201,7 @@ impl Store {
     }
 }
 
-/// Polygons that belong to no object: a template, or what objects refer to.
+/// Polygons that belong to no object: a template, or geometry that objects refer to.
 #[derive(Clone, Default)]
 pub(super) struct Lifted {
     pub vertices: Vec<DVec3>,
@@ -214,7 +216,7 @@ struct LiftedPolygon {
 }
 
 impl Lifted {
-    /// Corners of all rings.
+    /// Returns the number of corners of all rings.
     pub(super) fn corners(&self) -> u64 {
         self.polygons.iter().flat_map(|polygon| &polygon.rings).map(|ring| ring.len() as u64).sum()
     }

@@ -1,4 +1,5 @@
-//! In: small city models in XML, written for the purpose. Out: proof of what is read, chosen, joined and left out.
+//! In: small city models in XML, written for the tests. Out: proof of what is read, chosen, joined
+//! and left out.
 
 use std::io::Read;
 use std::path::Path;
@@ -17,7 +18,8 @@ use crate::reference::Reference;
 use crate::semantics::SurfaceKind;
 use heliotile_core::error::Result;
 
-/// Corners of a box of 10 x 10 x 5 m, and its six faces: floor, roof and four walls, turned outwards.
+/// Corners of a box of 10 x 10 x 5 m, and its six faces: floor, roof and four walls, turned
+/// outwards.
 const CORNERS: [[u32; 3]; 8] =
     [[0, 0, 0], [10, 0, 0], [10, 10, 0], [0, 10, 0], [0, 0, 5], [10, 0, 5], [10, 10, 5], [0, 10, 5]];
 const BOX: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
@@ -34,7 +36,7 @@ pub(super) fn read(text: &str) -> Geometry {
     read_as(text, &Asked::default()).expect(text)
 }
 
-/// A city model of version 2.0 that holds the members.
+/// Returns a city model of version 2.0 with the members.
 pub(super) fn model(members: &str) -> String {
     format!(
         r##"<?xml version="1.0"?><core:CityModel xmlns:core="c" xmlns:gml="g" xmlns:xlink="x">
@@ -48,12 +50,12 @@ pub(super) fn member(element: &str) -> String {
     format!("<core:cityObjectMember>{element}</core:cityObjectMember>\n")
 }
 
-/// A building `b` with the properties.
+/// Returns a city model of one building `b` with the properties.
 pub(super) fn building(properties: &str) -> String {
     model(&member(&format!(r#"<bldg:Building gml:id="b">{properties}</bldg:Building>"#)))
 }
 
-/// A face of the box `up` metres higher, as a polygon with an id.
+/// Returns a face of the box, raised by `up` metres, as a polygon with an id.
 pub(super) fn polygon(face: usize, up: u32) -> String {
     let corner = |corner: &usize| CORNERS[*corner].map(f64::from).map(|n| n.to_string());
     let ring: Vec<String> = BOX[face]
@@ -72,7 +74,7 @@ fn members(faces: &[usize], up: u32) -> String {
     faces.iter().map(|face| format!("<gml:surfaceMember>{}</gml:surfaceMember>\n", polygon(*face, up))).collect()
 }
 
-/// The faces as a solid of a level of detail.
+/// Returns the faces as a solid of a level of detail.
 pub(super) fn solid(lod: u32, faces: &[usize]) -> String {
     format!(
         "<bldg:lod{lod}Solid><gml:Solid><gml:exterior><gml:CompositeSurface>{}</gml:CompositeSurface></gml:exterior></gml:Solid></bldg:lod{lod}Solid>",
@@ -80,7 +82,7 @@ pub(super) fn solid(lod: u32, faces: &[usize]) -> String {
     )
 }
 
-/// A thematic surface of level 2 of one face.
+/// Returns a thematic surface of level 2 with one face.
 fn surface(kind: &str, face: usize) -> String {
     format!(
         "<bldg:boundedBy><bldg:{kind} gml:id=\"s{face}\"><bldg:lod2MultiSurface><gml:MultiSurface>{}</gml:MultiSurface></bldg:lod2MultiSurface></bldg:{kind}></bldg:boundedBy>",
@@ -99,7 +101,7 @@ xlink:href="#p5"/></gml:CompositeSurface></gml:exterior></gml:Solid></bldg:lod2S
 
 const ALL: [usize; 6] = [0, 1, 2, 3, 4, 5];
 
-/// Object and material of every face.
+/// Returns the object and material of every face.
 fn faces(geometry: &Geometry) -> Vec<(&str, &str)> {
     let (objects, materials) = (geometry.objects.as_slice(), geometry.materials.as_slice());
     geometry
@@ -116,7 +118,8 @@ pub(super) fn left_out(geometry: &Geometry) -> usize {
     geometry.left_out.values().sum()
 }
 
-/// A solid of 6 inline polygons is named by tilt, its 8 corners stand once, and faces are named after their lines.
+/// A solid of 6 inline polygons is named by tilt, its 8 corners are stored once, and faces are
+/// named after their lines.
 #[test]
 fn a_solid_without_thematic_surfaces() {
     let geometry = read(&building(&solid(1, &ALL)));
@@ -134,7 +137,8 @@ fn a_solid_without_thematic_surfaces() {
     assert_eq!((geometry.warnings.len(), geometry.doubts.len(), left_out(&geometry)), (0, 0, 0));
 }
 
-/// Thematic surfaces, a solid that refers to them before or behind, and a solid that repeats them: 6 faces with their 3 names each time.
+/// Thematic surfaces alone, with a solid before or behind that refers to them, and with a solid
+/// that repeats them, give 6 faces and 3 names each time.
 #[test]
 fn a_solid_and_its_surfaces_count_once() {
     for text in [
@@ -150,13 +154,15 @@ fn a_solid_and_its_surfaces_count_once() {
         );
         assert_eq!(left_out(&geometry), 0, "{:?}", geometry.left_out);
     }
-    // A solid drawn by other corners than its thematic surfaces: the surfaces count, since they have names.
+    // The solid has other corners than its thematic surfaces: the surfaces are read, because they
+    // have names.
     let other = solid(2, &ALL).replace("gml:id=\"p", "gml:id=\"q").replace("10", "10.5");
     let geometry = read(&building(&(surfaces() + &other)));
     assert_eq!((geometry.face_count(), left_out(&geometry), geometry.vertices.len()), (6, 1, 8));
 }
 
-/// A surface that refers to a polygon of the solid gives it its name; with the orientation `-` its normal is turned, and back at the second.
+/// A thematic surface that refers to a polygon of the solid gives the polygon its name. The
+/// orientation `-` turns its normal, and a second `-` turns it back.
 #[test]
 fn names_and_orientations_go_through_references() {
     let roof = r##"<bldg:boundedBy><bldg:OuterFloorSurface><bldg:lod2MultiSurface><gml:MultiSurface><gml:surfaceMember xlink:href="#p1"/>
@@ -183,7 +189,8 @@ fn names_and_orientations_go_through_references() {
     assert_eq!([up(&roof), up(&turned(&roof)), up(&turned(&turned(&roof)))], [100.0, -100.0, 100.0]);
 }
 
-/// Of levels 0 to 4 the finest of the outside is read, level 4 alone where there is no other, what is asked for where it is asked for.
+/// The finest outside level of levels 0 to 4 is read; level 4 is read if there is no other, and a
+/// level that is asked for is read.
 #[test]
 fn levels_of_detail() {
     let outline = format!("<lod0FootPrint><gml:MultiSurface>{}</gml:MultiSurface></lod0FootPrint>", members(&[1], 0));
@@ -198,7 +205,8 @@ fn levels_of_detail() {
     assert!(message.contains("flat outlines of buildings"), "{message}");
 }
 
-/// A building of level 2 without a wall is read in its closed level 1, with 1 name in a warning; without its floor it stays in level 2.
+/// A building whose level 2 lacks a wall is read in its closed level 1, with 1 name in a warning.
+/// If level 2 lacks only its floor, level 2 is read.
 #[test]
 fn an_open_level_gives_way_to_a_closed_one() {
     let geometry = read(&building(&(solid(1, &ALL) + &solid(2, &[0, 1, 2, 3, 4]))));
@@ -207,11 +215,12 @@ fn an_open_level_gives_way_to_a_closed_one() {
     assert!(doubt.starts_with("1 building (`b`) read in a coarser level of detail"), "{doubt}");
     let geometry = read(&building(&(solid(1, &ALL) + &solid(2, &[1, 2, 3, 4, 5]))));
     assert_eq!((geometry.face_count(), geometry.doubts.len()), (5, 0));
-    // Open at both levels: the finer one.
+    // Both levels are open: the finer one is read.
     assert_eq!(read(&building(&(solid(1, &[0, 1, 2]) + &solid(2, &[0, 1, 2, 3])))).face_count(), 4);
 }
 
-/// Parts belong to their building, whose coarser geometry goes; what is built on is an object, a room is left out.
+/// Parts belong to their building, whose own coarser geometry is left out. An installation is an
+/// object, and a room is left out.
 #[test]
 fn parts_installations_and_rooms() {
     let part = |property: &str, kind: &str, id: &str, lod: u32| {
@@ -227,7 +236,8 @@ fn parts_installations_and_rooms() {
     assert!(geometry.object_notes.values().all(|note| note.building == "b" && !note.beside));
 }
 
-/// Version 3.0 with its namespaces, a window in a wall and its default prefix: 4 faces of 4 names, one of them a window.
+/// Version 3.0 with its namespaces, a window in a wall and a default prefix gives 4 faces with 4
+/// names, one of them a window.
 #[test]
 fn version_3_0() {
     let filled = format!(
@@ -247,7 +257,8 @@ fn version_3_0() {
     assert_eq!((geometry.face_count(), windows), (4, 1));
 }
 
-/// Terrain of two triangles is of the material `TINRelief`; breaklines and mass points are left out, 2 of 2.
+/// Terrain of two triangles has the material `TINRelief`; breaklines and mass points are left out,
+/// 2 of 2.
 #[test]
 fn terrain() {
     let triangle = |ring: &str| {
@@ -268,7 +279,8 @@ fn terrain() {
     assert_eq!((geometry.vertices.len(), left_out(&geometry)), (4, 2));
 }
 
-/// A template stands where three trees have it, that of the third in an object that comes later; mirrored once, and 10 m off each.
+/// A template is placed for three trees, 10 m apart, one of them mirrored; a tree may come before
+/// the tree that holds the template.
 #[test]
 fn templates() {
     let tree = |id: &str, geometry: &str, scale: &str, x: u32| {
@@ -296,7 +308,8 @@ fn templates() {
     assert!(geometry.object_notes.values().all(|note| note.beside));
 }
 
-/// Buildings that refer to a wall of each other are read with it, whichever comes first; a reference to nothing is counted.
+/// Buildings that refer to each other's walls are read with them, in either order; a reference to
+/// nothing is counted.
 #[test]
 fn references_across_objects() {
     let one = |id: &str, geometry: &str| {
@@ -313,7 +326,8 @@ fn references_across_objects() {
     assert_eq!((geometry.face_count(), left_out(&geometry)), (4, 1), "{:?}", geometry.left_out);
 }
 
-/// Latitude and longitude of Japan are metres of UTM, 10 m of them apart, or of the scene's system; a note says which.
+/// Latitude and longitude in Japan become metres of UTM, 10 m apart, or of the scene's system; a
+/// note says which.
 #[test]
 fn degrees() {
     let text = building(
@@ -330,7 +344,8 @@ fn degrees() {
     assert!((own.vertices[0] - DVec3::new(-12_133.41, -83_197.58, 1.0)).length() < 0.1, "{}", own.vertices[0]);
 }
 
-/// Attributes of a building in version 2.0 and of its part in 3.0 are kept by name, 7 of them; those of extensions and addresses are not.
+/// Attributes of a building in version 2.0 and of its part in 3.0 are kept by name, 7 of them;
+/// attributes of extensions and addresses are dropped.
 #[test]
 fn attributes_of_objects() {
     let text = building(
@@ -357,8 +372,9 @@ fn attributes_of_objects() {
     assert_eq!(found, [own, r#"{"class":"x","flats":3}"#]);
 }
 
-/// The hamlet of the repository has the areas by material that `tools/citygml/areas.py` sums, within 0.01 m2, and 13 objects, of which 9 are
-/// buildings or parts of one; the solid of `house_5` that refers to its surfaces adds none.
+/// The hamlet of the repository has the areas by material that `tools/citygml/areas.py` sums,
+/// within 0.01 m2, and 13 objects, of which 9 are buildings or building parts. The solid of
+/// `house_5` that refers to its surfaces adds none.
 #[test]
 fn the_hamlet_has_the_areas_of_the_second_reader() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/citygml/small.gml");
@@ -379,7 +395,8 @@ fn the_hamlet_has_the_areas_of_the_second_reader() {
     assert_eq!((geometry.objects.as_slice().len(), buildings, geometry.doubts.len()), (13, 9, 0));
 }
 
-/// Holes, points one by one and coordinates of GML 2 are read: 1 face of 8 corners, of 4 of them a hole, and 1 of 4.
+/// Holes, single points and coordinates of GML 2 are read: 1 face of 8 corners, 4 of which are a
+/// hole, and 1 face of 4.
 #[test]
 fn spellings_of_rings() {
     let pos = |text: &str| text.split(',').map(|pos| format!("<gml:pos>{pos}</gml:pos>")).collect::<String>();

@@ -1,8 +1,9 @@
-//! XML, piece by piece. In: bytes of unknown origin. Out: elements one after the other, each with the local part of its name, the few
-//! attributes that matter here and its line; nothing is kept of what was passed.
+//! XML, piece by piece. In: bytes of unknown origin. Out: elements one after the other, each with
+//! its local name, a few attributes and its line. Nothing is kept of what was read before.
 //!
-//! Entities that a file declares are refused, not expanded; an element of more than [`LONGEST`] bytes of text and elements more than [`DEEPEST`]
-//! deep are refused, so that whoever reads elements within elements needs little stack.
+//! Entities that a file declares are refused, not expanded. An element of more than [`LONGEST`]
+//! bytes of text is refused, and so are elements more than [`DEEPEST`] deep, so that readers of
+//! nested elements need little stack.
 
 use std::io;
 use std::io::{BufRead, BufReader, Read};
@@ -13,34 +14,34 @@ use quick_xml::events::{BytesRef, BytesStart, Event};
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
-/// Elements in elements; a polygon of a window of a wall of a part of a building is 25 deep.
+/// Deepest nesting of elements; a polygon of a window of a wall of a building part is 25 deep.
 const DEEPEST: usize = 100;
 
-/// Bytes of one tag, text or comment: a ring of a million corners.
+/// Most bytes of one tag, text or comment: a ring of a million corners.
 const LONGEST: usize = 64 << 20;
 
-/// Attributes that are kept, by the local parts of their names.
+/// Attributes that are kept, by their local names.
 const KEPT: [&str; 7] = ["id", "href", "srsName", "srsDimension", "orientation", "name", "uom"];
 
 const CUT_OFF: &str = "the file is damaged or was cut off: copy or export it again";
 
 /// A start tag.
 pub(super) struct Element {
-    /// Without prefix.
+    /// Name without prefix.
     pub name: String,
-    /// 1-based line on which the tag ends.
+    /// Line on which the tag ends, counted from 1.
     pub line: usize,
     attributes: Vec<(&'static str, String)>,
 }
 
 impl Element {
-    /// The value of an attribute, given the local part of its name; only those of [`KEPT`] are known.
+    /// Returns the value of an attribute by its local name; only attributes of [`KEPT`] are known.
     pub(super) fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(known, _)| *known == name).map(|(_, value)| value.as_str())
     }
 }
 
-/// What comes next.
+/// Next piece of the file.
 enum Piece {
     Open(Element),
     Close,
@@ -48,12 +49,12 @@ enum Piece {
     End,
 }
 
-/// A file that is read from element to element. Whoever is given an element reads on to its end, by [`Xml::child`] until there is none, by
-/// [`Xml::text`] or by [`Xml::skip`].
+/// Reader of a file, element by element. A caller that gets an element must read to its end: by
+/// [`Xml::child`] until there is none, by [`Xml::text`] or by [`Xml::skip`].
 pub(super) struct Xml<'f> {
     reader: quick_xml::Reader<Metered<'f>>,
     buffer: Vec<u8>,
-    /// The text that was read last.
+    /// Text that was read last.
     text: Vec<u8>,
     file: &'f Path,
     line: usize,
@@ -75,7 +76,8 @@ impl<'f> Xml<'f> {
         self.file
     }
 
-    /// The next element within the one that is being read, whose end is read where there is none.
+    /// Returns the next child of the current element, or reads the element's end and returns
+    /// `None`.
     pub(super) fn child(&mut self) -> Result<Option<Element>> {
         loop {
             match self.step(false)? {
@@ -88,7 +90,7 @@ impl<'f> Xml<'f> {
         }
     }
 
-    /// Reads to the end of the element that is being read.
+    /// Reads to the end of the current element.
     pub(super) fn skip(&mut self) -> Result<()> {
         let around = self.depth.saturating_sub(1);
         while self.depth > around {
@@ -99,7 +101,8 @@ impl<'f> Xml<'f> {
         Ok(())
     }
 
-    /// The text of the element that is being read, to whose end it reads; that of elements within it does not count.
+    /// Reads to the end of the current element and returns its text, without the text of elements
+    /// within it.
     pub(super) fn text(&mut self) -> Result<&[u8]> {
         let around = self.depth.saturating_sub(1);
         self.text.clear();
@@ -116,15 +119,16 @@ impl<'f> Xml<'f> {
         Ok(self.text.trim_ascii())
     }
 
-    /// The same as words, what is no UTF-8 replaced.
+    /// Returns the text of the current element as a string; bytes that are not UTF-8 are replaced.
     pub(super) fn words(&mut self) -> Result<String> {
         self.text().map(|text| String::from_utf8_lossy(text).into_owned())
     }
 
-    /// The next piece; its text is kept if it is asked for.
+    /// Reads the next piece, and keeps its text if `keep` is true.
     fn step(&mut self, keep: bool) -> Result<Piece> {
         let Xml { reader, buffer, text, file, line, depth } = self;
         buffer.clear();
+        // The limit holds for each piece, so that none can fill the memory.
         reader.get_mut().left = LONGEST;
         let event = reader.read_event_into(buffer).map_err(|error| broken(&error, file, *line))?;
         let mut pass = |bytes: &[u8]| *line += bytes.iter().filter(|byte| **byte == b'\n').count();
@@ -196,7 +200,7 @@ impl<'f> Xml<'f> {
 fn element(tag: &BytesStart, line: usize) -> Element {
     let name = String::from_utf8_lossy(tag.local_name().as_ref()).into_owned();
     let mut attributes = Vec::new();
-    // Looking for attributes that stand twice takes the square of their number.
+    // Checking for repeated attributes would take the square of their number.
     for attribute in tag.attributes().with_checks(false).flatten() {
         let local = attribute.key.local_name();
         if let Some(known) = KEPT.into_iter().find(|known| known.as_bytes() == local.as_ref()) {
@@ -208,7 +212,8 @@ fn element(tag: &BytesStart, line: usize) -> Element {
     Element { name, line, attributes }
 }
 
-/// The letter that `&...;` stands for; `None` for entities of no meaning in XML itself.
+/// Returns the character of an entity `&...;`; `None` for an entity that XML itself does not
+/// define.
 fn letter_of(name: &BytesRef) -> Option<char> {
     let name_bytes: &[u8] = name;
     match name_bytes {
@@ -230,7 +235,7 @@ fn broken(error: &quick_xml::Error, file: &Path, line: usize) -> Error {
     Error::input(file, line, what, CUT_OFF)
 }
 
-/// Bytes of a file, of which one piece may take so many and no more.
+/// Bytes of a file with a limit for one piece.
 struct Metered<'f> {
     inner: BufReader<Box<dyn Read + 'f>>,
     left: usize,
@@ -264,7 +269,8 @@ mod tests {
         Xml::new(Box::new(text.as_bytes()), Path::new("a.gml"))
     }
 
-    /// Names lose their prefix, 2 attributes of 3 are kept, and lines are counted over comments and tags of several lines.
+    /// Names lose their prefix, 2 attributes of 3 are kept, and lines are counted across comments
+    /// and tags of several lines.
     #[test]
     fn elements_have_names_attributes_and_lines() {
         let text = "<?xml version=\"1.0\"?>\n<!-- a\n -->\n<a:b\n gml:id=\"x&amp;y\" c=\"2\" uom='m'>\n <d/>t &lt;&#65;<e>no</e></a:b>";
@@ -278,7 +284,8 @@ mod tests {
         assert!(xml.child().expect("sound").is_none());
     }
 
-    /// Six broken texts are refused in words: entities, too deep, cut off twice, wrong end and a text of more than 64 MiB.
+    /// Six broken texts are refused with a message: an entity, too deep a nesting, two cut texts, a
+    /// wrong end tag and a text of more than 64 MiB.
     #[test]
     fn broken_texts_are_refused() {
         let deep = "<a>".repeat(101);

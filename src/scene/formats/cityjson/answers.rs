@@ -1,18 +1,19 @@
-//! Answers of services that serve city models (OGC API Features of 3DBAG): features beside the header that they count in. In: JSON text. Out:
-//! the header and the features, if it is such an answer.
+//! Answers of services that serve city models (OGC API Features of 3DBAG): features with the header
+//! that holds their transform. In: JSON text. Out: the header and the features, if the text is such
+//! an answer.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use crate::formats::cityjson::document::Document;
 
-/// The header and the features of an answer.
+/// Header and features of an answer.
 pub(super) struct Answer<'a> {
     pub metadata: Document<'a>,
     pub features: Vec<Document<'a>>,
 }
 
-/// `feature` of one item, `features` of a collection.
+/// An answer with one item in `feature`, or with a collection in `features`.
 #[derive(Deserialize)]
 struct Text<'a> {
     #[serde(borrow)]
@@ -23,14 +24,15 @@ struct Text<'a> {
     features: Vec<Document<'a>>,
 }
 
-/// Items of a collection as each of them is answered alone, with a header of its own.
+/// A collection whose items have the form of a single answer, each with its own header.
 #[derive(Deserialize)]
 struct Collection<'a> {
     #[serde(borrow)]
     features: Vec<Text<'a>>,
 }
 
-/// What tells an answer from a city model at little cost: the other one has objects, and no features.
+/// Outline of a text, which tells an answer from a city model at little cost: a city model has
+/// objects and no features.
 #[derive(Deserialize)]
 struct Sketch {
     feature: Option<IgnoredAny>,
@@ -39,9 +41,10 @@ struct Sketch {
     objects: Option<IgnoredAny>,
 }
 
-/// Reads an answer; `None` if the text is none.
+/// Reads an answer; returns `None` if the text is not one.
 pub(super) fn of(text: &[u8]) -> Option<Answer<'_>> {
-    // City models are large, and begin as such; only a text that names features is looked through.
+    // City models are large and name their type at the start; other texts are searched for
+    // features.
     let head = text.get(..text.len().min(64)).unwrap_or_default();
     if head.windows(10).any(|window| window == b"\"CityJSON\"") {
         return None;
@@ -61,7 +64,8 @@ pub(super) fn of(text: &[u8]) -> Option<Answer<'_>> {
     let first = items.next()?;
     let mut answer = Answer { metadata: first.metadata, features: first.feature.into_iter().collect() };
     for item in items {
-        // Items count in the same steps from the same origin as a rule; those that do not would need a header of their own.
+        // Items of a collection usually share scale and translation; items that do not would need a
+        // header of their own.
         if item.metadata.transform != answer.metadata.transform {
             return None;
         }

@@ -1,5 +1,6 @@
-//! In: JSON text of a CityJSON object or of a CityJSONFeature. Out: what of it matters here, typed but unchecked; messages say in
-//! which object or vertex the text is wrong. All else (appearance, extensions) is skipped without being stored.
+//! In: JSON text of a CityJSON object or of a CityJSONFeature. Out: the parts of it that readers
+//! use, typed but unchecked. Error messages name the object or vertex at fault. Everything else
+//! (appearance, extensions) is skipped without being stored.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display};
@@ -24,7 +25,7 @@ pub(in crate::formats) struct Document<'a> {
     pub templates: Templates<'a>,
 }
 
-/// Text of the file itself, where it holds no escapes.
+/// Text borrowed from the file, or a copy if it holds escapes.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(in crate::formats) struct Text<'a>(pub(in crate::formats) Cow<'a, str>);
 
@@ -44,12 +45,12 @@ pub(in crate::formats) struct CityObject<'a> {
     pub parents: Option<Vec<Text<'a>>>,
     #[serde(default, borrow)]
     pub children: Option<Vec<Text<'a>>>,
-    /// What is said of it besides, without nested values.
+    /// Attributes, without nested values.
     #[serde(default, deserialize_with = "attributes")]
     pub attributes: Map<String, Value>,
 }
 
-/// One geometry of an object: a multitude of surfaces, or an instance of a template.
+/// One geometry of an object: surfaces, or an instance of a template.
 #[derive(Debug, Deserialize)]
 pub(in crate::formats) struct Shape<'a> {
     #[serde(rename = "type", borrow)]
@@ -64,7 +65,7 @@ pub(in crate::formats) struct Shape<'a> {
     pub template: Option<u64>,
     #[serde(default, rename = "transformationMatrix")]
     pub matrix: Option<Vec<f64>>,
-    /// `[surface]`: 1-based line of the file, where the format has lines: it names the faces.
+    /// `[surface]`: line of the file, counted from 1, for formats with lines; it names the faces.
     #[serde(skip)]
     pub lines: Vec<u32>,
 }
@@ -97,7 +98,8 @@ struct Metadata<'a> {
     reference_system: Option<Text<'a>>,
 }
 
-/// Level of detail: "2", "1.3"; a number before version 1.1. Ordered as its numbers are, 2 before 2.2 before 2.10.
+/// Level of detail: "2", "1.3"; a number before version 1.1. Ordered by its numbers: 2 before 2.2
+/// before 2.10.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::formats) struct Lod {
     major: u32,
@@ -110,7 +112,7 @@ impl Lod {
         Some(Lod { major: major.parse().ok()?, minor: minor.parse().ok()? })
     }
 
-    /// Whether it is that of outlines without height.
+    /// Returns true for the level of outlines without height.
     pub(in crate::formats) fn is_flat(self) -> bool {
         self.major == 0
     }
@@ -125,7 +127,8 @@ impl Display for Lod {
     }
 }
 
-/// Puts the place before a message; serde_json keeps line and column of it.
+/// Returns a function that puts a place before an error message; serde_json keeps the line and
+/// column.
 fn within<E: Error>(place: impl Display) -> impl FnOnce(E) -> E {
     move |error| E::custom(format_args!("{place}: {error}"))
 }
@@ -282,7 +285,7 @@ impl<'de> Deserialize<'de> for Lod {
 mod tests {
     use super::*;
 
-    /// Six levels are read from texts and numbers alike and stand in order, 2.10 after 2.2.
+    /// Six levels are read from texts and numbers alike, and are ordered: 2.10 comes after 2.2.
     #[test]
     fn levels() {
         let levels: Vec<Lod> = serde_json::from_str("[0, \"1\", 1.2, \"2.0\", \"2.2\", \"2.10\"]").expect("levels");
@@ -293,7 +296,7 @@ mod tests {
         }
     }
 
-    /// A text without escapes is the file's own 3 bytes, one with escapes a copy.
+    /// A text without escapes borrows the file's 3 bytes, a text with escapes is a copy.
     #[test]
     fn texts() {
         let texts: Vec<Text> = serde_json::from_str(r#"["abc", "a\nc"]"#).expect("texts");

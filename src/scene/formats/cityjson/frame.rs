@@ -1,4 +1,5 @@
-//! In: transform and reference system of a CityJSON object. Out: positions in metres, and where on Earth they lie.
+//! In: transform and reference system of a CityJSON object. Out: positions in metres, and their
+//! coordinate system.
 
 use std::path::Path;
 
@@ -10,7 +11,7 @@ use crate::reference::Reference;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
-/// From numbers of the file to metres.
+/// Conversion of the file's numbers to metres.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::formats) struct Frame {
     scale: DVec3,
@@ -18,10 +19,11 @@ pub(in crate::formats) struct Frame {
 }
 
 impl Frame {
-    /// Numbers that are metres already.
+    /// Frame of numbers that are metres already.
     pub(in crate::formats) const METRES: Frame = Frame { scale: DVec3::ONE, translate: DVec3::ZERO };
 
-    /// The transform of a document: required from version 1.1 on (CityJSON 1.1, section 4), positions are plain without it in 1.0.
+    /// Returns the transform of a document. It is required from version 1.1 on (CityJSON 1.1,
+    /// section 4); in version 1.0 positions may be plain metres.
     pub(super) fn of(document: &Document, file: &Path) -> Result<Frame> {
         let Some(transform) = &document.transform else {
             if document.version.0.starts_with("1.0") {
@@ -34,7 +36,7 @@ impl Frame {
             return Err(Error::input(file, None, what, hint));
         };
         let [scale, translate] = [transform.scale, transform.translate].map(DVec3::from);
-        // The reader of JSON lets no infinite number pass, yet this type promises none.
+        // serde_json yields no infinite numbers, but the type `f64` does not promise that.
         if !(scale.is_finite() && translate.is_finite() && scale.min_element() > 0.0) {
             let what = format!("`transform` has the scale {scale} and the translation {translate}");
             return Err(Error::input(file, None, what, "scales are metres a step, more than 0 on every axis"));
@@ -47,7 +49,8 @@ impl Frame {
     }
 }
 
-/// Where `metadata.referenceSystem` says that coordinates lie; coordinates in degrees are an error.
+/// Returns the coordinate system of `metadata.referenceSystem`; refuses degrees and geocentric
+/// coordinates.
 pub(super) fn reference(text: &str, file: &Path, warnings: &mut Vec<String>) -> Result<Option<Reference>> {
     let number = epsg_numbers_in(text).first().copied();
     let axes = number.and_then(axes_of);
@@ -95,7 +98,8 @@ mod tests {
         }
     }
 
-    /// Degrees are refused under 6 names and geocentric coordinates under 2, metres are not, and a name without a number is worth 1 warning.
+    /// Degrees are refused under 6 names and geocentric coordinates under 2. Metres are accepted,
+    /// and a name without a number gives 1 warning.
     #[test]
     fn degrees() {
         let mut warnings = Vec::new();

@@ -1,8 +1,11 @@
-//! City models. In: a CityJSON object of version 1.0 to 2.0 (`.city.json`, `.json`) a sequence of features (`.city.jsonl`,
-//! `.jsonl`), or an answer of a service that wraps features (that of 3DBAG). Out: polygons with holes, named after city objects, of materials named after semantic surfaces.
+//! City models. In: a CityJSON object of version 1.0 to 2.0 (`.city.json`, `.json`), a sequence of
+//! features (`.city.jsonl`, `.jsonl`), or a service's answer that wraps features (3DBAG). Out:
+//! polygons with holes, named after city objects, with materials named after semantic surfaces.
 //!
-//! Semantics name the materials, then the type of the object; faces of buildings without semantics are told apart by tilt. Colours of
-//! `appearance` are those of pictures, not reflectances, and are not read; neither is `geographicalExtent`. Attributes pass to results.
+//! A face takes its material from its semantics, otherwise from the type of its object. Faces of
+//! buildings without semantics take it from their tilt. Colours in `appearance` are made for
+//! pictures, not reflectances, and are not read; neither is `geographicalExtent`. Attributes are
+//! passed on to results.
 
 mod answers;
 pub(super) mod document;
@@ -33,10 +36,10 @@ use objects::Reader;
 pub(super) use surfaces::name_by_tilt;
 use templates::Template;
 
-/// What would mend a wrong file.
+/// Hint on how to repair a damaged file.
 const MEND: &str = "the file is no valid CityJSON: validate it (cjval) or export it again";
 
-/// Reads a city model; a name that ends with `.jsonl` is that of a sequence.
+/// Reads a city model. A name that ends with `.jsonl` means a sequence.
 pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
     let asked = asked.lod.as_deref().map(|text| level(text, file)).transpose()?;
     let bytes = without_byte_order_mark(bytes);
@@ -57,7 +60,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry
     finish(reader)
 }
 
-/// An answer of a service: the header in its metadata, and one feature or several.
+/// Reads a service's answer: the header in its metadata, and one feature or several.
 fn answered(answer: Answer, file: &Path, asked: Option<Lod>) -> Result<Geometry> {
     let Answer { mut metadata, features } = answer;
     refuse::version(&metadata, file)?;
@@ -69,7 +72,8 @@ fn answered(answer: Answer, file: &Path, asked: Option<Lod>) -> Result<Geometry>
     finish(reader)
 }
 
-/// Whether a text is one of features, a line each: by the name of the file, or since more lines follow on a whole first one.
+/// Returns true for a sequence of features, one a line: by the name of the file, or because a
+/// complete first line is followed by another one.
 fn is_sequence(bytes: &[u8], file: &Path) -> bool {
     if ["jsonl", "cityjsonl"].contains(&input::ending(file).as_str()) {
         return true;
@@ -79,7 +83,8 @@ fn is_sequence(bytes: &[u8], file: &Path) -> bool {
     more && first.trim_ascii_end().ends_with(b"}")
 }
 
-/// One line the header, every other a feature with vertices of its own (CityJSON 2.0.1, section 7).
+/// Reads a sequence: the first line is the header, every other line a feature with its own vertices
+/// (CityJSON 2.0.1, section 7).
 fn sequence(bytes: &[u8], file: &Path, asked: Option<Lod>) -> Result<Geometry> {
     let mut lines = (1..).zip(bytes.split(|byte| *byte == b'\n')).filter(|(_, text)| !text.trim_ascii().is_empty());
     let (line, text) = lines.next().unwrap_or((1, b""));
@@ -99,7 +104,7 @@ fn sequence(bytes: &[u8], file: &Path, asked: Option<Lod>) -> Result<Geometry> {
     finish(reader)
 }
 
-/// What holds for all objects of a file.
+/// Header of a file: the parts that apply to all its objects.
 struct Header<'a> {
     frame: Frame,
     templates: Vec<Template<'a>>,
@@ -134,7 +139,7 @@ impl<'a> Header<'a> {
     }
 }
 
-/// The geometry that was read, or why there is none.
+/// Returns the geometry that was read, or an error that says why there is none.
 pub(super) fn finish(reader: Reader) -> Result<Geometry> {
     let Reader { file, mut geometry, objects, levels, asked, skipped, mend, .. } = reader;
     if geometry.face_count() > 0 {
@@ -170,7 +175,8 @@ pub(super) fn finish(reader: Reader) -> Result<Geometry> {
     Err(Error::input(file, None, what, hint))
 }
 
-/// A sentence on objects that are left out, since their geometry is wrong; all of them stand behind it.
+/// Returns a sentence on the objects that are left out because their geometry is wrong, with a list
+/// of all of them.
 fn left_out(file: &Path, skipped: &[Error], mend: &str) -> Option<String> {
     let words = |error: &Error| match error {
         Error::Input { what, line: Some(line), .. } => format!("line {line}, {what}"),
@@ -187,7 +193,7 @@ fn left_out(file: &Path, skipped: &[Error], mend: &str) -> Option<String> {
     Some(with_list(&sentence, others.iter().map(words)))
 }
 
-/// The level of detail that a text asks for.
+/// Returns the level of detail in a user's text.
 pub(super) fn level(text: &str, file: &Path) -> Result<Lod> {
     Lod::of(text).ok_or_else(|| {
         let what = format!("level of detail `{}` is asked for", excerpt(text.as_bytes()));

@@ -1,5 +1,5 @@
-//! In: whole numbers in arrays in arrays (boundaries, semantic values). Out: one flat list of marks of four bytes, and the surfaces
-//! in it, found without recursion.
+//! In: whole numbers in nested arrays (boundaries, semantic values). Out: one flat list of marks of
+//! four bytes, and the surfaces in it, found without recursion.
 
 use std::fmt;
 use std::ops::Range;
@@ -7,28 +7,28 @@ use std::ops::Range;
 use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Visitor};
 
-/// Begins an array.
+/// Mark of the beginning of an array.
 const OPEN: u32 = u32::MAX;
-/// Ends one.
+/// Mark of the end of an array.
 const CLOSE: u32 = u32::MAX - 1;
-/// A null.
+/// Mark of a null.
 const NOTHING: u32 = u32::MAX - 2;
 
-/// Arrays in arrays of a MultiSolid, the deepest geometry there is (CityJSON 2.0.1, section 3).
+/// Depth of the arrays of a MultiSolid, the deepest geometry there is (CityJSON 2.0.1, section 3).
 const DEEPEST: usize = 5;
 
-/// Arrays in arrays of numbers below `NOTHING`; every `OPEN` has its `CLOSE`.
+/// Nested arrays of numbers below `NOTHING`; every `OPEN` has its `CLOSE`.
 #[derive(Debug, Default)]
 pub(in crate::formats) struct Nested(pub(super) Vec<u32>);
 
-/// A surface of boundaries.
+/// A surface in boundaries.
 #[derive(Debug)]
 pub(super) struct Surface {
-    /// Where its rings stand among the marks.
+    /// Range of its rings among the marks.
     pub rings: Range<usize>,
     /// Its semantic value.
     pub value: Option<u32>,
-    /// Its place in the arrays, as deep as there are any around it.
+    /// Its indices in the arrays around it, outermost first.
     pub path: [u32; 3],
 }
 
@@ -43,17 +43,18 @@ impl Nested {
         self.0.push(CLOSE);
     }
 
-    /// Adds a number, or null for what is none and for numbers beyond those that boundaries may hold.
+    /// Adds a number. `None`, and a number beyond those that boundaries may hold, become null.
     pub(in crate::formats) fn push(&mut self, number: Option<u32>) {
         self.0.push(number.map_or(NOTHING, |number| number.min(NOTHING)));
     }
 
-    /// All surfaces where numbers stand `depth` arrays deep (3 in a MultiSurface, 4 in a Solid, 5 in a MultiSolid), each with its
-    /// number in `values`, which are two arrays less deep. An error is what is wrong, in words.
+    /// Returns all surfaces, where numbers stand `depth` arrays deep (3 in a MultiSurface, 4 in a
+    /// Solid, 5 in a MultiSolid). Each surface has its number in `values`, whose arrays are two
+    /// levels less deep. The error says what is wrong.
     pub(super) fn surfaces(&self, depth: usize, values: Option<&Nested>) -> Result<Vec<Surface>, String> {
         let mut values = Values { marks: values.map(|values| values.0.as_slice()), nulls: 0 };
         let (mut level, mut start, mut value) = (0_usize, 0, None);
-        // How many arrays ended at each level since the one around them began.
+        // Number of arrays that ended at each level since the array around them began.
         let mut ended = [0_u32; DEEPEST + 1];
         let mut found = Vec::new();
         for (i, &mark) in self.0.iter().enumerate() {
@@ -80,7 +81,7 @@ impl Nested {
                     if let Some(count) = ended.get_mut(level) {
                         *count += 1;
                     }
-                    // What ended within it is counted anew in the next.
+                    // The count within starts anew in the next array.
                     if let Some(within) = ended.get_mut(level + 1) {
                         *within = 0;
                     }
@@ -96,18 +97,18 @@ impl Nested {
         Ok(found)
     }
 
-    /// Rings of a surface, the outline first.
+    /// Returns the rings of a surface, the outline first.
     pub(super) fn rings(&self, surface: &Surface) -> impl Iterator<Item = &[u32]> {
         let marks = self.0.get(surface.rings.clone()).unwrap_or_default();
         marks.split(|mark| *mark == CLOSE).filter_map(|ring| ring.strip_prefix(&[OPEN]))
     }
 
-    /// All numbers, whatever their depth.
+    /// Returns all numbers at any depth.
     pub(super) fn numbers_mut(&mut self) -> impl Iterator<Item = &mut u32> {
         self.0.iter_mut().filter(|mark| **mark < NOTHING)
     }
 
-    /// The only number, if there is one and no other.
+    /// Returns the only number; `None` if there is none or more than one.
     pub(super) fn single(&self) -> Option<u32> {
         match *self.0.as_slice() {
             [OPEN, number, CLOSE] if number < NOTHING => Some(number),
@@ -116,10 +117,11 @@ impl Nested {
     }
 }
 
-/// Semantic values, read in step with boundaries. A null in place of an array is one of nulls.
+/// Semantic values, read in step with boundaries. A null in place of an array stands for an array
+/// of nulls.
 struct Values<'a> {
     marks: Option<&'a [u32]>,
-    /// How many arrays are open within a null.
+    /// Number of arrays of boundaries that are open within a null.
     nulls: usize,
 }
 
@@ -179,7 +181,7 @@ impl<'de> Deserialize<'de> for Nested {
     }
 }
 
-/// What stands in `depth` arrays.
+/// Content of an array at `depth`.
 struct Level<'m> {
     marks: &'m mut Vec<u32>,
     depth: usize,
@@ -231,7 +233,8 @@ mod tests {
         serde_json::from_str(text).expect(text)
     }
 
-    /// Two shells of 2 and 1 surfaces come back with their places, their 4 rings and with values of which a whole shell's may be null.
+    /// Two shells of 2 and 1 surfaces are read with their indices, their 4 rings and their values;
+    /// the values of a whole shell may be null.
     #[test]
     fn in_step() {
         let solid = nested("[[[[0,1,2],[3,4,5]],[[6,7,8]]],[[[9,10,11]]]]");
@@ -253,7 +256,7 @@ mod tests {
         }
     }
 
-    /// Nine shapes that do not fit are refused in words.
+    /// Nine shapes that do not match are refused with a message.
     #[test]
     fn out_of_step() {
         for (boundaries, depth, values, said) in [

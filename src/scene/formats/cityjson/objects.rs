@@ -1,5 +1,5 @@
-//! City objects as polygons. In: typed text of a document or of a line of a sequence. Out: faces with holes, each of a material and an
-//! object; of geometry that stands there several times, one.
+//! City objects as polygons. In: a parsed document, or a line of a sequence. Out: faces with holes,
+//! each with a material and an object. One level of detail is read of each object.
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
@@ -19,20 +19,21 @@ use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
 
-/// Why flat outlines of buildings are left out.
+/// Reason for leaving out flat outlines of buildings.
 pub(super) const OUTLINES: &str = "as flat outlines of buildings (LoD 0), which have neither walls nor a roof";
 
-/// Why geometry of the levels of detail that are not chosen is left out, and that of objects with none to choose.
+/// Reasons for leaving out geometry: of levels of detail that are not chosen, and of objects
+/// without a level to choose.
 pub(in crate::formats) const OTHER_LEVEL: &str = "as geometry in another level of detail";
 pub(in crate::formats) const NO_LEVEL: &str = "for want of the level of detail asked for or a coarser one";
 
-/// Levels of detail that a message lists at most.
+/// Most levels of detail that a message lists.
 pub(in crate::formats) const LEVELS_NAMED: usize = 12;
 
-/// Geometry as far as it was read.
+/// Reader of city objects, with the geometry read so far.
 pub(in crate::formats) struct Reader<'f, 'h> {
     pub file: &'f Path,
-    /// Of a sequence.
+    /// Line of a sequence, or `None` for a single document.
     pub line: Option<usize>,
     pub asked: Option<Lod>,
     pub frame: Frame,
@@ -41,46 +42,46 @@ pub(in crate::formats) struct Reader<'f, 'h> {
     pub objects: usize,
     /// Some of the levels of detail that were found.
     pub levels: BTreeSet<Lod>,
-    /// Corners of instances.
+    /// Corners of all template instances.
     pub instanced: u64,
-    /// What was wrong with objects that are left out.
+    /// Errors of objects that are left out.
     pub skipped: Vec<Error>,
-    /// What would mend a file of its format.
+    /// Hint on how to repair a damaged file of the format.
     pub mend: &'static str,
 }
 
-/// Consecutive vertices that boundaries count in.
+/// Range of vertices that boundaries refer to.
 #[derive(Clone, Copy)]
 struct Range {
     first: u32,
     count: u32,
-    /// Whether rings turn the other way round.
+    /// True if rings must be reversed.
     mirrored: bool,
 }
 
-/// An object whose geometry is being read.
+/// Object whose geometry is being read.
 struct Owner<'d> {
     id: &'d str,
     kind: &'d str,
     number: u32,
-    /// Which of its geometries is being read, counted from 0.
+    /// Index of the geometry that is being read.
     geometry: usize,
 }
 
-/// Where a face stands in the file.
+/// Place of a face in the file.
 struct FacePlace {
     source: FaceSource,
-    /// 1-based; 0 where the format has none.
+    /// Line, counted from 1; 0 where the format has no lines.
     line: usize,
 }
 
-/// What an object offers: its geometries that bound something, with their levels of detail.
+/// Geometries of an object that bound something, with their levels of detail.
 type Offers<'d> = Vec<Offer<'d>>;
 
 struct Offer<'d> {
     lod: Option<Lod>,
     shape: &'d Shape<'d>,
-    /// Its place among the geometries of the object.
+    /// Index among the geometries of the object.
     number: usize,
 }
 
@@ -124,7 +125,7 @@ impl<'h> Reader<'_, 'h> {
                 self.shape(&Owner { id: &id.0, kind, number, geometry }, shape, range)
             });
             match read {
-                // What is wrong within an object costs no other one.
+                // An error within an object does not affect other objects.
                 Err(error @ Error::Input { .. }) => {
                     self.geometry.back_to(&mark);
                     self.skipped.push(error);
@@ -135,12 +136,13 @@ impl<'h> Reader<'_, 'h> {
         Ok(())
     }
 
-    /// Whether geometry of a level is the flat outline of a building, and not asked for.
+    /// Returns true for a building's flat outline that was not asked for.
     fn is_outline(&self, kind: &str, level: Option<Lod>) -> bool {
         is_hull(kind) && level.is_some_and(Lod::is_flat) && !self.asked.is_some_and(Lod::is_flat)
     }
 
-    /// Refuses more instances than memory may hold before the first is made.
+    /// Counts the corners of template instances, and refuses more than memory may hold before the
+    /// first instance is made.
     fn count_instances(&mut self, chosen: &[Offers]) -> Result<()> {
         let instances = chosen.iter().flatten().filter_map(|offer| self.template(offer.shape));
         self.instanced += instances.map(|template| template.corners).sum::<u64>();
@@ -154,7 +156,7 @@ impl<'h> Reader<'_, 'h> {
         Ok(())
     }
 
-    /// The template that a geometry is an instance of.
+    /// Returns the template of which a geometry is an instance.
     fn template(&self, shape: &Shape) -> Option<&'h Template<'h>> {
         let number = shape.template.filter(|_| shape.kind.0 == "GeometryInstance")?;
         self.templates.get(usize::try_from(number).ok()?)
@@ -170,12 +172,13 @@ impl<'h> Reader<'_, 'h> {
             }
             self.geometry.push_vertex(self.file, position)?;
         }
-        // `push_vertex` allows no more than u32 counts.
+        // `push_vertex` allows no more vertices than u32 counts.
         Ok(Range { first: first as u32, count: vertices.len() as u32, mirrored: false })
     }
 
-    /// Of geometry in several levels of detail, the level that is asked for, else the finest below it; without being asked the
-    /// finest. All geometries of that level belong to the object (CityJSON 2.0.1, section 3).
+    /// Returns the geometries of an object's chosen level of detail: the level asked for, otherwise
+    /// the finest below it; the finest of all if no level is asked for. All geometries of that
+    /// level belong to the object (CityJSON 2.0.1, section 3).
     fn choose<'d>(&mut self, object: &'d CityObject) -> Offers<'d> {
         let mut offers: Offers = Vec::new();
         if object.kind.0 == "CityObjectGroup" {
@@ -184,6 +187,7 @@ impl<'h> Reader<'_, 'h> {
             return offers;
         }
         for (number, shape) in object.geometry.iter().flatten().enumerate() {
+            // An instance has the type and the level of detail of its template.
             let shown = self.template(shape).map_or(shape, |template| &template.shape);
             match depth_of(&shown.kind.0) {
                 None if shown.kind.0 != "GeometryInstance" => self.geometry.leave_out(match shown.kind.0.as_ref() {
@@ -231,6 +235,7 @@ impl<'h> Reader<'_, 'h> {
             }
             self.geometry.push_vertex(self.file, position)?;
         }
+        // Mirroring turns faces inside out; reversed rings turn them back.
         let mirrored = matrix.determinant() < 0.0;
         self.surfaces(owner, &template.shape, Range { first, count: template.vertices.len() as u32, mirrored })
     }
@@ -252,7 +257,8 @@ impl<'h> Reader<'_, 'h> {
             let source = match line {
                 Some(_) => FaceSource::Order,
                 None => FaceSource::Boundary {
-                    // Vertices are counted in 32 bits, and geometries are no more; depths are 3 to 5.
+                    // Vertices are counted in 32 bits, and there are no more geometries than
+                    // vertices; depths are 3 to 5.
                     geometry: owner.geometry as u32,
                     path: surface.path,
                     depth: depth.saturating_sub(2) as u8,
@@ -293,6 +299,7 @@ impl<'h> Reader<'_, 'h> {
         };
         let kind = kind_of(name);
         let material = self.geometry.materials.id(name);
+        // The face may be turned outwards later, and is then named again.
         if stated.is_none() && is_building(owner.kind) {
             self.geometry.by_tilt.push(self.geometry.face_count());
         }
@@ -311,7 +318,7 @@ impl<'h> Reader<'_, 'h> {
         if range.mirrored { ring.iter().rev().try_for_each(&mut push) } else { ring.iter().try_for_each(&mut push) }
     }
 
-    /// The vertex that a number means.
+    /// Returns the vertex that a number refers to.
     #[inline]
     fn corner(&self, owner: &Owner, range: Range, number: u32) -> Result<u32> {
         if number < range.count {
@@ -337,7 +344,8 @@ impl<'h> Reader<'_, 'h> {
     }
 }
 
-/// Of several levels of detail the one that is asked for, else the finest below it; without being asked the finest.
+/// Returns the level of detail asked for, otherwise the finest below it; the finest of all if no
+/// level is asked for.
 pub(in crate::formats) fn level_of(
     levels: impl Iterator<Item = Option<Lod>>,
     asked: Option<Lod>,
@@ -345,18 +353,21 @@ pub(in crate::formats) fn level_of(
     levels.filter(|level| asked.is_none() || *level <= asked).max()
 }
 
-/// What is stated of an object, and for the rest of the whole that it is a part of.
+/// Returns the attributes of an object as text, completed by the attributes of the whole that it
+/// belongs to.
 fn attributes_of(object: &CityObject, whole: Option<&CityObject>) -> String {
     let mut all = whole.map(|whole| whole.attributes.clone()).unwrap_or_default();
     all.extend(object.attributes.clone());
     text_of(all)
 }
 
-/// The finest level of the parts of each object, by its number; `None` without parts.
+/// Returns the finest level among the parts of each object; `None` for an object without parts.
 ///
-/// A Building and its BuildingParts both have geometry in two cases: a coarser stand-in for all parts (3DBAG gives every building its
-/// footprint as LoD 0 beside parts of LoD 2.2), which must go, and a main part that the other parts stand beside (CityGML 2.0, section
-/// 10.3.1), which has their level of detail and must stay. Children that are no parts, such as installations, replace nothing.
+/// A Building and its BuildingParts both have geometry in two cases. In the first it is a coarser
+/// stand-in for all parts, which must be left out: 3DBAG gives every building its footprint as LoD
+/// 0 beside parts of LoD 2.2. In the second it is a main part beside the other parts (CityGML 2.0,
+/// section 10.3.1), which has their level of detail and must stay. Children that are not parts,
+/// such as installations, replace nothing.
 fn finest_parts(objects: &[(Text, CityObject)], chosen: &[Offers]) -> Vec<Option<Lod>> {
     let mut finest = vec![None; objects.len()];
     if objects.iter().all(|(_, object)| object.parents.is_none() && object.children.is_none()) {
@@ -371,6 +382,7 @@ fn finest_parts(objects: &[(Text, CityObject)], chosen: &[Offers]) -> Vec<Option
             *slot = level.max(*slot);
         }
     };
+    // Files state the relation at the parent, at the part, or at both.
     for (i, (_, object)) in objects.iter().enumerate() {
         object.parents.iter().flatten().filter_map(number).for_each(|parent| link(parent, i));
         object.children.iter().flatten().filter_map(number).for_each(|child| link(i, child));

@@ -1,5 +1,6 @@
-//! Windows and doors that lie on walls. In: the faces of a city model. Out: the same faces, walls and roofs with a hole where a window or a door of
-//! their building lies in their plane. Models that draw a wall whole and its windows upon it would count their area twice.
+//! Windows and doors that lie on walls. In: the faces of a city model. Out: the same faces; walls
+//! and roofs have a hole where a window or door of their building lies in their plane. Otherwise a
+//! model that draws a wall whole and its windows upon it would count the windows' area twice.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +11,7 @@ use crate::formats::building::holes::{Fit, ROUNDED_M, Wall, fit};
 use crate::geometry::Geometry;
 use crate::semantics::SurfaceKind;
 
-/// A wall or a roof, and what is cut out of it.
+/// A wall or a roof, and the holes that are cut out of it.
 struct Panel {
     face: usize,
     outline: Vec<DVec3>,
@@ -19,21 +20,23 @@ struct Panel {
     holes: Vec<Vec<DVec3>>,
     /// Holes that are new.
     cut: Vec<Vec<DVec3>>,
-    /// Whether a window takes up all of it.
+    /// True if a window takes up the whole panel.
     is_whole: bool,
 }
 
-/// What of a building openings are cut out of, and the outlines of its openings.
+/// Walls and roofs of a building, and the outlines of its openings.
 #[derive(Default)]
 struct Facade {
     panels: Vec<Panel>,
     openings: Vec<Vec<DVec3>>,
 }
 
-/// Cuts windows and doors out of the walls and roofs of their building; returns how many.
+/// Cuts windows and doors out of the walls and roofs of their building; returns the number of
+/// openings that were cut.
 pub(super) fn cut_openings(geometry: &mut Geometry) -> usize {
     let mut buildings: BTreeMap<&str, Facade> = BTreeMap::new();
     let has_openings = (0..geometry.face_count()).any(|face| is_opening(geometry, face));
+    // Most models have no openings, and their outlines need not be copied.
     if !has_openings {
         return 0;
     }
@@ -70,7 +73,7 @@ pub(super) fn cut_openings(geometry: &mut Geometry) -> usize {
     count
 }
 
-/// Cuts an opening out of the first panel that holds it.
+/// Cuts an opening out of the first panel that holds it; returns true if one does.
 fn take_from(panels: &mut [Panel], opening: &[DVec3]) -> bool {
     let lies_in =
         |panel: &Panel| opening.iter().all(|p| (*p - panel.frame.origin).dot(panel.normal).abs() <= ROUNDED_M);

@@ -1,17 +1,20 @@
-//! Which object is a part of which. In: parents and children as city objects name them. Out: the top of each object's parents.
+//! Parents of city objects. In: parents and children as city objects name them. Out: the topmost
+//! parent of each object.
 
 use std::collections::HashMap;
 
 use crate::formats::cityjson::document::{CityObject, Text};
 
-/// Parents above parents in real models: a room of a storey of a part of a building. Hostile ones go in circles.
+/// Most steps upwards. Real models need three: a room of a storey of a part of a building. Hostile
+/// ones go in circles.
 const MOST_STEPS: usize = 16;
 
-/// The parent of each object that has one, by name.
+/// Parent of each object that has one, by name.
 pub(super) struct Parents<'d>(HashMap<&'d str, &'d str>);
 
 impl<'d> Parents<'d> {
-    /// An object's own word counts more than that of the object that calls it a child; of several parents the first counts.
+    /// Collects the parents. An object's own statement overrides that of an object that names it as
+    /// a child; the first of several parents counts.
     pub(super) fn of(objects: &'d [(Text, CityObject)]) -> Self {
         let mut parents = HashMap::new();
         for (id, object) in objects {
@@ -27,7 +30,7 @@ impl<'d> Parents<'d> {
         Parents(parents)
     }
 
-    /// The topmost parent of an object, which is the object itself without parents.
+    /// Returns the topmost parent of an object, or the object itself if it has no parent.
     pub(super) fn top_of<'s>(&self, id: &'s str) -> &'s str
     where
         'd: 's,

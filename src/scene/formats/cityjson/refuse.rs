@@ -1,4 +1,5 @@
-//! In: text that ought to be CityJSON. Out: its document, or what it is instead, in words.
+//! In: text that should be CityJSON. Out: its document, or an error that says what the text is
+//! instead.
 
 use std::fmt;
 use std::path::Path;
@@ -10,13 +11,13 @@ use crate::formats::cityjson::document::Document;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
-/// Characters of a message by serde_json that are shown; it may quote the file.
+/// Most characters shown of a message by serde_json, which may quote the file.
 const LONGEST_MESSAGE: usize = 300;
 
 /// Reads one JSON value; `line` is its line in a sequence.
 pub(super) fn document<'a>(text: &'a [u8], file: &Path, line: Option<usize>) -> Result<Document<'a>> {
     serde_json::from_slice(text).map_err(|error| {
-        // A foreign file that is JSON is better named than described by its first oddity.
+        // For JSON of another kind, naming the kind helps more than naming its first error.
         if let Some(Err(other)) = serde_json::from_slice(text).ok().map(|sketch| kind_of(&sketch, file, line)) {
             return other;
         }
@@ -40,7 +41,7 @@ pub(super) fn document<'a>(text: &'a [u8], file: &Path, line: Option<usize>) -> 
     })
 }
 
-/// Lets only CityJSON objects of known versions pass.
+/// Accepts only CityJSON objects of known versions.
 pub(super) fn other_kinds(document: &Document, text: &[u8], file: &Path, line: Option<usize>) -> Result<()> {
     if document.kind.0 != "CityJSON" {
         let sketch = serde_json::from_slice(text).unwrap_or_default();
@@ -49,7 +50,7 @@ pub(super) fn other_kinds(document: &Document, text: &[u8], file: &Path, line: O
     version(document, file)
 }
 
-/// Lets only known versions pass.
+/// Accepts only known versions.
 pub(super) fn version(document: &Document, file: &Path) -> Result<()> {
     if !["1.0", "1.1", "2.0"].iter().any(|known| document.version.0.starts_with(known)) {
         return Err(Error::Unsupported {
@@ -61,7 +62,7 @@ pub(super) fn version(document: &Document, file: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Lets only features pass.
+/// Accepts only features.
 pub(super) fn other_than_features(document: &Document, file: &Path, line: usize) -> Result<()> {
     if document.kind.0 == "CityJSONFeature" {
         return Ok(());
@@ -70,12 +71,12 @@ pub(super) fn other_than_features(document: &Document, file: &Path, line: usize)
     Err(Error::input(file, line, what, "a sequence has one header, its first line; join two with cjio"))
 }
 
-/// An error unless the value calls itself CityJSON.
+/// Returns an error unless the value names itself CityJSON.
 fn kind_of(sketch: &Sketch, file: &Path, line: Option<usize>) -> Result<()> {
     let has = |key: &str| sketch.keys.iter().any(|found| found == key);
     let (what, hint) = match sketch.kind.as_deref() {
         Some("CityJSON") => return Ok(()),
-        // As the line of a sequence it is judged by its place.
+        // A feature is right in a sequence, except on its first line.
         Some("CityJSONFeature") if line.is_some_and(|line| line > 1) => return Ok(()),
         Some("CityJSONFeature") => (
             "the first line is a CityJSONFeature, not the header".to_owned(),
@@ -106,11 +107,11 @@ fn kind_of(sketch: &Sketch, file: &Path, line: Option<usize>) -> Result<()> {
     Err(Error::input(file, line, what, hint))
 }
 
-/// What a JSON value is, seen from outside.
+/// Outline of a JSON value: its type and first keys.
 #[derive(Default)]
 struct Sketch {
     kind: Option<String>,
-    /// The first ones.
+    /// First 64 keys.
     keys: Vec<String>,
     is_list: bool,
 }

@@ -1,4 +1,5 @@
-//! What surfaces are made of, by name. In: semantics, the object's type and the tilt of a face. Out: the name of a material.
+//! Materials of surfaces, by name. In: semantics, the object's type and the tilt of a face. Out:
+//! the name of a material.
 
 use glam::DVec3;
 
@@ -6,17 +7,18 @@ use crate::formats::cityjson::document::{Shape, Text};
 use crate::geometry::Geometry;
 use crate::semantics::SurfaceKind;
 
-/// Faces steeper than this are walls: |z| of the unit normal below 0.26, 75 degrees from level. Mansard roofs reach 70 degrees,
-/// and walls of photogrammetry lean by ten.
+/// Upward part of the unit normal below which a face is a wall: 0.26 is 75 degrees from level.
+/// Mansard roofs reach 70 degrees, and walls of photogrammetry lean by ten.
 const STEEP: f64 = 0.26;
 
-/// Material of what semantics call closed though nothing is there: the mouth of a tunnel, the border between two waters.
+/// Semantics of surfaces where nothing is: the mouth of a tunnel, the border between two waters.
 pub(super) const VIRTUAL: [&str; 2] = ["ClosureSurface", "WaterClosureSurface"];
 
-/// What bounds a room on its inside: no light comes there but through windows.
+/// Semantics of surfaces inside a room, where light arrives only through windows.
 pub(super) const INNER: [&str; 3] = ["InteriorWallSurface", "CeilingSurface", "FloorSurface"];
 
-/// Types of geometry that bound something, with the depth of their arrays.
+/// Returns the depth of the arrays of a geometry type that bounds something; `None` for other
+/// types.
 pub(super) fn depth_of(kind: &str) -> Option<usize> {
     match kind {
         "MultiSurface" | "CompositeSurface" => Some(3),
@@ -26,7 +28,7 @@ pub(super) fn depth_of(kind: &str) -> Option<usize> {
     }
 }
 
-/// The type that semantics give to a surface, an extension's without its mark.
+/// Returns the type that semantics give to a surface, without the mark of an extension.
 pub(super) fn semantic<'s>(shape: &'s Shape, value: Option<u32>) -> Result<Option<&'s str>, String> {
     let Some(value) = value else { return Ok(None) };
     let surfaces = shape.semantics.as_ref().and_then(|semantics| semantics.surfaces.as_deref()).unwrap_or_default();
@@ -36,8 +38,8 @@ pub(super) fn semantic<'s>(shape: &'s Shape, value: Option<u32>) -> Result<Optio
     }
 }
 
-/// What a surface is by its semantics, or the face of a building by its tilt (names as of [`by_tilt`]); `None` for types that say
-/// nothing of it (CityJSON 2.0.1, section 3.3).
+/// Returns the kind of a surface by its semantics, or by the name that [`by_tilt`] gave to a face
+/// of a building. `None` for types that do not decide it (CityJSON 2.0.1, section 3.3).
 pub(super) fn kind_of(semantics: &str) -> Option<SurfaceKind> {
     Some(match semantics {
         "RoofSurface" | "OuterFloorSurface" => SurfaceKind::Roof,
@@ -51,27 +53,29 @@ pub(super) fn kind_of(semantics: &str) -> Option<SurfaceKind> {
     })
 }
 
-/// Names of extensions begin with `+` (CityJSON 2.0.1, section 8).
+/// Returns a name without the `+` at the beginning of extension names (CityJSON 2.0.1, section 8).
 pub(super) fn plain<'t>(name: &'t Text) -> &'t str {
     name.0.strip_prefix('+').unwrap_or(&name.0)
 }
 
-/// Whether faces without semantics are told apart by their tilt.
+/// Returns true for objects whose faces without semantics are named by their tilt.
 pub(super) fn is_building(kind: &str) -> bool {
     matches!(kind, "Building" | "BuildingPart")
 }
 
-/// Whether an object is a building or a part of its hull; rooms, furniture and storeys lie within. Extensions of buildings are called
-/// after them (`NoiseBuilding`).
+/// Returns true for a building or a part of its hull. Rooms, furniture and storeys lie within.
+/// Extensions of buildings end with the word (`NoiseBuilding`).
 pub(in crate::formats) fn is_hull(kind: &str) -> bool {
     let inside = ["BuildingRoom", "BuildingFurniture", "BuildingStorey", "BuildingUnit"];
     (kind.starts_with("Building") && !inside.contains(&kind)) || kind.ends_with("Building")
 }
 
-/// What a face of a building is, by the upward part of its normal: a roof faces up, walls are steeper than 75 degrees from level, all
-/// that faces down counts as the floor plate on the ground, the few undersides of balconies too.
+/// Returns the name of a building's face by the upward part of its normal. A roof faces up, a wall
+/// is steeper than 75 degrees from level, and every face that looks down counts as the floor plate
+/// on the ground, including the few undersides of balconies.
 pub(super) fn by_tilt(ring: impl Iterator<Item = DVec3> + Clone) -> &'static str {
-    // Twice the area times the mean normal (Newell), relative to the first corner: coordinates of a country are large.
+    // The sum is twice the area times the mean normal (Newell), relative to the first corner
+    // because map coordinates are large.
     let first = ring.clone().next().unwrap_or_default();
     let edges = ring.clone().zip(ring.skip(1));
     let normal: DVec3 = edges.map(|(a, b)| (a - first).cross(b - first)).sum();
@@ -83,7 +87,7 @@ pub(super) fn by_tilt(ring: impl Iterator<Item = DVec3> + Clone) -> &'static str
     }
 }
 
-/// Names faces of buildings without semantics once they look outwards.
+/// Names the faces of buildings without semantics by their tilt, once they look outwards.
 pub(in crate::formats) fn name_by_tilt(geometry: &mut Geometry) {
     for face in geometry.by_tilt.clone() {
         let Some(polygon) = geometry.polygon(face) else { continue };
@@ -99,7 +103,8 @@ pub(in crate::formats) fn name_by_tilt(geometry: &mut Geometry) {
 mod tests {
     use super::*;
 
-    /// Faces 0 to 74 degrees from level are roofs, 76 to 104 walls, from 106 on floor plates, far from the origin too.
+    /// Faces 0 to 74 degrees from level are roofs, 76 to 104 degrees walls, from 106 degrees on
+    /// floor plates, also far from the origin.
     #[test]
     fn tilt() {
         for (degrees, expected) in [

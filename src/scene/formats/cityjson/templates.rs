@@ -1,24 +1,25 @@
-//! Geometry that is stored once and stands in many places. In: `geometry-templates`. Out: each with its own few vertices, checked.
+//! Geometry that is stored once and used in many places. In: `geometry-templates`. Out: templates
+//! with their own few vertices, checked.
 
 use glam::{DMat4, DVec3};
 
 use crate::formats::cityjson::document::{Shape, Templates};
 use crate::formats::cityjson::surfaces::depth_of;
 
-/// Most corners that instances of templates may add up to: a short file could otherwise ask for all memory. A million trees of
-/// a hundred corners fit.
+/// Most corners that all instances of templates may have: a short file could otherwise ask for all
+/// memory. A million trees of a hundred corners fit.
 pub(in crate::formats) const MAX_CORNERS: u64 = 1 << 27;
 
-/// A template whose boundaries count in `vertices`.
+/// A template whose boundaries refer to its own `vertices`.
 #[derive(Debug)]
 pub(in crate::formats) struct Template<'a> {
     pub shape: Shape<'a>,
-    /// Only those in use.
+    /// Vertices that the template uses.
     pub vertices: Vec<DVec3>,
     pub corners: u64,
 }
 
-/// Checks all templates of a file; an error is what is wrong, in words.
+/// Checks all templates of a file; the error says what is wrong.
 pub(super) fn prepare(templates: Templates<'_>) -> Result<Vec<Template<'_>>, String> {
     let Templates { templates, vertices } = templates;
     let count = vertices.len();
@@ -34,6 +35,7 @@ pub(super) fn prepare(templates: Templates<'_>) -> Result<Vec<Template<'_>>, Str
             used.extend(boundaries.numbers_mut().map(|number| *number));
         }
         let corners = used.len() as u64;
+        // Vertices are renumbered, so that an instance copies only those that its template uses.
         used.sort_unstable();
         used.dedup();
         if let Some(bad) = used.last().filter(|last| **last as usize >= count) {
@@ -51,7 +53,8 @@ pub(super) fn prepare(templates: Templates<'_>) -> Result<Vec<Template<'_>>, Str
     Ok(prepared)
 }
 
-/// How an instance turns and stretches its template: sixteen numbers, row by row (CityJSON 2.0.1, section 3.4).
+/// Returns the transformation of an instance from sixteen numbers, row by row (CityJSON 2.0.1,
+/// section 3.4).
 pub(in crate::formats) fn matrix(numbers: Option<&[f64]>) -> Result<DMat4, String> {
     let Some(numbers) = numbers else { return Err("its instance of a template has no `transformationMatrix`".into()) };
     let Ok(rows) = <[f64; 16]>::try_from(numbers) else {

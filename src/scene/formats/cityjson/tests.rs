@@ -1,4 +1,5 @@
-//! In: small city models written for the purpose, sound and broken ones. Out: proof of what is read, chosen, left out and refused.
+//! In: small city models written for the tests, valid and damaged. Out: proof of what is read,
+//! chosen, left out and refused.
 
 use std::path::Path;
 
@@ -16,12 +17,12 @@ const BOX: &str = "[[[[0,3,2,1]],[[4,5,6,7]],[[0,1,5,4]],[[1,2,6,5]],[[2,3,7,6]]
 const VERTICES: &str = "[0,0,0],[10,0,0],[10,10,0],[0,10,0],[0,0,5],[10,0,5],[10,10,5],[0,10,5]";
 const TRANSFORM: &str = r#""transform":{"scale":[1,1,1],"translate":[100,200,3]}"#;
 
-/// A document of version 2.0 that holds the objects.
+/// Returns a document of version 2.0 with the objects.
 fn model(objects: &str) -> String {
     format!(r#"{{"type":"CityJSON","version":"2.0",{TRANSFORM},"CityObjects":{{{objects}}},"vertices":[{VERTICES}]}}"#)
 }
 
-/// A Building `b` with the geometries.
+/// Returns a document with a Building `b` that has the geometries.
 fn building(geometry: &str) -> String {
     model(&format!(r#""b":{{"type":"Building","geometry":[{geometry}]}}"#))
 }
@@ -42,7 +43,7 @@ fn read(text: &str) -> Geometry {
     read_as(text, "town.city.json", None).expect(text)
 }
 
-/// Object and material of every face.
+/// Returns the object and material of every face.
 fn faces(geometry: &Geometry) -> Vec<(&str, &str)> {
     let (objects, materials) = (geometry.objects.as_slice(), geometry.materials.as_slice());
     geometry
@@ -59,7 +60,8 @@ fn left_out(geometry: &Geometry) -> usize {
     geometry.left_out.values().sum()
 }
 
-/// Without semantics the six faces of a box are told apart by tilt, moved by the transform, and named after the object.
+/// The six faces of a box without semantics are named by tilt, moved by the transform, and belong
+/// to the object.
 #[test]
 fn box_without_semantics() {
     let geometry = read(&building(&solid("2")));
@@ -70,7 +72,8 @@ fn box_without_semantics() {
     assert_eq!((geometry.reference, geometry.warnings.len(), left_out(&geometry)), (None, 0, 0));
 }
 
-/// Semantics name 4 of 6 faces, null and a shell's null leave 2 to the object's type; the closing surface is left out and counted.
+/// Semantics name 4 of 6 faces. A null, or a null for a whole shell, leaves faces to the object's
+/// type. The closure surface is left out and counted.
 #[test]
 fn semantics() {
     let shape = |values: &str| {
@@ -85,11 +88,12 @@ fn semantics() {
     assert_eq!(left_out(&geometry), 1);
     assert_eq!(materials(&bridge("[null]")), ["Bridge"; 6]);
     assert_eq!(materials(&bridge("null")), ["Bridge"; 6]);
-    // A building's faces without a value are told apart by tilt.
+    // A building's faces without a value are named by tilt.
     assert_eq!(materials(&read(&building(&shape("[[3,3,3,3,3,null]]"))))[5], "WallSurface");
 }
 
-/// Of three levels of detail the finest is taken, 2.10 before 2.2, or the one asked for, or the finest below it, or none.
+/// The finest of three levels of detail is read, 2.10 before 2.2; or the one asked for, or the
+/// finest below it, or none.
 #[test]
 fn levels() {
     let roof = |lod: &str| format!(r#"{{"type":"MultiSurface","lod":"{lod}","boundaries":[[[4,5,6,7]]]}}"#);
@@ -104,12 +108,13 @@ fn levels() {
     assert!(message.contains("level of detail 0.3 is asked for, the file holds 1, 2.2, 2.10"), "{message}");
     let message = read_as(&text, "town.json", Some("fine")).expect_err("no level").to_string();
     assert!(message.contains("level of detail `fine` is asked for"), "{message}");
-    // Points are no finer geometry.
+    // Points do not count as finer geometry.
     let points = building(&[solid("1"), r#"{"type":"MultiPoint","lod":"3","boundaries":[1,2]}"#.into()].join(","));
     assert_eq!((read(&points).face_count(), left_out(&read(&points))), (6, 1));
 }
 
-/// A building's 1 coarser stand-in goes where its parts are finer; a main part of equal detail, an installation and a finer parent stay.
+/// A building's coarser geometry is left out where its parts are finer. A main part of equal
+/// detail, an installation and a finer parent stay.
 #[test]
 fn parents() {
     for (parent, kind, child, faces, relation) in [
@@ -129,7 +134,8 @@ fn parents() {
     assert_eq!(read(&model(&cycle)).face_count(), 6);
 }
 
-/// An outline with a hole is 100 - 4 = 96 m2, a solid with an inner shell 400 + 32 m2, two solids twice that.
+/// An outline with a hole has 100 - 4 = 96 m2, a solid with an inner shell 400 + 32 m2, two solids
+/// twice that.
 #[test]
 fn holes_shells_solids() {
     let area = |geometry: &Geometry| -> f64 {
@@ -161,7 +167,8 @@ fn holes_shells_solids() {
     }
 }
 
-/// A template stands twice, turned, stretched and mirrored as its matrix says, its 4 vertices not subject to the transform.
+/// A template stands twice, turned, stretched and mirrored by its matrix; the transform does not
+/// apply to its 4 vertices.
 #[test]
 fn templates() {
     let instance = |matrix: &str| {
@@ -184,7 +191,7 @@ fn templates() {
         assert_eq!(materials(&geometry), ["SolitaryVegetationObject"; 2]);
         let corners = geometry.faces().next().expect("a face").corners().to_vec();
         assert!(geometry.vertices.contains(&(at + DVec3::from(second))), "{matrix}: {:?}", geometry.vertices);
-        // The first corner of the file is the last of a ring that is turned round.
+        // Mirroring reverses the ring: the first corner in the file is the last one.
         assert_eq!(geometry.vertices[corners[if mirrored { 3 } else { 0 }] as usize], at + offset(matrix));
         let at = |i: usize| geometry.vertices[corners[i] as usize];
         assert!((at(1) - at(0)).cross(at(2) - at(1)).z > 0.0, "still faces up: {matrix}");
@@ -212,7 +219,8 @@ fn templates() {
     }
 }
 
-/// A file of 0.7 MB that repeats a template of 100,000 corners 1400 times ends at the limit of 134 million corners.
+/// A file of 0.7 MB that repeats a template of 100,000 corners 1400 times is refused at the limit
+/// of 134 million corners.
 #[test]
 fn template_bomb() {
     let ring = (0..100_000).map(|i| (i % 8).to_string()).collect::<Vec<_>>().join(",");
@@ -231,7 +239,8 @@ fn template_bomb() {
     );
 }
 
-/// A sequence gives each of 2 features its own vertices and line, empty lines and a mark of byte order aside.
+/// A sequence gives each of 2 features its own vertices and line; empty lines and a byte order mark
+/// are ignored.
 #[test]
 fn sequences() {
     let header = format!(
@@ -250,7 +259,7 @@ fn sequences() {
     assert_eq!(geometry.objects.as_slice(), ["a", "b"]);
     assert_eq!(geometry.faces().map(|face| face.line).collect::<Vec<_>>(), [vec![3; 6], vec![4; 6]].concat());
     assert_eq!(geometry.faces().last().expect("a face").corners(), [11, 8, 12, 15]);
-    // One object under the name of a sequence is its own header.
+    // A single object in a file named like a sequence is its own header.
     assert_eq!(read_as(&building(&solid("1")), "town.JSONL", None).expect("readable").face_count(), 6);
     for (text, line, said) in [
         (feature("a"), Some(1), "the first line is a CityJSONFeature"),
@@ -278,7 +287,7 @@ fn sequences() {
     }
 }
 
-/// Version 1.0 needs no transform and writes levels as numbers; metres stay metres to the digit.
+/// Version 1.0 needs no transform and writes levels as numbers; metres stay exact.
 #[test]
 fn version_1_0() {
     let text =
@@ -300,7 +309,8 @@ fn odd_pieces() {
     assert_eq!(triangulate(&geometry).expect("within limits").degenerate_faces, 1);
 }
 
-/// A face of a million corners is read and then refused by its object's name, a ring that touches itself is cut to its 2 triangles.
+/// A face of a million corners is read, and triangulation refuses it by its object's name. A ring
+/// that touches itself is cut into its 2 triangles.
 #[test]
 fn long_and_touching_rings() {
     let ring = vec!["0,1,2,3"; 250_000].join(",");
@@ -313,8 +323,8 @@ fn long_and_touching_rings() {
     assert_eq!((cut.triangles.len(), cut.degenerate_faces), (2, 0));
 }
 
-/// Of three objects the one whose semantics name too few surfaces is left out with its name, and 12 faces of the others stay; two wrong ones are
-/// counted, and both are named.
+/// One of three objects, whose semantics name too few surfaces, is left out by name, and the 12
+/// faces of the others stay. Two wrong objects are counted, and both are named.
 #[test]
 fn a_wrong_object_costs_no_other() {
     let object = |name: &str, values: &str| {
@@ -334,8 +344,8 @@ fn a_wrong_object_costs_no_other() {
     assert_eq!(faces(&geometry).iter().filter(|face| face.0 == "c").count(), 6);
 }
 
-/// An answer of a service is read as its feature or features: 6 faces of one, 12 of two, with a header of their own or one for all; the place is
-/// that of the metadata.
+/// A service's answer is read as its feature or features: 6 faces of one, 12 of two, with one
+/// header for each or one for all. The metadata state the place.
 #[test]
 fn answers_of_services() {
     let metadata = format!(
@@ -366,7 +376,7 @@ fn answers_of_services() {
     }
 }
 
-/// Every refusal of more than 30 names the file, the line where there is one, and what is wrong.
+/// Each of more than 30 refusals names the file, the line where there is one, and what is wrong.
 #[test]
 fn refusals() {
     let sound = building(&solid("2"));
@@ -431,7 +441,7 @@ fn refusals() {
         let place = line.map_or("town.city.json".to_owned(), |line| format!("town.city.json, line {line}: "));
         assert!(message.contains(&place) && message.contains(said), "{said}: {message}");
         assert!(line.is_some() || !message.contains("town.city.json, line"), "{message}");
-    } // What no reader needs is skipped however deep it is.
+    } // Members that no reader needs are skipped, however deep they are.
     let deep =
         with("\"CityObjects\"", &format!("\"x\":{}1{},\"CityObjects\"", "[".repeat(100_000), "]".repeat(100_000)));
     assert_eq!(read(&deep).face_count(), 6);

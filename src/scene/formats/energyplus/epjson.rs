@@ -1,4 +1,5 @@
-//! The JSON form of EnergyPlus models. In: the bytes of an epJSON file. Out: its objects; what is not read is not kept.
+//! JSON form of EnergyPlus models. In: the bytes of an epJSON file. Out: its objects of known
+//! classes; nothing else is kept.
 //!
 //! `{"Class": {"name": {"field": value}}}` (Input Output Reference, chapter "JSON Input Format").
 
@@ -14,7 +15,7 @@ use crate::model_version::ModelVersion;
 use crate::text::without_byte_order_mark;
 use heliotile_core::error::{Error, Result};
 
-/// Characters of a message about what JSON holds.
+/// Most characters shown of a JSON error message.
 const LONGEST_MESSAGE: usize = 240;
 
 /// Reads all objects of known classes.
@@ -25,7 +26,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Model> {
     read.map_err(|e| {
         let line = (e.line() > 0).then_some(e.line());
         let hint = "an epJSON file is `{\"Class\": {\"name\": {\"field\": value}}}`, as EnergyPlus writes it";
-        // It quotes what it found, in any length.
+        // The message quotes what serde_json found, at any length.
         let what: String = e.to_string().chars().take(LONGEST_MESSAGE).collect();
         Error::input(file, line, format!("not a model in epJSON: {what}"), hint)
     })?;
@@ -34,11 +35,11 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Model> {
     Ok(model)
 }
 
-/// Whether a JSON file is a model: an object on top holds a class of buildings.
+/// Returns true if a JSON file is a model: its outermost object holds a typical EnergyPlus class.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
     let mut found = false;
     let mut json = serde_json::Deserializer::from_slice(without_byte_order_mark(bytes));
-    // Stops at the first class, with an error that says nothing.
+    // The visitor stops at the first class, with an error that means nothing.
     let _ = json.deserialize_map(Looks(&mut found));
     found
 }
@@ -57,7 +58,7 @@ impl<'de> Visitor<'de> for Looks<'_> {
             ["Building", "BuildingSurface:Detailed", "GlobalGeometryRules", "Shading:Site:Detailed", "Version"];
         while let Some(key) = map.next_key::<String>()? {
             if KNOWN.contains(&key.as_str()) {
-                // Of this shape only: other formats hold a word of that name.
+                // Other formats may hold a member of that name; only a class holds named objects.
                 if map.next_value::<std::collections::BTreeMap<String, Members>>().is_ok() {
                     *self.0 = true;
                 }
@@ -69,7 +70,7 @@ impl<'de> Visitor<'de> for Looks<'_> {
     }
 }
 
-/// An object of any members.
+/// An object with any members.
 type Members = std::collections::BTreeMap<String, IgnoredAny>;
 
 struct Classes<'m>(&'m mut Model);
@@ -160,7 +161,7 @@ impl<'de> Visitor<'de> for Fields {
     }
 }
 
-/// The list of an object's vertices.
+/// Reader of an object's list of vertices.
 struct Vertices<'o>(&'o Object);
 
 impl<'de> DeserializeSeed<'de> for Vertices<'_> {
@@ -179,7 +180,7 @@ impl<'de> Visitor<'de> for Vertices<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> std::result::Result<Self::Value, A::Error> {
-        /// As epJSON spells it.
+        /// A vertex as epJSON spells it.
         #[derive(serde::Deserialize)]
         struct Vertex {
             #[serde(rename = "vertex_x_coordinate")]

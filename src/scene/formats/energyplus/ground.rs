@@ -1,5 +1,5 @@
-//! The ground of a model, which no surface draws: EnergyPlus takes an endless plane. In: what the file states of its reflectance, and where
-//! the plane lies. Out: the plane.
+//! Ground of a model. No surface draws it: EnergyPlus has an endless plane. In: the ground
+//! reflectance that the file states, and the height of the plane. Out: the plane.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! Files as nobody should write them. In: broken models. Out: proof that each gets a message or a warning and none a panic.
+//! Damaged models. In: models with errors of many kinds. Out: proof that each gets a message or a
+//! warning, and that none panics.
 
 use std::path::Path;
 
@@ -15,7 +16,7 @@ const WALL: &str = "BuildingSurface:Detailed,Wall,Wall,W,Z,,Outdoors,,,,,4, 0,0,
 const JSON_HEAD: &str = r#"{"Version":{"v":{"version_identifier":"25.2"}},"Zone":{"Z":{}},"Material":{"B":{}},"Construction":{"W":{"outside_layer":"B"}},
     "GlobalGeometryRules":{"g":{"starting_vertex_position":"UpperLeftCorner","vertex_entry_direction":"Counterclockwise","coordinate_system":"World"}}"#;
 
-/// Twenty-nine files that cannot be read are refused with the place and the words that are at fault.
+/// Twenty-nine unreadable files are refused with the place and the words at fault.
 #[test]
 fn refused() {
     let surface = |vertices: &str| {
@@ -95,7 +96,7 @@ fn refused() {
     assert_eq!(cases.len(), 29);
 }
 
-/// Sixteen files with something odd are read, and one warning or count says what was done about it.
+/// Sixteen files with an oddity are read, and one warning or count says how it was handled.
 #[test]
 fn read_with_a_word() {
     let window = "FenestrationSurface:Detailed,Pane,Window,W,Wall,,,,1,4, 1,0,2, 1,0,1, 2,0,1, 2,0,2;\n";
@@ -134,7 +135,8 @@ fn read_with_a_word() {
     }
 }
 
-/// CRLF, tabs, comments, bytes that are no UTF-8, fields over several lines and other case give the same 1 face as plain text.
+/// CRLF, tabs, comments, bytes that are not UTF-8, fields over several lines and other case give
+/// the same single face as plain text.
 #[test]
 fn as_found_in_the_wild() {
     let wild = b"\xef\xbb\xbf!- caf\xe9 \r\nVERSION,\r\n\t25.2 ; !- Version Identifier\r\n zone,Z;Globalgeometryrules , upperleftcorner,\r\n\
@@ -148,7 +150,8 @@ fn as_found_in_the_wild() {
     assert_eq!(read_bytes(&bare, "m.idf").expect("readable").face_count(), 1);
 }
 
-/// A polygon of a million corners is read as it stands, and cut by nobody: the limit of 65,536 corners holds.
+/// A polygon of a million corners is read unchanged, and triangulation refuses it at the limit of
+/// 65,536 corners.
 #[test]
 fn a_million_corners() {
     let zigzag: String = (0..1_000_000).map(|i| format!(",{},{},5", i % 1000, i / 1000)).collect();
@@ -159,7 +162,8 @@ fn a_million_corners() {
     assert!(message.contains("1000000, the limit is 65536"), "{message}");
 }
 
-/// Three kinds of JSON are told apart: a model is one by its classes, not by words that other formats know.
+/// Six texts are told apart: a model is recognised by its classes, not by words that other formats
+/// have too.
 #[test]
 fn json_that_is_a_model() {
     for (text, is) in [

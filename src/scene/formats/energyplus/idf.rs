@@ -1,6 +1,8 @@
-//! The text form of EnergyPlus models. In: the bytes of an IDF file. Out: objects, their fields named by place.
+//! Text form of EnergyPlus models. In: the bytes of an IDF file. Out: its objects, with fields
+//! named by their position.
 //!
-//! `Class, field, field;` with `!` before comments (Input Output Reference, chapter "Input Data Dictionary").
+//! `Class, field, field;` with `!` before comments (Input Output Reference, chapter "Input Data
+//! Dictionary").
 
 use std::ops::Range;
 use std::path::Path;
@@ -13,10 +15,11 @@ use crate::model_version::ModelVersion;
 use crate::text::{excerpt, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
 
-/// What the newest known version is taken for where a file states none.
+/// Version that is assumed where a file states none: the newest known one.
 const NEWEST: ModelVersion = ModelVersion { major: u16::MAX, minor: 0 };
 
-/// Reads all objects of known classes; fields are those of the version that is `assumed`, or else of the one that the file states.
+/// Reads all objects of known classes. Their fields are in the order of the `assumed` version, or
+/// else of the version that the file states.
 pub(super) fn parse(bytes: &[u8], file: &Path, assumed: Option<ModelVersion>) -> Result<Model> {
     let version = match assumed {
         Some(version) => Some(version),
@@ -32,7 +35,8 @@ pub(super) fn parse(bytes: &[u8], file: &Path, assumed: Option<ModelVersion>) ->
     Ok(reader.model)
 }
 
-/// The version stands anywhere in the file but decides what its fields mean.
+/// Returns the version of a file. It may stand anywhere in the file, but it decides the meaning of
+/// all fields.
 fn version(bytes: &[u8], file: &Path) -> Result<Option<ModelVersion>> {
     let mut of_version = false;
     let mut found = None;
@@ -49,23 +53,24 @@ fn version(bytes: &[u8], file: &Path) -> Result<Option<ModelVersion>> {
 /// A field of an object of an IDF file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IdfField<'a> {
-    /// 0 is the class.
+    /// Position in the object; 0 is the class.
     pub place: usize,
-    /// Without blanks around it.
+    /// Text without blanks around it.
     pub text: &'a [u8],
-    /// 1-based line that it ends on.
+    /// Line on which the field ends, counted from 1.
     pub line: usize,
-    /// Whether the object ends here.
+    /// True for the last field of an object.
     pub last: bool,
-    /// Bytes of the file that hold the text, empty before the sign that ends an empty field; none where the text goes over several lines.
+    /// Range of bytes of the file that hold the text; empty, before the closing mark, for an empty
+    /// field. `None` if the text goes over several lines.
     pub span: Option<Range<usize>>,
-    /// Where the comma or semicolon behind it stands, bytes from the start of the file.
+    /// Position of the comma or semicolon behind the field, bytes from the start of the file.
     pub end: usize,
 }
 
-/// Gives all fields of all objects of an IDF file until `take` is content (`false`).
+/// Passes all fields of all objects of an IDF file to `take`, until it returns `false`.
 pub fn idf_fields(bytes: &[u8], file: &Path, mut take: impl FnMut(IdfField) -> Result<bool>) -> Result<()> {
-    // What of a field stands in the lines before.
+    // The part of a field that stands in the lines before.
     let mut begun = Vec::new();
     let (mut place, mut line_of_object) = (0, 0);
     let whole = bytes.len();
@@ -75,7 +80,7 @@ pub fn idf_fields(bytes: &[u8], file: &Path, mut take: impl FnMut(IdfField) -> R
     let end_of_line = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
     for (line, text) in (1..).zip(bytes.split(|&byte| byte == end_of_line)) {
         let mut rest = text.split(|&byte| byte == b'!').next().unwrap_or_default().trim_ascii();
-        // Where a part of the line stands in the file.
+        // Position of a part of the line in the file.
         let at = |part: &[u8]| line_start + (part.as_ptr() as usize - text.as_ptr() as usize);
         if rest.starts_with(b"##") {
             return Err(Error::Unsupported {
@@ -122,7 +127,7 @@ struct Reader<'f> {
     file: &'f Path,
     version: ModelVersion,
     model: Model,
-    /// The object being read, if its class is known.
+    /// Object being read, if its class is known.
     current: Option<Current>,
 }
 
@@ -170,10 +175,10 @@ impl Current {
         let layout = self.object.layout;
         match self.order.get(field.place - 1) {
             Some(&"name") => self.object.name = text(),
-            // A blank says nothing.
+            // An empty field states nothing.
             Some(key) if !field.text.is_empty() => self.object.fields.push((key, Value::Text(text()))),
             None if layout.has_vertices => {
-                // A list may end with blanks, but none may stand within.
+                // A list may end with blanks, but must not contain any.
                 let number = std::str::from_utf8(field.text).ok().and_then(|word| word.parse::<f64>().ok());
                 match number.filter(|number| number.abs() <= MAX_COORDINATE_M) {
                     Some(number) => self.coordinates.push(number),

@@ -1,7 +1,8 @@
-//! Field order of the classes of EnergyPlus objects that are read. In: a class name and a version. Out: the keys of its fields.
+//! Field order of the EnergyPlus classes that are read. In: a class name and a version. Out: the
+//! keys of its fields.
 //!
-//! Keys and order are those of EnergyPlus' Input Output Reference 25.2 (keys as epJSON spells them) and of its chapters "What's
-//! changed" for older files.
+//! Keys and order follow EnergyPlus' Input Output Reference 25.2 (keys as epJSON spells them), and
+//! its chapters "What's changed" for older files.
 
 use crate::model_version::ModelVersion;
 
@@ -10,23 +11,24 @@ const SPACES_SINCE: ModelVersion = ModelVersion { major: 9, minor: 6 };
 /// First version whose windows no longer name their shading control.
 const NO_SHADING_CONTROL_SINCE: ModelVersion = ModelVersion { major: 9, minor: 0 };
 
-/// What is known of a class.
+/// Fields of a class.
 #[derive(Debug)]
 pub(super) struct Layout {
     pub class: &'static str,
-    /// In IDF order. `+` stands before a field that came with spaces, `-` before one that went with the shading control.
+    /// Keys in IDF order. `+` marks a field that was added with spaces, `-` one that was removed
+    /// with the shading control.
     fields: &'static [&'static str],
-    /// Whether vertices follow, three numbers each.
+    /// True if vertices follow the fields, three numbers each.
     pub has_vertices: bool,
 }
 
 impl Layout {
-    /// Of a class name in any case.
+    /// Returns the layout of a class, whose name may be in any case.
     pub(super) fn of(class: &str) -> Option<&'static Layout> {
         LAYOUTS.iter().find(|layout| layout.class.eq_ignore_ascii_case(class))
     }
 
-    /// Keys in the order of an IDF file of a version.
+    /// Returns the keys in the order of an IDF file of a version.
     pub(super) fn order(&self, version: ModelVersion) -> Vec<&'static str> {
         let key = |field: &&'static str| match (field.strip_prefix('+'), field.strip_prefix('-')) {
             (Some(key), _) => (version >= SPACES_SINCE).then_some(key),
@@ -36,12 +38,12 @@ impl Layout {
         self.fields.iter().filter_map(key).collect()
     }
 
-    /// The key of the table itself, which lives as long as the program.
+    /// Returns the static form of a key; `None` if the class has no such field.
     pub(super) fn key(&self, key: &str) -> Option<&'static str> {
         self.fields.iter().map(|field| field.trim_start_matches(['+', '-'])).find(|known| *known == key)
     }
 
-    /// Whether objects have names of their own, which epJSON takes for keys.
+    /// Returns true if objects have names of their own, which epJSON uses as keys.
     pub(super) fn is_named(&self) -> bool {
         self.fields.first() == Some(&"name")
     }

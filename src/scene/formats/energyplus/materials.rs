@@ -1,5 +1,5 @@
-//! What light does at surfaces of a model. In: constructions, their layers and what is said of shades. Out: materials called like
-//! the construction, one for each optical property.
+//! Optical materials of a model. In: constructions, their layers and the properties of shades. Out:
+//! materials named after their construction, one for each set of optical properties.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -15,11 +15,13 @@ use heliotile_core::error::Result;
 use heliotile_core::site::bands::BandOptics;
 use heliotile_core::site::material::{Class, Glass, Material};
 
-/// Default of shades (`ShadingProperty:Reflectance`).
+/// Default reflectance of shades (`ShadingProperty:Reflectance`).
 const SHADE_REFLECTANCE: f64 = 0.2;
-/// Reflectance of clear glass straight on, one pane and two: n = 1.526 (Duffie and Beckman, section 5.1).
+/// Reflectance of clear glass at normal incidence, one pane and two: n = 1.526 (Duffie and Beckman,
+/// section 5.1).
 const CLEAR_GLASS: [f64; 2] = [0.08, 0.15];
-/// Panes that reflect as much as clear glass within this get its dependence on the angle; of others only the number is known.
+/// Largest difference from clear glass at which panes get its dependence on the angle; of other
+/// panes only the reflectance at normal incidence is known.
 const AS_CLEAR: f64 = 0.03;
 
 const LAYERS: [&str; 10] = [
@@ -39,11 +41,11 @@ pub(super) struct Materials<'m> {
     file: &'m Path,
     constructions: HashMap<String, &'m Object>,
     layers: HashMap<String, &'m Object>,
-    /// `ShadingProperty:Reflectance` by the name of its shade.
+    /// `ShadingProperty:Reflectance` objects by the name of their shade.
     reflectances: HashMap<String, &'m Object>,
     schedules: HashMap<String, &'m Object>,
     stated: Stated,
-    /// Numbers of constructions that were met, of floors on the ground and of all else.
+    /// Material numbers of the constructions met so far; `true` for floors on the ground.
     known: HashMap<(String, bool), u32>,
 }
 
@@ -79,7 +81,8 @@ impl<'m> Materials<'m> {
         self.stated.0
     }
 
-    /// The material of a wall or window. A construction that the file lacks is a name that nobody describes.
+    /// Returns the material of a wall or window. A construction that is not in the file gives a
+    /// name without a description.
     pub(super) fn of_construction(
         &mut self,
         surface: &Object,
@@ -127,7 +130,7 @@ impl<'m> Materials<'m> {
             Some((layer, "Material:RoofVegetation")) => {
                 share(layer, self.file, "leaf_reflectivity", LEAF_REFLECTANCE, notes)?
             }
-            // Underground constructions have no layers, and no light.
+            // Underground constructions have no layers, and receive no light.
             None if construction.layout.class != "Construction" => 1.0 - ABSORPTANCE,
             _ => {
                 notes.add(
@@ -140,7 +143,8 @@ impl<'m> Materials<'m> {
         Ok(Material { bands, ..matt(diffuse) })
     }
 
-    /// Panes among the layers: systems count by their heat loss.
+    /// Returns the glass of the panes among the layers; a glazing system has the panes that its
+    /// heat loss suggests.
     fn glass(&self, layers: &[&Object]) -> Result<Option<Glass>> {
         let mut panes = 0;
         for layer in layers {
@@ -153,7 +157,7 @@ impl<'m> Materials<'m> {
         Ok(glass_of_panes(panes))
     }
 
-    /// The material of a shading surface.
+    /// Returns the material of a shading surface.
     pub(super) fn of_shade(&mut self, shade: &Object, geometry: &mut Geometry, notes: &mut Notes) -> Result<u32> {
         let transmittance = self.transmittance(shade, notes)?;
         if transmittance > 0.0 {
@@ -190,7 +194,8 @@ impl<'m> Materials<'m> {
         Ok(self.stated.add(Material { specular: glazed * front, ..matt }, geometry))
     }
 
-    /// Panes of a glazed shade, one where its construction is not known, and what they reflect straight on, if that is stated.
+    /// Returns the glass of a glazed shade, one pane if its construction is not known, and its
+    /// reflectance at normal incidence, if stated.
     fn glazing(&self, said: &Object, notes: &mut Notes) -> Result<(Glass, Option<f64>)> {
         let construction = self.constructions.get(&same(said.text("glazing_construction_name")));
         let names = construction.iter().flat_map(|construction| LAYERS.map(|key| same(construction.text(key))));
@@ -199,7 +204,7 @@ impl<'m> Materials<'m> {
         Ok((glass, panes::front_reflectance(&layers, self.file, notes)?))
     }
 
-    /// A constant share of light that a shade lets through.
+    /// Returns the constant share of light that a shade transmits.
     fn transmittance(&self, shade: &Object, notes: &mut Notes) -> Result<f64> {
         let name = shade.text("transmittance_schedule_name");
         if name.is_empty() {
@@ -218,12 +223,12 @@ impl<'m> Materials<'m> {
     }
 }
 
-/// A share of light, moved into 0..=1.
+/// Returns a share of light, clamped to 0..=1, or `otherwise` if the model does not state it.
 pub(super) fn share(object: &Object, file: &Path, key: &str, otherwise: f64, notes: &mut Notes) -> Result<f64> {
     Ok(optics::share(object.number_or(file, key, otherwise)?, &object.name, notes))
 }
 
-/// The same where the model states it.
+/// Returns a share of light, clamped to 0..=1, or `None` if the model does not state it.
 fn stated_share(object: &Object, file: &Path, key: &str, notes: &mut Notes) -> Result<Option<f64>> {
     Ok(object.number(file, key)?.map(|value| optics::share(value, &object.name, notes)))
 }

@@ -1,5 +1,6 @@
-//! Reader of EnergyPlus models. In: an epJSON or IDF file. Out: the outer hull of its buildings with windows cut out, and what
-//! shades it, normals outwards, x to the east. Multipliers draw nothing twice.
+//! Reader of EnergyPlus models. In: an epJSON or IDF file. Out: the outer hull of its buildings
+//! with windows cut out, and their shades; normals outwards, x to the east. Multipliers draw
+//! nothing twice.
 
 mod epjson;
 pub(crate) mod ground;
@@ -34,12 +35,12 @@ use model::Model;
 use place::Place;
 use surfaces::Surfaces;
 
-/// Whether a file that only calls itself JSON is a model.
+/// Returns true if a JSON file is an EnergyPlus model.
 pub(super) fn is_model(bytes: &[u8]) -> bool {
     epjson::looks_like(bytes)
 }
 
-/// Reads a model: text if its name ends with `.idf`, JSON else.
+/// Reads a model: IDF text if the name ends with `.idf`, otherwise JSON.
 pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
     let model = if input::ending(file) == "idf" {
         idf::parse(bytes, file, asked.assume_version)?
@@ -69,6 +70,7 @@ fn assemble(model: &Model, file: &Path, asked: &Asked) -> Result<Geometry> {
     let surfaces = Surfaces::read(model, file, &place, &mut geometry, &mut notes)?;
     surfaces.write(file, &mut geometry, &mut materials, &mut notes)?;
     shades::write(model, file, &place, &surfaces, &mut geometry, &mut materials, &mut notes)?;
+    // Only surfaces of zones belong to the building: shades have no zone.
     if let Some(building) = model.of("Building").next() {
         for note in geometry.object_notes.values_mut().filter(|note| !note.object.is_empty()) {
             note.building.clone_from(&building.name);

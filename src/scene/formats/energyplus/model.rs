@@ -1,4 +1,5 @@
-//! Objects of an EnergyPlus model, however written. In: classes, keys and values. Out: fields by key, numbers checked.
+//! Objects of an EnergyPlus model of either syntax. In: classes, keys and values. Out: fields by
+//! key, numbers checked.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -13,16 +14,16 @@ use heliotile_core::error::{Error, Result};
 pub(super) enum Value {
     Text(String),
     Number(f64),
-    /// What a field cannot be: a list, an object, a truth value.
+    /// Value of a kind that no field can have: a list, an object, a truth value.
     Other(&'static str),
 }
 
 #[derive(Debug)]
 pub(super) struct Object {
     pub layout: &'static Layout,
-    /// As written; a number of its own for objects of a class without names.
+    /// Name as written; class and number for objects of a class without names.
     pub name: String,
-    /// 1-based; 0 where the format has none.
+    /// Line, counted from 1; 0 for epJSON.
     pub line: usize,
     pub fields: Vec<(&'static str, Value)>,
     pub vertices: Vec<[f64; 3]>,
@@ -36,12 +37,13 @@ pub(super) struct Model {
 }
 
 impl Model {
-    /// Objects of a class, in the order of the file.
+    /// Returns the objects of a class, in the order of the file.
     pub(super) fn of(&self, class: &'static str) -> impl Iterator<Item = &Object> {
         self.objects.iter().filter(move |object| object.layout.class == class)
     }
 
-    /// Objects of several classes by name, in lower case; the first of a name counts.
+    /// Returns the objects of several classes by name, in lower case; the first object of a name
+    /// counts.
     pub(super) fn by_name<'m>(&'m self, classes: &[&str]) -> HashMap<String, &'m Object> {
         let mut found = HashMap::new();
         for object in self.objects.iter().filter(|object| classes.contains(&object.layout.class)) {
@@ -51,7 +53,7 @@ impl Model {
     }
 }
 
-/// A name as EnergyPlus compares it: without regard to case.
+/// Returns a name in the form in which EnergyPlus compares names: without regard to case.
 pub(super) fn same(name: &str) -> String {
     name.trim().to_lowercase()
 }
@@ -61,7 +63,7 @@ impl Object {
         self.fields.iter().find(|field| field.0 == key).map(|field| &field.1)
     }
 
-    /// The text of a field; empty if there is none.
+    /// Returns the text of a field, empty if there is none.
     pub(super) fn text(&self, key: &str) -> &str {
         match self.value(key) {
             Some(Value::Text(text)) => text.trim(),
@@ -69,7 +71,8 @@ impl Object {
         }
     }
 
-    /// The number of a field that has one; `autocalculate` and a blank are none.
+    /// Returns the number of a field; `None` if it is missing, blank, `autocalculate` or
+    /// `autosize`.
     pub(super) fn number(&self, file: &Path, key: &str) -> Result<Option<f64>> {
         let shown = match self.value(key) {
             None => return Ok(None),
@@ -99,7 +102,7 @@ impl Object {
         Ok(self.number(file, key)?.unwrap_or(otherwise))
     }
 
-    /// As messages call it: class and name.
+    /// Returns class and name, for messages.
     pub(super) fn title(&self) -> String {
         format!("{} `{}`", self.layout.class, excerpt(self.name.as_bytes()))
     }

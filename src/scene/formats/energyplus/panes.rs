@@ -1,5 +1,5 @@
-//! What a stack of panes reflects straight on. In: the layers of a construction, outermost first. Out: its front solar reflectance, where
-//! the file states what its panes do.
+//! Reflectance of a stack of panes at normal incidence. In: the layers of a construction, outermost
+//! first. Out: its front solar reflectance, if the file states the properties of its panes.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::formats::energyplus::materials::share;
 use crate::formats::energyplus::model::Object;
 use heliotile_core::error::Result;
 
-/// Shares of light straight on.
+/// Transmittance and reflectances of a pane at normal incidence.
 #[derive(Clone, Copy)]
 struct Pane {
     transmittance: f64,
@@ -16,7 +16,8 @@ struct Pane {
     back: f64,
 }
 
-/// Front reflectance of a construction at normal incidence; `None` without panes, or where one of them states none.
+/// Returns the front reflectance of a construction at normal incidence; `None` if it has no panes,
+/// or if one of them states no properties.
 pub(super) fn front_reflectance(layers: &[&Object], file: &Path, notes: &mut Notes) -> Result<Option<f64>> {
     let mut panes = Vec::new();
     for layer in layers.iter().filter(|layer| layer.layout.class.starts_with("WindowMaterial:")) {
@@ -28,8 +29,8 @@ pub(super) fn front_reflectance(layers: &[&Object], file: &Path, notes: &mut Not
     if panes.is_empty() {
         return Ok(None);
     }
-    // From the innermost outwards, the light that goes to and fro between a pane and what lies behind it summed up (Engineering
-    // Reference, "Glass Layer Properties").
+    // Adds pane by pane from the innermost outwards, and sums the light that is reflected to and
+    // fro between a pane and the stack behind it (Engineering Reference, "Glass Layer Properties").
     let stack = panes.iter().rev().fold(0.0, |behind, pane| {
         let between = (1.0 - pane.back * behind).max(f64::EPSILON);
         pane.front + pane.transmittance * pane.transmittance * behind / between
@@ -57,7 +58,7 @@ fn pane(layer: &Object, file: &Path, notes: &mut Notes) -> Result<Option<Pane>> 
             if !(index >= 1.0 && thickness * extinction >= 0.0) {
                 return Ok(None);
             }
-            // Two surfaces of glass (Fresnel) and what the glass between them absorbs.
+            // Two surfaces of glass (Fresnel), and the absorption between them.
             let surface = ((index - 1.0) / (index + 1.0)).powi(2);
             let through = (-thickness * extinction).exp();
             let between = (1.0 - (surface * through).powi(2)).max(f64::EPSILON);

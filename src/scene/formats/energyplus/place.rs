@@ -1,7 +1,8 @@
-//! Where coordinates of a model lie. In: geometry rules, north axes and origins of building and zones. Out: vertices in the world
-//! frame, first the upper left one and then counter-clockwise.
+//! Place of a model's coordinates. In: geometry rules, north axes and origins of building and
+//! zones. Out: vertices in the world frame, the upper left one first, counter-clockwise.
 //!
-//! Follows EnergyPlus' `SurfaceGeometry` (`GetVertices`, `MakeRectangularVertices`, `MakeRelativeRectangularVertices`).
+//! Follows EnergyPlus' `SurfaceGeometry` (`GetVertices`, `MakeRectangularVertices`,
+//! `MakeRelativeRectangularVertices`).
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -12,23 +13,23 @@ use crate::formats::building::frame::Frame;
 use crate::formats::energyplus::model::{Model, Object, same};
 use heliotile_core::error::Result;
 
-/// What coordinates are relative to.
+/// Frame to which coordinates are relative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Of<'n> {
     Site,
     Building,
-    /// By its name.
+    /// A zone, by its name.
     Zone(&'n str),
 }
 
 #[derive(Debug)]
 pub(super) struct Place {
     clockwise: bool,
-    /// Corner that comes first: upper left, lower left, lower right, upper right.
+    /// Index of the corner that comes first: upper left, lower left, lower right, upper right.
     corner: usize,
     world: bool,
     rectangles_world: bool,
-    /// Of the building's axis, degrees clockwise from north.
+    /// Azimuth of the building's north axis, degrees clockwise from north.
     north_deg: f64,
     zones: HashMap<String, Zone>,
 }
@@ -39,7 +40,8 @@ struct Zone {
     origin: DVec3,
 }
 
-/// A point of an axis' own coordinates, `degrees` clockwise from north.
+/// Turns a point from the coordinates of an axis, `degrees` clockwise from north, to those of
+/// north.
 fn turned(p: DVec3, degrees: f64) -> DVec3 {
     if degrees == 0.0 {
         return p;
@@ -104,7 +106,7 @@ impl Place {
         }
     }
 
-    /// Vertices of a detailed surface, from the upper left one counter-clockwise.
+    /// Returns the vertices of a detailed surface, the upper left one first, counter-clockwise.
     pub(super) fn vertices(&self, vertices: &[[f64; 3]], of: Of) -> Vec<DVec3> {
         let of = if self.world { Of::Site } else { of };
         let mut placed: Vec<DVec3> = vertices.iter().map(|&p| self.placed(DVec3::from_array(p), of)).collect();
@@ -120,12 +122,13 @@ impl Place {
         placed
     }
 
-    /// The frame of a surface that is given by a corner, two angles and two lengths.
+    /// Returns the frame of a surface that is given by a corner, two angles and two lengths.
     pub(super) fn rectangle(&self, object: &Object, file: &Path, of: Of, tilt_deg: f64) -> Result<Frame> {
         let number = |key| object.number_or(file, key, 0.0);
         let corner =
             [number("starting_x_coordinate")?, number("starting_y_coordinate")?, number("starting_z_coordinate")?];
-        // EnergyPlus turns the angle by the rules of detailed surfaces, the corner by those of rectangular ones.
+        // EnergyPlus turns the azimuth by the rules for detailed surfaces, and the corner by those
+        // for rectangular ones.
         let turn_deg = match of {
             _ if self.world => 0.0,
             Of::Site => 0.0,

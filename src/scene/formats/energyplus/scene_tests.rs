@@ -1,11 +1,11 @@
-//! In: one EnergyPlus model in both of its syntaxes. Out: proof that they are one scene.
+//! In: one EnergyPlus model in both of its syntaxes. Out: proof that they give the same scene.
 
 use std::path::Path;
 
 use crate::Scene;
 
-/// The epJSON that EnergyPlus made of an IDF file and that file are the same scene of 6 materials, byte for byte; a JSON file that
-/// holds a model is read under the name of `.json` as well.
+/// An IDF file and the epJSON that EnergyPlus made of it give the same scene of 6 materials, byte
+/// for byte. A model in a file named `.json` is read too.
 #[test]
 fn both_syntaxes() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/energyplus");

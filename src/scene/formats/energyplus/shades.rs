@@ -1,4 +1,5 @@
-//! What shades a building. In: shading objects of a model. Out: one face each; light meets both of its sides.
+//! Shades of buildings. In: shading objects of a model. Out: one face each; light meets both of its
+//! sides.
 
 use std::path::Path;
 
@@ -40,6 +41,7 @@ pub(super) fn write(
                         &object.name,
                     );
                 }
+                // A shade at a window is placed in the zone of the wall, too.
                 let wall = base.and_then(|surface| surfaces.list.get(surface.base));
                 let of = wall.map_or(Of::Building, |wall| Of::Zone(wall.object.text("zone_name")));
                 writer.detailed(object, of)?;
@@ -88,7 +90,7 @@ impl Writer<'_, '_> {
 
     /// Writes a rectangle if it has an area.
     fn framed(&mut self, object: &Object, name: &str, frame: &Frame) -> Result<()> {
-        // Fins extend to the left of their own frame.
+        // A fin extends to the left of its own frame: its width is negative.
         if !(frame.width.abs() > 0.0 && frame.height > 0.0) {
             self.geometry.leave_out(NO_SIZE);
             return Ok(());
@@ -156,7 +158,7 @@ impl Writer<'_, '_> {
             depth("right_depth", "right_depth_as_fraction_of_window_door_width")?,
         );
         for (side, frame) in [("Left", left), ("Right", right)] {
-            // A model gives one of the two a depth of 0 where it wants none.
+            // A model gives a fin that it does not want a depth of 0.
             if frame.width != 0.0 {
                 self.framed(object, &format!("{} {side}", object.name), &frame)?;
             }
@@ -165,7 +167,8 @@ impl Writer<'_, '_> {
     }
 }
 
-/// A point of the wall's plane, `x` to the right of and `y` above the lower left corner of a window.
+/// Returns a point in the plane of the wall, `x` to the right of and `y` above the lower left
+/// corner of a window.
 fn on_wall(window: &Surface, wall: &Surface, x: f64, y: f64) -> DVec3 {
     let (right, up) = (wall.frame.right(), wall.frame.up());
     let from = window.frame.origin - wall.frame.origin;

@@ -1,4 +1,5 @@
-//! Walls, roofs and floors with their windows and doors. In: objects of a model. Out: faces of the outer hull, openings cut out.
+//! Walls, roofs and floors with their windows and doors. In: objects of a model. Out: faces of the
+//! outer hull, openings cut out.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -24,12 +25,12 @@ use heliotile_core::site::scene_object::ObjectNote;
 pub(super) const NO_SIZE: &str = "with a length, height or depth that is not above 0";
 const NO_BASE: &str = "because the surface that they name is not in the file";
 
-/// What lies behind a surface, seen from its zone.
+/// Space behind a surface, seen from its zone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Behind {
     Outdoors,
     Ground,
-    /// Nothing is said: a wall to a neighbour, or one between zones.
+    /// Not stated: a wall to a neighbour, or one between zones.
     Adiabatic,
     Inside,
 }
@@ -38,15 +39,15 @@ pub(super) struct Surface<'m> {
     pub object: &'m Object,
     pub vertices: Vec<DVec3>,
     pub frame: Frame,
-    /// Index of the surface that it is an opening of; of a wall its own.
+    /// Index of the wall that an opening belongs to; a wall's own index for a wall.
     pub base: usize,
     behind: Behind,
     kind: SurfaceKind,
-    /// Whether the sun may reach it: outdoors, and not said to lie in the shade for good.
+    /// True if the sun may reach the surface: it lies outdoors and is not stated as `NoSun`.
     exposed: bool,
 }
 
-/// What the classes and fields of a surface say of it.
+/// Properties of a surface, as its class and fields state them.
 struct Said {
     base: usize,
     behind: Behind,
@@ -56,9 +57,9 @@ struct Said {
 
 pub(super) struct Surfaces<'m> {
     pub list: Vec<Surface<'m>>,
-    /// By name in lower case.
+    /// Index of each surface, by its name in lower case.
     by_name: HashMap<String, usize>,
-    /// Openings of each surface.
+    /// Openings of each wall.
     openings: HashMap<usize, Vec<usize>>,
 }
 
@@ -76,6 +77,7 @@ impl<'m> Surfaces<'m> {
                 surfaces.add_base(object, &kind, file, place, geometry, notes)?;
             }
         }
+        // Openings come second, because they may stand before their wall in the file.
         for object in &model.objects {
             match object.layout.class {
                 "FenestrationSurface:Detailed" | "Window" | "GlazedDoor" | "Door" => {
@@ -114,7 +116,7 @@ impl<'m> Surfaces<'m> {
         if object.layout.has_vertices {
             vertices = place.vertices(stated_vertices(object, file, notes)?, Of::Zone(zone));
             let up = area_vector(&vertices).z;
-            // As EnergyPlus does.
+            // EnergyPlus turns such surfaces over, too.
             if (kind.kind == SurfaceKind::Floor && up > 0.0) || (kind.kind == SurfaceKind::Roof && up < 0.0) {
                 notes.add("floors or roofs face the wrong way and are turned over", &object.name);
                 vertices.reverse();
@@ -206,7 +208,7 @@ impl<'m> Surfaces<'m> {
         Some(index)
     }
 
-    /// Adiabatic surfaces back to back part two zones: they lie inside.
+    /// Marks adiabatic surfaces that lie back to back as inside: they separate two zones.
     fn pair_up(&mut self) {
         let open = self.list.iter().enumerate().filter(|(_, surface)| surface.behind == Behind::Adiabatic);
         let inside = back_to_back(open.map(|(i, surface)| (i, surface.vertices.as_slice())));
@@ -241,7 +243,7 @@ impl<'m> Surfaces<'m> {
     }
 }
 
-/// Writes a wall and what is cut out of it.
+/// Writes a wall and its openings, which are cut out of it.
 fn write_wall(
     wall: &Surface,
     openings: &[&Surface],
@@ -276,12 +278,12 @@ fn write_wall(
     write_face(&rings, material, &wall.title(zone), file, geometry)
 }
 
-/// What a face is called, and what it is.
+/// Name and properties of a face.
 pub(super) struct Title<'t> {
     pub name: &'t str,
     pub line: usize,
     pub class: &'static str,
-    /// The zone that it bounds; empty for shades, which are objects of their own.
+    /// Zone that the face bounds; empty for shades, which are objects of their own.
     pub zone: &'t str,
     pub kind: SurfaceKind,
     pub exposed: bool,
@@ -316,7 +318,7 @@ pub(super) fn write_face(
     Ok(())
 }
 
-/// What the class of a surface says.
+/// Properties that follow from the class of a surface.
 struct Kind {
     behind: Behind,
     kind: SurfaceKind,
@@ -358,7 +360,7 @@ impl Kind {
     }
 }
 
-/// Glass doors are windows, others are parts of the wall.
+/// Returns the kind of an opening: glass doors are windows, other doors are parts of the wall.
 fn opening_kind(object: &Object) -> SurfaceKind {
     let door = object.layout.class == "Door" || object.text("surface_type").eq_ignore_ascii_case("Door");
     if door { SurfaceKind::Wall } else { SurfaceKind::Window }
@@ -367,7 +369,7 @@ fn opening_kind(object: &Object) -> SurfaceKind {
 fn behind(object: &Object) -> Behind {
     let condition = object.text("outside_boundary_condition").to_lowercase();
     match condition.as_str() {
-        // A surface behind itself is how older models say adiabatic.
+        // A surface behind itself is how older models state an adiabatic one.
         "surface" if same(object.text("outside_boundary_condition_object")) == same(&object.name) => Behind::Adiabatic,
         "surface" | "zone" | "space" => Behind::Inside,
         "adiabatic" => Behind::Adiabatic,
@@ -377,7 +379,7 @@ fn behind(object: &Object) -> Behind {
     }
 }
 
-/// The vertices that count: as many as are stated, or all.
+/// Returns the vertices of an object: the first ones if a smaller number is stated, otherwise all.
 pub(super) fn stated_vertices<'o>(object: &'o Object, file: &Path, notes: &mut Notes) -> Result<&'o [[f64; 3]]> {
     let all = object.vertices.as_slice();
     let Some(stated) = object.number(file, "number_of_vertices")? else { return Ok(all) };
@@ -385,11 +387,11 @@ pub(super) fn stated_vertices<'o>(object: &'o Object, file: &Path, notes: &mut N
         return Ok(all);
     }
     notes.add("surfaces have another number of vertices than they state", &object.name);
-    // Negative numbers and beyond all saturate.
+    // The cast saturates, so that negative and huge numbers are safe.
     Ok(all.get(..stated as usize).unwrap_or(all))
 }
 
-/// Three or four corners in fields of their own.
+/// Returns three or four corners, which have fields of their own.
 fn corners_of_four(object: &Object, file: &Path) -> Result<Vec<[f64; 3]>> {
     let mut corners = Vec::new();
     for keys in [

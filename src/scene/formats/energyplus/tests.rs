@@ -1,4 +1,4 @@
-//! Models of both syntaxes, whole and broken.
+//! Models of both syntaxes, valid and damaged.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -14,7 +14,7 @@ use heliotile_core::site::material::{Class, Glass};
 
 const BOX_IDF: &str = include_str!("../../../../tests/data/energyplus/box.idf");
 const BOX_JSON: &str = include_str!("../../../../tests/data/energyplus/box.epJSON");
-/// What EnergyPlus 25.2 wrote about the surfaces of the box to its `.eio`.
+/// Report of EnergyPlus 25.2 on the surfaces of the box, from its `.eio`.
 const BOX_EIO: &str = include_str!("../../../../tests/data/energyplus/box.eio.csv");
 
 fn read_bytes(bytes: &[u8], name: &str) -> Result<Geometry> {
@@ -25,14 +25,14 @@ fn idf(text: &str) -> Geometry {
     read_bytes(text.as_bytes(), "m.idf").expect("readable")
 }
 
-/// Outline and holes of every face, by the name of its object.
+/// Returns the outline and holes of every face, by the name of its object.
 fn faces(geometry: &Geometry) -> HashMap<String, Vec<Vec<DVec3>>> {
     let ring = |ring: &[u32]| ring.iter().map(|&i| geometry.vertices[i as usize]).collect();
     let name = |object: u32| geometry.objects.as_slice()[object as usize].clone();
     geometry.faces().map(|face| (name(face.object), face.rings().map(ring).collect())).collect()
 }
 
-/// Area of the triangles of every object.
+/// Returns the area of the triangles of every object.
 fn areas(geometry: &Geometry) -> HashMap<String, f64> {
     let cut = triangulate(geometry).expect("cut");
     assert_eq!((cut.degenerate_faces, cut.crossing_faces), (0, None), "{cut:?}");
@@ -45,7 +45,8 @@ fn areas(geometry: &Geometry) -> HashMap<String, f64> {
     areas
 }
 
-/// Net and gross area, azimuth, tilt and corners of all 28 surfaces of the box are those of EnergyPlus to its last digit.
+/// Net and gross area, azimuth, tilt and corners of all 28 surfaces of the box agree with
+/// EnergyPlus to its last digit.
 #[test]
 fn as_energyplus_has_it() {
     for (text, name) in [(BOX_IDF, "box.idf"), (BOX_JSON, "box.epJSON")] {
@@ -85,7 +86,7 @@ fn as_energyplus_has_it() {
     }
 }
 
-/// A detailed wall and a window of it in IDF, coordinates in world metres.
+/// Returns a detailed wall and its windows in IDF; coordinates are world metres.
 fn wall_and(windows: &[[f64; 4]]) -> String {
     let mut text = String::from(
         "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World; Zone,Z; Construction,W,B; Material,B;\n\
@@ -99,7 +100,8 @@ fn wall_and(windows: &[[f64; 4]]) -> String {
     text
 }
 
-/// Windows within, at one to three edges, side by side and corner to corner leave the wall 12 m2 less their own area.
+/// Windows within the wall, at one to three edges, side by side and corner to corner leave the wall
+/// 12 m2 less their own area.
 #[test]
 fn windows_are_holes() {
     for windows in [
@@ -123,8 +125,9 @@ fn windows_are_holes() {
     }
 }
 
-/// A window over the wall's edge, bigger than the wall, off its plane or over another is left out and the wall keeps its 12 m2 or
-/// what the other window leaves; a window that takes up the wall replaces it.
+/// A window that reaches over the wall's edge, is bigger than the wall, lies off its plane or
+/// overlaps another is left out. The wall keeps its 12 m2, or what the other window leaves. A
+/// window that takes up the whole wall replaces it.
 #[test]
 fn windows_that_do_not_fit() {
     for (windows, wall) in [
@@ -147,7 +150,8 @@ fn windows_that_do_not_fit() {
     assert_eq!(areas(&whole).into_iter().collect::<Vec<_>>(), [("Window 0".to_owned(), 12.0)]);
 }
 
-/// Fields of versions 8.9, 9.5 and 9.6 are found where those have them: three files, one and the same geometry.
+/// Fields of versions 8.9, 9.5 and 9.6 are found at their positions: three files give the same
+/// geometry.
 #[test]
 fn versions() {
     let newest = wall_and(&[[1.0, 1.0, 2.0, 2.0]]);
@@ -158,10 +162,10 @@ fn versions() {
         let geometry = idf(&text.replace("25.2", version));
         assert_eq!((faces(&geometry), geometry.warnings.len()), (expected.clone(), 0), "{version}");
     }
-    // A version behind what it decides counts as well.
+    // A version at the end of the file counts as well.
     let last = format!("{}Version,9.5;", no_space.replace("Version,25.2;", ""));
     assert_eq!(faces(&idf(&last)), expected);
-    // Fields of 8.9 under another version are those of 8.9 where that is assumed.
+    // With 8.9 assumed, fields are read as those of 8.9 under any stated version.
     let assumed = Asked { assume_version: "8.9".parse().ok(), ..Asked::default() };
     for version in ["7.2", "25.2", "26.1"] {
         let geometry = parse(with_control.replace("25.2", version).as_bytes(), Path::new("m.idf"), &assumed);
@@ -175,7 +179,8 @@ fn versions() {
     }
 }
 
-/// Of six walls four form the hull: outdoors, to the ground, to a neighbour and one behind itself; two that part zones go.
+/// Four of six walls form the hull: outdoors, to the ground, to a neighbour and one behind itself.
+/// Two that separate zones are left out.
 #[test]
 fn hull() {
     let wall = |name: &str, behind: &str, x: f64, flip: bool| {
@@ -199,8 +204,9 @@ fn hull() {
     assert_eq!(geometry.left_out.into_iter().collect::<Vec<_>>(), [("because they lie inside the building".into(), 4)]);
 }
 
-/// Visible absorptances and reflectances are values of the visible band, 3 of 3: 1 - 0.8 of a layer, 0.3 of a shade and 0.2 of one that is half
-/// glazed; a layer that states none, one of the same absorptance for both and a shade without a word state nothing by band. IDF and epJSON agree.
+/// Visible absorptances and reflectances become values of the visible band, 3 of 3: 1 - 0.8 of a
+/// layer, 0.3 of a shade and 0.2 of a half-glazed shade. A layer that states none, a layer with
+/// equal absorptances and a shade without a statement have no value by band. IDF and epJSON agree.
 #[test]
 fn visible_light() {
     let text = "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World; Zone,Z;\n".to_owned()
@@ -224,7 +230,8 @@ fn visible_light() {
     assert_eq!(other["Wall"].bands, stated["Wall"].bands);
 }
 
-/// Seventeen surfaces get the material of their construction or shade, all of them materials that the checks let pass.
+/// Seventeen surfaces get the material of their construction or shade, and all these materials pass
+/// the checks.
 #[test]
 fn materials() {
     let text = r#"{"Version":{"v":{"version_identifier":"25.2"}},"Zone":{"Z":{}},
@@ -290,8 +297,10 @@ fn materials() {
     assert_eq!((of.len(), geometry.warnings.len()), (18, 5), "{:?}", geometry.warnings);
 }
 
-/// A shade that is glazed on 1, 1, 0.4, 1 and 1 of it reflects as its panes are stated to: 0.4 of a coated pane, 0.12 + 0.5^2 x 0.4 / (1 - 0.2 x 0.4)
-/// of a tinted one before it, their share beside 0.35 on the rest; clear panes, 0.075 or of n = 1.526 and 0.128 of two, stay glass by angle.
+/// Shades that are glazed by 1, 1, 0.4, 1 and 1 reflect as their panes state: 0.4 for a coated
+/// pane, 0.12 + 0.5^2 x 0.4 / (1 - 0.2 x 0.4) for a tinted one before it, and the glazed share
+/// beside 0.35 on the rest. Clear panes (0.075, or n = 1.526, and 0.128 for two) stay glass with
+/// its dependence on the angle.
 #[test]
 fn glazed_shades() {
     let mut text = String::from(
@@ -326,9 +335,10 @@ fn glazed_shades() {
     );
 }
 
-/// The ground of seven models lies at z = 0 as that of EnergyPlus, or at -3 where a wall in the sun reaches so low, and only that one is warned
-/// of; under a wall without sun, a wall to the ground and a shade in a pit it stays at 0, and at 30 m a warning says so. It reflects 0.2, or
-/// what January to December say, 1.5 times that under snow; 1.4 counts as 1, -2 as 0.
+/// The ground of seven models lies at z = 0, as in EnergyPlus, or at -3 m where a wall in the sun
+/// reaches so low; only then a warning says so. Under a wall without sun, a wall to the ground and
+/// a shade in a pit it stays at 0; a model at 30 m gets a warning. The ground reflects 0.2, or the
+/// values of January to December, and 1.5 times as much under snow; 1.4 counts as 1, -2 as 0.
 #[test]
 fn the_ground_of_energyplus_lies_at_zero() {
     let wall = |behind: &str, low: f64| {
@@ -362,8 +372,9 @@ fn the_ground_of_energyplus_lies_at_zero() {
     assert_eq!((below.ground.map(|ground| ground.snow_modifier), below.warnings.len()), (Some(0.0), 1));
 }
 
-/// A zone of 10 x 8 x 3 m with a window of 3 m2: with all walls wound inwards, with one, and with the window alone turned, areas and normals are
-/// those of the zone that is right, and a warning counts 4, 1 and 1.
+/// A zone of 10 x 8 x 3 m has a window of 3 m2. With all walls wound inwards, with one, and with
+/// only the window turned, areas and normals are those of the correct zone, and a warning counts 4,
+/// 1 and 1.
 #[test]
 fn walls_of_a_closed_zone_look_outwards() {
     let head = "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World; Zone,Z; Construction,C,M; Material,M;\n";

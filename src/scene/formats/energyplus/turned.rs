@@ -1,8 +1,9 @@
-//! Surfaces that are wound the wrong way. In: the surfaces of a model. Out: the same, those of closed zones looking outwards, openings as
-//! their walls.
+//! Surfaces that are wound the wrong way. In: the surfaces of a model. Out: the same surfaces;
+//! those of closed zones look outwards, and openings look as their walls do.
 //!
-//! EnergyPlus 25.2 itself turns floors and roofs. A wall that looks into its zone it lights as if that were outdoors, and says nothing;
-//! a window that looks the other way than its wall is fatal to it.
+//! EnergyPlus 25.2 itself turns floors and roofs. It lights a wall that looks into its zone as if
+//! the zone were outdoors, without a message. A window that looks the other way than its wall is a
+//! fatal error there.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -39,7 +40,7 @@ pub(super) fn turn_outwards(list: &mut [Surface], notes: &mut Notes) {
         let Some(surface) = list.get(i).filter(|surface| surface.base != i) else { continue };
         let Some(wall) = list.get(surface.base) else { continue };
         let is_contrary = area_vector(&wall.vertices).dot(area_vector(&surface.vertices)) < 0.0;
-        // Openings follow a wall that was turned.
+        // An opening of a turned wall turns with it, without a note.
         let is_odd = !turned.contains(&surface.base);
         if is_contrary && let Some(opening) = list.get_mut(i) {
             if is_odd {

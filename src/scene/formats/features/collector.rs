@@ -1,4 +1,5 @@
-//! Features become footprints and faces. In: features one by one, then the system of their coordinates. Out: the geometry of the file in metres.
+//! Footprints and faces from features. In: features one by one, then the coordinate system. Out:
+//! the geometry of the file in metres.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -20,24 +21,24 @@ use crate::formats::Asked;
 use crate::geometry::Geometry;
 use crate::semantics::FaceNote;
 
-/// A polygon whose corners are at heights that differ by more rises, metres.
+/// Difference of corner heights above which a polygon is not level, metres.
 const LEVEL_M: f64 = 0.01;
-/// A body has as many faces at least: a tetrahedron.
+/// Fewest faces of a body: a tetrahedron has four.
 const LEAST_FACES: usize = 4;
 
-/// The material of faces until their tilt says what they are.
+/// Material of faces until their tilt decides what they are.
 const FACE: &str = "WallSurface";
 
-/// Features as far as they were read.
+/// Geometry from the features that were read so far.
 pub(super) struct Collector<'a> {
     file: &'a Path,
     asked: &'a Asked,
     geometry: Geometry,
     names: HashSet<String>,
-    /// How often a name was taken.
+    /// Number of features that wanted a name that was taken.
     repeated: HashMap<String, usize>,
     features: usize,
-    /// Names of footprints that were repaired.
+    /// Names of the footprints that were repaired.
     mended: Vec<String>,
     has_heights: bool,
 }
@@ -56,7 +57,7 @@ impl<'a> Collector<'a> {
         }
     }
 
-    /// Takes the next feature, in coordinates of the file.
+    /// Adds a feature, in the coordinates of the file.
     pub(super) fn add(&mut self, mut feature: Feature) -> Result<()> {
         self.features += 1;
         hstore::unfold(&mut feature.attributes);
@@ -79,6 +80,7 @@ impl<'a> Collector<'a> {
         }
         let id = feature.id.take().filter(|id| !id.trim().is_empty()).or_else(|| stated.id());
         let name = self.name(id);
+        // With a stated height, corners at several heights are a footprint on sloping ground.
         if feature.is_body || (stated.heights().is_err() && are_faces(&feature.polygons)) {
             let object = self.geometry.objects.id(&name);
             let note = ObjectNote {
@@ -121,7 +123,7 @@ impl<'a> Collector<'a> {
         Ok(())
     }
 
-    /// A name that no other feature of the file has.
+    /// Returns a name that no other feature of the file has.
     fn name(&mut self, id: Option<String>) -> String {
         let wanted = id.unwrap_or_else(|| format!("feature {}", self.features));
         let mut name = wanted.clone();
@@ -133,7 +135,7 @@ impl<'a> Collector<'a> {
         name
     }
 
-    /// A face of a body, whose tilt says later what it is.
+    /// Adds a face of a body; its tilt decides later what it is.
     fn face(&mut self, object: u32, polygon: &FeaturePolygon) -> Result<()> {
         let is_face = |ring: &&Vec<DVec3>| opened(ring).len() > 2;
         if !polygon.first().as_ref().is_some_and(is_face) {
@@ -156,9 +158,10 @@ impl<'a> Collector<'a> {
         Ok(())
     }
 
-    /// The geometry in metres.
+    /// Returns the geometry in metres.
     pub(super) fn finish(mut self, system: FeatureSystem) -> Result<Geometry> {
         self.refuse_nothing()?;
+        // The extent of all coordinates helps to tell degrees from metres.
         let outlines = self.geometry.footprints.iter().flat_map(Footprint::rings).flatten().copied();
         let all = outlines.chain(self.geometry.vertices.iter().map(|vertex| vertex.truncate()));
         let bounds = all.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)]);
@@ -220,7 +223,7 @@ impl<'a> Collector<'a> {
         }
     }
 
-    /// An error where nothing of a file is left.
+    /// Refuses a file of which nothing is left.
     fn refuse_nothing(&self) -> Result<()> {
         if !self.geometry.footprints.is_empty() || self.geometry.face_count() > 0 {
             return Ok(());
@@ -242,7 +245,7 @@ impl<'a> Collector<'a> {
     }
 }
 
-/// A ring without the corner that closes it.
+/// Returns a ring without the corner that closes it.
 fn opened(ring: &[DVec3]) -> &[DVec3] {
     match ring {
         [first, .., last] if first == last => ring.get(..ring.len() - 1).unwrap_or_default(),
@@ -250,7 +253,8 @@ fn opened(ring: &[DVec3]) -> &[DVec3] {
     }
 }
 
-/// Whether polygons are the faces of a body: several, of which some rise. A single outline with the heights of the ground at its corners is none.
+/// Returns true if polygons are the faces of a body: at least four, of which one is not level. A
+/// single outline with the heights of the ground at its corners is no body.
 fn are_faces(polygons: &[FeaturePolygon]) -> bool {
     let rises = |polygon: &FeaturePolygon| {
         let heights = polygon.iter().flatten().map(|corner| corner.z);

@@ -1,5 +1,5 @@
-//! In: GeoJSON (RFC 7946, and files of before with a `crs`), as a collection, a feature, a geometry, or features line by line. Out: features, one at a
-//! time.
+//! In: GeoJSON (RFC 7946, and older files with a `crs`): a collection, a feature, a geometry, or
+//! features line by line. Out: features, one at a time.
 
 use std::fmt;
 use std::path::Path;
@@ -15,13 +15,14 @@ use super::system::FeatureSystem;
 use crate::epsg_numbers::epsg_numbers_in;
 use crate::text::{excerpt, without_byte_order_mark};
 
-/// Geometries within geometries: collections of collections are deeper in hostile files only.
+/// Deepest nesting of geometry collections that is read; only hostile files have more.
 const DEPTH: usize = 8;
 
 /// Bytes in which the type of a file is looked for.
 const HEAD: usize = 1 << 16;
 
-/// Whether JSON is GeoJSON, and no answer of a service of city models.
+/// Returns true if JSON is GeoJSON and does not mention CityJSON, which services wrap into feature
+/// collections.
 pub(in crate::formats) fn is_geojson(bytes: &[u8]) -> bool {
     let head = String::from_utf8_lossy(bytes.get(..HEAD.min(bytes.len())).unwrap_or_default());
     let plain: String = head.chars().filter(|letter| !letter.is_whitespace()).collect();
@@ -30,7 +31,7 @@ pub(in crate::formats) fn is_geojson(bytes: &[u8]) -> bool {
     is_collection && !plain.contains("CityJSON")
 }
 
-/// Reads the features and what is said of their coordinates.
+/// Reads the features; returns the coordinate system that the file states.
 pub(super) fn read(bytes: &[u8], file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
     let bytes = without_byte_order_mark(bytes);
     if bytes.trim_ascii().is_empty() {
@@ -78,16 +79,16 @@ pub(super) fn read(bytes: &[u8], file: &Path, take: &mut TakeFeature) -> Result<
     Ok(system)
 }
 
-/// What is known while a file is read.
+/// State while a file is read.
 struct Reading<'t, 'f> {
     take: &'t mut TakeFeature<'f>,
-    /// Why the reader of features stopped.
+    /// Error of the consumer of features, which stopped the reading.
     failed: Option<Error>,
     /// Name of the coordinate system.
     crs: Option<String>,
 }
 
-/// The outermost object: a collection, a feature, or a geometry.
+/// Reader of the outermost object: a collection, a feature, or a geometry.
 struct Top<'r, 't, 'f> {
     reading: &'r mut Reading<'t, 'f>,
 }
@@ -127,6 +128,7 @@ impl<'de> Visitor<'de> for Top<'_, '_, '_> {
                 _ => drop(map.next_value::<IgnoredAny>()?),
             }
         }
+        // Members come in any order, so that a single feature is complete only now.
         if is_collection {
             return Ok(());
         }
@@ -140,7 +142,7 @@ impl<'de> Visitor<'de> for Top<'_, '_, '_> {
     }
 }
 
-/// The list of features.
+/// Reader of the list of features.
 struct Features<'r, 't, 'f> {
     reading: &'r mut Reading<'t, 'f>,
 }
@@ -196,7 +198,7 @@ impl Reading<'_, '_> {
     }
 }
 
-/// Adds the polygons of a geometry.
+/// Adds the polygons of a geometry to a feature.
 fn add(feature: &mut Feature, geometry: &Value, depth: usize) -> std::result::Result<(), String> {
     let Some(kind) = geometry.get("type").and_then(Value::as_str) else { return Ok(()) };
     let coordinates = geometry.get("coordinates").unwrap_or(&Value::Null);

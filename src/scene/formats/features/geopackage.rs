@@ -1,5 +1,5 @@
-//! In: a GeoPackage (OGC 12-128r19), a database of SQLite. Out: the features of its tables that hold polygons. SQLite itself reads it, without
-//! writing.
+//! In: a GeoPackage (OGC 12-128r19), which is an SQLite database. Out: the features of its feature
+//! tables. SQLite reads the file itself, without writing.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use crate::text::excerpt;
 /// A table of features.
 struct Table {
     name: String,
-    /// Its column of geometries.
+    /// Name of its geometry column.
     geometry: String,
     system: FeatureSystem,
 }
@@ -36,6 +36,7 @@ pub(super) fn read(file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem>
         let hint = "export a layer of outlines of buildings as GeoPackage";
         return Err(Error::input(file, None, "the GeoPackage has no table of features", hint));
     };
+    // The features become one geometry, which has one coordinate system.
     if let Some(other) = tables.iter().find(|table| table.system != first.system) {
         let what = format!(
             "its tables `{}` and `{}` are in two coordinate systems",
@@ -76,6 +77,7 @@ fn read_table(
     take: &mut TakeFeature,
     wrong: &dyn Fn(rusqlite::Error) -> Error,
 ) -> Result<()> {
+    // The name comes from the file: quoting keeps it from being read as SQL.
     let quoted = table.name.replace('"', "\"\"");
     let mut query = database.prepare(&format!("SELECT * FROM \"{quoted}\"")).map_err(wrong)?;
     let names: Vec<String> = query.column_names().map(str::to_owned).collect();

@@ -1,4 +1,5 @@
-//! In: the bytes of a GeoParquet file (version 1.1, and Overture's buildings, which are such files). Out: its features.
+//! In: the bytes of a GeoParquet file (version 1.1; Overture's buildings are such files). Out: its
+//! features.
 
 use std::path::Path;
 
@@ -15,7 +16,7 @@ use super::shapes::Shapes;
 use super::system::FeatureSystem;
 use crate::text::excerpt;
 
-/// Structures within structures: Overture has three.
+/// Deepest nesting of structures that is read: Overture has three.
 const DEPTH: usize = 8;
 
 pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
@@ -46,7 +47,7 @@ pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Resul
         take(feature)?;
     }
     Ok(match about.get("crs") {
-        // Longitude and latitude where nothing else is stated (GeoParquet 1.1.0, "crs").
+        // Longitude and latitude are the default (GeoParquet 1.1.0, "crs").
         None => FeatureSystem::WGS84,
         Some(Value::Null) => FeatureSystem::default(),
         Some(crs) => {

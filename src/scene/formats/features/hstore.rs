@@ -1,9 +1,10 @@
-//! Tags in one column. In: `"height"=>"12","roof:shape"=>"flat"`, as GDAL writes the tags of OpenStreetMap that have no column of their own
-//! (`other_tags`). Out: attributes.
+//! Tags in one column. In: `"height"=>"12","roof:shape"=>"flat"`, as GDAL writes the tags of
+//! OpenStreetMap that have no column of their own (`other_tags`). Out: attributes.
 
 use serde_json::{Map, Value};
 
-/// Adds the tags in `other_tags` to the attributes that they stand among; those with a column of their own keep it.
+/// Adds the tags in `other_tags` to the attributes. A tag that has a column of its own keeps the
+/// value of the column.
 pub(super) fn unfold(attributes: &mut Map<String, Value>) {
     let Some(Value::String(text)) = attributes.get("other_tags").cloned() else { return };
     let Some(tags) = tags(&text) else { return };
@@ -26,7 +27,7 @@ fn tags(text: &str) -> Option<Vec<(String, String)>> {
     Some(tags)
 }
 
-/// A text in quotation marks, and what stands behind it.
+/// Returns the text within quotation marks, and the rest behind it.
 fn quoted(text: &str) -> Option<(String, &str)> {
     let inner = text.strip_prefix('"')?;
     let mut found = String::new();
@@ -46,7 +47,8 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    /// Three tags become attributes, the one that has a column keeps it; a text that is none stays as it is.
+    /// Three tags are read, and the one that has a column keeps the column's value; a text without
+    /// tags stays as it is.
     #[test]
     fn tags_become_attributes() {
         let mut map = json!({"name": "A", "other_tags": r#""height"=>"12","name"=>"B", "note"=>"a \"b\"""#});

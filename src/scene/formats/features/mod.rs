@@ -1,15 +1,17 @@
-//! Files of features: footprints of buildings with attributes. In: GeoJSON, shapefiles, GeoPackage, GeoParquet. Out: outlines with the heights
-//! that their attributes state, in metres; faces where a file holds walls and roofs (multipatches, polygons that are not level).
+//! Files of features: footprints of buildings with attributes. In: GeoJSON, shapefiles, GeoPackage,
+//! GeoParquet. Out: outlines with the heights that their attributes state, in metres; faces where a
+//! file holds walls and roofs (multipatches, polygons that are not level).
 //!
-//! | file | what it holds |
+//! | file | content |
 //! | --- | --- |
-//! | `feature` | a feature as every format has it |
-//! | `system` | coordinate systems of such files; degrees become metres |
-//! | `collector` | features become footprints and faces |
-//! | `shapes` | polygons of geometries as the crate `geozero` reads them: well-known binary |
-//! | `geojson`, `shapefile`, `geopackage`, `geoparquet` | a reader each |
+//! | `feature` | a feature, the same for every format |
+//! | `system` | coordinate systems of such files, and conversion to metres |
+//! | `collector` | footprints and faces from features |
+//! | `shapes` | polygons of well-known binary, as the crate `geozero` reads it |
+//! | `hstore` | OpenStreetMap tags in one column |
+//! | `geojson`, `shapefile`, `geopackage`, `geoparquet` | one reader each |
 //!
-//! Points and lines are left out, and said.
+//! Points and lines are left out, with a warning.
 
 mod collector;
 mod feature;
@@ -42,7 +44,8 @@ pub(super) enum FeatureFormat {
     Shapefile,
 }
 
-/// Reads a file of features; `bytes` are its own where they were read, plain.
+/// Reads a file of features. `bytes` are its unpacked content; they are empty for a GeoPackage,
+/// which SQLite opens itself.
 pub(super) fn parse(format: FeatureFormat, bytes: Vec<u8>, file: &Path, asked: &Asked) -> Result<Geometry> {
     let mut collector = Collector::new(file, asked);
     let mut take = |feature| collector.add(feature);
@@ -55,7 +58,7 @@ pub(super) fn parse(format: FeatureFormat, bytes: Vec<u8>, file: &Path, asked: &
     collector.finish(system)
 }
 
-/// Reads the shapefile in a zip; `None` if it holds none.
+/// Reads the shapefile in a zip; `None` if the zip holds none.
 pub(super) fn zipped_shapefile(file: &Path, asked: &Asked) -> Result<Option<Geometry>> {
     let Some(parts) = input::zipped_shapefile(file)? else { return Ok(None) };
     let mut collector = Collector::new(file, asked);

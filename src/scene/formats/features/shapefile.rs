@@ -1,4 +1,5 @@
-//! In: a shapefile (Esri 1998), as files beside each other or in a zip. Out: its features, read by the crates `shapefile` and `dbase`.
+//! In: a shapefile (Esri 1998), as files beside each other or in a zip. Out: its features, read by
+//! the crates `shapefile` and `dbase`.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -17,10 +18,10 @@ use crate::input::ShapefileParts;
 use crate::plan::{is_within, sides};
 use crate::text::{excerpt, utf8};
 
-/// What is no height in shapefiles: numbers below stand for none (Esri 1998, "Numeric Types").
+/// Value below which a number in a shapefile means "no data" (Esri 1998, "Numeric Types").
 const NO_DATA: f64 = -1e38;
 
-/// Reads the shapes in `bytes`, with the table and the system that lie beside the file.
+/// Reads the shapes in `bytes`, with the table and the coordinate system beside the file.
 pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
     let parts = ShapefileParts {
         shapes: bytes,
@@ -30,7 +31,7 @@ pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Resul
     read_parts(&parts, file, take)
 }
 
-/// Reads its parts.
+/// Reads the features from the parts of a shapefile.
 pub(super) fn read_parts(parts: &ShapefileParts, file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
     let wrong = |what: &str, error: &dyn std::fmt::Display| {
         let text = error.to_string();
@@ -72,7 +73,8 @@ fn feature(shape: Shape) -> Feature {
     feature
 }
 
-/// Outlines with the holes in them. Writers differ in the order of rings: a hole belongs to the outline that it lies in.
+/// Returns outlines with the holes in them. Writers differ in the order of rings, so a hole belongs
+/// to the outline in which its first corner lies.
 fn polygons<P: HasXY>(rings: &[PolygonRing<P>], height: impl Fn(&P) -> f64) -> Vec<FeaturePolygon> {
     let corners = |points: &[P]| -> Vec<DVec3> {
         let corner = |point: &P| {
@@ -98,21 +100,22 @@ fn polygons<P: HasXY>(rings: &[PolygonRing<P>], height: impl Fn(&P) -> f64) -> V
         let within = polygons.iter().position(|polygon| polygon.first().is_some_and(holds));
         match within.and_then(|at| polygons.get_mut(at)) {
             Some(polygon) => polygon.push(hole),
-            // Drawn the other way round: an outline of its own.
+            // A ring in no outline was drawn in the wrong direction: it is an outline of its own.
             None => polygons.push(vec![hole]),
         }
     }
     polygons
 }
 
-/// Faces of a multipatch (Esri 1998, "MultiPatch"); rings of unknown order are outlines.
+/// Returns the faces of a multipatch (Esri 1998, "MultiPatch"). Rings of unknown order are
+/// outlines.
 fn faces(patches: &[Patch]) -> Vec<FeaturePolygon> {
     let mut faces: Vec<FeaturePolygon> = Vec::new();
     for patch in patches {
         let points: Vec<DVec3> = patch.points().iter().map(|p| DVec3::new(p.x, p.y, p.z)).collect();
         match patch {
             Patch::TriangleStrip(_) => {
-                // Every second triangle turns the other way.
+                // Every second triangle of a strip turns the other way.
                 let triangles = points.array_windows().enumerate();
                 faces.extend(
                     triangles.map(|(i, [a, b, c])| vec![if i % 2 == 0 { vec![*a, *b, *c] } else { vec![*b, *a, *c] }]),
@@ -132,7 +135,7 @@ fn faces(patches: &[Patch]) -> Vec<FeaturePolygon> {
     faces
 }
 
-/// A value of the table; whole numbers are whole.
+/// Returns a value of the table as JSON; a whole number becomes an integer.
 fn value(field: FieldValue) -> Option<Value> {
     let number = |number: f64| match number.fract() == 0.0 && number.abs() < 9e15 {
         true => json!(number as i64),

@@ -1,4 +1,5 @@
-//! Polygons of geometries. In: what the crate `geozero` finds in well-known binary (OGC 06-103r4). Out: the polygons of a feature.
+//! Polygons of geometries. In: what the crate `geozero` finds in well-known binary (OGC 06-103r4).
+//! Out: the polygons of a feature.
 
 use geozero::error::{GeozeroError, Result};
 use geozero::{CoordDimensions, GeomProcessor};
@@ -6,24 +7,24 @@ use glam::DVec3;
 
 use super::feature::{Feature, FeaturePolygon};
 
-/// Corners of one geometry at most: the coast of a country has fewer.
+/// Most corners of one geometry: the coast of a country has fewer.
 const MOST_CORNERS: usize = 1 << 24;
 
-/// Takes the polygons of one geometry.
+/// Collector of the polygons of one geometry.
 #[derive(Default)]
 pub(super) struct Shapes {
     polygons: Vec<FeaturePolygon>,
     polygon: FeaturePolygon,
     ring: Vec<DVec3>,
     corners: usize,
-    /// Whether lines are rings of a polygon or triangle.
+    /// True if the lines that come are rings of a polygon or triangle.
     in_polygon: bool,
     is_body: bool,
     has_others: bool,
 }
 
 impl Shapes {
-    /// Puts what was found into a feature.
+    /// Moves the polygons that were found into a feature.
     pub(super) fn fill(self, feature: &mut Feature) {
         feature.polygons = self.polygons;
         feature.is_body = self.is_body;
@@ -60,7 +61,7 @@ impl GeomProcessor for Shapes {
         if self.corners > MOST_CORNERS {
             return Err(GeozeroError::Geometry("a geometry of more than 16 million corners".to_owned()));
         }
-        // Heights that are not there are NaN in some files.
+        // Some files write missing heights as NaN.
         let z = z.filter(|z| z.is_finite()).unwrap_or_default();
         self.ring.push(DVec3::new(x, y, z));
         Ok(())

@@ -1,5 +1,5 @@
-//! Coordinate systems of files of features. In: what a file states, its coordinates, the system of the scene. Out: how its coordinates become metres,
-//! and a sentence on it.
+//! Coordinate systems of files of features. In: the system that a file states, its coordinates, and
+//! the system of the scene. Out: the conversion of its coordinates to metres, and a sentence on it.
 
 use std::path::Path;
 
@@ -12,17 +12,17 @@ use crate::placing::from_degrees::FromDegrees;
 use crate::reference::{PlaneSystem, Reference, Unplaced};
 use crate::text::excerpt;
 
-/// The world in web maps: lengths are those of the equator.
+/// EPSG number of Web Mercator, whose metre is true only at the equator.
 const WEB_MAPS: u32 = 3857;
 
-/// What a file states of its coordinates.
+/// Coordinate system that a file states.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct FeatureSystem {
-    /// Number in the EPSG register.
+    /// EPSG number.
     pub epsg: Option<u32>,
-    /// What coordinates are, if the file says so.
+    /// Kind of coordinates, if it is known.
     pub axes: Option<Axes>,
-    /// Metres a unit of plane coordinates, if the file says so.
+    /// Unit of plane coordinates, metres, if the file states it.
     pub unit_m: Option<f64>,
 }
 
@@ -30,40 +30,42 @@ impl FeatureSystem {
     /// Longitude and latitude on WGS 84.
     pub(super) const WGS84: FeatureSystem = FeatureSystem { epsg: Some(4326), axes: Some(Axes::Degrees), unit_m: None };
 
-    /// By its number.
+    /// Returns the system of an EPSG number.
     pub(super) fn of_epsg(epsg: u32) -> FeatureSystem {
         FeatureSystem { epsg: Some(epsg), axes: axes_of(epsg), unit_m: None }
     }
 
-    /// By well-known text; nothing is known of other text.
+    /// Returns the system of well-known text; other text gives an unknown system.
     pub(super) fn of_text(text: &str) -> FeatureSystem {
         let found = TextSystem::of(text).unwrap_or_default();
         FeatureSystem { epsg: found.epsg, axes: found.axes, unit_m: found.plane_unit_m }
     }
 }
 
-/// How coordinates of a file become metres of the scene's system.
+/// Conversion of the coordinates of a file to metres of the scene's system.
 pub(super) enum ToMetres {
-    /// They are as they should be, but for their unit.
+    /// Plane coordinates, times the length of their unit in metres.
     Scaled(f64),
-    /// From longitude and latitude.
+    /// Longitude and latitude.
     Degrees(Box<FromDegrees>),
-    /// From a plane system of which a metre is none on the ground, by way of longitude and latitude.
+    /// Plane coordinates whose metre is not a metre on the ground, converted by way of longitude
+    /// and latitude.
     Plane(Box<PlaneSystem>, Box<FromDegrees>),
 }
 
-/// What was found about the coordinates of a file.
+/// Conversion of the coordinates of a file, and what is known of the result.
 pub(super) struct Placing {
     pub to_metres: ToMetres,
     pub reference: Option<Reference>,
-    /// Whether coordinates are metres for certain.
+    /// True if the converted coordinates are certainly metres.
     pub in_metres: bool,
-    /// What was decided.
+    /// Sentence on the conversion, for the user.
     pub note: Option<String>,
 }
 
 impl Placing {
-    /// Decides on a file whose coordinates fill a box; `asked` is the system of the scene, or none.
+    /// Decides on a file with coordinates within `bounds`; `asked` is the EPSG number of the
+    /// scene's system, if it has one.
     pub(super) fn of(file: &Path, stated: &FeatureSystem, bounds: [DVec2; 2], asked: Option<u32>) -> Result<Placing> {
         let [low, high] = bounds;
         let middle = 0.5 * (low + high);
@@ -98,7 +100,7 @@ impl Placing {
             let to_metres = ToMetres::Degrees(Box::new(system));
             return Ok(Placing { to_metres, reference: Some(reference), in_metres: true, note: Some(note) });
         }
-        // A metre of web maps is none.
+        // A metre of Web Mercator is not a metre on the ground.
         if stated.epsg == Some(WEB_MAPS) && asked != Some(WEB_MAPS) {
             let plane = PlaneSystem::of(WEB_MAPS).map_err(|why| unplaced(file, why, stated.epsg))?;
             let place = plane.degrees(middle.x, middle.y);
@@ -132,7 +134,7 @@ impl Placing {
 }
 
 impl ToMetres {
-    /// A position in plan; `None` where the system has no such point.
+    /// Returns a position in plan, metres; `None` where the system has no such point.
     pub(super) fn place(&self, at: DVec2) -> Option<DVec2> {
         match self {
             ToMetres::Scaled(unit_m) => Some(at * *unit_m),

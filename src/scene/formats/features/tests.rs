@@ -1,4 +1,4 @@
-//! Files of features: one town in four formats and two systems, other layouts, files that are damaged.
+//! Files of features: one town in four formats and two systems, other layouts, damaged files.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use crate::load::Soup;
 use crate::semantics::SurfaceKind;
 use crate::site::{Part, Site};
 
-/// The town of `tests/data/footprints/town.py`.
+/// Returns the path of a file of the town that `tests/data/footprints/town.py` writes.
 fn town(ending: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/footprints")).join(format!("town.{ending}"))
 }
@@ -33,7 +33,7 @@ fn areas(scene: &Scene, soup: &Soup) -> [f64; 2] {
     })
 }
 
-/// Writes a text as a file of a folder.
+/// Writes a text to a file in a new folder.
 fn written(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
@@ -41,8 +41,9 @@ fn written(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
     (folder, path)
 }
 
-/// In GeoJSON (degrees), GeoPackage, a zipped shapefile and GeoParquet the town has 2,576 m2 of roofs and 6,220 m2 of walls, as a sum by
-/// hand has them, within 0.2 % where UTM's scale counts; 9 of 10 buildings have a height, and the tower is named with its year.
+/// In GeoJSON (degrees), GeoPackage, a zipped shapefile and GeoParquet the town has the 2,576 m2 of
+/// roofs and 6,220 m2 of walls of a sum by hand, within 0.2 % because of UTM's scale. 9 of 10
+/// buildings have a height, and the tower keeps its name and year.
 #[test]
 fn one_town_in_four_formats() {
     for (ending, epsg) in [("geojson", 32632), ("gpkg", 25832), ("shp.zip", 25832), ("parquet", 25832)] {
@@ -65,7 +66,8 @@ fn one_town_in_four_formats() {
     }
 }
 
-/// Degrees become metres of the system that is asked for; the shed gets the height that stands last, and storeys of 4 m make the court 20 m high.
+/// Degrees become metres of the system that the user asks for. The shed gets the last height of the
+/// list, and storeys of 4 m make the court 20 m high.
 #[test]
 fn systems_and_heights_are_asked_for() {
     let options = FootprintOptions {
@@ -83,7 +85,8 @@ fn systems_and_heights_are_asked_for() {
     assert!(refused.is_ok() || refused.is_err_and(|error| error.to_string().contains("EPSG:27700")));
 }
 
-/// Six layouts of GeoJSON hold the same house: a collection, a feature, a geometry, lines with and without separators, a file with a `crs` of metres.
+/// Six layouts of GeoJSON hold the same house: a collection, a feature, a geometry, lines with and
+/// without separators, and a file with a `crs` in metres.
 #[test]
 fn layouts_of_geojson() {
     let ring = "[[[4.3,52.0],[4.3002,52.0],[4.3002,52.0001],[4.3,52.0001],[4.3,52.0]]]";
@@ -111,7 +114,8 @@ fn layouts_of_geojson() {
     }
 }
 
-/// Eight files that cannot be meant are refused or said, with what would mend it.
+/// Eight files that cannot be meant are refused or get a warning, with a hint on how to correct
+/// them.
 #[test]
 fn what_cannot_be_meant_is_said() {
     let polygon = |ring: &str, properties: &str| {
@@ -152,7 +156,8 @@ fn what_cannot_be_meant_is_said() {
     );
 }
 
-/// Cut off after any of 60 lengths, or with one byte changed at any of 300 places, each of the six files is read or refused, never more.
+/// Each of the six files is read or refused, and nothing panics, when it is cut at any of 60
+/// lengths or has one byte changed at any of 300 places.
 #[test]
 fn damaged_files_do_no_harm() {
     let folder = tempfile::tempdir().expect("a folder");

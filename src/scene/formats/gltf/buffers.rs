@@ -1,4 +1,5 @@
-//! In: a .gltf or .glb file and what its JSON says of buffers. Out: their bytes, and values in them of which all were checked to exist.
+//! In: a .gltf or .glb file, and the buffers that its JSON names. Out: their bytes, and accessors
+//! whose values are all known to exist.
 
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -18,7 +19,8 @@ use heliotile_core::error::{Error, Result};
 
 const HINT: &str = "export it again, or check it with a glTF validator";
 
-/// Splits a .glb file into its JSON and its first buffer; a .gltf file is all JSON (specification, section 4.4).
+/// Splits a .glb file into its JSON and its first buffer; a .gltf file is all JSON (specification,
+/// section 4.4).
 pub(super) fn split<'b>(bytes: &'b [u8], file: &Path) -> Result<(&'b [u8], Option<&'b [u8]>)> {
     let Some(behind) = bytes.strip_prefix(b"glTF") else {
         return Ok((crate::text::without_byte_order_mark(bytes), None));
@@ -58,7 +60,7 @@ fn word(bytes: &[u8]) -> Option<(u32, &[u8])> {
 pub(super) struct Buffers<'r> {
     root: &'r Root,
     file: &'r Path,
-    /// `None` for one that has no bytes of its own.
+    /// Bytes of each buffer; `None` for a buffer without bytes of its own.
     bytes: Vec<Option<Bytes<'r>>>,
 }
 
@@ -68,7 +70,7 @@ enum Bytes<'r> {
 }
 
 impl<'r> Buffers<'r> {
-    /// Reads all of them, every file once.
+    /// Reads all buffers, every file once.
     pub(super) fn read(root: &'r Root, chunk: Option<&'r [u8]>, file: &'r Path) -> Result<Self> {
         let mut files: HashMap<PathBuf, Rc<Vec<u8>>> = HashMap::new();
         let mut bytes = Vec::new();
@@ -109,7 +111,7 @@ impl<'r> Buffers<'r> {
         Ok(Buffers { root, file, bytes })
     }
 
-    /// The values of an accessor, all of which exist.
+    /// Returns the values of an accessor, after checking that all of them exist.
     pub(super) fn values(&self, index: usize) -> Result<Values<'_>> {
         let refuse = |what: String| Error::input(self.file, None, format!("accessor {index} {what}"), HINT);
         let accessor = self.root.accessors.get(index).ok_or_else(|| refuse("does not exist".into()))?;
@@ -143,12 +145,13 @@ impl<'r> Buffers<'r> {
             return Err(refuse(format!("has {count} values and no buffer view, more than {MOST_ZEROS}")));
         }
         let replaced = accessor.sparse.as_ref().map(|sparse| self.replaced(index, sparse, count, size)).transpose()?;
-        // What exists in memory is counted by a usize.
+        // The values exist in memory, so that a usize counts them.
         let normalized = accessor.normalized && kind != Kind::F32;
         Ok(Values { bytes, count: count as usize, width, stride: stride as usize, kind, normalized, replaced })
     }
 
-    /// The values of a sparse accessor (specification, section 3.6.2.3), `size` bytes each, and which of `count` they replace.
+    /// Returns the values of a sparse accessor (specification, section 3.6.2.3), `size` bytes each,
+    /// and the indices of the values that they replace, below `count`.
     fn replaced(&self, index: usize, sparse: &Sparse, count: u64, size: u64) -> Result<Replaced<'_>> {
         let refuse = |what: String| Error::input(self.file, None, format!("accessor {index} {what}"), HINT);
         let kind = sparse.indices.component_type.and_then(Kind::of);
@@ -169,6 +172,7 @@ impl<'r> Buffers<'r> {
             count: sparse.count as usize,
             size: size as usize,
         };
+        // Values are looked up by binary search, which needs increasing indices.
         let mut places = (0..found.count).filter_map(|i| found.place(i));
         if !places.clone().is_sorted_by(|a, b| a < b) || places.next_back().is_some_and(|last| u64::from(last) >= count)
         {
@@ -177,7 +181,7 @@ impl<'r> Buffers<'r> {
         Ok(found)
     }
 
-    /// The bytes of a buffer view.
+    /// Returns the bytes of a buffer view.
     fn view(&self, index: usize, number: usize) -> Result<ViewBytes<'_>> {
         let refuse = |what: String| Error::input(self.file, None, format!("accessor {index} {what}"), HINT);
         let missing = || refuse(format!("is in buffer view {number}, which does not exist"));
@@ -194,6 +198,8 @@ impl<'r> Buffers<'r> {
                 }
             }
         })?;
+        // Bytes beyond the stated length, such as padding of a .glb chunk, are not part of the
+        // buffer.
         let announced = self.root.buffers.get(view.buffer).map_or(0, |buffer| buffer.byte_length);
         let bytes = part(buffer.all(), 0, announced).and_then(|all| part(all, view.byte_offset, view.byte_length));
         let bytes =
@@ -202,13 +208,14 @@ impl<'r> Buffers<'r> {
     }
 }
 
-/// Bytes of a buffer view, and how far apart its values are if it says so.
+/// Bytes of a buffer view, and the distance of its values in bytes, if stated.
 struct ViewBytes<'b> {
     bytes: &'b [u8],
     stride: Option<u64>,
 }
 
-/// Most values of an accessor that stand in no buffer view: a short file could otherwise ask for all memory.
+/// Most values of a sparse accessor without a buffer view: a short file could otherwise ask for all
+/// memory.
 const MOST_ZEROS: u64 = 10_000_000;
 
 impl Bytes<'_> {
@@ -225,7 +232,7 @@ fn part(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
     bytes.get(usize::try_from(offset).ok()?..end)
 }
 
-/// The bytes of a `data:` URI (RFC 2397), with or without padding at its end.
+/// Returns the bytes of a `data:` URI (RFC 2397), with or without padding at its end.
 fn decode(uri: &str) -> std::result::Result<Vec<u8>, String> {
     let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
     let (head, text) = uri.split_once(',').unwrap_or_default();
@@ -235,7 +242,8 @@ fn decode(uri: &str) -> std::result::Result<Vec<u8>, String> {
     GeneralPurpose::new(&STANDARD, config).decode(text).map_err(|error| format!("is no base64: {error}"))
 }
 
-/// A file beside another one or in a folder below; names elsewhere could read what was not meant to be read.
+/// Returns the path of a file beside `file` or in a folder below it; `None` for other places, which
+/// could expose files that were not meant to be read.
 fn beside(file: &Path, uri: &str) -> Option<PathBuf> {
     let decoded = percent_decode_str(uri).decode_utf8().ok()?;
     let relative = Path::new(decoded.as_ref());
@@ -246,7 +254,7 @@ fn beside(file: &Path, uri: &str) -> Option<PathBuf> {
     Some(file.parent().unwrap_or(Path::new("")).join(relative))
 }
 
-/// How a number is written (specification, section 3.6.2.2).
+/// Type of a number (specification, section 3.6.2.2).
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     I8,
@@ -278,7 +286,7 @@ impl Kind {
         }
     }
 
-    /// What the largest whole number stands for if 1 is meant by it.
+    /// Returns the stored number that stands for 1 in normalized values.
     fn one(self) -> f64 {
         match self {
             Kind::I8 => f64::from(i8::MAX),
@@ -304,7 +312,7 @@ impl Kind {
 
 /// Values of an accessor.
 pub(super) struct Values<'b> {
-    /// `None`: all are 0 that are not replaced.
+    /// Bytes of the values; `None` if all values are 0 that are not replaced.
     bytes: Option<&'b [u8]>,
     pub count: usize,
     width: usize,
@@ -314,9 +322,9 @@ pub(super) struct Values<'b> {
     replaced: Option<Replaced<'b>>,
 }
 
-/// What a sparse accessor has in place of some values.
+/// Values of a sparse accessor that replace others.
 struct Replaced<'b> {
-    /// Which values, increasing.
+    /// Indices of the replaced values, increasing.
     places: &'b [u8],
     values: &'b [u8],
     kind: Kind,
@@ -330,7 +338,7 @@ impl<'b> Replaced<'b> {
         self.kind.read(bytes).map(|place| place as u32)
     }
 
-    /// The bytes of a value, if it is replaced.
+    /// Returns the bytes of a value, if it is replaced.
     fn of(&self, index: usize) -> Option<&'b [u8]> {
         let (mut low, mut high) = (0, self.count);
         while low < high {
@@ -354,12 +362,12 @@ impl<'b> Values<'b> {
         self.width == 3 && self.kind != Kind::U32
     }
 
-    /// Whether they are turns: x, y, z, w.
+    /// Returns true if the values may be rotations: x, y, z, w.
     pub(super) fn is_rotations(&self) -> bool {
         self.width == 4 && self.kind != Kind::U32
     }
 
-    /// The bytes from a value on.
+    /// Returns the bytes from a value on.
     #[inline]
     fn at(&self, i: usize) -> Option<&'b [u8]> {
         const ZEROS: &[u8] = &[0; 16];
@@ -372,23 +380,24 @@ impl<'b> Values<'b> {
         }
     }
 
-    /// A whole number; `None` beyond the last one.
+    /// Returns a value as an index; `None` beyond the last value.
     #[inline]
     pub(super) fn index(&self, i: usize) -> Option<u32> {
         self.kind.read(self.at(i)?).filter(|_| i < self.count).map(|index| index as u32)
     }
 
-    /// Three numbers, of `KHR_mesh_quantization` too; maybe not finite.
+    /// Returns a value as three numbers, quantized ones (`KHR_mesh_quantization`) too. They need
+    /// not be finite.
     #[inline]
     pub(super) fn vector(&self, i: usize) -> Option<DVec3> {
         let mut three = self.at(i)?.chunks_exact(self.kind.size()).map(|bytes| self.kind.read(bytes));
         let mut next = || three.next().flatten();
         let vector = DVec3::new(next()?, next()?, next()?);
-        // The smallest signed number is as far from 0 as the largest.
+        // The smallest signed number is clamped, so that it is as far from 0 as the largest.
         Some(if self.normalized { (vector / self.kind.one()).max(DVec3::NEG_ONE) } else { vector })
     }
 
-    /// Four numbers; maybe not finite.
+    /// Returns a value as four numbers, which need not be finite.
     pub(super) fn four(&self, i: usize) -> Option<DVec4> {
         let mut four = self.at(i)?.chunks_exact(self.kind.size()).map(|bytes| self.kind.read(bytes));
         let mut next = || four.next().flatten();

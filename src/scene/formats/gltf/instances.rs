@@ -1,5 +1,5 @@
-//! Meshes that stand in many places of one node (Khronos, vendor extension EXT_mesh_gpu_instancing). In: its accessors. Out: placements in the
-//! node, each checked.
+//! Instances of a mesh in one node (Khronos, vendor extension EXT_mesh_gpu_instancing). In: the
+//! accessors of the extension. Out: placements in the node, each checked.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::formats::gltf::buffers::{Buffers, Values};
 use crate::formats::gltf::json::InstanceAttributes;
 use heliotile_core::error::{Error, Result};
 
-/// The placements of the instances of node `index`.
+/// Returns the placements of the instances of node `index`.
 pub(super) fn placements(
     attributes: &InstanceAttributes,
     buffers: &Buffers,

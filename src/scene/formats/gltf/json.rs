@@ -1,4 +1,5 @@
-//! In: the JSON of a glTF file. Out: those of its properties that say where surfaces are and what they are made of, unchecked.
+//! In: the JSON of a glTF file. Out: its properties that describe surfaces and their materials,
+//! unchecked.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,7 +8,8 @@ use serde::Deserialize;
 
 use heliotile_core::error::{Error, Result};
 
-/// Names and defaults are those of the glTF 2.0 specification (Khronos, 2021, section 5); what is not needed is passed over.
+/// Root of a glTF file. Names and defaults are those of the glTF 2.0 specification (Khronos, 2021,
+/// section 5); other properties are skipped.
 #[derive(Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Root {
@@ -31,7 +33,7 @@ pub(super) struct RootExtensions {
     pub relative_to_center: Option<RelativeToCenter>,
 }
 
-/// Where the origin lies, z up (Khronos, vendor extension CESIUM_RTC).
+/// Position of the origin, z up (Khronos, vendor extension CESIUM_RTC).
 #[derive(Deserialize)]
 pub(super) struct RelativeToCenter {
     pub center: [f64; 3],
@@ -50,10 +52,10 @@ pub(super) struct Node {
     pub children: Vec<usize>,
     pub mesh: Option<usize>,
     pub skin: Option<usize>,
-    /// Column-major.
+    /// Transformation, column by column.
     pub matrix: Option<[f64; 16]>,
     pub translation: Option<[f64; 3]>,
-    /// x, y, z, w.
+    /// Quaternion x, y, z, w.
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
     pub extensions: NodeExtensions,
@@ -66,7 +68,7 @@ pub(super) struct NodeExtensions {
     pub instancing: Option<Instancing>,
 }
 
-/// Accessors of places, a mesh at each (Khronos, vendor extension EXT_mesh_gpu_instancing).
+/// Accessors of the instances of a mesh (Khronos, vendor extension EXT_mesh_gpu_instancing).
 #[derive(Deserialize)]
 pub(super) struct Instancing {
     pub attributes: InstanceAttributes,
@@ -120,7 +122,7 @@ pub(super) struct Accessor {
     pub sparse: Option<Sparse>,
 }
 
-/// Values that stand in place of some of an accessor.
+/// Values that replace some values of an accessor.
 #[derive(Deserialize)]
 pub(super) struct Sparse {
     pub count: u64,
@@ -134,7 +136,7 @@ pub(super) struct SparsePart {
     pub buffer_view: usize,
     #[serde(default)]
     pub byte_offset: u64,
-    /// Of indices.
+    /// Component type of indices; absent for values.
     pub component_type: Option<u32>,
 }
 
@@ -184,7 +186,7 @@ struct Asset {
     version: String,
 }
 
-/// Extensions that a file may call for, as they change nothing that is read, or are read.
+/// Extensions that a file may use without loss: they change nothing that is read, or are read.
 const HARMLESS: [&str; 18] = [
     "CESIUM_RTC",
     "CESIUM_primitive_outline",
@@ -206,7 +208,7 @@ const HARMLESS: [&str; 18] = [
     "MSFT_lod",
 ];
 
-/// Beginnings of the names of extensions that say nothing of where surfaces are.
+/// Prefixes of names of extensions that do not affect the geometry.
 const OF_LOOKS: [&str; 8] = [
     "KHR_materials_",
     "KHR_texture_",
@@ -219,13 +221,14 @@ const OF_LOOKS: [&str; 8] = [
 ];
 
 impl Root {
-    /// Lines in messages are those of the JSON, which in a .glb file is not at the beginning.
+    /// Parses the JSON. `lines` is true if the file is all JSON, so that line numbers in messages
+    /// are right; in a .glb file they are not.
     pub(super) fn parse(json: &[u8], file: &Path, lines: bool) -> Result<Root> {
         let refuse = |error: serde_json::Error| {
             let line = Some(error.line()).filter(|line| lines && *line > 0);
             Error::input(file, line, format!("the JSON is not that of glTF: {error}"), "export it again")
         };
-        // The version first: of others even the shape of the lists is another one.
+        // The version is checked first: in other versions the lists have another shape.
         let version = serde_json::from_slice::<Versioned>(json).map_err(refuse)?.asset.version;
         if !version.starts_with("2.") {
             return Err(Error::Unsupported {
@@ -237,11 +240,13 @@ impl Root {
         serde_json::from_slice(json).map_err(refuse)
     }
 
-    /// Refuses a file that cannot be read without an extension, and says which others it uses.
+    /// Refuses a file that requires an unreadable extension; returns a warning about other
+    /// extensions that are ignored.
     pub(super) fn check_extensions(&self, file: &Path) -> Result<Option<String>> {
         let ignored = |name: &&String| !HARMLESS.contains(&name.as_str());
         let shown = |name: &String| crate::text::excerpt(name.as_bytes());
-        // What materials look like is read as far as it goes; where surfaces are must be read.
+        // An unknown material extension is no reason to refuse a file; an extension that may hold
+        // geometry is.
         let needed = |name: &&String| ignored(name) && !name.starts_with("KHR_materials_");
         if let Some(name) = self.extensions_required.iter().find(needed) {
             return Err(unreadable(file, &format!("the required extension {}", shown(name)), name));
@@ -260,12 +265,12 @@ impl Root {
     }
 }
 
-/// Whether an extension may say where surfaces are.
+/// Returns true if an extension may hold geometry.
 pub(super) fn may_hold_geometry(extension: &str) -> bool {
     !HARMLESS.contains(&extension) && !OF_LOOKS.iter().any(|begin| extension.starts_with(begin))
 }
 
-/// The error of a file whose geometry stands in an extension.
+/// Returns the error for a file whose geometry stands in an extension.
 pub(super) fn unreadable(file: &Path, found: &str, extension: &str) -> Error {
     let compressed = ["draco", "meshopt"].iter().any(|word| extension.contains(word));
     let supported = if compressed {

@@ -1,8 +1,9 @@
-//! In: the materials of a glTF file. Out: their names, and where wanted what they reflect.
+//! In: the materials of a glTF file. Out: their names and, if wanted, their reflectances.
 //!
-//! They were made for pictures, so they are the fallback, as those of an OBJ file are: diffuse is the plain mean of the three
-//! channels of `baseColorFactor`, which are linear, times 1 - `metallicFactor` (specification, section 3.9.2 and appendix B).
-//! Where a picture gives the colour, the factor says nothing of it and the material counts as not described; so does a white one.
+//! They were made for pictures, so they are a fallback, as for OBJ files. Diffuse is the plain mean
+//! of the three channels of `baseColorFactor`, which are linear, times 1 - `metallicFactor`
+//! (specification, section 3.9.2 and appendix B). Where a texture gives the colour, the factor says
+//! nothing of it, and the material counts as not described; so does a white one.
 
 use crate::materials::assumed::{WHITE_WORDS, is_white, undescribed};
 use crate::materials::select::class_of_name;
@@ -16,13 +17,13 @@ use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 
-/// Materials as the geometry numbers them, each when it is first used.
+/// Materials of a file, with the numbers that the geometry gives them when they are first used.
 pub(super) struct Materials<'r> {
     root: &'r Root,
     file: &'r Path,
     asked: &'r Asked,
     known: Vec<Option<u32>>,
-    /// Names of those of which something is left out.
+    /// Names of materials with properties that are ignored, by kind.
     textured: Vec<String>,
     see_through: Vec<String>,
     metallic: Vec<String>,
@@ -43,7 +44,7 @@ impl<'r> Materials<'r> {
         }
     }
 
-    /// The number of a material in `geometry`.
+    /// Returns the number of a material in `geometry`.
     pub(super) fn id(&mut self, index: Option<usize>, geometry: &mut Geometry) -> Result<u32> {
         let Some(index) = index else { return Ok(geometry.materials.id(DEFAULT_MATERIAL)) };
         let (Some(material), Some(known)) = (self.root.materials.get(index), self.known.get(index)) else {
@@ -83,13 +84,14 @@ impl<'r> Materials<'r> {
             return Ok(None);
         }
         let [red, green, blue, _] = surface.base_color_factor.unwrap_or([1.0; 4]);
-        // Left out it is 1 by the specification, a black mirror that hardly anybody means: such a material counts as not described.
+        // The default of 1 is a black mirror, which hardly anyone means: a material without the
+        // factor counts as not described.
         let Some(metal) = surface.metallic_factor else { return Ok(None) };
         if ![red, green, blue, metal].iter().all(|share| (0.0..=1.0).contains(share)) {
             let what = format!("material `{}` has a factor beyond 0 to 1", excerpt(name.as_bytes()));
             return Err(Error::input(self.file, None, what, "give reflectances in materials.toml ({materials})"));
         }
-        // White is the value of a factor that is left out, too.
+        // White is also the default of the colour factor.
         if is_white((red + green + blue) / 3.0) {
             self.white.push(name.to_owned());
             return Ok(None);
@@ -101,7 +103,7 @@ impl<'r> Materials<'r> {
         Ok(Some(Material::matt(name, diffuse, class_of_name(name))))
     }
 
-    /// One warning a kind of thing that is left out.
+    /// Adds one warning for each kind of ignored property.
     pub(super) fn warn(self, geometry: &mut Geometry) {
         geometry.warnings.extend(undescribed(self.file, &self.white, WHITE_WORDS));
         for (names, what) in [

@@ -1,8 +1,10 @@
-//! In: a glTF 2.0 file (.gltf with its buffers, or .glb). Out: the triangles of its scene, z up and metres.
+//! In: a glTF 2.0 file (.gltf with its buffers, or .glb). Out: the triangles of its scene, z up, in
+//! metres.
 //!
-//! The properties that are needed are read here with serde and not by the crate `gltf`: it keeps places of nodes as f32 (0.5 m off
-//! at the northings of Europe), panics on numbers out of range unless it validates, and then refuses files whose textures are of an
-//! extension. Source: Khronos, glTF 2.0 Specification, 2021.
+//! The crate `gltf` is not used; serde reads the properties that are needed. The crate keeps
+//! positions of nodes as f32 (0.5 m off at the northings of Europe). It panics on numbers out of
+//! range unless it validates, and its validation refuses files whose textures need an extension.
+//! Source: Khronos, glTF 2.0 Specification, 2021.
 
 mod buffers;
 mod instances;
@@ -25,7 +27,8 @@ use crate::geometry::Geometry;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
-/// Most triangles of all instances together: a small file may place a large mesh as often as it likes. About 10 GB of memory.
+/// Most triangles of all instances together, about 10 GB of memory: a small file may place a large
+/// mesh any number of times.
 const MAX_TRIANGLES: u64 = if cfg!(test) { 100_000 } else { 100_000_000 };
 
 const HINT: &str = "export it again, or check it with a glTF validator";
@@ -57,12 +60,13 @@ struct Reader<'r> {
     buffers: &'r Buffers<'r>,
     materials: Materials<'r>,
     geometry: Geometry,
-    /// Of each vertex of a primitive: the round it was last used in, and the vertex of the geometry that it then became. Primitives
-    /// may share a list of vertices of which each uses a few.
+    /// For each vertex of a primitive, the round in which it was last used and its vertex in the
+    /// geometry. Primitives may share a list of vertices and use a few of them each.
     slots: Vec<(u32, u32)>,
     round: u32,
     triangles: u64,
-    /// Nodes with skins and primitives with morph targets, which are read as they stand.
+    /// Numbers of nodes with skins and of primitives with morph targets, which are read in their
+    /// stored pose.
     unmoved: (usize, usize),
 }
 
@@ -75,9 +79,9 @@ impl<'r> Reader<'r> {
     fn walk(&mut self) -> Result<()> {
         let root = self.root;
         let mut stack: Vec<(usize, DAffine3)> = Vec::new();
-        // Later ones lie deeper in the stack.
+        // The last node lies deepest in the stack, so that the first is visited first.
         let all = self.first_nodes()?.into_iter().rev();
-        // East is x, up is y, and z points south.
+        // In glTF x points east, y up and z south.
         let mut upright = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
         if let Some(relative) = &root.extensions.relative_to_center {
             upright = DAffine3::from_translation(DVec3::from(relative.center)) * upright;
@@ -106,7 +110,8 @@ impl<'r> Reader<'r> {
         Ok(())
     }
 
-    /// Nodes of the default scene, or of the first, or all that are no children.
+    /// Returns the nodes of the default scene, or of the first scene; without scenes, all nodes
+    /// that are no children.
     fn first_nodes(&self) -> Result<Vec<usize>> {
         let count = self.root.scenes.len();
         if let Some(scene) = self.root.scenes.get(self.root.scene.unwrap_or(0)) {
@@ -128,7 +133,7 @@ impl<'r> Reader<'r> {
         Ok(first)
     }
 
-    /// Where a node lies in its parent (specification, section 3.5.2).
+    /// Returns the placement of a node in its parent (specification, section 3.5.2).
     fn place(&self, index: usize, node: &Node) -> Result<DAffine3> {
         let refuse = |what: &str| self.error(format!("node {index} {what}"));
         if let Some(matrix) = &node.matrix {
@@ -149,7 +154,7 @@ impl<'r> Reader<'r> {
         Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
     }
 
-    /// Adds a mesh where its node lies, or where each of its instances does.
+    /// Adds the mesh of a node, once or at each of its instances.
     fn add_mesh(&mut self, index: usize, node: &Node, mesh: &Mesh, placed: DAffine3) -> Result<()> {
         let named = |name: &Option<String>| name.clone().filter(|name| !name.is_empty());
         let name = named(&node.name).or_else(|| named(&mesh.name)).unwrap_or_else(|| format!("node_{index}"));
@@ -175,7 +180,8 @@ impl<'r> Reader<'r> {
         surfaces.into_iter().try_for_each(|primitive| self.add_primitive(name, primitive, placed))
     }
 
-    /// The error of a primitive that cannot be read, or that of the extension that holds it.
+    /// Returns the error for a primitive that cannot be read, which names the extension that holds
+    /// its geometry, if there is one.
     fn unread(&self, name: &str, primitive: &Primitive, error: Error) -> Error {
         match primitive.extensions.keys().find(|name| may_hold_geometry(name)) {
             Some(extension) => {
@@ -228,7 +234,7 @@ impl<'r> Reader<'r> {
         self.slots.resize(longest, (0, 0));
         let material = self.materials.id(primitive.material, &mut self.geometry)?;
         let object = self.geometry.objects.id(name);
-        // A mirrored placement turns every outline round (specification, section 3.7.4).
+        // A mirrored placement reverses every outline (specification, section 3.7.4).
         let mirrored = placed.matrix3.determinant() < 0.0;
         for i in 0..triangles {
             let mut corners = match primitive.mode {
@@ -248,7 +254,7 @@ impl<'r> Reader<'r> {
             }
             let [a, b, c] = triangle;
             if strip && (a == b || b == c || c == a) {
-                // Strips are sewn together with such.
+                // Strips are joined by degenerate triangles, which are no surface.
                 continue;
             }
             for corner in triangle {
@@ -260,7 +266,7 @@ impl<'r> Reader<'r> {
         Ok(())
     }
 
-    /// The geometry's vertex for one of a primitive.
+    /// Returns the geometry's vertex for a vertex of a primitive.
     #[inline]
     fn vertex(&mut self, name: &str, positions: &Values, index: u32, placed: DAffine3) -> Result<u32> {
         let slot = self.slots.get_mut(index as usize);
@@ -272,6 +278,7 @@ impl<'r> Reader<'r> {
                 count as i64 - 1
             )));
         };
+        // Triangles of a primitive share the vertex.
         if slot.0 == self.round {
             return Ok(slot.1);
         }

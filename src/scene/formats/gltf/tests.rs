@@ -1,4 +1,5 @@
-//! In: glTF files made here, right and wrong. Out: proof that they are read as they mean it, or refused with a message.
+//! In: glTF files made here, valid and damaged. Out: proof that they are read correctly, or refused
+//! with a message.
 
 use std::fs;
 
@@ -17,7 +18,7 @@ fn parse(json: &Value) -> Result<Geometry> {
     crate::formats::gltf::parse(json.to_string().as_bytes(), Path::new("town.gltf"), &asked())
 }
 
-/// 8 vertices of f32 (96 bytes), then 36 indices of u16: the cube with y up and z south.
+/// Returns 8 vertices of f32 (96 bytes), then 36 indices of u16: the cube with y up and z south.
 fn cube_bytes() -> Vec<u8> {
     let (vertices, triangles) = cube();
     let numbers = vertices.iter().flat_map(|v| [v.x, v.z, -v.y]).flat_map(|metres| (metres as f32).to_le_bytes());
@@ -29,7 +30,7 @@ fn data(bytes: &[u8]) -> String {
     format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes))
 }
 
-/// A scene of nodes that may bear mesh 0, the cube.
+/// Returns a scene with nodes that may use mesh 0, the cube.
 fn scene(nodes: Value) -> Value {
     json!({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": nodes,
@@ -60,7 +61,8 @@ fn bounds(geometry: &Geometry) -> [[f64; 3]; 2] {
     [rounded(low), rounded(high)]
 }
 
-/// A cube keeps 6 m2 and +1 m3, outsides out, wherever its node puts it: moved, turned, mirrored, in a child, by TRS or matrix.
+/// A cube keeps 6 m2 and +1 m3, outsides out, however its node places it: moved, turned, mirrored,
+/// in a child, by TRS or by matrix.
 #[test]
 fn placed_cubes() {
     let half = 0.5_f64.sqrt();
@@ -73,7 +75,7 @@ fn placed_cubes() {
         (json!([{"mesh": 0, "scale": [-1, 1, 1]}]), [-1., 0., 0.], [0., 1., 1.]),
         (json!([{"mesh": 0, "scale": [-1, -1, -1]}]), [-1., -1., -1.], [0., 0., 0.]),
         (json!([{"mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,-1,0, 5,6,7,1]}]), [5., -8., 6.], [6., -7., 7.]),
-        // The child moves first and then turns with its parent.
+        // The child moves first, and then turns with its parent.
         (
             json!([{"children": [1], "rotation": [0, half, 0, half]}, {"mesh": 0, "translation": [3, 0, 0]}]),
             [-1., 3., 0.],
@@ -88,14 +90,15 @@ fn placed_cubes() {
         let geometry = parse(&scene(nodes.clone())).expect("readable");
         assert_eq!((geometry.face_count(), geometry.vertices.len()), (12, 8));
         assert_eq!(bounds(&geometry), [low, high], "{nodes}");
-        // Volume is not of the place, but far from the origin its sum is.
+        // Volume does not depend on position, but its sum loses digits far from the origin.
         let volume = area_and_volume(&geometry).1;
         assert!((volume - 1.0).abs() < if high[1] > 1e3 { 0.01 } else { 1e-9 }, "{nodes}: {volume}");
         assert!((area_and_volume(&geometry).0 - 6.0).abs() < 1e-6);
     }
 }
 
-/// Two instances are 24 triangles and two objects: by the node's name, and a mesh's without one; nodes beside the scene are none.
+/// Two instances give 24 triangles and two objects, named after the node or, without a node name,
+/// after the mesh. Nodes outside the scene are not read.
 #[test]
 fn instances() {
     let nodes =
@@ -109,7 +112,8 @@ fn instances() {
     assert_eq!(geometry.objects.as_slice(), ["house", "node_2", "elsewhere"]);
 }
 
-/// A .glb, a buffer in a file with a blank in its name, and embedded base64 without padding are the same cube of 1 m3.
+/// A .glb, a buffer in a file with a blank in its name, and embedded base64 without padding give
+/// the same cube of 1 m3.
 #[test]
 fn containers() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -138,8 +142,8 @@ fn glb(json: &Value, buffer: &[u8]) -> Vec<u8> {
     [head, text.clone(), [length(buffer), *b"BIN\0"].concat(), buffer.to_vec()].concat()
 }
 
-/// A quadrangle is 2 triangles of 1 m2, upwards, as a list, a strip, a fan, without indices, interleaved and quantized;
-/// lines are counted.
+/// A quadrangle gives 2 triangles of 1 m2, upwards, as a list, a strip, a fan, without indices,
+/// interleaved and quantized; lines are counted.
 #[test]
 fn modes() {
     let square = [[0., 0., 0.], [1., 0., 0.], [0., 0., -1.], [1., 0., -1.]];
@@ -184,7 +188,8 @@ fn modes() {
     }
 }
 
-/// Of seven materials three are described: 0.4 for (0.3, 0.4, 0.5), half of it for one that is half metal, and a twin of its name.
+/// Three of seven materials are described: 0.4 for (0.3, 0.4, 0.5), half of it for one that is half
+/// metal, and a second one of the same name.
 #[test]
 fn materials() {
     let color = |name: &str, metal: f64| json!({"name": name, "pbrMetallicRoughness": {"baseColorFactor": [0.3, 0.4, 0.5, 1], "metallicFactor": metal}});
@@ -222,7 +227,8 @@ fn materials() {
     assert_eq!((named.stated.len(), named.warnings.len()), (0, 2));
 }
 
-/// 45 wrong files are refused with what was found; billions of values without bytes take no memory.
+/// 45 damaged files are refused with a message of what was found; billions of values without bytes
+/// take no memory.
 #[test]
 fn refusals() {
     let plain = || scene(json!([{"mesh": 0}]));
@@ -294,7 +300,8 @@ fn refusals() {
     }
 }
 
-/// Bytes of numbers behind those of the cube, with accessors 2 and on: f32 of a shape, or other numbers with their component type.
+/// Appends numbers to the bytes of the cube, with accessors from 2 on: each has a shape, a
+/// component type and a count.
 fn with_accessors(mut json: Value, accessors: &[(&str, u32, &[u8], usize)]) -> Value {
     let mut bytes = cube_bytes();
     for (shape, kind, data, count) in accessors {
@@ -323,8 +330,9 @@ fn instanced(attributes: Value) -> Value {
         "extensions": {"EXT_mesh_gpu_instancing": {"attributes": attributes}}}]))
 }
 
-/// Three instances by TRANSLATION are three cubes at 100, 130 and 160 m with names of their own; a ROTATION about the upright axis and a SCALE of
-/// 2, as floats, bytes and shorts, turn and stretch the cube alike; one instance keeps the name.
+/// Three instances by TRANSLATION are three cubes at 100, 130 and 160 m with their own names. A
+/// ROTATION about the upright axis and a SCALE of 2 turn and stretch the cube alike as floats,
+/// bytes and shorts. A single instance keeps the name.
 #[test]
 fn gpu_instances() {
     let three = floats(&[0., 0., 0., 30., 0., 0., 60., 0., 0.]);
@@ -363,8 +371,9 @@ fn gpu_instances() {
     }
 }
 
-/// A sparse accessor lifts one corner of the cube by 1 m (volume 1.1667 m3 or 1.3333, by its diagonals), with a buffer view or all zeros below
-/// it; what does not increase or goes beyond the values is refused.
+/// A sparse accessor lifts one corner of the cube by 1 m (volume 1.1667 m3 or 1.3333, by its
+/// diagonals), over a buffer view or over zeros. Indices that do not increase or exceed the values
+/// are refused.
 #[test]
 fn sparse_accessors() {
     let sparse = |base: bool, places: &[u8], count: u64, values: &[f32]| {
@@ -399,8 +408,9 @@ fn sparse_accessors() {
     }
 }
 
-/// What only an extension holds is refused with its name and the word missing, 4 of 4, though it is not required; a compressed mesh with plain
-/// numbers beside it is read, with a warning.
+/// Geometry that only an extension holds is refused, 4 of 4, with the extension's name and the word
+/// "missing", even if the extension is not required. A compressed mesh that also has plain numbers
+/// is read, with a warning.
 #[test]
 fn geometry_in_extensions() {
     let primitive = "/meshes/0/primitives/0";
@@ -428,7 +438,8 @@ fn geometry_in_extensions() {
     }
 }
 
-/// A scene relative to a centre of CESIUM_RTC lies about it, z up: the cube from (7, 8, 9) to (8, 9, 10).
+/// A scene relative to a CESIUM_RTC centre is placed about it, z up: the cube from (7, 8, 9) to (8,
+/// 9, 10).
 #[test]
 fn relative_to_a_center() {
     let mut json = scene(json!([{"mesh": 0}]));
@@ -436,7 +447,8 @@ fn relative_to_a_center() {
     assert_eq!(bounds(&parse(&json).expect("readable")), [[7., 8., 9.], [8., 9., 10.]]);
 }
 
-/// White factors, stated or left out, and nearly white ones say nothing of the reflectance: 3 materials in one warning, none described.
+/// White factors, stated or left out, and nearly white ones give no reflectance: 3 materials in one
+/// warning, none described.
 #[test]
 fn white_says_nothing() {
     let plain = json!({"name": "wall", "pbrMetallicRoughness": {"metallicFactor": 0}});
@@ -455,7 +467,8 @@ fn white_says_nothing() {
     );
 }
 
-/// 8 .glb files cut anywhere or with wrong lengths are refused; 9,000 instances of 12 triangles beyond the limit too.
+/// 8 .glb files that are cut or have a wrong length are refused, and so are 9,000 instances of 12
+/// triangles, beyond the limit.
 #[test]
 fn hostile_containers() {
     let whole = glb(&with(scene(json!([{"mesh": 0}])), "/buffers/0/uri", Value::Null), &cube_bytes());
@@ -472,7 +485,7 @@ fn hostile_containers() {
     old[4] = 1;
     assert!(parse(&old).expect_err("old").to_string().contains("found binary glTF 1"));
 
-    // Shortened for tests: 100,000 triangles.
+    // The limit in tests is 100,000 triangles.
     let nodes: Vec<Value> = std::iter::once(json!({"children": (1..=9_000).collect::<Vec<u32>>()}))
         .chain(std::iter::repeat_n(json!({"mesh": 0}), 9_000))
         .collect();

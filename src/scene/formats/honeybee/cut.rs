@@ -1,4 +1,5 @@
-//! What windows and doors leave of a face. In: the rings of a face and of its openings. Out: the pieces of the face, and which openings fit.
+//! Openings in a face. In: the rings of a face and of its openings. Out: the pieces of the face
+//! that are left, and the openings that fit.
 
 use glam::DVec3;
 
@@ -7,21 +8,24 @@ use crate::formats::building::holes;
 use crate::formats::building::holes::Fit;
 use crate::formats::honeybee::surface::Rings;
 
-/// A face after its openings.
+/// Rest of a face after its openings are cut out.
 pub(super) struct Leftover {
-    /// The face with its holes, if an opening does not take up the whole of it, then what stands in the holes of openings.
+    /// The face with its holes, unless an opening takes up all of it, followed by the parts of the
+    /// face within holes of openings.
     pub pieces: Vec<Rings>,
-    /// Whether an opening takes up the whole face.
+    /// True if an opening takes up the whole face.
     pub is_whole: bool,
-    /// Whether each opening fits.
+    /// True for each opening that fits.
     pub fits: Vec<bool>,
 }
 
-/// Cuts openings out of a face. What stands in the hole of a window is a piece of the face, and may have openings of its own.
+/// Cuts openings out of a face. The part of the face within the hole of a window is a piece of its
+/// own, and may have openings too.
 pub(super) fn cut(face: Rings, frame: Frame, openings: &[Rings], rounded_m: f64) -> Leftover {
     let mut waiting: Vec<usize> = (0..openings.len()).collect();
     let area = |i: usize| openings.get(i).map_or(0.0, |rings| area_vector(&rings.outline).length());
-    // Those around others first: the others lie in their holes.
+    // Openings with holes come first, the largest first, because other openings may lie in their
+    // holes.
     let is_plain = |i: usize| openings.get(i).is_none_or(|rings| rings.holes.is_empty());
     waiting.sort_by(|&a, &b| match (is_plain(a), is_plain(b)) {
         (false, false) => area(b).total_cmp(&area(a)),
@@ -62,7 +66,7 @@ pub(super) fn cut(face: Rings, frame: Frame, openings: &[Rings], rounded_m: f64)
     left
 }
 
-/// Whether a box around one outline lies within that around another.
+/// Returns true if the bounding box of one outline lies within that of another.
 fn lies_within(inner: &[DVec3], outer: &[DVec3], rounded_m: f64) -> bool {
     let bounds = |ring: &[DVec3]| {
         let low = ring.iter().copied().fold(DVec3::INFINITY, DVec3::min);

@@ -1,5 +1,6 @@
-//! In: the JSON text of a Honeybee model. Out: those of its properties that say where surfaces are, what they are and what they are made
-//! of, typed but unchecked; all else is skipped. Names are those of honeybee-schema 2.3.
+//! In: the JSON text of a Honeybee model. Out: its properties that describe surfaces, their kinds
+//! and their materials, typed but unchecked; everything else is skipped. Names are those of
+//! honeybee-schema 2.3.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -14,7 +15,7 @@ pub(super) struct Model {
     pub identifier: String,
     #[serde(default)]
     pub units: Units,
-    /// In units of the model.
+    /// Tolerance, in units of the model.
     pub tolerance: Option<f64>,
     pub rooms: Option<Vec<Room>>,
     pub orphaned_faces: Option<Vec<Face>>,
@@ -24,7 +25,7 @@ pub(super) struct Model {
     pub shade_meshes: Option<Vec<ShadeMesh>>,
     #[serde(default)]
     pub properties: ModelProperties,
-    /// Of Dragonfly models, which call themselves by the same name.
+    /// Present in Dragonfly models, whose type has the same name.
     pub buildings: Option<IgnoredAny>,
 }
 
@@ -39,7 +40,7 @@ pub(super) enum Units {
 }
 
 impl Units {
-    /// Metres in one of them; the foot and the inch are the international ones of 1959.
+    /// Returns the length of a unit in metres; foot and inch are the international ones of 1959.
     pub(super) fn metres(self) -> f64 {
         match self {
             Units::Meters => 1.0,
@@ -96,7 +97,7 @@ pub(super) enum Boundary {
     Ground,
     Surface,
     Adiabatic,
-    /// Part of the hull.
+    /// Another temperature outside: the face is part of the hull.
     OtherSideTemperature,
 }
 
@@ -106,10 +107,10 @@ pub(super) struct Opening {
     pub identifier: String,
     pub geometry: Face3D,
     pub boundary_condition: BoundaryCondition,
-    /// Of windows.
+    /// True if a window can be opened.
     #[serde(default)]
     pub is_operable: bool,
-    /// Of doors.
+    /// True if a door is of glass.
     #[serde(default)]
     pub is_glass: bool,
     pub outdoor_shades: Option<Vec<Shade>>,
@@ -151,13 +152,13 @@ pub(super) struct Face3D {
 
 #[derive(Deserialize)]
 pub(super) struct Plane {
-    /// The normal.
+    /// Normal of the plane.
     pub n: [f64; 3],
 }
 
 #[derive(Deserialize)]
 pub(super) struct Mesh3D {
     pub vertices: Vec<[f64; 3]>,
-    /// Three or four indices each.
+    /// Faces of three or four vertex indices each.
     pub faces: Vec<Vec<u64>>,
 }

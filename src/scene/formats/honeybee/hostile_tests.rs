@@ -1,4 +1,5 @@
-//! Files as nobody should write them. In: broken models. Out: proof that each gets a message or a warning and none a panic.
+//! Damaged models. In: models with errors of many kinds. Out: proof that each gets a message or a
+//! warning, and that none panics.
 
 use std::path::Path;
 
@@ -13,12 +14,12 @@ fn read_bytes(bytes: &[u8]) -> Result<Geometry> {
     super::parse(bytes, Path::new("m.hbjson"), &Asked { reflectances: true, ..Asked::default() })
 }
 
-/// A model of one shade in place of which anything may stand.
+/// Returns a model of one shade with any text as its boundary.
 fn shade(boundary: &str) -> String {
     format!(r#"{{"type":"Model","orphaned_shades":[{{"identifier":"s","geometry":{{"boundary":{boundary}}}}}]}}"#)
 }
 
-/// Twenty-five files that cannot be read are refused with the place and the words that are at fault.
+/// Twenty-five unreadable files are refused with the place and the words at fault.
 #[test]
 fn refused() {
     let with = |pointer: &str, value: Value| {
@@ -79,7 +80,7 @@ fn refused() {
     assert_eq!(cases.len(), 25);
 }
 
-/// A model cut at every 37th of its bytes is refused as cut off, 400 times and more.
+/// A model cut at every 37th byte is refused as cut off, more than 400 times.
 #[test]
 fn cut_anywhere() {
     let mut refused = 0;
@@ -94,7 +95,7 @@ fn cut_anywhere() {
     assert!(refused > 400, "{refused}");
 }
 
-/// Nine files with something odd are read, and one warning or count says what was done about it.
+/// Nine files with an oddity are read, and one warning or count says how it was handled.
 #[test]
 fn read_with_a_word() {
     let shade = |name: &str, boundary: Value, properties: Value| json!({"identifier": name, "geometry": {"boundary": boundary}, "properties": properties});
@@ -150,7 +151,8 @@ fn read_with_a_word() {
     }
 }
 
-/// An outline of a million corners is read as it stands, and cut by nobody: the limit of 65,536 corners holds.
+/// An outline of a million corners is read unchanged, and triangulation refuses it at the limit of
+/// 65,536 corners.
 #[test]
 fn a_million_corners() {
     let zigzag: Vec<String> = (0..1_000_000).map(|i| format!("[{},{},5]", i % 1000, i / 1000)).collect();

@@ -1,5 +1,5 @@
-//! What surfaces of a model are made of. In: what each names, what the sets of its room name for its kind, and global sets. Out: materials
-//! called like the modifier or construction.
+//! Materials of a model's surfaces. In: what each surface names, the sets of its room, and the
+//! global sets. Out: materials named after their modifier or construction.
 
 use std::collections::HashMap;
 
@@ -16,7 +16,7 @@ use heliotile_core::site::material::{Class, Glass, Material};
 const NOT_THERE: &str = "modifiers or constructions are not in the file; what is named next is taken";
 const NOTHING_SAID: &str = "surfaces have neither modifier nor construction; what honeybee assumes is taken";
 
-/// Modifiers, constructions and all else by identifier; of one identifier the first counts.
+/// Modifiers, constructions and their parts by identifier; the first of an identifier counts.
 pub(super) struct Materials<'d> {
     modifiers: HashMap<&'d str, &'d Modifier>,
     constructions: HashMap<&'d str, &'d Construction>,
@@ -66,7 +66,7 @@ impl<'d> Materials<'d> {
         self.stated.0
     }
 
-    /// The number of a surface's material.
+    /// Returns the number of a surface's material.
     pub(super) fn of(&mut self, surface: &Surface<'d>, geometry: &mut Geometry, notes: &mut Notes) -> u32 {
         let material = self.described(surface, notes).unwrap_or_else(|| {
             notes.add(NOTHING_SAID, surface.identifier);
@@ -79,9 +79,11 @@ impl<'d> Materials<'d> {
         self.stated.add(Material { class, ..material }, geometry)
     }
 
-    /// What the file says of a surface, the most special first: the object, its room, the model. Radiance's modifiers say more of light
-    /// than constructions, but not those of the global set: they are seen from indoors (`Generic_Interior_Visible_Modifier_Set`, whose
-    /// roofs reflect 0.8), while the global constructions are those of the outside under the sun.
+    /// Returns the file's material for a surface. The most specific statement counts: the object's,
+    /// then its room's, then the model's. Modifiers of Radiance come before constructions, because
+    /// they describe light better. In the global sets constructions come first: the global
+    /// modifiers are made for indoors (`Generic_Interior_Visible_Modifier_Set`, whose roofs reflect
+    /// 0.8), the global constructions for the outside in the sun.
     fn described(&self, surface: &Surface<'d>, notes: &mut Notes) -> Option<Material> {
         let (object, room) = (surface.properties, surface.room.map(|room| &room.properties));
         let radiance = object.radiance.as_ref().and_then(|own| own.modifier.as_ref());
@@ -124,7 +126,7 @@ impl<'d> Materials<'d> {
     }
 }
 
-/// What is named, or stands there itself.
+/// Returns the item of a name, or the item itself if it stands in place.
 pub(super) fn find<'n, T>(named: &'n Named<T>, all: &HashMap<&str, &'n T>) -> Option<&'n T> {
     match named {
         Named::By(name) => all.get(name.as_str()).copied(),
@@ -147,7 +149,8 @@ fn by_name<'d, T>(all: impl Iterator<Item = &'d T>, name: impl Fn(&'d T) -> &'d 
     found
 }
 
-/// What a set names for a kind of surface, as honeybee looks it up; `on_ground` is where sets of a sort have that.
+/// Returns the member of a set for a kind of surface, as honeybee looks it up. `on_ground` returns
+/// the member for faces on the ground, which differs between sets.
 fn pick<'s, T>(
     set: &'s Set<T>,
     kind: Kind,
@@ -177,7 +180,8 @@ fn pick<'s, T>(
     }
 }
 
-/// Where a file says nothing: `Generic_Exterior_Solar_Modifier_Set` and `generic_context_0.20` of honeybee-standards 2.0.7
+/// Returns the material of a surface that the file does not describe:
+/// `Generic_Exterior_Solar_Modifier_Set` and `generic_context_0.20` of honeybee-standards 2.0.7
 /// (`radiance_default.json`), and the two panes of `Generic Double Pane` (`energy_default.json`).
 fn assumed(kind: Kind) -> Material {
     let (name, diffuse, glass) = match kind {

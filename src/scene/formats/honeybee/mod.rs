@@ -1,7 +1,8 @@
-//! Reader of Honeybee models. In: an HBJSON file. Out: the hull of its rooms with windows and doors cut out, and what shades it, in metres,
-//! normals outwards, named by identifiers. Rooms that stand for several are drawn once, and a place on Earth these files do not have.
+//! Reader of Honeybee models. In: an HBJSON file. Out: the hull of its rooms with windows and doors
+//! cut out, and its shades, in metres, normals outwards, named by identifiers. Rooms that stand for
+//! several are drawn once. These files have no place on Earth.
 //!
-//! Written from the schema (ladybug-tools, honeybee-schema 2.3), whose words the fields bear.
+//! Written from the schema (ladybug-tools, honeybee-schema 2.3), whose names the fields have.
 
 mod cut;
 mod document;
@@ -28,7 +29,7 @@ use crate::text::{excerpt, without_byte_order_mark};
 use document::Model;
 use heliotile_core::error::{Error, Result};
 
-/// Characters of a message about what JSON holds, which may quote it.
+/// Most characters shown of a JSON error message, which may quote the file.
 const LONGEST_MESSAGE: usize = 240;
 
 const HINT: &str = "write it again with honeybee (`Model.to_hbjson`), or check it with `honeybee validate`";
@@ -67,7 +68,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry
 
 fn refused(error: serde_json::Error, place: &str, file: &Path) -> Error {
     let line = (error.line() > 0).then_some(error.line());
-    // Models stand in one line as a rule: the column and the path say more.
+    // Most models stand in one line: the column and the path say more than the line.
     let said = error.to_string();
     let said = said.replace(&format!(" at line {} column {}", error.line(), error.column()), "");
     let said: String =
@@ -78,7 +79,7 @@ fn refused(error: serde_json::Error, place: &str, file: &Path) -> Error {
     Error::input(file, line, format!("not a Honeybee model: {place}{said} (column {})", error.column()), hint)
 }
 
-/// Whether a file that only calls itself JSON is a model: an object of type `Model`.
+/// Returns true if a JSON file is a Honeybee model: an object of type `Model`.
 pub(super) fn is_model(bytes: &[u8]) -> bool {
     struct Looks<'a>(&'a mut bool);
 
@@ -103,7 +104,7 @@ pub(super) fn is_model(bytes: &[u8]) -> bool {
 
     let mut found = false;
     let mut json = serde_json::Deserializer::from_slice(without_byte_order_mark(bytes));
-    // Stops at the type, with an error that says nothing.
+    // The visitor stops at the type, with an error that means nothing.
     let _ = json.deserialize_map(Looks(&mut found));
     found
 }

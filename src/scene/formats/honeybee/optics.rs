@@ -1,4 +1,5 @@
-//! In: a modifier of Radiance, a construction or a schedule. Out: the material that reflects as it does, or nothing where it does not say so.
+//! In: a Radiance modifier, a construction or a schedule. Out: the material with the same
+//! reflectance, or `None` if the reflectance is not stated.
 
 use std::collections::HashMap;
 
@@ -18,13 +19,14 @@ fn matt(name: &str, diffuse: f64) -> Material {
     Material::matt(name, diffuse, Class::Obstruction)
 }
 
-/// The plain mean of three channels, as that of the sun's light.
+/// Returns the plain mean of three channels, as for sunlight.
 fn mean([r, g, b]: [f64; 3], name: &str, notes: &mut Notes) -> f64 {
     [r, g, b].into_iter().map(|value| share(value, name, notes)).sum::<f64>() / 3.0
 }
 
-/// Radiance's materials (G. Ward, The RADIANCE 5.1 Synthetic Imaging System, materials.1): of plastic the mirror image has no colour, of
-/// metal that of the metal; what is rough is no mirror here and reflects all of it diffusely.
+/// Returns the material of a Radiance modifier (G. Ward, The RADIANCE 5.1 Synthetic Imaging System,
+/// materials.1). The mirror image in plastic has no colour, in metal it has the colour of the
+/// metal. A rough modifier is no mirror here: it reflects all its light diffusely.
 pub(super) fn of_modifier(modifier: &Modifier, notes: &mut Notes) -> Option<Material> {
     let name = modifier.identifier.as_str();
     let channels = |default| {
@@ -41,7 +43,7 @@ pub(super) fn of_modifier(modifier: &Modifier, notes: &mut Notes) -> Option<Mate
             Some(if modifier.roughness.unwrap_or(0.0) > 0.0 {
                 matt(name, (diffuse + specular).min(1.0))
             } else {
-                // Rounded to above 1 by the last bit.
+                // Rounding may lift the sum above 1 by the last bit.
                 Material { specular: specular.min(1.0 - diffuse), ..matt(name, diffuse) }
             })
         }
@@ -66,14 +68,14 @@ pub(super) fn of_modifier(modifier: &Modifier, notes: &mut Notes) -> Option<Mate
 /// Layers by identifier.
 pub(super) struct Layers<'l>(pub &'l HashMap<&'l str, &'l Layer>);
 
-/// A construction, from outside.
+/// Returns the material of the outer side of a construction.
 pub(super) fn of_construction(construction: &Construction, layers: &Layers, notes: &mut Notes) -> Option<Material> {
     let name = construction.identifier.as_str();
     if construction.kind == "ShadeConstruction" {
         let reflectance = share(construction.solar_reflectance.unwrap_or(SHADE_REFLECTANCE), name, notes);
         let seen = visible(construction.visible_reflectance.map(|seen| share(seen, name, notes)), reflectance);
         return Some(match construction.is_specular {
-            // What reflects nothing of all light is traced as no mirror.
+            // A specular shade that reflects no solar light is not traced as a mirror.
             Some(true) if reflectance > 0.0 => {
                 let bands = BandOptics { specular: seen, ..BandOptics::default() };
                 Material { specular: reflectance, bands, ..matt(name, 0.0) }
@@ -82,7 +84,8 @@ pub(super) fn of_construction(construction: &Construction, layers: &Layers, note
             _ => Material { bands: BandOptics { diffuse: seen, ..BandOptics::default() }, ..matt(name, reflectance) },
         });
     }
-    // With a shade or changing: the bare or first one, under the name of the whole.
+    // A window with a shade counts as bare, and a window that changes counts in its first state,
+    // under the name of the whole.
     let first = construction.constructions.as_ref().and_then(|all| all.first());
     let bare = construction.window_construction.as_deref().or(first).unwrap_or(construction);
     let named = bare.materials.iter().flatten().filter_map(|layer| find(layer, layers.0));
@@ -115,7 +118,8 @@ pub(super) fn of_construction(construction: &Construction, layers: &Layers, note
     Some(Material { bands, ..matt(name, diffuse) })
 }
 
-/// What a shade of a constant schedule lets through; nothing where it lets none through.
+/// Returns the material of a shade with a constant transmittance; `None` if it transmits nothing or
+/// the schedule is not constant.
 pub(super) fn shade_transmittance(schedule: Option<&Schedule>, shade: &str, notes: &mut Notes) -> Option<Material> {
     let days = schedule.and_then(|schedule| schedule.day_schedules.as_ref()).into_iter().flatten();
     let list = schedule.and_then(|schedule| schedule.values.as_ref()).into_iter().flatten();

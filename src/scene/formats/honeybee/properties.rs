@@ -1,5 +1,5 @@
-//! In: the properties of a Honeybee model and its objects. Out: names of modifiers and constructions and what they consist of, typed but
-//! unchecked.
+//! In: the properties of a Honeybee model and of its objects. Out: names of modifiers and
+//! constructions, and their contents, typed but unchecked.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 
-/// Something by its name in a list of the model (the abridged form), or itself.
+/// An item by its name in a list of the model (the abridged form), or the item itself.
 pub(super) enum Named<T> {
     By(String),
     Itself(Box<T>),
@@ -80,7 +80,7 @@ pub(super) struct RoomEnergy {
     pub construction_set: Option<Named<Set<Construction>>>,
 }
 
-/// Of a face, an opening or a shade.
+/// Properties of a face, an opening or a shade.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 pub(super) struct ObjectProperties {
@@ -98,11 +98,12 @@ pub(super) struct ObjectRadiance {
 #[serde(default)]
 pub(super) struct ObjectEnergy {
     pub construction: Option<Named<Construction>>,
-    /// Of shades.
+    /// Transmittance schedule; shades only.
     pub transmittance_schedule: Option<Named<Schedule>>,
 }
 
-/// A modifier set or a construction set: what objects of a kind are made of that name nothing of their own.
+/// A modifier set or construction set: the defaults for objects that name nothing of their own, by
+/// kind.
 #[derive(Deserialize)]
 #[serde(bound = "T: Deserialize<'de>")]
 pub(super) struct Set<T> {
@@ -116,7 +117,7 @@ pub(super) struct Set<T> {
     pub shade_construction: Option<Named<T>>,
     #[serde(alias = "context_modifier", alias = "context_construction")]
     pub context: Option<Named<T>>,
-    /// Global sets carry what they name.
+    /// Modifiers or constructions that a global set carries with it.
     #[serde(alias = "modifiers", alias = "constructions")]
     pub members: Option<Vec<T>>,
     pub materials: Option<Vec<Layer>>,
@@ -143,7 +144,7 @@ pub(super) struct SubSet<T> {
     pub overhead: Option<Named<T>>,
 }
 
-/// A material of Radiance, of whatever type.
+/// A Radiance material of any type.
 #[derive(Deserialize)]
 pub(super) struct Modifier {
     #[serde(rename = "type")]
@@ -159,27 +160,27 @@ pub(super) struct Modifier {
     pub front_diffuse_reflectance: Option<[f64; 3]>,
 }
 
-/// A construction of whatever type.
+/// A construction of any type.
 #[derive(Deserialize)]
 pub(super) struct Construction {
     #[serde(rename = "type")]
     pub kind: String,
     #[serde(default)]
     pub identifier: String,
-    /// From the outside inwards; `layers` before version 1.40 of the schema.
+    /// Layers from the outside inwards; named `layers` before version 1.40 of the schema.
     #[serde(alias = "layers")]
     pub materials: Option<Vec<Named<Layer>>>,
-    /// Of shades.
+    /// Solar reflectance; shades only, as the next two fields.
     pub solar_reflectance: Option<f64>,
     pub visible_reflectance: Option<f64>,
     pub is_specular: Option<bool>,
-    /// Of windows with shades.
+    /// Construction of a window without its shade.
     pub window_construction: Option<Box<Construction>>,
-    /// Of windows that change in the course of a year.
+    /// States of a window that changes in the course of a year.
     pub constructions: Option<Vec<Construction>>,
 }
 
-/// A layer of a construction, of whatever type.
+/// A layer of a construction, of any type.
 #[derive(Deserialize)]
 pub(super) struct Layer {
     #[serde(rename = "type")]
@@ -192,7 +193,7 @@ pub(super) struct Layer {
     pub u_factor: Option<f64>,
 }
 
-/// A schedule of days, or of values one after the other.
+/// A schedule of days, or of consecutive values.
 #[derive(Deserialize)]
 pub(super) struct Schedule {
     #[serde(default)]

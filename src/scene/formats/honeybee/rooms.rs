@@ -1,4 +1,5 @@
-//! Which surfaces of a model light meets. In: a whole model. Out: the hull of its rooms with windows and doors cut out, and what shades it.
+//! Surfaces of a model that light reaches. In: a whole model. Out: the hull of its rooms with
+//! windows and doors cut out, and its shades.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -19,10 +20,10 @@ use crate::formats::honeybee::surface::{Behind, Kind, Rings, Surface, Writer};
 use crate::geometry::Geometry;
 use heliotile_core::error::{Error, Result};
 
-/// Shades at the inner side of something.
+/// Reason for leaving out shades at the inner side of something.
 const INDOORS: &str = "because they are shades indoors";
 const INWARDS: &str = "faces of closed rooms look inwards and are turned";
-/// A tolerance beyond this says nothing of what is one point, metres.
+/// Largest tolerance that is used, metres: a larger one says nothing about which points coincide.
 const MOST_ROUNDED_M: f64 = 0.1;
 
 /// Reads all surfaces of a model.
@@ -38,14 +39,14 @@ pub(super) fn write<'d>(model: &'d Model, file: &Path) -> Result<(Geometry, Mate
     Ok((geometry, materials))
 }
 
-/// Rings of a face, and of its apertures and then its doors.
+/// Rings of a face, of its apertures and of its doors.
 struct FaceRings {
     own: Rings,
     openings: Vec<Rings>,
 }
 
 struct Reader<'w, 'd> {
-    /// In a unit of the model.
+    /// Length of a unit of the model, metres.
     metres: f64,
     rounded_m: f64,
     writer: Writer<'w, 'd>,
@@ -61,6 +62,7 @@ impl<'d> Reader<'_, 'd> {
             .collect();
         let mut rings: Vec<Rings> = faces.iter().map(|(_, face)| Rings::of(&face.geometry, self.metres)).collect();
         let turned = self.turn_outwards(model, &mut rings);
+        // Adiabatic faces back to back separate two rooms: they lie inside.
         let open = faces.iter().zip(&rings).enumerate();
         let open = open.filter(|(_, ((_, face), _))| face.boundary_condition.kind == Boundary::Adiabatic);
         let pairs: HashSet<usize> = back_to_back(open.map(|(i, (_, rings))| (i, rings.outline.as_slice())));
@@ -94,7 +96,8 @@ impl<'d> Reader<'_, 'd> {
         model.shade_meshes.iter().flatten().try_for_each(|mesh| self.mesh(mesh))
     }
 
-    /// Faces that look into their room are turned; their numbers. `rings` begins with the faces of all rooms.
+    /// Turns the faces that look into their room; returns their indices. `rings` begins with the
+    /// faces of all rooms.
     fn turn_outwards(&mut self, model: &Model, rings: &mut [Rings]) -> HashSet<usize> {
         let mut turned = HashSet::new();
         let mut first = 0;
@@ -113,7 +116,8 @@ impl<'d> Reader<'_, 'd> {
         turned
     }
 
-    /// A face, and its apertures and doors so that they look where it does; those of a face that was turned follow it.
+    /// Returns the rings of a face, its apertures and its doors, which are turned to look where the
+    /// face does. Openings of a face that was turned get no note.
     fn openings_along(&mut self, face: &Face, rings: Rings, is_turned: bool) -> FaceRings {
         let outwards = area_vector(&rings.outline);
         let mut outlines = Vec::new();
@@ -130,7 +134,7 @@ impl<'d> Reader<'_, 'd> {
         FaceRings { own: rings, openings: outlines }
     }
 
-    /// Counts a face that no light meets, and all that belongs to it.
+    /// Counts a face that no light reaches, and all that belongs to it.
     fn inside(&mut self, face: &Face) {
         let openings = face.apertures.iter().chain(&face.doors).flatten();
         let of_openings = openings.clone().map(|opening| opening.outdoor_shades.as_ref().map_or(0, Vec::len));
@@ -148,7 +152,7 @@ impl<'d> Reader<'_, 'd> {
         }
     }
 
-    /// A face of the hull, what is cut out of it and what shades it.
+    /// Writes a face of the hull with its openings cut out, and its shades.
     fn face(&mut self, room: Option<&'d Room>, face: &'d Face, kind: Kind, rings: FaceRings) -> Result<()> {
         let FaceRings { own: rings, openings: outlines } = rings;
         let in_wall = face.face_type == FaceType::Wall;
@@ -157,7 +161,7 @@ impl<'d> Reader<'_, 'd> {
         let openings: Vec<(&Opening, Kind)> = windows.chain(doors).collect();
         let frame = if rings.check(&mut self.writer.geometry) { Frame::of(&rings.outline) } else { None };
         let Some(frame) = frame else {
-            // What is left of a face that is none are its openings.
+            // A degenerate face is left out, but its openings are kept.
             for ((opening, kind), rings) in openings.iter().zip(&outlines) {
                 self.opening(room, opening, *kind, rings, true)?;
             }
@@ -178,14 +182,14 @@ impl<'d> Reader<'_, 'd> {
         self.shades_of(face, room)
     }
 
-    /// The shades of a face.
+    /// Writes the shades of a face.
     fn shades_of(&mut self, face: &'d Face, room: Option<&'d Room>) -> Result<()> {
         self.shades(face.outdoor_shades.as_ref(), room)?;
         self.indoors(face.indoor_shades.as_ref().map_or(0, Vec::len));
         Ok(())
     }
 
-    /// A window or a door, if it is one to the outside, and its shades.
+    /// Writes a window or a door to the outside, and its shades.
     fn opening(
         &mut self,
         room: Option<&'d Room>,
@@ -251,7 +255,7 @@ impl<'d> Reader<'_, 'd> {
     }
 }
 
-/// What a face of the hull is; `None` for one inside.
+/// Returns the kind of a face of the hull; `None` for a face inside.
 fn kind_of(face: &Face) -> Option<Kind> {
     let behind = match face.boundary_condition.kind {
         Boundary::Outdoors | Boundary::OtherSideTemperature => Behind::Outdoors,

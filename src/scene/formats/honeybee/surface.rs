@@ -1,4 +1,4 @@
-//! In: one surface of a model: what it is, whose it is, its corners. Out: a face of the scene.
+//! In: one surface of a model: its kind, room and corners. Out: a face of the scene.
 
 use std::path::Path;
 
@@ -16,13 +16,13 @@ use crate::semantics::{FaceNote, FaceSource, SurfaceKind};
 use heliotile_core::error::Result;
 use heliotile_core::site::scene_object::ObjectNote;
 
-/// What a surface of a model is, besides its place.
+/// A surface of a model, without its geometry.
 #[derive(Clone, Copy)]
 pub(super) struct Surface<'d> {
-    /// What receivers on it are named after.
+    /// Identifier, after which receivers on the surface are named.
     pub identifier: &'d str,
     pub kind: Kind,
-    /// `None` for orphans.
+    /// Room of the surface; `None` for orphaned objects.
     pub room: Option<&'d Room>,
     pub properties: &'d ObjectProperties,
 }
@@ -37,12 +37,12 @@ pub(super) enum Kind {
     Shade { detached: bool },
 }
 
-/// What lies behind a face, seen from its room.
+/// Space behind a face, seen from its room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Behind {
     Outdoors,
     Ground,
-    /// Nothing is said.
+    /// Adiabatic: the space is not stated.
     Adiabatic,
 }
 
@@ -59,7 +59,8 @@ impl Surface<'_> {
         FaceNote { kind: Some(kind), exposed: Some(exposed), source: FaceSource::Named }
     }
 
-    /// Rooms are the objects; what is in none stands for itself.
+    /// Returns the note on the object. Rooms are the objects; a surface outside all rooms stands
+    /// for itself.
     fn object_note(&self) -> ObjectNote {
         let object_type = match self.kind {
             Kind::Wall(_) | Kind::Roof(_) | Kind::Floor(_) => "Face",
@@ -83,7 +84,7 @@ pub(super) struct Rings {
 }
 
 impl Rings {
-    /// Of a geometry in units of so many metres, its normal where `plane` says that it points.
+    /// Returns the rings of a geometry, scaled by `metres`; the normal points where `plane` says.
     pub(super) fn of(geometry: &Face3D, metres: f64) -> Rings {
         let ring = |points: &Vec<[f64; 3]>| points.iter().map(|&p| DVec3::from_array(p) * metres).collect();
         let mut outline: Vec<DVec3> = ring(&geometry.boundary);
@@ -94,12 +95,12 @@ impl Rings {
         Rings { outline, holes: geometry.holes.iter().flatten().map(ring).collect() }
     }
 
-    /// Lets it look the other way.
+    /// Turns the surface over.
     pub(super) fn turn(&mut self) {
         self.outline.reverse();
     }
 
-    /// Itself, so that it looks where a frame does.
+    /// Returns the rings, turned if necessary to look where `frame` does.
     pub(super) fn along(mut self, frame: Frame) -> Rings {
         if area_vector(&self.outline).dot(frame.right().cross(frame.up())) < 0.0 {
             self.turn();
@@ -111,7 +112,7 @@ impl Rings {
         std::iter::once(&self.outline).chain(&self.holes)
     }
 
-    /// Whether it may be a face; what may not is counted.
+    /// Returns true if the rings can be a face; otherwise counts the surface as left out.
     pub(super) fn check(&self, geometry: &mut Geometry) -> bool {
         let reason = if self.outline.len() < 3 {
             TOO_FEW
@@ -125,7 +126,7 @@ impl Rings {
     }
 }
 
-/// Where faces of a model go.
+/// Output of the reader: faces, materials and notes.
 pub(super) struct Writer<'w, 'd> {
     pub file: &'w Path,
     pub geometry: Geometry,

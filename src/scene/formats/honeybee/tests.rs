@@ -1,4 +1,5 @@
-//! Models, whole: areas and normals are those of honeybee, units and materials are what they say.
+//! Whole models: areas and normals agree with honeybee, and units and materials with what the
+//! models state.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -16,7 +17,7 @@ use heliotile_core::site::bands::Band;
 use heliotile_core::site::material::{Class, Glass, Material};
 
 const TWO_ROOMS: &str = include_str!("../../../../tests/data/honeybee/two_rooms.hbjson");
-/// What honeybee-core 1.64 says of the surfaces of that model that face outdoors.
+/// Report of honeybee-core 1.64 on the surfaces of that model that face outdoors.
 const TWO_ROOMS_CSV: &str = include_str!("../../../../tests/data/honeybee/two_rooms.honeybee.csv");
 
 fn read(text: &str) -> Geometry {
@@ -28,7 +29,8 @@ fn model() -> Value {
     serde_json::from_str(TWO_ROOMS).expect("JSON")
 }
 
-/// Area vectors of all faces by the names of their objects, in the order of the file, from the triangles that they are cut into.
+/// Returns the area vectors of all faces by the names of their objects, in the order of the file,
+/// summed over their triangles.
 fn areas(geometry: &Geometry) -> BTreeMap<String, Vec<DVec3>> {
     let cut = triangulate(geometry).expect("cut");
     assert_eq!((cut.degenerate_faces, cut.crossing_faces), (0, None), "{cut:?}");
@@ -36,7 +38,7 @@ fn areas(geometry: &Geometry) -> BTreeMap<String, Vec<DVec3>> {
     let mut found: BTreeMap<String, Vec<DVec3>> = BTreeMap::new();
     for face in geometry.faces() {
         let outline: Vec<DVec3> = face.rings().flatten().map(|&i| geometry.vertices[i as usize]).collect();
-        // A face's triangles use its own vertices only.
+        // The triangles of a face use only its own vertices.
         let own: Vec<u32> = face.corners().to_vec();
         let mut sum = DVec3::ZERO;
         while let Some((triangle, _)) = rest.next_if(|(triangle, _)| own.contains(&triangle.corners[0])) {
@@ -48,8 +50,8 @@ fn areas(geometry: &Geometry) -> BTreeMap<String, Vec<DVec3>> {
     found
 }
 
-/// Net areas and normals of all 33 surfaces of two rooms, with holes, shades of every kind and a mesh, are those of honeybee to the sixth
-/// digit.
+/// Net areas and normals of all 33 surfaces of two rooms, with holes, shades of every kind and a
+/// mesh, agree with honeybee to the sixth digit.
 #[test]
 fn as_honeybee_has_it() {
     let geometry = read(TWO_ROOMS);
@@ -74,7 +76,8 @@ fn as_honeybee_has_it() {
     assert!(geometry.reference.is_none());
 }
 
-/// The same rooms in millimetres, centimetres, feet and inches are the same metres, 4 of 4, to a millionth of one.
+/// Two rooms in millimetres, centimetres, feet and inches give the same metres, 4 of 4, to a
+/// millionth of a metre.
 #[test]
 fn units() {
     fn scale(value: &mut Value, by: f64) {
@@ -108,7 +111,7 @@ fn units() {
     }
 }
 
-/// Name and optics of the material of each surface.
+/// Returns the name and optics of the material of each surface.
 fn materials(geometry: &Geometry) -> HashMap<String, (String, f64, f64, Option<Glass>, Class)> {
     let of = |face: crate::geometry::Polygon| {
         let material = &geometry.stated[&geometry.materials.as_slice()[face.material as usize]];
@@ -119,8 +122,9 @@ fn materials(geometry: &Geometry) -> HashMap<String, (String, f64, f64, Option<G
     geometry.faces().map(of).collect()
 }
 
-/// Twenty surfaces of two rooms are made of what they name, else of what their room's sets name, else of what honeybee assumes; a shade
-/// that lets half of the light through does so.
+/// Twenty surfaces of two rooms have the material that they name, otherwise that of their room's
+/// sets, otherwise honeybee's default. A shade that transmits half of the light has that
+/// transmittance.
 #[test]
 fn made_of() {
     let geometry = read(TWO_ROOMS);
@@ -159,8 +163,8 @@ fn made_of() {
     assert!(said.len() == 1 && said[0].contains("surfaces have neither modifier nor construction"), "{said:?}");
 }
 
-/// Of the global sets, which honeybee writes into every model, that of constructions goes before that of modifiers, and both go behind
-/// what a room or an object names: 5 of 5.
+/// In the global sets, which honeybee writes into every model, constructions come before modifiers,
+/// and both come after what a room or an object names: 5 of 5.
 #[test]
 fn global_sets() {
     let with = |radiance: bool, energy: bool| {
@@ -195,8 +199,9 @@ fn global_sets() {
     }
 }
 
-/// A layer that absorbs 0.8 of what is seen and a shade that reflects 0.1 of it state 0.2 and 0.1 for the visible band; a shade that says the
-/// same of both states nothing; a specular shade states what its mirror reflects: 4 of 4.
+/// A layer that absorbs 0.8 of visible light and a shade that reflects 0.1 of it have 0.2 and 0.1
+/// in the visible band. A shade with equal values has no value by band, and a specular shade has
+/// the value of its mirror: 4 of 4.
 #[test]
 fn visible_light() {
     let shade = |more: Value| {
@@ -222,7 +227,8 @@ fn visible_light() {
     assert!((seen - 0.2).abs() < 1e-12, "{seen}");
 }
 
-/// Six modifiers reflect as Radiance has them: what is rough is matt, metal colours its mirror image, plastic does not.
+/// Six modifiers reflect as in Radiance: a rough one is matt, metal colours its mirror image,
+/// plastic does not.
 #[test]
 fn modifiers() {
     for (modifier, diffuse, specular) in [
@@ -250,7 +256,7 @@ fn modifiers() {
         (json!({"type": "BSDF", "front_diffuse_reflectance": [0.1, 0.2, 0.3], "bsdf_data": ""}), 0.2, 0.0),
     ] {
         let mut model = model();
-        // Itself in place of its name, as full properties have it.
+        // The modifier stands in place of its name, as in full properties.
         let mut modifier = modifier;
         modifier["identifier"] = json!("m");
         model["orphaned_shades"][0]["properties"] = json!({"radiance": {"modifier": modifier}});
@@ -259,8 +265,9 @@ fn modifiers() {
     }
 }
 
-/// A window of a wall with a hole leaves 12 - 1 - 2 m2; one over that hole is left out; adiabatic walls back to back go, one by itself stays, and
-/// so does the window of a wall without corners.
+/// A window in a wall with a hole leaves 12 - 1 - 2 m2; a window over that hole is left out.
+/// Adiabatic walls back to back are left out, a single one stays, and so does the window of a wall
+/// without corners.
 #[test]
 fn walls() {
     let wall = |name: &str, x: f64, back: bool, condition: &str, windows: Value| {
@@ -297,7 +304,8 @@ fn walls() {
     );
 }
 
-/// A model is one under the name of `.json` too, wherever its type stands; four other kinds of JSON are none.
+/// A model is recognised in a file named `.json` too, wherever its type stands; four other kinds of
+/// JSON are not models.
 #[test]
 fn json_that_is_a_model() {
     for (text, is) in [
@@ -321,8 +329,8 @@ fn json_that_is_a_model() {
     assert_eq!((load("b.json").content_hash(), scene.report.faces_read), (scene.content_hash(), 33));
 }
 
-/// The ground of four models lies at z = 0, where honeybee's translation to EnergyPlus has it, or as low as a shade or wall of 3 cm, 30 cm and
-/// 3 m below it reaches.
+/// The ground of four models lies at z = 0, as in honeybee's translation to EnergyPlus, or as low
+/// as a shade or wall reaches: 3 cm, 30 cm and 3 m below it.
 #[test]
 fn the_ground_lies_at_zero() {
     let wall = |low: f64| json!([[0.0, 0.0, low], [4.0, 0.0, low], [4.0, 0.0, 9.0]]);
@@ -343,8 +351,9 @@ fn the_ground_lies_at_zero() {
     }
 }
 
-/// A window of 4 m2 with a hole of 1 m2 in a wall of 80 m2 leaves 77 m2 of it, 1 of them in two pieces in the hole, beside a window there of 0.25
-/// m2 that is listed first: the areas of wall, frame and window are 76.75, 3 and 0.25 m2.
+/// A window of 4 m2 with a hole of 1 m2 in a wall of 80 m2 leaves 77 m2 of wall, 1 m2 of which lies
+/// in the hole, beside a window of 0.25 m2 there that is listed first. The areas of wall, frame and
+/// window are 76.75, 3 and 0.25 m2.
 #[test]
 fn what_stands_in_the_hole_of_a_window_is_wall() {
     let square = |low: f64, high: f64| json!([[low, 0.0, low], [high, 0.0, low], [high, 0.0, high], [low, 0.0, high]]);
@@ -372,8 +381,9 @@ fn what_stands_in_the_hole_of_a_window_is_wall() {
     }
 }
 
-/// A room whose 6 faces look inwards, with its window or without, one whose roof does, and one whose window does become the same as the room that
-/// is right, with 1 warning that counts them; a room without its roof and floor stays as it stands.
+/// A room whose 6 faces look inwards, with its window or without, a room whose roof does, and one
+/// whose window does become equal to the correct room, with 1 warning that counts them. A room
+/// without its roof and floor stays unchanged.
 #[test]
 fn faces_of_a_closed_room_look_outwards() {
     let text = include_str!("../../../../tests/data/honeybee/room_inwards.hbjson");
