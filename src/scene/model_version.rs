@@ -85,8 +85,8 @@ mod tests {
 
     use super::*;
 
-    /// Versions 7.2, 26.1 and a missing one, 3 of 6, get a warning; 4 of 7 texts are a version that may
-    /// be assumed.
+    /// Versions 7.2, 26.1 and a missing one, 3 of 6, get a warning; 4 of 7 texts are a version that
+    /// may be assumed.
     #[test]
     fn versions_that_are_doubted() {
         let doubted = |text: &str| doubt(ModelVersion::parse(text), Path::new("m.idf"));
