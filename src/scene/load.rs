@@ -207,6 +207,7 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
             },
         }
     }
+    // City rasters come after polygons, whose coordinate system they take if they state none.
     let (mut beyond_parts, mut beyond) = (Vec::new(), Vec::new());
     for (part, raster, options) in surfaces {
         let SurfaceRead { city, beyond: more } =
@@ -228,6 +229,7 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
     if let Some(part) = &site.within {
         pile.cut(part, &palette);
     }
+    // Terrain is added after the cut, because all ground counts.
     pile.add_rasters(terrain, has_city, &mut palette)?;
     let mut ground = palette.ground();
     if ground.is_none() && !has_terrain && site.missing_ground == MissingGround::Assume {

@@ -43,7 +43,7 @@ pub fn twins(soup: &Soup) -> Vec<(&str, &str)> {
 mod tests {
     use super::*;
 
-    /// Of 4 objects, the 2 that fill one box are a pair; a flat one and one beside them are not.
+    /// The 2 of 4 objects that fill one box are a pair; a flat one and one beside them are not.
     #[test]
     fn pairs() {
         let mut soup = Soup::default();

@@ -53,6 +53,7 @@ pub(super) fn triangulate(geometry: &Geometry) -> Result<Triangulation> {
     let mut rings = Rings::default();
     for face in geometry.faces() {
         let corners = face.corners();
+        // Triangles need no projection and no cut.
         if let (&[a, b, c], false) = (corners, face.has_holes()) {
             done.triangles.push(RawTriangle { corners: [a, b, c], material: face.material, object: 0 });
             done.objects.push(face.object);

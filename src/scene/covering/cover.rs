@@ -280,6 +280,7 @@ fn piece(shards: Vec<Shard>, frame: &Frame) -> Option<Piece> {
         Some(found) => found,
         None => {
             let middle = |t: &[DVec3; 3]| (t[0] + t[1] + t[2]) / 3.0;
+            // Centres of small triangles are poor points for the whole part.
             let largest = shards.iter().map(|(t, _)| area_vector(t).length()).fold(0.0, f64::max);
             let fit = shards.iter().filter(|(t, _)| area_vector(t).length() >= 0.3 * largest);
             let middles = fit.map(|(t, face)| (middle(t), *face));

@@ -170,6 +170,7 @@ impl EditedScene {
         if by == 0.0 {
             return Ok(());
         }
+        // Corners below the lowest roof stay: walls stretch, and the foot keeps its place.
         for object in objects {
             let above = |corner: &&mut DVec3| corner.z >= from;
             self.own(*object).flat_map(|(corners, _)| corners).filter(above).for_each(|corner| corner.z += by);

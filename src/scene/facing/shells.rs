@@ -116,6 +116,8 @@ pub(super) fn shells(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Ve
         let polygons = faces.iter().filter_map(|&face| geometry.polygon(face));
         let corners = polygons.flat_map(|polygon| polygon.corners());
         let (low, high) = bounds(corners.filter_map(|&corner| geometry.vertices.get(corner as usize)).copied());
+        // Faces that occur twice make edges of more than two faces: only there are repeats
+        // searched.
         let is_sound = faces.len() > 3
             && places().all(|place| is(&is_balanced, place))
             && encloses(geometry, &faces)

@@ -21,9 +21,9 @@ pub(super) enum Verdict {
     Outward,
     /// The front of the first face is inside.
     Inward,
-    /// Both sides are outside.
+    /// Front and back are outside.
     Sheet,
-    /// Both sides are inside.
+    /// Front and back are inside.
     Inner,
     /// The rays disagree.
     Unclear,

@@ -14,7 +14,7 @@
 //!
 //! # What never happens
 //!
-//! - A wall never stands between two buildings that both touch it.
+//! - A wall is never kept where buildings stand on both of its sides.
 //! - The order of features never decides where faces are.
 
 pub(crate) mod ground_below;

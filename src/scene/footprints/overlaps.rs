@@ -41,6 +41,7 @@ pub(super) struct Pair {
 
 /// Returns the pairs of shapes that overlap in plan.
 pub(super) fn overlapping(shapes: &[&[Vec<PlanRing>]]) -> Vec<Pair> {
+    // Boxes sorted from the west leave few pairs of shapes to intersect.
     let boxes: Vec<[DVec2; 2]> = shapes.iter().map(|polygons| bounds(polygons)).collect();
     let mut order: Vec<usize> = (0..shapes.len()).collect();
     let west = |i: usize| boxes.get(i).map_or(f64::INFINITY, |[low, _]| low.x);

@@ -50,6 +50,8 @@ pub(crate) fn raise(files: &mut [FootprintFile], ground: &GroundBelow) -> Result
     let wholes = outlines_without_parts(&mut town.blocks, &pairs);
     let consist_of_parts = town.blocks.iter().filter(|block| block.polygons.is_empty()).count();
     let filled = settle(&mut town.blocks, &pairs);
+    // Cut blocks have new corners, which are merged with those of neighbours before sides are
+    // compared.
     if !pairs.is_empty() {
         let noded = town.noded();
         for (number, block) in town.blocks.iter_mut().enumerate() {

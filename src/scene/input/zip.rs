@@ -47,6 +47,7 @@ pub(super) fn single(bytes: &[u8], file: &Path) -> Result<Option<Single>> {
         return Err(refuse(format!("the zip holds {} files, not one: {some}{more}", files.len())));
     };
     let shown = excerpt(name.as_bytes());
+    // The raw entry shows the packing method before anything is unpacked.
     let entry = zip.by_index_raw(*number).map_err(|error| damaged(&error))?;
     let known = [CompressionMethod::Stored, CompressionMethod::Deflated].contains(&entry.compression());
     let (most, encrypted) = (most(entry.compressed_size().min(bytes.len() as u64)), entry.encrypted());

@@ -83,6 +83,7 @@ fn unit(extents: &[Extent]) -> Option<String> {
         |of: &Extent| if of.scale == 1.0 { String::new() } else { format!(" (read with a scale of {})", of.scale) };
     let file = first.file.display();
     let (wide, high) = (size.x.max(size.y), size.z);
+    // Degrees come first, because no scale corrects them.
     if degrees(low, size) {
         return Some(format!(
             "{file}: x and y look like degrees ({:.4} {:.4}, {wide:.4} wide and {high:.1} high), and scenes are in metres: reproject the \

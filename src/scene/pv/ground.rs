@@ -114,6 +114,7 @@ impl<'a> GroundGrid<'a> {
                 positions.push(position);
             }
         }
+        // Only places within the box of a module in plan are tested.
         for module in modules {
             let corners = || module.front.into_iter().chain(module.rear()).map(DVec3::truncate);
             let [behind, side] = [-self.axes.faces, self.axes.along].map(|axis| {

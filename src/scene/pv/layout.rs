@@ -189,6 +189,7 @@ pub fn lay(rows: &RowsOfModules, normal: DVec3, outline: &Outline, below: impl F
                 laid.left_out += 1;
                 continue;
             };
+            // A row gets its number with its first module, so that empty rows leave no gap.
             if count == 0 {
                 number += 1;
             }

@@ -122,6 +122,8 @@ fn placed<'a>(
     let system = part.reference.or(frame.references()[0]).or(system);
     let mut warnings = Vec::new();
     let place = |raster: Raster, file: &Path, values: Values| -> Result<Raster> {
+        // Differences and codes are no heights above sea level: vertical offsets do not apply to
+        // them.
         let level = values == Values::Heights;
         let own = Part {
             file: file.to_owned(),
@@ -129,6 +131,7 @@ fn placed<'a>(
             elevation_m: part.elevation_m.filter(|_| level),
             ..part.clone()
         };
+        // Placing a raster scales its values, which codes must keep.
         let codes = (values == Values::Codes).then(|| raster.heights.clone());
         let mut placed = raster.placed(&own, frame, system)?;
         if let Some(codes) = codes {

@@ -199,6 +199,7 @@ fn stretches(places: &[DVec2], cell: f64) -> Vec<Stretch> {
     let mut open: Vec<Range<usize>> = std::iter::once(0..middles.len()).collect();
     let mut found: Vec<Range<usize>> = Vec::new();
     while let Some(sides) = open.pop() {
+        // A closed stretch has no chord, so that it is always cut.
         let is_closed = places.get(sides.start) == places.get(sides.end);
         match farthest(places, &sides).filter(|_| is_closed || !fits(&sides, &fit(&sides))) {
             Some(at) => open.extend([at..sides.end, sides.start..at]),

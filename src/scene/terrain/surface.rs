@@ -59,6 +59,7 @@ pub(crate) fn surface(mut raster: Raster, wanted: &Wanted) -> Result<(Geometry, 
     };
     let reach = focus.reach(low, high);
     let curved = !alone && reach > CURVED_BEYOND_M;
+    // Heights are lowered before thinning, whose limit holds for the ground as it is seen.
     if curved {
         raster.lower(|place| curvature_drop(focus.distance_squared(place)));
     }
