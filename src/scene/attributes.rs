@@ -1,14 +1,16 @@
-//! What files state of objects besides geometry. In: JSON values. Out: one JSON object of texts, numbers and truth values, as archives keep it.
+//! Attributes of objects: what files state besides geometry. In: JSON values. Out: one flat JSON
+//! object of texts, numbers and truth values, as archives keep it.
 
 use heliotile_core::archive::tables::MAX_ATTRIBUTES;
 use serde_json::{Map, Value};
 
-/// Objects within objects are taken apart so deep: `names.primary` of Overture.
+/// Depth to which nested objects are flattened, as in `names.primary` of Overture.
 const DEPTH: usize = 3;
-/// Longer texts are no names or numbers.
+/// Longest text that is kept, bytes: longer texts are no names or numbers.
 const LONGEST_TEXT: usize = 1000;
 
-/// Attributes without nested values, by dotted names; lists of texts and numbers become a text, empty values and what is too long are left out.
+/// Returns the attributes with nested objects flattened to dotted names. A list of texts and
+/// numbers becomes one text. Empty values and texts that are too long are left out.
 pub(crate) fn flat(attributes: &Map<String, Value>) -> Map<String, Value> {
     let mut all = Map::new();
     add(&mut all, "", attributes, DEPTH);
@@ -43,7 +45,9 @@ fn plain(value: &Value) -> Option<String> {
     }
 }
 
-/// As a text that an archive can keep: names of the alphabet's end go where there is no room for all. Nothing for no attributes.
+/// Returns the attributes as JSON text of at most [`MAX_ATTRIBUTES`] bytes, leaving out the
+/// alphabetically last names if there is no room for all. The text is empty if there are no
+/// attributes.
 pub(crate) fn text_of(mut attributes: Map<String, Value>) -> String {
     loop {
         if attributes.is_empty() {
@@ -54,7 +58,7 @@ pub(crate) fn text_of(mut attributes: Map<String, Value>) -> String {
         if text.len() <= MAX_ATTRIBUTES {
             return text;
         }
-        // Half of them at a time.
+        // Halving the names takes few rounds even if thousands do not fit.
         let mut names = names;
         names.sort_unstable();
         for name in names.iter().skip(names.len() / 2) {
@@ -63,7 +67,7 @@ pub(crate) fn text_of(mut attributes: Map<String, Value>) -> String {
     }
 }
 
-/// Attributes that a text holds; none if the text is no JSON object.
+/// Returns the attributes that a text holds; none if the text is no JSON object.
 pub(crate) fn object_of(text: &str) -> Map<String, Value> {
     serde_json::from_str(text).unwrap_or_default()
 }
@@ -73,7 +77,8 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    /// Of 8 attributes 5 are kept, one of them from within another and one a list; of 400 texts of 100 bytes so many are kept as 16 KiB hold.
+    /// An object of 8 attributes keeps 5, one of them from a nested object and one from a list; of
+    /// 400 texts of 100 bytes, 100 are kept within 16 KiB.
     #[test]
     fn attributes_become_flat() {
         let value = json!({

@@ -1,5 +1,5 @@
-//! What differs between two scenes. In: the triangles of a scene that was traced, and a scene. Out: the triangles that only one of them
-//! has, and the new numbers of the materials.
+//! Differences between two scenes. In: the triangles of a traced scene, and a scene. Out: the
+//! triangles that only one of them has, and the new numbers of the materials.
 
 use std::cmp::Ordering;
 
@@ -14,34 +14,39 @@ use heliotile_core::site::morton::lexicographic;
 /// A scene as an archive holds it.
 #[derive(Clone, Debug)]
 pub struct TracedScene {
-    /// The frame of the triangles.
+    /// Frame of the triangles.
     pub grid: Grid,
-    /// Corners relative to the origin of the frame, in the canonical order of [`Mesh`](crate::mesh::Mesh).
+    /// Corners of each triangle relative to the origin of the frame, in the canonical order of
+    /// [`Mesh`](crate::mesh::Mesh).
     pub triangles: Vec<[DVec3; 3]>,
-    /// Row of `materials`, one a triangle.
+    /// Row of `materials` for each triangle.
     pub triangle_material: Vec<u16>,
-    /// Sorted by name.
+    /// Materials, sorted by name.
     pub materials: Vec<Material>,
-    /// The objects that the triangles are parts of.
+    /// Objects that the triangles are parts of.
     pub objects: MeshObjects,
 }
 
-/// What became of a scene.
+/// Difference between a traced scene and the current one.
 #[derive(Clone, Debug, Default)]
 pub struct SceneChange {
-    /// Triangles that are there no longer, relative to the origin of the scene as it is now.
+    /// Triangles that no longer exist, relative to the origin of the current scene.
     pub removed: Vec<[DVec3; 3]>,
-    /// Triangles that were not there: indices into the mesh as it is now.
+    /// Triangles that are new: indices into the current mesh.
     pub added: Vec<u32>,
-    /// `[material before]`: its number now, if there still is one of its name. Numbers rise as they did.
+    /// New number of each old material, by old number; `None` if no current material has its name.
+    /// The new numbers are in the same order as the old ones.
     pub renumbered: Vec<Option<u16>>,
-    /// Whether some of the triangles that came or went are a canopy's.
+    /// True if a removed or an added triangle belongs to a canopy.
     pub of_canopies: bool,
 }
 
 impl SceneChange {
-    /// Compares a scene that was traced with one as it is now. `None`: their frames are so far apart that equal surfaces do not have equal
-    /// coordinates, to the bit. A triangle whose material became a mirror, a canopy or one that scatters light, or was one, is another triangle.
+    /// Compares a traced scene with the current one. Returns `None` if their frames are so far
+    /// apart that equal surfaces do not have equal coordinates, to the bit.
+    ///
+    /// A triangle counts as removed and added if its material became, or no longer is, a mirror, a
+    /// canopy or a material that scatters light.
     pub fn between(before: &TracedScene, after: &Scene) -> Option<Self> {
         let (frame, shift) = (after.mesh.grid(), before.grid.origin - after.mesh.origin);
         let of_after = || (0..after.mesh.triangles.len()).map(|triangle| after.mesh.triangle_points(triangle));
@@ -100,7 +105,7 @@ impl SceneChange {
         Some(change)
     }
 
-    /// Whether every triangle is as it was.
+    /// Returns true if no triangle was removed or added.
     pub fn is_empty(&self) -> bool {
         self.removed.is_empty() && self.added.is_empty()
     }
@@ -110,14 +115,14 @@ fn is_canopy(materials: &[Material], row: u16) -> bool {
     materials.get(usize::from(row)).is_some_and(|material| material.transmittance.is_some())
 }
 
-/// A triangle under the numbers of today's materials.
+/// A triangle with the current number of its material.
 struct Triangle {
     corners: [DVec3; 3],
     material: u16,
 }
 
 impl Triangle {
-    /// The canonical order.
+    /// Compares two triangles in the canonical order.
     fn order(&self, other: &Self) -> Ordering {
         let corners = self.corners.iter().zip(&other.corners).map(|(a, b)| lexicographic(*a, *b));
         corners.fold(Ordering::Equal, Ordering::then).then(self.material.cmp(&other.material))
@@ -144,10 +149,12 @@ mod tests {
         }
     }
 
-    /// Of 300 triangles of two materials 20 go, 30 come and 10 change their material; a new material before the others moves their numbers,
-    /// and a far triangle the origin: 30 are gone, 41 have come, whatever lies between is equal. A mirror of the same name is another triangle,
-    /// another reflectance is not, and a canopy is told. A scene of less than 4 m has another step, and one of 3 km does not have equal coordinates: neither is
-    /// compared.
+    /// In a scene of 300 triangles, 20 go, 30 come and 10 change their material. A new
+    /// material before the others moves their numbers, and a far triangle moves the origin: 30
+    /// triangles are removed and 41 added. A material of the same name that becomes a mirror gives
+    /// other triangles, another reflectance does not, and a change of canopies is flagged. A scene
+    /// of less than 4 m has another grid step, and one of 3 km does not have equal coordinates:
+    /// neither is compared.
     #[test]
     fn what_went_and_what_came() {
         let at = |i: i32| DVec3::new(f64::from(i % 20) * 9.0, f64::from(i / 20) * 7.0, f64::from(i % 7));

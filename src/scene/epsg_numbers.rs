@@ -1,8 +1,8 @@
-//! Numbers of the EPSG register that the crate of definitions lacks, or that it does not tell apart. In: a number. Out: what kind of
-//! system it is, its horizontal part, or the unit of its heights. All lists are those of version 11.022 of the register (2024), read
-//! with pyproj 3.7.2 (`query_crs_info`).
+//! Numbers of the EPSG register that the crate of definitions lacks or does not tell apart. In: a
+//! number. Out: the kind of the system, its horizontal part, or the unit of its heights. All lists
+//! come from version 11.022 of the register (2024), read with pyproj 3.7.2 (`query_crs_info`).
 
-/// Compound systems and their horizontal parts.
+/// Compound systems with their horizontal parts.
 const COMPOUND: [(u32, u32); 43] = [
     (5554, 25831),
     (5555, 25832),
@@ -49,7 +49,8 @@ const COMPOUND: [(u32, u32); 43] = [
     (10687, 3794),
 ];
 
-/// First and last numbers of geographic systems, and of compound ones with a geographic part, that the crate does not have.
+/// Ranges (first and last number) of geographic systems, and of compound ones with a geographic
+/// part, that the crate of definitions lacks.
 const GEOGRAPHIC: [(u32, u32); 131] = [
     (8694, 8694),
     (8698, 8699),
@@ -184,22 +185,22 @@ const GEOGRAPHIC: [(u32, u32); 131] = [
     (20045, 20046),
 ];
 
-/// Geocentric systems that the crate does not have.
+/// Geocentric systems that the crate of definitions lacks.
 const GEOCENTRIC: [u32; 51] = [
     8697, 8915, 8917, 8919, 8921, 8923, 8925, 8927, 8929, 8931, 8933, 8935, 8937, 8939, 8941, 8943, 8945, 8947, 9070,
     9073, 9138, 9146, 9151, 9182, 9266, 9292, 9307, 9331, 9378, 9468, 9545, 9694, 9700, 9753, 9775, 9780, 9892, 9988,
     10176, 10282, 10297, 10303, 10308, 10326, 10412, 10473, 10569, 10604, 10669, 20039, 20044,
 ];
 
-/// Vertical systems whose unit is the international foot, and those whose unit is the foot of the US survey.
+/// Vertical systems in international feet, and vertical systems in US survey feet.
 const HEIGHTS_IN_FEET: [u32; 8] = [5614, 6130, 6131, 6132, 8050, 8051, 8228, 8897];
 const HEIGHTS_IN_US_FEET: [u32; 6] = [5702, 6358, 6359, 6360, 8052, 8053];
 
-/// The feet, metres.
+/// International foot and US survey foot, metres.
 pub(crate) const FOOT_M: f64 = 0.3048;
 pub(crate) const US_FOOT_M: f64 = 1200.0 / 3937.0;
 
-/// What the coordinates of a system are.
+/// Kind of the coordinates of a reference system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Axes {
     /// Longitude and latitude.
@@ -210,12 +211,13 @@ pub(crate) enum Axes {
     Plane,
 }
 
-/// The horizontal part of a system; itself where it is not compound.
+/// Returns the horizontal part of a compound system, or `epsg` itself if the system is not
+/// compound.
 pub(crate) fn horizontal_part(epsg: u32) -> u32 {
     COMPOUND.iter().find(|(compound, _)| *compound == epsg).map_or(epsg, |(_, part)| *part)
 }
 
-/// What coordinates of a system are; `None` for numbers that are not known here.
+/// Returns the kind of a system's coordinates; `None` for numbers that are not known here.
 pub(crate) fn axes_of(epsg: u32) -> Option<Axes> {
     if GEOGRAPHIC.iter().any(|(first, last)| (*first..=*last).contains(&epsg)) {
         return Some(Axes::Degrees);
@@ -232,21 +234,24 @@ pub(crate) fn axes_of(epsg: u32) -> Option<Axes> {
     })
 }
 
-/// Metres a unit of the heights of a vertical system; `None` where the number states none.
+/// Returns the metres a unit of the heights of a vertical system; `None` if the number states no
+/// unit.
 pub(crate) fn height_unit_m(epsg: u32) -> Option<f64> {
     match epsg {
         _ if HEIGHTS_IN_FEET.contains(&epsg) => Some(FOOT_M),
         _ if HEIGHTS_IN_US_FEET.contains(&epsg) => Some(US_FOOT_M),
         // Heights above Poolbeg, feet of Britain of 1936.
         5754 => Some(0.304_800_749_1),
-        // Numbers of GeoTIFF 1.0 (5001 to 5106) state a surface and no unit; all other vertical systems are in metres.
+        // Numbers of GeoTIFF 1.0 (5001 to 5106) state a surface and no unit; all other vertical
+        // systems are in metres.
         1024..=5000 | 5107..=32_766 => Some(1.0),
         _ => None,
     }
 }
 
-/// Numbers of the systems that a text names, the horizontal one first: of `https://www.opengis.net/def/crs/EPSG/0/7415`,
-/// `urn:ogc:def:crs:EPSG::7415`, `EPSG:7415`, `EPSG:25832+5783`, `urn:ogc:def:crs,crs:EPSG::28992,crs:EPSG::5709`.
+/// Returns the EPSG numbers that a text names, the horizontal one first. It reads
+/// `https://www.opengis.net/def/crs/EPSG/0/7415`, `urn:ogc:def:crs:EPSG::7415`, `EPSG:7415`,
+/// `EPSG:25832+5783` and `urn:ogc:def:crs,crs:EPSG::28992,crs:EPSG::5709`.
 pub(crate) fn epsg_numbers_in(text: &str) -> Vec<u32> {
     let upper = text.to_ascii_uppercase();
     let behind = upper.find("EPSG").and_then(|at| upper.get(at..)).unwrap_or_default();
@@ -258,7 +263,7 @@ pub(crate) fn epsg_numbers_in(text: &str) -> Vec<u32> {
 mod tests {
     use super::*;
 
-    /// Fifteen numbers are known as degrees (8), geocentric (4) or plane (2), one is not known.
+    /// Fourteen numbers are known as degrees (8), geocentric (4) or plane (2); one is not known.
     #[test]
     fn kinds_of_systems() {
         for (axes, numbers) in [
@@ -271,7 +276,8 @@ mod tests {
         }
     }
 
-    /// Heights of NAVD88 are metres (5703), US feet (6360) or feet (8228); a surface of GeoTIFF 1.0 has no unit.
+    /// Heights of NAVD88 are metres (5703), US feet (6360) or feet (8228); a surface of GeoTIFF 1.0
+    /// has no unit.
     #[test]
     fn units_of_heights() {
         assert_eq!([5703, 6360, 8228].map(height_unit_m), [Some(1.0), Some(1200.0 / 3937.0), Some(0.3048)]);

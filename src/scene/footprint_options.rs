@@ -1,51 +1,56 @@
-//! What is asked of footprints. In: texts of options and of `site.toml`. Out: where heights of buildings come from.
+//! Options for footprints. In: texts of command-line options and of `site.toml`. Out: where heights
+//! of buildings come from.
 
 use std::fmt::{self, Display};
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// Metres from floor to floor where nothing else is said: what OSM's page "Simple 3D Buildings" and 3D viewers of its data assume.
+/// Default height of a storey, metres from floor to floor: what OSM's page "Simple 3D Buildings"
+/// and 3D viewers of its data assume.
 pub const STOREY_HEIGHT_M: f64 = 3.0;
 
-/// Tallest building that is believed, metres: the tallest one of today has 828 m.
+/// Tallest building that is accepted, metres: the tallest one today has 828 m.
 pub const MAX_HEIGHT_M: f64 = 1000.0;
 
-/// The international foot.
+/// International foot, metres.
 pub(crate) const FOOT_M: f64 = 0.3048;
 
-/// Where a height comes from.
+/// Source of a height.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum HeightSource {
     /// A column (attribute) of the features.
     Column {
-        /// Its name.
+        /// Name of the column.
         name: String,
-        /// Metres a unit of its numbers.
+        /// Metres a unit of the column's numbers.
         unit_m: f64,
     },
-    /// A number of metres for all of them.
+    /// One height for all features, metres.
     Metres(f64),
 }
 
-/// Where heights of footprints come from.
+/// Sources of the heights of footprints.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FootprintOptions {
-    /// Height of the roof above the base: the first of these that a feature states counts; none: the usual columns, then storeys.
+    /// Height of the roof above the base: the first of these sources that a feature states counts.
+    /// Empty: the usual columns, then storeys.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub height: Vec<HeightSource>,
-    /// Metres from floor to floor, for features that state storeys and no height; none: [`STOREY_HEIGHT_M`].
+    /// Metres from floor to floor, for features that state storeys and no height; `None`:
+    /// [`STOREY_HEIGHT_M`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub storey_height_m: Option<f64>,
-    /// Height of the base in the scene; none: the lowest ground below the outline, or 0 without ground.
+    /// Height of the base in the scene; `None`: the lowest ground below the outline, or 0 without
+    /// ground.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base: Option<HeightSource>,
 }
 
 impl FootprintOptions {
-    /// What is stated here, and for the rest what `other` states.
+    /// Returns these options, with those of `other` where nothing is stated here.
     pub(crate) fn or(&self, other: &FootprintOptions) -> FootprintOptions {
         FootprintOptions {
             height: if self.height.is_empty() { other.height.clone() } else { self.height.clone() },
@@ -54,12 +59,12 @@ impl FootprintOptions {
         }
     }
 
-    /// Whether nothing is stated.
+    /// Returns true if no option is stated.
     pub fn is_default(&self) -> bool {
         *self == FootprintOptions::default()
     }
 
-    /// Refuses numbers that are out of range; an error names the field.
+    /// Checks that numbers are within range; an error names the field.
     pub fn check(&self) -> Result<(), (&'static str, String)> {
         let tall = self.height.iter().find(
             |source| matches!(source, HeightSource::Metres(metres) if !(*metres > 0.0 && *metres <= MAX_HEIGHT_M)),
@@ -79,7 +84,8 @@ impl FootprintOptions {
 impl FromStr for HeightSource {
     type Err = String;
 
-    /// `9.5m` or `9.5` are metres, anything else is the name of a column, of feet as `HEIGHTROOF[ft]`.
+    /// Reads `9.5m` or `9.5` as metres and anything else as the name of a column; `HEIGHTROOF[ft]`
+    /// is a column in feet.
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
         let number = text.strip_suffix('m').unwrap_or(text).trim_end();
@@ -123,7 +129,8 @@ impl Display for HeightSource {
 mod tests {
     use super::*;
 
-    /// Three texts are metres, three are columns, one of them of feet, two are refused, and each comes back from its own text.
+    /// Three texts are metres, three are columns, one of them in feet, and two are refused; each
+    /// source is read back from its own text.
     #[test]
     fn sources() {
         let of = |text: &str| text.parse::<HeightSource>();

@@ -1,19 +1,23 @@
-//! Coordinates from the Earth's centre, as tiles of 3D Tiles have them (EPSG:4978: x to longitude 0, z to the north pole). In: vertices. Out:
-//! whether they are such, and the same ones in metres east, north and up of a place on the ellipsoid.
+//! Coordinates from the Earth's centre, as tiles of 3D Tiles have them (EPSG:4978: x to longitude
+//! 0, z to the north pole). In: vertices. Out: true if they are geocentric, and their positions in
+//! metres east, north and up of a place on the ellipsoid.
 
 use glam::{DMat3, DVec3};
 
 use crate::reference::Reference;
 
-/// Distances from the Earth's centre of what stands on it, metres: the poles are at 6,356.8 km, the equator at 6,378.1 km.
+/// Range of distances from the Earth's centre to objects on its surface, metres: the poles are at
+/// 6,356.8 km, the equator at 6,378.1 km.
 const NEAREST_M: f64 = 6.33e6;
 const FARTHEST_M: f64 = 6.4e6;
 
-/// Coordinates of a plane may have the same length, in the north of Europe, but no heights like these. Within 10 km of the equator
-/// geocentric coordinates are not recognised.
+/// Least distance from the plane of the equator, metres. Plane coordinates in the north of Europe
+/// may have the same length, but no heights like these. Within 10 km of the equator geocentric
+/// coordinates are not recognised.
 const NO_HEIGHT_M: f64 = 10_000.0;
 
-/// The WGS 84 ellipsoid (NIMA TR8350.2, 2000, table 3.1 and 3.3): longer half axis, and first eccentricity squared.
+/// The WGS 84 ellipsoid (NIMA TR8350.2, 2000, tables 3.1 and 3.3): semi-major axis, and first
+/// eccentricity squared.
 const HALF_AXIS_M: f64 = 6_378_137.0;
 const ECCENTRICITY_2: f64 = 0.006_694_379_990_14;
 
@@ -21,24 +25,25 @@ const ECCENTRICITY_2: f64 = 0.006_694_379_990_14;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LocalFrame {
     origin: DVec3,
-    /// Its rows are east, north and up.
+    /// Rotation whose rows are east, north and up.
     turn: DMat3,
     latitude_deg: f64,
     longitude_deg: f64,
 }
 
-/// Whether all positions lie near the surface of the Earth as seen from its centre.
+/// Returns true if all positions lie near the surface of the Earth, measured from its centre.
 pub(crate) fn is_geocentric(positions: &[DVec3]) -> bool {
     let near = |p: &DVec3| (NEAREST_M..FARTHEST_M).contains(&p.length()) && p.z.abs() > NO_HEIGHT_M;
     !positions.is_empty() && positions.iter().all(near)
 }
 
 impl LocalFrame {
-    /// The frame of the place below or above a position.
+    /// Returns the frame of the place on the ellipsoid below or above a position.
     fn at(position: DVec3) -> LocalFrame {
         let (x, y, z) = position.into();
         let (across, longitude) = (x.hypot(y), y.atan2(x));
-        // Converges by a factor of 300 a step; the length of the normal to the axis is that of the latitude before.
+        // Each step converges by a factor of 300; the normal's length to the axis is that of the
+        // previous latitude.
         let mut latitude = z.atan2(across * (1.0 - ECCENTRICITY_2));
         for _ in 0..6 {
             let normal = HALF_AXIS_M / (1.0 - ECCENTRICITY_2 * latitude.sin().powi(2)).sqrt();
@@ -58,7 +63,7 @@ impl LocalFrame {
         }
     }
 
-    /// Its origin, with y to true north.
+    /// Returns the place of the origin as a reference; y points to true north.
     pub(crate) fn reference(&self) -> Reference {
         Reference::Place { latitude_deg: self.latitude_deg, longitude_deg: self.longitude_deg }
     }
@@ -68,8 +73,9 @@ impl LocalFrame {
     }
 }
 
-/// Turns geocentric coordinates into metres about a place, and gives its frame: that of the scene's first such file, else of the middle of
-/// these. What is not geocentric stays as it is.
+/// Turns geocentric coordinates into metres about a place and returns the frame of that place. The
+/// frame is `of_scene`, from the scene's first such file, or else that of the middle of these
+/// vertices. Vertices that are not geocentric stay as they are.
 pub(crate) fn to_local(vertices: &mut [DVec3], of_scene: Option<LocalFrame>) -> Option<LocalFrame> {
     if !is_geocentric(vertices) {
         return None;
@@ -89,8 +95,9 @@ mod tests {
 
     const POINT: [f64; 3] = [3_923_453.927_6, 301_066.748_5, 5_002_838.806_0];
 
-    /// A point of The Hague, 45 m above the ellipsoid, that pyproj 3.7.2 puts at (3923453.9276, 301066.7485, 5002838.8060) is 45 m above the
-    /// origin of its frame within 0.1 mm, at 52.0 N and 4.388 E within 1e-8 degrees; 100 m towards the pole are north and up.
+    /// A point of The Hague, 45 m above the ellipsoid, that pyproj 3.7.2 puts at (3923453.9276,
+    /// 301066.7485, 5002838.8060) is 45 m above the origin of its frame within 0.1 mm, at 52.0 N
+    /// and 4.388 E within 1e-8 degrees. A shift of 100 m towards the pole points north and up.
     #[test]
     fn a_place_of_geocentric_coordinates() {
         let point = DVec3::new(POINT[0], POINT[1], POINT[2]);
@@ -103,7 +110,8 @@ mod tests {
         assert!((north - DVec3::new(0.0, 100.0 * cos, 100.0 * sin)).length() < 1e-4, "{north}");
     }
 
-    /// Of five positions one is geocentric; UTM coordinates of Denmark and of Gothenburg have the same length and are not, nor is a house.
+    /// One of five positions is geocentric: UTM coordinates of Denmark and of Gothenburg have the
+    /// same length and are not, and neither is a house.
     #[test]
     fn coordinates_of_a_plane_are_not_geocentric() {
         for (position, expected) in [
@@ -119,8 +127,9 @@ mod tests {
         assert!(!is_geocentric(&[DVec3::from(POINT), DVec3::ZERO]));
     }
 
-    /// Two houses of 10 m that stand 100 m apart east to west, in geocentric coordinates of two files, are 110 x 10 x 8 m in one frame of 52 N,
-    /// whatever their order of heights above the ellipsoid; a city model in such coordinates is refused.
+    /// Two houses of 10 m that stand 100 m apart from east to west, in geocentric coordinates of
+    /// two files, span 110 x 10 x 8 m in one frame of 52 N. A city model in such coordinates is
+    /// refused.
     #[test]
     fn two_files_have_one_frame() {
         let frame = LocalFrame::at(DVec3::from(POINT));

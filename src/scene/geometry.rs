@@ -1,5 +1,6 @@
-//! What a file of any format says: polygons with holes in input coordinates, each of a material and an object. In: what a reader
-//! finds, one thing after the other. Out: lists whose every index is in range and every coordinate finite.
+//! Geometry of a file of any format: polygons with holes in input coordinates, each with a material
+//! and an object. In: what a reader finds, one item after the other. Out: lists in which every
+//! index is in range and every coordinate finite.
 
 use std::collections::BTreeMap;
 use std::collections::HashMap;
@@ -17,46 +18,50 @@ use crate::semantics::{FaceNote, SourceFace, SurfaceKind};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
 
-/// Polygons of one file, in its order.
+/// Polygons of one file, in the order of the file.
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
-    /// Input coordinates, metres; finite, at most [`MAX_COORDINATE_M`](crate::coordinate::MAX_COORDINATE_M) in size.
+    /// Positions in input coordinates, metres; finite, at most
+    /// [`MAX_COORDINATE_M`](crate::coordinate::MAX_COORDINATE_M) in size.
     pub vertices: Vec<DVec3>,
-    /// Corners of all faces one after the other, outline before holes: indices into `vertices`, all in range.
+    /// Corners of all faces one after the other, outline before holes: indices into `vertices`, all
+    /// in range.
     corners: Vec<u32>,
     faces: Vec<Face>,
-    /// `[face]`: 1-based number in the file; empty where all faces are kept.
+    /// Number of each face in the file, from 1; empty if all faces are kept.
     numbers: Vec<u32>,
-    /// `[face]`; short where nothing is known of the last faces.
+    /// Notes by face; shorter than the faces if nothing is known of the last ones.
     face_notes: Vec<FaceNote>,
-    /// Face and place in `corners` where one of its holes begins, in order.
+    /// Beginnings of holes, in order: the face, and the place in `corners`.
     holes: Vec<(usize, usize)>,
-    /// Indexed by `Polygon::material`.
+    /// Material names, indexed by `Polygon::material`.
     pub materials: Names,
-    /// Indexed by `Polygon::object`: what receivers on a face are named after.
+    /// Object names, indexed by `Polygon::object`: receivers on a face are named after its object.
     pub objects: Names,
-    /// What is known of objects besides, by the same numbers; of others nothing is.
+    /// Notes on objects by the same numbers; objects without a note are missing.
     pub object_notes: HashMap<u32, ObjectNote>,
     /// Materials that the file itself describes.
     pub stated: MaterialTable,
-    /// Where on Earth the coordinates lie, if the file says so.
+    /// Place on Earth of the coordinates, if the file states it.
     pub reference: Option<Reference>,
-    /// Whether the reader made metres of plane coordinates, whatever the unit of the system that they are in.
+    /// True if the reader converted plane coordinates to metres from the unit of their system.
     pub in_metres: bool,
-    /// Where the coordinates are metres about, if the file's own are geocentric.
+    /// Frame that the coordinates are relative to, if the file's own are geocentric.
     pub local_frame: Option<LocalFrame>,
-    /// Of a format that always has ground, which is no face of the file.
+    /// Ground of a format that always has ground without a face for it.
     pub ground: Option<ModelGround>,
     pub warnings: Vec<String>,
-    /// Sentences on what was decided that nobody need doubt.
+    /// Decisions that no user needs to question, one sentence each.
     pub notes: Vec<String>,
-    /// Sentences about faces, which begin with a number of them.
+    /// Sentences about faces, which begin with their count.
     pub doubts: Vec<String>,
-    /// Numbers of faces of buildings without semantics, ascending: their tilt says what they are, once their outside is known.
+    /// Numbers of faces of buildings without semantics, ascending: their tilt decides their kind
+    /// once their outside is known.
     pub by_tilt: Vec<usize>,
-    /// Faces (or other pieces) that the reader left out, by reason: "with fewer than three corners".
+    /// Counts of faces (or other pieces) that the reader left out, by reason: "with fewer than
+    /// three corners".
     pub left_out: BTreeMap<String, usize>,
-    /// Outlines of buildings, which become faces once the ground below is known.
+    /// Footprints of buildings, which become faces once the ground below is known.
     pub footprints: Vec<Footprint>,
 }
 
@@ -65,37 +70,37 @@ struct Face {
     end: usize,
     material: u32,
     object: u32,
-    /// 1-based line of the file; 0 where the format has none.
+    /// Line of the file, from 1; 0 if the format has none.
     line: usize,
 }
 
-/// A place between two faces of a list.
+/// A position between two faces of a list.
 pub(super) struct FaceMark {
     corners: usize,
     faces: usize,
     holes: usize,
 }
 
-/// One face: an outline and its holes.
+/// One face: an outline with its holes.
 pub(super) struct Polygon<'a> {
     corners: &'a [u32],
-    /// Face and place in all corners.
+    /// Beginnings of its holes: the face, and the place in the corners of all faces.
     holes: &'a [(usize, usize)],
     start: usize,
     pub material: u32,
     pub object: u32,
     pub line: usize,
-    /// Place among the faces of the file.
+    /// Index among the faces of the file.
     pub number: usize,
 }
 
 impl<'a> Polygon<'a> {
-    /// Corners of outline and holes together.
+    /// Returns the corners of outline and holes together.
     pub(super) fn corners(&self) -> &'a [u32] {
         self.corners
     }
 
-    /// The outline, then each hole.
+    /// Returns the rings: the outline, then each hole.
     pub(super) fn rings(&self) -> impl Iterator<Item = &'a [u32]> {
         let begin = |i: usize| self.holes.get(i).map_or(self.corners.len(), |hole| hole.1 - self.start);
         (0..=self.holes.len()).map(move |i| {
@@ -110,7 +115,8 @@ impl<'a> Polygon<'a> {
 }
 
 impl Geometry {
-    /// Adds a vertex and gives its index. The caller has checked it with [`is_position`].
+    /// Adds a vertex and returns its index. The caller has checked the position with
+    /// [`is_position`](crate::coordinate::is_position).
     pub(super) fn push_vertex(&mut self, file: &Path, position: DVec3) -> Result<u32> {
         debug_assert!(crate::coordinate::is_position(position));
         let index = u32::try_from(self.vertices.len()).ok().filter(|i| *i < u32::MAX).ok_or_else(|| Error::Limit {
@@ -123,23 +129,24 @@ impl Geometry {
         Ok(index)
     }
 
-    /// Adds one corner to the ring that is being written. It must be in range when the file is read.
+    /// Adds one corner to the ring that is being written. The corner must be in range once the file
+    /// is read.
     #[inline]
     pub(super) fn push_corner(&mut self, corner: u32) {
         self.corners.push(corner);
     }
 
-    /// The corners that follow are those of a hole of the face that is being written.
+    /// Begins a hole of the face that is being written: the corners that follow are the hole's.
     pub(super) fn begin_hole(&mut self) {
         self.holes.push((self.faces.len(), self.corners.len()));
     }
 
-    /// Ends the face whose corners were pushed since the last one.
+    /// Ends the face of the corners that were pushed since the last one.
     pub(super) fn end_face(&mut self, material: u32, object: u32, line: usize) {
         self.faces.push(Face { end: self.corners.len(), material, object, line });
     }
 
-    /// Notes what is known of the face that ended last.
+    /// Sets the note of the face that ended last.
     pub(super) fn note_face(&mut self, note: FaceNote) {
         self.face_notes.resize(self.faces.len(), FaceNote::default());
         if let Some(last) = self.face_notes.last_mut() {
@@ -147,7 +154,7 @@ impl Geometry {
         }
     }
 
-    /// Adds a whole face: its outline and then its holes.
+    /// Adds a whole face: its outline, then its holes.
     pub(super) fn push_face<'r>(
         &mut self,
         rings: impl IntoIterator<Item = &'r [u32]>,
@@ -164,12 +171,12 @@ impl Geometry {
         self.end_face(material, object, line);
     }
 
-    /// How far the faces are read.
+    /// Returns a mark at the end of the faces read so far.
     pub(super) fn mark(&self) -> FaceMark {
         FaceMark { corners: self.corners.len(), faces: self.faces.len(), holes: self.holes.len() }
     }
 
-    /// Takes back all faces since a mark.
+    /// Removes all faces since a mark.
     pub(super) fn back_to(&mut self, mark: &FaceMark) {
         self.corners.truncate(mark.corners);
         self.faces.truncate(mark.faces);
@@ -177,12 +184,12 @@ impl Geometry {
         self.holes.truncate(mark.holes);
     }
 
-    /// Counts something that is left out; `reason` completes "3 faces ...".
+    /// Counts an item that is left out; `reason` completes "3 faces ...".
     pub(super) fn leave_out(&mut self, reason: &str) {
         *self.left_out.entry(reason.to_owned()).or_default() += 1;
     }
 
-    /// The faces as receivers on them name them, in the order of [`Geometry::faces`].
+    /// Returns the faces as receivers on them name them, in the order of [`Geometry::faces`].
     pub(super) fn source_faces(&self) -> impl Iterator<Item = SourceFace> {
         let face = move |(i, face): (usize, &Face)| SourceFace {
             note: self.note_of(i),
@@ -200,7 +207,7 @@ impl Geometry {
         (0..self.faces.len()).filter_map(|number| self.polygon(number))
     }
 
-    /// A face by its number.
+    /// Returns the face of a number.
     pub(super) fn polygon(&self, number: usize) -> Option<Polygon<'_>> {
         let face = self.faces.get(number)?;
         let range = self.corners_of(number);
@@ -218,18 +225,18 @@ impl Geometry {
         })
     }
 
-    /// Where the corners of a face are.
+    /// Returns the range of a face's corners.
     fn corners_of(&self, number: usize) -> Range<usize> {
         let end = |number: usize| self.faces.get(number).map_or(0, |face| face.end);
         number.checked_sub(1).map_or(0, end)..end(number)
     }
 
-    /// What is known of a face.
+    /// Returns the note of a face.
     pub(super) fn note_of(&self, number: usize) -> FaceNote {
         self.face_notes.get(number).copied().unwrap_or_default()
     }
 
-    /// Turns a face to its other side.
+    /// Turns a face over: reverses its outline and its holes.
     pub(super) fn turn_face(&mut self, number: usize) {
         let lengths: Vec<usize> =
             self.polygon(number).map(|face| face.rings().map(<[u32]>::len).collect()).unwrap_or_default();
@@ -242,7 +249,7 @@ impl Geometry {
         }
     }
 
-    /// Puts the corners of an outline in another order.
+    /// Puts the corners of a face's outline in another order.
     pub(super) fn reorder_outline(&mut self, number: usize, outline: &[u32]) {
         let range = self.corners_of(number);
         if let Some(corners) = self.corners.get_mut(range).and_then(|corners| corners.get_mut(..outline.len())) {
@@ -250,7 +257,7 @@ impl Geometry {
         }
     }
 
-    /// Notes that no light comes to a face.
+    /// Marks a face as one that no light reaches.
     pub(super) fn mark_inner(&mut self, number: usize) {
         self.face_notes.resize(self.faces.len(), FaceNote::default());
         if let Some(note) = self.face_notes.get_mut(number) {
@@ -258,7 +265,7 @@ impl Geometry {
         }
     }
 
-    /// Says what a face is made of, and what it is.
+    /// Sets the material and the kind of a face.
     pub(super) fn name_face(&mut self, number: usize, material: u32, kind: Option<SurfaceKind>) {
         if let Some(face) = self.faces.get_mut(number) {
             face.material = material;
@@ -268,7 +275,7 @@ impl Geometry {
         }
     }
 
-    /// Leaves out faces; the others keep the numbers by which the file knows them. Holes go with their faces.
+    /// Removes faces with their holes. The others keep their numbers in the file.
     pub(super) fn drop_faces(&mut self, dropped: &[bool]) {
         if !dropped.contains(&true) {
             return;
@@ -290,7 +297,8 @@ impl Geometry {
         self.numbers = kept.numbers;
     }
 
-    /// Cuts holes out of faces: by face, rings of positions. Without room for their corners a face keeps its area.
+    /// Cuts holes out of faces; `holes` gives rings of positions by face. Nothing is cut if the
+    /// vertices would exceed 32-bit indices.
     pub(super) fn cut_holes(&mut self, holes: BTreeMap<usize, Vec<Vec<DVec3>>>) {
         if holes.is_empty() {
             return;
@@ -319,14 +327,14 @@ impl Geometry {
         }
     }
 
-    /// 1-based number of a face in the file.
+    /// Returns the number of a face in the file, from 1.
     fn number_in_file(&self, number: usize) -> u32 {
         let all = || u32::try_from(number + 1).unwrap_or(u32::MAX);
         self.numbers.get(number).copied().unwrap_or_else(all)
     }
 }
 
-/// Names in the order of their first use, each once.
+/// Distinct names in the order of their first use.
 #[derive(Debug, Default)]
 pub(super) struct Names {
     names: Vec<String>,
@@ -334,7 +342,7 @@ pub(super) struct Names {
 }
 
 impl Names {
-    /// The number of a name, a new one if it was not seen before.
+    /// Returns the number of a name, a new one if the name was not seen before.
     pub(super) fn id(&mut self, name: &str) -> u32 {
         if let Some(&id) = self.ids.get(name) {
             return id;
@@ -359,7 +367,8 @@ impl Names {
 mod tests {
     use super::*;
 
-    /// A face and a half with a hole that are taken back leave the one face before them with its three corners.
+    /// Taking back one face with a hole and an unfinished one leaves the face before them with its
+    /// three corners.
     #[test]
     fn faces_are_taken_back() {
         let mut geometry = Geometry::default();

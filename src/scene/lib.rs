@@ -1,30 +1,40 @@
-//! Files of the world become checked geometry, materials and receivers.
+//! The scene crate: turns input files into checked geometry, materials and receivers.
 //!
 //! # Map
 //!
-//! `formats` (a folder or file each: CityJSON, CityGML, features, GeoTIFF, glTF, OBJ, PLY, STL, EnergyPlus, Honeybee) and `terrain` give polygons, `surface_city` those of rasters of a city; `load` merges them and
-//! [`mesh`] brings them to one canonical form; [`materials`] gives every surface its optics; [`covering`] puts receivers on them.
-//! [`pv`] says where solar modules are to stand.
+//! Folder `formats` has one folder or file per format (CityJSON, CityGML, features, GeoTIFF, glTF,
+//! OBJ, PLY, STL, EnergyPlus, Honeybee); `formats` and `terrain` give polygons, and `surface_city`
+//! makes polygons of a city's rasters. `load` merges the polygons and [`mesh`] brings them to one
+//! canonical form. [`materials`] gives every surface its optics, and [`covering`] puts receivers on
+//! surfaces. [`pv`] describes where solar modules are to stand.
 //!
 //! # What never happens
 //!
-//! - Nothing that is not finite, of length 1 or within its range leaves a reader.
-//! - No ray is cast, nothing is known of archives, nothing is printed: what was odd stands in [`LoadReport`].
-//! - Equal scenes are equal meshes, whatever the order of faces, vertices and files.
+//! - Readers never give a coordinate that is not finite, a direction that is not of length 1 or a
+//!   value out of its range.
+//! - This crate casts no ray, knows nothing of archives and prints nothing: what was odd stands in
+//!   [`LoadReport`].
+//! - Equal scenes never give different meshes, whatever the order of faces, vertices and files.
 //!
 //! # Eleven words
 //!
-//! - **site**: scene files with their materials, places and scales, as `site.toml` or a command line lists them.
+//! - **site**: scene files with their materials, places and scales, as `site.toml` or a command
+//!   line lists them.
 //! - **scene**: one mesh with a material for every triangle.
-//! - **soup**: polygons as they were read, with the objects that they belong to, before they are a mesh.
-//! - **object**: a building, a tree, an `o` of OBJ; **surface**: neighbouring faces of an object in one plane.
+//! - **soup**: polygons as they were read, with the objects that they belong to, before they become
+//!   a mesh.
+//! - **object**: a building, a tree, an `o` of OBJ; **surface**: neighbouring faces of an object in
+//!   one plane.
 //! - **palette**: the materials of several files, told apart where one name means two things.
 //! - **class**: ground or obstruction; **group**: materials that follow one schedule at replay.
-//! - **focus**: where positions keep their millimetres beside far terrain.
-//! - **thinning**: leaving out samples of terrain that no horizon shows.
-//! - **region part**: a rectangle of a region that is built by itself; its **halo** is how far around it neighbours count.
+//! - **focus**: the point near which positions keep their millimetres when far terrain makes the
+//!   scene wide.
+//! - **thinning**: leaving out samples of terrain that change no horizon by more than a limit.
+//! - **region part**: a rectangle of a region that is built by itself; its **halo** is the distance
+//!   up to which neighbours around it count.
 //! - **buried**: inside a neighbour or below the terrain.
-//! - **endless ground**: a plane that goes on beyond the scene; where files have no ground one is assumed, if the site asks for it.
+//! - **endless ground**: a horizontal plane that reaches far beyond the scene. Where files have no
+//!   ground, such a plane is assumed if the site asks for it.
 
 #![deny(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::indexing_slicing, clippy::panic, clippy::unreachable))]
@@ -96,45 +106,46 @@ use mesh_objects::{MeshObjects, ranked};
 /// Geometry in canonical form, with a checked material for every index of `mesh.triangle_material`.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The triangles.
+    /// Triangles of the scene.
     pub mesh: Mesh,
-    /// The materials in use, sorted by name.
+    /// Materials in use, sorted by name.
     pub materials: Vec<Material>,
-    /// The objects that its triangles are parts of; no part of its content.
+    /// Objects that the triangles are parts of; not hashed by [`Scene::content_hash`].
     pub objects: MeshObjects,
-    /// Where on Earth it lies, if its files say so; no part of its content.
+    /// Place on Earth, if a file states it; not hashed by [`Scene::content_hash`].
     pub place: Option<Place>,
-    /// What its ground reflects by month, if an EnergyPlus model says so; its material has the mean. No part of its content.
+    /// Monthly ground reflectances, if an EnergyPlus model states them; the ground's material has
+    /// their mean. Not hashed by [`Scene::content_hash`].
     pub ground: Option<MonthlyGround>,
-    /// What loading came across.
+    /// Counts, warnings and notes of loading.
     pub report: LoadReport,
 }
 
-/// What loading a scene came across; no part of its content.
+/// Counts, warnings and notes of loading a scene; not part of the scene's content.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadReport {
-    /// Faces in the files, before they are cut into triangles.
+    /// Number of faces in the files, before they are cut into triangles.
     pub faces_read: usize,
-    /// Triangles kept.
+    /// Number of triangles kept.
     pub triangles: usize,
-    /// Faces with fewer than three distinct corners and triangles without area.
+    /// Number of faces with fewer than three distinct corners and of triangles without area.
     pub degenerate_dropped: usize,
-    /// Triangles that repeated another one of the same material.
+    /// Number of triangles that repeated another one of the same material.
     pub duplicates_dropped: usize,
-    /// Faces that bend inwards somewhere.
+    /// Number of faces with a concave corner or a hole.
     pub concave_faces: usize,
-    /// In the order of `Scene::materials`.
+    /// Triangle count of each material, in the order of `Scene::materials`.
     pub materials: Vec<MaterialUse>,
-    /// Names of materials that nobody describes.
+    /// Names of materials that no file describes, so that their optics are assumed.
     pub assumed: Vec<String>,
-    /// Sentences for the user.
+    /// Warnings for the user, one sentence each.
     pub warnings: Vec<String>,
-    /// What was decided that the user did not ask for, such as how terrain was thinned.
+    /// Decisions that the user did not ask for, such as how terrain was thinned; one sentence each.
     pub notes: Vec<String>,
 }
 
 impl LoadReport {
-    /// Tells an observer the warnings and the notes.
+    /// Passes the warnings and the notes to an observer.
     pub fn tell(&self, observer: &dyn Observer) {
         self.warnings.iter().for_each(|warning| observer.warn(warning));
         self.notes.iter().for_each(|note| observer.note(note));
@@ -142,13 +153,15 @@ impl LoadReport {
 }
 
 impl Scene {
-    /// Builds a scene from triangles in input coordinates, each with its index into `materials`, as if read from a file.
+    /// Builds a scene from triangles in input coordinates, each with its index into `materials`, as
+    /// if they were read from a file.
     pub fn from_triangles(triangles: &[([DVec3; 3], u16)], materials: Vec<Material>) -> Result<Scene> {
         Scene::from_objects(triangles, materials, &MeshObjects::default(), None)
     }
 
-    /// Builds a scene from triangles in input coordinates with their objects, one each or none at all. `focus`: a point near to which
-    /// positions keep their millimetres; none: the middle.
+    /// Builds a scene from triangles in input coordinates with their objects: one object for each
+    /// triangle, or none at all. `focus` is a point near which positions keep their millimetres;
+    /// `None` takes the middle of the scene.
     pub fn from_objects(
         triangles: &[([DVec3; 3], u16)],
         materials: Vec<Material>,
@@ -224,7 +237,8 @@ impl Scene {
         Ok(Scene { mesh, materials, objects, place: None, ground: None, report })
     }
 
-    /// BLAKE3 over [`Scene::content_hash`] and the objects: equal for scenes that an archive holds alike.
+    /// Returns the BLAKE3 hash of [`Scene::content_hash`] and the objects. Two scenes that an
+    /// archive holds alike have equal hashes.
     pub fn named_hash(&self) -> [u8; 32] {
         let mut content = ContentHasher::new("heliotile scene with objects 2");
         content.raw(&self.content_hash());
@@ -242,8 +256,9 @@ impl Scene {
         content.finish()
     }
 
-    /// BLAKE3 over geometry and materials in canonical little-endian form, each list after its length: equal for equal
-    /// scenes, whatever the order of faces, vertices and materials in their files.
+    /// Returns the BLAKE3 hash of geometry and materials in canonical little-endian form, each list
+    /// after its length. Equal scenes have equal hashes, whatever the order of faces, vertices and
+    /// materials in their files.
     pub fn content_hash(&self) -> [u8; 32] {
         let mut content = ContentHasher::new("heliotile scene 2");
         content.point(&self.mesh.origin);
@@ -264,7 +279,7 @@ impl Scene {
             content.number(material.diffuse);
             content.number(material.specular);
             content.raw(&[material.class.code()]);
-            // A name of length 0 is none: groups are never empty.
+            // Groups are never empty, so that an empty name means no group.
             content.bytes(material.group.as_deref().unwrap_or_default().as_bytes());
             if let Some(glass) = material.glass {
                 content.bytes(b"glass");
@@ -288,8 +303,9 @@ impl Scene {
     }
 }
 
-/// Renumbers the materials of triangles, which are rows of `names`, to ranks in the sorted names, which are returned.
-#[allow(clippy::indexing_slicing)] // whoever makes a triangle takes the number of its material from the names
+/// Renumbers the materials of triangles from rows of `names` to ranks in the sorted names, and
+/// returns the sorted names.
+#[allow(clippy::indexing_slicing)] // every material number of a triangle is a row of `names`
 fn rank_by_name(names: &[String], triangles: &mut [RawTriangle]) -> Vec<String> {
     let mut order: Vec<usize> = (0..names.len()).collect();
     order.sort_by_key(|&row| &names[row]);
@@ -303,8 +319,8 @@ fn rank_by_name(names: &[String], triangles: &mut [RawTriangle]) -> Vec<String> 
     order.into_iter().map(|row| names[row].clone()).collect()
 }
 
-/// How many triangles each material of a mesh has; `used` are rows of the sorted `names`.
-#[allow(clippy::indexing_slicing)] // both come from the triangles that the mesh was made of
+/// Counts the triangles of each material of a mesh; `used` holds ranks in the sorted `names`.
+#[allow(clippy::indexing_slicing)] // both come from the triangles of the mesh
 fn count_uses(mesh: &Mesh, used: &[u32], names: &[String]) -> Vec<MaterialUse> {
     let mut uses: Vec<MaterialUse> =
         used.iter().map(|&rank| MaterialUse { name: names[rank as usize].clone(), triangles: 0 }).collect();

@@ -1,5 +1,6 @@
-//! Several files, one scene. In: the parts of a site. Out: a scene, and its triangles with the objects they belong to. Rasters come
-//! last, in the light of what they are the horizon of.
+//! Loading: several files, one scene. In: the parts of a site. Out: a scene, and its triangles with
+//! the objects that they belong to. Rasters come last: they are thinned by what they are the
+//! horizon of.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -44,32 +45,35 @@ use heliotile_core::site::material::Class;
 use heliotile_core::site::scene_object::{ObjectNote, SceneObject};
 use heliotile_core::text::with_list;
 
-/// Reasons why faces are left out that get a warning each; more are a list.
+/// Most reasons for leaving out faces that get a warning each; more reasons become one list.
 const MOST_REASONS: usize = 2;
 
 /// Triangles of a scene in the order of its files, each with the object it is a part of.
 #[derive(Debug, Default)]
 pub struct Soup {
-    /// Input coordinates, metres.
+    /// Positions in input coordinates, metres.
     pub positions: Vec<DVec3>,
-    /// Corners, indices into `positions`.
+    /// Corners of each triangle, indices into `positions`.
     pub triangles: Vec<[u32; 3]>,
-    /// Indices into `Scene::materials`, `u16::MAX` for one that no triangle of the scene bears.
+    /// Material of each triangle, an index into `Scene::materials`; `u16::MAX` for a material that
+    /// no triangle of the scene has.
     pub materials: Vec<u16>,
-    /// Indices into `object_names`.
+    /// Object of each triangle, an index into `object_names`.
     pub objects: Vec<u32>,
     /// Names of the objects in the files.
     pub object_names: Vec<String>,
-    /// What is known of an object besides: `[object]`.
+    /// Notes on the objects, `[object]`.
     pub object_notes: Vec<ObjectNote>,
-    /// The face that each triangle is a part of: indices into `source_faces`, none for triangles that no file has.
+    /// Face that each triangle is a part of, an index into `source_faces`; `u32::MAX` for triangles
+    /// of no file.
     pub faces: Vec<u32>,
     /// Faces of the files.
     pub source_faces: Vec<SourceFace>,
 }
 
 impl Soup {
-    /// Lowest and highest corner of its triangles but those of the endless ground.
+    /// Returns the lowest and the highest corner of all triangles except those of the endless
+    /// ground.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let endless = self.object_names.iter().position(|name| name == crate::ground::endless::NAME);
         let named = self.triangles.iter().zip(&self.objects).filter(|(_, object)| Some(**object as usize) != endless);
@@ -77,15 +81,15 @@ impl Soup {
     }
 }
 
-/// A file whose ground is no face of it.
+/// A file whose format states a ground without a face for it.
 struct Model {
     file: PathBuf,
-    /// Its own, among those of all files.
+    /// Its triangles, among those of all files.
     triangles: Range<usize>,
     ground: ModelGround,
 }
 
-/// What was read so far.
+/// Everything that was read so far.
 #[derive(Default)]
 struct Pile {
     positions: Vec<DVec3>,
@@ -93,23 +97,23 @@ struct Pile {
     objects: Vec<u32>,
     names: Names,
     notes: HashMap<u32, ObjectNote>,
-    /// Whether faces are asked for.
+    /// True if the soup and its faces are kept.
     keep: bool,
     faces: Vec<u32>,
     source_faces: Vec<SourceFace>,
-    /// How far each file reaches, and what is said of its place.
+    /// Extent and stated place of each file.
     extents: Vec<Extent>,
     report: LoadReport,
-    /// Files whose ground is no face of theirs.
+    /// Files whose format states a ground without a face for it.
     models: Vec<Model>,
-    /// What the ground reflects by month, if that matters.
+    /// Monthly ground reflectances, if they differ by month.
     by_month: Option<MonthlyGround>,
-    /// Centre of all geometry but far terrain, if there is such terrain.
+    /// Centre of all geometry except far terrain, if there is such terrain.
     focus: Option<DVec3>,
     aside: Aside,
 }
 
-/// Triangles that only receivers beyond a part of a region see: surfaces are whole with them.
+/// Triangles that only receivers outside the part of a region see; surfaces need them to be whole.
 #[derive(Default)]
 struct Aside {
     triangles: Vec<RawTriangle>,
@@ -132,7 +136,7 @@ impl Outlined {
         Outlined { part, geometry }
     }
 
-    /// Number of its plane system.
+    /// Returns the EPSG number of its plane system.
     fn epsg(&self) -> Option<u32> {
         match self.part.reference.or(self.geometry.reference) {
             Some(Reference::Epsg(epsg)) => Some(epsg),
@@ -151,23 +155,25 @@ impl Outlined {
 }
 
 impl Scene {
-    /// Reads one file with the reflectances that the file itself gives, but for those in `materials.toml`. No ground is assumed.
+    /// Loads one file, with its own reflectances except those that `materials.toml` states. No
+    /// ground is assumed.
     pub fn load(file: &Path, materials: Option<&Path>) -> Result<Scene> {
         Scene::load_site(&Site { parts: vec![Part::plain(file, materials)], ..Site::default() })
     }
 
-    /// Reads all files of a site.
+    /// Loads all files of a site.
     pub fn load_site(site: &Site) -> Result<Scene> {
         load(site, false).map(|loaded| loaded.0)
     }
 
-    /// The same, and what its triangles are parts of.
+    /// Loads all files of a site, with the soup of triangles and the objects that they are parts
+    /// of.
     pub fn load_with_objects(site: &Site) -> Result<(Scene, Soup)> {
         load(site, true)
     }
 }
 
-/// Reads all files; without `keep` the soup is empty.
+/// Loads all files of a site; without `keep` the soup is empty.
 fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
     let (mut palette, mut pile) = (Palette::default(), Pile { keep, ..Pile::default() });
     let (mut rasters, mut surfaces, mut outlines, mut local_frame) = (Vec::new(), Vec::new(), Vec::new(), None);
@@ -201,6 +207,7 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
             },
         }
     }
+    // City rasters come after polygons, whose coordinate system they take if they state none.
     let (mut beyond_parts, mut beyond) = (Vec::new(), Vec::new());
     for (part, raster, options) in surfaces {
         let SurfaceRead { city, beyond: more } =
@@ -222,6 +229,7 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
     if let Some(part) = &site.within {
         pile.cut(part, &palette);
     }
+    // Terrain is added after the cut, because all ground counts.
     pile.add_rasters(terrain, has_city, &mut palette)?;
     let mut ground = palette.ground();
     if ground.is_none() && !has_terrain && site.missing_ground == MissingGround::Assume {
@@ -231,12 +239,12 @@ fn load(site: &Site, keep: bool) -> Result<(Scene, Soup)> {
 }
 
 impl Pile {
-    /// The coordinate system of the first file that states one.
+    /// Returns the coordinate system of the first file that states one.
     fn reference(&self) -> Option<Reference> {
         self.extents.iter().find_map(Extent::reference)
     }
 
-    /// Its EPSG number.
+    /// Returns the EPSG number of that coordinate system.
     fn system(&self) -> Option<u32> {
         self.reference().and_then(|reference| match reference {
             Reference::Epsg(epsg) => Some(epsg),
@@ -244,7 +252,7 @@ impl Pile {
         })
     }
 
-    /// Puts aside what receivers in a part of the region do not see.
+    /// Puts aside the triangles that receivers in a part of the region do not see.
     fn cut(&mut self, part: &RegionPart, palette: &Palette) {
         let is_ground = |material| palette.class(material).0 == Class::Ground;
         let seen = part.seen(&self.positions, &self.triangles, &self.objects, is_ground);
@@ -259,7 +267,8 @@ impl Pile {
         };
     }
 
-    /// Rasters in scene coordinates; `outlined` is the system of footprints that are not added yet.
+    /// Returns the rasters in scene coordinates; `outlined` is the system of footprints that are
+    /// not added yet.
     fn placed_rasters<'p>(
         &self,
         rasters: Vec<(&'p Part, Raster)>,
@@ -273,7 +282,8 @@ impl Pile {
         rasters.into_iter().map(place).collect()
     }
 
-    /// Adds buildings on the ground that was read: rasters, and triangles of class ground.
+    /// Adds buildings from footprints on the ground that was read: rasters, and triangles of class
+    /// ground.
     fn add_footprints(&mut self, mut outlines: Vec<Outlined>, terrain: &[Tile], palette: &mut Palette) -> Result<()> {
         if outlines.is_empty() {
             return Ok(());
@@ -286,13 +296,14 @@ impl Pile {
         let mut files: Vec<FootprintFile> = outlines.iter_mut().map(Outlined::file).collect();
         self.report.notes.extend(raise(&mut files, &below)?);
         for Outlined { part, geometry } in outlines {
-            // They were placed before they were raised.
+            // Their coordinates are scene coordinates already.
             self.add(&part, geometry, palette, Some(&|p| p))?;
         }
         Ok(())
     }
 
-    /// Meshes rasters as the horizon of what was added before, if anything was; `has_city`: some go on beyond a city.
+    /// Adds rasters as meshes, thinned as the horizon of what was added before, if anything was.
+    /// `has_city` is true if some of them extend a city.
     fn add_rasters(&mut self, rasters: Vec<Tile>, has_city: bool, palette: &mut Palette) -> Result<()> {
         let used = self.triangles.iter().flat_map(|t| t.corners).filter_map(|i| self.positions.get(i as usize));
         let (low, high) = bounds(used.copied());
@@ -309,13 +320,14 @@ impl Pile {
             };
             let (geometry, note) = surface(raster, &wanted)?;
             self.report.notes.extend(note);
-            // Its raster was placed before.
+            // Its raster is in scene coordinates already.
             self.add(part, geometry, palette, None)?;
         }
         Ok(())
     }
 
-    /// The plane of a scene whose files have no ground, and the number of its material; says so.
+    /// Returns the plane of a scene whose files have no ground and the number of its material, and
+    /// reports it.
     fn assume_ground(&mut self, palette: &mut Palette) -> Option<(EndlessGround, u32)> {
         let Pile { positions, triangles, objects, models, report, names, notes, .. } = self;
         let of_model = |i: &usize| models.iter().any(|model| model.triangles.contains(i));
@@ -373,7 +385,8 @@ impl Pile {
         Some((EndlessGround { elevation_m: Some(lowest - BELOW_M) }, material))
     }
 
-    /// Adds polygons, and puts them where `place` says; the surface of a raster stays where it is.
+    /// Adds polygons at the positions that `place` gives; `None` leaves the surface of a raster
+    /// where it is.
     fn add(
         &mut self,
         part: &Part,
@@ -413,7 +426,7 @@ impl Pile {
             self.notes.entry(number(&objects, object)).or_insert_with(|| note.clone());
         }
         if self.keep {
-            // Triangles are counted in 32 bits, and faces are no more.
+            // A triangle count fits 32 bits, and there are no more faces than triangles.
             let first = self.source_faces.len() as u32;
             self.source_faces.extend(geometry.source_faces());
             self.faces.extend(cut.faces.iter().map(|face| first + face));
@@ -424,7 +437,7 @@ impl Pile {
         corners().for_each(|triangle| walls.add(triangle));
         let (low, high) = bounds(corners().flatten());
         if !low.is_finite() {
-            // Nothing that could lie anywhere.
+            // A file without triangles has no extent to check.
             return Ok(());
         }
         self.extents.push(Extent {
@@ -451,7 +464,7 @@ impl Pile {
         Ok(())
     }
 
-    /// Notes what was found in a file.
+    /// Adds the findings of a file to the report.
     fn note(&mut self, part: &Part, geometry: &Geometry, cut: &Triangulation) {
         let (report, file) = (&mut self.report, part.file.display());
         report.faces_read += geometry.face_count();
@@ -487,6 +500,7 @@ impl Pile {
         }
     }
 
+    // The mesh is made of the triangles that count; the soup also holds those that were put aside.
     fn finish(
         mut self,
         site: &Site,
@@ -552,13 +566,15 @@ impl Pile {
     }
 }
 
-/// The building that an object is a part of, by its number; itself where no other has that name.
+/// Returns the number of the building that an object is a part of; `object` itself if no building
+/// is stated.
 fn whole_of(object: u32, names: &mut Names, notes: &HashMap<u32, ObjectNote>) -> u32 {
     let building = notes.get(&object).map(|note| note.building.as_str()).filter(|building| !building.is_empty());
     building.map_or(object, |building| names.id(building))
 }
 
-/// Takes out what is not kept; of a list that is shorter, the rest counts as none.
+/// Removes the items that are not kept and returns them. Missing items of a shorter list are
+/// skipped.
 fn parted<T: Copy>(list: &mut Vec<T>, kept: &[bool]) -> Vec<T> {
     let out = list.iter().zip(kept).filter_map(|(item, kept)| (!kept).then_some(*item)).collect();
     let mut flags = kept.iter();

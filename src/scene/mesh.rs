@@ -1,5 +1,6 @@
-//! In: positions and triangles in any order. Out: one mesh in canonical form, its vertices on the absolute grid; degenerate and repeated
-//! triangles are dropped and counted.
+//! The mesh of a scene. In: positions and triangles in any order. Out: one mesh in canonical form
+//! with its vertices on the absolute grid; degenerate and repeated triangles are dropped and
+//! counted.
 
 use glam::DVec3;
 use heliotile_core::site::grid::{Grid, MOST_M};
@@ -8,48 +9,53 @@ use rayon::slice::ParallelSliceMut;
 
 use heliotile_core::error::{Error, Result};
 
-/// Most triangles of a scene.
+/// Largest number of triangles in a scene.
 pub const MAX_TRIANGLES: u64 = 1 << 31;
 
-/// A face whose area is below this share of its longest extent squared has none.
+/// Least area of a face as a share of its longest extent squared; smaller faces count as without
+/// area.
 pub(super) const NO_AREA: f64 = 1e-12;
 
-/// Dropping a sliver may shrink the bounding box and so move the origin; it settles within this many rounds on any sane scene and is
-/// simply taken as it is on others.
+/// Most rounds of finding the origin. Dropping a sliver may shrink the bounding box and so move the
+/// origin. Ordinary scenes settle within this many rounds; others keep the last origin.
 const ORIGIN_ROUNDS: usize = 4;
 
-/// Triangles in canonical order: equal scenes are equal meshes, whatever the order of faces and vertices in the file.
+/// Triangles in canonical order: equal scenes are equal meshes, whatever the order of faces and
+/// vertices in the file.
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    /// Subtracted from every vertex: the multiple of 256 m in input coordinates that is nearest to the centre of the bounding box or,
-    /// beside far terrain, to that of everything else.
+    /// Origin, subtracted from every vertex: the multiple of 256 m in input coordinates nearest to
+    /// the centre of the bounding box or, beside far terrain, to the centre of everything else.
     pub origin: DVec3,
     /// Step of the grid that vertices lie on, metres: [`Grid::step`].
     pub step_m: f64,
-    /// Positions relative to `origin`, metres, on the grid, exact in f32, finite, sorted lexicographically, no two equal.
+    /// Positions relative to `origin`, metres: on the grid, exact in f32, finite, sorted
+    /// lexicographically, all different.
     pub vertices: Vec<DVec3>,
-    /// Corners in the winding of the file, each triple rotated so that its smallest index is first; sorted.
+    /// Corners of each triangle in the winding of the file, rotated so that the smallest index is
+    /// first; sorted.
     pub triangles: Vec<[u32; 3]>,
-    /// Index into the scene's materials, one per triangle.
+    /// Material of each triangle, an index into the scene's materials.
     pub triangle_material: Vec<u16>,
-    /// Unit normals, one per triangle: each is asked for many times.
+    /// Unit normal of each triangle, kept because it is needed many times.
     normals: Vec<DVec3>,
 }
 
 impl Mesh {
-    /// Corners of one triangle relative to `origin`, metres. Panics beyond the last triangle, as a slice does.
+    /// Returns the corners of a triangle relative to `origin`, metres. Panics beyond the last
+    /// triangle, as a slice does.
     #[allow(clippy::indexing_slicing)] // `canonical` makes only corners that are in range
     pub fn triangle_points(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|corner| self.vertices[corner as usize])
     }
 
-    /// The frame that vertices and origins of rays lie in.
+    /// Returns the frame of vertices and ray origins.
     pub fn grid(&self) -> Grid {
         Grid { origin: self.origin, step: self.step_m }
     }
 
-    /// Triangles by their corners relative to the origin of a frame, in the order given, without materials; as wide as `around`, two
-    /// corners of a box.
+    /// Builds a mesh without materials from the corners of triangles relative to the origin of a
+    /// frame, in the order given. Its bounding box includes `around`, two corners of a box.
     pub fn loose(grid: Grid, triangles: &[[DVec3; 3]], around: (DVec3, DVec3)) -> Self {
         let mut vertices: Vec<DVec3> = triangles.iter().flatten().copied().collect();
         vertices.extend([around.0, around.1]);
@@ -63,13 +69,14 @@ impl Mesh {
         }
     }
 
-    /// Least and greatest corner of the bounding box, relative to `origin`, metres.
+    /// Returns the least and the greatest corner of the bounding box, relative to `origin`, metres.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         bounds(self.vertices.iter().copied())
     }
 
-    /// Unit normal by the right-hand rule, from f64 positions. Panics beyond the last triangle, as a slice does.
-    #[allow(clippy::indexing_slicing)] // as many as triangles
+    /// Returns the unit normal of a triangle by the right-hand rule, from f64 positions. Panics
+    /// beyond the last triangle, as a slice does.
+    #[allow(clippy::indexing_slicing)] // one normal for each triangle
     pub fn normal(&self, triangle: usize) -> DVec3 {
         self.normals[triangle]
     }
@@ -79,36 +86,39 @@ impl Mesh {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct RawTriangle {
     pub corners: [u32; 3],
-    /// Any numbering whose order is that of the material names.
+    /// Material number, in any numbering in the order of the material names.
     pub material: u32,
-    /// Any numbering whose order is that of the names of the objects.
+    /// Object number, in any numbering in the order of the object names.
     pub object: u32,
 }
 
-/// What canonicalisation found on its way.
+/// Counts of triangles that canonicalisation dropped or doubted.
 #[derive(Debug, Default)]
 pub(super) struct Dropped {
     pub degenerate: usize,
     pub duplicates: usize,
-    /// Triangles left in place although another material has the same one.
+    /// Triangles kept although another material has the same triangle.
     pub contested: usize,
 }
 
-/// A canonical mesh; `used[i]` is the caller's number of the mesh's material `i`.
+/// A canonical mesh. `used[i]` is the caller's number of the mesh's material `i`.
 #[derive(Debug)]
 pub(super) struct Canonical {
     pub mesh: Mesh,
     pub used: Vec<u32>,
-    /// The caller's number of the object of each triangle of the mesh.
+    /// Caller's object number for each triangle of the mesh.
     pub objects: Vec<u32>,
     pub dropped: Dropped,
 }
 
-/// Brings triangles over finite positions to the form that [`Mesh`] promises. The mesh may be empty.
+/// Brings triangles over finite positions to the form that [`Mesh`] promises. The mesh may be
+/// empty.
 ///
-/// Vertices lie on an absolute grid of 61 um (finer in scenes of less than 4 m), so that all scenes that hold a triangle hold the same one.
-/// Beyond 1024 m from the origin f32 rounds them further, to 6e-8 of that distance. Where much of a scene is far terrain, `focus` takes the
-/// place of its centre: near it positions keep their millimetres, and what is far keeps its direction.
+/// Vertices lie on an absolute grid of 61 um (finer in scenes of less than 4 m), so that a triangle
+/// has the same coordinates in all scenes that hold it. Beyond 1024 m from the origin f32 rounds
+/// vertices further, to 6e-8 of that distance. Where much of a scene is far terrain, `focus` takes
+/// the place of its centre: near it positions keep their millimetres, and far positions keep their
+/// direction.
 pub(super) fn canonical(
     positions: &[DVec3],
     mut triangles: Vec<RawTriangle>,
@@ -133,7 +143,7 @@ pub(super) fn canonical(
         }
         grid = Grid::of(focus.unwrap_or(0.5 * (least + greatest)), (greatest - least).max_element());
         check_reach(grid, least, greatest)?;
-        // As rays and normals see it.
+        // Areas count on the grid, where rays and normals see the triangles.
         triangles.retain(|triangle| has_area(triangle.corners.map(|corner| grid.relative(position(corner)))));
         if triangles.len() == before {
             break;
@@ -144,7 +154,7 @@ pub(super) fn canonical(
     let vertices = number_vertices(positions, grid, &mut triangles);
     let rotated = triangles.len();
     triangles.par_sort_unstable();
-    // Of equal ones that of the first object stays.
+    // Of equal triangles the one of the first object stays.
     triangles.dedup_by_key(|triangle| (triangle.corners, triangle.material));
     let contested = triangles.windows(2).filter(|pair| matches!(pair, [a, b] if a.corners == b.corners)).count();
     let dropped = Dropped { degenerate, duplicates: rotated - triangles.len(), contested };
@@ -163,7 +173,8 @@ pub(super) fn canonical(
     Ok(Canonical { mesh, used, objects, dropped })
 }
 
-/// Replaces corners by ranks among the distinct relative positions, least corner first; returns those positions.
+/// Replaces corners by ranks among the distinct relative positions, least corner first; returns
+/// those positions.
 #[allow(clippy::indexing_slicing)] // triangles with an area have corners among the positions
 fn number_vertices(positions: &[DVec3], grid: Grid, triangles: &mut [RawTriangle]) -> Vec<DVec3> {
     let mut rank_of = vec![u32::MAX; positions.len()];
@@ -172,7 +183,7 @@ fn number_vertices(positions: &[DVec3], grid: Grid, triangles: &mut [RawTriangle
         let place = corner as usize;
         if rank_of[place] == u32::MAX {
             rank_of[place] = 0;
-            // What coincides on the grid is one vertex, and all stages see one surface.
+            // Corners that coincide on the grid are one vertex, so that all stages see one surface.
             sorted.push((grid.relative(positions[place]), corner));
         }
     }
@@ -183,7 +194,7 @@ fn number_vertices(positions: &[DVec3], grid: Grid, triangles: &mut [RawTriangle
         if vertices.last() != Some(&relative) {
             vertices.push(relative);
         }
-        // At most one vertex for each u32 corner, so the count fits.
+        // There is at most one vertex for each u32 corner, so that the count fits.
         rank_of[corner as usize] = (vertices.len() - 1) as u32;
     }
     for triangle in triangles.iter_mut() {
@@ -199,7 +210,7 @@ fn number_vertices(positions: &[DVec3], grid: Grid, triangles: &mut [RawTriangle
     vertices
 }
 
-/// Numbers the materials in use without gaps, keeping their order.
+/// Numbers the materials in use without gaps, in their order.
 fn number_materials(triangles: &[RawTriangle]) -> Result<(Vec<u32>, Vec<u16>)> {
     let mut used: Vec<u32> = triangles.iter().map(|triangle| triangle.material).collect();
     used.par_sort_unstable();
@@ -209,9 +220,9 @@ fn number_materials(triangles: &[RawTriangle]) -> Result<(Vec<u32>, Vec<u16>)> {
         value: used.len() as u64,
         max: u64::from(u16::MAX),
     };
-    // A count of 65,535 keeps the last index free as a mark.
+    // A count of 65,535 leaves the last index free as a mark.
     u16::try_from(used.len()).map_err(too_many)?;
-    // Every material of a triangle is in use: its number is how many smaller ones are.
+    // The number of a material is the count of smaller ones in use.
     let number = |triangle: &RawTriangle| used.partition_point(|&other| other < triangle.material) as u16;
     let numbers = triangles.iter().map(number).collect();
     Ok((used, numbers))
@@ -224,14 +235,15 @@ fn unit_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (ab / scale).cross(ac / scale).normalize()
 }
 
-/// Least and greatest corner of some points; infinite, the least above the greatest, without any.
+/// Returns the least and the greatest corner of some points; without points both are infinite, the
+/// least above the greatest.
 pub fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, greatest), point| {
         (least.min(point), greatest.max(point))
     })
 }
 
-/// Refuses scenes so wide that keys of cells would repeat in them.
+/// Checks that a scene is not so wide that keys of cells would repeat in it.
 fn check_reach(grid: Grid, least: DVec3, greatest: DVec3) -> Result<()> {
     let reach_m = (least - grid.origin).abs().max((greatest - grid.origin).abs()).max_element();
     if reach_m <= MOST_M {
@@ -264,7 +276,8 @@ mod tests {
         canonical(&positions, raw, None).expect("within limits")
     }
 
-    /// National grid coordinates with millimetres come back within 0.87 steps of the grid (53 um), relative to a multiple of 256 m.
+    /// National grid coordinates with millimetres come back within 0.87 steps of the grid (53 um),
+    /// relative to a multiple of 256 m.
     #[test]
     fn national_grid() {
         let input = [[78_000.125, 457_000.001, 7.717], [78_010.125, 457_000.002, 7.3], [78_003.5, 457_008.033, -1.0]];
@@ -278,7 +291,8 @@ mod tests {
         }
     }
 
-    /// Vertices are shared by value, sorted and all used; triangles start at their least corner and keep their winding.
+    /// Vertices are shared by value, sorted and all used; triangles start at their least corner and
+    /// keep their winding.
     #[test]
     fn canonical_form() {
         let positions = [[2., 0., 0.], [0., 2., 0.], [0., 0., 0.], [9., 9., 9.], [2., 0., -0.0], [2., 2., 0.]];
@@ -290,7 +304,7 @@ mod tests {
         assert_eq!((mesh.triangle_material, used), (vec![0, 1], vec![3, 7]));
     }
 
-    /// The normal has unit length and follows the right-hand rule, in a scene of a micrometre too.
+    /// The normal has unit length and follows the right-hand rule, also in a scene of a micrometre.
     #[test]
     fn normals() {
         for size in [1e-6, 1.0, 1e6] {
@@ -300,7 +314,8 @@ mod tests {
         }
     }
 
-    /// Of five slivers the two that vanish on the grid and the two without area go; a needle of aspect 1e6 stays.
+    /// Four slivers are dropped, two that vanish on the grid and two without area, of which one
+    /// repeats a corner; a needle of aspect 1e6 stays.
     #[test]
     fn degenerate_and_needles() {
         let positions = [
@@ -332,8 +347,9 @@ mod tests {
         assert_eq!(mesh.origin, DVec3::new(512.0, 512.0, 0.0));
     }
 
-    /// A triangle of two scenes whose origins lie 512 m apart has the same corners and the same normal in both, to the bit, at a place
-    /// that no f32 relative to the middle of either would share; a scene 3,000 km wide is refused with its reach.
+    /// A triangle of two scenes whose origins lie 512 m apart has the same corners and the same
+    /// normal in both, to the bit, at coordinates that f32 relative to either middle would not
+    /// share. A scene 3,000 km wide is refused with its reach.
     #[test]
     fn equal_in_two_scenes() {
         let house = [[85_333.333, 446_111.111, 1.7], [85_341.37, 446_118.02, 4.123], [85_336.1, 446_120.9, 9.081]];
@@ -353,7 +369,8 @@ mod tests {
         assert!(message.ends_with("is 1500096, the limit is 1048576"), "{message}");
     }
 
-    /// A repeated triangle goes if the material agrees, whichever corner it starts at; a flipped one is another triangle.
+    /// A repeated triangle of the same material is dropped, whichever corner it starts at; a
+    /// flipped one is another triangle.
     #[test]
     fn duplicates() {
         let positions = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 0.]];
@@ -362,7 +379,7 @@ mod tests {
         assert_eq!((dropped.duplicates, dropped.contested, mesh.triangles.len()), (2, 1, 3));
     }
 
-    /// 65,535 materials are taken, one more is refused with both numbers.
+    /// 65,535 materials are accepted; one more is refused with both numbers.
     #[test]
     fn material_limit() {
         let fan = |count: u32| {

@@ -1,26 +1,29 @@
-//! The objects of a scene, triangle by triangle. In: objects as files name them, and the object of each triangle. Out: the same, sorted by name.
+//! Objects of the triangles of a mesh. In: objects as files name them, and the object of each
+//! triangle. Out: distinct objects sorted by name, and the object of each triangle.
 
 use heliotile_core::site::scene_object::SceneObject;
 use rayon::slice::ParallelSliceMut;
 
-/// Which object each triangle of a mesh is a part of.
+/// Objects of a mesh, and the object of each triangle.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeshObjects {
-    /// The objects in use, sorted by name; empty for a scene whose files name no objects.
+    /// Objects in use, sorted by name; empty for a scene whose files name no objects.
     pub list: Vec<SceneObject>,
-    /// `[triangle of the mesh]`: index into `list`; none without objects.
+    /// Object of each triangle, `[triangle of the mesh]`: index into `list`; empty without objects.
     pub of_triangle: Vec<u32>,
 }
 
 impl MeshObjects {
-    /// Of objects that may repeat, and the object of each triangle, an index into them.
+    /// Builds the lists from objects that may repeat and the object of each triangle, an index into
+    /// `objects`.
     pub fn new(objects: &[SceneObject], of_triangle: &[u32]) -> Self {
         let (ranks, sorted) = ranked(objects);
         let rank = |object: &u32| ranks.get(*object as usize).copied().unwrap_or_default();
         MeshObjects::of(&sorted, of_triangle.iter().map(rank).collect())
     }
 
-    /// Of sorted objects, and the object of each triangle, an index into them; those without triangles go.
+    /// Builds the lists from sorted objects and the object of each triangle, an index into
+    /// `sorted`. Objects without triangles are left out.
     pub(super) fn of(sorted: &[SceneObject], ranks: Vec<u32>) -> Self {
         let mut used = ranks.clone();
         used.par_sort_unstable();
@@ -31,7 +34,8 @@ impl MeshObjects {
     }
 }
 
-/// Ranks of objects among those that are sorted by name, and these; of equal names the first one counts.
+/// Returns the rank of each object among the objects sorted by name, and the sorted objects; of
+/// equal names the first one counts.
 pub(super) fn ranked(objects: &[SceneObject]) -> (Vec<u32>, Vec<SceneObject>) {
     let mut sorted = objects.to_vec();
     sorted.sort_by(|a, b| a.name.cmp(&b.name));

@@ -1,8 +1,9 @@
-//! Mirrors: which triangles reflect like one, and their orientations. In: a mesh and its materials. Out: an orientation for every
-//! mirror, and chains of them with what they do to directions.
+//! Mirrors: which triangles reflect like one, and their orientations. In: a mesh and its materials.
+//! Out: an orientation for every mirror.
 //!
-//! What a mirror does to a direction depends on its normal only. So all parallel mirrors of one material are one orientation, a
-//! hundred recessed windows as well as a single pane; a curved mirror is many.
+//! A mirror changes a direction by its normal only. So all parallel mirrors of one material have
+//! one orientation, whether they are a hundred recessed windows or a single pane. A curved mirror
+//! has many orientations.
 
 use std::collections::HashMap;
 
@@ -13,7 +14,8 @@ use crate::mesh::Mesh;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 
-/// Normals within this angle are one orientation, radians: a mirrored sun is off by at most half a texel of the finest sky.
+/// Largest angle between normals of one orientation, radians: a mirrored sun is off by at most half
+/// a texel of the finest sky.
 const SAME: f64 = 5e-4;
 
 /// Most orientations of a scene: their numbers have 16 bits.
@@ -22,14 +24,16 @@ const MOST_ORIENTATIONS: usize = 1 << 16;
 /// The mirrors of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Mirrors {
-    /// `[number]`: normal and material of each kind of mirror; chains name them by number.
+    /// Normal and material of each orientation, `[number]`; chains name orientations by number.
     pub orientations: Vec<MirrorPlane>,
-    /// `[triangle]`: number + 1; 0 is no mirror. Empty if there is none.
+    /// Number of each triangle's orientation + 1, `[triangle]`; 0 if it is no mirror. Empty if
+    /// there is no mirror.
     of_triangle: Vec<u32>,
 }
 
 impl Mirrors {
-    /// Finds the orientations; their numbers depend on the geometry only, not on the order of triangles.
+    /// Finds the orientations. Their numbers depend on the geometry only, not on the order of
+    /// triangles.
     pub fn find(mesh: &Mesh, materials: &[Material]) -> Result<Self> {
         let mirrors = |triangle: &usize| {
             let material = mesh.triangle_material.get(*triangle).copied().unwrap_or_default();
@@ -44,7 +48,7 @@ impl Mirrors {
         faces.sort_unstable_by_key(order);
         let mut sums: Vec<(DVec3, DVec3)> = Vec::new();
         let mut found = Mirrors { orientations: Vec::new(), of_triangle: vec![0; mesh.triangles.len()] };
-        // By material and by boxes of the normals, each as wide as an orientation.
+        // Candidates by material and by boxes of the normals, each box as wide as an orientation.
         let mut boxes: HashMap<(u16, [i32; 3]), Vec<usize>> = HashMap::new();
         for face in &faces {
             let place = (face.normal / SAME).floor().to_array().map(|x| x as i32);
@@ -85,18 +89,18 @@ impl Mirrors {
         Ok(found)
     }
 
-    /// Whether the scene has no mirror.
+    /// Returns true if the scene has no mirror.
     pub fn is_empty(&self) -> bool {
         self.orientations.is_empty()
     }
 
-    /// Number of the orientation of a triangle, if it is a mirror.
+    /// Returns the number of a triangle's orientation, if the triangle is a mirror.
     pub fn of_triangle(&self, triangle: u32) -> Option<u16> {
         let number = self.of_triangle.get(triangle as usize)?.checked_sub(1)?;
         u16::try_from(number).ok()
     }
 
-    /// Triangles that are mirrors, ascending.
+    /// Returns the triangles that are mirrors, ascending.
     pub fn triangles(&self) -> impl Iterator<Item = u32> + '_ {
         (0..).zip(&self.of_triangle).filter(|(_, number)| **number > 0).map(|(triangle, _)| triangle)
     }
@@ -105,7 +109,7 @@ impl Mirrors {
 /// A triangle that is a mirror.
 struct Face {
     material: u16,
-    /// With a sign of its own, so that both windings are one.
+    /// Unit normal, its sign made independent of the winding.
     normal: DVec3,
     area: f64,
     triangle: usize,
@@ -143,8 +147,9 @@ mod tests {
         Material { specular: 0.8, ..Material::matt(name, 0.1, Class::Obstruction) }
     }
 
-    /// Four panes in two parallel planes, wound either way and turned by 0.1 mrad, are 1 orientation of a material; a pane turned by
-    /// 2 mrad and one of another material are 2 more; a matt wall is none; and their order does not matter.
+    /// Four panes in two parallel planes, wound either way and turned by 0.1 mrad, have 1
+    /// orientation of a material. A pane turned by 2 mrad and one of another material have 2 more,
+    /// and a matt wall has none. The order of triangles does not matter.
     #[test]
     fn orientations() {
         let pane = |x: f64, y: f64, lean: f64| {

@@ -1,4 +1,5 @@
-//! Versions of EnergyPlus. In: what a model states, or what is assumed of it. Out: a number that says what its fields mean.
+//! Versions of EnergyPlus. In: the version that a model states, or one that is assumed. Out: a
+//! number that decides the meaning of its fields.
 
 use std::fmt;
 use std::path::Path;
@@ -10,20 +11,20 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct ModelVersion {
-    /// The year since 22.1.
+    /// Year of the version since 22.1, 8 or 9 before.
     pub major: u16,
-    /// Its release.
+    /// Release within the year.
     pub minor: u16,
 }
 
-/// Fields of older versions may stand elsewhere than is known here.
+/// Oldest version whose fields are known: in older versions fields may stand elsewhere.
 const OLDEST: ModelVersion = ModelVersion { major: 8, minor: 0 };
 
 impl ModelVersion {
-    /// The newest whose fields are known.
+    /// Newest version whose fields are known.
     pub const KNOWN: ModelVersion = ModelVersion { major: 25, minor: 2 };
 
-    /// "25.2", "9.6.0" or "8".
+    /// Reads "25.2", "9.6.0" or "8".
     pub fn parse(text: &str) -> Option<ModelVersion> {
         let mut parts = text.trim().split('.');
         let major = parts.next()?.trim().parse().ok()?;
@@ -61,7 +62,7 @@ impl From<ModelVersion> for String {
     }
 }
 
-/// What to know of a model by the version that it states.
+/// Returns a warning about the version that a model states, if one is needed.
 pub(crate) fn doubt(stated: Option<ModelVersion>, file: &Path) -> Option<String> {
     let file = file.display();
     match stated {
@@ -84,7 +85,8 @@ mod tests {
 
     use super::*;
 
-    /// Of 6 versions 7.2, 26.1 and none at all are worth a word, and 4 of 7 texts are a version that may be assumed.
+    /// Versions 7.2, 26.1 and a missing one, 3 of 6, get a warning; 4 of 7 texts are a version that
+    /// may be assumed.
     #[test]
     fn versions_that_are_doubted() {
         let doubted = |text: &str| doubt(ModelVersion::parse(text), Path::new("m.idf"));

@@ -1,5 +1,5 @@
-//! What is odd about the objects of a scene. In: triangles and their objects. Out: boxes that two objects fill, which is most often one
-//! building twice: in two files, or at two levels of detail.
+//! Objects that stand in a scene twice. In: triangles and their objects. Out: pairs of objects that
+//! fill the same box, most often one building in two files or at two levels of detail.
 
 use std::collections::BTreeMap;
 
@@ -7,10 +7,10 @@ use glam::DVec3;
 
 use crate::load::Soup;
 
-/// Boxes this much alike are one, metres.
+/// Size of the cells that corners of boxes are rounded to, metres: boxes with equal cells are one.
 const SAME_M: f64 = 0.5;
 
-/// Pairs of objects that fill the same box, by name; a flat object has no box.
+/// Returns the pairs of objects that fill the same box, by name. Flat objects are left out.
 pub fn twins(soup: &Soup) -> Vec<(&str, &str)> {
     let mut boxes = vec![(DVec3::INFINITY, DVec3::NEG_INFINITY); soup.object_names.len()];
     for (corners, &object) in soup.triangles.iter().zip(&soup.objects) {
@@ -28,7 +28,7 @@ pub fn twins(soup: &Soup) -> Vec<(&str, &str)> {
         if !(high - low).cmpgt(DVec3::splat(2.0 * SAME_M)).all() {
             continue;
         }
-        // Saturates where a coordinate is large.
+        // The cast saturates where a coordinate is large.
         let cell = |metres: f64| (metres / SAME_M).round() as i64;
         let key = [low.x, low.y, low.z, high.x, high.y, high.z].map(cell);
         match by_place.get(&key) {
@@ -43,7 +43,7 @@ pub fn twins(soup: &Soup) -> Vec<(&str, &str)> {
 mod tests {
     use super::*;
 
-    /// Of 4 objects, the 2 that fill one box are a pair; a flat one and one beside them are not.
+    /// The 2 of 4 objects that fill one box are a pair; a flat one and one beside them are not.
     #[test]
     fn pairs() {
         let mut soup = Soup::default();

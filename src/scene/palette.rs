@@ -1,5 +1,6 @@
-//! Materials of several files under names of one scene. In: the names that each file uses, what it says of them, and the table that wins
-//! over that. Out: one list of names; where two files mean different things by one name, the later one's gets the file's name behind it.
+//! Materials of several files under names of one scene. In: the names that each file uses, the
+//! file's description of them, and the table that takes precedence. Out: one list of names. Where
+//! two files describe one name differently, the file's name is added to the later one's.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -18,43 +19,45 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::text::with_list;
 
-/// Names of a table that are compared with those of the scene, and the most of those: hostile files hold tens of thousands.
+/// Most unused names of a table that are compared with names of the scene, and most names of the
+/// scene: malformed or hostile files hold tens of thousands.
 const MOST_UNUSED: usize = 20;
 const MOST_COMPARED: usize = 5000;
 
 #[derive(Default)]
 pub(crate) struct Palette {
     entries: Vec<Entry>,
-    /// Entries by name in the scene, and by name in their files: hostile files hold tens of thousands.
+    /// Entries by name in the scene and by name in their files: maps, because hostile files hold
+    /// tens of thousands of names.
     by_name: HashMap<String, usize>,
     by_local: HashMap<String, Vec<usize>>,
-    /// `materials.toml` files that were read, once each.
+    /// `materials.toml` files that were read, each once.
     tables: BTreeMap<PathBuf, MaterialTable>,
     ground: Option<(PathBuf, EndlessGround)>,
 }
 
-/// Who describes materials.
+/// Files that may describe a material.
 #[derive(Clone, Copy)]
 struct Source<'a> {
     file: &'a Path,
     materials: Option<&'a Path>,
-    /// What the file itself says does not count.
+    /// True if the file's own descriptions do not count.
     only: bool,
 }
 
 struct Entry {
-    /// In the scene.
+    /// Name in the scene.
     name: String,
-    /// The file that describes it, or ought to.
+    /// File that describes the material, or ought to.
     source: PathBuf,
-    /// `None` if `source` does not.
+    /// Material; `None` if `source` does not describe it.
     material: Option<Material>,
-    /// Nobody describes it.
+    /// True if no file describes the material, so that its optics are assumed.
     assumed: bool,
 }
 
 impl Palette {
-    /// Reads a `materials.toml` if it was not read before.
+    /// Reads a `materials.toml` unless it was read before.
     pub(crate) fn open(&mut self, path: &Path) -> Result<()> {
         if self.tables.contains_key(path) {
             return Ok(());
@@ -71,14 +74,14 @@ impl Palette {
         Ok(())
     }
 
-    /// Names that a `materials.toml` which was opened describes.
+    /// Returns the names that a `materials.toml`, which was opened, describes.
     pub(crate) fn described(&self, materials: Option<&Path>) -> BTreeSet<String> {
         let table = materials.and_then(|path| self.tables.get(path));
         table.into_iter().flatten().map(|(name, _)| name.clone()).collect()
     }
 
-    /// Adds the materials of a file, each described by its `materials.toml`, which was opened, or else by the file itself. Gives the
-    /// scene's number of each.
+    /// Adds the materials of a file and returns the scene's number of each. Each material is
+    /// described by the file's `materials.toml`, which was opened, or else by the file itself.
     pub(crate) fn add(&mut self, part: &Part, geometry: &Geometry) -> Vec<u32> {
         let names = geometry.materials.as_slice();
         let of = Source { file: &part.file, materials: part.materials.as_deref(), only: part.materials_only };
@@ -113,14 +116,15 @@ impl Palette {
         number as u32
     }
 
-    /// The endless ground, if a table describes it, and the number of its material.
+    /// Returns the endless ground and the number of its material, if a table describes it.
     pub(crate) fn ground(&mut self) -> Option<(EndlessGround, u32)> {
         let (path, ground) = self.ground.clone()?;
         let of = Source { file: &path, materials: Some(&path), only: true };
         Some((ground, self.add_one(endless::NAME, &of, &MaterialTable::new())))
     }
 
-    /// Adds the material of a plane that no table describes, and gives its number and its name in the scene.
+    /// Adds the material of a plane that no table describes; returns its number and its name in the
+    /// scene.
     pub(crate) fn add_ground(&mut self, file: &Path, diffuse: f64) -> (u32, String) {
         let material = Material::matt(endless::NAME, diffuse, Class::Ground);
         let stated = MaterialTable::from([(endless::NAME.to_owned(), material)]);
@@ -128,7 +132,7 @@ impl Palette {
         (number, self.entries.get(number as usize).map(|entry| entry.name.clone()).unwrap_or_default())
     }
 
-    /// First-hit class of a material, and whether light goes through it.
+    /// Returns the first-hit class of a material, and true if light goes through it.
     pub(crate) fn class(&self, number: u32) -> (Class, bool) {
         let entry = self.entries.get(number as usize);
         match entry.map(|entry| (&entry.material, &entry.name)) {
@@ -138,12 +142,13 @@ impl Palette {
         }
     }
 
-    /// Names in the scene, by number.
+    /// Returns the names in the scene, by number.
     pub(crate) fn names(&self) -> Vec<String> {
         self.entries.iter().map(|entry| entry.name.clone()).collect()
     }
 
-    /// The materials in use, in that order, and warnings: what is assumed of which, and what is described for nothing.
+    /// Returns the materials in use, in that order. Adds warnings on assumed materials and on
+    /// descriptions that no material uses.
     pub(crate) fn select(&self, report: &mut LoadReport) -> Result<Vec<Material>> {
         let LoadReport { materials: used, warnings, .. } = report;
         let entry_of = |name: &str| self.by_name.get(name).and_then(|i| self.entries.get(*i));
@@ -154,7 +159,7 @@ impl Palette {
         let missing = used.iter().filter_map(|entry| entry_of(&entry.name)).find(|entry| entry.material.is_none());
         let source = missing.or(self.entries.first()).map_or(Path::new(""), |entry| &entry.source);
         let known: MaterialTable = described.collect();
-        // What was misspelt stands in the file's table.
+        // A misspelt name can only stand in the file's own table.
         let near = missing.and_then(|entry| self.tables.get(&entry.source)).cloned().unwrap_or_default();
         let (materials, _) = select(near.into_iter().chain(known).collect(), used, source)?;
 
@@ -172,7 +177,7 @@ impl Palette {
                 let entries = self.by_local.get(name).into_iter().flatten().filter_map(|i| self.entries.get(*i));
                 entries.filter(|entry| entry.source == *path).any(|entry| names.contains(entry.name.as_str()))
             };
-            // Names that a misspelt one may stand for: of files that go by this table, or by none.
+            // Names that a misspelt one may stand for: those that this table does not describe.
             let mut others: Vec<&str> = self
                 .by_local
                 .iter()
@@ -193,7 +198,7 @@ impl Palette {
     }
 }
 
-/// So many names stand in a warning itself.
+/// Most names that stand in the warning itself; more become a list.
 const MOST_NAMED: usize = 4;
 
 fn assumed_warning(assumed: Vec<String>) -> Option<String> {

@@ -1,21 +1,24 @@
-//! Rings in plan. In: corners, the first not repeated at the end. Out: their signed area, and whether a place lies within.
+//! Rings in plan. In: corners, the first not repeated at the end. Out: their signed area, and true
+//! for places within.
 
 use glam::DVec2;
 
-/// Area of a ring, m2; positive where it runs anticlockwise. Coordinates of countries are large: corners count from the first one.
+/// Returns the area of a ring, m2; positive if the ring runs anticlockwise. Corners count from the
+/// first one, because national coordinates are large.
 pub(crate) fn signed_area_m2(ring: &[DVec2]) -> f64 {
     let first = ring.first().copied().unwrap_or_default();
     0.5 * sides(ring).map(|[a, b]| (a - first).perp_dot(b - first)).sum::<f64>()
 }
 
-/// Whether a place lies within sides that enclose an area: crossings of a ray to the east (Shimrat 1962).
+/// Returns true if a place lies within sides that enclose an area, by crossings of a ray to the
+/// east (Shimrat 1962).
 pub(crate) fn is_within(sides: impl Iterator<Item = [DVec2; 2]>, at: DVec2) -> bool {
     let crossed =
         sides.filter(|[a, b]| (a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * (b.x - a.x));
     crossed.count() % 2 == 1
 }
 
-/// Sides of a ring, the last one back to its first corner.
+/// Returns the sides of a ring; the last one leads back to the first corner.
 pub(crate) fn sides(ring: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> + '_ {
     ring.iter().zip(ring.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])
 }
@@ -24,7 +27,8 @@ pub(crate) fn sides(ring: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> + '_ {
 mod tests {
     use super::*;
 
-    /// A square of 4 m has 16 m2 far from the origin, and -16 m2 the other way round; its middle lies within, a place beside it does not.
+    /// A square of 4 m has 16 m2 far from the origin, and -16 m2 the other way round; its middle
+    /// lies within, a place beside it does not.
     #[test]
     fn areas_and_places() {
         let at = |x: f64, y: f64| DVec2::new(500_000.0 + x, 5_000_000.0 + y);

@@ -1,4 +1,5 @@
-//! In: polygons with holes, flat or nearly so, convex or not. Out: triangles of the same area, winding and corners.
+//! Triangulation of faces. In: polygons with holes, flat or nearly so, convex or not. Out:
+//! triangles of the same area, winding and corners.
 
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
@@ -9,14 +10,16 @@ use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::morton::lexicographic;
 
-/// Most corners a face may have: ear clipping costs up to the square of this (6 s measured for a star that
-/// crosses itself everywhere, 5 ms for a circle of a quarter of this).
+/// Most corners of a face: ear clipping costs up to the square of this (6 s measured for a star
+/// that crosses itself everywhere, 5 ms for a circle of a quarter of this).
 const MAX_CORNERS: usize = 65_536;
 
-/// Triangles may cover this much more or less than their ring before it is said to cross itself.
+/// Largest difference between the areas of the triangles and of their ring, as a share; beyond it
+/// the ring counts as crossing itself.
 const AREA_TOLERANCE: f64 = 1e-6;
 
-/// Corners further than this from the mean plane of their face, metres, are worth a word.
+/// Distance of a corner from the mean plane of its face, metres, beyond which a warning counts the
+/// face.
 pub(super) const OFF_PLANE_M: f64 = 0.05;
 
 #[derive(Debug, Default)]
@@ -29,16 +32,17 @@ pub(super) struct Triangulation {
     pub concave_faces: usize,
     /// Faces with fewer than three distinct corners or without area.
     pub degenerate_faces: usize,
-    /// Count and first face of those whose outline crosses itself or its holes.
+    /// Count of faces whose outline crosses itself or its holes, and the first of them.
     pub crossing_faces: Option<(usize, Place)>,
-    /// Count of faces with a corner more than [`OFF_PLANE_M`] off their mean plane, and the largest distance in metres.
+    /// Count of faces with a corner more than [`OFF_PLANE_M`] off their mean plane, and the largest
+    /// distance in metres.
     pub off_plane: (usize, f64),
 }
 
-/// Which face a message is about.
+/// Face that a message is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Place {
-    /// 0 where the format has no lines.
+    /// Line of the file; 0 if the format has no lines.
     pub line: usize,
     pub object: u32,
 }
@@ -49,6 +53,7 @@ pub(super) fn triangulate(geometry: &Geometry) -> Result<Triangulation> {
     let mut rings = Rings::default();
     for face in geometry.faces() {
         let corners = face.corners();
+        // Triangles need no projection and no cut.
         if let (&[a, b, c], false) = (corners, face.has_holes()) {
             done.triangles.push(RawTriangle { corners: [a, b, c], material: face.material, object: 0 });
             done.objects.push(face.object);
@@ -74,7 +79,7 @@ pub(super) fn triangulate(geometry: &Geometry) -> Result<Triangulation> {
     Ok(done)
 }
 
-/// Corners of the triangles that one face is cut into.
+/// Returns the corners of the triangles that one face is cut into.
 pub(super) fn triangles_of(geometry: &Geometry, number: usize) -> Vec<[DVec3; 3]> {
     let Some(face) = geometry.polygon(number) else { return Vec::new() };
     let position = |corner: u32| geometry.vertices.get(corner as usize).copied().unwrap_or_default();
@@ -87,7 +92,8 @@ pub(super) fn triangles_of(geometry: &Geometry, number: usize) -> Vec<[DVec3; 3]
     done.triangles.iter().map(|triangle| triangle.corners.map(position)).collect()
 }
 
-/// Area of a face along its normal, m2 (Newell), without its holes.
+/// Returns the area vector of a face, m2: its length is the area without the holes, its direction
+/// the normal (Newell).
 pub(super) fn area_vector_of(face: &Polygon, vertices: &[DVec3]) -> DVec3 {
     let position = |corner: &u32| vertices.get(*corner as usize).copied().unwrap_or_default();
     let mut area = DVec3::ZERO;
@@ -96,13 +102,13 @@ pub(super) fn area_vector_of(face: &Polygon, vertices: &[DVec3]) -> DVec3 {
         let after = ring.iter().cycle().skip(1);
         let of_ring: DVec3 =
             ring.iter().zip(after).map(|(a, b)| 0.5 * (position(a) - from).cross(position(b) - from)).sum();
-        // Holes turn either way.
+        // Holes may turn either way.
         area += if i == 0 || of_ring.dot(area) < 0.0 { of_ring } else { -of_ring };
     }
     area
 }
 
-/// An object as messages name it.
+/// Returns the name of an object as messages quote it.
 pub(super) fn object_name(geometry: &Geometry, object: u32) -> String {
     let name = geometry.objects.as_slice().get(object as usize);
     format!("`{}`", excerpt(name.map_or("", String::as_str).as_bytes()))
@@ -112,19 +118,20 @@ pub(super) fn object_name(geometry: &Geometry, object: u32) -> String {
 #[derive(Default)]
 struct Rings {
     corners: Vec<u32>,
-    /// Where holes begin in `corners`.
+    /// Beginnings of holes in `corners`.
     holes: Vec<usize>,
-    /// Relative to the first corner, metres.
+    /// Positions relative to the first corner, metres.
     positions: Vec<DVec3>,
-    /// On the plane that the outline covers most of, counter-clockwise.
+    /// Positions in the coordinate plane in which the outline is largest, counter-clockwise.
     flat: Vec<[f64; 2]>,
     earcut: Option<Earcut<f64>>,
     cut: Vec<u32>,
 }
 
 impl Rings {
-    /// Takes the face's corners without repetitions, each ring beginning at its least vertex and holes in the order of those: where a
-    /// file starts a ring must not decide which diagonals are cut.
+    /// Takes the face's corners without repetitions. Each ring begins at its least vertex, and
+    /// holes are sorted by that vertex: the start of a ring in the file must not decide which
+    /// diagonals are cut.
     fn fill(&mut self, face: &Polygon, vertices: &[DVec3]) {
         let position = |corner: u32| vertices.get(corner as usize).copied().unwrap_or_default();
         self.corners.clear();
@@ -143,7 +150,7 @@ impl Rings {
         self.positions.extend(self.corners.iter().map(|&corner| position(corner) - first));
     }
 
-    /// Length of the outline.
+    /// Returns the number of corners of the outline.
     fn outline(&self) -> usize {
         self.holes.first().copied().unwrap_or(self.corners.len())
     }
@@ -190,7 +197,7 @@ impl Rings {
         }
     }
 
-    /// Area of the outline without its holes, on the plane it is projected to.
+    /// Returns the area of the outline without its holes, in the plane of projection.
     fn area(&self) -> f64 {
         let ends = self.holes.iter().copied().skip(1).chain([self.flat.len()]);
         let holes = self.holes.iter().zip(ends).map(|(&start, end)| self.flat.get(start..end).unwrap_or_default());
@@ -198,7 +205,8 @@ impl Rings {
         signed_area(outline) - holes.map(|hole| signed_area(hole).abs()).sum::<f64>()
     }
 
-    /// Twice the area times the mean normal (Newell; Tampieri, Graphics Gems III, 1992); robust for rings that are not flat.
+    /// Returns twice the area times the mean normal (Newell; Tampieri, Graphics Gems III, 1992);
+    /// robust for rings that are not flat.
     fn newell_normal(&self) -> DVec3 {
         let outline = self.positions.get(..self.outline()).unwrap_or_default();
         let following = outline.iter().cycle().skip(1);
@@ -206,7 +214,8 @@ impl Rings {
         edges.map(|(a, b)| a.cross(*b)).sum()
     }
 
-    /// Drops the axis the normal is nearest to, keeping points that lie in line exactly in line.
+    /// Projects the corners by dropping the axis nearest to the normal, which keeps points in line
+    /// exactly in line.
     fn project(&mut self, normal: DVec3) {
         let size = normal.abs();
         let flat = |p: &DVec3| {
@@ -249,7 +258,7 @@ impl Rings {
         self.corners.get(place).copied().zip(self.flat.get(place).copied())
     }
 
-    /// Appends the triangles in the winding of the ring; returns the flat area they cover.
+    /// Appends the triangles in the winding of the ring; returns the flat area that they cover.
     fn push_triangles(&self, material: u32, triangles: &mut Vec<RawTriangle>) -> f64 {
         let mut covered = 0.0;
         for triple in self.cut.chunks_exact(3) {
@@ -259,7 +268,7 @@ impl Rings {
             };
             let area = signed_area(&[pa, pb, pc]);
             covered += area.abs();
-            // The library has its own idea of the winding.
+            // The library chooses a winding of its own.
             let (cb, cc) = if area < 0.0 { (cc, cb) } else { (cb, cc) };
             let corners = [ca, cb, cc];
             triangles.push(RawTriangle { corners, material, object: 0 });
@@ -268,7 +277,7 @@ impl Rings {
     }
 }
 
-/// A ring without repeated corners, rotated so that its least vertex is first.
+/// Returns a ring without repeated corners, rotated so that its least vertex is first.
 fn begin_at_least(ring: &[u32], position: impl Fn(u32) -> DVec3) -> Vec<u32> {
     let mut corners = ring.to_vec();
     corners.dedup_by_key(|corner| position(*corner).to_array());
@@ -284,7 +293,7 @@ fn begin_at_least(ring: &[u32], position: impl Fn(u32) -> DVec3) -> Vec<u32> {
     corners
 }
 
-/// How a ring bends, seen against its normal.
+/// Turns of a ring, seen against its normal.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Turns {
     /// Left at every corner.
@@ -295,7 +304,7 @@ enum Turns {
     Concave,
 }
 
-/// Positive where counter-clockwise.
+/// Returns the signed area of a ring, positive if counter-clockwise.
 fn signed_area(ring: &[[f64; 2]]) -> f64 {
     let following = ring.iter().cycle().skip(1);
     let twice: f64 = ring.iter().zip(following).map(|(a, b)| DVec2::from(*a).perp_dot(DVec2::from(*b))).sum();
@@ -311,7 +320,8 @@ mod tests {
         with_holes(&[points])
     }
 
-    /// The same for an outline and its holes.
+    /// Triangulates an outline with its holes and returns it with the sum of its triangles' area
+    /// vectors.
     fn with_holes(rings: &[&[[f64; 3]]]) -> (Triangulation, DVec3) {
         let mut obj = Geometry::default();
         for (i, ring) in rings.iter().enumerate() {
@@ -333,7 +343,8 @@ mod tests {
         (done, area)
     }
 
-    /// Every corner of the face is a corner of some triangle: no neighbour is left with a crack beside it.
+    /// Returns true if every corner of the face is a corner of some triangle, so that no crack
+    /// opens beside a neighbour.
     fn uses_all(done: &Triangulation, corners: usize) -> bool {
         (0..corners as u32).all(|corner| done.triangles.iter().any(|triangle| triangle.corners.contains(&corner)))
     }
@@ -358,7 +369,8 @@ mod tests {
         }
     }
 
-    /// A concave L keeps its area of 3 m2 and its winding wherever its ring starts, on a slope and on a wall too.
+    /// A concave L keeps its area of 3 m2 and its winding wherever its ring starts, also on a slope
+    /// and on a wall.
     #[test]
     fn concave() {
         let ell = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
@@ -398,7 +410,8 @@ mod tests {
         assert_eq!((area.z, done.concave_faces), (2.0, 0));
     }
 
-    /// A courtyard cut in through a slit is triangulated to outline minus courtyard, 16 - 4 = 12 m2.
+    /// A courtyard cut in through a slit is triangulated to outline minus courtyard, 16 - 4 = 12
+    /// m2.
     #[test]
     fn slit_hole() {
         let (done, area) = face(&[
@@ -433,7 +446,8 @@ mod tests {
         assert_eq!((closed.0.degenerate_faces, closed.1.z), (0, 0.5));
     }
 
-    /// A square with two holes is 16 - 1 - 1 = 14 m2 in every plane, whichever way the holes turn and wherever rings start.
+    /// A square with two holes has 16 - 1 - 1 = 14 m2 in two planes, whichever way the holes turn
+    /// and wherever rings start.
     #[test]
     fn true_holes() {
         let square = |low: f64, high: f64, across: f64| {
@@ -455,11 +469,12 @@ mod tests {
         let upright = |ring: &Vec<[f64; 3]>| ring.iter().map(|[x, y, _]| [7., *x, *y]).collect::<Vec<_>>();
         let (_, area) = with_holes(&[&upright(&outline), &upright(&one), &upright(&two)]);
         assert!((area - DVec3::new(14., 0., 0.)).length() < 1e-12, "{area}");
-        // A hole of two corners is none.
+        // A hole of two corners is ignored.
         assert_eq!(with_holes(&[&outline, &[[1., 1., 0.], [2., 2., 0.]]]).1.z, 16.0);
     }
 
-    /// A hole that reaches out of its outline is reported, and so is a face with a corner 0.4 m off its mean plane.
+    /// A hole that reaches out of its outline is reported, and so is a face with a corner 0.4 m off
+    /// its mean plane.
     #[test]
     fn odd_faces() {
         let outline = [[0., 0., 0.], [4., 0., 0.], [4., 4., 0.], [0., 4., 0.]];
@@ -470,7 +485,8 @@ mod tests {
         assert!((0.3..0.8).contains(&done.off_plane.1), "{}", done.off_plane.1);
     }
 
-    /// An outline that crosses itself is reported with its line, and one beyond the limit is refused with its size.
+    /// An outline that crosses itself is reported with its line, and one beyond the limit is
+    /// refused with its size.
     #[test]
     fn hostile_rings() {
         let (done, _) = face(&[[0., 0., 0.], [3., 0., 0.], [3., 3., 0.], [1., -1., 0.], [0., 3., 0.]]);

@@ -1,48 +1,52 @@
-//! Where on Earth a scene lies. In: a coordinate reference system by its EPSG number, or the place itself. Out: latitude, longitude
-//! and where true north is, good to some 100 m: shifts between datums are taken as far as three or seven parameters give them.
+//! Place of a scene on Earth. In: a coordinate reference system by its EPSG number, or the place
+//! itself. Out: latitude, longitude and the direction of true north, good to some 100 m: shifts
+//! between datums are taken as far as three or seven parameters give them.
 
 use crate::epsg_numbers::{Axes, axes_of, horizontal_part};
 use heliotile_core::site::place::Place;
 use proj4rs::Proj;
 use proj4rs::transform::transform;
 
-/// What a file says of its place.
+/// Statement of a file on its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reference {
-    /// Number of a coordinate reference system in the EPSG register; a compound one counts by its horizontal part.
+    /// Number of a coordinate reference system in the EPSG register; a compound system counts by
+    /// its horizontal part.
     Epsg(u32),
-    /// Degrees, north and east positive; coordinates are those of a local system, y to true north.
+    /// Latitude and longitude, degrees, north and east positive. Coordinates are those of a local
+    /// system whose y points to true north.
     Place {
-        /// -90..=90.
+        /// Latitude, -90..=90.
         latitude_deg: f64,
-        /// -180..=180.
+        /// Longitude, -180..=180.
         longitude_deg: f64,
     },
 }
 
-/// First eccentricity of the WGS 84 ellipsoid, squared (NIMA TR8350.2, 2000, table 3.3), and its longer half axis.
+/// First eccentricity of the WGS 84 ellipsoid, squared (NIMA TR8350.2, 2000, table 3.3), and its
+/// semi-major axis.
 const ECCENTRICITY_2: f64 = 0.006_694_379_990_14;
 const HALF_AXIS_M: f64 = 6_378_137.0;
 
-/// Grid north is found along a line of this length, metres: short against all that bends, long against the micrometre that inverse
-/// projections are good to.
+/// Length of the line along which grid north is found, metres: short against any curvature, long
+/// against the micrometre that inverse projections are good to.
 const LINE_M: f64 = 100.0;
 
-/// The horizontal part of a system.
+/// Returns the EPSG number of the horizontal part of a system.
 pub fn horizontal(epsg: u32) -> u32 {
     horizontal_part(epsg)
 }
 
-/// Why a system cannot say where a scene lies.
+/// Reason why a system does not give the place of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unplaced {
-    /// Its number is not among those whose parameters are known here.
+    /// The number is not among those whose parameters are known here.
     Unknown,
-    /// Its coordinates are degrees.
+    /// The coordinates are degrees.
     Degrees,
-    /// Its coordinates are distances from the Earth's centre.
+    /// The coordinates are distances from the Earth's centre.
     Geocentric,
-    /// It has no such point.
+    /// The system has no such point.
     Outside,
 }
 
@@ -53,7 +57,8 @@ pub struct PlaneSystem {
 }
 
 impl PlaneSystem {
-    /// By its number in the EPSG register, a compound one by its horizontal part.
+    /// Returns the system of a number in the EPSG register; a compound system counts by its
+    /// horizontal part.
     pub fn of(epsg: u32) -> Result<PlaneSystem, Unplaced> {
         let known = || {
             let definition = crs_definitions::from_code(u16::try_from(horizontal(epsg)).ok()?)?;
@@ -69,24 +74,25 @@ impl PlaneSystem {
         }
     }
 
-    /// Metres that the unit of its coordinates has by definition: 0.3048... for systems in feet.
+    /// Returns the length of the system's unit, metres: 0.3048... for systems in feet.
     pub fn unit_m(&self) -> f64 {
         self.from.to_meter()
     }
 
-    /// What turns coordinates into those of the system, radians on both sides of it.
+    /// Returns the projection for `proj4rs`; its geographic side is in radians.
     pub(crate) fn proj(&self) -> &Proj {
         &self.from
     }
 
-    /// Latitude and longitude on WGS 84 of a point in the system's own unit, degrees. The shift between datums is that of three or seven
-    /// parameters, so some systems are a metre off what grids of shifts would say.
+    /// Returns latitude and longitude on WGS 84, degrees, of a point in the system's own unit. The
+    /// shift between datums has three or seven parameters, so that some systems are a metre off
+    /// from the results of grid shifts.
     pub fn degrees(&self, x: f64, y: f64) -> Option<(f64, f64)> {
         let (latitude, longitude) = self.at(x, y)?;
         Some((latitude.to_degrees(), longitude.to_degrees()))
     }
 
-    /// Latitude and longitude of a point, radians.
+    /// Returns latitude and longitude of a point, radians.
     fn at(&self, x: f64, y: f64) -> Option<(f64, f64)> {
         let mut point = (x, y, 0.0);
         transform(&self.from, &self.to, &mut point).ok()?;
@@ -95,13 +101,14 @@ impl PlaneSystem {
         known.then_some((latitude, longitude))
     }
 
-    /// Place of a point, and metres on the ground of a unit along y there.
+    /// Returns the place of a point, and the length on the ground of a unit along y there, metres.
     fn place(&self, x: f64, y: f64) -> Option<(Place, f64)> {
         let line = LINE_M / self.from.to_meter();
         let (latitude, longitude) = self.at(x, y)?;
-        // Halves to both sides: what bends cancels.
+        // Half of the line lies on each side, so that curvature cancels.
         let ((south, west), (north, east)) = (self.at(x, y - 0.5 * line)?, self.at(x, y + 0.5 * line)?);
-        // Along grid north, with the lengths of a radian of latitude and longitude of the ellipsoid.
+        // Components along grid north, with the ellipsoid's lengths of a radian of latitude and
+        // longitude.
         let sine = latitude.sin();
         let bent = 1.0 - ECCENTRICITY_2 * sine * sine;
         let along_parallel = HALF_AXIS_M / bent.sqrt() * latitude.cos();
@@ -120,7 +127,8 @@ impl PlaneSystem {
 }
 
 impl Reference {
-    /// Whether it can place plane coordinates: what is asked of a system that the user states.
+    /// Checks that the reference can place plane coordinates, as a system that the user states
+    /// must.
     pub fn check(self) -> Result<(), Unplaced> {
         match self {
             Reference::Epsg(epsg) => PlaneSystem::of(epsg).map(drop),
@@ -128,7 +136,8 @@ impl Reference {
         }
     }
 
-    /// The place of a point, and metres on the ground of a unit of its coordinates there.
+    /// Returns the place of a point, and the length on the ground of a unit of its coordinates
+    /// there, metres.
     pub fn locate(self, x: f64, y: f64) -> Result<(Place, f64), Unplaced> {
         match self {
             Reference::Place { latitude_deg, longitude_deg } => {
@@ -143,7 +152,8 @@ impl Reference {
         }
     }
 
-    /// Metres that the unit of its coordinates has by definition: 0.3048... for systems in feet, 1 for all others.
+    /// Returns the length of the coordinates' unit, metres: 0.3048... for systems in feet, 1 for
+    /// all others.
     pub fn unit_m(self) -> f64 {
         match self {
             Reference::Epsg(epsg) => PlaneSystem::of(epsg).map_or(1.0, |plane| plane.unit_m()),
@@ -151,7 +161,8 @@ impl Reference {
         }
     }
 
-    /// Whether two of them mean the same, compound systems by their horizontal parts.
+    /// Returns true if two references mean the same place; compound systems count by their
+    /// horizontal parts.
     pub fn is_same(&self, other: &Reference) -> bool {
         match (self, other) {
             (Reference::Epsg(a), Reference::Epsg(b)) => horizontal(*a) == horizontal(*b),
@@ -175,10 +186,12 @@ impl std::fmt::Display for Reference {
 mod tests {
     use super::*;
 
-    /// Seventeen points of fourteen kinds of systems (UTM, RD New, Lambert-93, Gauss-Krueger, the oblique Mercator of Switzerland, the
-    /// British grid, Krovak, feet, ...) have the latitude, longitude and convergence that PROJ gives (pyproj 3.7.2,
-    /// `get_factors().meridian_convergence`, for equal areas `Geod.inv` along y): places to 0.0002 degrees, for without grids of shifts,
-    /// convergence to 0.004 degrees, as north of old datums is not quite that of today.
+    /// Seventeen points in fourteen kinds of systems (UTM, RD New, Lambert-93, Gauss-Krueger, the
+    /// oblique Mercator of Switzerland, the British grid, Krovak, feet, ...) have the latitude,
+    /// longitude and convergence that PROJ gives (pyproj 3.7.2,
+    /// `get_factors().meridian_convergence`, for equal areas `Geod.inv` along y). Places agree to
+    /// 0.0002 degrees, because no grid shifts are used; convergence agrees to 0.004 degrees,
+    /// because north of old datums is not quite that of WGS 84.
     #[test]
     fn against_proj() {
         for (epsg, x, y, latitude, longitude, convergence) in [
@@ -213,8 +226,9 @@ mod tests {
         assert_eq!((Reference::Epsg(7415).unit_m(), Reference::Epsg(2263).unit_m()), (1.0, 1200.0 / 3937.0));
     }
 
-    /// Nineteen points in 18 systems have the latitude and longitude that PROJ gives without grids of shifts (pyproj 3.7.2, its best operation)
-    /// within 5 mm; only that of Krovak is 9.9 m off, where PROJ takes other parameters of an accuracy of 6 m.
+    /// Nineteen points in 18 systems have the latitude and longitude that PROJ gives without grid
+    /// shifts (pyproj 3.7.2, its best operation) within 5 mm. Only the point of Krovak is 9.9 m
+    /// off, where PROJ takes other parameters of an accuracy of 6 m.
     #[test]
     fn degrees_against_proj() {
         let metres_off = |(epsg, x, y, latitude, longitude): (u32, f64, f64, f64, f64)| {
@@ -255,7 +269,8 @@ mod tests {
         assert!((length - place.latitude_deg.to_radians().cos()).abs() < 0.003 && length < 0.62, "{length} {place:?}");
     }
 
-    /// Numbers that are none, geographic systems and hopeless coordinates have no place, 7 of 7; a stated one is itself, without turn.
+    /// Unknown numbers, geographic and geocentric systems and absurd coordinates have no place, 7
+    /// of 7; a stated place is returned as it is, with a convergence of 0.
     #[test]
     fn nowhere() {
         use Unplaced::{Degrees, Geocentric, Outside, Unknown};

@@ -1,55 +1,59 @@
-//! A rectangle of a region that is built by itself. In: triangles with their objects. Out: which of them receivers in the rectangle may
-//! see, and which receivers are its own.
+//! A rectangle of a region that is built by itself. In: triangles with their objects. Out: the
+//! triangles that receivers in the rectangle may see, and the receivers that belong to it.
 //!
-//! Objects stay whole, so that none has an open side; what is wider than the part is taken face by face. Ground is all taken: where it
-//! ended, what looks over the nearest roofs would see nothing below the horizon.
+//! Objects stay whole, so that none has an open side; objects wider than the part are taken face by
+//! face. All ground is taken: if it ended, receivers that look over the nearest roofs would see
+//! nothing below the horizon.
 
 use glam::{DVec2, DVec3};
 
 use crate::mesh::RawTriangle;
 
-/// Receivers inside are its own, neighbours around count.
+/// A rectangle of a region: receivers inside belong to it, and neighbours around it count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegionPart {
-    /// South-west corner, input coordinates, metres; what lies on it is inside.
+    /// South-west corner, input coordinates, metres; points on its edges are inside.
     pub low: DVec2,
-    /// North-east corner; what lies on it is outside.
+    /// North-east corner; points on its edges are outside.
     pub high: DVec2,
-    /// Everything counts up to this distance from it in plan, metres.
+    /// Distance from the rectangle in plan up to which everything counts, metres.
     pub halo_m: f64,
-    /// Beyond, what rises by more than this above the horizon, as seen from its lowest point at its edge, degrees.
+    /// Elevation angle above which a box beyond the halo counts, degrees: its top as seen from the
+    /// rectangle's lowest point at its edge.
     pub skyline_deg: f64,
 }
 
 impl RegionPart {
-    /// Whether a receiver is one of its own.
+    /// Returns true if a receiver belongs to this part.
     pub fn owns(&self, place: DVec3) -> bool {
         let place = place.truncate();
         place.cmpge(self.low).all() && place.cmplt(self.high).all()
     }
 
-    /// Whether a box has a point in it, its edges included.
+    /// Returns true if a box has a point in the rectangle, its edges included.
     pub fn touches(&self, low: DVec3, high: DVec3) -> bool {
         self.distance_m(low, high) == 0.0
     }
 
-    /// Whether a box may matter to its receivers, whose lowest point is at `base_m`.
+    /// Returns true if a box may matter to receivers in the rectangle, whose lowest point is at
+    /// `base_m`.
     pub fn counts(&self, low: DVec3, high: DVec3, base_m: f64) -> bool {
         let distance_m = self.distance_m(low, high);
         distance_m <= self.halo_m || high.z - base_m > distance_m * self.skyline_deg.to_radians().tan()
     }
 
-    /// From it to a box, in plan.
+    /// Returns the distance from the rectangle to a box in plan, metres.
     fn distance_m(&self, low: DVec3, high: DVec3) -> f64 {
         (self.low - high.truncate()).max(low.truncate() - self.high).max(DVec2::ZERO).length()
     }
 
-    /// Whether a box is wider than it.
+    /// Returns true if a box is wider than the rectangle.
     fn is_wider(&self, low: DVec3, high: DVec3) -> bool {
         (high - low).truncate().cmpgt(self.high - self.low).any()
     }
 
-    /// `[triangle]`: whether it belongs to its scene; `objects` are theirs, `[triangle]`, and `is_ground` tells of a material.
+    /// Returns true for each triangle that may matter to receivers of this part. `objects` is the
+    /// object of each triangle; `is_ground` is true for materials of ground.
     pub(crate) fn seen(
         &self,
         positions: &[DVec3],
@@ -61,7 +65,8 @@ impl RegionPart {
             let corners = triangle.corners.iter().filter_map(|&corner| positions.get(corner as usize));
             corners.fold(NOTHING, |(low, high), p| (low.min(*p), high.max(*p)))
         };
-        // The box of each object, and whether it is ground and nothing else: floors of buildings are no ground without their walls.
+        // The box of each object, and true if all of it is ground: a building's floor counts only
+        // with its walls.
         let mut extents = vec![(NOTHING, true); objects.iter().max().map_or(0, |&last| last as usize + 1)];
         let (mut inside_m, mut lowest_m) = (f64::INFINITY, f64::INFINITY);
         for (triangle, &object) in triangles.iter().zip(objects) {
@@ -88,7 +93,7 @@ impl RegionPart {
     }
 }
 
-/// A box without a point.
+/// Box without a point.
 const NOTHING: (DVec3, DVec3) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
 
 #[cfg(test)]
@@ -98,7 +103,8 @@ mod tests {
     const PART: RegionPart =
         RegionPart { low: DVec2::ZERO, high: DVec2::new(100.0, 100.0), halo_m: 50.0, skyline_deg: 10.0 };
 
-    /// Two parts side by side share none of their 3 x 3 points, and every point has one.
+    /// Two parts side by side share none of their 3 points, and every point has one owner; 3 points
+    /// outside have none.
     #[test]
     fn edges() {
         let east = RegionPart { low: DVec2::new(100.0, 0.0), high: DVec2::new(200.0, 100.0), ..PART };
@@ -107,8 +113,9 @@ mod tests {
         assert_eq!([-0.001, 200.0, 250.0].map(owners), [0, 0, 0]);
     }
 
-    /// Of five boxes, that inside, that in the halo and the tower of 30 m at 150 m (11.3 degrees) count; one of 20 m there (7.6 degrees)
-    /// and one that only hangs over from behind do not.
+    /// Three of five boxes count: one inside, one in the halo and a tower of 30 m at 150 m (11.3
+    /// degrees). A tower of 20 m there (7.6 degrees) and a box of 3 m that ends 151 m west of the
+    /// part do not.
     #[test]
     fn neighbours() {
         let counts =
@@ -117,8 +124,9 @@ mod tests {
         assert_eq!([counts(250.0, 20.0), counts(-161.0, 3.0)], [false; 2]);
     }
 
-    /// Of a house of two triangles, one of them in the halo, both are seen; of a viaduct 500 m wide, only the triangle that touches it; of
-    /// terrain as wide both, and of a house 480 m away neither its wall nor its floor, which is of the ground's material.
+    /// A house of two triangles, one of them in the halo, is seen whole; of a viaduct 500 m wide
+    /// only the triangle that touches the part is seen; of terrain as wide both are. A house 480 m
+    /// away is not seen, neither its wall nor its floor, whose material is the ground's.
     #[test]
     fn wholes_wide_ones_and_ground() {
         const GROUND: u32 = 7;

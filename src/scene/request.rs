@@ -1,4 +1,5 @@
-//! A scene as it is asked for. In: files, and what is said of them. Out: one value that can be kept and read again, and the site of it.
+//! Request for a scene. In: files, and statements about them. Out: one value that can be stored and
+//! read again, and the site that it describes.
 
 use std::path::{Path, PathBuf};
 
@@ -11,28 +12,30 @@ use crate::site::{MissingGround, Part, Site};
 use crate::surface_rasters::SurfaceRasters;
 use heliotile_core::error::{Error, Result};
 
-/// Files that make up a scene, and what is said of them.
+/// Request for a scene: its files, and statements about them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneRequest {
-    /// Scene files, or one list of them.
+    /// Scene files, or `site.toml` files that list them.
     pub files: Vec<PathBuf>,
-    /// Reflectances by the names of materials; they win over those that the files state.
+    /// File of optics by the names of materials; they take precedence over those that the scene
+    /// files state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub materials: Option<PathBuf>,
-    /// Whether `materials` names all of them, and what the files state is passed over.
+    /// True if `materials` names all of them and the scene files' own descriptions are ignored.
     #[serde(default)]
     pub materials_only: bool,
-    /// Whether a scene without ground stays without.
+    /// True if no ground is assumed for a scene without ground.
     #[serde(default)]
     pub no_ground: bool,
-    /// Version of EnergyPlus that models are taken for; none: the one that they state.
+    /// Version of EnergyPlus that is assumed for models; `None`: the version that each model
+    /// states.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub assume_version: Option<ModelVersion>,
-    /// Where heights of footprints come from, unless a list of files says it.
+    /// Sources of the heights of footprints, unless a list of files states them.
     #[serde(default, skip_serializing_if = "FootprintOptions::is_default")]
     pub footprints: FootprintOptions,
-    /// Where the scene lies, how it is turned, and the unit of its files.
+    /// Place and rotation of the scene, and unit of its files.
     #[serde(default)]
     pub frame: SiteFrame,
     /// Rasters that a city is read from, besides the files.
@@ -41,13 +44,13 @@ pub struct SceneRequest {
 }
 
 impl SceneRequest {
-    /// Files of which nothing else is said.
+    /// Returns a request for files, with nothing else stated.
     pub fn of<P: AsRef<Path>>(files: impl IntoIterator<Item = P>) -> Self {
         let files = files.into_iter().map(|file| file.as_ref().to_owned()).collect();
         SceneRequest { files, ..SceneRequest::default() }
     }
 
-    /// The files of the scene as a site. An error: a number that is not in range, a list that cannot be read.
+    /// Returns the site of the files. Fails if a number is out of range or a list cannot be read.
     pub fn site(&self) -> Result<Site> {
         let hint = "give what the scene's coordinates are in";
         self.frame.check().map_err(|(field, what)| Error::argument(field, what, hint))?;
@@ -68,7 +71,7 @@ impl SceneRequest {
         Ok(site.framed(&self.frame))
     }
 
-    /// The first file, which messages about the scene are about.
+    /// Returns the first file, which stands for the scene in messages.
     pub fn first(&self) -> &Path {
         let raster = self.surface.as_ref().map(|rasters| &rasters.dsm);
         self.files.first().or(raster).map_or(Path::new(""), PathBuf::as_path)
@@ -79,7 +82,8 @@ impl SceneRequest {
 mod tests {
     use super::*;
 
-    /// A request is read again as it was written, with 3 of its 7 fields in 1 object each; what is not known is refused.
+    /// A request with 3 of its 8 fields set is read back as it was written; an unknown field is
+    /// refused.
     #[test]
     fn requests_are_kept() {
         let request = SceneRequest {

@@ -1,22 +1,23 @@
-//! What files say of their faces and objects besides where they are. In: semantic surfaces, surface types, boundary conditions. Out: a
-//! kind for each face that has one, and names of what it is a part of.
+//! Semantics: the kinds and names that files state of faces and objects besides their geometry. In:
+//! semantic surfaces, surface types, boundary conditions. Out: a kind for each face that has one,
+//! and the names of what it is a part of.
 
 use std::fmt::Write as _;
 
-/// What a surface is for who puts receivers on it.
+/// Kind of a surface, by which surfaces are selected for receivers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SurfaceKind {
-    /// A roof of a building; without semantics, what looks up and is no ground.
+    /// A roof of a building; without semantics, a face that looks up and is not ground.
     Roof,
-    /// A wall of a building, its doors too; without semantics, what is about vertical.
+    /// A wall of a building, including its doors; without semantics, a nearly vertical face.
     Wall,
     /// A window, glazed door or skylight; without semantics, a surface of stated glass.
     Window,
-    /// Terrain, streets, water; without semantics, what is of class ground.
+    /// Terrain, streets, water; without semantics, a surface of class ground.
     Ground,
-    /// What looks down: the floor of a storey that juts out, the underside of a building.
+    /// A surface that looks down: the floor of a storey that juts out, the underside of a building.
     Floor,
-    /// A surface that only shades: an overhang, a screen, a neighbour as a model of a building knows it.
+    /// A surface that only shades: an overhang, a screen, a neighbour in a building model.
     Shade,
 }
 
@@ -31,7 +32,7 @@ impl SurfaceKind {
         SurfaceKind::Shade,
     ];
 
-    /// As options, tables and names of surfaces call it.
+    /// Returns the name of the kind in options, tables and names of surfaces.
     pub fn name(self) -> &'static str {
         match self {
             SurfaceKind::Roof => "roof",
@@ -44,32 +45,33 @@ impl SurfaceKind {
     }
 }
 
-/// What a reader knows of a face.
+/// Statements of a file on a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FaceNote {
-    /// What it is, if the file says so.
+    /// Kind of the face, if the file states it.
     pub kind: Option<SurfaceKind>,
-    /// Whether the sun may reach it, if the file says so.
+    /// True if the sun may reach the face, false if not; `None` if the file does not state it.
     pub exposed: Option<bool>,
-    /// Where its file has it.
+    /// Position of the face in its file.
     pub source: FaceSource,
 }
 
-/// Where a face stands in its file.
+/// Position of a face in its file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FaceSource {
-    /// So many faces stand before it; a line is better where the format has lines.
+    /// A face known by its line or, if the format has no lines, by its number in the file.
     #[default]
     Order,
-    /// Its name is that of its object.
+    /// A face that has the name of its object.
     Named,
-    /// A face of a city object: number of its geometry, and its place in the `boundaries`, as deep as there are arrays (1 to 3).
+    /// A face of a city object: number of its geometry, and its place in the `boundaries`, as deep
+    /// as there are arrays (1 to 3).
     Boundary {
-        /// Counted from 0.
+        /// Number of the geometry, from 0.
         geometry: u32,
-        /// Counted from 0.
+        /// Indices in the nested arrays, from 0.
         path: [u32; 3],
-        /// How many numbers of `path` count.
+        /// Number of indices of `path` that count.
         depth: u8,
     },
 }
@@ -77,16 +79,16 @@ pub enum FaceSource {
 /// A face of a scene as receivers on it name it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SourceFace {
-    /// What its reader knows.
+    /// Statements of its file.
     pub note: FaceNote,
-    /// 1-based line; 0 where the format has none.
+    /// Line of the file, from 1; 0 if the format has no lines.
     pub line: u32,
-    /// 1-based number in the file.
+    /// Number in the file, from 1.
     pub number: u32,
 }
 
 impl SourceFace {
-    /// Its name in tables, given that of its object.
+    /// Returns the name of the face in tables; `object` is the name of its object.
     pub fn name(&self, object: &str) -> String {
         match self.note.source {
             FaceSource::Named => object.to_owned(),

@@ -1,5 +1,6 @@
-//! What a scene is made of. In: files on the command line, or a `site.toml` that lists them. Out: one part for each, with its
-//! materials and its place, and what is said of all of them.
+//! The site: all that a scene is made of. In: files on the command line, or a `site.toml` that
+//! lists them. Out: one part for each file, with its materials and its place, and the statements
+//! that hold for all files.
 
 use std::path::{Path, PathBuf};
 
@@ -20,64 +21,71 @@ use heliotile_core::error::{Error, Result};
 /// Files that make up one scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Site {
-    /// Each file, in the order in which it was named.
+    /// Files, in the order in which they were named.
     pub parts: Vec<Part>,
-    /// What is said of all files.
+    /// Place, rotation, unit and axis that hold for all files.
     pub frame: SiteFrame,
-    /// What is done where none of them has ground.
+    /// Treatment of a scene in which no file has ground.
     pub missing_ground: MissingGround,
-    /// The part of it that is built by itself, if it is not built as a whole.
+    /// Region part that is built by itself; `None` if the site is built as a whole.
     pub within: Option<RegionPart>,
 }
 
-/// What lies below the horizon of a scene whose files have no ground.
+/// Treatment of a scene whose files have no ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MissingGround {
-    /// Nothing.
+    /// No ground is added.
     #[default]
     LeaveOut,
-    /// A plane: that of an EnergyPlus model as the model says, below all else one that reflects 0.2.
+    /// A horizontal plane is added: as an EnergyPlus model states it, or else below the lowest
+    /// point with a reflectance of 0.2.
     Assume,
 }
 
 /// One file of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// The file; its ending says its format.
+    /// Path of the file; its ending decides the format.
     pub file: PathBuf,
-    /// Its `materials.toml`, which wins over what the file itself says.
+    /// Path of its `materials.toml`, which takes precedence over the file's own materials.
     pub materials: Option<PathBuf>,
-    /// Whether `materials` describes all of its materials, whatever the file itself says.
+    /// True if `materials` describes all materials, and the file's own descriptions are ignored.
     pub materials_only: bool,
-    /// Added to every position after `scale`, `up` and `rotate_deg`, metres.
+    /// Translation of every position after `scale`, `up` and `rotate_deg`, metres.
     pub offset: DVec3,
-    /// Metres a unit of the file; that of the site, or 1, where it is not stated.
+    /// Metres a unit of the file; `None`: the site's scale, or 1.
     pub scale: Option<f64>,
-    /// The axis that points up in the file; that of the site where it is not stated and the format does not say it, or z.
+    /// Axis that points up in the file; `None`: the axis that the format states, or the site's, or
+    /// z.
     pub up: Option<UpAxis>,
-    /// Direction of the file's y axis clockwise from the scene's, degrees: it is turned about its own origin.
+    /// Direction of the file's y axis clockwise from the scene's, degrees; the file is turned about
+    /// its own origin.
     pub rotate_deg: f64,
-    /// Height of the file's z = 0 in the scene, metres; that of the site, or 0, where it is not stated.
+    /// Height of the file's z = 0 in the scene, metres; `None`: the site's, or 0.
     pub elevation_m: Option<f64>,
-    /// Where its own coordinates, in metres and before `offset`, lie on Earth, in place of what the file says.
+    /// Place on Earth of its own coordinates, in metres and before `offset`, in place of the file's
+    /// own statement.
     pub reference: Option<Reference>,
-    /// Whether it was moved into the coordinates of other files: what it says of its own place does not hold.
+    /// True if the file was moved into the coordinates of other files, so that its own statement of
+    /// its place does not hold.
     pub is_moved: bool,
-    /// Level of detail where an object carries several; the finest without it.
+    /// Level of detail for objects that carry several; `None`: the finest.
     pub lod: Option<String>,
-    /// Version of EnergyPlus that a model is taken for; the one that it states without it.
+    /// Version of EnergyPlus that is assumed for a model; `None`: the version that the model
+    /// states.
     pub assume_version: Option<ModelVersion>,
-    /// Largest angle by which a raster beside other geometry may misplace the horizon, degrees; 0 keeps every sample. Without it
-    /// 0.2 beside other geometry, and every sample where rasters are the whole scene.
+    /// Largest angle by which a raster beside other geometry may misplace the horizon, degrees; 0
+    /// keeps every sample. `None`: 0.2 beside other geometry, and every sample where rasters are
+    /// the whole scene.
     pub horizon_deg: Option<f64>,
-    /// Where heights of footprints come from.
+    /// Sources of the heights of footprints.
     pub footprints: FootprintOptions,
-    /// Where `file` is a raster of surface heights that becomes a city: it and what goes with it.
+    /// The raster of surface heights in `file` with its companions, if it becomes a city.
     pub surface: Option<SurfaceRasters>,
 }
 
 impl Part {
-    /// A file in metres, where it says that it lies.
+    /// Returns a file in metres at its own coordinates.
     pub fn plain(file: &Path, materials: Option<&Path>) -> Part {
         Part {
             file: file.to_owned(),
@@ -98,29 +106,30 @@ impl Part {
         }
     }
 
-    /// A raster of surface heights that becomes a city, with what goes with it.
+    /// Returns a raster of surface heights that becomes a city, with its companions.
     pub fn surface(rasters: &SurfaceRasters, materials: Option<&Path>) -> Part {
         Part { surface: Some(rasters.clone()), ..Part::plain(&rasters.dsm, materials) }
     }
 
-    /// The same with what a site says of all its files but rasters: those are in metres above the sea.
+    /// Returns this part with the scale, elevation and up axis of the site where it states none.
+    /// Rasters are not asked for it: they are in metres above the sea.
     pub(super) fn in_frame(&self, frame: &SiteFrame) -> Part {
         let up = self.up.or(frame.up.filter(|_| has_no_up(&self.file)));
         let (scale, elevation_m) = (self.scale.or(frame.scale), self.elevation_m.or(frame.elevation_m));
         Part { scale, elevation_m, up, ..self.clone() }
     }
 
-    /// Metres a unit of the file.
+    /// Returns the metres a unit of the file.
     pub(super) fn metres(&self) -> f64 {
         self.scale.unwrap_or(1.0)
     }
 
-    /// What is added to positions in metres.
+    /// Returns the translation of positions, metres.
     pub(super) fn shift(&self) -> DVec3 {
         self.offset + DVec3::new(0.0, 0.0, self.elevation_m.unwrap_or_default())
     }
 
-    /// Where a position of the file lies in the scene.
+    /// Returns the scene position of a position in the file.
     pub(super) fn place(&self, p: DVec3) -> DVec3 {
         let p = p * self.metres();
         let p = if self.up == Some(UpAxis::Y) { DVec3::new(p.x, -p.z, p.y) } else { p };
@@ -134,14 +143,14 @@ impl Part {
     }
 }
 
-/// Endings of formats whose files do not say which axis points up.
+/// Endings of formats whose files do not state which axis points up.
 const NO_UP: [&str; 3] = ["obj", "ply", "stl"];
 
 fn has_no_up(file: &Path) -> bool {
     NO_UP.contains(&input::ending(file).as_str())
 }
 
-/// `site.toml` as it is written.
+/// Contents of a `site.toml`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Document {
@@ -150,7 +159,7 @@ struct Document {
     site: FrameEntry,
 }
 
-/// What is said of all files.
+/// Table `[site]`, which holds for all files.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FrameEntry {
@@ -194,7 +203,7 @@ struct Entry {
     crown_transmittance: Option<f64>,
 }
 
-/// `height = "HGT"`, `height = 9.5`, or a list of such.
+/// Value of `height`: `height = "HGT"`, `height = 9.5`, or a list of such.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Heights {
@@ -213,8 +222,9 @@ const KEYS: &str = "write a table [[scene]] for each file: file = \"town.city.js
                     longitude_deg, rotate_deg, elevation_m, scale, up";
 
 impl Site {
-    /// Scene files and `site.toml` files in any mixture; `materials` is for those that name none of their own. A folder stands for the
-    /// `site.toml` in it, or without one for the tiles of CityGML in it.
+    /// Returns the site of scene files and `site.toml` files in any mixture. `materials` is for
+    /// files that name none of their own. A folder stands for the `site.toml` in it, or without one
+    /// for the tiles of CityGML in it.
     pub fn of(files: &[PathBuf], materials: Option<&Path>) -> Result<Site> {
         let mut site = Site::default();
         for file in files {
@@ -238,12 +248,13 @@ impl Site {
         Ok(site)
     }
 
-    /// The same with another frame where `frame` states something.
+    /// Returns this site with what `frame` states in place of its own frame.
     pub fn framed(self, frame: &SiteFrame) -> Site {
         Site { frame: self.frame.under(frame), ..self }
     }
 
-    /// A sentence if the frame says which axis points up and no file is of a format that does not.
+    /// Returns a warning if the frame states which axis points up and no file has a format that
+    /// needs it.
     pub(crate) fn unused_up(&self) -> Option<String> {
         let used = self.frame.up.is_none() || self.parts.iter().any(|part| has_no_up(&part.file));
         (!used).then(|| {
@@ -251,7 +262,7 @@ impl Site {
         })
     }
 
-    /// All files that the site is read from, besides `site.toml`.
+    /// Returns all files that the site is read from, except `site.toml`.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.parts.iter().flat_map(move |part| {
             let own = [Some(part.file.as_path()), part.materials.as_deref()].into_iter().flatten();
@@ -260,7 +271,7 @@ impl Site {
     }
 }
 
-/// The `site.toml` of a folder; `None` where it has tiles of CityGML instead.
+/// Returns the `site.toml` of a folder; `None` if the folder has tiles of CityGML instead.
 fn listed_in(folder: &Path) -> Result<Option<PathBuf>> {
     let listed = input::plain_or_packed(folder.join("site.toml"));
     if listed.is_file() {
@@ -273,7 +284,8 @@ fn listed_in(folder: &Path) -> Result<Option<PathBuf>> {
     Err(Error::input(folder, None, "is a folder without a site.toml or tiles of CityGML (.gml)", hint))
 }
 
-/// Endings of tiles of CityGML: the first one that a folder has counts, code lists end with .xml as well.
+/// Endings of tiles of CityGML. The first one found in a folder counts, because code lists end with
+/// .xml as well.
 const TILES: [&str; 2] = ["gml", "xml"];
 
 fn read_site(path: &Path, materials: Option<&Path>) -> Result<Site> {
@@ -299,7 +311,7 @@ fn read_site(path: &Path, materials: Option<&Path>) -> Result<Site> {
     Ok(Site { parts, frame, ..Site::default() })
 }
 
-/// A file and what is said of it; an error says what is wrong.
+/// Returns the part of an entry; an error says what is wrong.
 fn part(entry: &Entry, folder: &Path, materials: Option<&Path>) -> std::result::Result<Part, String> {
     let offset = DVec3::from(entry.offset.unwrap_or_default());
     if !is_position(offset) {
@@ -339,7 +351,7 @@ fn part(entry: &Entry, folder: &Path, materials: Option<&Path>) -> std::result::
     })
 }
 
-/// What an entry says of footprints.
+/// Returns the footprint options of an entry.
 fn footprints_of(entry: &Entry) -> std::result::Result<FootprintOptions, String> {
     let height = match &entry.height {
         None => Vec::new(),
@@ -352,7 +364,7 @@ fn footprints_of(entry: &Entry) -> std::result::Result<FootprintOptions, String>
     Ok(options)
 }
 
-/// The rasters of a city that are listed, if any are.
+/// Returns the rasters of a city that an entry lists, if any.
 fn surface(entry: &Entry, folder: &Path) -> std::result::Result<Option<SurfaceRasters>, String> {
     let found = SurfaceRasters {
         dsm: entry.dsm.clone().unwrap_or_default(),
@@ -395,7 +407,8 @@ mod tests {
         (folder, site)
     }
 
-    /// Two files with one material name and two tables keep 0.5 and 0.1; offset, scale and axis put the second where it belongs.
+    /// Two files with one material name and two tables keep 0.5 and 0.1; offset, scale and axis put
+    /// the second file where it belongs.
     #[test]
     fn merges() {
         let (_folder, site) = site(
@@ -406,7 +419,7 @@ mod tests {
         let found: Vec<(&str, f64)> = scene.materials.iter().map(|m| (m.name.as_str(), m.diffuse)).collect();
         assert_eq!(found, [("wall", 0.5), ("wall (b)", 0.1)]);
         let (low, high) = scene.mesh.bounds();
-        // y up: z = -2 becomes y = 1 at half the size; the first one hangs below z = 0.
+        // With y up, z = -2 becomes y = 1 at half the size; the first file hangs below z = 0.
         assert_eq!(
             (low + scene.mesh.origin, high + scene.mesh.origin),
             (DVec3::new(0., 0., -2.), DVec3::new(11., 21., 30.))
@@ -414,7 +427,8 @@ mod tests {
         assert_eq!((scene.mesh.triangles.len(), scene.report.warnings.len()), (4, 0));
     }
 
-    /// With y up for the whole site the square of OBJ stands upright, 2 m high; a file that says z for itself lies, and glTF alone gets a warning.
+    /// With y up for the whole site the square of OBJ stands upright, 2 m high; a file that states
+    /// z for itself lies flat, and a site of glTF alone gets a warning.
     #[test]
     fn y_up_for_all() {
         let files = "[[scene]]\nfile = \"a.obj\"\n[[scene]]\nfile = \"b.obj\"\nup = \"z\"\noffset = [9, 0, 0]\n";
@@ -422,14 +436,15 @@ mod tests {
         let site = site.expect("readable").framed(&SiteFrame { up: Some(UpAxis::Y), ..SiteFrame::default() });
         let scene = Scene::load_site(&site).expect("a scene");
         let (low, high) = scene.mesh.bounds();
-        // The first one spans y 0 to 2 at z = 0, the second one z -2 to 0 at y = 0.
+        // The first file spans y 0 to 2 at z = 0, the second one z -2 to 0 at y = 0.
         assert_eq!((high - low).to_array(), [11.0, 2.0, 2.0]);
         assert_eq!(site.unused_up(), None);
         let plain = Site { parts: vec![Part::plain(Path::new("a.glb"), None)], ..site };
         assert!(plain.unused_up().is_some_and(|said| said.contains("no file is one of these")));
     }
 
-    /// One file twice under one table is one material, and the order of the parts does not change the hash of two scenes.
+    /// One material name in two files under one table is one material, and the order of the parts
+    /// does not change the hash.
     #[test]
     fn order_of_parts() {
         let parts = [
@@ -445,7 +460,8 @@ mod tests {
         assert_eq!(hash([0, 1]).0, 1);
     }
 
-    /// A folder of two tiles, one of them packed, and a code list is a site of the two, by name; with a `site.toml` that counts.
+    /// A folder of two tiles, one of them packed, and a code list is a site of the two tiles,
+    /// sorted by name; a `site.toml` in it takes precedence.
     #[test]
     fn a_folder_of_tiles() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,59 +1,65 @@
-//! Rasters that a city is read from, as they are asked for. In: paths and numbers. Out: one value that can be kept and read again.
+//! Request for rasters that a city is read from. In: paths and numbers. Out: one value that can be
+//! stored and read again.
 
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-/// A raster of surface heights, what goes with it, and how buildings and crowns are told from the ground.
+/// A raster of surface heights with its companions, and the limits that tell buildings and crowns
+/// from the ground.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceRasters {
     /// Heights of roofs and ground above sea level (DSM).
     pub dsm: PathBuf,
-    /// Heights of the ground above sea level (DEM, DTM); it goes on beyond the surface as terrain.
+    /// Heights of the ground above sea level (DEM, DTM); beyond the surface it goes on as terrain.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dem: Option<PathBuf>,
-    /// Heights of crowns above the ground (CDSM); 0 where there is none.
+    /// Heights of crowns above the ground (CDSM); 0 where there is no crown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub canopy: Option<PathBuf>,
     /// Codes of land cover as UMEP has them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub landcover: Option<PathBuf>,
-    /// Less is no step between roofs, and without a `dem` between roof and ground, metres; none: 2 m, or a slope of 2 where cells are larger
-    /// than 1 m.
+    /// Least height of a step between roofs and, without a `dem`, between roof and ground, metres.
+    /// `None`: 2 m, or a slope of 2 if cells are larger than 1 m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step_m: Option<f64>,
-    /// Less is no building, m2; none: [`SurfaceRasters::LEAST_BUILDING_M2`].
+    /// Least area of a building, m2; `None`: [`SurfaceRasters::LEAST_BUILDING_M2`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_building_m2: Option<f64>,
-    /// Share of a crown's height above the ground that is open below it; none: [`SurfaceRasters::TRUNK_SHARE`].
+    /// Share of a crown's height above the ground that is open below it; `None`:
+    /// [`SurfaceRasters::TRUNK_SHARE`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trunk_share: Option<f64>,
-    /// Share of the light that goes through a whole crown; none: [`SurfaceRasters::LEAF_ON`].
+    /// Share of the light that goes through a whole crown; `None`: [`SurfaceRasters::LEAF_ON`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crown_transmittance: Option<f64>,
 }
 
 impl SurfaceRasters {
-    /// Least area of a building, m2: garages and kiosks are some, cars and stalls are none.
+    /// Default least area of a building, m2: some garages and kiosks are as large, cars and stalls
+    /// are not.
     pub const LEAST_BUILDING_M2: f64 = 10.0;
-    /// Open below crowns: the lowest quarter, SOLWEIG's default trunk zone (Lindberg and Grimmond 2011).
+    /// Default open share below crowns: the lowest quarter, SOLWEIG's trunk zone (Lindberg and
+    /// Grimmond 2011).
     pub const TRUNK_SHARE: f64 = 0.25;
-    /// Through a crown with leaves: 3 %, SOLWEIG's default (Lindberg and Grimmond 2011; Konarska et al. 2014 measured 1 to 5 %).
+    /// Default transmittance of a crown with leaves: 3 %, SOLWEIG's (Lindberg and Grimmond 2011;
+    /// Konarska et al. 2014 measured 1 to 5 %).
     pub const LEAF_ON: f64 = 0.03;
 
-    /// A raster of surface heights of which nothing else is said.
+    /// Returns a request for a raster of surface heights, with nothing else stated.
     pub fn of(dsm: impl Into<PathBuf>) -> Self {
         SurfaceRasters { dsm: dsm.into(), ..SurfaceRasters::default() }
     }
 
-    /// All rasters.
+    /// Returns the paths of all rasters, `dsm` first.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let beside = [&self.dem, &self.canopy, &self.landcover].into_iter().flatten();
         std::iter::once(&self.dsm).chain(beside).map(PathBuf::as_path)
     }
 
-    /// The same with other paths.
+    /// Returns this request with each path replaced by what `path` gives for it.
     pub fn with_paths<E>(&self, path: impl Fn(&PathBuf) -> Result<PathBuf, E>) -> Result<Self, E> {
         let other = |of: &Option<PathBuf>| of.as_ref().map(&path).transpose();
         Ok(SurfaceRasters {
@@ -65,7 +71,7 @@ impl SurfaceRasters {
         })
     }
 
-    /// What is wrong with a number, and its field.
+    /// Checks that numbers are within range; an error names the field and the fault.
     pub fn check(&self) -> Result<(), (&'static str, String)> {
         let within = |name: &'static str, value: Option<f64>, low: f64, high: f64| match value {
             Some(value) if !(low..=high).contains(&value) => {
@@ -79,7 +85,7 @@ impl SurfaceRasters {
         within("crown_transmittance", self.crown_transmittance, 0.0, 1.0)
     }
 
-    /// The least step for cells of a width.
+    /// Returns the least step for cells of width `cell_m`, metres.
     pub(crate) fn step(&self, cell_m: f64) -> f64 {
         self.step_m.unwrap_or(LEAST_STEP_M.max(STEEPEST_ROOF * cell_m))
     }
@@ -97,16 +103,17 @@ impl SurfaceRasters {
     }
 }
 
-/// Lower steps are kerbs, hedges, cars and noise.
+/// Least step at cells of up to 1 m, metres: lower steps are kerbs, hedges, cars and noise.
 pub(crate) const LEAST_STEP_M: f64 = 2.0;
-/// Rise a metre that a pitched roof may have from cell to cell: 63 degrees.
+/// Steepest rise of a pitched roof from cell to cell, metres a metre: 63 degrees.
 const STEEPEST_ROOF: f64 = 2.0;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A request is read again as it was written, in 2 fields; 4 numbers out of range are named.
+    /// A request of 2 fields is read back as it was written; 4 numbers out of range are refused
+    /// with their field.
     #[test]
     fn requests_are_kept() {
         let request = SurfaceRasters { trunk_share: Some(0.3), ..SurfaceRasters::of("a.tif") };

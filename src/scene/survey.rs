@@ -1,5 +1,6 @@
-//! Where the objects of a site lie. In: a site, whose files may be many. Out: the box of each file and of each object in it, without
-//! a mesh of all: files are read one after the other on each thread.
+//! Survey of a site: where its objects lie. In: a site, whose files may be many. Out: the box of
+//! each file and of each object in it. No mesh of all files is built: each thread reads one file
+//! after the other.
 
 use std::path::PathBuf;
 
@@ -15,31 +16,32 @@ use crate::site::{Part, Site};
 use crate::surface_city::read::{no_raster, windows_of};
 use heliotile_core::error::{Error, Result};
 
-/// Cells along a side of the windows in which a raster of surface heights is looked through.
+/// Cells along a side of the windows in which a raster of surface heights is read.
 const WINDOW: usize = 4096;
 
-/// What lies in a file.
+/// Box of a file and its objects.
 #[derive(Clone, Debug)]
 pub struct FileSurvey {
-    /// The file.
+    /// Path of the file.
     pub file: PathBuf,
     /// Lowest and highest corner, scene coordinates, metres.
     pub bounds: [DVec3; 2],
-    /// Its objects; those of a raster are none.
+    /// Objects of the file; empty for terrain.
     pub objects: Vec<SurveyedObject>,
 }
 
-/// An object of a file.
+/// Box of an object.
 #[derive(Clone, Copy, Debug)]
 pub struct SurveyedObject {
     /// Lowest and highest corner, scene coordinates, metres.
     pub bounds: [DVec3; 2],
-    /// Whether receivers go on it if nothing is said: it is neither ground nor beside the buildings of a city model.
+    /// True if receivers are placed on the object by default: it is neither ground nor beside the
+    /// buildings of a city model.
     pub is_usual: bool,
 }
 
 impl Site {
-    /// Looks through all files, in their order.
+    /// Surveys all files, in their order.
     pub fn survey(&self) -> Result<Vec<FileSurvey>> {
         let all: Vec<Surveyed> = self.parts.par_iter().map(|part| survey(part, self)).collect::<Result<_>>()?;
         let mut systems = all.iter().filter_map(|one| Some((&one.found.file, one.system?)));
@@ -53,7 +55,7 @@ impl Site {
     }
 }
 
-/// What lies in a file, and the plane system that its reader made metres of.
+/// Survey of a file, and the plane system whose coordinates its reader converted to metres.
 struct Surveyed {
     found: FileSurvey,
     system: Option<Reference>,
@@ -71,7 +73,8 @@ fn survey(part: &Part, site: &Site) -> Result<Surveyed> {
     let (bounds, objects) = match formats::read(&part.file, &asked)? {
         Content::Polygons(_) if part.surface.is_some() => return Err(no_raster(&part.file)),
         Content::Polygons(geometry) => {
-            // Each file by itself would have an origin of its own.
+            // Geocentric files would get one origin each, so that their boxes could not be
+            // compared.
             if geometry.local_frame.is_some() {
                 let hint = "reproject the files to a system in metres with z up, for instance to UTM";
                 return Err(Error::input(&part.file, None, "its coordinates are geocentric", hint));
@@ -129,7 +132,7 @@ fn objects(geometry: &Geometry, place: impl Fn(DVec3) -> DVec3) -> Vec<SurveyedO
     found
 }
 
-/// A box without a point.
+/// Box without a point.
 const NOTHING: [DVec3; 2] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
 
 fn joined(boxes: impl Iterator<Item = [DVec3; 2]>) -> [DVec3; 2] {
@@ -142,7 +145,8 @@ mod tests {
 
     use super::*;
 
-    /// Of two cubes of 1 and 2 m in two objects of an OBJ, moved by 10 m, both have their boxes, within 1e-12, and the file has both.
+    /// Two triangles of 1 and 2 m in two objects of an OBJ file, moved by 10 m, have their boxes
+    /// exactly, and the file's box holds both.
     #[test]
     fn boxes() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,5 @@
-//! In: whole files and triangles in memory. Out: proof that a scene does not depend on how it was written down.
+//! Tests of whole files and of triangles in memory: a scene does not depend on how it was written
+//! down.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -34,7 +35,8 @@ fn message(obj: &str, materials: &str) -> String {
     load(obj, materials).expect_err("refused").to_string()
 }
 
-/// Faces, materials and vertices in another order give the same content hash, byte for byte the same mesh.
+/// Faces, materials and vertices in another order give the same content hash and, byte for byte,
+/// the same mesh.
 #[test]
 fn order_does_not_matter() {
     let faces = "usemtl wall\nf 1 2 5\nf 2 3 5\nusemtl roof\nf 1 4 3 2\n";
@@ -50,7 +52,8 @@ fn order_does_not_matter() {
     assert_eq!(one.content_hash(), other.content_hash());
 }
 
-/// Every part of the content changes the hash: eight scenes, eight hashes; the report is no part of it.
+/// Every part of the content changes the hash: eight scenes have eight hashes. The report does not
+/// change it.
 #[test]
 fn hash_covers_content() {
     let faces = "usemtl wall\nf 1 2 5\nusemtl roof\nf 1 4 3 2\n";
@@ -77,7 +80,8 @@ fn hash_covers_content() {
     assert_eq!(hashes.len(), 8);
 }
 
-/// The report counts faces, triangles by material, what was dropped and what bends inwards; unused tables are warned of.
+/// The report counts faces, triangles by material, dropped faces and concave faces; unused tables
+/// get a warning.
 #[test]
 fn report() {
     let obj = format!("{VERTICES}usemtl wall\nf 1 2 5\nf 1 2\nusemtl roof\nf 1 5 2 3 4\nusemtl gone\nf 1 1 1\n");
@@ -94,7 +98,8 @@ fn report() {
     assert!(report.warnings[1].contains("does not use material `glass`"), "{}", report.warnings[1]);
 }
 
-/// Without `materials.toml` the MTL libraries beside the OBJ file serve; with one that describes all materials they are not even opened.
+/// Without `materials.toml` the MTL libraries beside the OBJ file count; with a table of all
+/// materials they are not even opened.
 #[test]
 fn mtl_is_the_fallback() {
     let folder = Folder::new();
@@ -111,7 +116,8 @@ fn mtl_is_the_fallback() {
     assert_eq!(Scene::load(&obj, Some(&materials)).expect("readable").materials[1].diffuse, 0.3);
 }
 
-/// Where the table alone counts, a material that it does not describe is an error with the file, the count and the lines to add.
+/// If only the table counts, a material that it does not describe is an error with the file, the
+/// count and the lines to add.
 #[test]
 fn missing_material() {
     let folder = Folder::new();
@@ -125,8 +131,9 @@ fn missing_material() {
     }
 }
 
-/// A table of the wall alone leaves the roof to the library, and a bad library block of the wall is no harm; a misspelt `rof` is named with
-/// the `roof` that it may stand for. Two files that state 0.5 and 0.1 of a wall are one wall of 0.3, then, and two without the table.
+/// A table of the wall alone leaves the roof to the library, and a bad library block of the wall
+/// does no harm; a misspelt `rof` is reported with the `roof` that it may stand for. Two files that
+/// state 0.5 and 0.1 for a wall have one wall of 0.3 under the table, and two walls without it.
 #[test]
 fn tables_overlay() {
     let folder = Folder::new();
@@ -156,7 +163,8 @@ fn tables_overlay() {
     assert_eq!((walls(Some(&materials)), walls(None)), (vec![0.3], vec![0.5, 0.1]));
 }
 
-/// Without any description a usual reflectance of 0.20 is assumed, and one warning says of what, and how to say better.
+/// Without any description a usual reflectance of 0.20 is assumed; one warning names the material
+/// and the way to state a better value.
 #[test]
 fn assumed_material() {
     let folder = Folder::new();
@@ -166,7 +174,7 @@ fn assumed_material() {
     assert!(found.contains("`default` diffuse 0.2") && found.contains("{materials}"), "{found}");
 }
 
-/// Scenes of nothing but degenerate faces and files that are not there are refused by name.
+/// Scenes of nothing but degenerate faces and files that do not exist are refused by name.
 #[test]
 fn nothing_to_load() {
     let found = message(&format!("{VERTICES}f 1 2 1\nf 2 2 3\n"), MATERIALS);
@@ -175,7 +183,8 @@ fn nothing_to_load() {
     assert!(found.contains("cannot read /nowhere/town.obj"), "{found}");
 }
 
-/// A scene from triangles in memory equals the one read from a file, whatever the order of its materials.
+/// A scene from triangles in memory equals the one read from a file, whatever the order of its
+/// materials.
 #[test]
 fn from_memory() {
     let file = load(&format!("{VERTICES}usemtl wall\nf 1 2 5\nusemtl roof\nf 1 2 3\n"), MATERIALS).expect("readable");
@@ -203,7 +212,8 @@ fn from_memory() {
     }
 }
 
-/// 20,000 damaged files are read or refused; every mesh that comes out keeps the promises of its type.
+/// 20,000 damaged files are read or refused; every mesh that comes out keeps the promises of its
+/// type.
 #[test]
 fn damaged_files() {
     let whole =

@@ -1,9 +1,11 @@
-//! In: bytes of a text file of unknown origin. Out: numbered lines, words and short quotations for messages.
+//! Text of unknown origin. In: bytes of a text file. Out: numbered lines, words and short
+//! quotations for messages.
 
-/// Logical lines of a Wavefront file (OBJ, MTL): continuations joined, comment lines left out, numbered from 1.
+/// Logical lines of a Wavefront file (OBJ, MTL): continuations joined, comment lines left out,
+/// numbered from 1.
 ///
-/// LF, CRLF and bare CR all end a line; a byte order mark is skipped. A backslash at the end of a comment joins nothing:
-/// exporters write folder names there.
+/// LF, CRLF and bare CR all end a line; a byte order mark is skipped. A backslash at the end of a
+/// comment joins nothing: exporters write folder names there.
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
     end_of_line: u8,
@@ -22,7 +24,8 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The next line that is neither empty nor a comment, trimmed, with the number of its first physical line.
+    /// Returns the next line that is neither empty nor a comment, trimmed, with the number of its
+    /// first physical line.
     pub(super) fn next(&mut self) -> Option<(usize, &[u8])> {
         loop {
             let line = self.physical_line()?;
@@ -97,13 +100,13 @@ pub(super) fn keyword_and_rest(line: &[u8]) -> (&[u8], &[u8]) {
     (keyword, rest.trim_ascii())
 }
 
-/// The number a word spells, not necessarily a finite one.
+/// Returns the number that a word spells, which may be infinite or NaN.
 #[inline]
 pub(super) fn number(word: &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// The integer before the first `/`; `None` if it is none or beyond all limits.
+/// Returns the integer before the first `/`; `None` if there is none or it exceeds 64 bits.
 #[inline]
 pub(super) fn leading_index(word: &[u8]) -> Option<i64> {
     let (negative, digits) = match word {
@@ -124,7 +127,7 @@ pub(super) fn leading_index(word: &[u8]) -> Option<i64> {
     any.then_some(if negative { -index } else { index })
 }
 
-/// A quotation for a message: at most 60 characters, nothing that could upset a terminal.
+/// Returns a quotation for a message: at most 60 characters, without control characters.
 pub(super) fn excerpt(bytes: &[u8]) -> String {
     const LONGEST: usize = 60;
     // Four bytes a character at most, so this is never short of what is shown.
@@ -137,18 +140,19 @@ pub(super) fn excerpt(bytes: &[u8]) -> String {
     shown
 }
 
-/// The 1-based line that the byte at `offset` stands in.
+/// Returns the 1-based number of the line that holds the byte at `offset`.
 pub fn line_of_offset(bytes: &[u8], offset: usize) -> usize {
     let before = bytes.get(..offset).unwrap_or(bytes);
     before.iter().filter(|&&byte| byte == b'\n').count() + 1
 }
 
-/// Text as UTF-8: what is UTF-16, by its byte order mark or by the zeros of its first letters, is converted; all else stays as it is.
+/// Returns text as UTF-8. UTF-16, known by its byte order mark or by the zeros of its first
+/// letters, is converted; everything else stays as it is.
 pub(super) fn utf8(bytes: Vec<u8>) -> Vec<u8> {
     const LOOKED_AT: usize = 64;
     let zeros = |odd: usize| {
         let head = bytes.get(..bytes.len().min(LOOKED_AT) / 2 * 2).unwrap_or_default();
-        // Every other byte is a zero, and no other is.
+        // In UTF-16 of plain letters every other byte is a zero, and no other byte is.
         head.len() >= 4 && head.iter().enumerate().all(|(i, byte)| (*byte == 0) == (i % 2 == odd))
     };
     let little = match bytes.as_slice() {
@@ -181,7 +185,8 @@ mod tests {
         found
     }
 
-    /// Four spellings of a text in UTF-16 are its 9 bytes of UTF-8; UTF-8, bytes of no text and 3 bytes stay.
+    /// Four spellings of a text in UTF-16 become UTF-8; five texts that are not UTF-16 stay as they
+    /// are.
     #[test]
     fn utf_16() {
         let text = "v 1 \u{e9}\nf";

@@ -1,8 +1,9 @@
-//! Receivers spread evenly over a surface. In: a surface and how densely. Out: pieces of equal area that make up the surface, each
-//! with a point on it and its normal.
+//! Receivers spread evenly over a surface. In: a surface and a density. Out: pieces of equal area
+//! that make up the surface, each with a point on it and its normal.
 //!
-//! A surface is cut in two across its longer side, in the ratio of the points that go on both parts, and the parts again, until each
-//! has one point. Cuts are exact: areas add up to the surface. By spacing, no piece holds parts that hardly hang together.
+//! A surface is cut in two across its longer side, in the ratio of the points that go on both
+//! parts. The parts are cut again until each has one point. Cuts are exact: the areas add up to the
+//! surface. If the density is a spacing, no piece spans a neck between two parts of the surface.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,28 +13,29 @@ use crate::covering::necks::{Neck, Span, narrowest};
 use crate::covering::surfaces::{Surface, area_vector};
 use crate::semantics::SurfaceKind;
 
-/// How many points go on a surface.
+/// Density of points on a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Density {
-    /// About so far apart, metres: one for each square of this side, and along narrow surfaces too.
+    /// Distance of points, metres: one point for each square of this side, and at least one for
+    /// each such length along a narrow surface.
     Spacing(f64),
-    /// So many on every surface, whatever its size.
+    /// Number of points on every surface, whatever its size.
     PerSurface(u32),
 }
 
-/// Most points on one surface.
+/// Largest number of points on one surface.
 pub const MOST_POINTS: f64 = 100e6;
 
 impl Density {
-    /// Number of points on a surface.
+    /// Returns the number of points on a surface.
     pub fn points(self, surface: &Surface) -> f64 {
         match self {
             Density::PerSurface(count) => f64::from(count.max(1)),
             Density::Spacing(metres) => {
                 let (low, high) = Frame::of(surface).extent(surface.triangles.iter());
                 let longest = (high - low).max_element();
-                // A hair less than a whole number of squares is that number.
+                // A count a hair above a whole number of squares is that number.
                 let up = |x: f64| (x - 1e-6).ceil();
                 up(surface.area_m2 / (metres * metres)).max(up(longest / metres)).max(1.0)
             }
@@ -41,31 +43,31 @@ impl Density {
     }
 }
 
-/// How often a part with one point is cut again because it hardly hangs together: lattices are not taken to pieces.
+/// Most cuts at necks of a part with one point, so that lattices are not taken to pieces.
 const MOST_NECKS: usize = 2;
 
 /// A part of a surface and the point that stands for it.
 #[derive(Clone, Debug)]
 pub struct Piece {
-    /// Place among the pieces of its surface, from 1.
+    /// Number among the pieces of its surface, from 1.
     pub number: usize,
-    /// On the surface, input coordinates.
+    /// Point on the surface, input coordinates.
     pub position: DVec3,
-    /// Mean over the piece, unit length.
+    /// Mean normal of the piece, unit length.
     pub normal: DVec3,
-    /// Area of the piece; those of a surface's pieces are equal, but for parts that hardly hang together.
+    /// Area of the piece, m2; equal for all pieces of a surface, except pieces cut at a neck.
     pub area_m2: f64,
-    /// What the piece is made of, input coordinates.
+    /// Triangles of the piece, input coordinates.
     pub triangles: Vec<[DVec3; 3]>,
-    /// The face that the point lies on, as of [`Surface::faces`].
+    /// Face that the point lies on, as in [`Surface::faces`].
     pub face: u32,
 }
 
 /// A triangle and the face that it is a part of.
 type Shard = ([DVec3; 3], u32);
 
-/// Cuts a surface into pieces of equal area, as many as [`Density::points`] says; by spacing, parts that hardly hang together get pieces of
-/// their own.
+/// Cuts a surface into as many pieces of equal area as [`Density::points`] returns. With a spacing,
+/// parts beyond a neck get pieces of their own.
 pub fn cover(surface: &Surface, density: Density) -> Vec<Piece> {
     let frame = Frame::of(surface);
     let count = density.points(surface).min(MOST_POINTS) as usize;
@@ -80,14 +82,15 @@ pub fn cover(surface: &Surface, density: Density) -> Vec<Piece> {
     pieces
 }
 
-/// Two directions along a surface, and the one away from it.
+/// Two directions along a surface, and the direction away from it.
 struct Frame {
     along: [DVec3; 2],
     away: DVec3,
 }
 
 impl Frame {
-    /// Terrain is looked at from above. Of others the first axis is level, or along the longest edge of what is level itself.
+    /// Returns the frame of a surface. Terrain is seen from above. On other surfaces the first axis
+    /// is level; on level surfaces it runs along the longest edge.
     fn of(surface: &Surface) -> Frame {
         let normal = surface.normal;
         if surface.kind == SurfaceKind::Ground {
@@ -95,7 +98,7 @@ impl Frame {
         }
         let level = DVec3::Z.cross(normal);
         let first = if level.length() > 0.35 { level } else { longest_edge(surface) };
-        // Across the normal; a direction of its own if that is nothing.
+        // The component across the normal; any direction across it if that component vanishes.
         let across = (first - normal * first.dot(normal)).normalize_or_zero();
         let across = if across == DVec3::ZERO { normal.any_orthonormal_vector() } else { across };
         Frame { along: [across, normal.cross(across)], away: normal }
@@ -113,7 +116,7 @@ impl Frame {
     }
 }
 
-/// Direction of the longest edge that no other triangle of the surface has.
+/// Returns the direction of the longest edge that no two triangles of the surface share.
 fn longest_edge(surface: &Surface) -> DVec3 {
     let key = |p: DVec3| p.to_array().map(f64::to_bits);
     let mut edges: Vec<([[u64; 3]; 2], DVec3)> = Vec::new();
@@ -128,7 +131,7 @@ fn longest_edge(surface: &Surface) -> DVec3 {
         edges.chunk_by(|a, b| a.0 == b.0).filter_map(|same| if same.len() == 1 { same.first() } else { None });
     let mut longest = DVec3::ZERO;
     for (_, edge) in outline {
-        // By more than rounding, so that equal sides do not take turns.
+        // Longer by more than rounding, so that the choice between equal sides is stable.
         if edge.length() > longest.length() * (1.0 + 1e-9) {
             longest = *edge;
         }
@@ -136,7 +139,8 @@ fn longest_edge(surface: &Surface) -> DVec3 {
     longest
 }
 
-/// Cuts until each part has one point. With `spare`, parts that hardly hang together get points of their own, so often for one point.
+/// Cuts a part until each piece has one point. With `spare`, parts are also cut at necks; `spare`
+/// is the number of such cuts left for a part with one point.
 fn divide(shards: Vec<Shard>, count: usize, spare: Option<usize>, frame: &Frame, pieces: &mut Vec<Piece>) {
     let (low, high) = frame.extent(shards.iter().map(|shard| &shard.0));
     let size = high - low;
@@ -156,7 +160,7 @@ fn divide(shards: Vec<Shard>, count: usize, spare: Option<usize>, frame: &Frame,
         pieces.extend(piece(shards, frame));
         return;
     }
-    // By more than rounding: squares are cut across the first axis.
+    // Longer by more than rounding: squares are cut across the first axis.
     let axis = if size.y > size.x * (1.0 + 1e-9) { frame.along[1] } else { frame.along[0] };
     let first = count / 2;
     let at = cut_place(&shards, axis, first as f64 / count as f64);
@@ -168,10 +172,10 @@ fn divide(shards: Vec<Shard>, count: usize, spare: Option<usize>, frame: &Frame,
     divide(behind, count - first, spare, frame, pieces);
 }
 
-/// Where a part of such a size is to be cut because it hardly hangs together.
+/// Returns the axis and the neck at which a part of extent `size` is to be cut, if it has a neck.
 fn neck(shards: &[Shard], size: DVec2, frame: &Frame) -> Option<(DVec3, Neck)> {
     let area: f64 = shards.iter().map(|(triangle, _)| area_vector(triangle).length()).sum();
-    // A triangle or a rectangle, as most are.
+    // Most parts are triangles or rectangles, which have no neck.
     if shards.len() < 3 || area > 0.999 * size.element_product() {
         return None;
     }
@@ -191,7 +195,7 @@ fn span(triangle: &[DVec3; 3], axis: DVec3) -> Span {
     Span { places, area: area_vector(triangle).length() }
 }
 
-/// Where along an axis this share of the area lies before.
+/// Returns the place along an axis before which a share of the area lies.
 fn cut_place(shards: &[Shard], axis: DVec3, share: f64) -> f64 {
     let mut spans: Vec<Span> = Vec::with_capacity(shards.len());
     let (mut low, mut high, mut total) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
@@ -200,7 +204,7 @@ fn cut_place(shards: &[Shard], axis: DVec3, share: f64) -> f64 {
         (low, high, total) = (low.min(span.places[0]), high.max(span.places[2]), total + span.area);
         spans.push(span);
     }
-    // What lies before `low` for good.
+    // Area of the spans that lie before `low`, which are no longer looked at.
     let (mut done, wanted) = (0.0, total * share);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -213,7 +217,7 @@ fn cut_place(shards: &[Shard], axis: DVec3, share: f64) -> f64 {
         } else {
             high = middle
         }
-        // Large surfaces are cut fast: only what the place may still lie in is looked at again.
+        // Only spans that may still contain the place stay, so that large surfaces are cut fast.
         if spans.len() > 64 {
             spans.retain(|span| {
                 let passed = span.places[2] <= low;
@@ -227,7 +231,7 @@ fn cut_place(shards: &[Shard], axis: DVec3, share: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The parts of a triangle before and behind a plane across an axis.
+/// Splits a triangle by a plane across an axis into its parts before and behind.
 fn split(shard: &Shard, axis: DVec3, at: f64, before: &mut Vec<Shard>, behind: &mut Vec<Shard>) {
     let (triangle, face) = shard;
     let place = triangle.map(|p| p.dot(axis) - at);
@@ -237,7 +241,7 @@ fn split(shard: &Shard, axis: DVec3, at: f64, before: &mut Vec<Shard>, behind: &
     if place.iter().all(|d| *d >= 0.0) {
         return behind.push(*shard);
     }
-    // One corner is alone on its side.
+    // One corner is alone on its side of the plane.
     for turn in 0..3 {
         let [i, j, k] = [turn, (turn + 1) % 3, (turn + 2) % 3];
         let (Some(&a), Some(&b), Some(&c)) = (triangle.get(i), triangle.get(j), triangle.get(k)) else { return };
@@ -253,8 +257,8 @@ fn split(shard: &Shard, axis: DVec3, at: f64, before: &mut Vec<Shard>, behind: &
     }
 }
 
-/// The point that stands for a part: its centre, or where that lies outside, the centre of the triangle next to it. `None` if the part
-/// has no area.
+/// Returns the piece of a part. Its point is the centre, or the centre of the nearest triangle if
+/// the centre lies outside. `None` if the part has no area.
 fn piece(shards: Vec<Shard>, frame: &Frame) -> Option<Piece> {
     let (mut sum, mut vector, mut area_m2) = (DVec3::ZERO, DVec3::ZERO, 0.0);
     let origin = shards.first()?.0[0];
@@ -276,6 +280,7 @@ fn piece(shards: Vec<Shard>, frame: &Frame) -> Option<Piece> {
         Some(found) => found,
         None => {
             let middle = |t: &[DVec3; 3]| (t[0] + t[1] + t[2]) / 3.0;
+            // Centres of small triangles are poor points for the whole part.
             let largest = shards.iter().map(|(t, _)| area_vector(t).length()).fold(0.0, f64::max);
             let fit = shards.iter().filter(|(t, _)| area_vector(t).length() >= 0.3 * largest);
             let middles = fit.map(|(t, face)| (middle(t), *face));
@@ -291,7 +296,7 @@ fn contains(&[a, b, c]: &[DVec2; 3], p: DVec2) -> bool {
     sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0)
 }
 
-/// Where a line through a point meets a triangle's plane.
+/// Returns the point where a line through a point meets a triangle's plane.
 fn dropped(point: DVec3, triangle: &[DVec3; 3], line: DVec3) -> Option<DVec3> {
     let normal = area_vector(triangle);
     let along = normal.dot(line);
@@ -309,13 +314,14 @@ mod tests {
         Surface { name, kind, object: 0, exposed: None, material: 0, triangles, faces, area_m2, normal }
     }
 
-    /// A parallelogram of two triangles.
+    /// Returns the two triangles of a parallelogram.
     fn quad(corner: DVec3, along: DVec3, up: DVec3) -> Vec<[DVec3; 3]> {
         let [a, b, c, d] = [corner, corner + along, corner + along + up, corner + up];
         vec![[a, b, c], [a, c, d]]
     }
 
-    /// A wall of 10 x 3 m gets 8 receivers at 2 m: 4 by 2, each of 3.75 m2, 2.5 and 1.5 m apart, within 1e-6; turned by any angle, too.
+    /// A wall of 10 x 3 m gets 8 receivers at 2 m: 4 by 2, each of 3.75 m2, 2.5 and 1.5 m apart,
+    /// within 1e-6, also when turned by 17 and 133 degrees.
     #[test]
     fn wall() {
         for degrees in [0.0_f64, 17.0, 133.0] {
@@ -339,7 +345,8 @@ mod tests {
         }
     }
 
-    /// 1, 2, 3, 7 and 100 receivers on an L with a hole are so many, of equal area within 1e-6, all on the surface; they add up to it.
+    /// A count of 1, 2, 3, 7 or 100 on an L with a hole gives as many receivers, of equal area
+    /// within 1e-6, all on the surface; the areas add up to it.
     #[test]
     fn exact_counts() {
         let mut triangles = Vec::new();
@@ -362,7 +369,8 @@ mod tests {
         }
     }
 
-    /// A strip of 0.2 x 20 m gets 10 receivers at 2 m, not the 1 that its area calls for; a hill's lie on it and look along its normals.
+    /// A strip of 0.2 x 20 m gets 10 receivers at 2 m, not the 1 of its area; receivers of a hill
+    /// lie on it and look along its normals.
     #[test]
     fn strips_and_hills() {
         let strip = surface(SurfaceKind::Wall, quad(DVec3::ZERO, DVec3::X * 20.0, DVec3::Z * 0.2));
@@ -382,8 +390,9 @@ mod tests {
         }
     }
 
-    /// A wall of 10 x 2.744 m with a window of 10 m, or of 0.1 mm less at both sides, from 0.9146 to 2.5 m: above and below it every spacing gives
-    /// receivers of their own, 2.44 and 9.146 m2 of them, whose mean height is that of the wall within 1 mm.
+    /// A wall of 10 x 2.744 m has a window from 0.9146 to 2.5 m that is 10 m wide, or 0.1 mm
+    /// narrower at both sides. At every spacing the strips above and below it have receivers of
+    /// their own, of 2.44 and 9.146 m2, whose mean height is that of the wall within 1 mm.
     #[test]
     fn strips_beside_a_window() {
         for sliver in [0.0, 1e-4] {

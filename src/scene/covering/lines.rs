@@ -1,4 +1,5 @@
-//! Lines that people move along: roads, paths, tracks. In: a CSV file of their corners. Out: lines, and points on them with the direction of travel.
+//! Lines that people move along: roads, paths, tracks. In: a CSV file of their corners. Out: lines,
+//! and points on them with the direction of travel.
 
 use std::path::Path;
 
@@ -10,16 +11,16 @@ use heliotile_core::error::{Error, Result};
 /// A line in the order of travel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TravelLine {
-    /// Its name: that of the column `line`, or of the file.
+    /// Name of the line: the cell of the column `line`, or the name of the file.
     pub name: String,
-    /// Its corners, input coordinates, metres.
+    /// Corners of the line, input coordinates, metres.
     pub corners: Vec<TravelCorner>,
 }
 
 /// A corner of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TravelCorner {
-    /// In plan.
+    /// Position in plan.
     pub at: DVec2,
     /// Height of the road, if the file states it.
     pub z: Option<f64>,
@@ -28,17 +29,18 @@ pub struct TravelCorner {
 /// A point on a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TravelPoint {
-    /// Where.
+    /// Position of the point.
     pub at: TravelCorner,
-    /// The direction of travel, level, unit length.
+    /// Direction of travel, level, unit length.
     pub ahead: DVec3,
 }
 
-/// What a file of lines may hold.
+/// Columns of a file of lines, as messages describe them.
 const HINT: &str = "give columns x and y, metres, and if you like z, the height of the road, and line, a name";
 
-/// Reads `x,y` with optional `z` and `line`, in any order: a corner a row, in the order of travel; rows with the same name that stand together are a
-/// line. An error: a cell that is no number, a line without length.
+/// Reads lines from a CSV file with columns `x,y` and optional `z` and `line`, in any order. Each
+/// row is a corner, in the order of travel; consecutive rows of one name are a line. Fails if a
+/// cell is not a number or a line has no length.
 pub fn read_lines(file: &Path) -> Result<Vec<TravelLine>> {
     let mut rows = CsvRows::open(file)?;
     if !rows.advance()? {
@@ -89,18 +91,18 @@ pub fn read_lines(file: &Path) -> Result<Vec<TravelLine>> {
 }
 
 impl TravelLine {
-    /// Its length in plan.
+    /// Returns the length in plan, metres.
     pub fn length_m(&self) -> f64 {
         self.corners.array_windows().map(|[from, to]| from.at.distance(to.at)).sum()
     }
 
-    /// The line in the other direction of travel.
+    /// Returns the line in the other direction of travel.
     #[must_use]
     pub fn back(&self, name: String) -> Self {
         TravelLine { name, corners: self.corners.iter().rev().copied().collect() }
     }
 
-    /// Points so far apart, the first half as far from its start.
+    /// Returns points at a spacing, the first one half a spacing from the start.
     pub fn points(&self, spacing_m: f64) -> Vec<TravelPoint> {
         let (mut points, mut done_m, mut next_m) = (Vec::new(), 0.0, 0.5 * spacing_m.min(self.length_m()));
         for [from, to] in self.corners.array_windows() {
@@ -129,8 +131,10 @@ mod tests {
         read_lines(&path)
     }
 
-    /// A road of 10 and 6 m around a corner with a point every 4 m: four, from 2 to 14 m on, the last two to the north and 3 and 7 m higher or lower
-    /// as the heights say; back they are at the same distances from its end. A second line has its name, a short one a point in its middle.
+    /// A road of 10 and 6 m around a corner with a point every 4 m has four points, from 2 to 14 m
+    /// along it, with heights interpolated between corners; only the last one heads north.
+    /// Backwards the points are at the same distances from the road's end. A second line has its
+    /// name, and a short one a point in its middle.
     #[test]
     fn points_along() {
         let lines = read("line,x,y,z\na,0,0,0\na,10,0,10\na,10,6,4\nb,0,1,\nb,1,1,\n").expect("lines");
@@ -147,7 +151,7 @@ mod tests {
         assert_eq!((b.name.as_str(), b.points(4.0)[0].at), ("b", TravelCorner { at: DVec2::new(0.5, 1.0), z: None }));
     }
 
-    /// Five files that are no lines are refused, each by what is wrong.
+    /// Five malformed files are refused, each with what is wrong.
     #[test]
     fn wrong_lines() {
         for (text, says) in [

@@ -1,5 +1,5 @@
-//! Covering: where receivers stand. In: surfaces of a scene, lines that people move along, or `receivers.csv`. Out: receivers, each with what it
-//! stands for.
+//! Covering: placing receivers. In: surfaces of a scene, lines that people move along, or
+//! `receivers.csv`. Out: receivers, each with the length or area that it stands for.
 
 pub mod cover;
 pub mod lines;

@@ -1,25 +1,26 @@
-//! Where a surface is so narrow that its parts are surfaces of their own. In: its triangles along an axis. Out: the place to cut.
+//! Necks: places at which a surface is so narrow that the parts on both sides are surfaces of their
+//! own. In: the surface's triangles along an axis. Out: the place to cut.
 //!
-//! A window as wide as its wall leaves a strip above and one below, which hang together by a sliver at each side, or by nothing. One
-//! receiver for both would stand on one of them.
+//! A window as wide as its wall leaves a strip above and one below, connected by a sliver at each
+//! side or by nothing. One receiver for both strips would stand on one of them.
 
-/// A part as wide as this share of what lies on either side of it holds nothing together.
+/// Greatest width of a neck, as a share of the narrower of the two sides' greatest widths.
 const NECK: f64 = 0.1;
-/// Cuts that leave less than this share of the area on a side are not worth a receiver.
+/// Least share of the area on each side of a cut: less is not worth a receiver.
 const LEAST_SHARE: f64 = 0.02;
-/// Places closer than this are one, metres.
+/// Distance below which two places are one, metres.
 const SAME_M: f64 = 1e-6;
-/// Surfaces of more triangles are hills.
+/// Most triangles of a surface that is searched for necks: surfaces of more triangles are hills.
 const MOST_TRIANGLES: usize = 128;
 
-/// A triangle along an axis: its corners' places in order, and its area.
+/// Extent of a triangle along an axis: the places of its corners in order, and its area.
 pub(super) struct Span {
     pub places: [f64; 3],
     pub area: f64,
 }
 
 impl Span {
-    /// Area before a place.
+    /// Returns the area before a place.
     pub(super) fn before(&self, at: f64) -> f64 {
         let [a, b, c] = self.places;
         match () {
@@ -31,17 +32,18 @@ impl Span {
     }
 }
 
-/// A place to cut.
+/// A neck of a surface along an axis.
 #[derive(Debug, PartialEq)]
 pub(super) struct Neck {
     pub at: f64,
-    /// Of the area, before the cut.
+    /// Share of the area that lies before the cut.
     pub share: f64,
-    /// How wide it is there, of what lies on either side.
+    /// Width of the surface at the cut, as a share of the narrower of the two sides' greatest
+    /// widths.
     pub width: f64,
 }
 
-/// The narrowest neck of a surface along an axis, in its middle.
+/// Returns the narrowest neck of a surface along an axis; the cut lies in the middle of the neck.
 pub(super) fn narrowest(spans: &[Span]) -> Option<Neck> {
     if spans.len() > MOST_TRIANGLES {
         return None;
@@ -68,7 +70,7 @@ pub(super) fn narrowest(spans: &[Span]) -> Option<Neck> {
             width: width(slab) / sides.max(f64::MIN_POSITIVE),
         };
         let divides = (LEAST_SHARE..=1.0 - LEAST_SHARE).contains(&neck.share) && neck.width <= NECK;
-        // By more than rounding, so that equal ones do not take turns.
+        // Narrower by more than rounding, so that the choice between equal necks is stable.
         if divides && found.as_ref().is_none_or(|other| neck.width < other.width - 1e-9) {
             found = Some(neck);
         }
@@ -80,14 +82,15 @@ pub(super) fn narrowest(spans: &[Span]) -> Option<Neck> {
 mod tests {
     use super::*;
 
-    /// Both triangles of a rectangle from `from` to `to`, so wide.
+    /// Returns both triangles of a rectangle of width `wide` from `from` to `to`.
     fn rectangle(from: f64, to: f64, wide: f64) -> [Span; 2] {
         let area = 0.5 * (to - from) * wide;
         [Span { places: [from, from, to], area }, Span { places: [from, to, to], area }]
     }
 
-    /// Strips of 10 m from 0 to 1 and from 3 to 3.5 that hang together by 1 m, 1 mm or nothing are cut at 2, with 2/3 of the area before; by 1.2 m
-    /// they are one.
+    /// Strips of 10 m from 0 to 1 and from 3 to 3.5 that a strip of 1 m, 1 mm or 0 m connects are
+    /// cut at 2, with the share (10 + w) / (15 + 2 w) of the area before; a strip of 1.2 m is no
+    /// neck.
     #[test]
     fn strips_that_hardly_hang_together() {
         for (wide, is_neck) in [(0.0, true), (0.001, true), (1.0, true), (1.2, false)] {

@@ -1,21 +1,22 @@
-//! In: a CSV file with a column `receiver`. Out: the ids in it, one after the other.
+//! Lists of receivers by id. In: a CSV file with a column `receiver`. Out: the ids in it, one after
+//! the other.
 
 use std::path::Path;
 
 use crate::covering::rows::CsvRows;
 use heliotile_core::error::{Error, Result};
 
-/// The column that is read; all others are passed over.
+/// Column that is read; all others are ignored.
 const COLUMN: &str = "receiver";
 
-/// Ids of a list of receivers, from bounded memory.
+/// Iterator over the ids of a list of receivers; it needs bounded memory.
 pub struct ReceiverIds<'a> {
     rows: CsvRows<'a>,
     column: usize,
 }
 
 impl<'a> ReceiverIds<'a> {
-    /// Opens the file and reads its header; without a column `receiver` that is an error.
+    /// Opens the file and reads its header. Fails if there is no column `receiver`.
     pub fn open(file: &'a Path) -> Result<Self> {
         let mut rows = CsvRows::open(file)?;
         let hint = format!("begin with a line that names a column `{COLUMN}`, then one id a line");
@@ -30,7 +31,7 @@ impl<'a> ReceiverIds<'a> {
 }
 
 impl Iterator for ReceiverIds<'_> {
-    /// An id and its line.
+    /// Id of a receiver and its line.
     type Item = Result<(String, usize)>;
 
     fn next(&mut self) -> Option<Self::Item> {

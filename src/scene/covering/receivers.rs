@@ -1,4 +1,4 @@
-//! In: `receivers.csv`. Out: checked receivers, and the order that puts neighbours into one tile.
+//! Receivers from a file. In: `receivers.csv`. Out: checked receivers, in the order of the rows.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -16,23 +16,25 @@ use heliotile_core::site::receiver::{MAX_NAME_BYTES, Receiver};
 use heliotile_core::text::{separator_hint, with_list};
 
 const REQUIRED: [&str; 4] = ["receiver", "x", "y", "z"];
-/// Where a receiver looks: a vector, or angles in degrees, tilt 0 up and 90 level, azimuth clockwise from y.
+/// Columns of the direction a receiver faces: a vector, or angles in degrees (tilt 0 up and 90
+/// level, azimuth clockwise from y).
 const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 const ANGLES: [&str; 2] = ["tilt_deg", "azimuth_deg"];
 const HEADER: &str = "receiver,x,y,z,nx,ny,nz";
 const OPTIONAL: [&str; 2] = ["area", "surface"];
-/// Optional too: what the receiver stands for in its model.
+/// Optional columns of the model part that the receiver stands for.
 const PART: [&str; 5] = ModelPart::COLUMNS;
-/// Optional: the part of its surface that the receiver stands for, as of [`Patch`].
+/// Optional column of the part of its surface that the receiver stands for, as in [`Patch`].
 pub const PATCH: &str = "patch";
 
-/// Reads `receiver,x,y,z,nx,ny,nz` with optional `area` (m2), `surface`, `patch` and the columns of [`ModelPart`], in any order; at
-/// least one row. Holds all of them in memory; the builder's `ReceiverTiles` does not.
+/// Reads receivers from columns `receiver,x,y,z,nx,ny,nz` with optional `area` (m2), `surface`,
+/// `patch` and the columns of [`ModelPart`], in any order. Fails without a row. All receivers are
+/// held in memory; the builder's `ReceiverTiles` does not need to.
 pub fn read_receivers(path: &Path) -> Result<Vec<Receiver>> {
     read_receivers_with_warnings(path, &mut Vec::new())
 }
 
-/// [`read_receivers`] that also tells which columns it passed over.
+/// Reads receivers as [`read_receivers`] does and adds a warning about the columns that it ignores.
 pub fn read_receivers_with_warnings(path: &Path, warnings: &mut Vec<String>) -> Result<Vec<Receiver>> {
     collect(ReceiverRows::open(path, warnings)?)
 }
@@ -50,25 +52,26 @@ fn collect(mut rows: ReceiverRows) -> Result<Vec<Receiver>> {
     if receivers.is_empty() { Err(no_receivers(rows.file())) } else { Ok(receivers) }
 }
 
-/// The refusal of a name that two rows have.
+/// Returns the error for a name that two rows have.
 pub fn duplicate(file: &Path, id: &str, first_line: usize, line: usize) -> Error {
     let why = format!("the name of the receiver in line {first_line} too");
     cell_error(file, line, "receiver", id, &why, "give every receiver a name of its own")
 }
 
-/// The refusal of a file without rows.
+/// Returns the error for a file without rows.
 pub fn no_receivers(file: &Path) -> Error {
     Error::input(file, None, "the file holds a header but no receivers", "add one row per receiver")
 }
 
-/// The rows of `receivers.csv` one after the other, each checked by itself.
+/// Rows of `receivers.csv` one after the other, each checked by itself.
 pub struct ReceiverRows<'a> {
     rows: CsvRows<'a>,
     columns: Columns,
 }
 
 impl<'a> ReceiverRows<'a> {
-    /// Opens the file and reads its header; a missing column is an error, one that nobody knows a warning.
+    /// Opens the file and reads its header. A missing column is an error, an unknown column a
+    /// warning.
     pub fn open(file: &'a Path, warnings: &mut Vec<String>) -> Result<Self> {
         ReceiverRows::new(CsvRows::open(file)?, warnings)
     }
@@ -82,7 +85,7 @@ impl<'a> ReceiverRows<'a> {
         Ok(ReceiverRows { rows, columns })
     }
 
-    /// The receiver of the next row, checked; `None` behind the last.
+    /// Returns the checked receiver of the next row; `None` after the last row.
     pub fn read(&mut self) -> Result<Option<Receiver>> {
         if !self.rows.advance()? {
             return Ok(None);
@@ -90,18 +93,18 @@ impl<'a> ReceiverRows<'a> {
         Row { rows: &self.rows, columns: &self.columns }.receiver().map(Some)
     }
 
-    /// The file, for messages.
+    /// Returns the path of the file, for messages.
     pub fn file(&self) -> &'a Path {
         self.rows.file
     }
 
-    /// 1-based line of the last row.
+    /// Returns the line of the last row, from 1.
     pub fn line(&self) -> usize {
         self.rows.line
     }
 }
 
-/// Where the columns stand.
+/// Places of the columns.
 struct Columns {
     required: [usize; 4],
     facing: Facing,
@@ -169,7 +172,7 @@ impl Columns {
     }
 }
 
-/// Which columns say where a receiver looks.
+/// Columns that state the direction a receiver faces.
 enum Facing {
     Normal([usize; 3]),
     Angles([usize; 2]),
@@ -181,6 +184,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
+    // The number of cells is checked first, so that a shifted row is not read as wrong numbers.
     fn receiver(&self) -> Result<Receiver> {
         let record = &self.rows.record;
         if record.len() != self.columns.count {
@@ -223,7 +227,7 @@ impl Row<'_> {
 
     fn normal(&self, [nx, ny, nz]: [&str; 3]) -> Result<DVec3> {
         let normal = DVec3::new(self.number("nx", nx)?, self.number("ny", ny)?, self.number("nz", nz)?);
-        // Divided by its largest part first, so that no square under- or overflows.
+        // Division by the largest component keeps squares from under- or overflowing.
         let largest = normal.abs().max_element();
         if largest == 0.0 {
             let text = format!("{nx},{ny},{nz}");
@@ -245,7 +249,7 @@ impl Row<'_> {
             let why = "not from -360 to 360";
             return Err(self.rows.cell_error(azimuth_name, azimuth, why, "degrees clockwise from y, 180 is south"));
         }
-        // Up is exactly up, whatever the azimuth.
+        // A tilt of 0 gives exactly up, whatever the azimuth.
         let level = if tilt_deg == 0.0 || tilt_deg == 180.0 { 0.0 } else { tilt_deg.to_radians().sin() };
         let (east, north) = azimuth_deg.to_radians().sin_cos();
         Ok(DVec3::new(level * east, level * north, tilt_deg.to_radians().cos()).normalize())
@@ -325,7 +329,8 @@ mod tests {
         read_bytes(text.as_bytes())
     }
 
-    /// Columns in any order, CRLF, blanks, quotes and unknown columns are read; normals come out with length 1.
+    /// Columns in any order, CRLF, blanks, quotes and unknown columns are read; normals come out
+    /// with length 1.
     #[test]
     fn reads() {
         let text = "nz,surface , receiver,x,y,z,nx,ny,area,note\r\n 4 ,\"a, b\", r1 ,78000.25,457000.5,-1e1,3,0,2.5,hm\r\n\
@@ -341,7 +346,8 @@ mod tests {
         assert_eq!(warnings, ["receivers.csv: column `note` is not used"]);
     }
 
-    /// Tilt and azimuth stand for normals within 1e-15: 5 of 5; angles out of range, and one of the two alone, are refused: 4 of 4.
+    /// Tilt and azimuth give normals within 1e-15, 5 of 5; four angles that are out of range or no
+    /// number are refused, and so is a tilt without an azimuth.
     #[test]
     fn tilt_and_azimuth() {
         let file = |tilt: &str, azimuth: &str| {
@@ -389,7 +395,8 @@ mod tests {
         }
     }
 
-    /// Areas that are not above zero, headers without a column or with one twice, and files without rows are refused.
+    /// Areas that are not above zero, headers without a column or with one twice, and files without
+    /// rows are refused.
     #[test]
     fn refused_files() {
         for (text, quoted) in [
@@ -411,7 +418,8 @@ mod tests {
         assert!(message.starts_with("receivers.csv, line 3: the row is not UTF-8"), "{message}");
     }
 
-    /// Names of 1024 bytes are read, longer ones of receivers and of surfaces refused in their line: 2 of 2.
+    /// Names of 1024 bytes are read, longer ones of receivers and of surfaces refused in their
+    /// line: 2 of 2.
     #[test]
     fn long_names() {
         let file = |id: usize, surface: usize| {
@@ -426,7 +434,8 @@ mod tests {
         }
     }
 
-    /// A row of more than 16 MiB, as behind a quote that is never closed, is refused with the line it begins in.
+    /// A row of more than 16 MiB, as after a quote that is never closed, is refused with the line
+    /// that it begins in.
     #[test]
     fn endless_row() {
         let text = [HEADER, "a,0,0,0,0,0,1\n\n\"b", &"x\n".repeat(9 << 20)].concat();

@@ -1,4 +1,5 @@
-//! In: a CSV file, piece by piece. Out: its records with the line each begins in, and errors that name file, line and column.
+//! Rows of a CSV file. In: the file, piece by piece. Out: its records with the line that each
+//! begins in, and errors that name file, line and column.
 
 use std::io::{self, Read};
 use std::path::Path;
@@ -9,15 +10,16 @@ use crate::input;
 use crate::text::{excerpt, without_byte_order_mark};
 use heliotile_core::error::{Error, Result};
 
-/// Longest row that is read, in bytes, blank lines before it included.
+/// Longest row that is read, bytes, including blank lines before it.
 const MAX_ROW: usize = 16 << 20;
 
-/// Records one after the other, with true line numbers: the library's count blank lines to the record after them.
+/// Reader of records with true line numbers: the library counts blank lines to the record after
+/// them.
 pub(crate) struct CsvRows<'a> {
     pub(crate) file: &'a Path,
     reader: csv::Reader<Ahead<'a>>,
     pub(crate) record: StringRecord,
-    /// 1-based line of `record`.
+    /// Line of `record`, from 1.
     pub(crate) line: usize,
 }
 
@@ -43,7 +45,8 @@ impl<'a> CsvRows<'a> {
     pub(crate) fn advance(&mut self) -> Result<bool> {
         let start = self.reader.position().byte();
         let result = self.reader.read_record(&mut self.record);
-        // Only now: blank lines in front of the record may not have been read before.
+        // Lines are counted after the read: blank lines in front of the record may not have been
+        // read before.
         self.line += self.reader.get_mut().count_lines_to(start);
         result.map_err(|error| match error.into_kind() {
             ErrorKind::Io(source) if source.kind() == io::ErrorKind::FileTooLarge => {
@@ -64,23 +67,23 @@ impl<'a> CsvRows<'a> {
     }
 }
 
-/// An error in one cell.
+/// Returns the error for one cell.
 pub(crate) fn cell_error(file: &Path, line: usize, column: &str, text: &str, why: &str, hint: &str) -> Error {
     Error::input(file, line, format!("column `{column}` is `{}`, {why}", excerpt(text.as_bytes())), hint)
 }
 
-/// Keeps the bytes that were handed on until their lines are counted.
+/// Reader that keeps the bytes it returned until their lines are counted.
 struct Ahead<'a> {
     input: Box<dyn Read + 'a>,
     kept: Vec<u8>,
-    /// Bytes of `kept` whose lines are counted.
+    /// Number of bytes of `kept` whose lines are counted.
     done: usize,
-    /// Place of `kept` in the file.
+    /// Offset of `kept` in the file.
     offset: u64,
 }
 
 impl Ahead<'_> {
-    /// Counts up to `start` and over the blank lines that follow it.
+    /// Counts the lines up to `start` and over the blank lines that follow it.
     fn count_lines_to(&mut self, start: u64) -> usize {
         let start = usize::try_from(start.saturating_sub(self.offset)).unwrap_or(usize::MAX);
         let mut lines = 0;

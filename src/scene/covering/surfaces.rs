@@ -1,6 +1,7 @@
-//! Surfaces that receivers are put on. In: a scene's triangles and the objects they belong to. Out: surfaces with names: the
-//! neighbouring triangles of an object and a material that lie in one plane; terrain as a whole. Neither the order of files, objects
-//! and faces nor the way faces are cut into triangles (but for the order of ties) matters.
+//! Surfaces that receivers are put on. In: a scene's triangles and the objects that they belong to.
+//! Out: surfaces with names. A surface consists of neighbouring triangles of one object and one
+//! material in one plane; terrain is one surface. The order of files, objects and faces does not
+//! matter, and neither does the way faces are cut into triangles (except for the order of ties).
 
 use crate::materials::select::class_of_name;
 use std::collections::{BTreeMap, HashMap};
@@ -15,21 +16,23 @@ use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::morton::lexicographic;
 use heliotile_core::site::scene_object::ObjectNote;
 
-/// Triangles lie in the plane of the first one of their surface if their normals are within this of its normal (cosine of 2 degrees) ...
+/// Least cosine between the normals of a triangle and of the first one of its surface (2 degrees).
 const SAME_DIRECTION: f64 = 0.999_390_8;
-/// ... and their corners within this of its plane, metres.
+/// Largest distance of a triangle's corners from the plane of its surface, metres.
 const SAME_PLANE_M: f64 = 0.1;
 
-/// What is thinner has no direction of its own, metres.
+/// Width below which a triangle has no direction of its own, metres.
 const THIN_M: f64 = 1e-3;
-/// Less is no surface, m2.
+/// Least area of a surface, m2.
 const NO_SURFACE_M2: f64 = 1e-6;
 
-/// What a surface is: by what its file says of it, else by its material's class and where it looks: up to 60 degrees of tilt is a roof,
-/// within 30 degrees of the vertical a wall. Names of materials say nothing, but for the class, which goes by them where nobody states it.
+/// Returns the kind of a surface: the stated one, or else one by the material's class and the tilt.
+/// Up to 60 degrees of tilt is a roof, within 30 degrees of the vertical a wall. Names of materials
+/// decide nothing but the class of materials without a stated one.
 fn kind_of(stated: Option<SurfaceKind>, material: &Material, up: f64) -> SurfaceKind {
     match stated {
-        // The underside of an eave is a part of the roof to a city model, and gets what a floor gets.
+        // City models count the underside of an eave as a part of the roof; it is treated as a
+        // floor.
         Some(SurfaceKind::Roof) if up < -0.5 => SurfaceKind::Floor,
         Some(kind) => kind,
         None if material.glass.is_some() => SurfaceKind::Window,
@@ -40,39 +43,41 @@ fn kind_of(stated: Option<SurfaceKind>, material: &Material, up: f64) -> Surface
     }
 }
 
-/// A surface: corners in input coordinates, counter-clockwise as seen from the side that gets light.
+/// A surface: corners in input coordinates, counter-clockwise as seen from the side that gets
+/// light.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// That of its object, with kind and number behind it where the object has several: `house/roof2`.
+    /// Name of the object, followed by kind and number if the object has several surfaces:
+    /// `house/roof2`.
     pub name: String,
-    /// What it is.
+    /// Kind of the surface.
     pub kind: SurfaceKind,
     /// Index into `Surfaces::objects`.
     pub object: usize,
-    /// Whether the sun may reach it, if its file says so.
+    /// True if the sun may reach the surface, false if not; `None` if the file does not state it.
     pub exposed: Option<bool>,
-    /// Index into the scene's materials.
+    /// Material, an index into the scene's materials.
     pub material: u16,
-    /// What it is made of, input coordinates; wound as the scene is, but upwards on terrain.
+    /// Triangles in input coordinates, wound as in the scene, but upwards on terrain.
     pub triangles: Vec<[DVec3; 3]>,
-    /// The face that each triangle is a part of: indices into the soup's faces.
+    /// Face that each triangle is a part of, an index into the soup's faces.
     pub faces: Vec<u32>,
-    /// Sum of the areas of its triangles.
+    /// Sum of the areas of the triangles, m2.
     pub area_m2: f64,
-    /// Sum of area vectors over its length.
+    /// Sum of area vectors, scaled to unit length.
     pub normal: DVec3,
 }
 
 /// All surfaces of a scene, by object and kind.
 #[derive(Clone, Debug, Default)]
 pub struct Surfaces {
-    /// The surfaces, sorted by object and kind.
+    /// Surfaces, sorted by object and kind.
     pub list: Vec<Surface>,
-    /// Closed objects.
+    /// Number of closed objects.
     pub closed_objects: usize,
-    /// Objects that have opaque triangles, by name, and what is known of them.
+    /// Names of the objects that have opaque triangles, with their notes.
     pub objects: Vec<(String, ObjectNote)>,
-    /// Edges at which two faces of one object are turned against each other.
+    /// Number of edges at which two faces of one object are turned against each other.
     pub contrary_edges: usize,
 }
 
@@ -85,7 +90,7 @@ struct Facet {
     face: u32,
 }
 
-/// What triangles of one surface have in common besides their plane.
+/// Properties that all triangles of a surface share, besides their plane.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Group {
     material: u16,
@@ -102,7 +107,7 @@ impl Surfaces {
             positions.binary_search_by(|q| lexicographic(*q, p)).unwrap_or_default() as u32
         };
         let mut objects: BTreeMap<&str, (ObjectNote, Vec<Facet>)> = BTreeMap::new();
-        // Triangles that no file has come last and have no face.
+        // Triangles of no file come last and have no face.
         let faces = soup.faces.iter().copied().chain(std::iter::repeat(u32::MAX));
         let triangles = soup.triangles.iter().zip(&soup.materials).zip(&soup.objects).zip(faces);
         for (((corners, &material), &object), face) in triangles {
@@ -127,7 +132,8 @@ impl Surfaces {
         found
     }
 
-    /// What a receiver on a face of a surface stands for; `faces` are the soup's.
+    /// Returns the model part that a receiver on a face of a surface stands for; `faces` are the
+    /// soup's.
     pub fn part(&self, surface: &Surface, face: u32, faces: &[SourceFace]) -> ModelPart {
         let none = (String::new(), ObjectNote::default());
         let (name, note) = self.objects.get(surface.object).unwrap_or(&none);
@@ -194,13 +200,13 @@ impl Surfaces {
     }
 }
 
-/// Ground that is not the underside of a building.
+/// Returns true for materials of ground that are not the underside of a building.
 fn is_terrain(material: &Material) -> bool {
     let underside = material.name.to_lowercase().contains("groundsurface");
     material.class == Class::Ground && class_of_name(&material.name) == Class::Ground && !underside
 }
 
-/// Half the cross product of two edges: as long as the area, along the normal.
+/// Returns half the cross product of two edges: a vector along the normal, as long as the area.
 pub(crate) fn area_vector([a, b, c]: &[DVec3; 3]) -> DVec3 {
     0.5 * (*b - *a).cross(*c - *a)
 }
@@ -216,7 +222,7 @@ fn centre(surface: &Surface) -> DVec3 {
     sum / surface.area_m2
 }
 
-/// Positions in order, each once.
+/// Returns the distinct positions in order.
 fn distinct(positions: &[DVec3]) -> Vec<DVec3> {
     let mut sorted = positions.to_vec();
     sorted.sort_unstable_by(|a, b| lexicographic(*a, *b));
@@ -239,10 +245,10 @@ fn edges_of(corners: [u32; 3]) -> [(u32, u32); 3] {
     [(a, b), (b, c), (c, a)]
 }
 
-/// Whether each edge of an object is met as often in one direction as in the other; and at how many edges two faces are turned
-/// against each other.
+/// Returns true if every edge of an object is used as often in one direction as in the other, and
+/// the number of edges at which two faces are turned against each other.
 fn shell(facets: &[Facet]) -> (bool, usize) {
-    // Balance and count of an edge, taken from its lower corner to its higher one.
+    // Balance and count of each edge, taken from its lower corner to its higher one.
     let mut edges: HashMap<(u32, u32), (i32, u32)> = HashMap::new();
     for (a, b) in facets.iter().flat_map(|facet| edges_of(facet.corners)) {
         let entry = edges.entry((a.min(b), a.max(b))).or_default();
@@ -254,7 +260,8 @@ fn shell(facets: &[Facet]) -> (bool, usize) {
     (closed, contrary)
 }
 
-/// Groups triangles that neighbour each other in one plane: grown from the largest one, then the largest of the rest.
+/// Groups neighbouring triangles in one plane. Groups grow from the largest triangle first, then
+/// from the largest of the rest.
 fn planes(facets: &[Facet], triangles: &[[DVec3; 3]]) -> Vec<Vec<usize>> {
     let mut at_edge: Vec<((u32, u32), usize)> = Vec::with_capacity(3 * facets.len());
     for (i, facet) in facets.iter().enumerate() {
@@ -267,7 +274,7 @@ fn planes(facets: &[Facet], triangles: &[[DVec3; 3]]) -> Vec<Vec<usize>> {
     let area: Vec<DVec3> = triangles.iter().map(area_vector).collect();
     let size = |i: usize| area.get(i).map_or(0.0, |a| a.length());
     let mut order: Vec<usize> = (0..triangles.len()).collect();
-    // A stable sort: ties stay in the order of positions.
+    // The sort is stable: ties stay in the order of positions.
     order.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
     let mut taken = vec![false; triangles.len()];
     let mut groups = Vec::new();
@@ -334,7 +341,8 @@ mod tests {
         faces.fold(CORNERS.to_owned(), |text, face| text + face + "\n")
     }
 
-    /// A box of 9 faces has 6 surfaces: a roof of 24 m2, 4 walls of 60 m2, a floor of 24 m2, however its faces are ordered.
+    /// A box of 9 faces has 6 surfaces: a roof of 24 m2, 4 walls of 60 m2 together and a floor of
+    /// 24 m2, however its faces are ordered.
     #[test]
     fn box_of_faces() {
         let one = find(&house(WALLS.into_iter().chain(ROOF)));
@@ -351,7 +359,8 @@ mod tests {
         assert_eq!((one.closed_objects, one.contrary_edges), (1, 0));
     }
 
-    /// The same box inside out, and with one face turned alone, has the same 6 surfaces and no contrary edge.
+    /// A box inside out, or with one face turned alone, has the 6 surfaces of the sound box and no
+    /// contrary edge.
     #[test]
     fn a_box_with_turned_faces_is_the_same_box() {
         let backwards = |face: &str| {
@@ -372,7 +381,8 @@ mod tests {
         }
     }
 
-    /// A wall with a sliver of 1e-7 m between its triangles that faces askew is 1 surface, named after its object.
+    /// A wall with a sliver of 1e-7 m between its triangles that faces askew is 1 surface, named
+    /// after its object.
     #[test]
     fn slivers() {
         let wall = find(
@@ -382,7 +392,7 @@ mod tests {
         assert!((wall.list[0].area_m2 - 30.0).abs() < 1e-5, "{}", wall.list[0].area_m2);
     }
 
-    /// What the file says decides on kinds, then glass, class and tilt, and never a name: 9 of 9.
+    /// The kind that the file states decides, then glass, class and tilt, and never a name: 9 of 9.
     #[test]
     fn kinds() {
         let glass = Material { glass: Some(Glass::Double), ..Material::matt("front", 0.0, Class::Obstruction) };

@@ -1,5 +1,5 @@
-//! A scene while it is edited. In: a scene as an archive holds it, one edit after the other. Out: its triangles in input coordinates, and what became
-//! of each object.
+//! A scene while it is edited. In: a scene as an archive holds it, one edit after the other. Out:
+//! its triangles in input coordinates, and the fate of each object.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -17,48 +17,48 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::material::Material;
 use heliotile_core::site::scene_object::SceneObject;
 
-/// What became of an object.
+/// Fate of an object in an edited scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Fate {
-    /// Its surfaces are where they were.
+    /// The object's surfaces are where they were.
     #[default]
     Stands,
-    /// It is gone.
+    /// The object is removed.
     Removed,
-    /// It is elsewhere, metres.
+    /// The object is moved by this vector, metres.
     Moved(DVec3),
-    /// Its surfaces have other shapes.
+    /// The object's surfaces have other shapes.
     Reshaped,
 }
 
 /// A scene after some edits, in input coordinates.
 #[derive(Clone, Debug)]
 pub struct EditedScene {
-    /// Triangles with their materials.
+    /// Corners and material of each triangle.
     pub triangles: Vec<([DVec3; 3], u16)>,
-    /// The materials, not sorted.
+    /// Materials, not sorted.
     pub materials: Vec<Material>,
-    /// The objects; one of each triangle.
+    /// Objects that the triangles are parts of.
     pub objects: Vec<SceneObject>,
-    /// `[triangle]`: index into `objects`.
+    /// Object of each triangle, an index into `objects`.
     pub of_triangle: Vec<u32>,
-    /// `[object]`: what became of those that the scene had.
+    /// Fates of the objects that the scene had before the edits, `[object]`.
     pub fates: Vec<Fate>,
-    /// Whether any triangle or material is another one.
+    /// True if any triangle or material has changed.
     pub changed: bool,
 }
 
-/// The least that must stay of an object that is lowered, metres.
+/// Least height that must remain of a lowered object, metres.
 const LEAST_M: f64 = 0.1;
 
-/// Faces that look up and begin lower than this over the foot of their object are no roofs, metres.
+/// Height over the foot of an object below which a face that looks up is no roof, metres.
 const FOOT_M: f64 = 1.0;
 
-/// Faces whose normals rise less are walls.
+/// Least z of the unit normal of a face that looks up; faces below it are walls.
 const LOOKS_UP: f64 = 0.05;
 
 impl EditedScene {
-    /// A scene as it is held.
+    /// Returns a scene as an archive holds it, without edits.
     pub fn of(scene: &TracedScene) -> Self {
         let absolute = |corners: &[DVec3; 3]| corners.map(|corner| scene.grid.origin + corner);
         let triangles = scene.triangles.iter().map(absolute).zip(scene.triangle_material.iter().copied()).collect();
@@ -72,8 +72,8 @@ impl EditedScene {
         }
     }
 
-    /// Adds a scene whose objects the scene does not have yet. Materials of one name that differ are told apart by `called`. Gives the new
-    /// numbers of its materials.
+    /// Adds a scene and returns the new numbers of its materials. Materials of one name that differ
+    /// are told apart by `called`. Fails if the scene already has one of the added objects.
     pub fn add(&mut self, scene: &Scene, called: &str, file: &Path) -> Result<Vec<u16>> {
         let own: BTreeSet<&str> = self.objects.iter().map(|object| object.name.as_str()).collect();
         let there = |object: &&SceneObject| own.contains(object.name.as_str()) && object.name != endless::NAME;
@@ -100,7 +100,7 @@ impl EditedScene {
         Ok(materials)
     }
 
-    /// The scene of it, in the frame of the one before.
+    /// Returns the edited scene, in the frame of the scene before.
     pub fn scene(&self, before: &TracedScene) -> Result<Scene> {
         let objects = match self.objects.is_empty() {
             true => MeshObjects::default(),
@@ -109,7 +109,7 @@ impl EditedScene {
         Scene::from_objects(&self.triangles, self.materials.clone(), &objects, Some(before.grid.origin))
     }
 
-    /// Triangles of an object.
+    /// Returns the triangles of an object.
     fn own(&mut self, object: u32) -> impl Iterator<Item = &mut ([DVec3; 3], u16)> {
         self.triangles.iter_mut().zip(&self.of_triangle).filter(move |(_, of)| **of == object).map(|pair| pair.0)
     }
@@ -121,7 +121,7 @@ impl EditedScene {
         }
     }
 
-    /// What became of an object.
+    /// Returns the fate of an object.
     pub fn fate(&self, object: u32) -> Fate {
         self.fates.get(object as usize).copied().unwrap_or_default()
     }
@@ -136,7 +136,8 @@ impl EditedScene {
         }
     }
 
-    /// Raises all above the lowest roof of some objects, which may be the parts of one building.
+    /// Raises or lowers all corners at or above the lowest roof of some objects, which may be the
+    /// parts of one building.
     pub(super) fn raise(&mut self, name: &str, objects: &[u32], height: NewHeight) -> Result<()> {
         let refuse = |what: String, hint: &str| Err(Error::argument("height", format!("`{name}` {what}"), hint));
         let all: Vec<[DVec3; 3]> = objects
@@ -169,6 +170,7 @@ impl EditedScene {
         if by == 0.0 {
             return Ok(());
         }
+        // Corners below the lowest roof stay: walls stretch, and the foot keeps its place.
         for object in objects {
             let above = |corner: &&mut DVec3| corner.z >= from;
             self.own(*object).flat_map(|(corners, _)| corners).filter(above).for_each(|corner| corner.z += by);
@@ -186,7 +188,7 @@ impl EditedScene {
         self.changed |= changed;
     }
 
-    /// The number of a material by its name, one of the scene or one that is described.
+    /// Returns the number of a material by its name: one of the scene's, or one that is described.
     pub(super) fn material(&mut self, name: &str, described: &[Material]) -> Result<u16> {
         let number = |materials: &[Material]| materials.iter().position(|material| material.name == name);
         match (number(&self.materials), described.iter().find(|material| material.name == name)) {
@@ -200,7 +202,7 @@ impl EditedScene {
         }
     }
 
-    /// The number of a material of a file that is added.
+    /// Returns the number that a material of an added file gets in this scene.
     fn own_material(&mut self, material: &Material, called: &str) -> Result<u16> {
         if let Some(number) = self.materials.iter().position(|own| own == material) {
             return Ok(number as u16);
@@ -226,7 +228,8 @@ impl EditedScene {
         })
     }
 
-    /// Takes out the triangles of objects that are gone, and their names: what is added may have them.
+    /// Removes the triangles of removed objects, and the objects' names, so that added objects may
+    /// have them.
     pub(super) fn drop_removed(&mut self) {
         let gone: Vec<bool> = self.of_triangle.iter().map(|of| self.fate(*of) == Fate::Removed).collect();
         let mut each = gone.iter();

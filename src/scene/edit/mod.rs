@@ -1,5 +1,5 @@
-//! Edits of a scene by the names of its objects. In: a scene as an archive holds it, edits. Out: triangles with materials and objects, and what
-//! became of each object.
+//! Edits of a scene by the names of its objects. In: a scene as an archive holds it, and edits.
+//! Out: triangles with materials and objects, and the fate of each object.
 
 mod edited;
 mod names;
@@ -21,13 +21,13 @@ use names::ObjectNames;
 
 pub use edited::{EditedScene, Fate};
 
-/// What is to become of objects; a name is that of an object, or of the building that objects are parts of.
+/// Edits of objects. A name is that of an object, or of the building that objects are parts of.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SceneEdits {
-    /// Objects that go.
+    /// Names of objects to remove.
     pub remove: Vec<String>,
-    /// Objects that are put elsewhere.
+    /// Objects to move.
     pub moves: Vec<ObjectMove>,
     /// Objects whose roofs go up or down.
     pub heights: Vec<ObjectHeight>,
@@ -35,53 +35,55 @@ pub struct SceneEdits {
     pub materials: Vec<ObjectMaterial>,
 }
 
-/// An object that is put elsewhere: `OBJECT=dx,dy,dz`.
+/// Move of an object: `OBJECT=dx,dy,dz`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObjectMove {
-    /// Its name.
+    /// Name of the object.
     pub object: String,
-    /// How far, metres along x, y and z.
+    /// Translation along x, y and z, metres.
     pub by_m: [f64; 3],
 }
 
-/// An object whose roofs go up or down, and its walls with them: `OBJECT=+3m`, `OBJECT=-3m` or `OBJECT=12m`.
+/// Change of an object's height, roofs and walls together: `OBJECT=+3m`, `OBJECT=-3m` or
+/// `OBJECT=12m`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObjectHeight {
-    /// Its name.
+    /// Name of the object.
     pub object: String,
-    /// How high it becomes.
+    /// New height.
     pub height: NewHeight,
 }
 
-/// How high an object becomes; as text `+3m`, `-3m` or `12m`.
+/// New height of an object; as text `+3m`, `-3m` or `12m`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum NewHeight {
-    /// By so much, metres.
+    /// Change of the height, metres.
     By(f64),
-    /// From its lowest point to its highest one, metres.
+    /// Height from the lowest point to the highest one, metres.
     To(f64),
 }
 
-/// An object all of whose triangles get a material: `OBJECT=MATERIAL`.
+/// New material of all triangles of an object: `OBJECT=MATERIAL`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObjectMaterial {
-    /// Its name.
+    /// Name of the object.
     pub object: String,
     /// Name of the material.
     pub material: String,
 }
 
 impl SceneEdits {
-    /// Whether there is nothing to do.
+    /// Returns true if there is nothing to edit.
     pub fn is_empty(&self) -> bool {
         self.remove.is_empty() && self.moves.is_empty() && self.heights.is_empty() && self.materials.is_empty()
     }
 
-    /// Edits a scene; `described` are materials that objects may get besides its own, and `file` is what messages are about.
+    /// Edits a scene. `described` are materials that objects may get besides the scene's own;
+    /// messages name `file`.
     pub fn apply(&self, scene: &TracedScene, described: &[Material], file: &Path) -> Result<EditedScene> {
         if scene.objects.list.is_empty() && !self.is_empty() {
             return Err(Error::input(
@@ -134,7 +136,7 @@ impl SceneEdits {
     }
 }
 
-/// Name and value; a name may hold an equals sign.
+/// Splits a text at its last equals sign into name and value; a name may hold an equals sign.
 fn halves(text: &str) -> std::result::Result<(String, &str), String> {
     match text.rsplit_once('=') {
         Some((name, value)) if !name.trim().is_empty() => Ok((name.trim().to_owned(), value.trim())),

@@ -1,4 +1,5 @@
-//! Names of objects and materials. In: names as a user gives them. Out: the objects of these names, or the names most alike.
+//! Names of objects and materials. In: names as a user gives them. Out: the objects of these names,
+//! or the most similar names.
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
@@ -7,10 +8,10 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::SceneObject;
 use heliotile_core::text::counted;
 
-/// Names that a message proposes.
+/// Largest number of names that a message proposes.
 const PROPOSED: usize = 3;
 
-/// Objects by the names that they can be called by.
+/// Objects by their names: their own, that of the object in the file and that of the building.
 pub(super) struct ObjectNames<'a>(HashMap<&'a str, BTreeSet<u32>>);
 
 impl<'a> ObjectNames<'a> {
@@ -36,7 +37,7 @@ impl<'a> ObjectNames<'a> {
     }
 }
 
-/// The names most alike, quoted.
+/// Returns the most similar names, quoted.
 pub(super) fn proposed<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
     let lower = name.to_lowercase();
     let mut near: Vec<(usize, &str)> = known.map(|other| (apart(&lower, other), other)).collect();
@@ -49,7 +50,8 @@ pub(super) fn proposed<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> 
     }
 }
 
-/// How different a name is; one that holds what was asked for is near.
+/// Returns the edit distance of two names; a name that contains the requested one has a distance of
+/// 1.
 fn apart(asked: &str, other: &str) -> usize {
     let other = other.to_lowercase();
     if !asked.is_empty() && other.contains(asked) { 1 } else { strsim::osa_distance(asked, &other) }

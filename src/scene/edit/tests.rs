@@ -7,7 +7,7 @@ use crate::mesh_objects::MeshObjects;
 use heliotile_core::site::material::Class;
 use heliotile_core::site::scene_object::{ObjectNote, SceneObject};
 
-/// A flat box of 4 m x 4 m from z to z + h, its walls and its roof.
+/// Returns the walls and the roof of a box of 4 m x 4 m from z to z + h.
 fn block(x: f64, z: f64, h: f64) -> Vec<([DVec3; 3], u16)> {
     let at = |i: usize, z: f64| {
         let (dx, dy) = [(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)][i % 4];
@@ -19,7 +19,7 @@ fn block(x: f64, z: f64, h: f64) -> Vec<([DVec3; 3], u16)> {
     walls.chain(roof).map(|corners| (corners, 0)).collect()
 }
 
-/// A house of two parts, 6 m high with an annex of 3 m, and a shed of 2.5 m.
+/// Returns a house of two parts, 6 m high with an annex of 3 m, and a shed of 2.5 m.
 fn town() -> TracedScene {
     let parts = [block(0.0, 0.0, 6.0), block(4.0, 0.0, 3.0), block(20.0, 1.0, 2.5)];
     let names = [("house-1", "house"), ("house-2", "house"), ("shed", "")];
@@ -45,7 +45,7 @@ fn edited(edits: SceneEdits) -> EditedScene {
     edits.apply(&town(), &[], Path::new("town.helio")).expect("an edited scene")
 }
 
-/// Lowest and highest point of an object.
+/// Returns the lowest and the highest point of an object.
 fn heights(scene: &EditedScene, name: &str) -> (f64, f64) {
     let own =
         scene.triangles.iter().zip(&scene.of_triangle).filter(|(_, of)| scene.objects[**of as usize].name == name);
@@ -53,7 +53,8 @@ fn heights(scene: &EditedScene, name: &str) -> (f64, f64) {
     (low.z, high.z)
 }
 
-/// A building is removed with both its parts, 20 triangles of 30; a part with its own 10.
+/// Removing a building removes both its parts, 20 triangles of 30; removing a part removes its own
+/// 10.
 #[test]
 fn objects_go_by_their_name_or_that_of_their_building() {
     for (name, left) in [("house", 10), ("house-2", 20), (" shed ", 20)] {
@@ -63,8 +64,8 @@ fn objects_go_by_their_name_or_that_of_their_building() {
     }
 }
 
-/// A storey on a house lifts both roofs, 6 to 9 m and 3 to 6 m, and leaves the foot; a height of 2 m lowers the shed, which stands 1 m
-/// high, to 3 m. What is moved keeps its height.
+/// Adding 3 m to a house lifts both roofs, 6 to 9 m and 3 to 6 m, and leaves the foot. A height of
+/// 2 m lowers the shed, whose foot is at z = 1 m, to z = 3 m. A moved object keeps its height.
 #[test]
 fn roofs_go_up_and_down() {
     let heights_of = |text: &str| SceneEdits { heights: vec![text.parse().expect(text)], ..SceneEdits::default() };
@@ -77,7 +78,7 @@ fn roofs_go_up_and_down() {
     assert_eq!((heights(&moved, "shed"), moved.fates[2]), ((1.5, 4.0), Fate::Moved(DVec3::new(1.0, -2.0, 0.5))));
 }
 
-/// 4 heights come back from their text; 4 texts are none.
+/// Four heights are written as the text that they are read from; 4 texts are refused.
 #[test]
 fn heights_are_text() {
     for text in ["+3m", "-2.5m", "12m", "0.5m"] {
@@ -89,7 +90,8 @@ fn heights_are_text() {
     }
 }
 
-/// A shed that is removed may be added again under its name, with what the file says of it; one that stays may not.
+/// A removed shed may be added again under its name, with the notes of the file; a shed that stays
+/// may not.
 #[test]
 fn an_object_is_replaced() {
     let note = ObjectNote { object_type: "Building".to_owned(), ..ObjectNote::default() };
@@ -108,7 +110,8 @@ fn an_object_is_replaced() {
     assert_eq!((&found.note, after.mesh.triangles.len()), (&note, 30));
 }
 
-/// A file whose `wall` differs brings it as `wall (tower)`; an equal one is the scene's own.
+/// A file whose `wall` differs from the scene's adds it as `wall (tower)`; an equal one is the
+/// scene's own.
 #[test]
 fn materials_are_told_apart() {
     let objects = MeshObjects {

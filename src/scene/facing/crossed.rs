@@ -1,18 +1,20 @@
-//! In: outlines. Out: those that cross themselves once, with their corners in an order in which they do not.
+//! Outlines that cross themselves. In: outlines. Out: outlines that crossed themselves once, their
+//! corners reordered so that they do not.
 //!
-//! Two neighbouring corners that changed places make an outline cross itself at one point. Taking the corners between the two edges that cross in
-//! the other order mends that, and nothing else does for four corners (the 2-opt move of Croes, Operations Research 6, 1958).
+//! An outline in which two neighbouring corners changed places crosses itself at one point.
+//! Reversing the corners between the two crossing edges repairs it, and for four corners nothing
+//! else does (the 2-opt move of Croes, Operations Research 6, 1958).
 
 use glam::{DVec2, DVec3};
 
 use crate::geometry::Geometry;
 
-/// Outlines of more corners are left as they are: comparing all edges costs the square of this.
+/// Most corners of an outline that is searched: comparing all edges costs the square of this.
 const MOST_CORNERS: usize = 64;
-/// Edges that cross by less than this share of the outline's size touch.
+/// Share of the outline's size squared below which crossing edges count as touching.
 const TOUCHING: f64 = 1e-9;
 
-/// Puts the corners of outlines in order that cross themselves once; returns the numbers of their faces.
+/// Reorders the corners of outlines that cross themselves once; returns the numbers of their faces.
 pub(super) fn uncross(geometry: &mut Geometry) -> Vec<usize> {
     let mut found = Vec::new();
     for face in geometry.faces() {
@@ -47,7 +49,8 @@ fn uncrossed(outline: &[u32], vertices: &[DVec3]) -> Option<Vec<u32>> {
     order.iter().map(|&i| outline.get(i).copied()).collect()
 }
 
-/// Corners on the plane of the largest triangle that they span; `None` without one. The mean normal of a crossed outline may be zero.
+/// Projects corners to the plane of the largest triangle that they span; `None` if they span none.
+/// The mean normal would not do: for a crossed outline it may be zero.
 fn flattened(points: &[DVec3]) -> Option<Vec<DVec2>> {
     let (&first, rest) = points.split_first()?;
     let arms: Vec<DVec3> = rest.iter().map(|point| *point - first).collect();
@@ -65,12 +68,13 @@ fn flattened(points: &[DVec3]) -> Option<Vec<DVec2>> {
     Some(points.iter().map(|point| DVec2::new((*point - first).dot(u), (*point - first).dot(v))).collect())
 }
 
-/// The corner at a place behind the last one is the first.
+/// Returns the corner at a place; the one after the last is the first.
 fn corner(flat: &[DVec2], place: usize) -> DVec2 {
     flat.get(place % flat.len().max(1)).copied().unwrap_or_default()
 }
 
-/// Whether a quadrilateral turns one way at all corners. Outlines of more corners may do so and go round twice.
+/// Returns true for a quadrilateral that turns one way at all corners. Outlines of more corners may
+/// turn one way and still go round twice.
 fn is_convex(flat: &[DVec2]) -> bool {
     let turn = |i: usize| {
         let (a, b, c) = (corner(flat, i), corner(flat, i + 1), corner(flat, i + 2));
@@ -79,7 +83,7 @@ fn is_convex(flat: &[DVec2]) -> bool {
     flat.len() == 4 && ((0..4).all(|i| turn(i) > 0.0) || (0..4).all(|i| turn(i) < 0.0))
 }
 
-/// Pairs of edges that cross, each by the numbers of the corners where they begin.
+/// Returns the pairs of edges that cross, each edge by the number of the corner where it begins.
 fn crossings(flat: &[DVec2]) -> Vec<(usize, usize)> {
     let count = flat.len();
     let size = flat.iter().map(|point| point.length()).fold(0.0, f64::max);

@@ -1,12 +1,13 @@
-//! Which side of a face is the outside. In: the polygons of one file. Out: the same polygons as receivers and rays can take them: an outline
-//! that crosses itself is put in order, of faces that stand twice one is left out, and faces that look into their solid are turned.
+//! Orientation of faces: which side is the outside. In: the polygons of one file. Out: the polygons
+//! as receivers and rays need them. An outline that crosses itself is put in order, one of two
+//! equal faces is left out, and faces that look into their solid are turned.
 //!
 //! | file | what it does |
 //! | --- | --- |
 //! | `crossed` | puts the corners of outlines in order that cross themselves once |
-//! | `twins` | finds faces and objects that stand twice |
-//! | `shells` | finds what hangs together by its edges, what of it is sound, and which faces turn one way |
-//! | `sides` | tells by rays within an object which side of a face is outside |
+//! | `twins` | finds faces and objects that occur twice |
+//! | `shells` | finds faces connected by edges, sound shells, and faces of one orientation |
+//! | `sides` | finds by rays within an object which side of a face is outside |
 //!
 //! # What never happens
 //!
@@ -36,10 +37,10 @@ use shells::{Patch, Shell};
 use sides::{Rule, Sides, Verdict};
 use twins::Twin;
 
-/// Objects named in the first line of a warning.
+/// Largest number of objects named in the first line of a warning.
 const MOST_NAMES: usize = 3;
 
-/// What was changed, or could not be told: numbers of faces.
+/// Numbers of the faces that were changed, or whose outside could not be found.
 #[derive(Default)]
 struct Changes {
     uncrossed: Vec<usize>,
@@ -49,7 +50,7 @@ struct Changes {
     unclear: Vec<usize>,
 }
 
-/// Puts the faces of a file in order and says what was changed.
+/// Puts the faces of a file in order and adds a sentence about each kind of change.
 pub(crate) fn settle(geometry: &mut Geometry) {
     let mut settling = Settling {
         changes: Changes { uncrossed: crossed::uncross(geometry), ..Changes::default() },
@@ -76,11 +77,11 @@ pub(crate) fn settle(geometry: &mut Geometry) {
 /// A file whose faces are put in order.
 struct Settling<'g> {
     geometry: &'g mut Geometry,
-    /// `[vertex]`: rank of its position.
+    /// Rank of each vertex's position, `[vertex]`.
     welded: Vec<u32>,
-    /// `[face]`: whether it is left out.
+    /// True for faces that are left out, `[face]`.
     dropped: Vec<bool>,
-    /// Faces that stand for two which look apart.
+    /// Faces that are kept for a pair of opposite faces.
     paired: BTreeSet<usize>,
     changes: Changes,
 }
@@ -92,13 +93,13 @@ impl Settling<'_> {
         let mut twins: Vec<Vec<Twin>> = Vec::new();
         for shell in doubtful(&shells) {
             let mut found = twins::within(self.geometry, &self.welded, &shell.faces);
-            // The walls between houses that touch look apart, and both are needed.
+            // The walls between houses that touch are such a pair, and both are needed.
             found.retain(|twin| !(twin.reversed && near.is_crowded(shell)));
             twins.push(found);
         }
         for twin in twins.iter().flatten() {
             set(&mut self.dropped, twin.face, true);
-            // Which of two the file has first is no fault.
+            // The order of the two in the file is no fault of the face that stays.
             if twin.reversed {
                 self.paired.insert(twin.of);
             }
@@ -111,8 +112,9 @@ impl Settling<'_> {
         }
     }
 
-    /// Of faces that stand twice the same way round one goes, and of two that look apart one if it is clear that one side is outside and one inside:
-    /// the wall between two houses needs both, and so does a fence.
+    /// Leaves out one of two faces of the same orientation. Of two opposite faces one is left out
+    /// only if one side is clearly outside and the other inside: the wall between two houses needs
+    /// both, and so does a fence.
     fn settle_twins(&mut self, near: &Near, shell: &Shell, twins: Vec<Twin>) {
         if twins.is_empty() {
             return;
@@ -133,7 +135,7 @@ impl Settling<'_> {
         }
     }
 
-    /// Faces that rays from a shell may meet.
+    /// Returns the faces that rays from a shell may meet.
     fn around(&self, near: &Near, shell: &Shell) -> Vec<usize> {
         let kept = |face: &usize| self.dropped.get(*face) == Some(&false);
         near.shells(shell).flat_map(|other| other.faces.iter().copied()).filter(kept).collect()
@@ -153,7 +155,7 @@ impl Settling<'_> {
                 Verdict::Outward => false,
                 Verdict::Inward => true,
                 _ if patch.is_closed => patch.volume(self.geometry) < 0.0,
-                // What few faces do, against many, is the fault.
+                // Few faces that contradict many are the faulty ones.
                 _ => match patch.share_against(self.geometry) {
                     share if share < FEW => false,
                     share if share > 1.0 - FEW => true,
@@ -167,7 +169,8 @@ impl Settling<'_> {
                 self.turn_face(*face);
             }
         }
-        // Faces that agree are turned together, and only if rays leave no doubt: most of them are as they should be.
+        // Faces that agree are turned together, and only if rays leave no doubt: most such faces
+        // are right.
         let is_closed = agreeing.iter().all(|patch| patch.is_closed);
         let volume: f64 = agreeing.iter().map(|patch| patch.volume(self.geometry)).sum();
         let block: Vec<(usize, bool)> = agreeing.iter().flat_map(|patch| patch.faces.iter().copied()).collect();
@@ -183,7 +186,7 @@ impl Settling<'_> {
             Verdict::Sheet => self.turn_roofs(&block),
             Verdict::Unclear => {
                 self.turn_roofs(&block);
-                // Rays that lean to the other side: said, not mended.
+                // If most rays say inwards, a warning is given, but nothing is turned.
                 if sides.verdict(&block, Rule::Most) == Verdict::Inward {
                     self.changes.unclear.extend(block.iter().map(|(face, _)| *face));
                 }
@@ -191,7 +194,8 @@ impl Settling<'_> {
         }
     }
 
-    /// Turns what the file calls a roof and draws downwards, where nothing else says which side is outside.
+    /// Turns faces that the file calls a roof and that look down, for shells whose outside nothing
+    /// else decides.
     fn turn_roofs(&mut self, faces: &[(usize, bool)]) {
         for face in faces.iter().map(|(face, _)| *face) {
             let is_roof = self.geometry.note_of(face).kind == Some(SurfaceKind::Roof);
@@ -214,7 +218,7 @@ fn doubtful(shells: &[Shell]) -> impl Iterator<Item = &Shell> {
     shells.iter().filter(|shell| !shell.is_sound)
 }
 
-/// Less than this share of a patch's area is few.
+/// Share of a patch's area below which faces count as few.
 const FEW: f64 = 0.1;
 
 fn set(flags: &mut [bool], face: usize, value: bool) {
@@ -223,23 +227,24 @@ fn set(flags: &mut [bool], face: usize, value: bool) {
     }
 }
 
-/// Finds the shells that rays from a shell may meet.
+/// Index of the shells that rays from a shell may meet.
 struct Near<'p> {
-    /// By the least x of their boxes.
+    /// Shells, sorted by the least x of their boxes.
     shells: Vec<&'p Shell>,
-    /// Of the widest one along x, metres.
+    /// Width of the widest shell along x, metres.
     width_m: f64,
-    /// Whether the object is more than a building: rays do not tell the inside of houses that overlap.
+    /// True if the object is more than a building: rays do not find the inside of houses that
+    /// overlap.
     is_town: bool,
 }
 
-/// An object of more faces than this is more than a building.
+/// Most faces of an object that counts as a building.
 const TOWN: usize = 1000;
 
-/// More shells than this around one are more than a house.
+/// Most shells around one that still count as a house.
 const CROWDED: usize = 8;
 
-/// Shells further apart than this share of the size of one do not belong together.
+/// Distance of shells that belong together, as a share of the size of one.
 const APART: f64 = 0.1;
 
 impl<'p> Near<'p> {
@@ -250,12 +255,13 @@ impl<'p> Near<'p> {
         Near { shells: sorted, width_m, is_town: faces > TOWN }
     }
 
-    /// Whether so much stands around a shell that rays do not tell its inside: a town in one object, whose houses overlap.
+    /// Returns true if the surroundings of a shell are too crowded for rays to find its inside: a
+    /// town in one object, whose houses overlap.
     fn is_crowded(&self, shell: &Shell) -> bool {
         self.is_town || self.shells(shell).nth(CROWDED).is_some()
     }
 
-    /// The shells around one, and itself.
+    /// Returns a shell and the shells around it.
     fn shells(&self, shell: &Shell) -> impl Iterator<Item = &'p Shell> {
         let margin = APART * (shell.high - shell.low).length();
         let (low, high) = (shell.low - margin, shell.high + margin);
@@ -266,7 +272,8 @@ impl<'p> Near<'p> {
     }
 }
 
-/// Faces of each object of which something can be turned: ground looks up, what only shades has no inside, and no light comes to inner faces.
+/// Returns the faces of each object that may be turned. Ground looks up, surfaces that only shade
+/// have no inside, and inner faces get no light.
 fn faces_by_object(geometry: &Geometry) -> Vec<Vec<usize>> {
     let is_ground: Vec<bool> =
         geometry.materials.as_slice().iter().map(|name| class_of_name(name) == Class::Ground).collect();
@@ -290,7 +297,7 @@ fn faces_by_object(geometry: &Geometry) -> Vec<Vec<usize>> {
     by_object.chunk_by(|a, b| a.0 == b.0).map(|faces| faces.iter().map(|(_, face)| *face).collect()).collect()
 }
 
-/// `[vertex]`: the rank of its position: equal for equal positions.
+/// Returns the rank of each vertex's position, `[vertex]`; equal positions have equal ranks.
 fn welded(vertices: &[DVec3]) -> Vec<u32> {
     // Vertices are counted in 32 bits.
     let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
@@ -309,7 +316,7 @@ fn welded(vertices: &[DVec3]) -> Vec<u32> {
     ranks
 }
 
-/// One sentence for each sort of change.
+/// Adds one sentence for each kind of change.
 fn report(geometry: &mut Geometry, changes: &Changes) {
     let said = |faces: &[usize], what: &str| {
         let (mut names, mut seen) = (Vec::new(), BTreeSet::new());

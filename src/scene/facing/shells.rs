@@ -1,5 +1,6 @@
-//! What hangs together. In: faces of one object. Out: shells, each of the faces that share edges, and whether a shell is sound; and the patches of a
-//! shell, in which it is known of each face whether it turns as the first one does.
+//! Connected faces. In: faces of one object. Out: shells of faces connected by edges, and true for
+//! sound shells; and the patches of a shell, in which the orientation of each face relative to the
+//! first one is known.
 
 use std::collections::{HashSet, VecDeque};
 
@@ -10,33 +11,33 @@ use crate::geometry::Geometry;
 use crate::mesh::bounds;
 use crate::polygon::area_vector_of;
 
-/// Faces of an object that hang together by their edges.
+/// Faces of an object that are connected by their edges.
 pub(super) struct Shell {
     /// Numbers of faces, ascending.
     pub faces: Vec<usize>,
-    /// Corners of its box.
+    /// Corners of the bounding box.
     pub low: DVec3,
     pub high: DVec3,
-    /// Whether its faces look outwards without a doubt: each edge is met as often in one direction as in the other, no face stands twice, and it
-    /// encloses a volume.
+    /// True if the faces certainly look outwards: each edge is used as often in one direction as in
+    /// the other, no face occurs twice, and the shell encloses a positive volume.
     pub is_sound: bool,
 }
 
-/// Faces of a shell that meet two by two at their edges.
+/// Faces of a shell that meet in pairs at their edges.
 pub(super) struct Patch {
-    /// Faces, and whether each turns against the first one as the file has them.
+    /// Number of each face, and true if it is turned against the first one in the file.
     pub faces: Vec<(usize, bool)>,
-    /// Whether each of its edges belongs to two of its faces.
+    /// True if each edge belongs to two faces of the patch.
     pub is_closed: bool,
 }
 
 impl Patch {
-    /// Whether all faces turn one way as the file has them.
+    /// Returns true if all faces have one orientation in the file.
     pub fn agrees(&self) -> bool {
         self.faces.iter().all(|(_, against)| !against)
     }
 
-    /// Share of the area of faces that turn against the first one.
+    /// Returns the share of the area of faces that are turned against the first one.
     pub fn share_against(&self, geometry: &Geometry) -> f64 {
         let (mut against_m2, mut all_m2) = (0.0, 0.0);
         for (face, against) in &self.faces {
@@ -47,12 +48,13 @@ impl Patch {
         if all_m2 > 0.0 { against_m2 / all_m2 } else { 0.0 }
     }
 
-    /// Numbers of its faces.
+    /// Returns the numbers of the faces.
     pub fn numbers(&self) -> impl Iterator<Item = usize> {
         self.faces.iter().map(|(face, _)| *face)
     }
 
-    /// What it encloses if all faces turn as the first one does, m3; negative where that is inwards.
+    /// Returns the volume enclosed if all faces are turned as the first one is, m3; negative if the
+    /// first one looks inwards.
     pub fn volume(&self, geometry: &Geometry) -> f64 {
         let from = origin(geometry, self.faces.iter().map(|(face, _)| *face));
         let signed = |(face, against): &(usize, bool)| {
@@ -67,13 +69,13 @@ impl Patch {
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Edge {
     ends: (u32, u32),
-    /// Place in the list of faces.
+    /// Index in the list of faces.
     face: usize,
-    /// Whether the face goes from the greater rank to the lesser.
+    /// True if the face runs from the greater rank to the lesser.
     backwards: bool,
 }
 
-/// All edges of some faces, sorted.
+/// Returns all edges of some faces, sorted.
 fn edges_of(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Vec<Edge> {
     let rank = |corner: &u32| welded.get(*corner as usize).copied().unwrap_or_default();
     let mut edges = Vec::with_capacity(4 * faces.len());
@@ -89,7 +91,7 @@ fn edges_of(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Vec<Edge> {
     edges
 }
 
-/// The shells of an object.
+/// Returns the shells of an object.
 pub(super) fn shells(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Vec<Shell> {
     let edges = edges_of(geometry, welded, faces);
     let mut roots: Vec<usize> = (0..faces.len()).collect();
@@ -114,6 +116,8 @@ pub(super) fn shells(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Ve
         let polygons = faces.iter().filter_map(|&face| geometry.polygon(face));
         let corners = polygons.flat_map(|polygon| polygon.corners());
         let (low, high) = bounds(corners.filter_map(|&corner| geometry.vertices.get(corner as usize)).copied());
+        // Faces that occur twice make edges of more than two faces: only there are repeats
+        // searched.
         let is_sound = faces.len() > 3
             && places().all(|place| is(&is_balanced, place))
             && encloses(geometry, &faces)
@@ -123,10 +127,10 @@ pub(super) fn shells(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Ve
     by_root.chunk_by(|a, b| a.0 == b.0).map(shell).collect()
 }
 
-/// Less than this share of the volumes below all faces is what rounding leaves of none.
+/// Share of the volumes below all faces; less is a rounding error of a volume of zero.
 const NO_VOLUME: f64 = 1e-9;
 
-/// Whether the volume that faces enclose is positive.
+/// Returns true if the volume that faces enclose is positive.
 fn encloses(geometry: &Geometry, faces: &[usize]) -> bool {
     let from = origin(geometry, faces.iter().copied());
     let (mut volume, mut all) = (0.0, 0.0);
@@ -137,14 +141,14 @@ fn encloses(geometry: &Geometry, faces: &[usize]) -> bool {
     volume > NO_VOLUME * all
 }
 
-/// Whether a face stands twice the same way round: two of three that stand in one place do.
+/// Returns true if a face occurs twice in one orientation, as two of three equal faces must.
 fn has_repeats(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> bool {
     let twins = twins::within(geometry, welded, faces);
     let stand_for: HashSet<usize> = twins.iter().map(|twin| twin.of).collect();
     stand_for.len() < twins.len() || twins.iter().any(|twin| !twin.reversed)
 }
 
-/// The first of those that hang together with a face; the way there is made short.
+/// Returns the first of the faces connected to a face, and shortens the path to it.
 fn root(roots: &mut [usize], mut place: usize) -> usize {
     while let Some(&above) = roots.get(place).filter(|above| **above != place) {
         let next = roots.get(above).copied().unwrap_or(above);
@@ -163,11 +167,12 @@ fn join(roots: &mut [usize], a: usize, b: usize) {
     }
 }
 
-/// Patches of faces. Where more than two faces meet at an edge, one patch ends; a patch that contradicts itself is cut into single faces.
+/// Returns the patches of faces. A patch ends at edges where more than two faces meet; a patch that
+/// contradicts itself is cut into single faces.
 pub(super) fn patches(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Vec<Patch> {
     let edges = edges_of(geometry, welded, faces);
     let count = faces.len();
-    // `[face]`: neighbours, and whether they turn against it.
+    // Neighbours of each face, and true for those that are turned against it.
     let mut beside: Vec<Vec<(usize, bool)>> = vec![Vec::new(); count];
     let mut is_open = vec![false; count];
     for at_edge in edges.chunk_by(|a, b| a.ends == b.ends) {
@@ -221,13 +226,14 @@ pub(super) fn patches(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> V
     list
 }
 
-/// A corner near all faces: sums of products of far coordinates would lose digits.
+/// Returns a corner near all faces: sums of products of far coordinates would lose digits.
 fn origin(geometry: &Geometry, faces: impl Iterator<Item = usize>) -> DVec3 {
     let corner = faces.filter_map(|face| geometry.polygon(face)).find_map(|polygon| polygon.corners().first().copied());
     corner.and_then(|corner| geometry.vertices.get(corner as usize).copied()).unwrap_or_default()
 }
 
-/// Volume of the cone from a point to a face, m3; positive where the face looks away from the point.
+/// Returns the volume of the cone from a point to a face, m3; positive if the face looks away from
+/// the point.
 fn volume_below(geometry: &Geometry, face: usize, from: DVec3) -> f64 {
     let Some(polygon) = geometry.polygon(face) else { return 0.0 };
     let corner = |corner: &u32| geometry.vertices.get(*corner as usize).copied().unwrap_or_default() - from;

@@ -1,45 +1,49 @@
-//! Which side of a face is outside, by rays. In: the faces of one object. Out: for a patch of them a verdict.
+//! Rays that find the outside of faces. In: the faces of one object. Out: a verdict for a patch of
+//! them.
 //!
-//! A ray that starts outside of a solid meets its faces an even number of times, one that starts inside an odd number, however the faces are turned.
-//! Most rays are nearly level: many houses have no floor, few have no walls. Some rise steeply: a street has walls on both sides as a house has, but
-//! no roof. Most of them have to agree, so that gaps do not matter (after Takayama, Jacobson, Kavan, Sorkine-Hornung, "A simple method for
-//! correcting facet orientations in polygon meshes based on ray casting", JCGT 3(4), 2014, which counts the free paths of such rays).
+//! A ray that starts outside of a solid meets its faces an even number of times, one that starts
+//! inside an odd number, however the faces are turned. Most rays are nearly level, because many
+//! houses have no floor and few have no walls. Some rays rise steeply: a street has walls on both
+//! sides as a house has, but no roof. Most rays have to agree, so that gaps do not matter (after
+//! Takayama, Jacobson, Kavan, Sorkine-Hornung, "A simple method for correcting facet orientations
+//! in polygon meshes based on ray casting", JCGT 3(4), 2014, which counts the free paths of such
+//! rays).
 
 use glam::DVec3;
 
 use crate::geometry::Geometry;
 use crate::polygon::triangles_of;
 
-/// What rays say of a patch.
+/// Verdict of the rays on a patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
-    /// The side from which its first face turns counter-clockwise is outside.
+    /// The front of the first face is outside: the side from which it turns counter-clockwise.
     Outward,
-    /// That side is inside.
+    /// The front of the first face is inside.
     Inward,
-    /// Both sides are outside.
+    /// Front and back are outside.
     Sheet,
-    /// Both sides are inside.
+    /// Front and back are inside.
     Inner,
-    /// Rays disagree.
+    /// The rays disagree.
     Unclear,
 }
 
-/// Rays of a face that are nearly level, and steep ones.
+/// Numbers of nearly level rays and of steep rays of a face.
 const LEVEL_RAYS: usize = 24;
 const STEEP_RAYS: usize = 8;
-/// Level rays rise or fall by at most this much in a metre.
+/// Largest slope of level rays, metres up or down a metre.
 const SLOPE: f64 = 0.2;
-/// Steep rays go aside by this much in a metre.
+/// Largest offset of steep rays to the side, metres a metre.
 const ASIDE: f64 = 0.05;
-/// Largest faces of a patch that are asked.
+/// Number of the largest faces of a patch from which rays start.
 const ASKED: usize = 9;
-/// How many rays of one side have to agree.
+/// Share of the rays of one side that have to agree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
     /// Six of ten: where faces disagree, one of two answers is right.
     Most,
-    /// Nine of ten: where nothing but rays speaks against what the file says.
+    /// Nine of ten: where only rays contradict the file.
     All,
 }
 
@@ -48,17 +52,18 @@ impl Rule {
         if self == Rule::Most { 0.6 } else { 0.9 }
     }
 
-    /// Share of the area that rays have to tell.
+    /// Returns the least share of the area for which rays have to give a result.
     fn told(self) -> f64 {
         if self == Rule::Most { 0.3 } else { 0.6 }
     }
 }
 
-/// Share of a patch's area that has to agree, of what rays tell.
+/// Least share of the area with a result that has to agree.
 const AGREED_AREA: f64 = 0.8;
-/// Rays start so far off their face, metres: other faces may lie in its plane.
+/// Distance of the start of a ray from its face, metres: other faces may lie in the plane of the
+/// face.
 const OFF_M: f64 = 1e-3;
-/// Tests of a ray and a triangle beyond which a patch is not asked about: some seconds.
+/// Most tests of a ray and a triangle for one patch, some seconds; larger patches count as sheets.
 const MOST_TESTS: usize = 300_000_000;
 
 /// A face as rays meet it.
@@ -67,16 +72,16 @@ struct Faced {
     triangles: Vec<[DVec3; 3]>,
     low: DVec3,
     high: DVec3,
-    /// Along its normal, as long as its area.
+    /// Area vector: along the normal, as long as the area.
     area: DVec3,
 }
 
 /// Faces of an object, ready for rays.
 pub(super) struct Sides {
     faces: Vec<Faced>,
-    /// `[face of the object]`, sorted by number: place in `faces`.
+    /// Face numbers with their places in `faces`, sorted by number.
     places: Vec<(usize, usize)>,
-    /// Subtracted from all corners.
+    /// Number of triangles of all faces.
     triangles: usize,
 }
 
@@ -97,7 +102,8 @@ impl Sides {
         Sides { faces: list, places, triangles }
     }
 
-    /// What the largest faces of a patch say; each face with whether it turns against the first one.
+    /// Returns the verdict of the largest faces of a patch. Each face comes with true if it is
+    /// turned against the first one.
     pub fn verdict(&self, patch: &[(usize, bool)], rule: Rule) -> Verdict {
         let place = |face: usize| self.places.binary_search_by_key(&face, |(number, _)| *number).ok();
         let found = patch.iter().filter_map(|(face, against)| {
@@ -105,7 +111,7 @@ impl Sides {
             Some((self.faces.get(*place)?, *against))
         });
         let mut asked: Vec<(&Faced, bool)> = found.filter(|(face, _)| face.area.length_squared() > 0.0).collect();
-        // By size and then by place, so that the order in the file does not matter.
+        // Sorted by size and then by position, so that the order in the file does not matter.
         asked.sort_by(|(a, _), (b, _)| {
             let size = b.area.length().total_cmp(&a.area.length());
             size.then(heliotile_core::site::morton::lexicographic(a.low + a.high, b.low + b.high))
@@ -133,7 +139,7 @@ impl Sides {
         let told = outward + inward;
         match total {
             0.0 => Verdict::Sheet,
-            // A few that rays do not tell, such as the eaves of a house, go with the others.
+            // Faces without a result, such as the eaves of a house, follow the others.
             _ if outward >= AGREED_AREA * told && outward > rule.told() * total => Verdict::Outward,
             _ if inward >= AGREED_AREA * told && inward > rule.told() * total => Verdict::Inward,
             _ if sheet >= AGREED_AREA * total => Verdict::Sheet,
@@ -166,7 +172,7 @@ impl Sides {
         }
     }
 
-    /// Whether a ray from a face meets the others an odd number of times.
+    /// Returns true if a ray from a face meets the other faces an odd number of times.
     fn meets_odd(&self, own: usize, from: DVec3, direction: DVec3) -> bool {
         let met = |face: &Faced| -> usize {
             if !meets_box(from, direction, face.low, face.high) {
@@ -178,12 +184,12 @@ impl Sides {
     }
 }
 
-/// The start of a ray, off its face on the side that it goes to.
+/// Returns the start of a ray, off its face on the side that the ray goes to.
 fn off(from: DVec3, normal: DVec3, direction: DVec3) -> DVec3 {
     from + OFF_M * direction.dot(normal).signum() * normal
 }
 
-/// Rays, and those of them that meet faces an odd number of times.
+/// Count of rays, and of rays that meet faces an odd number of times.
 #[derive(Clone, Copy, Default)]
 struct Rays {
     all: f64,
@@ -197,7 +203,7 @@ impl Rays {
     }
 }
 
-/// What rays say of one side of a face.
+/// Results of the rays of one side of a face.
 #[derive(Clone, Copy, Default)]
 struct SideRays {
     level: Rays,
@@ -205,7 +211,8 @@ struct SideRays {
 }
 
 impl SideRays {
-    /// Whether it is inside, if rays agree. Steep rays from outside may meet eaves, so that they only tell what is inside.
+    /// Returns true if the side is inside, false if outside, and `None` if the rays disagree. Steep
+    /// rays from outside may meet eaves, so that they only confirm an inside.
     fn is_inside(&self, rule: Rule) -> Option<bool> {
         let SideRays { level, steep } = self;
         if level.all == 0.0 {
@@ -218,14 +225,15 @@ impl SideRays {
     }
 }
 
-/// Spread over all azimuths, rising and falling by turns.
+/// Returns the direction of a nearly level ray; rays are spread over all azimuths, rising and
+/// falling in turn.
 fn level(ray: usize) -> DVec3 {
     let (around, along) = spread(ray);
     let (sin, cos) = around.sin_cos();
     DVec3::new(cos, sin, SLOPE * (2.0 * along - 1.0))
 }
 
-/// Upwards, to all sides by turns.
+/// Returns the direction of a steep ray; rays lean to all sides in turn.
 fn steep(ray: usize) -> DVec3 {
     let (around, along) = spread(ray);
     let (sin, cos) = around.sin_cos();
@@ -233,7 +241,8 @@ fn steep(ray: usize) -> DVec3 {
     DVec3::new(aside * cos, aside * sin, 1.0)
 }
 
-/// An angle around and a share of 1, evenly spread together (the R2 sequence of Roberts, 2018).
+/// Returns an angle around and a share of 1, evenly spread together (the R2 sequence of Roberts,
+/// 2018).
 fn spread(ray: usize) -> (f64, f64) {
     let even = |step: f64| ((ray as f64 + 0.5) * step).fract();
     (std::f64::consts::TAU * even(0.754_877_666_246_693), even(0.569_840_290_998_053))
@@ -242,12 +251,13 @@ fn spread(ray: usize) -> (f64, f64) {
 fn meets_box(from: DVec3, direction: DVec3, low: DVec3, high: DVec3) -> bool {
     let inverse = direction.recip();
     let (t0, t1) = ((low - from) * inverse, (high - from) * inverse);
-    // A face that lies in a plane of the axes has a box without depth.
+    // A face in a plane of the axes has a box without depth.
     let (enter, leave) = (t0.min(t1).max_element(), t0.max(t1).min_element());
     leave >= 0.0 && enter <= leave + 1e-6
 }
 
-/// Möller and Trumbore, "Fast, minimum storage ray-triangle intersection", 1997.
+/// Returns true if a ray meets a triangle (Möller and Trumbore, "Fast, minimum storage ray-triangle
+/// intersection", 1997).
 fn meets(from: DVec3, direction: DVec3, [a, b, c]: &[DVec3; 3]) -> bool {
     let (ab, ac) = (*b - *a, *c - *a);
     let p = direction.cross(ac);

@@ -1,4 +1,5 @@
-//! Generated solids with faults have the areas by kind of those without, or are named.
+//! Generated solids with faults: they have the areas by kind of the sound solids, or a warning
+//! names them.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,12 +12,12 @@ use crate::semantics::SurfaceKind;
 use crate::site::{Part, Site};
 use heliotile_core::hemisphere::{mix, unit};
 
-/// A face of a solid: outline, holes, and what it is.
+/// A face of a solid: outline, holes and semantics.
 #[derive(Clone)]
 struct Drawn {
     rings: Vec<Vec<DVec3>>,
     semantics: &'static str,
-    /// Area in m2 that a right reading finds.
+    /// Area that a right reading finds, m2.
     area_m2: f64,
 }
 
@@ -34,7 +35,7 @@ impl Random {
     }
 }
 
-/// Area of a flat ring along its normal, m2.
+/// Returns the area vector of a flat ring, m2.
 fn area(ring: &[DVec3]) -> DVec3 {
     let after = ring.iter().cycle().skip(1);
     ring.iter().zip(after).map(|(a, b)| 0.5 * (*a - ring[0]).cross(*b - ring[0])).sum()
@@ -45,7 +46,8 @@ fn drawn(rings: Vec<Vec<DVec3>>, semantics: &'static str) -> Drawn {
     Drawn { rings, semantics, area_m2 }
 }
 
-/// Floor, flat roof and walls over an outline that turns counter-clockwise, with a court that turns clockwise.
+/// Returns floor, flat roof and walls over an outline that turns counter-clockwise, with a court
+/// that turns clockwise.
 fn prism(outline: &[[f64; 2]], court: &[[f64; 2]], height: f64) -> Vec<Drawn> {
     let at =
         |points: &[[f64; 2]], z: f64| -> Vec<DVec3> { points.iter().map(|[x, y]| DVec3::new(*x, *y, z)).collect() };
@@ -65,7 +67,7 @@ fn prism(outline: &[[f64; 2]], court: &[[f64; 2]], height: f64) -> Vec<Drawn> {
     faces
 }
 
-/// A house with a gable: two roof faces, two rectangular walls and two of five corners.
+/// Returns a house with a gable: two roof faces, two rectangular walls and two of five corners.
 fn gabled(w: f64, d: f64, h: f64, rise: f64) -> Vec<Drawn> {
     let p = DVec3::new;
     let (ridge0, ridge1) = (p(0.5 * w, 0.0, h + rise), p(0.5 * w, d, h + rise));
@@ -102,7 +104,7 @@ fn solid(random: &mut Random) -> Vec<Drawn> {
     }
 }
 
-/// The faults; each is put on solids of its own and together with others.
+/// Faults; each is put on solids alone and together with others.
 const FAULTS: [&str; 9] =
     ["none", "turned", "all turned", "doubled", "doubled reversed", "two-sided", "crossed", "shifted", "missing"];
 
@@ -148,7 +150,7 @@ fn spoil(faces: &mut Vec<Drawn>, fault: &str, random: &mut Random) {
             let by = area(&faces[some].rings[0]).normalize_or_zero() * random.between(0.01, 0.05);
             faces[some].rings.iter_mut().flatten().for_each(|corner| *corner += by);
         }
-        // Most often the floor.
+        // The missing face is most often the floor.
         "missing" => {
             let at = if random.between(0.0, 1.0) < 0.7 { 1 } else { some };
             faces.remove(at);
@@ -160,14 +162,15 @@ fn spoil(faces: &mut Vec<Drawn>, fault: &str, random: &mut Random) {
 /// Areas by kind, m2.
 type Areas = BTreeMap<SurfaceKind, f64>;
 
-/// All solids as one city model, each a building 100 m from the next, and their areas by kind.
+/// Returns all solids as one city model, each a building 100 m from the next, and their areas by
+/// kind.
 fn city(count: usize) -> (String, Vec<(String, Areas)>) {
     let (mut vertices, mut objects, mut right) = (Vec::new(), String::new(), Vec::new());
     for number in 0..count {
         let mut random = Random(mix(number as u64, 11));
         let mut faces = solid(&mut random);
         let (first, second) = (FAULTS[number % FAULTS.len()], FAULTS[random.below(FAULTS.len())]);
-        // Faces are moved and taken away before they are doubled.
+        // Faces are moved and removed before they are doubled.
         let mut faults: Vec<&str> = if number % 2 == 1 && second != first { vec![first, second] } else { vec![first] };
         faults.sort_by_key(|fault| std::cmp::Reverse(FAULTS.iter().position(|known| known == fault)));
         faults.iter().for_each(|fault| spoil(&mut faces, fault, &mut random));
@@ -217,7 +220,7 @@ fn city(count: usize) -> (String, Vec<(String, Areas)>) {
     (text, right)
 }
 
-/// Areas of a scene file by object and kind, m2, and the warnings.
+/// Returns the areas of a scene file by object and kind, m2, and the warnings.
 fn areas(name: &str, text: &str) -> (BTreeMap<String, Areas>, Vec<String>) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
@@ -233,8 +236,9 @@ fn areas(name: &str, text: &str) -> (BTreeMap<String, Areas>, Vec<String>) {
     (found, scene.report.warnings)
 }
 
-/// Of 1,000 boxes, L, courts and gabled houses with one or two faults (faces turned, doubled, crossed, shifted, missing; with and without
-/// semantics) each has its areas of roofs, walls and floors within 0.1 %, or a warning names it; at least 990 are right.
+/// For each of 1,000 boxes, L, courts and gabled houses with one or two faults (faces turned,
+/// doubled, crossed, shifted, missing; with and without semantics), the areas of roofs, walls and
+/// floors are right within 0.1 % or a warning names the solid; at least 990 are right.
 #[test]
 fn generated_solids_with_faults_have_the_right_areas_by_kind() {
     let (text, right) = city(1000);
@@ -263,7 +267,8 @@ fn generated_solids_with_faults_have_the_right_areas_by_kind() {
     assert!(good >= 990, "{good} right, {named} named");
 }
 
-/// Reads an OBJ of one object and gives its areas by kind, roof, wall and floor, m2, and the warnings.
+/// Reads an OBJ file of one object; returns its areas of roof, wall and floor, m2, and the
+/// warnings.
 fn of_obj(corners: &[[f64; 3]], faces: &[&[usize]]) -> ([f64; 3], Vec<String>) {
     let mut text = String::from("o house\n");
     corners.iter().for_each(|[x, y, z]| text += &format!("v {x} {y} {z}\n"));
@@ -289,8 +294,9 @@ const BOX: [[f64; 3]; 8] = [
 ];
 const OUTWARDS: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
-/// A house of 10 x 10 x 8 m drawn on both sides, inside out, and inside out without a floor has 100 m2 of roof and 320 m2 of walls, and each is said
-/// in one sentence; two walls that face each other across a street keep their sides, 480 m2 of 480 to the street.
+/// A house of 10 x 10 x 8 m drawn on both sides, inside out, or inside out without a floor has 100
+/// m2 of roof and 320 m2 of walls, and one sentence reports each fault. Two walls that face each
+/// other across a street keep their sides: 480 m2 of 480 face the street.
 #[test]
 fn a_house_is_turned_outwards_and_a_street_is_not() {
     let reversed: Vec<Vec<usize>> = OUTWARDS.iter().map(|face| face.iter().rev().copied().collect()).collect();
@@ -328,7 +334,8 @@ fn a_house_is_turned_outwards_and_a_street_is_not() {
     assert_eq!((area, scene.report.warnings.len()), (480.0, 1), "{:?}", scene.report.warnings);
 }
 
-/// The roof of a carport, a single face that is called a roof and drawn downwards, looks up: 100 m2 of roof.
+/// The roof of a carport, a single face that the file calls a roof and draws downwards, looks up:
+/// 100 m2 of roof.
 #[test]
 fn a_roof_without_walls_looks_up() {
     let semantics = r#","semantics":{"surfaces":[{"type":"RoofSurface"}],"values":[0]}"#;
@@ -336,7 +343,7 @@ fn a_roof_without_walls_looks_up() {
     assert_eq!(found["b"], BTreeMap::from([(SurfaceKind::Roof, 100.0)]));
 }
 
-/// A city model of the unit box of 10 x 10 x 8 m: vertices 0 to 7, and more.
+/// Returns a city model on the box of 10 x 10 x 8 m: vertices 0 to 7, and more.
 fn model(objects: &str, more: &str) -> String {
     let corners: Vec<String> = BOX.iter().map(|[x, y, z]| format!("[{x},{y},{z}]")).collect();
     format!(
@@ -353,8 +360,8 @@ fn building(id: &str, kind: &str, relation: &str, faces: &str, semantics: &str) 
 
 const BOX_FACES: &str = "[[0,3,2,1]],[[4,5,6,7]],[[0,1,5,4]],[[1,2,6,5]],[[2,3,7,6]],[[3,0,4,7]]";
 
-/// A building with the geometry of its only part counts once, 100 m2 of roof, and so does one that stands under two names; of a main part that stands
-/// beside its part both count.
+/// A building with the geometry of its only part counts once, 100 m2 of roof, and so does one that
+/// stands under two names; a main part and a part beside it both count.
 #[test]
 fn a_building_that_stands_twice_counts_once() {
     let part = |faces: &str| building("part", "BuildingPart", r#""parents":["whole"],"#, faces, "");
@@ -372,8 +379,8 @@ fn a_building_that_stands_twice_counts_once() {
     assert_eq!(roof(&[whole, part(beside)].join(","), &more).values().sum::<f64>(), 200.0);
 }
 
-/// A window of 6 m2 and a door of 2 m2 on a wall of 80 m2 that is drawn whole leave 72 + 2 m2 of wall and 6 m2 of window; on a wall that has its
-/// holes already nothing changes, and inner faces get no receivers.
+/// A window of 6 m2 and a door of 2 m2 drawn on a whole wall of 80 m2 leave 72 + 2 m2 of wall and 6
+/// m2 of window. A wall that already has its holes stays as it is.
 #[test]
 fn windows_on_a_whole_wall_are_cut_out_of_it() {
     let more = ",[2,0,2],[5,0,2],[5,0,4],[2,0,4],[7,0,0],[8,0,0],[8,0,2],[7,0,2]";
@@ -392,8 +399,8 @@ fn windows_on_a_whole_wall_are_cut_out_of_it() {
     }
 }
 
-/// Of a building with an outline of LoD 0 alone and a house beside it only the house counts, unless LoD 0 is asked for; a file of outlines alone is
-/// refused with what to export.
+/// A building that is only an outline of LoD 0 does not count beside a house, unless LoD 0 is
+/// requested. A file of outlines alone is refused with what to export.
 #[test]
 fn flat_outlines_are_no_roofs() {
     let outline =
@@ -416,7 +423,8 @@ fn flat_outlines_are_no_roofs() {
     assert!(message.contains("it holds flat outlines of buildings (LoD 0): export walls and roofs"), "{message}");
 }
 
-/// An outline of five corners of which two neighbours changed places is put in order, 26 m2; one that crosses itself twice is left as it is, and said.
+/// An outline of five corners of which two neighbours changed places is put in order, 26 m2; one
+/// that crosses itself twice stays as it is and gets a warning.
 #[test]
 fn crossed_outlines_are_put_in_order_or_named() {
     let wall = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 0.0, 5.0], [2.0, 0.0, 8.0], [0.0, 0.0, 5.0]];

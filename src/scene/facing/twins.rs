@@ -1,23 +1,26 @@
-//! Faces and objects that stand twice. In: faces with the ranks of their corners' positions. Out: those that may be left out.
+//! Faces and objects that occur twice. In: faces with the ranks of their corners' positions. Out:
+//! the faces that may be left out.
 
 use std::collections::{BTreeMap, HashMap};
 
 use crate::geometry::Geometry;
 
-/// A face that has the corners of another one of its object.
+/// A face with the corners of another face of its object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Twin {
     pub face: usize,
-    /// The one that stays.
+    /// Face that stays.
     pub of: usize,
-    /// Whether it turns the other way round.
+    /// True if the two faces are turned opposite ways.
     pub reversed: bool,
 }
 
-/// What faces that stand twice have in common: all rings, each beginning at its least corner and taken in the direction that is the lesser one.
+/// Shape of a face, equal for twins: all rings, each beginning at its least corner and taken in its
+/// lesser direction.
 type Shape = Vec<Vec<u32>>;
 
-/// Of each set of faces of one object with the same corners all but one. That one has a kind, if one of them has, and the first name of a material.
+/// Returns all faces but one of each set of faces of one object with the same corners. The one that
+/// stays has a kind, if one of them has, and the alphabetically first material.
 pub(super) fn within(geometry: &Geometry, welded: &[u32], faces: &[usize]) -> Vec<Twin> {
     let mut by_shape: HashMap<Shape, Vec<(usize, bool)>> = HashMap::with_capacity(faces.len());
     for &face in faces {
@@ -42,8 +45,8 @@ fn preference(geometry: &Geometry, face: usize) -> (bool, String) {
     (kind.is_none(), name)
 }
 
-/// Faces of objects all of whose faces stand in other objects too, turned the same way: a building beside the parts that it is made of, or the
-/// object whose name comes last.
+/// Returns the faces of objects all of whose faces also occur in other objects, turned the same
+/// way: a building beside the parts that it is made of, or the object whose name comes last.
 pub(super) fn whole_objects(geometry: &Geometry, welded: &[u32], dropped: &[bool]) -> Vec<usize> {
     let mut objects: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     let mut holders: HashMap<(Shape, bool), Vec<u32>> = HashMap::new();
@@ -80,7 +83,7 @@ pub(super) fn whole_objects(geometry: &Geometry, welded: &[u32], dropped: &[bool
                 && faces.iter().all(|&face| others(object, face).contains(other))
         };
         let first = faces.first().map(|&face| others(object, face)).unwrap_or_default();
-        // A face alone, such as a window or a panel, may mean what it says.
+        // A single face, such as a window or a panel, may be meant.
         if !first.is_empty() && faces.len() > 1 && (in_parts() || first.iter().any(stands_before)) {
             left_out.extend(faces);
         }
@@ -88,7 +91,8 @@ pub(super) fn whole_objects(geometry: &Geometry, welded: &[u32], dropped: &[bool
     left_out
 }
 
-/// The rings of a face, and whether its outline had to be reversed; `None` for what is no face.
+/// Returns the shape of a face, and true if its outline had to be reversed; `None` for a face with
+/// a ring of fewer than three corners.
 fn shape(geometry: &Geometry, welded: &[u32], face: usize) -> Option<(Shape, bool)> {
     let polygon = geometry.polygon(face)?;
     let mut rings = Vec::with_capacity(1);

@@ -1,30 +1,32 @@
-//! The ground that buildings stand on. In: rasters in scene coordinates, and triangles of class ground. Out: the height of the ground at a place,
-//! the lowest one below an outline.
+//! Ground below buildings. In: rasters in scene coordinates, and triangles of class ground. Out:
+//! the height of the ground at a place, and the lowest ground below an outline.
 
 use glam::{DVec2, DVec3};
 
 use crate::footprint::PlanRing;
 use crate::terrain::raster::Raster;
 
-/// The ground is looked up at the corners of an outline and so far apart along its sides, metres.
+/// Distance of the places along an outline's sides where the ground is sampled, metres; corners are
+/// sampled, too.
 const STEP_M: f64 = 5.0;
-/// Places along one side at most.
+/// Most sampled places along one side.
 const MOST_STEPS: f64 = 200.0;
 
-/// Triangles of terrain have as many cells as there are triangles, but for these.
+/// Least width of the cells that triangles are sorted into, metres; otherwise there are as many
+/// cells as triangles.
 const LEAST_CELL_M: f64 = 0.5;
-/// Cells that a triangle is listed in at most: one that reaches over more of them is asked for every place.
+/// Most cells that a triangle is listed in; a triangle over more cells is tested at every place.
 const MOST_CELLS: i64 = 4096;
 
-/// Terrain of all files of a scene.
+/// Ground of all files of a scene.
 pub(crate) struct GroundBelow<'a> {
     rasters: Vec<&'a Raster>,
     triangles: Vec<[DVec3; 3]>,
     low: DVec2,
     cell_m: f64,
-    /// Cell and triangle, sorted.
+    /// Pairs of cell and triangle, sorted.
     cells: Vec<([i64; 2], u32)>,
-    /// Triangles of too many cells.
+    /// Triangles that reach over too many cells.
     large: Vec<u32>,
 }
 
@@ -51,12 +53,13 @@ impl<'a> GroundBelow<'a> {
         ground
     }
 
-    /// Whether there is any.
+    /// Returns true if there is no ground.
     pub(crate) fn is_empty(&self) -> bool {
         self.rasters.is_empty() && self.triangles.is_empty()
     }
 
-    /// The lowest ground below some outlines; `None` where there is none.
+    /// Returns the lowest ground below the rings of some outlines; `None` if there is no ground
+    /// below them.
     pub(crate) fn lowest<'r>(&self, rings: impl Iterator<Item = &'r PlanRing>) -> Option<f64> {
         let mut lowest: Option<f64> = None;
         for ring in rings {
@@ -71,7 +74,8 @@ impl<'a> GroundBelow<'a> {
         lowest
     }
 
-    /// Height of the ground at a place: of the first raster that has one, else of the highest triangle.
+    /// Returns the height of the ground at a place: that of the first raster that has one, else of
+    /// the highest triangle.
     fn height(&self, at: DVec2) -> Option<f64> {
         let of_raster = self.rasters.iter().find_map(|raster| of_raster(raster, at));
         of_raster.or_else(|| {
@@ -85,12 +89,13 @@ impl<'a> GroundBelow<'a> {
     }
 
     fn cell(&self, at: DVec2) -> [i64; 2] {
-        // Saturates far away.
+        // The cast saturates far away.
         ((at - self.low) / self.cell_m).floor().to_array().map(|count| count as i64)
     }
 }
 
-/// Height of a raster at a place, interpolated between four samples; up to half a cell beyond the outermost samples it is theirs.
+/// Returns the height of a raster at a place, interpolated between four samples. Up to half a cell
+/// beyond the outermost samples their height counts.
 fn of_raster(raster: &Raster, at: DVec2) -> Option<f64> {
     let grid = &raster.grid;
     let place = (at - grid.first) / grid.step * DVec2::new(1.0, -1.0);
@@ -126,8 +131,8 @@ fn of_triangle(triangle: &[DVec3; 3], at: DVec2) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// On a slope of 1 in 10, of two triangles of 100 m, the lowest ground below a house of 10 m at 20 m is 2 m high within 1e-9; beside it there is
-    /// none.
+    /// On a slope of 1 in 10 of two triangles of 100 m, the lowest ground below a house of 10 m at
+    /// x = 20 m is 2 m high within 1e-9; beside the slope there is no ground.
     #[test]
     fn the_lowest_corner_counts() {
         let at = |x: f64, y: f64| DVec3::new(x, y, 0.1 * x);

@@ -1,5 +1,7 @@
-//! Corners that lie in one place. In: polygons of all footprints. Out: the same polygons on common nodes: corners within a tolerance are one, and a
-//! corner that lies on a side of another polygon is a corner of that, too. Sides of buildings that touch are then the same pairs of nodes.
+//! Common nodes of footprints. In: polygons of all footprints. Out: the polygons on common nodes:
+//! corners within a tolerance are merged, and a corner that lies on a side of another polygon
+//! becomes a corner of that polygon. Sides of buildings that touch are then the same pairs of
+//! nodes.
 
 use std::collections::HashMap;
 
@@ -8,24 +10,25 @@ use heliotile_core::site::morton::lexicographic;
 
 use crate::footprint::PlanRing;
 
-/// Corners this near are one, and so near to a side they lie on it, metres: coordinates in degrees with seven decimals are rounded to 1 cm.
+/// Distance within which corners are merged, and within which a corner lies on a side, metres:
+/// coordinates in degrees with seven decimals are rounded to 1 cm.
 pub(super) const SAME_M: f64 = 0.02;
 
-/// Nodes are found by cells of this size, metres.
+/// Size of the cells in which nodes are looked up, metres.
 const CELL_M: f64 = 8.0;
-/// Sides of buildings are shorter, metres: no nodes are looked for along longer ones.
+/// Length from which a side is searched for no nodes, metres: sides of buildings are shorter.
 const LONGEST_M: f64 = 5000.0;
 
 /// Polygons on common nodes.
 pub(super) struct Noded {
-    /// Of each node.
+    /// Position of each node.
     pub positions: Vec<DVec2>,
-    /// `[footprint][polygon][ring]`: nodes.
+    /// Nodes, `[footprint][polygon][ring]`.
     pub footprints: Vec<Vec<Vec<Vec<u32>>>>,
 }
 
 impl Noded {
-    /// Takes the polygons of footprints.
+    /// Builds the common nodes of the polygons of footprints.
     pub(super) fn of(footprints: &[&[Vec<PlanRing>]]) -> Noded {
         let all = footprints.iter().copied().flatten();
         let corners: Vec<DVec2> = all.flatten().flatten().copied().collect();
@@ -41,7 +44,7 @@ impl Noded {
         Noded { positions, footprints }
     }
 
-    /// The polygons of a footprint in their new place, without those that vanished.
+    /// Returns the polygons of a footprint on their nodes, without those that vanished.
     pub(super) fn polygons(&self, footprint: usize) -> Vec<Vec<PlanRing>> {
         let place = |node: &u32| self.positions.get(*node as usize).copied().unwrap_or_default();
         let ring = |ring: &Vec<u32>| -> PlanRing { ring.iter().map(place).collect() };
@@ -53,7 +56,8 @@ impl Noded {
     }
 }
 
-/// Nodes, and the node of each corner: the nearest one within the tolerance, in an order that places alone decide.
+/// Returns the nodes, and the node of each corner: the nearest one within the tolerance. Corners
+/// are taken in an order that depends on their positions alone.
 fn welded(corners: &[DVec2]) -> (Vec<DVec2>, Vec<u32>) {
     let at = |corner: u32| corners.get(corner as usize).copied().unwrap_or_default();
     let mut order: Vec<u32> = (0..corners.len() as u32).collect();
@@ -83,9 +87,9 @@ fn welded(corners: &[DVec2]) -> (Vec<DVec2>, Vec<u32>) {
     (nodes, node_of)
 }
 
-/// Nodes by cells.
+/// Nodes sorted by cells.
 struct NodeCells {
-    /// Cell and node, sorted.
+    /// Pairs of cell and node, sorted.
     cells: Vec<([i64; 2], u32)>,
 }
 
@@ -100,7 +104,7 @@ impl NodeCells {
         NodeCells { cells }
     }
 
-    /// Nodes near to a side, column of cells by column.
+    /// Returns the nodes near a side, column of cells by column.
     fn along(&self, a: DVec2, b: DVec2) -> impl Iterator<Item = u32> + '_ {
         let (west, east) = if a.x <= b.x { (a, b) } else { (b, a) };
         let slope = if east.x - west.x > SAME_M { (east.y - west.y) / (east.x - west.x) } else { 0.0 };
@@ -122,7 +126,7 @@ impl NodeCells {
     }
 }
 
-/// A ring with all nodes that lie on its sides.
+/// Returns a ring with all nodes that lie on its sides.
 fn with_nodes_on_sides(ring: Vec<u32>, positions: &[DVec2], index: &NodeCells) -> Vec<u32> {
     let place = |node: u32| positions.get(node as usize).copied().unwrap_or_default();
     let mut whole: Vec<u32> = Vec::with_capacity(ring.len());
@@ -163,8 +167,9 @@ mod tests {
         vec![vec![vec![at(0., 0.), at(width, 0.), at(width, depth), at(0., depth)]]]
     }
 
-    /// Three houses in a row, 1 cm apart and of other depths, have the walls between them in common: 2 pairs of sides run both ways, and the deeper
-    /// house has a fifth and a sixth corner where its neighbours end.
+    /// Three houses in a row, 1 cm apart and of different depths, share the walls between them: 2
+    /// pairs of sides run both ways, and the deepest house has a fifth and a sixth corner where its
+    /// neighbours end.
     #[test]
     fn neighbours_share_sides() {
         let noded = Noded::of(&[&house(0.0, 5.0, 10.0), &house(5.01, 5.0, 12.0), &house(10.0, 5.0, 9.0)]);

@@ -1,5 +1,6 @@
-//! Footprints that lie over each other. In: blocks, each with its polygons and heights. Out: the same blocks, without what another block fills; what
-//! of their roofs and undersides is free; which of them belong together.
+//! Overlapping footprints. In: blocks, each with its polygons and heights. Out: the blocks without
+//! the room that another block fills, the free parts of their roofs and undersides, and the groups
+//! of blocks that overlap.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -7,26 +8,27 @@ use rayon::prelude::*;
 use crate::footprint::PlanRing;
 use crate::footprints::region::{area_m2, shared_m2, without};
 
-/// Footprints overlap if they share more, m2, and more than this share of the smaller one: what is less is the accuracy of surveys.
+/// Area that two footprints must share to overlap, m2 and as a share of the smaller one: less is
+/// within the accuracy of surveys.
 const OVERLAP_M2: f64 = 0.25;
 const OVERLAP_SHARE: f64 = 0.002;
 
-/// Heights this near are one, metres.
+/// Difference below which heights are equal, metres.
 const SAME_HEIGHT_M: f64 = 0.01;
 
-/// A part belongs to the outline that covers more than this share of it.
+/// Least share of a part that its outline covers.
 const MOST: f64 = 0.5;
 
-/// A prism.
+/// A prism: a footprint between two heights.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block {
     pub polygons: Vec<Vec<PlanRing>>,
     pub foot_m: f64,
     pub roof_m: f64,
     pub is_part: bool,
-    /// What of the roof is outdoors, if that is not all of it.
+    /// Part of the roof that is outdoors; `None` if all of it is.
     pub free_roof: Option<Vec<Vec<PlanRing>>>,
-    /// Likewise of the underside.
+    /// Part of the underside that is outdoors; `None` if all of it is.
     pub free_underside: Option<Vec<Vec<PlanRing>>>,
 }
 
@@ -37,8 +39,9 @@ pub(super) struct Pair {
     pub second: usize,
 }
 
-/// Pairs that overlap in plan.
+/// Returns the pairs of shapes that overlap in plan.
 pub(super) fn overlapping(shapes: &[&[Vec<PlanRing>]]) -> Vec<Pair> {
+    // Boxes sorted from the west leave few pairs of shapes to intersect.
     let boxes: Vec<[DVec2; 2]> = shapes.iter().map(|polygons| bounds(polygons)).collect();
     let mut order: Vec<usize> = (0..shapes.len()).collect();
     let west = |i: usize| boxes.get(i).map_or(f64::INFINITY, |[low, _]| low.x);
@@ -76,7 +79,8 @@ fn bounds(polygons: &[Vec<PlanRing>]) -> [DVec2; 2] {
     outlines.fold(none, |[low, high], corner| [low.min(*corner), high.max(*corner)])
 }
 
-/// The whole that each part lies in, and the outlines without their parts: a building with parts is what its parts are.
+/// Returns the whole that each part lies in, and cuts the parts out of the outlines of their
+/// wholes: a building with parts consists of its parts.
 pub(super) fn outlines_without_parts(blocks: &mut [Block], pairs: &[Pair]) -> Vec<Option<usize>> {
     let mut wholes: Vec<Option<usize>> = vec![None; blocks.len()];
     let mut parts: Vec<Vec<usize>> = vec![Vec::new(); blocks.len()];
@@ -104,14 +108,14 @@ pub(super) fn outlines_without_parts(blocks: &mut [Block], pairs: &[Pair]) -> Ve
     wholes
 }
 
-/// Takes out of each block what another one fills, and out of roofs and undersides what another one covers. Gives the number of blocks that were
-/// changed.
+/// Cuts out of each block the room that another block fills, and out of roofs and undersides the
+/// area that another block covers. Returns the number of blocks that lost room.
 pub(super) fn settle(blocks: &mut [Block], pairs: &[Pair]) -> usize {
     let mut changed = vec![false; blocks.len()];
     let mut open = Vec::new();
     for &Pair { first, second } in pairs {
         let (Some(a), Some(b)) = (blocks.get(first), blocks.get(second)) else { continue };
-        // What its parts have taken over fills nothing.
+        // A block that its parts took over fills nothing.
         if a.polygons.is_empty() || b.polygons.is_empty() {
             continue;
         }
@@ -148,19 +152,19 @@ pub(super) fn settle(blocks: &mut [Block], pairs: &[Pair]) -> usize {
     changed.iter().filter(|changed| **changed).count()
 }
 
-/// Whether a block stands at all heights at which another one does.
+/// Returns true if `outer` stands at all heights at which `inner` does.
 fn fills(outer: &Block, inner: &Block) -> bool {
     outer.foot_m <= inner.foot_m + SAME_HEIGHT_M && outer.roof_m >= inner.roof_m - SAME_HEIGHT_M
 }
 
-/// The lowest index of all that hang together by pairs, for each.
+/// Returns for each block the lowest index of all blocks connected to it by pairs.
 pub(super) fn groups(count: usize, pairs: &[Pair]) -> Vec<usize> {
     let mut root: Vec<usize> = (0..count).collect();
     fn find(root: &mut [usize], mut i: usize) -> usize {
         while let Some(&above) = root.get(i)
             && above != i
         {
-            // Halves the way for who comes next.
+            // Halves the path for later searches.
             let next = root.get(above).copied().unwrap_or(above);
             if let Some(slot) = root.get_mut(i) {
                 *slot = next;
@@ -191,8 +195,9 @@ mod tests {
         Block { polygons: square(x, side), foot_m, roof_m, ..Block::default() }
     }
 
-    /// A tower of 30 m on a podium of 100 m2 and 10 m takes its 25 m2 out of the podium; one that begins at 10 m leaves the podium whole, 75 m2 of
-    /// its roof and nothing of the tower's underside; of twins one is left.
+    /// A tower of 30 m through a podium of 100 m2 and 10 m takes its 25 m2 out of the podium. A
+    /// tower that begins at 10 m leaves the podium whole, 75 m2 of its roof free and none of its
+    /// own underside. Of two equal blocks one is left.
     #[test]
     fn towers_on_podiums() {
         let settled = |mut blocks: Vec<Block>| {
@@ -212,7 +217,8 @@ mod tests {
         assert!((area_m2(&twins[0].polygons) + area_m2(&twins[1].polygons) - 100.0).abs() < 1e-6);
     }
 
-    /// An outline of 100 m2 with parts of 25 and 50 m2 keeps 25 m2; both parts are of it. Neighbours that touch are no pair.
+    /// An outline of 100 m2 with parts of 25 and 50 m2 keeps 25 m2, and both parts belong to it.
+    /// Neighbours that touch are no pair.
     #[test]
     fn parts_take_the_place_of_outlines() {
         let part = |mut block: Block| {

@@ -1,5 +1,6 @@
-//! Footprints become buildings. In: the footprints of all files of a scene, in scene coordinates, and the ground below. Out: for each file, faces:
-//! flat roofs, walls where no neighbour stands, undersides of parts that begin above the ground.
+//! Faces of buildings from footprints. In: the footprints of all files of a scene, in scene
+//! coordinates, and the ground below. Out: for each file, faces: flat roofs, walls where no
+//! neighbour stands, and undersides of parts that begin above the ground.
 
 use std::cmp::Ordering;
 use std::collections::HashMap;
@@ -19,25 +20,25 @@ use crate::footprints::shared_walls::{FreeWall, FreeWalls, Side, Standing, free_
 use crate::geometry::Geometry;
 use crate::semantics::{FaceNote, SurfaceKind};
 
-/// Materials of the faces: those of city models.
+/// Materials of the faces, named as in city models.
 const ROOF: &str = "RoofSurface";
 const WALL: &str = "WallSurface";
 const UNDERSIDE: &str = "OuterCeilingSurface";
 
-/// Buildings that begin less than this above their base stand on the ground, metres.
+/// Height of a building's foot over its base below which it stands on the ground, metres.
 const ON_GROUND_M: f64 = 0.1;
 
 /// Footprints of one file.
 pub(crate) struct FootprintFile<'a> {
     pub file: &'a Path,
-    /// What is added to stated bases, and the base where there is no ground, metres.
+    /// Height added to stated bases, and the base without ground, metres.
     pub elevation_m: f64,
     pub footprints: Vec<Footprint>,
-    /// What the faces are added to.
+    /// Geometry that the faces are added to.
     pub geometry: &'a mut Geometry,
 }
 
-/// Adds the faces of all footprints to the geometry of their files; gives sentences on what was done.
+/// Adds the faces of all footprints to the geometry of their files; returns notes on what was done.
 pub(crate) fn raise(files: &mut [FootprintFile], ground: &GroundBelow) -> Result<Vec<String>> {
     let mut town = Town::of(files);
     let all = town.members.len();
@@ -49,6 +50,8 @@ pub(crate) fn raise(files: &mut [FootprintFile], ground: &GroundBelow) -> Result
     let wholes = outlines_without_parts(&mut town.blocks, &pairs);
     let consist_of_parts = town.blocks.iter().filter(|block| block.polygons.is_empty()).count();
     let filled = settle(&mut town.blocks, &pairs);
+    // Cut blocks have new corners, which are merged with those of neighbours before sides are
+    // compared.
     if !pairs.is_empty() {
         let noded = town.noded();
         for (number, block) in town.blocks.iter_mut().enumerate() {
@@ -73,7 +76,7 @@ pub(crate) fn raise(files: &mut [FootprintFile], ground: &GroundBelow) -> Result
     Ok(notes)
 }
 
-/// A footprint among those of all files.
+/// Reference to a footprint among those of all files.
 #[derive(Clone, Copy)]
 struct Member {
     file: usize,
@@ -82,17 +85,17 @@ struct Member {
     elevation_m: f64,
 }
 
-/// All footprints of a scene, in an order that only they decide.
+/// All footprints of a scene, in an order that depends on them alone.
 struct Town {
     members: Vec<Member>,
-    /// Of each member.
+    /// Block of each member.
     blocks: Vec<Block>,
-    /// Footprints without ground below, though there is ground.
+    /// Number of footprints without ground below, in a scene that has ground.
     beside_ground: usize,
 }
 
 impl Town {
-    /// Takes the polygons of all.
+    /// Collects the footprints of all files.
     fn of(files: &mut [FootprintFile]) -> Town {
         let mut all: Vec<([DVec2; 2], Member, &Footprint)> = Vec::new();
         for (file, of) in files.iter().enumerate() {
@@ -117,7 +120,8 @@ impl Town {
         }
     }
 
-    /// Puts each on its base: a stated one, else the lowest ground below all that it overlaps, else the height of the file.
+    /// Sets the base of each block: the stated one, else the lowest ground below all blocks that it
+    /// overlaps, else the lowest ground of all, else the height of the file.
     fn set_bases(&mut self, ground: &GroundBelow, groups: &[usize]) {
         let below = |(block, member): (&Block, &Member)| match member.heights.base_m {
             None if !ground.is_empty() => ground.lowest(block.polygons.iter().flatten()),
@@ -213,18 +217,18 @@ impl Town {
     }
 }
 
-/// What the faces of a footprint are made of.
+/// Everything that the faces of a footprint are made from.
 struct Solid<'a> {
     block: &'a Block,
-    /// Its polygons on nodes.
+    /// Polygons of the footprint on nodes.
     polygons: &'a [Vec<Vec<u32>>],
-    /// Of all nodes.
+    /// Positions of all nodes.
     positions: &'a [DVec2],
     walls: &'a [&'a FreeWall],
     has_underside: bool,
 }
 
-/// What is known of a building, with what its whole states where it is a part.
+/// Returns the note of a building; a part also has the attributes of its whole.
 fn note_of(footprint: &Footprint, whole: Option<&Footprint>) -> ObjectNote {
     let building = match (footprint.building.is_empty(), whole) {
         (true, Some(whole)) => whole.name.clone(),
@@ -243,7 +247,7 @@ fn note_of(footprint: &Footprint, whole: Option<&Footprint>) -> ObjectNote {
     ObjectNote { building, object_type: object_type.to_owned(), attributes, ..ObjectNote::default() }
 }
 
-/// Faces of a footprint being written.
+/// Writer of the faces of a footprint.
 struct Faces<'a> {
     file: &'a Path,
     geometry: &'a mut Geometry,
@@ -280,7 +284,7 @@ impl Faces<'_> {
         Ok(())
     }
 
-    /// A roof or an underside on nodes.
+    /// Adds a roof or an underside on nodes.
     fn noded_flats(&mut self, solid: &Solid, height_m: f64, below: bool) -> Result<()> {
         let is_area = |polygon: &&Vec<Vec<u32>>| polygon.first().is_some_and(|outline| outline.len() > 2);
         for polygon in solid.polygons.iter().filter(is_area) {
@@ -294,7 +298,7 @@ impl Faces<'_> {
         Ok(())
     }
 
-    /// A roof or an underside of polygons in plan.
+    /// Adds a roof or an underside of polygons in plan.
     fn flats(&mut self, polygons: &[Vec<PlanRing>], height_m: f64, below: bool) -> Result<()> {
         for polygon in polygons {
             for (number, ring) in polygon.iter().enumerate() {
@@ -338,7 +342,7 @@ impl Faces<'_> {
     }
 }
 
-/// All sides of all footprints.
+/// Returns all sides of all footprints.
 fn sides_of(noded: &Noded) -> Vec<Side> {
     let mut sides = Vec::new();
     for (footprint, polygons) in (0..).zip(&noded.footprints) {

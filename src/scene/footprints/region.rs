@@ -1,5 +1,5 @@
-//! Areas in plan. In: polygons as files have them, which may cross themselves. Out: polygons without faults, their area, and what is left of one
-//! without others; the crate `i_overlay` does the geometry.
+//! Areas in plan. In: polygons from files, which may cross themselves. Out: sound polygons, their
+//! area, and their differences; the crate `i_overlay` does the geometry.
 
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
@@ -10,23 +10,24 @@ use i_overlay::float::single::SingleFloatOverlay;
 use crate::footprint::PlanRing;
 use crate::plan::{sides, signed_area_m2};
 
-/// Less is a sliver, m2: what is left where outlines agree but for their rounding.
+/// Area of a sliver, m2: outlines that agree except for rounding leave slivers.
 pub(super) const SLIVER_M2: f64 = 0.05;
 
-/// A part of a polygon thinner than this is a sliver, metres.
+/// Width of a sliver, metres.
 const THIN_M: f64 = 0.03;
 
-/// More corners than this are not compared with each other one by one.
+/// Most corners of a polygon whose sides are compared one by one.
 const FEW_CORNERS: usize = 128;
 
 type Flat = Vec<Vec<Vec<[f64; 2]>>>;
 
-/// Area of polygons, m2.
+/// Returns the area of polygons, m2.
 pub(super) fn area_m2(polygons: &[Vec<PlanRing>]) -> f64 {
     polygons.iter().flatten().map(|ring| signed_area_m2(ring)).sum()
 }
 
-/// A polygon with its outline anticlockwise and its holes clockwise, without repeated corners; `None` where the outline is no area.
+/// Returns a polygon with its outline anticlockwise and its holes clockwise, without repeated
+/// corners; `None` if the outline has fewer than three corners.
 pub(crate) fn oriented(rings: Vec<PlanRing>) -> Option<Vec<PlanRing>> {
     let mut turned = Vec::with_capacity(rings.len());
     for (number, mut ring) in rings.into_iter().enumerate() {
@@ -39,7 +40,7 @@ pub(crate) fn oriented(rings: Vec<PlanRing>) -> Option<Vec<PlanRing>> {
             if number == 0 && ring.len() < 3 {
                 return None;
             }
-            // An outline that crosses itself may have two halves of one size.
+            // An outline that crosses itself may have two halves of equal size.
             if number > 0 {
                 continue;
             }
@@ -52,7 +53,7 @@ pub(crate) fn oriented(rings: Vec<PlanRing>) -> Option<Vec<PlanRing>> {
     Some(turned)
 }
 
-/// Whether sides of a polygon cross or touch each other.
+/// Returns true if sides of a polygon cross each other, or if its area is not positive.
 pub(crate) fn is_crossed(polygon: &[PlanRing]) -> bool {
     let sides: Vec<[DVec2; 2]> = polygon.iter().flat_map(|ring| sides(ring)).collect();
     if sides.len() > FEW_CORNERS {
@@ -69,18 +70,19 @@ pub(crate) fn is_crossed(polygon: &[PlanRing]) -> bool {
     }) || area_m2(&[polygon.to_vec()]) <= 0.0
 }
 
-/// Polygons that do not cross themselves, of the area that an odd number of the polygon's rings encloses.
+/// Returns polygons that do not cross themselves, of the area that an odd number of the polygon's
+/// rings encloses.
 pub(crate) fn repaired(polygon: &[PlanRing]) -> Vec<Vec<PlanRing>> {
     let from = origin_of(polygon);
     lifted(flat(std::slice::from_ref(&polygon.to_vec()), from).concat().simplify_shape(FillRule::EvenOdd), from)
 }
 
-/// What is left of polygons without others.
+/// Returns the polygons without the area of others.
 pub(super) fn without(polygons: &[Vec<PlanRing>], others: &[Vec<PlanRing>]) -> Vec<Vec<PlanRing>> {
     overlaid(polygons, others, OverlayRule::Difference)
 }
 
-/// What two sets of polygons share, m2.
+/// Returns the area that two sets of polygons share, m2.
 pub(super) fn shared_m2(polygons: &[Vec<PlanRing>], others: &[Vec<PlanRing>]) -> f64 {
     area_m2(&overlaid(polygons, others, OverlayRule::Intersect))
 }
@@ -94,13 +96,13 @@ fn origin_of(polygon: &[PlanRing]) -> DVec2 {
     polygon.first().and_then(|ring| ring.first()).copied().unwrap_or_default()
 }
 
-/// Relative to a corner: coordinates of countries are large.
+/// Returns the polygons relative to a corner, because national coordinates are large.
 fn flat(polygons: &[Vec<PlanRing>], from: DVec2) -> Flat {
     let ring = |ring: &PlanRing| ring.iter().map(|corner| (*corner - from).to_array()).collect();
     polygons.iter().map(|polygon| polygon.iter().map(ring).collect()).collect()
 }
 
-/// Back in their place, without slivers.
+/// Returns shapes at their place in the scene, without slivers.
 fn lifted(shapes: Flat, from: DVec2) -> Vec<Vec<PlanRing>> {
     let ring = |ring: &Vec<[f64; 2]>| -> PlanRing { ring.iter().map(|corner| DVec2::from(*corner) + from).collect() };
     let polygons = shapes.iter().map(|shape| shape.iter().map(ring).collect::<Vec<PlanRing>>());
@@ -132,7 +134,8 @@ mod tests {
         corners.iter().map(|(x, y)| DVec2::new(500_000.0 + x, 5_000_000.0 + y)).collect()
     }
 
-    /// A bow tie of two triangles of 25 m2 is crossed and becomes 50 m2; a square with a hole that was drawn the same way round has 96 m2.
+    /// A bow tie of two triangles of 25 m2 is recognised as crossed and becomes 50 m2. A square
+    /// with a hole drawn in the same direction has 96 m2.
     #[test]
     fn faults_are_repaired() {
         let tie = vec![ring(&[(0., 0.), (10., 10.), (10., 0.), (0., 10.)])];
@@ -147,7 +150,8 @@ mod tests {
         assert!(oriented(vec![ring(&[(0., 0.), (1., 0.), (0., 0.)])]).is_none());
     }
 
-    /// Of a square of 100 m2 without one that covers 30 m2 of it 70 m2 are left, and without one that is 1 mm smaller nothing.
+    /// A square of 100 m2 without one that covers 30 m2 of it leaves 70 m2, and without one that is
+    /// 1 mm smaller nothing.
     #[test]
     fn areas_are_cut() {
         let square = |x: f64, side: f64| vec![vec![ring(&[(x, 0.), (x + side, 0.), (x + side, side), (x, side)])]];

@@ -1,7 +1,7 @@
-//! Walls that neighbours leave free. In: sides of footprints on common nodes, and the heights between which each stands. Out: for each side the heights
-//! between which its wall is outdoors.
+//! Free parts of walls. In: sides of footprints on common nodes, and the heights between which each
+//! footprint stands. Out: for each side the heights between which its wall is outdoors.
 
-/// Less is no wall, metres: heights are stated in centimetres.
+/// Least height of a wall, metres: heights are stated in centimetres.
 const LEAST_M: f64 = 0.01;
 
 /// A side of a footprint, anticlockwise: the building is on its left.
@@ -12,12 +12,12 @@ pub(super) struct Side {
     pub footprint: u32,
 }
 
-/// Between which heights a building stands.
+/// Heights between which a building stands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Standing {
     pub foot_m: f64,
     pub roof_m: f64,
-    /// Whether it stands on the ground: nothing of a neighbour is free below it.
+    /// True if the building stands on the ground, so that no part of a neighbour is free below it.
     pub on_ground: bool,
 }
 
@@ -29,15 +29,16 @@ pub(super) struct FreeWall {
     pub roof_m: f64,
 }
 
-/// What of walls is free, and square metres that are not.
+/// Free parts of all walls, and the number of sides that neighbours cover.
 #[derive(Debug, Default)]
 pub(super) struct FreeWalls {
     pub walls: Vec<FreeWall>,
-    /// Sides of which nothing or not all is free.
+    /// Number of sides that are not wholly free.
     pub shared_sides: usize,
 }
 
-/// Takes all sides of all footprints, and how each footprint stands.
+/// Returns the free parts of all sides of all footprints; `standing` holds the heights of each
+/// footprint.
 pub(super) fn free_walls(mut sides: Vec<Side>, standing: &[Standing]) -> FreeWalls {
     sides.sort_unstable();
     let of = |side: &Side| standing.get(side.footprint as usize).copied();
@@ -71,8 +72,8 @@ pub(super) fn free_walls(mut sides: Vec<Side>, standing: &[Standing]) -> FreeWal
 mod tests {
     use super::*;
 
-    /// Of a wall of 10 m a neighbour of 6 m leaves 4 m free, one that begins at 3 m and ends at 6 m leaves 3 and 4 m, and one of 12 m nothing; the
-    /// neighbour's own wall is free above 10 m.
+    /// A neighbour of 6 m leaves 4 m of a wall of 10 m free, one that stands from 3 to 6 m leaves 3
+    /// and 4 m, and one of 12 m nothing; that neighbour's own wall is free above 10 m.
     #[test]
     fn heights_are_cut() {
         let stands = |foot_m: f64, roof_m: f64| Standing { foot_m, roof_m, on_ground: foot_m <= 0.0 };

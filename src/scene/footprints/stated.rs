@@ -1,16 +1,17 @@
-//! What a feature states of a building. In: its attributes. Out: how high its roof and its foot are above its base, whether it is a part of another
-//! building, or why it is none.
+//! Statements of a feature on its building. In: the feature's attributes. Out: the heights of roof
+//! and foot above the base, and true for a part of another building; or the reason why the feature
+//! is no building.
 
 use serde_json::{Map, Value};
 
 use crate::footprint::StatedHeights;
 use crate::footprint_options::{FOOT_M, FootprintOptions, HeightSource, MAX_HEIGHT_M, STOREY_HEIGHT_M};
 
-/// Columns that hold the height of the roof above the ground, in the order in which they are asked: OpenStreetMap and Overture; exports of city
-/// models; BD TOPO of France.
+/// Columns of the height of the roof above the ground, in the order in which they are tried:
+/// OpenStreetMap and Overture; exports of city models; BD TOPO of France.
 const HEIGHTS: [&str; 7] =
     ["height", "building:height", "height_m", "building_height", "measuredheight", "measured_height", "hauteur"];
-/// Columns that hold the number of storeys above the ground.
+/// Columns of the number of storeys above the ground.
 const STOREYS: [&str; 8] = [
     "building:levels",
     "num_floors",
@@ -21,12 +22,13 @@ const STOREYS: [&str; 8] = [
     "storeysaboveground",
     "nombre_d_etages",
 ];
-/// Columns that hold how far above the ground a part begins, and the storey at which it does.
+/// Columns of the height above the ground at which a part begins, and of the storey at which it
+/// does.
 const FEET: [&str; 2] = ["min_height", "building:min_height"];
 const FIRST_STOREYS: [&str; 3] = ["building:min_level", "min_level", "min_floor"];
 /// Columns that name the building that a part belongs to (Overture).
 const WHOLES: [&str; 1] = ["building_id"];
-/// Columns that name a feature, in the order in which they are asked.
+/// Columns that name a feature, in the order in which they are tried.
 const IDS: [&str; 13] = [
     "id",
     "@id",
@@ -43,7 +45,7 @@ const IDS: [&str; 13] = [
     "cleabs",
 ];
 
-/// Attributes of a feature.
+/// Attributes of a feature, read under some options.
 pub(crate) struct Stated<'a> {
     attributes: &'a Map<String, Value>,
     options: &'a FootprintOptions,
@@ -54,7 +56,8 @@ impl<'a> Stated<'a> {
         Stated { attributes, options }
     }
 
-    /// Its heights, or why it has none: words that complete "3 left out ...".
+    /// Returns the heights, or the reason why there are none in words that complete "3 left out
+    /// ...".
     pub(crate) fn heights(&self) -> Result<StatedHeights, &'static str> {
         let storey_m = self.options.storey_height_m.unwrap_or(STOREY_HEIGHT_M);
         let metres = |columns: &[&str]| columns.iter().find_map(|column| metres_of(self.get(column)?));
@@ -83,7 +86,7 @@ impl<'a> Stated<'a> {
         Ok(StatedHeights { roof_m, foot_m, base_m })
     }
 
-    /// Why the feature is no building above the ground, if it says so.
+    /// Returns the reason why the feature is no building above the ground, if it states one.
     pub(crate) fn is_other(&self) -> Option<&'static str> {
         let says = |column: &str, words: &[&str]| {
             self.get(column).and_then(Value::as_str).is_some_and(|text| words.contains(&text.to_lowercase().as_str()))
@@ -98,7 +101,7 @@ impl<'a> Stated<'a> {
         says("building", &["no"]).then_some("as no buildings (building=no)")
     }
 
-    /// Whether it is a part of a building, which other features are the whole of.
+    /// Returns true if the feature is a part of a building, whose whole is another feature.
     pub(crate) fn is_part(&self) -> bool {
         let part = self.get("building:part").or_else(|| self.get("building_part"));
         let part = part.is_some_and(|value| {
@@ -107,18 +110,18 @@ impl<'a> Stated<'a> {
         part || self.whole().is_some()
     }
 
-    /// The building that it names as the one it is a part of.
+    /// Returns the name of the building that the feature states as its whole.
     pub(crate) fn whole(&self) -> Option<String> {
         let own = self.id();
         WHOLES.iter().find_map(|column| text_of(self.get(column)?)).filter(|whole| own.as_ref() != Some(whole))
     }
 
-    /// What its columns call it.
+    /// Returns the name of the feature by its columns.
     pub(crate) fn id(&self) -> Option<String> {
         IDS.iter().find_map(|column| text_of(self.get(column)?))
     }
 
-    /// A column by its name, or by its name in other letters.
+    /// Returns the value of a column by its name, in any case of letters.
     fn get(&self, column: &str) -> Option<&'a Value> {
         let alike =
             || self.attributes.iter().find(|(name, _)| name.eq_ignore_ascii_case(column)).map(|(_, value)| value);
@@ -126,14 +129,14 @@ impl<'a> Stated<'a> {
     }
 }
 
-/// Why features without a height are left out.
+/// Reason for leaving out features without a height.
 pub(crate) const NO_HEIGHT: &str = "without a height or a number of storeys";
 
 fn is_one_of(name: &str, columns: &[&str]) -> bool {
     columns.iter().any(|column| column.eq_ignore_ascii_case(name))
 }
 
-/// A value that is not empty, as text.
+/// Returns a value that is not empty as text.
 fn text_of(value: &Value) -> Option<String> {
     match value {
         Value::String(text) if !text.trim().is_empty() => Some(text.trim().to_owned()),
@@ -142,7 +145,7 @@ fn text_of(value: &Value) -> Option<String> {
     }
 }
 
-/// A number, as a number or as text.
+/// Returns a number that is stated as a number or as text.
 fn number_of(value: &Value) -> Option<f64> {
     let number = match value {
         Value::Number(number) => number.as_f64(),
@@ -152,7 +155,8 @@ fn number_of(value: &Value) -> Option<f64> {
     number.filter(|number| number.is_finite())
 }
 
-/// A length in metres: `12`, `12.5`, `12,5 m`, `40 ft`, `40'`, `40'6"` (OSM wiki, "Map features/Units").
+/// Returns a length in metres: `12`, `12.5`, `12,5 m`, `40 ft`, `40'`, `40'6"` (OSM wiki, "Map
+/// features/Units").
 fn metres_of(value: &Value) -> Option<f64> {
     if let Some(number) = number_of(value) {
         return Some(number);
@@ -182,7 +186,8 @@ mod tests {
         Stated::new(attributes.as_object().expect("an object"), options).heights()
     }
 
-    /// Sixteen ways to state a height of 12 m, by column, storeys, unit and letters, give 12 m within 1 mm.
+    /// Sixteen ways to state a height of 12 m, by column, storeys, unit and letters, give 12 m
+    /// within 1 mm.
     #[test]
     fn ways_to_say_twelve_metres() {
         let usual = FootprintOptions::default();
@@ -219,8 +224,8 @@ mod tests {
         }
     }
 
-    /// Of 6 features one stands from 9 to 12 m, one has no height, and 4 have heights that are none; 2 are no buildings; a part of Overture and one of
-    /// OpenStreetMap are parts.
+    /// One feature stands from 9 to 12 m, one has no height, and 4 have impossible heights; 3 are
+    /// no buildings above the ground. A part of Overture and one of OpenStreetMap are parts.
     #[test]
     fn what_is_no_building() {
         let usual = FootprintOptions::default();

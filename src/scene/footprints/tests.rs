@@ -1,4 +1,4 @@
-//! Buildings from footprints: areas against sums by hand, neighbours, parts, terrain.
+//! Tests of buildings from footprints: areas against sums by hand, neighbours, parts, terrain.
 
 use std::f64::consts::FRAC_PI_6;
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::geometry::Geometry;
 use crate::polygon::area_vector_of;
 use crate::semantics::SurfaceKind;
 
-/// A house on a rectangle, turned by 30 degrees about a corner of a national grid.
+/// Returns a house on a rectangle, turned by 30 degrees about a corner of a national grid.
 fn house(name: &str, west: f64, south: f64, east: f64, north: f64, roof_m: f64) -> Footprint {
     let turned =
         |x: f64, y: f64| DVec2::from_angle(FRAC_PI_6).rotate(DVec2::new(x, y)) + DVec2::new(690_000.0, 5_330_000.0);
@@ -29,7 +29,7 @@ fn house(name: &str, west: f64, south: f64, east: f64, north: f64, roof_m: f64) 
     }
 }
 
-/// Areas of roofs, walls and undersides, and the lowest and highest corner.
+/// Areas of roofs, walls and undersides, lowest and highest corner, and number of walls.
 struct Found {
     roof_m2: f64,
     wall_m2: f64,
@@ -68,8 +68,9 @@ fn near(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-3 * b.abs().max(1.0)
 }
 
-/// A row of 40 houses of 6 m by 10 m, alternately 8 and 9 m high, turned by 30 degrees, has 2,400 m2 of roof, and of walls the two gables, the fronts
-/// and the steps of 1 m between neighbours: 4,640 m2 in 121 pieces.
+/// A row of 40 houses of 6 m by 10 m, alternately 8 and 9 m high, turned by 30 degrees, has 2,400
+/// m2 of roof. Its walls are the two gables, the fronts and the steps of 1 m between neighbours:
+/// 4,640 m2 in 121 pieces.
 #[test]
 fn a_row_of_houses_has_no_walls_between() {
     let row: Vec<Footprint> = (0..40)
@@ -83,8 +84,8 @@ fn a_row_of_houses_has_no_walls_between() {
     assert_eq!(geometry.objects.as_slice().len(), 40);
 }
 
-/// A block of 20 m with a court of 10 m, a house that fills half of the court, and a part from 6 to 12 m above a corner have the areas of a sum by hand;
-/// the order of features changes nothing.
+/// A block of 20 m with a court of 10 m, a house that fills half of the court, and a part from 6 to
+/// 12 m above a corner have the areas of a sum by hand; the order of features changes nothing.
 #[test]
 fn courts_and_parts() {
     let mut block = house("block", 0.0, 0.0, 20.0, 20.0, 6.0);
@@ -95,8 +96,9 @@ fn courts_and_parts() {
     let mut part = house("part", 0.0, 0.0, 5.0, 5.0, 12.0);
     part.heights.foot_m = 6.0;
     let (one, first) = found(vec![block.clone(), filling.clone(), part.clone()], Vec::new());
-    // Roofs: 300 m2 less 25 below the part, 50, 25. Walls: 80 m of 6 m outside, 40 m of 6 m to the court less 20 m of 4 m beside the filling, 10 m of
-    // 4 m of the filling towards the court, 20 m of 6 m of the part.
+    // Roofs: 300 m2 less 25 below the part, 50, 25. Walls: 80 m of 6 m outside, 40 m of 6 m to the
+    // court less 20 m of 4 m beside the filling, 10 m of 4 m of the filling towards the court, 20 m
+    // of 6 m of the part.
     assert!(near(one.roof_m2, 275.0 + 50.0 + 25.0), "{}", one.roof_m2);
     let walls = 480.0 + 240.0 - 80.0 + 40.0 + 120.0;
     assert!(near(one.wall_m2, walls) && near(one.underside_m2, 0.0), "{} {walls}", one.wall_m2);
@@ -114,7 +116,8 @@ fn overhangs_have_undersides() {
     assert!((found.heights[0] - 3.0).abs() < 1e-9);
 }
 
-/// On a slope each of two neighbours stands on the lowest ground below it, 10 m below its roof; no wall between them is left but the step.
+/// On a slope each of two neighbours stands on the lowest ground below it, 10 m below its roof; of
+/// the wall between them only the step is left.
 #[test]
 fn neighbours_on_a_slope() {
     let at = |x: f64, y: f64| {

@@ -1,30 +1,34 @@
-//! The endless ground: a horizontal plane under the whole scene, lit and shadowed like any surface near it. In: its table in
-//! `materials.toml` and the corners of the scene. Out: two triangles so large that what lies beyond is next to nothing.
+//! The endless ground: a horizontal plane under the whole scene, lit and shadowed like any surface
+//! near it. In: its table in `materials.toml` and the corners of the scene. Out: two triangles so
+//! large that almost nothing can be seen beyond them.
 
 use glam::DVec3;
 
 use crate::mesh::RawTriangle;
 
-/// Name of its table and its material.
+/// Name of the table, the object and the material of the endless ground.
 pub(crate) const NAME: &str = "endless_ground";
 
-/// The plane reaches so far beyond the scene, and so many times the scene's height above it: seen from there, what is missing is
-/// 0.003 rad below the horizon, 0.1 % of what a wall sees.
+/// Reach of the plane beyond the scene, in metres and in heights of the scene above the plane; the
+/// larger one counts. Seen from the scene, 0.003 rad below the horizon are missing, 0.1 % of the
+/// view of a wall.
 const BEYOND_M: f64 = 20_000.0;
 const HEIGHTS: f64 = 400.0;
 
-/// And no farther than this to each side: scenes end there. From 2.5 km up that is 0.0025 rad below the horizon.
+/// Largest half side of the plane, metres: scenes end there. From 2.5 km up, 0.0025 rad below the
+/// horizon are missing.
 const MOST_M: f64 = 1e6;
 
-/// What the table says besides the material.
+/// Properties of the endless ground besides its material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndlessGround {
-    /// Height of the plane; the scene's lowest point if it is not given.
+    /// Height of the plane, metres; `None`: the scene's lowest point.
     pub elevation_m: Option<f64>,
 }
 
 impl EndlessGround {
-    /// Adds the plane to a scene's corners and triangles; gives a sentence if it hides a part of the scene.
+    /// Adds the plane to a scene's corners and triangles; returns a warning if it hides a part of
+    /// the scene.
     pub(crate) fn add(
         self,
         corners: &mut Vec<DVec3>,
@@ -70,8 +74,9 @@ mod tests {
         Scene::load(&obj_path, Some(&toml_path)).expect("a scene")
     }
 
-    /// The plane is that of two triangles of 40,006 m in the OBJ file, at the lowest point or where it is stated; one above the foot of
-    /// the walls is named with the 0.50 m that it hides, one below is not.
+    /// The plane equals two triangles of 40,006 m in the OBJ file, at the lowest point or at a
+    /// stated height. A plane above the foot of the walls gets a warning with the 0.50 m that it
+    /// hides; one below gets none.
     #[test]
     fn same_as_triangles() {
         let ground = |z: f64| {

@@ -1,24 +1,29 @@
-//! Whether a scene has ground. In: its triangles that are called ground, and what may stand on them. Out: yes, unless nearly all of them
-//! lie below something, as the floor of a house does below its roof.
+//! Search for ground. In: triangles of class ground, and triangles that may stand on them. Out:
+//! true, unless nearly all of the ground lies below something, as the floor of a house does below
+//! its roof.
 
 use glam::{DVec2, DVec3};
 
 /// A triangle in input coordinates, metres.
 pub(crate) type Corners = [DVec3; 3];
 
-/// Ground of which a smaller share lies free is floors of buildings, whose roofs are cut a little smaller than they are.
+/// Least share of the ground that lies free. Below it the ground is floors of buildings, whose
+/// roofs are drawn a little smaller than they are.
 const FREE: f64 = 0.05;
-/// What is at most so much higher lies on the ground, metres.
+/// Height up to which a surface lies on the ground, metres.
 const SAME_HEIGHT_M: f64 = 0.01;
-/// Faces whose normals are less upright than this stand (cosine).
+/// Least upward component of the unit normal, up or down, of a face that counts; steeper faces are
+/// standing.
 const UPRIGHT: f64 = 0.1;
-/// Points on each side of the plan: the most of these for which looking at each triangle's points stays within `MOST_VISITS`.
+/// Points on each side of the plan: the most of these that need at most `MOST_VISITS` tests of a
+/// point in a triangle's box.
 const SIDES: [usize; 6] = [1024, 512, 256, 128, 64, 32];
 const MOST_VISITS: f64 = 3e8;
-/// Where none of them does.
+/// Points on each side if all of `SIDES` need more tests.
 const LEAST_SIDE: usize = 16;
 
-/// Whether ground lies free somewhere: where nothing of `above` is over it. Standing triangles do not count.
+/// Returns true if some ground lies free, with nothing of `above` over it. Standing triangles do
+/// not count.
 pub(crate) fn lies_free(
     ground: impl Iterator<Item = Corners> + Clone,
     above: impl Iterator<Item = Corners> + Clone,
@@ -59,7 +64,8 @@ struct Plan {
 }
 
 impl Plan {
-    /// Height of the highest triangle over each point, `[row][column]`; where there is none, minus infinity.
+    /// Returns the height of the highest triangle over each point, `[row][column]`; minus infinity
+    /// over points without one.
     fn highest(&self, triangles: impl Iterator<Item = Corners>) -> Vec<f32> {
         let mut heights = vec![f32::NEG_INFINITY; self.side * self.side];
         for [a, b, c] in triangles {
@@ -68,7 +74,7 @@ impl Plan {
             if area == 0.0 {
                 continue;
             }
-            // `as` saturates: what lies outside gives an empty range or the border.
+            // `as` saturates: boxes outside give an empty range or end at the border.
             let range = |from: f64, to: f64| (from + 0.5) as usize..((to + 0.5) as usize).min(self.side);
             let (least, most) = (p.min(q).min(r), p.max(q).max(r));
             for row in range(least.y, most.y) {
@@ -94,7 +100,7 @@ impl Plan {
 mod tests {
     use super::*;
 
-    /// Two triangles over a rectangle.
+    /// Returns two triangles over a rectangle.
     fn rectangle([x0, y0, x1, y1]: [f64; 4], z: f64) -> Vec<Corners> {
         let corner = |x, y| DVec3::new(x, y, z);
         let [a, b, c, d] = [corner(x0, y0), corner(x1, y0), corner(x1, y1), corner(x0, y1)];
@@ -105,8 +111,10 @@ mod tests {
         lies_free(ground.iter().copied(), above.iter().copied())
     }
 
-    /// Floors of two houses 30 km apart below roofs that are 1 cm shorter on each side are no ground, a ring of a tenth of the area around one of
-    /// them is, a field is, a field under its own hall is not, and a cellar's ceiling below a field hides none of it: 5 of 5.
+    /// Floors of two houses 30 km apart below roofs that are 1 cm shorter on each side are no
+    /// ground. A ring of a tenth of the area around one of them is ground, and so is a field; a
+    /// field under a larger hall is not, and a cellar's ceiling below a field hides none of it: 5
+    /// of 5.
     #[test]
     fn floors_are_no_ground() {
         let floors =
@@ -123,7 +131,8 @@ mod tests {
         assert!(free(&field, &cellar));
     }
 
-    /// Without ground, and with a standing triangle that is called so, there is none: 2 of 2.
+    /// A scene without ground, and one whose only triangle of class ground is standing, have none:
+    /// 2 of 2.
     #[test]
     fn nothing_and_standing() {
         let standing = [DVec3::ZERO, DVec3::X, DVec3::Z];

@@ -1,21 +1,24 @@
-//! The plane that a scene without ground gets. In: the scene's triangles with their objects. Out: the plane's height, and what the user
-//! should know about it.
+//! The plane of a scene without ground. In: the scene's triangles with their objects. Out: the
+//! plane's height, and a warning for the user.
 
 use glam::DVec3;
 
 use crate::ground::model::USUAL;
 use crate::mesh::RawTriangle;
 
-/// So much below the lowest point, that floors which lie there are not met twice, metres.
+/// Depth of the plane below the lowest point, metres, so that rays do not hit floors at that point
+/// and the plane at once.
 pub(crate) const BELOW_M: f64 = 0.01;
-/// Objects of which some stand higher than this above the plane stand on a slope, metres.
+/// Height of objects above the plane beyond which they stand on a slope, metres.
 const SLOPE_M: f64 = 5.0;
-/// What is lower than this is a slab or a roof, whose lowest corner says nothing of the ground, metres.
+/// Least height of an object whose foot counts, metres: lower ones are slabs or roofs, whose lowest
+/// corner does not show the ground.
 const STANDING_M: f64 = 2.0;
-/// Share of the objects whose feet are left out of what is said, as upper parts of buildings have high ones.
+/// Share of the objects whose feet are ignored, the highest ones: upper parts of buildings have
+/// high feet.
 const LEFT_OUT: f64 = 0.1;
 
-/// Least and greatest height of what triangles span; `None` where there are none.
+/// Returns the least and the greatest height of triangles; `None` without triangles.
 pub(crate) fn heights<'t>(
     positions: &[DVec3],
     triangles: impl IntoIterator<Item = &'t RawTriangle>,
@@ -28,7 +31,8 @@ pub(crate) fn heights<'t>(
     })
 }
 
-/// How high above a plane objects stand, all but the highest tenth of them; `objects` says which one a triangle is a part of.
+/// Returns the height of the highest foot of objects above a plane, without the highest tenth of
+/// them; `objects` holds the object of each triangle.
 fn highest_foot(positions: &[DVec3], triangles: &[RawTriangle], objects: &[u32], plane_m: f64) -> Option<f64> {
     let count = objects.iter().max().map_or(0, |most| *most as usize + 1);
     let mut spans: Vec<Option<[f64; 2]>> = vec![None; count];
@@ -48,7 +52,7 @@ fn highest_foot(positions: &[DVec3], triangles: &[RawTriangle], objects: &[u32],
     feet.get(((1.0 - LEFT_OUT) * feet.len() as f64).ceil() as usize - usize::from(!feet.is_empty())).copied()
 }
 
-/// What is said of an assumed plane.
+/// Returns the warning about an assumed plane.
 pub(crate) fn warning(positions: &[DVec3], triangles: &[RawTriangle], objects: &[u32], plane_m: f64) -> String {
     let slope = match highest_foot(positions, triangles, objects, plane_m) {
         Some(foot) if foot > SLOPE_M => {
@@ -67,8 +71,9 @@ pub(crate) fn warning(positions: &[DVec3], triangles: &[RawTriangle], objects: &
 mod tests {
     use super::*;
 
-    /// Ten towers of 9 m on a slope of 1 in 10, 10 m apart: nine of them stand at most 8.01 m above a plane 1 cm below the lowest, and with 1 in 20
-    /// nobody says so; slabs of 1 m at 50 m do not count.
+    /// Ten towers of 9 m stand on a slope that rises 1 m from one to the next: nine of them stand
+    /// at most 8.01 m above a plane 1 cm below the lowest, which the warning says. On a slope of
+    /// half the rise it does not mention objects. A slab of 1 m at 50 m does not count.
     #[test]
     fn slopes() {
         let town = |rise: f64| {

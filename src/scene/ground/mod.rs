@@ -1,5 +1,5 @@
-//! What lies below the horizon. In: triangles of a scene, and what EnergyPlus models say. Out: whether some of the triangles are ground,
-//! and a plane for scenes that have none.
+//! Ground of a scene. In: triangles of a scene, and the statements of EnergyPlus models. Out: true
+//! if some of the triangles are ground, and a plane for scenes without ground.
 
 pub(crate) mod endless;
 pub(crate) mod found;

@@ -1,4 +1,4 @@
-//! Scenes with and without ground of their own, in several formats.
+//! Tests of scenes with and without ground, in several formats.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -32,15 +32,16 @@ fn load(files: &[&Path], materials: Option<&Path>) -> Scene {
     Scene::load_site(&Site { parts, missing_ground: MissingGround::Assume, ..Site::default() }).expect("a scene")
 }
 
-/// Lowest height of the scene and what its endless ground reflects.
+/// Returns the lowest height of the scene and the reflectance of its endless ground.
 fn plane(scene: &Scene) -> (f64, Option<f64>) {
     let low = scene.mesh.bounds().0 + scene.mesh.origin;
     let ground = scene.materials.iter().find(|material| material.name == "endless_ground");
     ((low.z * 1e3).round() / 1e3, ground.map(|ground| ground.diffuse))
 }
 
-/// A box with a floor gets a plane of 0.2 that lies 1 cm below it, and one warning says so with the height and both ways out; a lawn around it is
-/// ground, a table of 0.3 at 1 m wins, and a site that does not ask stays as it is.
+/// A box with a floor gets a plane of 0.2 that lies 1 cm below it, and one warning states the
+/// height and both alternatives. A lawn around it is ground, a table of 0.3 at 1 m takes
+/// precedence, and a scene for which no ground is requested gets none.
 #[test]
 fn scenes_without_ground() {
     let folder = Folder::new();
@@ -63,8 +64,9 @@ fn scenes_without_ground() {
     assert_eq!(plane(&Scene::load(&bare, None).expect("a scene")), (2.0, None));
 }
 
-/// The Hague with its terrain gets none, without it one at the lowest point of 54 buildings, 3.692 m: floors are no ground. Three buildings of
-/// another city model get one as well.
+/// The Hague with its terrain gets no plane; without the terrain it gets one at the lowest point of
+/// 54 buildings, 3.692 m: floors are no ground. Three buildings of another city model get a plane
+/// as well.
 #[test]
 fn city_models() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/cityjson");
@@ -79,8 +81,9 @@ fn city_models() {
     assert_eq!(plane(&load(&[&data.join("small.city.jsonl")], None)).1, Some(0.2));
 }
 
-/// A model of 0.4 in two months and 0.2 in ten gets a plane of their mean at z = 0, 1 m below it, says so in a note and keeps the months; a table
-/// of 0.3 wins over both, a lawn beside it over the plane, and a plain model has 0.2 at all times and no months.
+/// A model of 0.4 in two months and 0.2 in ten gets a plane of their mean at z = 0, 1 m below its
+/// only surface; a note says so, and the months are kept. A table of 0.3 takes precedence over
+/// both, a lawn beside the model over the plane. A model of 0.2 in all months keeps no months.
 #[test]
 fn energyplus_models() {
     let folder = Folder::new();

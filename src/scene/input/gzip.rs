@@ -1,5 +1,5 @@
-//! Packed files. In: bytes that may be gzip (RFC 1952), of one member or several. Out: the plain bytes, of a number that is limited:
-//! one packed byte may stand for a thousand.
+//! Packed files. In: bytes that may be gzip (RFC 1952), of one member or several. Out: the plain
+//! bytes up to a limit, because one packed byte may stand for a thousand.
 
 use std::fs::File;
 use std::io;
@@ -13,26 +13,30 @@ use super::zip;
 
 const MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// Most bytes that a file which is read as a whole may unpack to: what a machine of 16 GB can hold with the scene that is made of it.
+/// Most bytes that a file read as a whole may unpack to: a machine of 16 GB can hold them and the
+/// scene made of them.
 const MOST_WHOLE: u64 = 4 << 30;
-/// What any machine can hold: below this, packed bytes may stand for as many as they like, beyond it for [`MOST_TIMES`] as many.
+/// Bytes that any machine can hold: up to this size the ratio of unpacked to packed bytes is not
+/// limited, beyond it to [`MOST_TIMES`].
 const HARMLESS: u64 = 256 << 20;
-/// Text is packed to a twentieth as a rule, bombs to a thousandth.
+/// Largest ratio of unpacked to packed bytes: text is usually packed to a twentieth, bombs to a
+/// thousandth.
 const MOST_TIMES: u64 = 200;
-/// Most bytes that a file which is read piece by piece may unpack to: 100 million receivers are a tenth of that.
+/// Most bytes that a file read piece by piece may unpack to: 100 million receivers are a tenth of
+/// that.
 const MOST_STREAMED: u64 = 64 << 30;
 
-/// The plain bytes of a file.
+/// Returns the plain bytes of a file.
 pub(super) fn unpack(bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
     unpack_up_to(most(bytes.len() as u64), bytes, file)
 }
 
-/// Bytes that so many packed ones may stand for.
+/// Returns the number of bytes that `packed` bytes of a file read as a whole may unpack to.
 pub(super) fn most(packed: u64) -> u64 {
     packed.saturating_mul(MOST_TIMES).clamp(HARMLESS, MOST_WHOLE)
 }
 
-/// The same for what is read piece by piece.
+/// Returns the number of bytes that `packed` bytes of a file read piece by piece may unpack to.
 pub(super) fn most_streamed(packed: u64) -> u64 {
     packed.saturating_mul(MOST_TIMES).clamp(HARMLESS, MOST_STREAMED)
 }
@@ -54,7 +58,8 @@ fn unpack_up_to(most: u64, bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
     Ok(plain)
 }
 
-/// The plain bytes of a file, piece by piece; those of a zip, whose list stands at its end, as a whole.
+/// Returns the plain bytes of a file piece by piece. A zip is unpacked as a whole, because its
+/// directory stands at its end.
 pub(super) fn unpacked(mut file: File, path: &Path) -> Result<Box<dyn Read>> {
     let mut head = Vec::new();
     file.by_ref().take(zip::MAGIC.len() as u64).read_to_end(&mut head).map_err(Error::io(path, "read"))?;
@@ -73,7 +78,7 @@ pub(super) fn unpacked(mut file: File, path: &Path) -> Result<Box<dyn Read>> {
     })
 }
 
-/// A reader that fails where it ought to end.
+/// Reader that fails after `left` bytes.
 pub(super) struct Bounded<R> {
     pub inner: R,
     pub left: u64,
@@ -104,7 +109,8 @@ mod tests {
         packer.finish().expect("packed")
     }
 
-    /// Plain bytes stay, packed ones and two packed ones in a row are unpacked, as a whole and piece by piece: 3 of 3 alike.
+    /// Plain bytes stay; packed ones and two packed members in a row are unpacked, as a whole and
+    /// piece by piece: 3 of 3 alike.
     #[test]
     fn unpacks() {
         let text = b"v 0 0 0\n".repeat(1000);
@@ -119,8 +125,8 @@ mod tests {
         }
     }
 
-    /// A bomb is refused at the limit of 1000 bytes and passes at its own size of 1001; cut at any of its bytes behind the first two it is
-    /// refused too, and the message names the file.
+    /// A bomb is refused at a limit of 1000 bytes and passes at its own size of 1001. Cut at any
+    /// byte after the first two it is refused, too, and the message names the file.
     #[test]
     fn hostile() {
         let file = Path::new("town.obj.gz");

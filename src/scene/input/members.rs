@@ -1,5 +1,6 @@
-//! Files that are read piece by piece, of which a zip or a folder may hold several. In: a path and endings. Out: the bytes of the file, or of each file of the
-//! zip whose name has the first of the endings that any of them has, by name.
+//! Members of zips and folders. In: a path and endings. Out: the bytes of the file piece by piece,
+//! or those of each file of a zip, sorted by name, that has the first of the endings found in the
+//! zip.
 
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
@@ -12,7 +13,7 @@ use super::gzip::Bounded;
 use super::{ending, gzip, open, refused, zip as single_zip};
 use crate::text::{excerpt, utf8};
 
-/// Marks of UTF-16.
+/// Byte order marks of UTF-16.
 const UTF_16: [[u8; 2]; 2] = [[0xff, 0xfe], [0xfe, 0xff]];
 
 /// Most bytes of a text in UTF-16, which is held as a whole.
@@ -20,7 +21,7 @@ const MOST_UTF_16: u64 = 1 << 30;
 
 const UNPACK: &str = "unpack it and give the files that are meant, or their folder";
 
-/// Reads a file, or the files of a zip that are meant, one after the other.
+/// Passes the bytes of a file, or of each file of a zip with the wanted ending, to `take`.
 pub(crate) fn each(
     path: &Path,
     endings: &[&str],
@@ -53,7 +54,8 @@ pub(crate) fn each(
     Ok(())
 }
 
-/// Whether a path is a zip of files that have the first of the endings, or of nothing but files with one of the others.
+/// Returns true if a path is a zip whose wanted files have the first of the endings, or a zip of
+/// nothing but files with one of the others.
 pub(crate) fn has(path: &Path, endings: &[&str]) -> bool {
     let Ok(Some(zip)) = zip_of(path) else { return false };
     let Ok(names) = meant(&zip, endings, path) else { return false };
@@ -62,7 +64,7 @@ pub(crate) fn has(path: &Path, endings: &[&str]) -> bool {
     !names.is_empty() && (names.len() == all || names.iter().all(is_first))
 }
 
-/// Files of a folder whose names have the first of the endings that any of them has, by name.
+/// Returns the files of a folder that have the first of the endings found in it, sorted by name.
 pub(crate) fn of_folder(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(Error::io(folder, "read"))? {
@@ -76,7 +78,7 @@ pub(crate) fn of_folder(folder: &Path, endings: &[&str]) -> Result<Vec<PathBuf>>
     Ok(endings.iter().map(|wanted| with(wanted)).find(|found| !found.is_empty()).unwrap_or_default())
 }
 
-/// The zip that a file is, if it is one.
+/// Opens a file as a zip; `None` if it is none.
 fn zip_of(path: &Path) -> Result<Option<ZipArchive<BufReader<File>>>> {
     let mut file = File::open(path).map_err(|source| refused(path, "read", source))?;
     let mut head = Vec::new();
@@ -89,7 +91,7 @@ fn zip_of(path: &Path) -> Result<Option<ZipArchive<BufReader<File>>>> {
         .map_err(|error| Error::input(path, None, format!("the zip is damaged or cut off: {error}"), "fetch it again"))
 }
 
-/// Names of the files of a zip that are meant, in order.
+/// Returns the names of the files of a zip that have the first of the endings found in it, sorted.
 fn meant(zip: &ZipArchive<BufReader<File>>, endings: &[&str], path: &Path) -> Result<Vec<String>> {
     let names: Vec<String> = zip
         .file_names()
@@ -105,7 +107,7 @@ fn meant(zip: &ZipArchive<BufReader<File>>, endings: &[&str], path: &Path) -> Re
     Ok(endings.iter().map(|wanted| with(wanted)).find(|found| !found.is_empty()).unwrap_or_default())
 }
 
-/// Bytes of UTF-8, or of anything else that is no UTF-16.
+/// Returns text in UTF-16 as UTF-8; other bytes stay as they are.
 fn plain<'r>(mut bytes: Box<dyn Read + 'r>, path: &Path) -> Result<Box<dyn Read + 'r>> {
     let mut head = Vec::new();
     bytes.by_ref().take(2).read_to_end(&mut head).map_err(Error::io(path, "read"))?;
@@ -136,8 +138,8 @@ mod tests {
         Ok(found)
     }
 
-    /// Of a zip of five files the two tiles are read by name, of a zip of two XML files both, and a plain file as it is; a zip of no such file is
-    /// refused.
+    /// A zip of five files gives its two tiles by name, a zip of two XML files both of them, and a
+    /// plain file itself; a zip without such a file is refused.
     #[test]
     fn tiles_of_a_zip_are_read_by_name() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,5 @@
-//! In: a path that leads nowhere. Out: where it ends, and the names there that are like the one that is missing.
+//! Paths that lead nowhere. In: the path. Out: the part of it that exists, and names there that are
+//! similar to the missing one.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -6,15 +7,16 @@ use std::path::Path;
 
 use crate::text::excerpt;
 
-/// Names of a folder that are looked at.
+/// Most names of a folder that are compared.
 const MOST_NAMES: usize = 10_000;
-/// Names that are shown.
+/// Most names that are shown.
 const MOST_SHOWN: usize = 3;
 
-/// What is there of a path, in words that go on after "cannot read PATH: ".
+/// Returns the part of a path that exists and similar names, in words that continue "cannot read
+/// PATH: ".
 pub(super) fn explain(path: &Path) -> String {
     let steps: Vec<&Path> = path.ancestors().filter(|step| !step.as_os_str().is_empty()).collect();
-    // From the whole path to its first step.
+    // Steps run from the whole path to its first part.
     let first_missing = steps.iter().take_while(|step| !step.exists()).last().copied().unwrap_or(path);
     let parent = first_missing.parent().unwrap_or(Path::new(""));
     let folder = if parent.as_os_str().is_empty() { Path::new(".") } else { parent };
@@ -37,7 +39,7 @@ pub(super) fn explain(path: &Path) -> String {
     text
 }
 
-/// Names in a folder that differ little from one, the likest first.
+/// Returns the names in a folder that differ little from one, the most similar first.
 fn alike(wanted: &OsStr, folder: &Path, file: bool) -> Vec<String> {
     let wanted = wanted.to_string_lossy().to_lowercase();
     let stem = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
@@ -46,7 +48,7 @@ fn alike(wanted: &OsStr, folder: &Path, file: bool) -> Vec<String> {
     let mut near: Vec<(usize, String)> = entries
         .take(MOST_NAMES)
         .flatten()
-        // What cannot be looked at may be meant all the same.
+        // Only a folder can stand for a missing folder; anything may stand for a missing file.
         .filter(|entry| file || entry.path().is_dir())
         .filter_map(|entry| {
             let name = excerpt(entry.file_name().to_string_lossy().as_bytes());
@@ -66,7 +68,8 @@ fn alike(wanted: &OsStr, folder: &Path, file: bool) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Six paths that lead nowhere are explained by where they end, with the 0 to 3 names that are like the missing one.
+    /// Six paths that lead nowhere are explained by the part that exists, with the 0 to 3 names
+    /// similar to the missing one.
     #[test]
     fn ends_of_paths() {
         let folder = tempfile::tempdir().expect("a scratch folder");

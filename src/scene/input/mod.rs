@@ -1,7 +1,9 @@
-//! Files as bytes, for all readers of the program. In: a path. Out: its bytes, unpacked where they are gzip or a zip of one file, or what of the
-//! path is there and what is like it.
+//! Files as bytes, for all readers of the program. In: a path. Out: the bytes, unpacked if they are
+//! gzip or a zip of one file; for a path that leads nowhere, the part of it that exists and similar
+//! names.
 //!
-//! What is packed shows in the first bytes and not in the name: programs that fetch files unpack some and keep the name, or the reverse.
+//! The first bytes decide whether a file is packed, not its name: programs that fetch files unpack
+//! some and keep the name, or the reverse.
 
 mod gzip;
 pub(crate) mod members;
@@ -19,24 +21,24 @@ use std::path::{Path, PathBuf};
 pub(crate) use self::zip::ShapefileParts;
 use heliotile_core::error::{Error, Result};
 
-/// The bytes of a file: at most 4 GiB unpacked, and beyond 256 MiB 200 times as many as packed.
+/// Reads a file. At most 4 GiB are unpacked, and beyond 256 MiB at most 200 times the packed size.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     read_as(path, "read")
 }
 
-/// The same for a part of another file; `action` says what is done with it, as in [`Error::io`].
+/// Reads a file as [`read`] does; `action` names the action in errors, as in [`Error::io`].
 pub(crate) fn read_as(path: &Path, action: &'static str) -> Result<Vec<u8>> {
     read_named(path, action).map(|named| named.bytes)
 }
 
-/// The plain bytes of a file, and the name that a zip has for it.
+/// Unpacked bytes of a file, and the name of the file in its zip.
 pub(crate) struct NamedBytes {
-    /// In a zip.
+    /// Name in the zip; `None` if the file is no zip.
     pub name: Option<String>,
     pub bytes: Vec<u8>,
 }
 
-/// The same as [`read_as`], with the name of what is in a zip.
+/// Reads a file as [`read_as`] does, with the name of the file in a zip.
 pub(crate) fn read_named(path: &Path, action: &'static str) -> Result<NamedBytes> {
     let bytes = gzip::unpack(fs::read(path).map_err(|source| refused(path, action, source))?, path)?;
     Ok(match zip::single(&bytes, path)? {
@@ -45,23 +47,24 @@ pub(crate) fn read_named(path: &Path, action: &'static str) -> Result<NamedBytes
     })
 }
 
-/// The shapefile in a zip; `None` if it holds none.
+/// Reads the shapefile in a zip; `None` if it holds none.
 pub(crate) fn zipped_shapefile(path: &Path) -> Result<Option<ShapefileParts>> {
     zip::shapefile(&fs::read(path).map_err(|source| refused(path, "read", source))?, path)
 }
 
-/// The same, piece by piece.
+/// Opens a file to be read piece by piece, unpacked.
 pub(crate) fn open(path: &Path) -> Result<Box<dyn Read>> {
     let file = File::open(path).map_err(|source| refused(path, "read", source))?;
     gzip::unpacked(file, path)
 }
 
-/// Refuses a path that leads nowhere, with what of it is there and names that are like the missing one.
+/// Checks that a path leads somewhere; the error names the part of it that exists and names similar
+/// to the missing one.
 pub fn check(path: &Path) -> Result<()> {
     fs::metadata(path).map(drop).map_err(|source| refused(path, "read", source))
 }
 
-/// A file, the packed one where only that is there.
+/// Returns the path of a file, or of the `.gz` file beside it if only that exists.
 pub(crate) fn plain_or_packed(path: PathBuf) -> PathBuf {
     let packed = || {
         let mut name = path.clone().into_os_string();
@@ -71,14 +74,14 @@ pub(crate) fn plain_or_packed(path: PathBuf) -> PathBuf {
     if path.is_file() { path } else { Some(packed()).filter(|packed| packed.is_file()).unwrap_or(path) }
 }
 
-/// What the name of a file ends with, in lower case and without `.gz` or `.zip`: `json` of `Town.City.JSON.gz`; empty for a name without a
-/// dot.
+/// Returns the ending of a file name in lower case and without `.gz` or `.zip`: `json` for
+/// `Town.City.JSON.gz`; empty for a name without a dot.
 pub fn ending(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     without_packing(&name).rsplit_once('.').map_or(String::new(), |(_, ending)| ending.to_owned())
 }
 
-/// A name without the `.gz` or `.zip` at its end.
+/// Returns a name without the `.gz` or `.zip` at its end.
 pub(crate) fn without_packing(name: &str) -> &str {
     let packed = [".gz", ".zip"].into_iter().find(|ending| {
         let start = name.len().checked_sub(ending.len());

@@ -1,4 +1,5 @@
-//! In: scene files, their parts, materials and receivers, plain and packed. Out: proof that both are one.
+//! Tests of scene files, their parts, materials and receivers, plain and packed: both give the same
+//! scene.
 
 use std::fs;
 use std::io::Write;
@@ -26,7 +27,8 @@ fn hash(path: &Path) -> [u8; 32] {
     Scene::load(path, None).unwrap_or_else(|error| panic!("{}: {error}", path.display())).content_hash()
 }
 
-/// Sixteen files with `.gz` behind their names are the scenes of the plain ones, and so are packed files under plain names.
+/// Sixteen files with `.gz` added to their names give the scenes of the plain files, and so do
+/// packed files under plain names.
 #[test]
 fn every_format() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -62,7 +64,8 @@ fn every_format() {
     assert_eq!(read, 16);
 }
 
-/// Four files that others name are found packed: a buffer of glTF, a library of OBJ, a `materials.toml` and a `site.toml`.
+/// Four files that other files name are found packed: a buffer of glTF, a library of OBJ, a
+/// `materials.toml` and a `site.toml`.
 #[test]
 fn parts() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -91,7 +94,8 @@ fn parts() {
     }
 }
 
-/// Receivers are read from a packed table as from a plain one, 2 of 2; messages name the packed file and the line of the plain one.
+/// Receivers are read from a packed table as from a plain one, 2 of 2; messages name the packed
+/// file and the line of the plain one.
 #[test]
 fn receivers() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -108,8 +112,8 @@ fn receivers() {
     assert!(found.contains("receivers.csv.gz"), "{found}");
 }
 
-/// A zip of one file is read by the name of what is in it or by its own, as OBJ in UTF-16, as a city model's features; a zip of two files and of
-/// a kind that is not read are refused.
+/// A zip of one file is read by the name of the file in it or by its own name: as OBJ in UTF-16, or
+/// as the features of a city model. A zip of two files and one of an unknown format are refused.
 #[test]
 fn zips() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -134,7 +138,8 @@ fn zips() {
     }
 }
 
-/// Five paths are refused with words that help: a folder without a list, a folder and a file that are not there, an ending and no ending.
+/// Five paths are refused with a hint: a folder without a list, a missing folder, a missing file,
+/// an unknown ending and a name without one.
 #[test]
 fn refused_in_words() {
     let folder = tempfile::tempdir().expect("a scratch folder");

@@ -1,4 +1,5 @@
-//! Weather and conditions in files. In: a path. Out: what their readers make of its bytes.
+//! Weather and conditions in files. In: a path. Out: the values that the parsers of
+//! `heliotile_core` read from its bytes.
 
 use std::path::Path;
 
@@ -9,17 +10,17 @@ use heliotile_core::weather::formats::weather_file::{ScenePlace, parse_weather, 
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::series::Weather;
 
-/// See [`parse_conditions`].
+/// Reads a file of conditions; see [`parse_conditions`].
 pub fn read_conditions(path: &Path) -> Result<ConditionsFile> {
     parse_conditions(path, &read(path)?)
 }
 
-/// See [`parse_weather`].
+/// Reads a weather file; see [`parse_weather`].
 pub fn read_weather(path: &Path) -> Result<Weather> {
     parse_weather(path, &read(path)?)
 }
 
-/// See [`parse_weather_as`].
+/// Reads a weather file with options and the scene's place; see [`parse_weather_as`].
 pub fn read_weather_as(path: &Path, options: &WeatherOptions, scene: ScenePlace) -> Result<Weather> {
     parse_weather_as(path, &read(path)?, options, scene)
 }

@@ -1,4 +1,4 @@
-//! Packed files of the zip format. In: bytes that may be a zip of one file. Out: that file with its name.
+//! Zip files. In: bytes that may be a zip of one file. Out: that file with its name.
 
 use std::io::{Cursor, Read};
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::text::excerpt;
 
 pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
 
-/// Files of a zip that a message names at most.
+/// Most files of a zip that a message names.
 const NAMED: usize = 5;
 
 const UNPACK: &str = "unpack it and give the file that is meant";
@@ -22,7 +22,8 @@ pub(super) struct Single {
     pub bytes: Vec<u8>,
 }
 
-/// Unpacks a zip of one file; `None` for what is no zip. Folders and notes of macOS do not count.
+/// Unpacks a zip of one file; `None` if the bytes are no zip. Folders and files that macOS adds do
+/// not count.
 pub(super) fn single(bytes: &[u8], file: &Path) -> Result<Option<Single>> {
     if !bytes.starts_with(MAGIC) {
         return Ok(None);
@@ -46,6 +47,7 @@ pub(super) fn single(bytes: &[u8], file: &Path) -> Result<Option<Single>> {
         return Err(refuse(format!("the zip holds {} files, not one: {some}{more}", files.len())));
     };
     let shown = excerpt(name.as_bytes());
+    // The raw entry shows the packing method before anything is unpacked.
     let entry = zip.by_index_raw(*number).map_err(|error| damaged(&error))?;
     let known = [CompressionMethod::Stored, CompressionMethod::Deflated].contains(&entry.compression());
     let (most, encrypted) = (most(entry.compressed_size().min(bytes.len() as u64)), entry.encrypted());
@@ -64,15 +66,15 @@ pub(super) fn single(bytes: &[u8], file: &Path) -> Result<Option<Single>> {
 
 /// Parts of a shapefile.
 pub(crate) struct ShapefileParts {
-    /// The `.shp`.
+    /// Bytes of the `.shp`.
     pub shapes: Vec<u8>,
-    /// The `.dbf`.
+    /// Bytes of the `.dbf`.
     pub table: Option<Vec<u8>>,
-    /// The `.prj`.
+    /// Bytes of the `.prj`.
     pub system: Option<Vec<u8>>,
 }
 
-/// The one shapefile in a zip; `None` for what is no zip, or one without a shapefile.
+/// Returns the one shapefile in a zip; `None` if the bytes are no zip or hold no shapefile.
 pub(crate) fn shapefile(bytes: &[u8], file: &Path) -> Result<Option<ShapefileParts>> {
     if !bytes.starts_with(MAGIC) {
         return Ok(None);
@@ -112,7 +114,7 @@ pub(crate) fn shapefile(bytes: &[u8], file: &Path) -> Result<Option<ShapefilePar
     Ok(Some(ShapefileParts { shapes, table: part(".dbf")?, system: part(".prj")? }))
 }
 
-/// Whether a name is that of a file, and none that macOS adds.
+/// Returns true if a name is that of a file that macOS did not add.
 pub(super) fn is_file(name: &str) -> bool {
     let last = name.rsplit('/').next().unwrap_or_default();
     !name.ends_with('/') && !name.starts_with("__MACOSX/") && last != ".DS_Store" && !last.starts_with("._")
@@ -127,7 +129,7 @@ pub(super) mod tests {
 
     use super::*;
 
-    /// A zip of files, packed or as they stand.
+    /// Returns a zip of files, packed or stored.
     pub(crate) fn zipped(files: &[(&str, &[u8])], method: CompressionMethod) -> Vec<u8> {
         let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
         for (name, plain) in files {
@@ -137,7 +139,8 @@ pub(super) mod tests {
         writer.finish().expect("a zip").into_inner()
     }
 
-    /// One file comes out, packed or not, beside a folder and what macOS adds; two files are refused with both names, and so is a workbook.
+    /// One file is unpacked, compressed or not, beside a folder and a file that macOS adds; two
+    /// files are refused with both names, and so is a workbook.
     #[test]
     fn a_zip_of_one_file_is_read() {
         let (file, text) = (Path::new("a.zip"), b"v 0 0 0\n".repeat(100));
@@ -157,7 +160,8 @@ pub(super) mod tests {
         assert!(single(b"v 0 0 0", file).expect("plain").is_none());
     }
 
-    /// Cut off after any of its bytes, or with any of them inverted, a zip is refused or is still the same 800 bytes.
+    /// A zip that is cut off after any of its bytes, or has any byte inverted, is refused or still
+    /// gives 800 bytes.
     #[test]
     fn damaged_zips_are_refused() {
         let text = b"v 0 0 0\n".repeat(100);

@@ -1,4 +1,5 @@
-//! What is assumed of materials that nobody describes. In: a name. Out: plain reflectances of its kind, for a warning to list.
+//! Assumed materials. In: a name without a description. Out: plain reflectances of its kind, for a
+//! warning to list.
 
 use std::path::Path;
 
@@ -7,28 +8,33 @@ use crate::text::excerpt;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::text::counted;
 
-/// Solar reflectance of walls: absorptance 0.7, the default of EnergyPlus' `Material` (Input Output Reference, `Solar Absorptance`).
+/// Solar reflectance of walls: absorptance 0.7, the default of EnergyPlus' `Material` (Input Output
+/// Reference, `Solar Absorptance`).
 const WALL: f64 = 0.3;
-/// Of ground: the value that Liu and Jordan (1963) introduced and EnergyPlus takes by default; of roofs and of all else the
-/// default of EnergyPlus' shading surfaces (`ShadingProperty:Reflectance`).
+/// Solar reflectance of ground, roofs and everything else. For ground it is the value that Liu and
+/// Jordan (1963) introduced and EnergyPlus uses by default, for the others the default of
+/// EnergyPlus' shading surfaces (`ShadingProperty:Reflectance`).
 const OTHER: f64 = 0.2;
-/// Of open water for a high sun; it is no mirror here.
+/// Solar reflectance of open water for a high sun; water is no mirror here.
 const WATER: f64 = 0.07;
-/// Of coated and clear double glazing, straight on; it is no mirror here.
+/// Solar reflectance of coated and clear double glazing at normal incidence; it is no mirror here.
 const WINDOW: f64 = 0.15;
-/// What a tree crown's hull lets through at each of its two walls: 3 % in all, the default of SOLWEIG (Lindberg and Grimmond 2011).
+/// Transmittance of each of the two walls of a tree crown's hull: 3 % in all, the default of
+/// SOLWEIG (Lindberg and Grimmond 2011).
 const CROWN: f64 = 0.17;
 
-/// From this mean of its channels on a colour is white, which many programs write where nobody chose a colour: it says nothing of the
-/// reflectance. White paint reflects 0.8 to 0.9 of the sun's light, fresh snow 0.9.
+/// Mean of a colour's channels from which it is white. Many programs write white where no colour
+/// was chosen, so that it says nothing of the reflectance. White paint reflects 0.8 to 0.9 of the
+/// sun's light, fresh snow 0.9.
 const WHITE: f64 = 0.98;
 
-/// Whether a colour of this mean counts as none.
+/// Returns true if a colour of this mean counts as not chosen.
 pub(crate) fn is_white(mean: f64) -> bool {
     mean >= WHITE
 }
 
-/// A sentence on colours that say nothing: `names` of the materials that have them, if there are any.
+/// Returns a warning about colours that say nothing of the reflectance; `names` are the materials
+/// with such colours. `None` if there are none.
 pub(crate) fn undescribed(file: &Path, names: &[String], why: &str) -> Option<String> {
     let (first, file) = (excerpt(names.first()?.as_bytes()), file.display());
     Some(format!(
@@ -37,10 +43,10 @@ pub(crate) fn undescribed(file: &Path, names: &[String], why: &str) -> Option<St
     ))
 }
 
-/// What [`undescribed`] says of white ones.
+/// Reason that [`undescribed`] gives for white colours.
 pub(crate) const WHITE_WORDS: &str = "of white, which programs write where no colour was chosen";
 
-/// A material of usual reflectance for its name.
+/// Returns a material with the usual reflectance for its name.
 pub(crate) fn assumed(name: &str) -> Material {
     let lower = name.to_lowercase();
     let has = |words: &[&str]| words.iter().any(|word| lower.contains(word));
@@ -62,7 +68,8 @@ pub(crate) fn assumed(name: &str) -> Material {
 mod tests {
     use super::*;
 
-    /// Every one of 22 names that CityJSON 2.0 gives to surfaces and objects is ground where one walks, drives or swims, and else is not.
+    /// The 22 names that CityJSON 2.0 gives to surfaces and objects: those on which one walks,
+    /// drives or swims are ground, the others are not.
     #[test]
     fn city_models() {
         const GROUND: &str = "GroundSurface WaterSurface WaterGroundSurface TrafficArea AuxiliaryTrafficArea TransportationMarking \
@@ -79,7 +86,7 @@ mod tests {
         }
     }
 
-    /// Ten names get the reflectance of their kind, and all of them are materials that the checks let pass.
+    /// Ten names get the reflectance of their kind, and all of them give valid materials.
     #[test]
     fn by_name() {
         for (name, diffuse, transmittance, class) in [

@@ -1,5 +1,5 @@
-//! Materials: what surfaces do with light. In: `materials.toml`, what scene files state, names that nobody describes. Out: one checked
-//! material for each name in use.
+//! Materials: the optics of surfaces. In: `materials.toml`, the statements of scene files, and
+//! names without a description. Out: one checked material for each name in use.
 
 pub(crate) mod assumed;
 pub(crate) mod select;
@@ -12,7 +12,7 @@ use heliotile_core::site::material::Material;
 
 pub use select::MaterialUse;
 
-/// All materials that a `materials.toml` describes, by name.
+/// Reads all materials that a `materials.toml` describes, sorted by name.
 pub fn materials_of(path: &Path) -> Result<Vec<Material>> {
     toml_file::read_toml(path).map(|(table, _)| table.into_values().collect())
 }

@@ -1,4 +1,5 @@
-//! In: a table of materials and the names in use. Out: one checked material for each of them.
+//! Selection of materials. In: a table of materials and the names in use. Out: one checked material
+//! for each name.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,9 +10,10 @@ use heliotile_core::site::receiver::MAX_NAME_BYTES;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
-/// The class of a material that does not state one: ground if its name, in lower case, ends with "relief" or contains
-/// terrain, ground, road, grass, soil, water, street, pavement, paved, landcover or one of CityJSON's words for land: landuse, plantcover,
-/// railway, traffic, transport. `class = "obstruction"` corrects a "background".
+/// Returns the class of a material that does not state one. It is ground if the name, in lower
+/// case, ends with "relief" or contains terrain, ground, road, grass, soil, water, street,
+/// pavement, paved, landcover or one of CityJSON's words for land: landuse, plantcover, railway,
+/// traffic, transport. `class = "obstruction"` corrects a "background".
 pub fn class_of_name(name: &str) -> Class {
     const GROUND: [&str; 10] =
         ["terrain", "ground", "road", "grass", "soil", "water", "street", "pavement", "paved", "landcover"];
@@ -24,20 +26,20 @@ pub fn class_of_name(name: &str) -> Class {
     }
 }
 
-/// A material name of the scene and how many triangles bear it.
+/// Name of a material in the scene, with the number of its triangles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MaterialUse {
     /// Name in the files of the scene.
     pub name: String,
-    /// How many triangles bear it.
+    /// Number of triangles of this material.
     pub triangles: usize,
 }
 
 /// Materials by name, used or not.
 pub(crate) type MaterialTable = BTreeMap<String, Material>;
 
-/// Takes the materials in use, in their order, out of a table that `source` (`materials.toml`, or the OBJ file whose
-/// libraries were read) has filled.
+/// Returns the materials in use, in their order, and the rest of the table. `source` is the file
+/// that filled the table (`materials.toml`, or the OBJ file whose libraries were read), for errors.
 pub(crate) fn select(
     mut table: MaterialTable,
     used: &[MaterialUse],
@@ -78,9 +80,9 @@ pub(crate) fn select(
     Ok((materials, table))
 }
 
-/// The one of some names that a misspelt one most likely stands for; the first of equals.
+/// Returns the name that a misspelt one most likely stands for; the first of equally similar names.
 pub(crate) fn nearest<'n>(name: &str, others: &[&'n str]) -> Option<&'n str> {
-    /// Names that share less are others.
+    /// Least similarity: names below it are other names.
     const LEAST_ALIKE: f64 = 0.6;
     let name = name.to_lowercase();
     let mut best: Option<(f64, &str)> = None;
@@ -93,10 +95,10 @@ pub(crate) fn nearest<'n>(name: &str, others: &[&'n str]) -> Option<&'n str> {
     best.map(|found| found.1)
 }
 
-/// The line that opens the table of a name, quoted where TOML asks for it.
+/// Returns the line that opens the table of a name, quoted where TOML requires it.
 pub(crate) fn table_header(name: &str) -> String {
     let bare = !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-_".contains(&byte));
-    // Whole as far as possible: the line is there to be copied.
+    // The name stays whole as far as possible, because the line is meant to be copied.
     let whole = name.len() <= 200 && !name.contains(char::is_control);
     let name = if whole { name.to_owned() } else { excerpt(name.as_bytes()) };
     if bare { format!("[{name}]") } else { format!("[\"{}\"]", name.replace('\\', "\\\\").replace('"', "\\\"")) }
@@ -115,7 +117,8 @@ mod tests {
         names.iter().map(|&(name, triangles)| MaterialUse { name: name.to_owned(), triangles }).collect()
     }
 
-    /// A used material without a table is an error with its triangle count and the lines to add; [default] is no fallback.
+    /// A used material without a table is an error with its triangle count and the lines to add;
+    /// [default] does not stand in for it.
     #[test]
     fn missing() {
         let table = parse("[default]\ndiffuse = 0.2\n[roof]\ndiffuse = 0.2").expect("readable");
@@ -133,7 +136,7 @@ mod tests {
         assert_eq!(table_header("wall \"b\""), "[\"wall \\\"b\\\"\"]");
     }
 
-    /// Four misspelt names of five find theirs, one that is like none finds none.
+    /// Four of five misspelt names find theirs; one that is similar to none finds none.
     #[test]
     fn misspelt() {
         let names = ["GroundSurface", "RoofSurface", "WallSurface", "roof"];
@@ -148,7 +151,7 @@ mod tests {
         }
     }
 
-    /// Materials come in the order of use, the one that is not used is left over.
+    /// Materials come in the order of use; the unused one is left in the table.
     #[test]
     fn selection() {
         let table = parse("[c]\ndiffuse = 0.3\n[a]\ndiffuse = 0.1\n[b]\ndiffuse = 0.2").expect("readable");
@@ -157,7 +160,8 @@ mod tests {
         assert_eq!(left.keys().collect::<Vec<_>>(), ["b"]);
     }
 
-    /// A name or a group of 1025 bytes is refused before anything is traced, of 1024 it is not.
+    /// A name or a group of 1025 bytes is refused before anything is traced; one of 1024 bytes is
+    /// accepted.
     #[test]
     fn long_names() {
         for (name, group, fits) in [(1024, 1024, true), (1025, 1, false), (1, 1025, false)] {

@@ -1,4 +1,4 @@
-//! In: `materials.toml`. Out: checked materials by name, used or not.
+//! Materials from a file. In: `materials.toml`. Out: checked materials by name, used or not.
 
 use crate::materials::select::class_of_name;
 use std::ops::Range;
@@ -21,7 +21,7 @@ const KEYS: &str = "valid keys are `diffuse`, `specular` and `transmittance` (nu
                     { solar = 0.25, visible = 0.1, nir = 0.4 }), `emissivity` (longwave, a number from 0 to 1), `glass` (true, \"single\" or \"double\"), `class` (\"ground\" or \
                     \"obstruction\") and `group` (a name)";
 
-/// The key of the value for all light beside those of bands.
+/// Key of the value for all light, beside those of bands.
 const SOLAR: &str = "solar";
 
 pub(crate) fn read_toml(path: &Path) -> Result<(MaterialTable, Option<EndlessGround>)> {
@@ -33,7 +33,8 @@ pub(crate) fn read_toml(path: &Path) -> Result<(MaterialTable, Option<EndlessGro
     parse_toml(text, path)
 }
 
-/// Checks every table, used or not: a misspelt key must not wait for the next scene. The endless ground is a material too.
+/// Reads all tables of a `materials.toml`. Unused tables are checked, too: a misspelt key must not
+/// wait for the next scene. The endless ground is one of the materials.
 pub(crate) fn parse_toml(text: &str, file: &Path) -> Result<(MaterialTable, Option<EndlessGround>)> {
     let reader = Reader { text, file };
     let document = DeTable::parse(text).map_err(|error| {
@@ -63,7 +64,7 @@ impl Reader<'_> {
         Error::input(self.file, line_of_offset(self.text.as_bytes(), span.start), what, hint)
     }
 
-    /// A material, and the elevation of the endless ground if it is that.
+    /// Returns a material, and the elevation if the material is the endless ground.
     fn material(&self, name: &str, place: Range<usize>, value: &DeValue) -> Result<(Material, Option<f64>)> {
         let shown = excerpt(name.as_bytes());
         let endless = name == endless::NAME;
@@ -109,7 +110,7 @@ impl Reader<'_> {
                 }
             }
         }
-        // Leaves and screens scatter nothing unless a file says so.
+        // Leaves and screens scatter nothing unless the file states it.
         let Some(diffuse) = diffuse.or(material.transmittance.map(|_| 0.0)) else {
             return Err(self.error(place, format!("material `{shown}` has no `diffuse`"), "add a line: diffuse = 0.2"));
         };
@@ -127,7 +128,7 @@ impl Reader<'_> {
         })
     }
 
-    /// A number from 0 to 1; `called` names it in messages.
+    /// Returns a number from 0 to 1; messages call it `called`.
     fn fraction(&self, called: &str, value: &Spanned<DeValue>) -> Result<f64> {
         number(value).filter(|number| (0.0..=1.0).contains(number)).ok_or_else(|| {
             let what = format!("{called} is {}, not a number from 0 to 1", self.quote(value));
@@ -135,7 +136,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The value of a property for all light; values by band go into the material.
+    /// Returns the value of a property for all light, and adds its values by band to the material.
     fn share(&self, material: &mut Material, property: BandProperty, value: &Spanned<DeValue>) -> Result<f64> {
         let of = format!("`{}` of material `{}`", property.name(), excerpt(material.name.as_bytes()));
         let DeValue::Table(by_band) = value.get_ref() else { return self.fraction(&of, value) };
@@ -167,7 +168,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The value as it stands in the file.
+    /// Returns the value as it is written in the file.
     fn quote(&self, value: &Spanned<DeValue>) -> String {
         excerpt(self.text.get(value.span()).unwrap_or_default().as_bytes())
     }
@@ -189,7 +190,8 @@ mod tests {
         parse_toml(text, Path::new("materials.toml")).map(|read| read.0)
     }
 
-    /// Quoted names, optional keys and integers are read; `specular` is 0 and the class follows the name where not given.
+    /// Quoted names, optional keys and integers are read. A `specular` that is not given is 0, and
+    /// a class that is not given follows the name.
     #[test]
     fn reads() {
         let table = parse(
@@ -204,7 +206,8 @@ mod tests {
         assert_eq!((table["TINRelief"].diffuse, table["TINRelief"].class), (0.2, Class::Ground));
     }
 
-    /// Glass is of one or two panes and of none if it is false, 4 of 4 ways to say so; a `transmittance` needs no `diffuse`.
+    /// Glass has one or two panes, and none if it is false, 4 of 4 ways to state it; a
+    /// `transmittance` needs no `diffuse`.
     #[test]
     fn glass_and_canopies() {
         for (value, glass) in [
@@ -222,7 +225,8 @@ mod tests {
         assert_eq!((tree.transmittance, tree.diffuse, tree.mirrors()), (Some(0.25), 0.0, false));
     }
 
-    /// A leaf with values by band, in one line or in tables of their own, 2 of 2, has the 4 that are stated and 3 for all light.
+    /// A leaf with values by band, in one line or in tables of their own, 2 of 2, has the 4 stated
+    /// values by band and 2 for all light; a tree has one more for all light.
     #[test]
     fn bands() {
         let by_line = "[leaf]\ndiffuse = { solar = 0.25, visible = 0.08, nir = 0.45 }\nspecular = { solar = 0.02, par = 0.03, uv = 0 }";

@@ -1,5 +1,5 @@
-//! What is known of a file once it is read. In: its polygons in the scene. Out: how far it reaches, how high its walls are, and where it
-//! says that it lies.
+//! Extent of a file. In: its polygons in the scene. Out: its bounding box, the heights of its
+//! walls, and its stated place.
 
 use std::path::PathBuf;
 
@@ -7,66 +7,67 @@ use glam::DVec3;
 
 use crate::reference::Reference;
 
-/// Faces whose normals lie this close to the horizontal are walls (sine of the angle; 6 degrees).
+/// Largest upward component of the unit normal of a wall, up or down (sine of the angle; 6
+/// degrees).
 const UPRIGHT: f64 = 0.1;
 
-/// Bins of heights from 2^-16 m on, a quarter of an octave each: up to 2^32 m.
+/// Bins of lengths from 2^-16 m on, a quarter of an octave each: up to 2^32 m.
 const BINS: usize = 192;
 const LEAST_EXPONENT: f64 = -16.0;
 const BINS_AN_OCTAVE: f64 = 4.0;
 
-/// A file of a scene.
+/// Extent of a file of a scene.
 #[derive(Clone, Debug)]
 pub struct Extent {
-    /// The file.
+    /// Path of the file.
     pub file: PathBuf,
-    /// Whether it is a raster of heights.
+    /// True if the file is a raster of heights.
     pub raster: bool,
     /// Lowest and highest corner in the scene, finite.
     pub bounds: [DVec3; 2],
-    /// What was added to its positions.
+    /// Translation of its positions, metres.
     pub shift: DVec3,
-    /// Metres that a unit was taken for.
+    /// Metres a unit, as the file was read.
     pub scale: f64,
-    /// Whether its coordinates are metres for certain, whatever the unit of its system.
+    /// True if its coordinates are certainly metres, whatever the unit of its system.
     pub in_metres: bool,
-    /// What the file itself says of its place.
+    /// Place that the file states.
     pub own: Option<Reference>,
-    /// What the user says of its place.
+    /// Place that the user states for the file.
     pub stated: Option<Reference>,
-    /// How high its walls are.
+    /// Heights and widths of its walls.
     pub walls: Walls,
 }
 
 impl Extent {
-    /// Where it says that it lies; what the user says counts more.
+    /// Returns the stated place; the user's statement takes precedence.
     pub fn reference(&self) -> Option<Reference> {
         self.stated.or(self.own)
     }
 
-    /// Lowest and highest corner in its own coordinates, as a system would have them: in metres, or in the unit of the system if that is
-    /// what the file was scaled by.
+    /// Returns the lowest and the highest corner in the file's own coordinates, as `reference` has
+    /// them: in metres, or in the unit of the system if the file was scaled by it.
     pub fn in_system(&self, reference: Reference) -> [DVec3; 2] {
         let unit = self.unit_of(reference);
         self.bounds.map(|corner| (corner - self.shift) / unit)
     }
 
-    /// Metres that its coordinates were scaled by from the unit of a system.
+    /// Returns the metres by which coordinates were scaled from the unit of a system.
     pub fn unit_of(&self, reference: Reference) -> f64 {
         let unit = reference.unit_m();
-        // A foot by any definition.
+        // The tolerance covers a foot by any definition.
         if unit != 1.0 && (self.in_metres || (self.scale / unit - 1.0).abs() < 0.01) { unit } else { 1.0 }
     }
 }
 
-/// Heights and widths of upright faces, by area.
+/// Heights and widths of upright faces, weighted by area.
 #[derive(Clone, Debug, Default)]
 pub struct Walls {
     heights: Lengths,
     widths: Lengths,
 }
 
-/// Lengths by area.
+/// Histogram of lengths, weighted by area.
 #[derive(Clone, Debug)]
 struct Lengths {
     area_m2: Vec<f64>,
@@ -98,7 +99,7 @@ impl Lengths {
 }
 
 impl Walls {
-    /// Counts a triangle, if it is upright.
+    /// Counts a triangle if it is upright.
     pub fn add(&mut self, [a, b, c]: [DVec3; 3]) {
         let normal = (b - a).cross(c - a);
         let twice_m2 = normal.length();
@@ -111,12 +112,12 @@ impl Walls {
         self.widths.add(width, 0.5 * twice_m2);
     }
 
-    /// Median height by area, to 9 %; `None` if nothing is upright.
+    /// Returns the median height by area, to 9 %; `None` if no face is upright.
     pub fn median_m(&self) -> Option<f64> {
         self.heights.median_m()
     }
 
-    /// Median width by area, to 9 %; `None` if nothing is upright.
+    /// Returns the median width by area, to 9 %; `None` if no face is upright.
     pub fn median_width_m(&self) -> Option<f64> {
         self.widths.median_m()
     }
@@ -126,8 +127,8 @@ impl Walls {
 mod tests {
     use super::*;
 
-    /// Walls of 3 m (two triangles), a small one of 40 m and a roof of any size have a median height of 3 m and a median width of 8 m, to 10 %; a
-    /// roof alone none.
+    /// Walls of 3 m (two triangles), a small one of 40 m and a large roof have a median height of 3
+    /// m and a median width of 8 m, to 10 %; a roof alone has no median.
     #[test]
     fn median_height() {
         let p = DVec3::new;

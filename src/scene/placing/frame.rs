@@ -1,5 +1,6 @@
-//! What is said of all files of a site: where it lies, how it is turned, in which unit. In: options of a command line, or the table
-//! `[site]` of a `site.toml`. Out: numbers in range, and systems that can place coordinates.
+//! Frame of a site: the place, rotation and unit of all its files. In: options of a command line,
+//! or the table `[site]` of a `site.toml`. Out: numbers in range, and systems that can place
+//! coordinates.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,40 +8,43 @@ use heliotile_core::named::NamedValues;
 
 use crate::reference::{Reference, Unplaced};
 
-/// Where a site lies on Earth, how it is turned, and the unit of its files.
+/// Place of a site on Earth, its rotation, and the unit of its files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SiteFrame {
-    /// Coordinate reference system of the scene's coordinates, in place of what files say.
+    /// Coordinate reference system of the scene's coordinates, in place of the files' own
+    /// statements; a number of the EPSG register.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub epsg: Option<u32>,
-    /// North positive.
+    /// Latitude, degrees, north positive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub latitude_deg: Option<f64>,
-    /// East positive.
+    /// Longitude, degrees, east positive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub longitude_deg: Option<f64>,
-    /// Direction of y clockwise from true north, beside the convergence of a grid: the north axis of EnergyPlus. Coordinates stay.
+    /// Direction of y clockwise from true north, degrees, added to the convergence of a grid: the
+    /// north axis of EnergyPlus. Coordinates are not rotated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotate_deg: Option<f64>,
-    /// Height above sea level of z = 0 of all files but rasters, metres.
+    /// Height above sea level of z = 0 of all files except rasters, metres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub elevation_m: Option<f64>,
-    /// Metres a unit of all files but rasters; of rasters in feet, too, for what they do not state themselves.
+    /// Metres a unit of all files except rasters, and of rasters in feet where these state no unit
+    /// themselves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
-    /// The axis that points up in files of formats that do not say it: OBJ, PLY, STL.
+    /// Axis that points up in files of formats that do not state it: OBJ, PLY, STL.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<UpAxis>,
 }
 
-/// The axis of a file that points up: z, with y to the north, or y, with z to the south.
+/// Axis of a file that points up: z, with y to the north, or y, with z to the south.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum UpAxis {
-    /// z is south.
+    /// y points up and z points south.
     Y,
-    /// y is north.
+    /// z points up and y points north.
     Z,
 }
 
@@ -49,25 +53,25 @@ impl NamedValues for UpAxis {
         &[("y", "y points up, z to the south", UpAxis::Y), ("z", "z points up, y to the north", UpAxis::Z)];
 }
 
-/// Metres a unit of a file, if it may be one.
+/// Checks that a scale, metres a unit, is within range.
 pub fn check_scale(scale: f64) -> Result<f64, String> {
     // NaN compares false.
     if (1e-6..=1e6).contains(&scale) { Ok(scale) } else { Err(format!("`scale` is {scale}, not from 1e-6 to 1e6")) }
 }
 
-/// An angle of a model, if it may be one.
+/// Checks that the rotation of a model is within range.
 pub fn check_rotation(degrees: f64) -> Result<f64, String> {
     let known = (-360.0..=360.0).contains(&degrees);
     if known { Ok(degrees) } else { Err(format!("`rotate_deg` is {degrees}, not from -360 to 360")) }
 }
 
-/// A height above sea level, if it may be one.
+/// Checks that a height above sea level is within range.
 pub fn check_elevation(metres: f64) -> Result<f64, String> {
     let known = (-1000.0..=10_000.0).contains(&metres);
     if known { Ok(metres) } else { Err(format!("`elevation_m` is {metres}, not from -1000 to 10000")) }
 }
 
-/// A system whose number says where coordinates lie.
+/// Checks that a system can place plane coordinates.
 pub fn check_epsg(epsg: u32) -> Result<u32, String> {
     match Reference::Epsg(epsg).check() {
         Ok(()) => Ok(epsg),
@@ -86,12 +90,13 @@ pub fn check_epsg(epsg: u32) -> Result<u32, String> {
 }
 
 impl SiteFrame {
-    /// The same if every number is in range; an error says which is not.
+    /// Returns the frame if every number is in range; an error names the number that is not.
     pub fn checked(self) -> Result<SiteFrame, String> {
         self.check().map(|()| self).map_err(|(_, what)| what)
     }
 
-    /// The first field that is not in range, as requests call it, and what is wrong with it.
+    /// Checks that every number is in range; an error names the first field that is not, as
+    /// requests call it, and the fault.
     pub(crate) fn check(&self) -> Result<(), (&'static str, String)> {
         let degrees = |name: &str, value: Option<f64>, most: f64| match value {
             Some(value) if !(-most..=most).contains(&value) => {
@@ -113,14 +118,14 @@ impl SiteFrame {
         Ok(())
     }
 
-    /// Where it says that coordinates lie: by a system, by a place.
+    /// Returns the stated places of coordinates: by a system, and by latitude and longitude.
     pub fn references(&self) -> [Option<Reference>; 2] {
         let place = self.latitude_deg.zip(self.longitude_deg);
         let place = place.map(|(latitude_deg, longitude_deg)| Reference::Place { latitude_deg, longitude_deg });
         [self.epsg.map(Reference::Epsg), place]
     }
 
-    /// What another frame states, and for the rest this one.
+    /// Returns the values that `other` states, and this frame's values for the rest.
     pub(crate) fn under(self, other: &SiteFrame) -> SiteFrame {
         SiteFrame {
             epsg: other.epsg.or(self.epsg),
@@ -133,7 +138,8 @@ impl SiteFrame {
         }
     }
 
-    /// What two frames state together; an error names what they state differently.
+    /// Returns the values of both frames together; an error names the field that they state
+    /// differently.
     pub(crate) fn joined(self, other: &SiteFrame) -> Result<SiteFrame, &'static str> {
         let differ = |a: Option<f64>, b: Option<f64>| a.zip(b).is_some_and(|(a, b)| a != b);
         let found = [

@@ -1,5 +1,6 @@
-//! Latitude and longitude become metres. In: a geographic system, and the plane system of the scene or none. Out: positions in a plane system,
-//! which is UTM of the place where the scene has none yet.
+//! Conversion of latitude and longitude to metres. In: a geographic system, and the plane system of
+//! the scene if it has one. Out: positions in a plane system, which is UTM of the place if the
+//! scene has none yet.
 
 use glam::DVec2;
 use proj4rs::Proj;
@@ -8,10 +9,11 @@ use proj4rs::transform::transform;
 use crate::epsg_numbers::{Axes, axes_of, horizontal_part};
 use crate::reference::{PlaneSystem, Reference, Unplaced};
 
-/// What geographic systems are where nothing more is known: their shifts against WGS 84 are below a metre for all that are in use today.
+/// Geographic system that is assumed where none is known: the shifts of those in use today against
+/// WGS 84 are below a metre.
 const WGS84: &str = "+proj=longlat +datum=WGS84 +no_defs";
 
-/// From degrees to metres.
+/// Conversion from degrees to metres.
 pub(crate) struct FromDegrees {
     from: Proj,
     to: PlaneSystem,
@@ -19,7 +21,8 @@ pub(crate) struct FromDegrees {
 }
 
 impl FromDegrees {
-    /// From a geographic system by its number (none: WGS 84) to the system that is asked for, or to UTM of a place.
+    /// Returns the conversion from a geographic system by its number (`None`: WGS 84) to the system
+    /// `asked`, or to UTM of a place.
     pub(crate) fn new(
         geographic: Option<u32>,
         asked: Option<u32>,
@@ -38,12 +41,12 @@ impl FromDegrees {
         Ok(FromDegrees { from: from.map_err(|_| Unplaced::Unknown)?, to, epsg })
     }
 
-    /// The plane system.
+    /// Returns the plane system.
     pub(crate) fn reference(&self) -> Reference {
         Reference::Epsg(self.epsg)
     }
 
-    /// Metres east and north in the plane system; `None` where it has no such point.
+    /// Returns metres east and north in the plane system; `None` if it has no such point.
     pub(crate) fn plane(&self, latitude_deg: f64, longitude_deg: f64) -> Option<DVec2> {
         if !(latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 360.0) {
             return None;
@@ -55,12 +58,13 @@ impl FromDegrees {
     }
 }
 
-/// The zone of UTM of a place, by its number in the EPSG register; `None` beyond 84 north and 80 south, where it ends.
+/// Returns the UTM zone of a place by its number in the EPSG register; `None` beyond 84 north and
+/// 80 south, where UTM ends.
 fn utm_of(latitude_deg: f64, longitude_deg: f64) -> Option<u32> {
     if !(-80.0..=84.0).contains(&latitude_deg) || !longitude_deg.is_finite() {
         return None;
     }
-    // Zones are 6 degrees wide, the first one begins at 180 W.
+    // Zones are 6 degrees wide; the first one begins at 180 W.
     let zone = ((longitude_deg + 180.0).rem_euclid(360.0) / 6.0).floor() as u32;
     Some(if latitude_deg < 0.0 { 32_701 } else { 32_601 } + zone.min(59))
 }
@@ -69,7 +73,8 @@ fn utm_of(latitude_deg: f64, longitude_deg: f64) -> Option<u32> {
 mod tests {
     use super::*;
 
-    /// Six places in five systems and in UTM lie where PROJ puts them (pyproj 3.7.2), within 0.1 m; feet become metres.
+    /// Six places in five systems and in UTM lie within 0.1 m of where PROJ puts them (pyproj
+    /// 3.7.2); feet become metres.
     #[test]
     fn metres_of_degrees() {
         for (geographic, asked, latitude, longitude, epsg, x, y) in [

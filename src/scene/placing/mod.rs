@@ -1,5 +1,6 @@
-//! Where a scene lies, and whether that can be meant. In: what files and the user say, and how far geometry reaches. Out: the place, and
-//! sentences about what looks as if it were in another unit or place. Never: files, materials.
+//! Place of a scene and checks of it. In: the statements of files and of the user, and the extent
+//! of the geometry. Out: the place, and warnings about geometry that looks as if it were in another
+//! unit or place. This module knows neither files nor materials.
 
 pub mod extent;
 pub mod frame;

@@ -1,8 +1,10 @@
-//! What looks as if it were in another unit or place. In: how far files reach, and receivers. Out: a sentence each, with what to do; an
-//! error where nobody can have meant it.
+//! Checks for geometry and receivers in a wrong unit or place. In: the extents of files, and
+//! receivers. Out: a warning for each doubt, with what to do; an error where no intention is
+//! possible.
 //!
-//! Every threshold stands between what is built and what a slip of units makes of it: slips are factors of 39 (inches) to 1000
-//! (millimetres), 100,000 (degrees), or hundreds of kilometres (another system).
+//! Every threshold stands between what is built and what a wrong unit makes of it. Wrong units are
+//! factors of 39 (inches) to 1000 (millimetres) or 100,000 (degrees); wrong systems are hundreds of
+//! kilometres.
 
 use glam::{DVec2, DVec3};
 
@@ -14,47 +16,55 @@ use crate::{LoadReport, Scene};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::receiver::Receiver;
 
-/// Median height of walls, by area, that no city has: storeys are 3 m, faces of towers 50 to 200 m (a quarter of Manhattan has 100 m).
-/// A house in centimetres has 300 to 1000.
+/// Median height of walls, by area, that no city reaches, metres: storeys are 3 m, faces of towers
+/// 50 to 200 m (a quarter of Manhattan has 100 m). A house in centimetres has 300 to 1000.
 const TALLEST_WALLS_M: f64 = 300.0;
 
-/// Walls from this height on that are so many times wider than high are storeys in centimetres (250 to 300): the largest halls are 160 m high
-/// and as wide, towers are narrower than high.
+/// Height of walls, metres, and ratio of width to height, beyond which walls are storeys in
+/// centimetres (250 to 300): the largest halls are 160 m high and as wide, and towers are narrower
+/// than high.
 const WIDE_WALLS_M: f64 = 200.0;
 const WIDE_WALLS_RATIO: f64 = 1.5;
 
-/// A file among several may be one building: the highest has 828 m.
+/// Tallest building, metres: the highest one has 828 m. It counts for a file among several, which
+/// may be one building.
 const TALLEST_BUILDING_M: f64 = 850.0;
 
-/// Walls that are higher than this would still be 20 m high in centimetres, and 2 m in millimetres.
+/// Height of walls from which millimetres are assumed, metres: such walls would still be 20 m high
+/// in centimetres, and 2 m in millimetres.
 const MILLIMETRES_FROM: f64 = 2_000.0;
 
-/// Nothing that stands is higher; what is higher is terrain, which is many times wider.
+/// Tallest height, metres, and steepest ratio of height to width: taller geometry is terrain, which
+/// is many times wider.
 const TALLEST_M: f64 = 3_000.0;
 const STEEPEST: f64 = 0.5;
 
-/// A scene that is smaller than this to all sides is no site.
+/// Smallest extent of a site, metres.
 const SMALLEST_M: f64 = 0.1;
 
-/// A region in degrees spans less than this, and what stands on it is at least as high, and so many times higher than the region is wide
-/// in degrees: a city of 0.1 degrees with houses of 3 m has 30.
+/// Largest width and least height of a region in degrees, and least ratio of its height to its
+/// width: a city of 0.1 degrees with houses of 3 m has a ratio of 30.
 const DEGREES_WIDE: f64 = 1.0;
 const DEGREES_HIGH: f64 = 1.0;
 const DEGREES_RATIO: f64 = 20.0;
 
-/// Between two parts of a site there may be so much nothing: beyond, a hill of 300 m is less than a degree high.
+/// Largest gap between two parts of a site without a warning, metres: beyond it a hill of 300 m is
+/// less than a degree high.
 const FAR_PART_M: f64 = 20_000.0;
 
-/// And this much is an error: the longest sight between mountains is 538 km.
+/// Largest gap between two parts of a site, metres; beyond it is an error: the longest sight
+/// between mountains is 538 km.
 const OUT_OF_SIGHT_M: f64 = 600_000.0;
 
-/// A part may float so far above the highest point of a raster that it stands on: towers with nothing below them, tethered balloons.
+/// Largest height of a part above the highest point of a raster that it stands on, metres: towers
+/// with nothing below them, tethered balloons.
 const FLOATING_M: f64 = 300.0;
 
-/// Receivers may be so far from all geometry: a wall of 100 m is half a degree high there.
+/// Largest distance of receivers from all geometry, metres: a wall of 100 m is half a degree high
+/// there.
 const FAR_RECEIVER_M: f64 = 10_000.0;
 
-/// Says what is doubtful about the files of a scene.
+/// Adds warnings about the files of a scene; fails if a file lies out of sight of the others.
 pub(crate) fn doubts(extents: &[Extent], report: &mut LoadReport) -> Result<()> {
     report.warnings.extend(unit(extents));
     far_parts(extents, report)?;
@@ -62,7 +72,7 @@ pub(crate) fn doubts(extents: &[Extent], report: &mut LoadReport) -> Result<()> 
     Ok(())
 }
 
-/// A sentence about geometry whose unit is not the metre.
+/// Returns a warning about geometry whose unit is not the metre.
 fn unit(extents: &[Extent]) -> Option<String> {
     let solid = || extents.iter().filter(|extent| !extent.raster);
     let (low, high) = bounds(solid().flat_map(|extent| extent.bounds));
@@ -73,6 +83,7 @@ fn unit(extents: &[Extent]) -> Option<String> {
         |of: &Extent| if of.scale == 1.0 { String::new() } else { format!(" (read with a scale of {})", of.scale) };
     let file = first.file.display();
     let (wide, high) = (size.x.max(size.y), size.z);
+    // Degrees come first, because no scale corrects them.
     if degrees(low, size) {
         return Some(format!(
             "{file}: x and y look like degrees ({:.4} {:.4}, {wide:.4} wide and {high:.1} high), and scenes are in metres: reproject the \
@@ -127,7 +138,8 @@ fn unit(extents: &[Extent]) -> Option<String> {
     })
 }
 
-/// Whether plane coordinates look like degrees: within their range, far from 0 for their size, and much too high for it.
+/// Returns true if plane coordinates look like degrees: within their range, far from 0 for their
+/// size, and much too high for it.
 fn degrees(low: DVec3, size: DVec3) -> bool {
     let (wide, middle) = (size.x.max(size.y), low + 0.5 * size);
     let range = |x: f64, y: f64| x.abs() <= 180.0 && y.abs() <= 90.0;
@@ -139,13 +151,13 @@ fn degrees(low: DVec3, size: DVec3) -> bool {
         && middle.truncate().length() > 1.0_f64.max(10.0 * wide)
 }
 
-/// Nothing between two boxes in plan, metres.
+/// Returns the gap between two boxes in plan, metres.
 fn gap(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
     let [a, b] = [a, b].map(|of| of.map(DVec3::truncate));
     (a[0] - b[1]).max(b[0] - a[1]).max(DVec2::ZERO).length()
 }
 
-/// Warns of groups of files that lie far from the first one, and refuses those that lie out of sight.
+/// Warns of groups of files that lie far from the first file, and refuses groups out of its sight.
 fn far_parts(extents: &[Extent], report: &mut LoadReport) -> Result<()> {
     let mut left: Vec<&Extent> = extents.iter().collect();
     let mut groups: Vec<Vec<&Extent>> = Vec::new();
@@ -181,7 +193,7 @@ fn far_parts(extents: &[Extent], report: &mut LoadReport) -> Result<()> {
     Ok(())
 }
 
-/// What to do about two files that lie far apart.
+/// Returns the hint for two files that lie far apart.
 fn hint_of(a: &Extent, b: &Extent) -> String {
     let name = |of: &Extent| of.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let said = |of: &Extent| match of.reference() {
@@ -200,7 +212,8 @@ fn hint_of(a: &Extent, b: &Extent) -> String {
     )
 }
 
-/// A sentence about geometry that lies wholly below or far above the raster that it stands on.
+/// Returns a warning about geometry that lies wholly below or far above the raster that it stands
+/// on.
 fn above_or_below(extents: &[Extent]) -> Option<String> {
     extents.iter().filter(|raster| raster.raster).find_map(|raster| {
         let [lowest, highest] = raster.bounds;
@@ -228,7 +241,8 @@ fn above_or_below(extents: &[Extent]) -> Option<String> {
     })
 }
 
-/// Lowest and highest corner of a scene without its endless ground; `None` if there is nothing else.
+/// Returns the lowest and the highest corner of a scene without its endless ground; `None` if there
+/// is nothing else.
 fn near_bounds(scene: &Scene) -> Option<[DVec3; 2]> {
     let endless = scene.materials.iter().position(|material| material.name == endless::NAME);
     let mesh = &scene.mesh;
@@ -238,7 +252,8 @@ fn near_bounds(scene: &Scene) -> Option<[DVec3; 2]> {
     low.is_finite().then(|| [low + mesh.origin, high + mesh.origin])
 }
 
-/// A sentence about receivers that lie far from all geometry: lowest and highest of `count`, and the farthest.
+/// Returns a warning about receivers that lie far from all geometry: `low` and `high` bound all
+/// `count` of them, and one is the farthest.
 pub fn far_receivers(scene: &Scene, [low, high]: [DVec3; 2], farthest: &Receiver, count: usize) -> Option<String> {
     let box_of = near_bounds(scene)?;
     let at = farthest.position;

@@ -1,4 +1,4 @@
-//! Scenes in other units and places: what is said of them.
+//! Tests of scenes in other units and places, and of the warnings about them.
 
 use std::fs;
 
@@ -11,7 +11,7 @@ use crate::site::Site;
 use heliotile_core::error::Result;
 use heliotile_core::site::receiver::Receiver;
 
-/// A house of 10 x 8 m with walls of 6 m, each number times `unit`, at a place.
+/// Returns a house of 10 x 8 m with walls of 6 m, each number times `unit`, at a place.
 fn house(unit: f64, [x, y, z]: [f64; 3]) -> String {
     let mut text = String::new();
     for (dx, dy, dz) in [(0, 0, 0), (10, 0, 0), (10, 8, 0), (0, 8, 0), (0, 0, 6), (10, 0, 6), (10, 8, 6), (0, 8, 6)] {
@@ -21,7 +21,7 @@ fn house(unit: f64, [x, y, z]: [f64; 3]) -> String {
     text + "usemtl wall\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nusemtl roof\nf 5 6 7 8\n"
 }
 
-/// Heights of 500 to 530 m on 40 x 40 cells of 50 m around a point.
+/// Returns heights of 500 to 530 m on 40 x 40 cells of 50 m around a point.
 fn terrain([x, y]: [f64; 2]) -> String {
     let head = format!("ncols 40\nnrows 40\nxllcorner {}\nyllcorner {}\ncellsize 50\n", x - 1000.0, y - 1000.0);
     let row = |i: usize| (0..40).map(|j| format!("{} ", 500 + (i * 7 + j * 3) % 31)).collect::<String>() + "\n";
@@ -42,7 +42,7 @@ impl Folder {
         Scene::load_site(&Site::of(&files, None)?.framed(frame))
     }
 
-    /// What is said of some files besides their materials.
+    /// Returns the warnings about some files, without those about materials.
     fn said(&self, names: &[&str], frame: &SiteFrame) -> Vec<String> {
         let report = self.load(names, frame).expect("a scene").report;
         report.warnings.into_iter().filter(|warning| !warning.contains("reflect")).collect()
@@ -54,8 +54,8 @@ fn one(found: &[String], words: &[&str]) {
     words.iter().for_each(|word| assert!(found[0].contains(word), "{word}: {found:?}"));
 }
 
-/// A house in millimetres, centimetres, kilometres and degrees is told of in one sentence each, with what to do; in metres, or with the
-/// scale that it was told, there is nothing to say.
+/// A house in millimetres, centimetres or kilometres gets one warning each, with what to do; in
+/// metres, or with the right scale, it gets none.
 #[test]
 fn units() {
     let mm = house(1000.0, [0.0; 3]);
@@ -77,15 +77,15 @@ fn units() {
         &folder.said(&["m.obj"], &SiteFrame { scale: Some(0.001), ..plain }),
         &["0.0100 m wide", "read with a scale of 0.001", "leave the scale out"],
     );
-    // Beside a city in metres the file itself is named, and the key of a site.toml.
+    // The message names the file that is not in metres, and the key of a site.toml.
     let two = folder.said(&["m.obj", "mm.obj"], &plain);
     assert!(
         two.iter().any(|said| said.contains("mm.obj: walls are") && said.contains("scale = 0.001 in its [[scene]]"))
     );
 }
 
-/// A house of one storey in centimetres, 1000 x 800 x 300, is told of; four towers of 60 x 60 x 300 m, a hall of 200 x 100 x 100 m and a
-/// dam of 400 x 200 m that leans are not.
+/// A house of one storey in centimetres, 1000 x 800 x 300, gets a warning; four towers of 60 x 60 x
+/// 300 m, a hall of 200 x 100 x 100 m and a leaning dam of 400 x 200 m get none.
 #[test]
 fn one_storey_in_centimetres() {
     let block = |size: [f64; 3], at: [f64; 2], first: usize| {
@@ -118,7 +118,7 @@ fn one_storey_in_centimetres() {
     }
 }
 
-/// A region of 0.01 degrees with houses of 17 m is told of; a mast of 0.3 m and 17 m is not.
+/// A region of 0.01 degrees with houses of 17 m gets a warning; a mast of 0.3 m and 17 m gets none.
 #[test]
 fn degrees() {
     let region = |x: f64, y: f64, wide: f64| {
@@ -134,8 +134,9 @@ fn degrees() {
     assert_eq!(folder.said(&["mast.obj"], &plain), [""; 0]);
 }
 
-/// A house 463 km from its terrain is told of, with both names, one 4,500 km from it is an error; beside it neither is. A house at 0 m below
-/// a plateau of 500 m is told of, and lifted by the elevation that it lacks.
+/// Terrain 462 km from its house gets a warning with both names, terrain 4,538 km from it is an
+/// error, and a house on its terrain gets neither. A house at 0 m below a plateau of 500 m gets a
+/// warning until an elevation lifts it.
 #[test]
 fn far_parts() {
     let files = [
@@ -170,8 +171,8 @@ fn far_parts() {
     assert!((top - 531.0).abs() < 1e-3, "{top}");
 }
 
-/// Receivers 90 km off are told of with the distance; swapped, in millimetres and local ones with what they look like; those at the house
-/// and 9 km from it are not.
+/// Receivers 90 km off get a warning with the distance. Swapped ones, ones in millimetres and local
+/// ones are recognised; receivers at the house and 9 km from it get no warning.
 #[test]
 fn receivers() {
     let folder = Folder::with(&[("near.obj", house(1.0, [78_000.0, 457_000.0, 0.0]))]);
@@ -194,8 +195,9 @@ fn receivers() {
     }
 }
 
-/// The place is that of the option where a file says another, with a warning; latitude and longitude beside a system only confirm it, unless
-/// they contradict; a turn adds to the convergence, and needs a place; feet are told of until they are scaled by 0.3048006.
+/// The place of the option takes precedence over a file's, with a warning. Latitude and longitude
+/// beside a system only confirm it, unless they contradict it. A rotation adds to the convergence,
+/// and needs a place. Feet get a warning until they are scaled by 0.3048006.
 #[test]
 fn frames() {
     let rd = house(1.0, [78_000.0, 457_000.0, 0.0]);
@@ -237,7 +239,8 @@ fn frames() {
     one(&found, &["a metre of EPSG:3857 is 0.6", "EPSG:32631"]);
 }
 
-/// A file that is turned by 90 degrees clockwise has its y axis along x; the scene's own turn leaves coordinates as they are.
+/// A file that is turned by 90 degrees clockwise has its y axis along x; the scene's own rotation
+/// leaves coordinates as they are.
 #[test]
 fn turned_file() {
     let toml = "[site]\nlatitude_deg = 50\nlongitude_deg = 9\nrotate_deg = 45\n\

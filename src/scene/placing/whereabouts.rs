@@ -1,4 +1,5 @@
-//! Where a scene lies. In: what its files and the user say. Out: its place, with true north, and what contradicts each other.
+//! Place of a scene. In: the statements of its files and of the user. Out: its place, with true
+//! north, and warnings about contradictions.
 
 use glam::DVec3;
 
@@ -10,14 +11,16 @@ use crate::reference::Reference;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::place::Place;
 
-/// A place that the user states may lie this far from the one that files state: further than a city, nearer than the next weather station
-/// of another climate, km.
+/// Largest distance between the place that the user states and the one that files state, km: more
+/// than a city, less than the distance of a weather station in another climate.
 const APART_KM: f64 = 50.0;
 
-/// Lengths of a system may differ from those on the ground by this share: areas are then off by 2 %. National grids stay below 0.2 %.
+/// Largest difference between lengths of a system and lengths on the ground, as a share: areas are
+/// then off by 2 %. National grids stay below 0.2 %.
 const STRETCH: f64 = 0.01;
 
-/// The place of a scene, if files or the user say it; its middle is that of what is no raster, if there is anything else.
+/// Returns the place of a scene, if files or the user state it. It is the place of the middle of
+/// everything except rasters, or of the rasters if there is nothing else.
 pub(crate) fn place_of(extents: &[Extent], frame: &SiteFrame, report: &mut LoadReport) -> Result<Option<Place>> {
     let [system, point] = frame.references();
     let mut place = match system {
@@ -33,7 +36,8 @@ pub(crate) fn place_of(extents: &[Extent], frame: &SiteFrame, report: &mut LoadR
                  coordinates lie ({other}); what is stated counts, with y to true north"
             ));
         }
-        // A system knows more: where north is, and where the middle is.
+        // A system knows more than a stated point: the direction of north, and the place of the
+        // middle.
         place =
             place.filter(|place| place.epsg.is_some() && apart_km.is_some_and(|km| km <= APART_KM)).or(Some(stated));
     }
@@ -44,23 +48,23 @@ pub(crate) fn place_of(extents: &[Extent], frame: &SiteFrame, report: &mut LoadR
             return Err(Error::argument("rotate_deg", what, hint));
         };
         let y_deg = place.convergence_deg + turn_deg;
-        // Into -180..180, and as it stands where it is there.
+        // Angles beyond 180 degrees are brought into -180..180; others stay exact.
         place.convergence_deg = if y_deg.abs() > 180.0 { (y_deg + 180.0).rem_euclid(360.0) - 180.0 } else { y_deg };
     }
     report.notes.extend(place.and_then(|place| place.note()));
     Ok(place)
 }
 
-/// The middle of what is no raster, or else of all.
+/// Returns the middle of everything except rasters, or else of all extents.
 fn middle<'a>(of: impl Iterator<Item = (&'a Extent, [DVec3; 2])> + Clone) -> DVec3 {
     let near = bounds(of.clone().filter(|(extent, _)| !extent.raster).flat_map(|(_, corners)| corners));
     let (low, high) = if near.0.is_finite() { near } else { bounds(of.flat_map(|(_, corners)| corners)) };
     0.5 * (low + high)
 }
 
-/// The place in a system that the user states for the coordinates of the whole scene.
+/// Returns the place in a system that the user states for the coordinates of the whole scene.
 fn of_system(extents: &[Extent], system: Reference, report: &mut LoadReport) -> Result<Place> {
-    // Metres of a system in metres are none of one in feet: such files lie where they say.
+    // Coordinates in metres cannot be those of a system in feet: such files lie at their own place.
     let contrary =
         |extent: &&Extent| extent.in_metres && extent.reference().is_some_and(|own| own.unit_m() != system.unit_m());
     let of_system = || extents.iter().filter(|extent| !contrary(extent));
@@ -101,7 +105,8 @@ fn of_system(extents: &[Extent], system: Reference, report: &mut LoadReport) -> 
     }
 }
 
-/// The place of the middle of all files with the first one's reference; warns of files with another one.
+/// Returns the place of the middle of all files with the first one's reference; warns of files with
+/// another one.
 fn of_files(extents: &[Extent], report: &mut LoadReport) -> Option<Place> {
     for extent in extents {
         if let (Some(own), Some(stated)) = (extent.own, extent.stated)
@@ -138,7 +143,8 @@ fn of_files(extents: &[Extent], report: &mut LoadReport) -> Option<Place> {
     }
 }
 
-/// A warning if a metre of the scene, `unit` metres being one of the system, is not `length / unit` = 1 on the ground.
+/// Returns a warning if lengths of the scene differ from those on the ground: `unit` is the metres
+/// of the scene for a unit of the system, `length` those on the ground.
 fn stretched(system: Reference, unit: f64, length: f64, place: &Place) -> Option<String> {
     let metres = length / unit;
     if (metres - 1.0).abs() <= STRETCH {
@@ -151,7 +157,7 @@ fn stretched(system: Reference, unit: f64, length: f64, place: &Place) -> Option
              scale = {foot:.7})"
         ));
     }
-    // Zones of UTM are 6 degrees wide, the first one begins at 180 W.
+    // Zones of UTM are 6 degrees wide; the first one begins at 180 W.
     let zone = (((place.longitude_deg + 180.0) / 6.0).floor() as i64).clamp(0, 59) + 1;
     let utm = if place.latitude_deg < 0.0 { 32700 + zone } else { 32600 + zone };
     Some(format!(

@@ -1,40 +1,42 @@
-//! Places on the ground among rows of modules, a grid in plan that is aligned with the rows. In: rows, the outline of their area, modules,
-//! heights of what is below. Out: the places that lie free, each with its distance behind the lower edge of a row.
+//! Places on the ground among rows of modules: a grid in plan that is aligned with the rows. In:
+//! rows, the outline of their area, modules, heights of the surface below. Out: the free places,
+//! each with its distance behind the lower edge of a row.
 
 use glam::{DVec2, DVec3};
 
 use super::layout::{Module, Outline, RowAxes};
 use super::rows::RowsOfModules;
 
-/// A place in the grid.
+/// A place of the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroundPlace {
-    /// `field/ground/2/5`: rows, line across them from where fronts look, place in the line from the left as seen from there.
+    /// Name `field/ground/2/5`: rows, line across them counted against the direction that fronts
+    /// face, place in the line from the left as seen from there.
     pub name: String,
-    /// Input coordinates, metres; the given distance above what lies there.
+    /// Position in input coordinates, metres, at the given distance above the surface below.
     pub position: DVec3,
-    /// Behind the lower edge of a row, in plan, from 0 to the pitch, metres.
+    /// Distance behind the lower edge of a row, in plan, from 0 to the pitch, metres.
     pub behind_m: f64,
 }
 
-/// Free places of a grid, and how many were left out.
+/// Free places of a grid, and counts of places left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GroundPlaces {
-    /// Line by line.
+    /// Free places, line by line.
     pub list: Vec<GroundPlace>,
-    /// Places of the area below which is nothing.
+    /// Number of places in the area without a surface below.
     pub without_ground: usize,
-    /// Places inside of modules.
+    /// Number of places inside modules.
     pub in_modules: usize,
 }
 
-/// The grid of rows.
+/// Grid of places among rows.
 #[derive(Clone, Debug)]
 pub struct GroundGrid<'a> {
     rows: &'a RowsOfModules,
     outline: &'a Outline,
     axes: RowAxes,
-    /// Distances behind the first row's lower edge; a pitch holds a whole number of them.
+    /// Distances behind the first row's lower edge; a pitch holds a whole number of places.
     across: PlaceLine,
     /// Distances along the rows.
     along: PlaceLine,
@@ -48,16 +50,16 @@ struct PlaceLine {
     count: f64,
 }
 
-/// What rounding may do, in steps.
+/// Tolerance of rounding, in steps.
 const ROUNDING: f64 = 1e-6;
 
-/// The step next to the wanted one that a length holds a whole number of.
+/// Returns the step nearest to the wanted one of which a length holds a whole number.
 fn even_step(length: f64, wanted: f64) -> f64 {
     length / (length / wanted).round().max(1.0)
 }
 
 impl PlaceLine {
-    /// Middles of steps, which are counted from an origin, between two ends.
+    /// Returns the middles of steps, which are counted from an origin, between two ends.
     fn new(origin: f64, step: f64, ends: [f64; 2]) -> Self {
         let [low, high] = ends.map(|end| (end - origin) / step - 0.5);
         let (low, high) = ((low - ROUNDING).ceil(), (high + ROUNDING).floor());
@@ -68,7 +70,7 @@ impl PlaceLine {
         self.first + place as f64 * self.step
     }
 
-    /// Places from one distance to another.
+    /// Returns the places from one distance to another.
     fn within(&self, from: f64, to: f64) -> std::ops::Range<usize> {
         let place = |distance: f64| ((distance - self.first) / self.step).clamp(0.0, self.count);
         place(from).floor() as usize..(place(to).floor() + 1.0).min(self.count) as usize
@@ -76,8 +78,9 @@ impl PlaceLine {
 }
 
 impl<'a> GroundGrid<'a> {
-    /// The grid of rows whose fronts have a normal in the scene's axes; `step_m` is what the distance of its places comes near to. Across the
-    /// rows a pitch holds a whole number of places, so that all pitches are alike; along them the area does.
+    /// Returns the grid of rows whose fronts have `normal` in the scene's axes; `step_m` is the
+    /// approximate distance of its places. Across the rows a pitch holds a whole number of places,
+    /// so that all pitches are alike; along the rows the area does.
     pub fn new(rows: &'a RowsOfModules, step_m: f64, normal: DVec3, outline: &'a Outline) -> Self {
         let axes = RowAxes::of(normal, outline);
         let [left, right] = axes.sides;
@@ -86,12 +89,13 @@ impl<'a> GroundGrid<'a> {
         GroundGrid { rows, outline, axes, across, along }
     }
 
-    /// Places of the grid, those outside of the area among them.
+    /// Returns the number of places of the grid, including those outside of the area.
     pub fn size(&self) -> f64 {
         self.across.count * self.along.count
     }
 
-    /// The places in the area which lie free; `below` gives the height of what is under a place in plan, `off_m` is their distance from it.
+    /// Returns the free places in the area; `below` gives the height of the surface under a place
+    /// in plan, `off_m` is the distance of places from it.
     pub fn places<'m>(
         &self,
         off_m: f64,
@@ -110,6 +114,7 @@ impl<'a> GroundGrid<'a> {
                 positions.push(position);
             }
         }
+        // Only places within the box of a module in plan are tested.
         for module in modules {
             let corners = || module.front.into_iter().chain(module.rear()).map(DVec3::truncate);
             let [behind, side] = [-self.axes.faces, self.axes.along].map(|axis| {
@@ -150,7 +155,7 @@ mod tests {
         RowsOfModules { clearance_m, ground_step_m: Some(STEP_M), ..layout::tests::rows(tilt_deg, azimuth_deg, 0.5) }
     }
 
-    /// Places among rows on a polygon, over ground of a height.
+    /// Returns the places among rows on a polygon, over ground of a height.
     fn among(rows: &RowsOfModules, corners: &[(f64, f64)], below: impl Fn(DVec2) -> Option<f64>) -> GroundPlaces {
         let corners: Vec<DVec2> = corners.iter().copied().map(DVec2::from).collect();
         let outline = Outline::of_polygon(&corners);
@@ -162,8 +167,10 @@ mod tests {
 
     const SQUARE: [(f64, f64); 4] = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)];
 
-    /// Asked for 0.7 m, a pitch of 3 m holds 4 places and 10 m along the rows hold 14: on 10 x 10 m are 14 lines of them, the first one 0.125 m
-    /// from the edge, which is 2.625 m behind a row before the first one; every 4th is as far behind its row, 5 mm above the ground.
+    /// At a wanted step of 0.7 m, a pitch of 3 m holds 4 places and 10 m along the rows hold 14. An
+    /// area of 10 x 10 m has 14 lines of 14 places, 5 mm above the ground; the first line is 0.125
+    /// m from the edge, 2.625 m behind a row before the first one. Places 4 lines apart lie equally
+    /// far behind their rows.
     #[test]
     fn whole_numbers_a_pitch() {
         let found = among(&rows(60.0, 180.0, 0.5), &SQUARE, |p| Some(0.1 * p.y));
@@ -178,8 +185,9 @@ mod tests {
         }
     }
 
-    /// Turned to 240 degrees lines follow the rows: their places lie equally far behind an edge. An area like an L has no places in its notch,
-    /// and where nothing lies below there are none: they and what is left are all of them.
+    /// With rows turned to 240 degrees, lines follow the rows: the places of a line lie equally far
+    /// behind an edge. An L-shaped area has no places in its notch. Places without ground below and
+    /// free places are all places of the area.
     #[test]
     fn turned_and_notched() {
         let l = [(0.0, 0.0), (10.0, 0.0), (10.0, 5.0), (5.0, 5.0), (5.0, 10.0), (0.0, 10.0)];
@@ -197,8 +205,8 @@ mod tests {
         assert_eq!(some.list.len() + some.without_ground, all.list.len());
     }
 
-    /// In modules of 3 cm that lie on the ground are 108 of 196 places, 3 of the 4 lines of each row, and none is left there; 0.2 m above the
-    /// ground modules hold none.
+    /// Modules of 3 cm that lie on the ground hold 108 of 196 places, 3 of the 4 lines of each row,
+    /// and no free place is left there; modules 0.2 m above the ground hold none.
     #[test]
     fn inside_of_modules() {
         let lying = among(&rows(0.0, 180.0, 0.0), &SQUARE, |_| Some(0.0));

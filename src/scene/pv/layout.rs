@@ -1,4 +1,5 @@
-//! Where modules of rows stand. In: rows, the outline of their area, heights of what is below. Out: modules as boxes, row by row.
+//! Layout of rows of modules. In: rows, the outline of their area, heights of the surface below.
+//! Out: modules as boxes, row by row.
 
 use glam::{DVec2, DVec3};
 
@@ -9,36 +10,36 @@ use crate::plan::is_within;
 /// A module in input coordinates, metres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Module {
-    /// `field/2/5`: rows, number of the row, number in the row.
+    /// Name `field/2/5`: rows, number of the row, number in the row.
     pub name: String,
-    /// Lower edge and upper edge of the front, counter-clockwise as seen from in front of it.
+    /// Corners of the front, lower edge first, counter-clockwise as seen from in front of it.
     pub front: [DVec3; 4],
-    /// Unit, away from the front.
+    /// Unit normal, away from the front.
     pub normal: DVec3,
-    /// From the front to the rear, metres.
+    /// Thickness from the front to the rear, metres.
     pub thickness_m: f64,
 }
 
 /// Outline of an area in plan.
 #[derive(Clone, Debug)]
 pub struct Outline {
-    /// Its edges, in any order and direction.
+    /// Edges, in any order and direction.
     edges: Vec<[DVec2; 2]>,
 }
 
-/// How a row goes on where a module does not fit, metres.
+/// Step along a row after a place where a module does not fit, metres.
 const STEP_M: f64 = 0.05;
-/// What rounding may do, metres.
+/// Tolerance of rounding, metres.
 const ROUNDING_M: f64 = 1e-6;
 
 impl Outline {
-    /// Of a polygon.
+    /// Returns the outline of a polygon.
     pub fn of_polygon(corners: &[DVec2]) -> Self {
         let next = corners.iter().cycle().skip(1);
         Outline { edges: corners.iter().zip(next).map(|(a, b)| [*a, *b]).collect() }
     }
 
-    /// Of a surface: the edges that only one of its triangles has.
+    /// Returns the outline of a surface: the edges that only one of its triangles has.
     pub fn of_surface(surface: &Surface) -> Self {
         let bits = |p: DVec3| p.to_array().map(f64::to_bits);
         let mut edges: Vec<([[u64; 3]; 2], [DVec2; 2])> = Vec::new();
@@ -57,7 +58,7 @@ impl Outline {
         Outline { edges: once.collect() }
     }
 
-    /// Places in plan that [`lay`] looks at, at most, for rows so far apart.
+    /// Returns the largest number of places in plan that [`lay`] tries for rows at a pitch.
     pub fn places(&self, pitch_m: f64) -> f64 {
         let corners = || self.edges.iter().flatten();
         let low = corners().fold(DVec2::INFINITY, |low, p| low.min(*p));
@@ -66,12 +67,12 @@ impl Outline {
         (across / pitch_m + 1.0) * (across / STEP_M + 1.0)
     }
 
-    /// Whether a place in plan lies in the area.
+    /// Returns true if a place in plan lies in the area.
     pub(super) fn contains(&self, p: DVec2) -> bool {
         is_within(self.edges.iter().copied(), p)
     }
 
-    /// Whether a convex shape lies in the area, so far from all edges.
+    /// Returns true if a convex shape lies in the area, at least `setback_m` from all edges.
     fn holds(&self, shape: &[DVec2; 4], setback_m: f64) -> bool {
         let inside = |p: DVec2| self.contains(p);
         let sides = || shape.iter().zip(shape.iter().cycle().skip(1));
@@ -86,7 +87,7 @@ impl Outline {
             && !self.edges.iter().any(|edge| sides().any(|(p, q)| cross(shrunk([*p, *q], middle), *edge)))
     }
 
-    /// Least and greatest product of its corners with a direction.
+    /// Returns the least and the greatest product of the outline's corners with a direction.
     fn extent(&self, along: DVec2) -> [f64; 2] {
         let all = self.edges.iter().flatten().map(|p| p.dot(along));
         all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
@@ -97,13 +98,13 @@ fn shrunk(side: [DVec2; 2], middle: DVec2) -> [DVec2; 2] {
     side.map(|p| p + (middle - p).normalize_or_zero() * 2.0 * ROUNDING_M)
 }
 
-/// Whether two lines cross.
+/// Returns true if two lines cross.
 fn cross([p, q]: [DVec2; 2], [a, b]: [DVec2; 2]) -> bool {
     let side = |from: DVec2, to: DVec2, of: DVec2| (to - from).perp_dot(of - from);
     side(p, q, a) * side(p, q, b) < 0.0 && side(a, b, p) * side(a, b, q) < 0.0
 }
 
-/// Distance between two lines that do not cross.
+/// Returns the distance between two lines that do not cross.
 fn between(one: [DVec2; 2], other: [DVec2; 2]) -> f64 {
     let to_line = |p: DVec2, [a, b]: [DVec2; 2]| {
         let along = b - a;
@@ -115,12 +116,12 @@ fn between(one: [DVec2; 2], other: [DVec2; 2]) -> f64 {
     ends.fold(f64::INFINITY, f64::min)
 }
 
-/// How rows lie in plan.
+/// Axes of rows in plan.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RowAxes {
-    /// Where fronts look, a unit.
+    /// Direction that fronts face, unit length.
     pub faces: DVec2,
-    /// To the right as seen from in front of a row, a unit.
+    /// Direction to the right as seen from in front of a row, unit length.
     pub along: DVec2,
     /// First and last distance of the area against `faces`.
     pub behind: [f64; 2],
@@ -129,7 +130,7 @@ pub(super) struct RowAxes {
 }
 
 impl RowAxes {
-    /// Of rows whose fronts have a normal in the scene's axes.
+    /// Returns the axes of rows whose fronts have `normal` in the scene's axes.
     pub fn of(normal: DVec3, outline: &Outline) -> Self {
         // Modules that lie flat have their rows across y.
         let faces = normal.truncate().try_normalize().unwrap_or(DVec2::NEG_Y);
@@ -137,28 +138,29 @@ impl RowAxes {
         RowAxes { faces, along, behind: outline.extent(-faces), sides: outline.extent(along) }
     }
 
-    /// The lower edge of the first row, as a distance against `faces`.
+    /// Returns the distance of the first row's lower edge against `faces`.
     pub fn first_edge(&self, rows: &RowsOfModules) -> f64 {
         let [first, _] = self.behind;
         first + rows.setback_m
     }
 
-    /// A place in plan, so far along the rows and against `faces`.
+    /// Returns the place in plan at distance `side` along the rows and `back` against `faces`.
     pub fn at(&self, side: f64, back: f64) -> DVec2 {
         self.along * side - self.faces * back
     }
 }
 
-/// What came of rows.
+/// Modules of rows in their places.
 #[derive(Clone, Debug, Default)]
 pub struct Laid {
-    /// Row by row, from the one that faces outwards.
+    /// Modules row by row, from the row that faces outwards.
     pub modules: Vec<Module>,
-    /// Modules that fit, but below which is nothing, or through which something stands.
+    /// Number of modules that fit, but have no surface below or an obstacle through them.
     pub left_out: usize,
 }
 
-/// Lays rows out. `normal` is that of their fronts in the scene's axes; `below` gives the height of what is under a place in plan.
+/// Lays out rows. `normal` is that of their fronts in the scene's axes; `below` gives the height of
+/// the surface under a place in plan.
 pub fn lay(rows: &RowsOfModules, normal: DVec3, outline: &Outline, below: impl Fn(DVec2) -> Option<f64>) -> Laid {
     let axes = RowAxes::of(normal, outline);
     let RowAxes { faces, along, behind: [_, last], sides: [left, right] } = axes;
@@ -187,6 +189,7 @@ pub fn lay(rows: &RowsOfModules, normal: DVec3, outline: &Outline, below: impl F
                 laid.left_out += 1;
                 continue;
             };
+            // A row gets its number with its first module, so that empty rows leave no gap.
             if count == 0 {
                 number += 1;
             }
@@ -198,8 +201,9 @@ pub fn lay(rows: &RowsOfModules, normal: DVec3, outline: &Outline, below: impl F
     laid
 }
 
-/// The front of a module over its plan: no corner of its rear is nearer to what is below than the clearance. `None` where there is nothing, or
-/// where something stands higher than its middle.
+/// Returns the front of a module over its plan, at least the clearance above the surface below each
+/// corner of its rear. `None` without a surface below, or with an obstacle higher than the module's
+/// middle.
 fn raised(
     plan: &[DVec2; 4],
     up: DVec3,
@@ -209,7 +213,7 @@ fn raised(
 ) -> Option<[DVec3; 4]> {
     let [a, b, c, d] = *plan;
     let rises = [0.0, 0.0, up.z, up.z];
-    // Of the rear, which lies lower.
+    // The rear lies lower than the front.
     let down = normal.z * rows.thickness_m;
     let mut lowest = f64::NEG_INFINITY;
     for (p, rise) in plan.iter().zip(rises) {
@@ -221,17 +225,17 @@ fn raised(
 }
 
 impl Module {
-    /// Middle of the front.
+    /// Returns the middle of the front.
     pub fn middle(&self) -> DVec3 {
         self.front.iter().sum::<DVec3>() / 4.0
     }
 
-    /// The rear, seen through the front.
+    /// Returns the corners of the rear, in the order of the front's.
     pub fn rear(&self) -> [DVec3; 4] {
         self.front.map(|p| p - self.normal * self.thickness_m)
     }
 
-    /// Whether a point lies inside of it.
+    /// Returns true if a point lies inside the module.
     pub(super) fn holds(&self, p: DVec3) -> bool {
         let [a, b, _, d] = self.front;
         let from = p - a;
@@ -239,7 +243,8 @@ impl Module {
         within(b - a) && within(d - a) && (-self.thickness_m..=0.0).contains(&from.dot(self.normal))
     }
 
-    /// Points of one side, evenly up the slope, in the middle of the width, so far off it.
+    /// Returns `count` points of one side, evenly up the slope in the middle of the width, at
+    /// distance `off_m` from it.
     pub fn points(&self, is_rear: bool, count: usize, off_m: f64) -> Vec<DVec3> {
         let [a, b, c, d] = if is_rear { self.rear() } else { self.front };
         let (foot, head) = ((a + b) / 2.0, (c + d) / 2.0);
@@ -254,7 +259,7 @@ pub(super) mod tests {
     use crate::pv::rows::RowsGround;
     use heliotile_core::orientation::fan::Orientation;
 
-    /// Modules of 1 m x 2 m, 3 m apart.
+    /// Returns rows of modules of 1 m x 2 m, 3 m apart.
     pub fn rows(tilt_deg: f64, azimuth_deg: f64, setback_m: f64) -> RowsOfModules {
         RowsOfModules {
             name: "r".into(),
@@ -277,8 +282,10 @@ pub(super) mod tests {
         [(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)].map(DVec2::from).to_vec()
     }
 
-    /// On 10 x 10 m rows of 1 x 2 m modules at 60 degrees, 3 m apart, are 4 of 10 modules, with a setback of 1 m 3 of 8; the first one's lower
-    /// edge lies in the south 0.5 m above the ground, its upper edge 1 m north of it and 1.732 m higher, and its front looks south.
+    /// An area of 10 x 10 m holds 4 rows of 10 modules of 1 x 2 m at 60 degrees, 3 m apart, and
+    /// with a setback of 1 m 3 rows of 8. The first module's lower edge lies in the south 0.5 m
+    /// above the ground, its upper edge 1 m north of it and 1.732 m higher, and its front faces
+    /// south.
     #[test]
     fn on_a_square() {
         let outline = Outline::of_polygon(&square(10.0));
@@ -296,8 +303,8 @@ pub(super) mod tests {
         }
     }
 
-    /// Turned west, rows begin in the west; an area like an L has no module over its missing quarter, and 4 receivers of a rear lie 0.25 of the
-    /// way apart and 5 mm below it.
+    /// With fronts turned west, rows begin in the west. An L-shaped area has no module over its
+    /// missing quarter. Four points of a rear lie 0.25 of the slope apart and 5 mm below the rear.
     #[test]
     fn turned_and_notched() {
         let west = rows(60.0, 270.0, 0.0);
@@ -307,7 +314,7 @@ pub(super) mod tests {
         let l = [(0.0, 0.0), (10.0, 0.0), (10.0, 5.0), (5.0, 5.0), (5.0, 10.0), (0.0, 10.0)].map(DVec2::from);
         let south = rows(60.0, 180.0, 0.0);
         let laid = lay(&south, south.turn.normal(), &Outline::of_polygon(&l), |_| Some(0.0));
-        // Rows at 0 and 3 m have 10, those at 6 and 9 m have 5.
+        // Rows at 0 and 3 m have 10 modules, rows at 6 and 9 m have 5.
         assert_eq!(laid.modules.len(), 30);
         assert!(laid.modules.iter().all(|m| m.front.iter().all(|p| p.x < 5.0 + 1e-6 || p.y < 5.0 + 1e-6)));
         let module = &laid.modules[0];
@@ -317,7 +324,8 @@ pub(super) mod tests {
         assert!((off + 0.035).abs() < 1e-9, "{off}");
     }
 
-    /// Flush on a roof of 30 degrees every corner of the rear is 0.1 m above it, and where a chimney stands one module is left out.
+    /// Flush on a roof of 30 degrees every corner of the rear is 0.1 m above the roof; where a
+    /// chimney stands, one module is left out.
     #[test]
     fn flush_on_a_roof() {
         let mut rows = rows(30.0, 180.0, 0.0);
@@ -327,7 +335,7 @@ pub(super) mod tests {
         let laid = lay(&rows, rows.turn.normal(), &outline, |p| Some(plane(p)));
         assert_eq!(laid.modules.len(), 50);
         let gap = |p: DVec3| p.z - plane(p.truncate());
-        // Straight up from the roof, whatever the thickness.
+        // Heights are measured straight up from the roof.
         let off = laid.modules.iter().flat_map(|m| m.front).map(gap);
         let expected = 0.1 + 0.03 * 30.0_f64.to_radians().cos();
         assert!(off.into_iter().all(|off| (off - expected).abs() < 1e-9));

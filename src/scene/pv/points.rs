@@ -1,4 +1,5 @@
-//! In: `points.csv`, places where modules may stand. Out: checked points, each with the line it comes from.
+//! Points for modules. In: `points.csv`, places where modules may stand. Out: checked points, each
+//! with the line that it comes from.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -20,40 +21,41 @@ const HEADER: &str = "point,x,y,height,tilt,azimuth";
 /// A place where a module may stand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PvPoint {
-    /// Its name, which files are named after: no two points have one.
+    /// Name, unique among the points, because files are named after it.
     pub name: String,
-    /// Input coordinates, metres.
+    /// Input coordinate x, metres.
     pub x: f64,
-    /// Input coordinates, metres.
+    /// Input coordinate y, metres.
     pub y: f64,
-    /// How high it lies.
+    /// Height of the point.
     pub height: PointHeight,
-    /// How it is turned, if anyone says.
+    /// Orientation of the module; `None` if the table does not state it.
     pub turn: Option<Orientation>,
-    /// Line of the file.
+    /// Line in the file, from 1.
     pub line: usize,
 }
 
-/// How high a point lies.
+/// Height of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointHeight {
-    /// Input coordinate, metres.
+    /// Input coordinate z, metres.
     Z(f64),
-    /// Metres above what is met first from above: a roof, or the ground.
+    /// Height above the first surface below the sky, a roof or the ground, metres.
     Above(f64),
 }
 
-/// What a table of points may leave out.
+/// Values that a table of points may leave out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointDefaults {
-    /// Whether each row must say how it is turned.
+    /// True if each row must state an orientation.
     pub needs_turns: bool,
-    /// The height above what is met first from above, metres, where the table has no column of heights; none: it must have one.
+    /// Height above the first surface below the sky, metres, for a table without a column of
+    /// heights; `None`: the table must have one.
     pub height_m: Option<f64>,
 }
 
-/// Reads `point,x,y`, one of `z` and `height`, and `tilt,azimuth`, in any order; at least one row. `warnings` gets the columns that are passed
-/// over.
+/// Reads points from columns `point,x,y`, one of `z` and `height`, and `tilt,azimuth`, in any
+/// order. Fails without a row. `warnings` gets the columns that are ignored.
 pub fn read_points(path: &Path, defaults: PointDefaults, warnings: &mut Vec<String>) -> Result<Vec<PvPoint>> {
     let mut rows = CsvRows::open(path)?;
     if !rows.advance()? {
@@ -76,7 +78,7 @@ pub fn read_points(path: &Path, defaults: PointDefaults, warnings: &mut Vec<Stri
     }
 }
 
-/// Where the columns stand.
+/// Places of the columns.
 struct Columns {
     name: usize,
     place: [usize; 2],
@@ -168,7 +170,7 @@ impl Row<'_> {
         })
     }
 
-    /// Names become names of files.
+    /// Checks that a name can be the name of a file.
     fn check_name(&self, name: &str) -> Result<()> {
         let bad = |c: char| c.is_control() || r#"/\:*?"<>|"#.contains(c);
         let why = match name {
@@ -229,7 +231,8 @@ mod tests {
         read_points(&path, PointDefaults { needs_turns, height_m: None }, &mut Vec::new())
     }
 
-    /// Three points by z and by height, in any order of columns and with azimuths of both signs, are read as they stand.
+    /// Three points by z and by height, in any order of columns and with azimuths of both signs,
+    /// are read as written.
     #[test]
     fn points() {
         let text = "tilt,point,azimuth,y,x,z,height\n30,a,-90,2,1,5,\n\n180,b c,360,2,1,,0.5\n0,c,0,0,0,,0\n";
@@ -241,7 +244,8 @@ mod tests {
         assert_eq!((points[1].name.as_str(), points[1].line, points[0].x), ("b c", 4, 1.0));
     }
 
-    /// Without angles two points have no turn where none is needed, and are refused where one is.
+    /// Two tables without angles give points without orientation if none is needed, and are refused
+    /// if one is.
     #[test]
     fn without_angles() {
         assert_eq!(read("point,x,y,z\na,0,0,1\n", false).expect("points")[0].turn, None);
@@ -250,7 +254,7 @@ mod tests {
         assert!(read("point,x,y,z,tilt,azimuth\na,0,0,1,,\n", true).is_err());
     }
 
-    /// Sixteen wrong files are refused with the line, the column and what to do.
+    /// Sixteen wrong files are refused, each with what is wrong and where.
     #[test]
     fn refusals() {
         let head = "point,x,y,height,tilt,azimuth\n";

@@ -1,4 +1,5 @@
-//! In: `rows.toml`, rows of modules on an area or a face. Out: checked numbers.
+//! Rows of modules from a file. In: `rows.toml`, rows of modules on an area or a face. Out: checked
+//! numbers.
 
 use std::path::Path;
 
@@ -18,40 +19,41 @@ const KEYS: &str = "each [[rows]] has a name, an area = [[x, y], ...] or a surfa
 /// Rows of modules of one kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowsOfModules {
-    /// Names of modules begin with it: `field/2/5` is the fifth module of its second row.
+    /// Name of the rows, with which names of modules begin: `field/2/5` is the fifth module of the
+    /// second row.
     pub name: String,
-    /// Where they stand.
+    /// Area or surface that the rows stand on.
     pub ground: RowsGround,
-    /// How modules are turned, by true north; their rows run across.
+    /// Orientation of modules, by true north; rows run across it.
     pub turn: Orientation,
-    /// From the lower edge of a row to that of the next, in plan, metres.
+    /// Pitch from the lower edge of a row to that of the next, in plan, metres.
     pub pitch_m: f64,
-    /// Of a module along its row, metres.
+    /// Width of a module along its row, metres.
     pub width_m: f64,
-    /// Of a module up its slope, metres.
+    /// Height of a module up its slope, metres.
     pub height_m: f64,
-    /// Of the lowest corner above what is below it, metres.
+    /// Clearance of the lowest corner above the surface below, metres.
     pub clearance_m: f64,
-    /// From the edge of the area, in plan, metres.
+    /// Setback from the edge of the area, in plan, metres.
     pub setback_m: f64,
-    /// Between modules of a row, metres.
+    /// Gap between modules of a row, metres.
     pub gap_m: f64,
-    /// From the front to the rear, metres.
+    /// Thickness from the front to the rear, metres.
     pub thickness_m: f64,
     /// Diffuse reflectances of front and rear.
     pub reflectances: [f64; 2],
-    /// Receivers on each side, up the slope.
+    /// Number of receivers on each side, up the slope.
     pub samples: usize,
-    /// Between receivers on the ground among the rows, metres; `None`: there are none.
+    /// Distance of receivers on the ground among the rows, metres; `None`: no such receivers.
     pub ground_step_m: Option<f64>,
 }
 
-/// What rows are put on.
+/// Area or surface that rows are put on.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RowsGround {
-    /// Corners in plan, input coordinates, metres; the roof or ground below is looked up.
+    /// Corners in plan, input coordinates, metres; heights are those of the roof or ground below.
     Area(Vec<DVec2>),
-    /// A surface of the scene, by the name that `heliotile receivers` gives it.
+    /// Name of a surface of the scene, as `heliotile receivers` gives it.
     Surface(String),
 }
 
@@ -89,12 +91,12 @@ struct Entry {
     ground: Option<f64>,
 }
 
-/// Metres: a pane and its frame.
+/// Returns the default thickness, metres: a pane and its frame.
 fn usual_thickness() -> f64 {
     0.03
 }
 
-/// Of pvfactors' modules, front 0.03 and rear 0.05, between them.
+/// Returns the default reflectance, close to those of pvfactors' modules: front 0.03, rear 0.05.
 fn usual_reflectance() -> f64 {
     0.05
 }
@@ -103,7 +105,7 @@ fn usual_samples() -> usize {
     4
 }
 
-/// Reads the file; at least one table.
+/// Reads the rows of a file. Fails without a table.
 pub fn read_rows(path: &Path) -> Result<Vec<RowsOfModules>> {
     let bytes = input::read(path)?;
     let text = String::from_utf8_lossy(&bytes);
@@ -124,10 +126,10 @@ pub fn read_rows(path: &Path) -> Result<Vec<RowsOfModules>> {
     if all.is_empty() { Err(Error::input(path, None, "lists no rows", KEYS)) } else { Ok(all) }
 }
 
-/// Names that an error suggests.
+/// Largest number of names that an error suggests.
 const SUGGESTED: usize = 4;
 
-/// The surface of a name, or names like it.
+/// Returns the surface of a name; an error holds the most similar names.
 pub fn surface_named<'s>(surfaces: &'s Surfaces, name: &str) -> std::result::Result<&'s Surface, Vec<&'s str>> {
     let near = || {
         let mut all: Vec<(usize, &str)> = surfaces
@@ -207,7 +209,8 @@ mod tests {
 
     const GOOD: &str = "[[rows]]\nname = \"a\"\narea = [[0, 0], [9, 0], [9, 9]]\ntilt = 60\nazimuth = -90\npitch = 3\nwidth = 1\nheight = 2\n";
 
-    /// Rows with what is needed only have the usual rest: 4 samples, 0.05, 3 cm; west is 270.
+    /// Rows with only the required fields have the defaults: 4 samples, 0.05, 3 cm; an azimuth of
+    /// -90 is 270, west.
     #[test]
     fn usual() {
         let rows = &read(GOOD).expect("rows")[0];

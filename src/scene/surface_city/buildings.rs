@@ -1,5 +1,5 @@
-//! Roofs and walls. In: chains drawn straight, planes of roofs, heights of the ground along them. Out: faces of buildings, closed where the ground
-//! closes them.
+//! Roofs and walls of a city. In: chains drawn straight, planes of roofs, heights of the ground
+//! along them. Out: faces of buildings, closed where the ground closes them.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -17,47 +17,48 @@ use crate::surface_city::straight::Polyline;
 use crate::surface_city::writer::{Corner, FaceOf, Writer};
 use heliotile_core::error::Result;
 
-/// Heights of two planes at a corner that differ by less are one, metres.
+/// Difference below which heights of two planes at a corner are equal, metres.
 const ONE_HEIGHT_M: f64 = 0.02;
-/// Lower steps between roofs of a building are where planes do not meet quite: they let no light through and get no receivers, metres.
+/// Height below which a step between roofs of a building is a seam, where planes do not quite meet,
+/// metres. Seams let no light through and get no receivers.
 const SEAM_M: f64 = 0.5;
 
-/// What buildings are made of.
+/// Everything that the faces of buildings are made from.
 pub(super) struct Buildings<'a> {
     pub layers: &'a Layers,
     pub chains: &'a [Chain],
     pub lines: Vec<Polyline>,
     pub rings: &'a BTreeMap<u32, Vec<Vec<Link>>>,
     pub roofs: &'a [RoofPiece],
-    /// `[building]`: height that walls without ground beside them go down to.
+    /// Height that walls without ground beside them reach down to, `[building]`.
     pub bases: &'a [f64],
-    /// `[corner]`: height of the ground.
+    /// Height of the ground, `[corner]`.
     pub ground: &'a Lattice<f32>,
-    /// Where corners of cells lie along chains.
+    /// Places of corners of cells along chains.
     pub moved: &'a Moved,
 }
 
-/// Numbers of what faces of buildings bear.
+/// Numbers of the materials and objects of buildings.
 pub(super) struct BuildingNames {
     pub roof: u32,
     pub wall: u32,
-    /// `[building]`
+    /// Number of the object, `[building]`.
     pub objects: Vec<u32>,
 }
 
-/// Heights of roofs at corners in plan.
+/// Heights of roofs at corners in plan, with the piece of each.
 type Heights = HashMap<[u64; 2], Vec<(u32, f64)>>;
 
 fn key(place: DVec2) -> [u64; 2] {
     [place.x.to_bits(), place.y.to_bits()]
 }
 
-/// The piece of a number, if it is one of a roof.
+/// Returns the roof of a piece; `None` if the piece is no roof.
 pub(super) fn roof_of(roofs: &[RoofPiece], piece: u32) -> Option<&RoofPiece> {
     piece.checked_sub(FIRST_ROOF).and_then(|number| roofs.get(number as usize))
 }
 
-/// Corners of a ring in plan, the first one not repeated.
+/// Returns the corners of a ring in plan, the first one not repeated.
 pub(super) fn outline(lines: &[Polyline], ring: &[Link]) -> Vec<DVec2> {
     let mut found = Vec::new();
     for link in ring {
@@ -76,7 +77,7 @@ impl Buildings<'_> {
         roof_of(self.roofs, piece).map(|roof| roof.plane)
     }
 
-    /// Adds corners to chains between roofs where one plane goes through the other.
+    /// Adds corners to chains between roofs where one plane crosses the other.
     fn cross(&mut self) {
         for (chain, line) in self.chains.iter().zip(&mut self.lines) {
             let of = |piece: u32| roof_of(self.roofs, piece).map(|roof| roof.plane);
@@ -98,7 +99,7 @@ impl Buildings<'_> {
         }
     }
 
-    /// Heights of all roofs at their corners; those that are nearly one are.
+    /// Returns the heights of all roofs at their corners; nearly equal heights become equal.
     fn heights(&self) -> Heights {
         let mut all = Heights::new();
         for (piece, rings) in self.rings {
@@ -198,8 +199,8 @@ impl Buildings<'_> {
     }
 }
 
-/// Faces between what lies left and right of a straight line: one where one side is the higher one all along, else one for each piece
-/// of it. They face the lower side.
+/// Returns the faces between the left and the right side of a straight line, facing the lower side.
+/// There is one face if the same side is higher all along, or else one for each piece.
 fn panels(left: &[Corner], right: &[Corner]) -> Vec<Vec<Corner>> {
     let (Some([first, last]), Some([low_first, low_last])) = (ends(left), ends(right)) else { return Vec::new() };
     let many = if left.len() > right.len() { left } else { right };
@@ -226,7 +227,8 @@ fn panels(left: &[Corner], right: &[Corner]) -> Vec<Vec<Corner>> {
     if both.iter().all(|pair| gap(pair).abs() < NONE_M) {
         return Vec::new();
     }
-    // Along the right side and back along the left one: that faces the lower side, whichever it is.
+    // Along the right side and back along the left one, the face looks to the lower side, whichever
+    // it is.
     if both.iter().all(|pair| gap(pair) > -NONE_M) || both.iter().all(|pair| gap(pair) < NONE_M) {
         return vec![right.iter().chain(left.iter().rev()).copied().collect()];
     }

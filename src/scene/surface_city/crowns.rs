@@ -1,4 +1,5 @@
-//! Crowns of trees. In: heights of crowns above the ground. Out: closed hulls of canopies, open below.
+//! Crowns of trees. In: heights of crowns above the ground. Out: closed hulls of canopies whose
+//! underside lies above open trunk space.
 
 use std::collections::HashMap;
 
@@ -13,24 +14,24 @@ use heliotile_core::error::Result;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::scene_object::ObjectNote;
 
-/// Name of the material of crowns, and of the group that schedules of leaves go by.
+/// Name of the material of crowns, and name of its group, which schedules of leaves refer to.
 const NAME: &str = "canopy";
 const GROUP: &str = "trees";
 
-/// The top of a thinned crown is off by this at most, metres.
+/// Largest error of the top of a thinned crown, metres.
 const OFF_M: f32 = 0.25;
 
 /// Crowns by the corners of their cells.
 struct Crowns {
-    /// `[cell]`: number of the piece that it is a part of, `u32::MAX` for none.
+    /// Number of each cell's piece, `[cell]`; `u32::MAX` for none.
     piece: Lattice<u32>,
     /// Cells of each piece.
     list: Vec<Vec<Spot>>,
-    /// `[corner]`: mean height above the ground of the crowns around it.
+    /// Mean height above the ground of the crowns around a corner, `[corner]`.
     heights: Lattice<f32>,
 }
 
-/// Writes crowns; gives the number of pieces.
+/// Writes crowns and returns the number of pieces.
 pub(super) fn write(
     writer: &mut Writer,
     layers: &Layers,
@@ -47,7 +48,7 @@ pub(super) fn write(
     }
     let crowns = Crowns { heights: heights(crown, &piece), piece, list };
     let material = writer.material(NAME);
-    // Of a crown's two walls each lets the root of it through.
+    // Light passes two walls of a crown, so that each has the square root of its transmittance.
     let share = options.crown().sqrt();
     let canopy = Material::matt(NAME, 0.0, Class::Obstruction);
     let canopy = Material { transmittance: Some(share), group: Some(GROUP.to_owned()), ..canopy };
@@ -115,7 +116,7 @@ pub(super) fn write(
         for (corner, is_top) in corners {
             ring.push(number(writer, corner, is_top)?);
         }
-        // Sides need not be flat: two triangles of each.
+        // Sides need not be flat, so that each becomes two triangles.
         match ring.as_slice() {
             [a, b, c, d] => {
                 writer.face([&[*a, *b, *c][..]], &of(cell));
@@ -127,7 +128,7 @@ pub(super) fn write(
     Ok(crowns.list.len())
 }
 
-/// Mean heights at corners.
+/// Returns the mean height of crowns at each corner.
 fn heights(crown: &Lattice<f32>, piece: &Lattice<u32>) -> Lattice<f32> {
     let mut heights = Lattice::filled(crown.columns + 1, crown.rows + 1, f32::NAN);
     for corner in heights.spots() {
@@ -139,7 +140,7 @@ fn heights(crown: &Lattice<f32>, piece: &Lattice<u32>) -> Lattice<f32> {
 }
 
 impl Crowns {
-    /// Triangles of the tops.
+    /// Returns the triangles of the tops.
     fn surface(&self, layers: &Layers, floor: &Floor) -> Vec<[Spot; 3]> {
         let mut allowed = self.heights.like(-1.0_f32);
         let mut tops = self.heights.clone();

@@ -1,5 +1,6 @@
-//! Ground between buildings. In: heights of cells of ground, and where corners of cells lie. Out: a surface without cracks that ends where buildings
-//! begin, thinned where that moves it little.
+//! Ground between buildings. In: heights of cells of ground, and the places of corners of cells.
+//! Out: a surface without cracks that ends where buildings begin, thinned where that moves it
+//! little.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 
@@ -18,34 +19,35 @@ use heliotile_core::site::scene_object::ObjectNote;
 use crate::semantics::SurfaceKind;
 use crate::terrain::surface::NAME;
 
-/// Thinned ground is off by this at most, metres, and by so much more a metre away from buildings (0.2 degrees, as far terrain).
+/// Largest error of thinned ground, metres, and its growth a metre away from buildings (0.2
+/// degrees, as for far terrain).
 const OFF_M: f32 = 0.1;
 const OFF_A_METRE: f32 = 0.0035;
 
-/// Triangles of less, in cells, are rounding.
+/// Least area of a triangle, in cells; smaller ones are rounding errors.
 const NO_AREA: f64 = 1e-9;
-/// Where corners of cells lie in plan if not on the grid.
+/// Places in plan of corners of cells that are not on the grid.
 pub(super) type Moved = HashMap<Spot, DVec2>;
 
 /// Ground by the corners of its cells.
 pub(super) struct Floor {
-    /// `[corner]`: mean height of the cells of ground around it, NaN where there is none.
+    /// Mean height of the cells of ground around a corner, `[corner]`; NaN without such cells.
     pub heights: Lattice<f32>,
     /// Triangles between corners, counter-clockwise as seen from above.
     pub triangles: Vec<[Spot; 3]>,
 }
 
-/// The cells around a corner.
+/// Returns the cells around a corner.
 pub(super) fn around([column, row]: Spot) -> [Spot; 4] {
     [[column - 1, row - 1], [column, row - 1], [column - 1, row], [column, row]]
 }
 
-/// The cell that the middle of a triangle between corners lies in.
+/// Returns the cell that holds the middle of a triangle between corners.
 pub(super) fn cell_of(triangle: &[Spot; 3]) -> Spot {
     [0, 1].map(|axis| triangle.iter().filter_map(|corner| corner.get(axis)).sum::<i64>().div_euclid(3))
 }
 
-/// Finds the surface of the ground; `pieces` are numbers of the pieces of cells.
+/// Returns the surface of the ground; `pieces` holds the number of each cell's piece.
 pub(super) fn floor(layers: &Layers, pieces: &Lattice<u32>, ground: &Lattice<f32>) -> Floor {
     let (columns, rows) = (pieces.columns + 1, pieces.rows + 1);
     let mut heights = Lattice::filled(columns, rows, f32::NAN);
@@ -74,7 +76,7 @@ pub(super) fn floor(layers: &Layers, pieces: &Lattice<u32>, ground: &Lattice<f32
         let is_edge = cells.iter().zip(kinds).any(|(cell, kind)| pieces.at(*cell) == GROUND && Some(kind) != first);
         let near = cells.iter().map(|cell| far.at(*cell)).fold(f32::INFINITY, f32::min);
         let off = OFF_M + OFF_A_METRE * if near.is_finite() { near } else { 0.0 };
-        // Below 0: it stays.
+        // A corner with a limit below 0 stays.
         allowed.set(corner, if others > 0 || is_edge { -1.0 } else { off });
     }
     let triangles = surface_of(layers, &heights, allowed).into_iter();
@@ -82,13 +84,14 @@ pub(super) fn floor(layers: &Layers, pieces: &Lattice<u32>, ground: &Lattice<f32
     Floor { heights, triangles }
 }
 
-/// Twice the area of a triangle in plan where corners moved, m2; below 0 if it is turned over.
+/// Returns twice the area of a triangle in plan with its corners moved, m2; negative if the
+/// triangle is turned over.
 fn doubled(layers: &Layers, moved: &Moved, triangle: &[Spot; 3]) -> f64 {
     let [a, b, c] = triangle.map(|corner| moved.get(&corner).copied().unwrap_or_else(|| layers.corner(corner)));
     (b - a).perp_dot(c - a)
 }
 
-/// Triangles between corners that have a height, thinned to what is allowed.
+/// Returns the triangles between corners with a height, thinned within the limits in `allowed`.
 pub(super) fn surface_of(layers: &Layers, heights: &Lattice<f32>, allowed: Lattice<f32>) -> Vec<[Spot; 3]> {
     let grid =
         Grid { columns: heights.columns, rows: heights.rows, first: layers.corner([0, 0]), step: layers.grid.step };
@@ -104,7 +107,7 @@ pub(super) fn surface_of(layers: &Layers, heights: &Lattice<f32>, allowed: Latti
     found
 }
 
-/// Distance of each cell from the next roof along rows and columns, metres.
+/// Returns the distance of each cell from the next roof along rows and columns, metres.
 fn distances(layers: &Layers, pieces: &Lattice<u32>) -> Lattice<f32> {
     let mut far = pieces.like(f32::INFINITY);
     let mut next: VecDeque<Spot> = pieces.spots().filter(|cell| pieces.at(*cell) >= FIRST_ROOF).collect();

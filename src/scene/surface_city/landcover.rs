@@ -1,18 +1,21 @@
-//! What ground is made of. In: codes of land cover as UMEP has them. Out: names of materials and what they reflect.
+//! Materials of the ground. In: codes of land cover as UMEP has them. Out: names of materials and
+//! their reflectances.
 
 use crate::geometry::Geometry;
 use crate::surface_city::layers::NO_CLASS;
 use crate::terrain::surface::NAME;
 use heliotile_core::site::material::{Class, Material};
 
-/// The code of buildings.
+/// Code of buildings.
 pub(super) const BUILDINGS: u16 = 2;
 
-/// Codes of UMEP's land cover (Lindberg et al. 2018, Environmental Modelling and Software 99, "UMEP Land Cover Reclassifier"), the material of each, and
-/// its reflectance. Those of paved ground (dark asphalt), grass and bare soil are SOLWEIG's effective albedos (Lindberg, Onomura and
-/// Grimmond 2016); Oke (1987, Boundary Layer Climates, Table 1.1) has asphalt 0.05 to 0.20, grass 0.16 to 0.26, soil 0.05 (dark, wet) to
-/// 0.40 (light, dry), water below a high sun 0.03 to 0.10. Ground below trees (3 evergreen, 4 deciduous) is taken for grass, ground of
-/// buildings that do not stand for paved.
+/// Codes of UMEP's land cover (Lindberg et al. 2018, Environmental Modelling and Software 99, "UMEP
+/// Land Cover Reclassifier"), each with its material and its reflectance. The reflectances of paved
+/// ground (dark asphalt), grass and bare soil are SOLWEIG's effective albedos (Lindberg, Onomura
+/// and Grimmond 2016). Oke (1987, Boundary Layer Climates, Table 1.1) has asphalt 0.05 to 0.20,
+/// grass 0.16 to 0.26, soil 0.05 (dark, wet) to 0.40 (light, dry), water below a high sun 0.03 to
+/// 0.10. Ground below trees (3 evergreen, 4 deciduous) counts as grass, and ground of buildings
+/// that do not stand as paved.
 const CLASSES: [(u16, &str, f64); 7] = [
     (1, "paved", 0.18),
     (BUILDINGS, "paved", 0.18),
@@ -23,7 +26,7 @@ const CLASSES: [(u16, &str, f64); 7] = [
     (7, "water", 0.07),
 ];
 
-/// The material of ground of a code, `terrain` without one.
+/// Returns the material of ground of a code; `terrain` without a code.
 pub(super) fn material_of(code: u16) -> String {
     match CLASSES.iter().find(|(known, ..)| *known == code) {
         Some((_, name, _)) => (*name).to_owned(),
@@ -32,7 +35,7 @@ pub(super) fn material_of(code: u16) -> String {
     }
 }
 
-/// Codes of one material are one.
+/// Returns the first code with the material of `code`, or `code` itself if it is unknown.
 pub(super) fn joined(code: u16) -> u16 {
     let name = |code: u16| CLASSES.iter().find(|(known, ..)| *known == code).map(|(_, name, _)| name);
     CLASSES
@@ -42,7 +45,7 @@ pub(super) fn joined(code: u16) -> u16 {
         .unwrap_or(code)
 }
 
-/// States what the materials of known codes reflect.
+/// States the reflectances of the materials of known codes.
 pub(super) fn state(geometry: &mut Geometry) {
     for (_, name, reflectance) in CLASSES {
         geometry.stated.insert(name.to_owned(), Material::matt(name, reflectance, Class::Ground));
@@ -54,8 +57,8 @@ mod tests {
     use super::*;
     use crate::materials::select::class_of_name;
 
-    /// All 5 materials of known codes, and that of an unknown one, are of class ground by their names alone, so that terrain of them is one
-    /// surface.
+    /// The materials of known codes and that of an unknown one are of class ground by their names
+    /// alone, so that terrain of them is one surface.
     #[test]
     fn names_are_ground() {
         for code in [1, 2, 3, 4, 5, 6, 7, 12, NO_CLASS] {

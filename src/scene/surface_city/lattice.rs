@@ -1,4 +1,5 @@
-//! Values on a grid. In: places, by column and row, inside or outside of it. Out: the value there, or the one that stands for none.
+//! Values on a grid. In: spots, by column and row, inside or outside of the grid. Out: the value at
+//! a spot, or the value that stands for none.
 
 use std::collections::VecDeque;
 
@@ -8,45 +9,45 @@ pub(super) type Spot = [i64; 2];
 /// Steps to the four neighbours: east, south, west, north.
 pub(super) const STEPS: [Spot; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 
-/// The neighbour in one of the directions of [`STEPS`].
+/// Returns the neighbour in one of the directions of [`STEPS`].
 pub(super) fn beside(spot: Spot, step: Spot) -> Spot {
     [spot[0] + step[0], spot[1] + step[1]]
 }
 
-/// `[row][column]`, row 0 in the north.
+/// Grid of values, `[row][column]`, row 0 in the north.
 #[derive(Clone, Debug)]
 pub(super) struct Lattice<T> {
     pub columns: usize,
     pub rows: usize,
     values: Vec<T>,
-    /// What lies beyond the edges.
+    /// Value beyond the edges.
     none: T,
 }
 
 impl<T: Copy> Lattice<T> {
-    /// A grid that holds one value, which stands for what lies beyond its edges, too.
+    /// Returns a grid that holds one value, which also counts beyond its edges.
     pub(super) fn filled(columns: usize, rows: usize, none: T) -> Lattice<T> {
         Lattice { columns, rows, values: vec![none; columns * rows], none }
     }
 
-    /// A grid of the same size.
+    /// Returns a grid of the same size that holds one value.
     pub(super) fn like<U: Copy>(&self, none: U) -> Lattice<U> {
         Lattice::filled(self.columns, self.rows, none)
     }
 
-    /// Where the value of a place stands, if it is on the grid.
+    /// Returns the index of a spot's value, if the spot is on the grid.
     fn index(&self, [column, row]: Spot) -> Option<usize> {
         let (column, row) = (usize::try_from(column).ok()?, usize::try_from(row).ok()?);
         (column < self.columns && row < self.rows).then_some(row * self.columns + column)
     }
 
-    /// The value of a place.
+    /// Returns the value of a spot.
     #[inline]
     pub(super) fn at(&self, spot: Spot) -> T {
         self.index(spot).and_then(|index| self.values.get(index)).copied().unwrap_or(self.none)
     }
 
-    /// Sets the value of a place on the grid.
+    /// Sets the value of a spot on the grid.
     #[inline]
     pub(super) fn set(&mut self, spot: Spot, value: T) {
         if let Some(slot) = self.index(spot).and_then(|index| self.values.get_mut(index)) {
@@ -54,19 +55,20 @@ impl<T: Copy> Lattice<T> {
         }
     }
 
-    /// All places, row by row from the north-west.
+    /// Returns all spots, row by row from the north-west.
     pub(super) fn spots(&self) -> impl Iterator<Item = Spot> + use<T> {
         let (columns, rows) = (self.columns as i64, self.rows as i64);
         (0..rows).flat_map(move |row| (0..columns).map(move |column| [column, row]))
     }
 
-    /// The values, row by row.
+    /// Returns the values, row by row.
     pub(super) fn into_values(self) -> Vec<T> {
         self.values
     }
 
-    /// Numbers the pieces of those places that `belongs` takes, from 0 in the order of their first place; neighbours are of one piece if
-    /// `joins` says so. Gives the number of each place, `u32::MAX` for none, and the places of each piece.
+    /// Numbers the connected pieces of spots for which `belongs` is true, from 0 in the order of
+    /// their first spot; neighbours are connected if `joins` is true. Returns the number of each
+    /// spot, `u32::MAX` for none, and the spots of each piece.
     pub(super) fn pieces(
         &self,
         belongs: impl Fn(Spot) -> bool,
@@ -97,7 +99,8 @@ impl<T: Copy> Lattice<T> {
 }
 
 impl Lattice<f32> {
-    /// Gives each place without a height that of the nearest place with one, along rows and columns.
+    /// Gives each spot without a height the height of the nearest spot with one, along rows and
+    /// columns.
     pub(super) fn fill(&mut self) {
         let mut next: VecDeque<Spot> = self.spots().filter(|spot| !self.at(*spot).is_nan()).collect();
         while let Some(spot) = next.pop_front() {
@@ -115,7 +118,8 @@ impl Lattice<f32> {
 mod tests {
     use super::*;
 
-    /// Of 3 x 2 places, two touch along a side and one only at a corner: 2 pieces of 2 and 1; places beyond the edges hold nothing.
+    /// On a grid of 3 x 2, two spots that touch along a side are one piece, and a spot that touches
+    /// only at a corner is another. Spots beyond the edges hold nothing.
     #[test]
     fn pieces_hold_together_along_sides() {
         let mut grid = Lattice::filled(3, 2, 0_u8);
@@ -127,7 +131,7 @@ mod tests {
         assert_eq!((grid.at([3, 0]), grid.at([-1, 0])), (0, 0));
     }
 
-    /// A place without a height gets the 5 m of its neighbour, not the 9 m two places further.
+    /// A spot without a height gets the 5 m of its neighbour, not the 9 m two spots further.
     #[test]
     fn gaps_take_the_nearest_height() {
         let mut heights = Lattice::filled(4, 1, f32::NAN);

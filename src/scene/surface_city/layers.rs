@@ -1,5 +1,5 @@
-//! Rasters on one grid. In: a raster of surface heights in its place, and those that go with it, on any grid. Out: what each of them says
-//! of every cell of the first one.
+//! Rasters on one grid. In: a raster of surface heights in its place, and its companions on any
+//! grid. Out: the value of each raster in every cell of the first one.
 
 use std::path::Path;
 
@@ -9,10 +9,11 @@ use crate::surface_city::lattice::{Lattice, Spot};
 use crate::terrain::raster::{Grid, Raster};
 use heliotile_core::error::{Error, Result};
 
-/// A code that is none.
+/// Code of cells without land cover.
 pub(super) const NO_CLASS: u16 = u16::MAX;
 
-/// Most cells of a surface: its cells, corners and labels take some 100 bytes each while it becomes a city.
+/// Most cells of a surface: its cells, corners and labels take some 100 bytes each while it becomes
+/// a city.
 pub(crate) const MOST_CELLS: u64 = 1 << 25;
 
 /// A raster in its place, and its file for messages.
@@ -21,7 +22,7 @@ pub(crate) struct Layer<'a> {
     pub raster: Raster,
 }
 
-/// Those that go with a raster of surface heights.
+/// Companions of a raster of surface heights.
 #[derive(Default)]
 pub(crate) struct Companions<'a> {
     pub dem: Option<Layer<'a>>,
@@ -29,14 +30,14 @@ pub(crate) struct Companions<'a> {
     pub landcover: Option<Layer<'a>>,
 }
 
-/// What is known of each cell.
+/// Values of all rasters by cell.
 pub(super) struct Layers {
     pub grid: Grid,
-    /// Heights of roofs and ground, NaN where there is none.
+    /// Heights of roofs and ground; NaN in cells without a height.
     pub surface: Lattice<f32>,
     /// Heights of the ground.
     pub ground: Option<Lattice<f32>>,
-    /// Heights of crowns above the ground, 0 for none.
+    /// Heights of crowns above the ground; 0 for no crown.
     pub crown: Option<Lattice<f32>>,
     /// Codes of land cover.
     pub class: Option<Lattice<u16>>,
@@ -63,7 +64,7 @@ impl Layers {
         let crown = sampled(&with.canopy, nearest).map(|mut heights| {
             for spot in cells.spots() {
                 let height = heights.at(spot);
-                // Nothing is a crown of a height below 0.
+                // A height that is negative or NaN is no crown.
                 heights.set(spot, if height > 0.0 { height } else { 0.0 });
             }
             heights
@@ -81,30 +82,30 @@ impl Layers {
         Ok(Layers { grid, surface, ground: sampled(&with.dem, between), crown, class })
     }
 
-    /// Middle of a cell, relative to that of the first one, metres.
+    /// Returns the middle of a cell relative to that of the first one, metres.
     #[inline]
     pub(super) fn middle(&self, [column, row]: Spot) -> DVec2 {
         DVec2::new(column as f64, -(row as f64)) * self.grid.step
     }
 
-    /// North-west corner of a cell, relative to the middle of the first one, metres.
+    /// Returns the north-west corner of a cell relative to the middle of the first one, metres.
     #[inline]
     pub(super) fn corner(&self, [column, row]: Spot) -> DVec2 {
         DVec2::new(column as f64 - 0.5, 0.5 - row as f64) * self.grid.step
     }
 
-    /// Area of a cell, m2.
+    /// Returns the area of a cell, m2.
     pub(super) fn cell_m2(&self) -> f64 {
         self.grid.step.x * self.grid.step.y
     }
 
-    /// Width of a cell, metres.
+    /// Returns the width of a cell, metres.
     pub(super) fn cell_m(&self) -> f64 {
         self.grid.step.max_element()
     }
 }
 
-/// Refuses a surface that is too large to become a city at once.
+/// Checks that a surface is not too large to become a city at once.
 fn check_size(file: &Path, grid: &Grid) -> Result<()> {
     let cells = grid.columns as u64 * grid.rows as u64;
     if cells <= MOST_CELLS {
@@ -117,7 +118,8 @@ fn check_size(file: &Path, grid: &Grid) -> Result<()> {
     Err(Error::input(file, None, what, hint))
 }
 
-/// Refuses a raster of another coordinate system, and one that has no value on any cell of a surface.
+/// Checks that a raster has the coordinate system of a surface and a value on at least one of its
+/// cells.
 pub(super) fn check_place(dsm: &Layer, other: &Layer) -> Result<()> {
     if let (Some(one), Some(another)) = (dsm.raster.reference, other.raster.reference)
         && one != another
@@ -137,13 +139,14 @@ pub(super) fn check_place(dsm: &Layer, other: &Layer) -> Result<()> {
     Err(Error::input(other.file, None, what, "give rasters of one place, in one coordinate system"))
 }
 
-/// The sample whose cell a place lies in.
+/// Returns the sample whose cell holds a place.
 fn nearest(raster: &Raster, place: DVec2) -> f32 {
     let at = ((place - raster.grid.first) / raster.grid.step).round();
     raster.height(at.x as i64, -at.y as i64)
 }
 
-/// The height between four samples, or that of the nearest where one of them has none.
+/// Returns the height interpolated between four samples, or that of the nearest sample if one of
+/// them has none.
 fn between(raster: &Raster, place: DVec2) -> f32 {
     let at = (place - raster.grid.first) / raster.grid.step * DVec2::new(1.0, -1.0);
     let (low, part) = (at.floor(), at - at.floor());

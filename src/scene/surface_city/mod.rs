@@ -1,19 +1,24 @@
-//! Rasters as a city. In: a raster of surface heights and, if there are any, of the ground, of crowns and of land cover, each in its place.
-//! Out: polygons of buildings, ground and crowns. Only [`read`] opens files, and nothing here knows the rest of the scene.
+//! Cities from rasters. In: a raster of surface heights and optional rasters of the ground, of
+//! crowns and of land cover, each in its place. Out: polygons of buildings, ground and crowns. Only
+//! [`read`] opens files, and nothing here knows the rest of the scene.
 //!
 //! # From cells to faces
 //!
 //! 1. [`layers`] samples all rasters on the grid of the first one.
-//! 2. [`standing`] tells buildings from ground, [`roofs`] cuts their roofs into pieces with a plane each.
-//! 3. The plan is then a partition of cells: ground, pieces of roofs, nothing. [`outlines`] follows the lines between them, [`straight`]
-//!    draws these straight.
-//! 4. [`buildings`] writes a polygon for each piece of a roof and a wall wherever the two sides of a line differ in height; [`floor`] the
-//!    ground up to the same lines, [`crowns`] the canopies.
+//! 2. [`standing`] tells buildings from ground, [`roofs`] cuts their roofs into pieces with a plane
+//!    each.
+//! 3. The plan is then a partition of cells: ground, pieces of roofs, nothing. [`outlines`] follows
+//!    the lines between them, and [`straight`] draws these lines straight.
+//! 4. [`buildings`] writes a polygon for each piece of a roof and a wall wherever the two sides of
+//!    a line differ in height. [`floor`] writes the ground up to the same lines, and [`crowns`] the
+//!    canopies.
 //!
-//! Roofs are planes and not cells with a height each: a year's sums go by tilt and area, and a noise of 0.1 m on cells of 0.5 m tilts
-//! them by 11 degrees. Since each line is drawn once for both of its sides, and a wall stands on it, nothing gapes. Where straight lines would cross,
-//! they go from corner to corner of cells, and where these cross too, along the sides of cells. Ground that a line passes over is folded: its triangles
-//! that turn over are left out, and their neighbours lie on each other or below the roof, by at most the width of a cell and a half.
+//! Roofs are planes and not cells with a height each, because annual sums depend on tilt and area:
+//! a noise of 0.1 m on cells of 0.5 m tilts them by 11 degrees. Each line is drawn once for both of
+//! its sides, and a wall stands on it, so that no gap opens. Where straight lines would cross, they
+//! are drawn from corner to corner of cells, and where these cross too, along the sides of cells.
+//! Ground that a line passes over is folded: its triangles that turn over are left out, and their
+//! neighbours lie on each other or below the roof, by at most the width of a cell and a half.
 
 mod buildings;
 mod crowns;
@@ -52,22 +57,23 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::scene_object::ObjectNote;
 use heliotile_core::text::counted;
 
-/// Corners of ground beside a line give way by this share of what its corners moved.
+/// Share of the movement of a line's corners by which corners of ground beside the line move.
 const GIVES_WAY: f64 = 0.5;
 
 /// Steps to the eight corners around one.
 const AROUND: [Spot; 8] = [[-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
 
-/// So many times lines that cross others are drawn closer to their cells, before all of them are drawn along cells. Cities need 3.
+/// Most rounds in which crossing lines are drawn closer to their cells, before all lines are drawn
+/// along cells. Cities need 3.
 const ROUNDS: usize = 10;
 
-/// A city, and a sentence on what it is made of.
+/// A city, and a note on what it is made of.
 pub(crate) struct City {
     pub geometry: Geometry,
     pub note: String,
 }
 
-/// Makes a city of a raster of surface heights.
+/// Makes a city of a raster of surface heights and its companions.
 pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> Result<City> {
     let layers = Layers::new(dsm, with)?;
     let mut standing = standing(&layers, options);
@@ -135,14 +141,15 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
     Ok(City { geometry, note })
 }
 
-/// Where an object lies, by its most north-western cell in whole metres: tiles of a region call it the same.
+/// Returns the place of an object as a name: its most north-western cell in whole metres, so that
+/// tiles of a region agree on it.
 fn name_of(layers: &Layers, cells: &[Spot]) -> String {
     let first = cells.iter().min_by_key(|cell| (cell[1], cell[0])).copied().unwrap_or_default();
     let place = (layers.grid.first + layers.middle(first)).floor();
     format!("{:.0}_{:.0}", place.x, place.y)
 }
 
-/// Numbers of pieces: nothing, ground, roofs.
+/// Returns the number of each cell's piece: nothing, ground or a roof.
 fn pieces(standing: &Standing, roofs: &Roofs) -> Lattice<u32> {
     let mut pieces = roofs.piece.like(OUTSIDE);
     for cell in pieces.spots() {
@@ -157,11 +164,11 @@ fn pieces(standing: &Standing, roofs: &Roofs) -> Lattice<u32> {
     pieces
 }
 
-/// Lines as they are drawn.
+/// Lines of a city as they are drawn.
 struct Drawn {
     lines: Vec<Polyline>,
     moved: Moved,
-    /// Lines that stay along cells.
+    /// Number of lines that stay along cells.
     kept: usize,
 }
 
@@ -192,7 +199,7 @@ fn draw(layers: &Layers, chains: &[Chain], roofs: &Roofs, simple: &simple::Rings
     Drawn { moved: Moved::new(), lines, kept: chains.len() }
 }
 
-/// Where corners along lines lie; corners of ground beside them give way by half.
+/// Returns the places of corners along lines; corners of ground beside them move by half as much.
 fn moved(layers: &Layers, chains: &[Chain], lines: &[Polyline]) -> Moved {
     let mut moved = Moved::new();
     for (chain, line) in chains.iter().zip(lines) {
@@ -205,7 +212,7 @@ fn moved(layers: &Layers, chains: &[Chain], lines: &[Polyline]) -> Moved {
             let along = *b - *a;
             let mut shares: Vec<f64> = Vec::with_capacity(corners.len());
             for (i, corner) in corners.iter().enumerate() {
-                // Straight ahead for the most part, and always on.
+                // The share follows the direct line for the most part, and grows with every corner.
                 let ahead = (layers.corner(*corner) - *a).dot(along) / along.length_squared().max(1e-12);
                 shares.push((0.75 * ahead + 0.25 * i as f64 / count).clamp(0.0, 1.0));
             }
@@ -237,7 +244,8 @@ fn moved(layers: &Layers, chains: &[Chain], lines: &[Polyline]) -> Moved {
     moved
 }
 
-/// `[building]`: the height that walls without ground beside them go down to: the lowest ground beside the building, else that below it.
+/// Returns for each building the height that walls without ground beside them reach down to: the
+/// lowest ground beside the building, or else that below it.
 fn bases(standing: &Standing, chains: &[Chain], roofs: &Roofs, floor: &Floor) -> Vec<f64> {
     let mut bases = vec![f64::INFINITY; standing.cells.len()];
     for chain in chains.iter().filter(|chain| chain.left.min(chain.right) == GROUND) {

@@ -1,29 +1,30 @@
-//! Lines between pieces in plan. In: the piece of each cell. Out: chains of sides of cells from one junction to the next, with the piece to
-//! the left and that to the right of each.
+//! Lines between pieces in plan. In: the piece of each cell. Out: chains of sides of cells from one
+//! junction to the next, each with the pieces to its left and right.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::surface_city::lattice::{Lattice, STEPS, Spot, beside};
 
-/// The side of a line on which the raster has nothing.
+/// Number of the piece without a value in the raster.
 pub(super) const OUTSIDE: u32 = 0;
-/// Ground.
+/// Number of the piece of ground.
 pub(super) const GROUND: u32 = 1;
-/// The number of the first piece of a roof.
+/// Number of the first piece of a roof.
 pub(super) const FIRST_ROOF: u32 = 2;
 
-/// Sides of cells one after the other between the same two pieces.
+/// Consecutive sides of cells between the same two pieces.
 #[derive(Clone, Debug)]
 pub(super) struct Chain {
-    /// Corners of cells; the first one is the last one where the chain is closed.
+    /// Corners of cells; in a closed chain the first one is the last one.
     pub corners: Vec<Spot>,
-    /// What lies to the left of its direction.
+    /// Number of the piece to the left of its direction.
     pub left: u32,
-    /// What lies to the right.
+    /// Number of the piece to the right.
     pub right: u32,
 }
 
-/// The pieces to the left and to the right of the side that leaves a corner in a direction of [`STEPS`].
+/// Returns the pieces to the left and to the right of the side that leaves a corner in a direction
+/// of [`STEPS`].
 fn pieces_of_side(pieces: &Lattice<u32>, [column, row]: Spot, direction: usize) -> [u32; 2] {
     let (north_west, north_east) = ([column - 1, row - 1], [column, row - 1]);
     let (south_west, south_east) = ([column - 1, row], [column, row]);
@@ -36,7 +37,7 @@ fn pieces_of_side(pieces: &Lattice<u32>, [column, row]: Spot, direction: usize) 
     [pieces.at(left), pieces.at(right)]
 }
 
-/// Directions in which a line leaves a corner.
+/// Returns the directions in which lines leave a corner.
 fn lines_at(pieces: &Lattice<u32>, corner: Spot) -> impl Iterator<Item = usize> + '_ {
     (0..STEPS.len()).filter(move |direction| {
         let [left, right] = pieces_of_side(pieces, corner, *direction);
@@ -48,7 +49,7 @@ fn stepped(corner: Spot, direction: usize) -> Spot {
     STEPS.get(direction).map_or(corner, |step| beside(corner, *step))
 }
 
-/// Whether lines meet, end or change their pieces at a corner.
+/// Returns true if lines meet, end or change their pieces at a corner.
 fn is_junction(pieces: &Lattice<u32>, corner: Spot) -> bool {
     let found: Vec<usize> = lines_at(pieces, corner).collect();
     let pair = |direction: usize| {
@@ -61,9 +62,9 @@ fn is_junction(pieces: &Lattice<u32>, corner: Spot) -> bool {
     }
 }
 
-/// Finds all chains at roofs.
+/// Returns all chains at roofs.
 pub(super) fn chains(pieces: &Lattice<u32>) -> Vec<Chain> {
-    // Sides that were walked, by their western or northern corner and whether they run south.
+    // Sides walked so far, by their western or northern corner, and true if they run south.
     let mut walked: BTreeSet<(Spot, bool)> = BTreeSet::new();
     let side = |corner: Spot, direction: usize| match direction {
         0 | 1 => (corner, direction == 1),
@@ -110,12 +111,13 @@ pub(super) struct Link {
     pub forwards: bool,
 }
 
-/// Direction of a side between two corners.
+/// Returns the direction of a side between two corners.
 fn direction(from: Spot, to: Spot) -> usize {
     STEPS.iter().position(|step| beside(from, *step) == to).unwrap_or_default()
 }
 
-/// Rings around each piece of a roof, which lies to the left of them: the outline turns counter-clockwise, holes clockwise.
+/// Returns the rings around each piece of a roof, with the piece to their left: the outline turns
+/// counter-clockwise, holes clockwise.
 pub(super) fn rings(chains: &[Chain]) -> BTreeMap<u32, Vec<Vec<Link>>> {
     // Links of each piece by the corner that they begin at.
     let mut from: BTreeMap<(u32, Spot), Vec<Link>> = BTreeMap::new();
@@ -140,7 +142,8 @@ pub(super) fn rings(chains: &[Chain]) -> BTreeMap<u32, Vec<Vec<Link>>> {
             let Some(chain) = chains.get(link.chain) else { break };
             let Some([_, end]) = ends(chain, link.forwards) else { break };
             let along = last_direction(chain, link.forwards);
-            // At a corner where two cells of the piece touch, the ring stays with its cell: left before straight on before right.
+            // At a corner where two cells of the piece touch, the ring stays with its cell: left
+            // before straight on before right.
             let turn = |next: &Link| {
                 let out = chains.get(next.chain).map_or(0, |chain| first_direction(chain, next.forwards));
                 [1, 2, 3, 0].get((out + 4 - along) % 4).copied().unwrap_or(3)
@@ -156,13 +159,13 @@ pub(super) fn rings(chains: &[Chain]) -> BTreeMap<u32, Vec<Vec<Link>>> {
     found
 }
 
-/// Corners at which a chain begins and ends.
+/// Returns the corners at which a chain begins and ends.
 fn ends(chain: &Chain, forwards: bool) -> Option<[Spot; 2]> {
     let (first, last) = (*chain.corners.first()?, *chain.corners.last()?);
     Some(if forwards { [first, last] } else { [last, first] })
 }
 
-/// Direction of the last side of a chain.
+/// Returns the direction of the last side of a chain.
 fn last_direction(chain: &Chain, forwards: bool) -> usize {
     match (chain.corners.as_slice(), forwards) {
         ([.., a, b], true) | ([b, a, ..], false) => direction(*a, *b),
@@ -170,7 +173,7 @@ fn last_direction(chain: &Chain, forwards: bool) -> usize {
     }
 }
 
-/// Direction of the first side of a chain.
+/// Returns the direction of the first side of a chain.
 fn first_direction(chain: &Chain, forwards: bool) -> usize {
     match (chain.corners.as_slice(), forwards) {
         ([a, b, ..], true) | ([.., b, a], false) => direction(*a, *b),
@@ -191,7 +194,8 @@ mod tests {
         grid
     }
 
-    /// Two roofs side by side on ground have 3 chains, of 1, 3 and 5 sides, and a ring each of two chains.
+    /// Two roofs side by side on ground have 3 chains, of 1, 3 and 5 sides, and a ring each of two
+    /// chains.
     #[test]
     fn roofs_side_by_side() {
         let found = chains(&pieces(&["11111", "12231", "11111"]));
@@ -203,7 +207,8 @@ mod tests {
         assert!(rings.values().flatten().all(|ring| ring.len() == 2));
     }
 
-    /// A roof around a court has 2 closed chains and 2 rings; cells that touch at a corner make 2 rings of 6 chains.
+    /// A roof around a court has 2 closed chains and 2 rings; cells that touch at a corner make 2
+    /// rings of 6 chains.
     #[test]
     fn courts_and_corners() {
         let court = chains(&pieces(&["222", "212", "222"]));

@@ -1,5 +1,6 @@
-//! Files of rasters as a city. In: a part of a site that is a raster of surface heights, which was read, and the rasters that go with it, which are not.
-//! Out: the city in its place, and terrain where the raster of the ground goes on beyond it.
+//! Files of rasters as a city. In: a part of a site that is a raster of surface heights, already
+//! read, and its companions, not yet read. Out: the city in its place, and terrain where the raster
+//! of the ground goes on beyond it.
 
 use std::path::Path;
 
@@ -17,11 +18,11 @@ use crate::surface_rasters::SurfaceRasters;
 use crate::terrain::raster::{Grid, Raster};
 use heliotile_core::error::{Error, Result};
 
-/// Terrain that goes on below the edge of a city lies lower there, so that one ground hides the other, metres.
+/// Depth of terrain below the edge of a city, metres, so that the ground of the city hides it.
 const BELOW_EDGE_M: f32 = 0.5;
 
-/// Of a raster that is too large for one city, so much beyond the halo of a part of a region is read: buildings on the edge of the halo are
-/// whole.
+/// Margin around the halo of a region part that is read from a raster too large for one city,
+/// metres: buildings on the edge of the halo stay whole.
 const MARGIN_M: f64 = 100.0;
 
 /// Terrain beyond a city, in its place.
@@ -30,24 +31,24 @@ pub(crate) struct Beyond {
     pub raster: Raster,
 }
 
-/// What was read.
+/// A city, and the terrain beyond it.
 pub(crate) struct SurfaceRead {
     pub city: City,
     pub beyond: Option<Beyond>,
 }
 
-/// What the numbers of a raster are.
+/// Kind of the values of a raster.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Values {
-    /// Above sea level.
+    /// Heights above sea level.
     Heights,
-    /// Above the ground.
+    /// Heights above the ground.
     Differences,
-    /// Of classes.
+    /// Codes of classes.
     Codes,
 }
 
-/// Reads what goes with a raster of surface heights and makes a city of all.
+/// Reads the companions of a raster of surface heights and makes a city of all.
 pub(crate) fn read_surface(
     part: &Part,
     dsm: Raster,
@@ -67,7 +68,8 @@ pub(crate) fn read_surface(
     Ok(SurfaceRead { city, beyond })
 }
 
-/// Objects of a raster of any size, a window of so many cells a side after the other: what lies on an edge of one is in two.
+/// Returns the objects of a raster of any size, read in windows of `side` cells. An object on the
+/// edge of a window is in two of them.
 pub(crate) fn windows_of(
     part: &Part,
     dsm: Raster,
@@ -80,7 +82,8 @@ pub(crate) fn windows_of(
     let mut found = Vec::new();
     for row in (0..rows).step_by(side) {
         for column in (0..columns).step_by(side) {
-            // The last line of a window is the first one of the next: none is left alone.
+            // The last line of a window is the first one of the next, so that no line is left
+            // alone.
             let window = dsm.raster.cut(column..column + side + 1, row..row + side + 1);
             let known = window.filter(|raster| raster.heights.iter().any(|height| !height.is_nan()));
             if let Some(raster) = known {
@@ -91,7 +94,7 @@ pub(crate) fn windows_of(
     Ok(found)
 }
 
-/// What receivers in a part of a region may see of a surface.
+/// Returns the part of a surface that receivers in a part of a region may see.
 fn around<'a>(dsm: Layer<'a>, within: &RegionPart) -> Result<Layer<'a>> {
     let margin = within.halo_m + MARGIN_M;
     let [columns, rows] = dsm.raster.window(within.low - margin, within.high + margin);
@@ -108,7 +111,7 @@ struct Rasters<'a> {
     warnings: Vec<String>,
 }
 
-/// Reads what goes with a raster of surface heights and brings all to their places.
+/// Reads the companions of a raster of surface heights and brings all to their places.
 fn placed<'a>(
     part: &'a Part,
     dsm: Raster,
@@ -119,6 +122,8 @@ fn placed<'a>(
     let system = part.reference.or(frame.references()[0]).or(system);
     let mut warnings = Vec::new();
     let place = |raster: Raster, file: &Path, values: Values| -> Result<Raster> {
+        // Differences and codes are no heights above sea level: vertical offsets do not apply to
+        // them.
         let level = values == Values::Heights;
         let own = Part {
             file: file.to_owned(),
@@ -126,6 +131,7 @@ fn placed<'a>(
             elevation_m: part.elevation_m.filter(|_| level),
             ..part.clone()
         };
+        // Placing a raster scales its values, which codes must keep.
         let codes = (values == Values::Codes).then(|| raster.heights.clone());
         let mut placed = raster.placed(&own, frame, system)?;
         if let Some(codes) = codes {
@@ -156,12 +162,12 @@ fn placed<'a>(
     Ok(Rasters { dsm, with, warnings })
 }
 
-/// The error of a file that is no raster where one is asked for.
+/// Returns the error for a file that should be a raster and is none.
 pub(crate) fn no_raster(file: &Path) -> Error {
     Error::input(file, None, "is no raster", "give a GeoTIFF or an Esri ASCII grid")
 }
 
-/// The ground without what lies below a city; `None` where nothing else is left.
+/// Returns the raster of the ground without the part below a city; `None` if nothing else is left.
 fn beyond(part: &Part, dsm: &Raster, dem: Layer) -> Option<Beyond> {
     let Layer { file, mut raster } = dem;
     let half = 0.5 * dsm.grid.step;

@@ -1,9 +1,12 @@
-//! Roofs as planes. In: cells of buildings with their heights. Out: pieces of roofs, each with a plane and the cells that it covers; what hangs half
-//! over the edge of a building, as cells that a wall cuts do, goes to the ground.
+//! Roofs as planes. In: cells of buildings with their heights. Out: pieces of roofs, each with a
+//! plane and the cells that it covers. Cells that hang half over the edge of a building, because a
+//! wall cuts them, become ground.
 //!
-//! Pieces grow from cells whose surroundings are flattest (region growing, Rabbani, van den Heuvel and Vosselman 2006): a neighbour joins if no
-//! step lies between, its height is within [`NEAR_M`] of the plane and its own surroundings lean the same way. Pieces whose heights
-//! fit one plane as well as two are joined, small ones and cells that are left go to the piece beside them that is nearest in height.
+//! Pieces grow from the cells whose surroundings are flattest (region growing, Rabbani, van den
+//! Heuvel and Vosselman 2006). A neighbour joins if no step lies between, its height is within
+//! [`NEAR_M`] of the plane and its own surroundings lean the same way. Pieces whose heights fit one
+//! plane as well as two are joined. Small pieces and left cells go to the piece beside them that is
+//! nearest in height.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -14,17 +17,21 @@ use crate::surface_city::layers::Layers;
 use crate::surface_city::plane::{Plane, Sums};
 use crate::surface_city::standing::Standing;
 
-/// Heights within this of a plane may be its own: three times the noise of lidar and of photogrammetry on roofs (0.05 to 0.15 m).
+/// Largest distance of a height from its plane, metres: three times the noise of lidar and of
+/// photogrammetry on roofs (0.05 to 0.15 m).
 const NEAR_M: f64 = 0.45;
-/// Cells lean the same way as a plane within 25 degrees (cosine).
+/// Least cosine of the angle between a cell's surroundings and the plane that it joins (25
+/// degrees).
 const SAME_WAY: f64 = 0.906;
-/// Two pieces are one if their heights are within this of one plane, root mean square, or nearly as near as they are to their own planes.
+/// Root mean square of the distances of two pieces' heights from one plane, metres, up to which the
+/// pieces are joined; and its largest ratio to that from their own planes.
 const ONE_PLANE_M: f64 = 0.15;
 const NEARLY: f64 = 1.15;
 /// Least area of a piece of a roof, m2, and its least number of cells.
 const LEAST_PIECE_M2: f64 = 4.0;
 const LEAST_CELLS: usize = 5;
-/// A cell goes over to the plane beside it if that is nearer by this, metres; so often all are looked at.
+/// Least gain in distance for which a cell changes to the plane beside it, metres, and number of
+/// rounds over all cells.
 const NEARER_M: f64 = 0.03;
 const ROUNDS: usize = 4;
 
@@ -34,20 +41,22 @@ pub(super) struct RoofPiece {
     /// Number of its building.
     pub building: u32,
     pub plane: Plane,
-    /// Cells that the plane is fitted to, and the root mean square of what they are off it, metres.
+    /// Number of cells that the plane is fitted to, and root mean square of their distances from
+    /// it, metres.
     cells: f64,
     off_m: f64,
 }
 
 /// Roofs of all buildings.
 pub(super) struct Roofs {
-    /// `[cell]`: number of its piece, `u32::MAX` for none; cells of one piece hold together along sides.
+    /// Number of each cell's piece, `[cell]`; `u32::MAX` for none. Cells of one piece are connected
+    /// along sides.
     pub piece: Lattice<u32>,
     pub list: Vec<RoofPiece>,
 }
 
 impl Roofs {
-    /// Root mean square of what cells of roofs are off their planes, metres.
+    /// Returns the root mean square of the distances of cells of roofs from their planes, metres.
     pub(super) fn off_m(&self) -> f64 {
         let cells: f64 = self.list.iter().map(|roof| roof.cells).sum();
         let squares: f64 = self.list.iter().map(|roof| roof.cells * roof.off_m * roof.off_m).sum();
@@ -55,7 +64,7 @@ impl Roofs {
     }
 }
 
-/// A piece that grows.
+/// Pieces of roofs while they grow.
 struct Growing<'a> {
     layers: &'a Layers,
     building: &'a Lattice<u32>,
@@ -73,7 +82,7 @@ struct Around {
 
 const NONE: u32 = u32::MAX;
 
-/// Finds the planes of roofs. Cells at the edges of buildings may go to the ground.
+/// Finds the planes of roofs. Cells at the edges of buildings may become ground.
 pub(super) fn roofs(layers: &Layers, standing: &mut Standing, step_m: f64) -> Roofs {
     let piece = standing.building.like(NONE);
     let mut growing = Growing { layers, building: &standing.building, step_m, piece, sums: Vec::new() };
@@ -107,7 +116,7 @@ impl Growing<'_> {
         self.sums.get(number as usize).map(Sums::plane)
     }
 
-    /// Neighbours of the same building without a step between.
+    /// Returns the neighbours in the same building without a step between.
     fn near(&self, spot: Spot) -> impl Iterator<Item = Spot> + '_ {
         let (own, height) = (self.building.at(spot), self.height(spot));
         let around = STEPS.map(|step| beside(spot, step)).into_iter();
@@ -116,7 +125,7 @@ impl Growing<'_> {
     }
 
     fn around(&self, spot: Spot) -> Around {
-        // Smaller cells are noisier for their slope: 3 m or so are looked at.
+        // Slopes of smaller cells are noisier, so that the surroundings are some 3 m wide.
         let reach = if self.layers.cell_m() < 0.75 { 2 } else { 1 };
         let (own, height, mut sums) = (self.building.at(spot), self.height(spot), Sums::default());
         let origin = self.layers.middle(spot);
@@ -137,7 +146,7 @@ impl Growing<'_> {
     fn grow(&mut self, cells: &[Spot]) {
         let mut seeds: Vec<(Spot, Around)> = cells.iter().map(|spot| (*spot, self.around(*spot))).collect();
         let known: BTreeMap<Spot, Around> = seeds.iter().copied().collect();
-        // A stable sort: ties stay from north-west.
+        // The sort is stable: ties stay in the order from the north-west.
         seeds.sort_by(|a, b| a.1.off_m.total_cmp(&b.1.off_m));
         let least = self.least();
         let mut tried = BTreeSet::new();
@@ -179,8 +188,8 @@ impl Growing<'_> {
         ((LEAST_PIECE_M2 / self.layers.cell_m2()).ceil() as usize).max(LEAST_CELLS)
     }
 
-    /// Gives cells that are left to the pieces beside them, first those that are near in height; what no piece is near to makes one of its
-    /// own if it is wide enough.
+    /// Gives left cells to the pieces beside them, first the cells near in height. Cells that are
+    /// near to no piece make one of their own if they are enough and wide enough.
     fn dilate(&mut self, cells: &[Spot]) {
         self.spread(cells, self.step_m);
         let left: Vec<Spot> = cells.iter().copied().filter(|spot| self.piece.at(*spot) == NONE).collect();
@@ -230,7 +239,7 @@ impl Growing<'_> {
         }
     }
 
-    /// Which of some pieces is nearest to a cell, and how far it is from its plane.
+    /// Returns the nearest of some pieces to a cell, and the cell's distance from its plane.
     fn nearest(&self, spot: Spot, pieces: impl Iterator<Item = u32>) -> Option<(u32, f64)> {
         let place = self.layers.middle(spot);
         let off = |number: u32| self.plane(number).map(|plane| (number, (self.height(spot) - plane.at(place)).abs()));
@@ -253,7 +262,7 @@ impl Growing<'_> {
             }
             number
         };
-        // Until nothing more joins: pieces are few.
+        // All pairs are tried until nothing more joins: pieces are few.
         loop {
             let mut best: Option<(f64, u32, u32)> = None;
             for [a, b] in pairs.keys() {
@@ -288,7 +297,7 @@ impl Growing<'_> {
         }
     }
 
-    /// Lets cells between two planes go to the nearer one.
+    /// Moves cells between two planes to the nearer one.
     fn settle(&mut self, cells: &[Spot]) {
         let planes: Vec<Plane> = self.sums.iter().map(Sums::plane).collect();
         let off = |grown: &Self, spot: Spot, number: u32| {
@@ -305,7 +314,8 @@ impl Growing<'_> {
                 for &other in others.iter().filter(|other| **other != own && **other != NONE) {
                     let joined = others.iter().filter(|number| **number == other).count();
                     let then = off(self, spot, other);
-                    // A cell that most of its neighbours surround joins them where that costs little.
+                    // A cell that neighbours of another piece surround joins them if that costs
+                    // little.
                     let gain = if joined >= 3 && alike <= 1 { NEAR_M / 2.0 } else { -NEARER_M };
                     if then < now + gain && joined + 1 >= alike {
                         changes.push((spot, other));
@@ -321,7 +331,7 @@ impl Growing<'_> {
     }
 }
 
-/// Pieces of a list of cells that hold together.
+/// Returns the connected pieces of a list of cells.
 fn pieces_of(
     cells: &[Spot],
     belongs: impl Fn(Spot) -> bool,
@@ -345,7 +355,8 @@ fn pieces_of(
     found
 }
 
-/// Gives cells at the edge of a building that are nearer to the ground than to the roof back to the ground: a wall cuts them.
+/// Returns cells at the edge of a building to the ground if they are nearer to it than to the roof:
+/// a wall cuts such cells.
 fn give_back(layers: &Layers, standing: &mut Standing, piece: &mut Lattice<u32>) {
     let mut sums: BTreeMap<u32, Sums> = BTreeMap::new();
     for spot in piece.spots().filter(|spot| piece.at(*spot) != NONE) {
@@ -373,7 +384,8 @@ fn give_back(layers: &Layers, standing: &mut Standing, piece: &mut Lattice<u32>)
     }
 }
 
-/// Numbers pieces so that each holds together; small ones go to the neighbour that they share most sides with. Planes are those of the cells.
+/// Numbers pieces so that each is connected; small ones go to the neighbour with which they share
+/// most sides. Planes are those of the cells.
 fn whole(layers: &Layers, standing: &Standing, piece: &Lattice<u32>) -> Roofs {
     let building = &standing.building;
     let joins = |piece: &Lattice<u32>, a: Spot, b: Spot| piece.at(a) == piece.at(b) && building.at(a) == building.at(b);
@@ -398,7 +410,8 @@ fn whole(layers: &Layers, standing: &Standing, piece: &Lattice<u32>) -> Roofs {
     Roofs { piece, list }
 }
 
-/// The plane of a piece, without cells that stand out of it: chimneys, cells that a wall cuts.
+/// Returns the plane of a piece, fitted without cells that stand out: chimneys, cells that a wall
+/// cuts.
 fn fitted(layers: &Layers, building: &Lattice<u32>, cells: &[Spot]) -> RoofPiece {
     let origin = cells.first().map(|spot| layers.middle(*spot)).unwrap_or_default();
     let sums_of = |takes: &dyn Fn(DVec2, f64) -> bool| {

@@ -1,4 +1,5 @@
-//! Outlines that do not cross themselves. In: rings of pieces of roofs as they are drawn. Out: the chains that keep them from being outlines.
+//! Check for outlines that cross themselves. In: rings of pieces of roofs as they are drawn. Out:
+//! the chains that make them cross.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,11 +12,11 @@ use crate::surface_city::layers::Layers;
 use crate::surface_city::outlines::{FIRST_ROOF, Link};
 use crate::surface_city::straight::Polyline;
 
-/// A piece keeps between these shares of the area of its cells, but for what half a cell along its outline is.
+/// Least and largest area of a drawn piece, as shares of the area of its cells.
 const LEAST_AREA: f64 = 0.5;
 const MOST_AREA: f64 = 1.6;
 
-/// Rings by piece, and how many cells each piece has.
+/// Rings by piece, and the number of cells of each piece.
 pub(super) struct Rings<'a> {
     rings: &'a BTreeMap<u32, Vec<Vec<Link>>>,
     cells: BTreeMap<u32, usize>,
@@ -30,7 +31,8 @@ impl<'a> Rings<'a> {
         Rings { rings, cells }
     }
 
-    /// Chains that cross others of their piece; of a piece that turns over or is of another area than its cells, all.
+    /// Returns the chains that cross others of their piece, and all chains of a piece that turns
+    /// over or whose area differs too much from that of its cells.
     pub(super) fn crossed(&self, layers: &Layers, lines: &[Polyline]) -> BTreeSet<usize> {
         let mut found = BTreeSet::new();
         for (piece, rings) in self.rings {
@@ -55,13 +57,13 @@ struct Side {
     chain: usize,
 }
 
-/// Sides of a chain as it is drawn.
+/// Returns the sides of a chain as it is drawn.
 fn sides_of(lines: &[Polyline], chain: usize) -> Vec<Side> {
     let points = lines.get(chain).map(|line| line.points.as_slice()).unwrap_or_default();
     points.array_windows().map(|ends| Side { ends: *ends, chain }).collect()
 }
 
-/// Chains whose sides cross each other, or lie on each other in part.
+/// Returns the chains whose sides cross each other, or partly lie on each other.
 fn crossing(mut sides: Vec<Side>) -> BTreeSet<usize> {
     let low = |side: &Side| side.ends[0].x.min(side.ends[1].x);
     let high = |side: &Side| side.ends[0].x.max(side.ends[1].x);
@@ -76,14 +78,14 @@ fn crossing(mut sides: Vec<Side>) -> BTreeSet<usize> {
     found
 }
 
-/// Whether two sides have a point in common that is no corner of both.
+/// Returns true if two sides have a point in common that is not a corner of both.
 fn cross([a, b]: &[DVec2; 2], [c, d]: &[DVec2; 2]) -> bool {
     let shared = [c, d].into_iter().filter(|corner| *corner == a || *corner == b).count();
     let turn = |p: &DVec2, q: &DVec2, r: &DVec2| (*q - *p).perp_dot(*r - *p);
     let (one, two) = (turn(a, b, c), turn(a, b, d));
     let (three, four) = (turn(c, d, a), turn(c, d, b));
     if shared > 0 {
-        // Back along the same line.
+        // The second side may run back along the first one.
         let (corner, p) = if a == c || a == d { (a, b) } else { (b, a) };
         let q = if corner == c { d } else { c };
         let flat = turn(corner, p, q).abs() < 1e-9 * (*p - *corner).length() * (*q - *corner).length();
@@ -96,7 +98,8 @@ fn cross([a, b]: &[DVec2; 2], [c, d]: &[DVec2; 2]) -> bool {
 mod tests {
     use super::*;
 
-    /// A square and one with a hole in it cross nothing, a bow tie and a square whose hole leaves it do: 2 of 4.
+    /// A square and a square with a hole cross nothing; a bow tie and a square whose hole leaves it
+    /// do: 2 of 4.
     #[test]
     fn bow_ties_cross() {
         let ring = |corners: &[[f64; 2]]| corners.iter().map(|corner| DVec2::from(*corner)).collect::<Vec<_>>();

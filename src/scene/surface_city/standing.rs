@@ -1,10 +1,11 @@
-//! Which cells are buildings. In: heights of surface and ground, crowns, land cover. Out: the building of each cell, and the height of the
-//! ground on all others.
+//! Cells of buildings. In: heights of surface and ground, crowns, land cover. Out: the building of
+//! each cell, and the height of the ground on all others.
 //!
-//! With a raster of the ground a cell stands where the surface is more than [`LEAST_STEP_M`] above it; a code of land cover for
-//! buildings counts from half of that. Without one, cells without a step between them hold together, and a piece of them stands if it is the higher one
-//! on more than half of the length of its steps: streets and courts lie lower than what is around them, roofs and podiums higher. Cells
-//! that stand together on less than the least area are none.
+//! With a raster of the ground a cell stands if the surface is more than [`LEAST_STEP_M`] above it;
+//! with a land cover code of buildings half of that is enough. Without such a raster, cells without
+//! a step between them are connected, and a piece of them stands if it is the higher one on more
+//! than half of the length of its steps: streets and courts lie lower than their surroundings,
+//! roofs and podiums higher. Standing pieces smaller than the least area are no buildings.
 
 use std::collections::BTreeMap;
 
@@ -13,21 +14,21 @@ use crate::surface_city::lattice::{Lattice, STEPS, Spot, beside};
 use crate::surface_city::layers::Layers;
 use crate::surface_rasters::{LEAST_STEP_M, SurfaceRasters};
 
-/// Crowns below this are hedges and noise, metres.
+/// Least height of a crown, metres: lower ones are hedges and noise.
 pub(super) const LEAST_CROWN_M: f32 = 1.0;
 
-/// A surface that is so near to the top of a crown shows the crown, metres.
+/// Largest difference between a surface and the top of a crown that it shows, metres.
 const SAME_AS_CROWN_M: f32 = 1.5;
 
 /// Buildings and ground.
 pub(super) struct Standing {
-    /// `[cell]`: number of its building, `u32::MAX` for none.
+    /// Number of each cell's building, `[cell]`; `u32::MAX` for none.
     pub building: Lattice<u32>,
     /// Cells of each building, from the north-west.
     pub cells: Vec<Vec<Spot>>,
-    /// `[cell]`: height of the ground where there is no building, NaN where none is known.
+    /// Height of the ground in cells without a building, `[cell]`; NaN if it is not known.
     pub ground: Lattice<f32>,
-    /// `[cell]`: height of the ground everywhere, if that is known.
+    /// Height of the ground in all cells, `[cell]`, if it is known.
     pub below: Option<Lattice<f32>>,
 }
 
@@ -70,7 +71,7 @@ pub(super) fn standing(layers: &Layers, options: &SurfaceRasters) -> Standing {
         ground.set(spot, height);
     }
     if gaps {
-        // What is too small for a building stands on what is around it.
+        // Pieces too small for a building get the ground around them.
         let mut filled = ground.clone();
         filled.fill();
         for spot in stands.spots().filter(|spot| small.at(*spot)) {
@@ -80,7 +81,7 @@ pub(super) fn standing(layers: &Layers, options: &SurfaceRasters) -> Standing {
     Standing { building, cells, ground, below }
 }
 
-/// Cells that stand above a known ground.
+/// Returns true for cells that stand above a known ground.
 fn above_ground(layers: &Layers) -> Lattice<bool> {
     let mut stands = layers.surface.like(false);
     let Some(mut ground) = layers.ground.clone() else { return stands };
@@ -98,13 +99,13 @@ fn above_ground(layers: &Layers) -> Lattice<bool> {
     stands
 }
 
-/// Cells that stand higher than what is around them; `least` cells make a piece.
+/// Returns true for cells that stand higher than their surroundings; `least` cells make a piece.
 fn by_steps(layers: &Layers, step_m: f64, least: usize) -> Lattice<bool> {
     let height = |spot: Spot| layers.surface.at(spot);
     let joins = |a: Spot, b: Spot| f64::from((height(a) - height(b)).abs()) <= step_m;
     let (mut number, pieces) = layers.surface.pieces(|spot| !height(spot).is_nan(), joins);
     join_small(&mut number, &pieces, least, height);
-    // Of each piece the steps down and up, in sides of cells.
+    // Steps down and up of each piece, in sides of cells.
     let mut steps: BTreeMap<u32, [usize; 2]> = BTreeMap::new();
     for spot in number.spots() {
         let own = number.at(spot);
@@ -124,7 +125,8 @@ fn by_steps(layers: &Layers, step_m: f64, least: usize) -> Lattice<bool> {
     stands
 }
 
-/// Gives cells of small pieces, such as those that a wall cuts, to the larger piece beside them that is nearest in height.
+/// Gives cells of small pieces, such as those that a wall cuts, to the larger piece beside them
+/// that is nearest in height.
 fn join_small(number: &mut Lattice<u32>, pieces: &[Vec<Spot>], least: usize, height: impl Fn(Spot) -> f32) {
     let is_small = |number: u32| pieces.get(number as usize).is_some_and(|piece| piece.len() < least);
     let mut open: Vec<Spot> = pieces.iter().filter(|piece| piece.len() < least).flatten().copied().collect();

@@ -1,9 +1,11 @@
-//! Lines between pieces made straight. In: chains of sides of cells. Out: a polyline for each, along lines that fit the middles of its sides.
+//! Straight lines between pieces. In: chains of sides of cells. Out: a polyline for each chain,
+//! along lines that fit the middles of its sides.
 //!
-//! The line between cells of two pieces goes through the middles of the sides between them, give or take half a cell, whatever its
-//! direction; a staircase of sides is up to 1.41 times as long. A chain is cut where its sides are more than [`OFF_LINE`] cells off one line
-//! (Douglas and Peucker 1973, with fitted lines in place of chords), and neighbouring lines meet in corners. Where two planes of a roof
-//! meet, the line is theirs: a ridge, a valley.
+//! The line between cells of two pieces goes through the middles of the sides between them, within
+//! half a cell, whatever its direction; a staircase of sides is up to 1.41 times as long. A chain
+//! is cut where its sides are more than [`OFF_LINE`] cells off one line (Douglas and Peucker 1973,
+//! with fitted lines in place of chords), and neighbouring lines meet in corners. Where two planes
+//! of a roof meet, the line is their intersection: a ridge, a valley.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -15,31 +17,35 @@ use crate::surface_city::layers::Layers;
 use crate::surface_city::outlines::Chain;
 use crate::surface_city::plane::Plane;
 
-/// Middles of sides lie within this of their line, cells: half a cell by the grid, the rest is noise.
+/// Largest distance of middles of sides from their line, cells: half a cell by the grid, the rest
+/// is noise.
 const OFF_LINE: f64 = 0.75;
-/// Where planes meet within this of a chain, cells, the line is theirs.
+/// Largest distance of a chain from the line in which two planes meet, cells, for which that line
+/// is drawn.
 const OFF_RIDGE: f64 = 2.0;
-/// Planes whose slopes differ by less do not meet in a line that cells tell.
+/// Least difference between the slopes of planes that meet in a line that cells show.
 const LEAST_BEND: f64 = 0.08;
-/// Corners move at most so far, cells.
+/// Largest movement of a corner, cells.
 const MOST_MOVED: f64 = 1.5;
-/// How much a corner is held back in the direction in which no line says where it is, and where lines nearly run alike.
+/// Weight that holds a corner in the direction that no line determines, and weight for lines that
+/// nearly run alike.
 const HELD: f64 = 1e-3;
 const HELD_FAST: f64 = 0.3;
 
-/// How a chain is drawn. Each kind strays less from the sides of its cells than the one before it.
+/// Ways to draw a chain. Each one keeps closer to the sides of the cells than the one before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Drawing {
-    /// Along lines that fit the middles of its sides.
+    /// Along lines that fit the middles of the sides.
     Fitted,
-    /// Straight from one corner of cells to another; these are where the fitted lines would meet.
+    /// Straight from one corner of cells to another, between the corners where the fitted lines
+    /// would meet.
     Chords,
-    /// Along all of its sides.
+    /// Along all sides of cells.
     Cells,
 }
 
 impl Drawing {
-    /// The kind that strays less.
+    /// Returns the way that keeps closer to the cells.
     pub(super) fn closer(self) -> Drawing {
         match self {
             Drawing::Fitted => Drawing::Chords,
@@ -52,7 +58,7 @@ impl Drawing {
 #[derive(Clone, Copy, Debug)]
 struct Line {
     point: DVec2,
-    /// Of length 1.
+    /// Normal of length 1.
     normal: DVec2,
     weight: f64,
 }
@@ -69,11 +75,12 @@ struct Stretch {
 pub(super) struct Polyline {
     /// Corners in plan.
     pub points: Vec<DVec2>,
-    /// `[point]`: its place among the corners of the chain.
+    /// Index of each point among the corners of the chain, `[point]`.
     pub corners: Vec<usize>,
 }
 
-/// Draws chains. `planes` are those of the two pieces of a chain of roofs, `drawings` has a kind for each chain.
+/// Draws chains. `planes` returns the planes of both pieces of a chain between roofs; `drawings`
+/// has a way for each chain.
 pub(super) fn straightened(
     chains: &[Chain],
     layers: &Layers,
@@ -82,7 +89,7 @@ pub(super) fn straightened(
 ) -> Vec<Polyline> {
     let cell = layers.cell_m();
     let mut all: Vec<Vec<Stretch>> = Vec::new();
-    // Lines that end at a corner; none where a chain that is not fitted ends there.
+    // Lines that end at a corner; `None` if a chain that is not fitted ends there.
     let mut at_nodes: HashMap<Spot, Option<Vec<Line>>> = HashMap::new();
     for (chain, drawing) in chains.iter().zip(drawings) {
         let places: Vec<DVec2> = chain.corners.iter().map(|corner| layers.corner(*corner)).collect();
@@ -120,7 +127,8 @@ pub(super) fn straightened(
         .collect()
 }
 
-/// Draws a chain through the corners at which its stretches meet; through all of its corners if it has no stretches.
+/// Draws a chain through the corners at which its stretches meet, or through all of its corners if
+/// it has no stretches.
 fn polyline(
     chain: &Chain,
     stretches: &[Stretch],
@@ -146,7 +154,7 @@ fn polyline(
     line
 }
 
-/// Where lines meet near a place: least squares of the distances from them.
+/// Returns the place near a corner where lines meet, by least squares of the distances from them.
 fn meeting(place: DVec2, lines: &[Line], cell: f64) -> DVec2 {
     let held = |held: f64| {
         let (mut xx, mut xy, mut yy, mut by) = (held, 0.0, held, DVec2::ZERO);
@@ -163,7 +171,7 @@ fn meeting(place: DVec2, lines: &[Line], cell: f64) -> DVec2 {
     place + moved.unwrap_or_default()
 }
 
-/// The line in which two planes meet, if it runs along a chain.
+/// Returns the line in which two planes meet, if it runs along a chain.
 fn ridge(places: &[DVec2], a: Plane, b: Plane, cell: f64) -> Option<Line> {
     let bend = a.slope - b.slope;
     if bend.length() < LEAST_BEND {
@@ -191,6 +199,7 @@ fn stretches(places: &[DVec2], cell: f64) -> Vec<Stretch> {
     let mut open: Vec<Range<usize>> = std::iter::once(0..middles.len()).collect();
     let mut found: Vec<Range<usize>> = Vec::new();
     while let Some(sides) = open.pop() {
+        // A closed stretch has no chord, so that it is always cut.
         let is_closed = places.get(sides.start) == places.get(sides.end);
         match farthest(places, &sides).filter(|_| is_closed || !fits(&sides, &fit(&sides))) {
             Some(at) => open.extend([at..sides.end, sides.start..at]),
@@ -212,7 +221,7 @@ fn stretches(places: &[DVec2], cell: f64) -> Vec<Stretch> {
     joined.into_iter().map(|sides| Stretch { line: fit(&sides), sides }).collect()
 }
 
-/// Moves cuts by some sides to where the lines on both sides fit best.
+/// Moves cuts by a few sides to where the lines on both sides fit best.
 fn settle(stretches: &mut [Range<usize>], squares: impl Fn(&Range<usize>) -> f64) {
     const MOST: usize = 3;
     for i in 1..stretches.len() {
@@ -235,7 +244,8 @@ fn squares(middles: &[DVec2], sides: &Range<usize>, line: &Line) -> f64 {
     found.iter().map(|middle| line.normal.dot(*middle - line.point).powi(2)).sum()
 }
 
-/// The corner of a stretch that is farthest from its chord, or from its start where it is closed.
+/// Returns the corner of a stretch that is farthest from its chord, or from its start if it is
+/// closed.
 fn farthest(places: &[DVec2], sides: &Range<usize>) -> Option<usize> {
     let (from, to) = (*places.get(sides.start)?, *places.get(sides.end)?);
     let along = (to - from).normalize_or_zero();
@@ -246,7 +256,7 @@ fn farthest(places: &[DVec2], sides: &Range<usize>) -> Option<usize> {
     found.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).map(|(_, at)| at)
 }
 
-/// The line of least squares through the middles of sides.
+/// Returns the line of least squares through the middles of sides.
 fn fitted(places: &[DVec2], middles: &[DVec2], sides: &Range<usize>) -> Line {
     let found = middles.get(sides.clone()).unwrap_or_default();
     let count = found.len().max(1) as f64;
@@ -257,7 +267,7 @@ fn fitted(places: &[DVec2], middles: &[DVec2], sides: &Range<usize>) -> Line {
         xy += off.x * off.y;
         yy += off.y * off.y;
     }
-    // The direction in which the middles spread most.
+    // The middles spread most in the direction of the line.
     let turn = 0.5 * (2.0 * xy).atan2(xx - yy);
     let mut along = DVec2::from_angle(turn);
     if found.len() < 2 {
@@ -271,8 +281,8 @@ fn fitted(places: &[DVec2], middles: &[DVec2], sides: &Range<usize>) -> Line {
 mod tests {
     use super::*;
 
-    /// A staircase of 40 sides along a line of 3 in 4 is 1 stretch whose line is within 1 degree of it; an L of 8 and 6 sides is 2 stretches that meet
-    /// in its corner within 0.01 of a cell.
+    /// A staircase of 40 sides along a line of 3 in 4 is 1 stretch whose slope is within 0.03 of
+    /// it. An L of 8 and 6 sides is 2 stretches that meet in its corner within 0.01 of a cell.
     #[test]
     fn lines_of_staircases() {
         let (mut places, mut at) = (vec![DVec2::ZERO], DVec2::ZERO);

@@ -1,4 +1,5 @@
-//! Cities of rasters that are made here: blocks, gables, noise, crowns, and what is no raster of a city at all.
+//! Tests of cities from generated rasters: blocks, gables, noise, crowns, and rasters that are no
+//! city at all.
 
 use std::path::Path;
 
@@ -8,7 +9,7 @@ use super::*;
 use crate::semantics::SurfaceKind;
 use crate::terrain::raster::{Grid, Raster};
 
-/// A raster of a function of the place, cells of a width.
+/// Returns a raster of a function of the place, with cells of a width.
 fn raster(columns: usize, rows: usize, cell_m: f64, height: impl Fn(DVec2) -> f64) -> Raster {
     let grid = Grid { columns, rows, first: DVec2::new(1000.0, 2000.0), step: DVec2::splat(cell_m) };
     let place = |i: usize| DVec2::new((i % columns) as f64, -((i / columns) as f64)) * cell_m;
@@ -19,25 +20,25 @@ fn layer(raster: Raster) -> Layer<'static> {
     Layer { file: Path::new("r.tif"), raster }
 }
 
-/// Noise of -1 to 1 by place, the same each time.
+/// Returns noise of -1 to 1 that depends on the place alone.
 fn noise(place: DVec2) -> f64 {
     let x = (place.x * 12.9898 + place.y * 78.233).sin() * 43_758.545_3;
     2.0 * (x - x.floor()) - 1.0
 }
 
-/// A place in a frame that is turned about a point of the raster.
+/// Returns a place in a frame that is turned about a point of the raster.
 fn turned(place: DVec2, degrees: f64) -> DVec2 {
     DVec2::from_angle(-degrees.to_radians()).rotate(place - DVec2::new(14.75, -14.75))
 }
 
-/// Areas by kind, m2, with the length of the sum of area vectors of what is level or not.
+/// Areas by kind, m2.
 #[derive(Debug, Default)]
 pub(super) struct Areas {
     roof: f64,
     wall: f64,
     ground: f64,
     canopy: f64,
-    /// Roofs in plan.
+    /// Area of roofs in plan.
     roof_plan: f64,
 }
 
@@ -65,9 +66,11 @@ fn made(dsm: Raster, dem: Option<Raster>) -> City {
     city(&layer(dsm), &with, &SurfaceRasters::default()).expect("a city")
 }
 
-/// Edges of all triangles but those of crowns that are met once, away from the raster's edge.
+/// Returns the horizontal length of the sum of all area vectors, m2; 0 if faces close around
+/// buildings.
 fn open_edges(geometry: &Geometry) -> f64 {
-    // Faces meet along vertical lines with corners of their own: what is open is the sum of area vectors around.
+    // Faces that meet along vertical lines have corners of their own, so that edges cannot be
+    // compared.
     let mut sum = DVec3::ZERO;
     for number in 0..geometry.face_count() {
         for triangle in crate::polygon::triangles_of(geometry, number) {
@@ -77,8 +80,9 @@ fn open_edges(geometry: &Geometry) -> f64 {
     sum.truncate().length()
 }
 
-/// A block of 10 x 10 x 8 m on flat ground at cells of 0.5 m, along the axes, turned by 30 and by 17 degrees, with a raster of the ground and without:
-/// roof 100 m2, walls 320 m2 and ground 800 m2 within 0.1 % along the axes and within 3 % turned, in at most 8 faces but those of the ground.
+/// A block of 10 x 10 x 8 m on flat ground at cells of 0.5 m, along the axes, turned by 30 and by
+/// 17 degrees, with a raster of the ground and without, has a roof of 100 m2, walls of 320 m2 and
+/// ground of 800 m2, within 0.1 % along the axes and within 3 % turned, and at most 8 walls.
 #[test]
 fn blocks_have_their_areas() {
     for degrees in [0.0, 30.0, 17.0] {
@@ -102,8 +106,8 @@ fn blocks_have_their_areas() {
     }
 }
 
-/// A gabled house of 12 x 8 m with a pitch of 40 degrees, turned by 20, with noise of 0.1 m: 2 roofs with 125.3 m2 within 3 % that lean by 40
-/// degrees within 1.
+/// A gabled house of 12 x 8 m with a pitch of 40 degrees, turned by 20, with noise of 0.1 m, has 2
+/// roofs with 125.3 m2 within 3 % that lean by 40 degrees within 1.
 #[test]
 fn gables_keep_their_pitch() {
     let height = |place: DVec2| {
@@ -121,7 +125,8 @@ fn gables_keep_their_pitch() {
     assert_eq!(roofs, 2, "{note}");
 }
 
-/// Noise of 0.3 m on a slope, and a car of 1.6 m, make no wall and no roof: 900 m2 of ground alone, less half a cell.
+/// Noise of 0.3 m on a slope, and a car of 1.6 m, make no wall and no roof: there are 900 m2 of
+/// ground alone, within 1 m2.
 #[test]
 fn noise_makes_no_wall() {
     let height = |place: DVec2| {
@@ -135,8 +140,10 @@ fn noise_makes_no_wall() {
     }
 }
 
-/// A lawn with a crown of 6 x 6 m and 8 m height: its hull has a top at 8 m and an underside at 2 m above the ground, 36 m2 each and 144 m2 at the sides,
-/// lets 17.3 % through a face and is an object beside the buildings; the lawn keeps its 900 m2 and its 0.16.
+/// A lawn has a crown of 6 x 6 m and 8 m height. The hull of the crown has a top at 8 m and an
+/// underside at 2 m above the ground, 36 m2 each and 144 m2 at the sides; each face lets 17.3 %
+/// through, and the hull is an object beside the buildings. The lawn keeps its 900 m2 and its
+/// reflectance of 0.16.
 #[test]
 fn a_crown_over_a_lawn() {
     let crown = |place: DVec2| if (place - DVec2::new(14.75, -14.75)).abs().max_element() < 3.0 { 8.0 } else { 0.0 };
@@ -145,7 +152,7 @@ fn a_crown_over_a_lawn() {
         canopy: Some(layer(raster(60, 60, 0.5, crown))),
         landcover: Some(layer(raster(60, 60, 0.5, |_| 5.0))),
     };
-    // The crown stands in the surface, too, as in many.
+    // The crown stands in the surface, too, as in many rasters.
     let dsm = raster(60, 60, 0.5, |place| 5.0 + crown(place));
     let geometry = city(&layer(dsm), &with, &SurfaceRasters::default()).expect("a city").geometry;
     let found = areas(&geometry);
@@ -157,7 +164,8 @@ fn a_crown_over_a_lawn() {
     assert_eq!((trees.len(), trees[0].object.as_str()), (1, "trees_1012_1988"));
 }
 
-/// A tower of 6 x 6 x 12 m on a podium of 14 x 14 x 5 m without a raster of the ground: one building, roofs of 196 m2, walls of 280 and 168 m2.
+/// A tower of 6 x 6 x 12 m on a podium of 14 x 14 x 5 m without a raster of the ground is one
+/// building with roofs of 196 m2 and walls of 280 and 288 m2.
 #[test]
 fn towers_stand_on_podiums() {
     let height = |place: DVec2| match turned(place, 0.0).abs().max_element() {
@@ -171,8 +179,9 @@ fn towers_stand_on_podiums() {
     assert_eq!(geometry.object_notes.len(), 1);
 }
 
-/// A surface that is all nodata is refused; one of 1 x n cells, with NaN in it, below its ground, a canopy of -5 m, land cover of another size: each is a
-/// city or an error, and none of 6 ends otherwise.
+/// A surface that is all nodata is refused. A surface with NaN in it, one of 2 x 30 cells, one
+/// below its ground, and one with a canopy of -5 m and land cover of another size become cities; a
+/// raster that does not cover the surface is refused.
 #[test]
 fn hostile_rasters() {
     let flat = || raster(20, 20, 1.0, |_| 3.0);
@@ -200,8 +209,9 @@ fn hostile_rasters() {
     assert!(apart.is_err_and(|error| error.to_string().contains("has no value on")));
 }
 
-/// The street of `tests/data/rasters` has 4 buildings with 7 roofs of 627 m2, 3 trees in 2 crowns, and materials by its land cover; a survey finds the same
-/// 7 objects, ground among them, of which receivers go on 4.
+/// The street of `tests/data/rasters` has 4 buildings with 7 roofs of 627 m2 within 3 %, 3 trees in
+/// 2 crowns, and materials by its land cover. A survey finds the same 7 objects, ground among them,
+/// 4 of which get receivers.
 #[test]
 fn a_street_is_read() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/rasters");

@@ -1,4 +1,5 @@
-//! Faces of a city that is read from rasters. In: corners in plan with their heights. Out: geometry in scene coordinates.
+//! Writer of a city's faces. In: corners in plan with their heights. Out: geometry in scene
+//! coordinates.
 
 use std::path::Path;
 
@@ -12,31 +13,31 @@ use heliotile_core::site::scene_object::ObjectNote;
 /// A corner of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Corner {
-    /// In plan, relative to the middle of the first cell.
+    /// Place in plan, relative to the middle of the first cell, metres.
     pub place: DVec2,
     pub height: f64,
 }
 
-/// What a face is.
+/// Properties of a face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FaceOf {
     pub material: u32,
     pub object: u32,
     pub kind: Option<SurfaceKind>,
-    /// Whether receivers go on it, if that is known.
+    /// False if no receivers go on the face; `None` if that is not known.
     pub exposed: Option<bool>,
 }
 
 /// Geometry that is being written.
 pub(super) struct Writer<'a> {
     pub file: &'a Path,
-    /// The middle of the first cell.
+    /// Middle of the first cell.
     pub origin: DVec2,
     pub geometry: Geometry,
 }
 
 impl Writer<'_> {
-    /// The number of an object.
+    /// Returns the number of an object and adds its note.
     pub(super) fn object(&mut self, name: &str, note: &ObjectNote) -> u32 {
         let number = self.geometry.objects.id(name);
         if *note != ObjectNote::default() {
@@ -45,12 +46,12 @@ impl Writer<'_> {
         number
     }
 
-    /// The number of a material.
+    /// Returns the number of a material.
     pub(super) fn material(&mut self, name: &str) -> u32 {
         self.geometry.materials.id(name)
     }
 
-    /// Adds a vertex.
+    /// Adds a vertex and returns its number.
     pub(super) fn vertex(&mut self, place: DVec2, height: f64) -> Result<u32> {
         self.geometry.push_vertex(self.file, (self.origin + place).extend(height))
     }
@@ -61,7 +62,7 @@ impl Writer<'_> {
         self.geometry.note_face(FaceNote { kind: of.kind, exposed: of.exposed, source: FaceSource::Order });
     }
 
-    /// Numbers of the corners of a ring, each once.
+    /// Adds the corners of a ring, without repeated ones, and returns their numbers.
     pub(super) fn ring(&mut self, corners: &[Corner]) -> Result<Vec<u32>> {
         let mut ring: Vec<Corner> = Vec::with_capacity(corners.len());
         for corner in corners {

@@ -1,18 +1,19 @@
-//! What a horizon is seen from. In: the box of all other geometry in plan. Out: distances from it, and how far the Earth's curvature
-//! lowers what lies there.
+//! Focus: the box from which a horizon is seen. In: the box of all other geometry in plan. Out:
+//! distances from it, and the lowering of far ground by the Earth's curvature.
 
 use glam::DVec2;
 
-/// The focus reaches this far beyond other geometry: receivers in gardens see full resolution at their feet.
+/// Margin of the focus around other geometry, metres: receivers in gardens see full resolution at
+/// their feet.
 const MARGIN_M: f64 = 50.0;
 
-/// The Earth's mean radius (IUGG 1980, R1 rounded).
+/// Mean radius of the Earth, metres (IUGG 1980, R1 rounded).
 const EARTH_RADIUS_M: f64 = 6_371_000.0;
-/// Part of the curvature that refraction takes back: Gauss' mean value for light near the ground (Torge and Mueller 2012, Geodesy,
-/// section 5.1), the usual one of viewshed programs.
+/// Share of the curvature that refraction compensates: Gauss' mean value for light near the ground
+/// (Torge and Mueller 2012, Geodesy, section 5.1), the usual one of viewshed programs.
 const REFRACTION: f64 = 0.13;
 
-/// A box in plan.
+/// A box in plan from which terrain is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Focus {
     low: DVec2,
@@ -20,35 +21,36 @@ pub(crate) struct Focus {
 }
 
 impl Focus {
-    /// The focus of geometry between two corners.
+    /// Returns the focus of geometry between two corners.
     pub(crate) fn around(low: DVec2, high: DVec2) -> Focus {
         Focus { low: low - MARGIN_M, high: high + MARGIN_M }
     }
 
-    /// The same with so much more on all sides.
+    /// Returns the focus grown by `by` on all sides.
     pub(super) fn grown(&self, by: DVec2) -> Focus {
         Focus { low: self.low - by, high: self.high + by }
     }
 
-    /// Square of a place's distance from the box; 0 inside.
+    /// Returns the square of a place's distance from the box; 0 inside.
     #[inline]
     pub(super) fn distance_squared(&self, place: DVec2) -> f64 {
         (self.low - place).max(place - self.high).max(DVec2::ZERO).length_squared()
     }
 
-    /// Distance of the farthest place of a box.
+    /// Returns the distance of the farthest place of a box.
     pub(super) fn reach(&self, low: DVec2, high: DVec2) -> f64 {
         let away = (self.low - low).max(high - self.high).max(DVec2::ZERO);
         away.length()
     }
 }
 
-/// How far below a horizontal plane the ground seems to lie at a distance, metres: (1 - k) d^2 / 2R.
+/// Returns the apparent depth of the ground below a horizontal plane at a distance, metres: (1 - k)
+/// d^2 / 2R.
 pub(super) fn curvature_drop(distance_squared: f64) -> f64 {
     (1.0 - REFRACTION) * distance_squared / (2.0 * EARTH_RADIUS_M)
 }
 
-/// What a note says of [`curvature_drop`].
+/// Returns the words of a note about [`curvature_drop`].
 pub(super) fn curvature_words() -> String {
     format!("lowered by the Earth's curvature, refraction {REFRACTION}")
 }
@@ -57,7 +59,8 @@ pub(super) fn curvature_words() -> String {
 mod tests {
     use super::*;
 
-    /// The focus is 50 m wider than what it is around; 20 km away the ground is 27.3 m lower, and 0 m within the box.
+    /// The focus is 50 m wider than the geometry in it; 20 km away the ground is 27.3 m lower, and
+    /// within the box 0 m.
     #[test]
     fn distances() {
         let focus = Focus::around(DVec2::ZERO, DVec2::new(10.0, 20.0));

@@ -1,5 +1,6 @@
-//! Terrain: heights on a grid and their surface. In: samples of a file. Out: triangles, all of them or, as a horizon around other
-//! geometry, so few that no skyline moves by more than a stated angle.
+//! Terrain: heights on a grid and their surface. In: samples of a file. Out: triangles. They are
+//! all of the raster's or, for a horizon around other geometry, so few that no skyline moves by
+//! more than a stated angle.
 
 pub(super) mod focus;
 pub(super) mod mosaic;

@@ -1,33 +1,37 @@
-//! Several rasters as one ground. In: rasters in scene coordinates. Out: rasters that touch on one grid as one, so that no seam of a cell
-//! stays open between tiles; of those that overlap on other grids, the coarser one without what the finer one covers.
+//! Several rasters as one ground. In: rasters in scene coordinates. Out: one raster of those that
+//! touch on one grid, so that no gap of a cell stays open between tiles. Where rasters overlap on
+//! different grids, the coarser one loses what the finer one covers.
 
 use glam::DVec2;
 
 use crate::site::Part;
 use crate::terrain::raster::{Grid, MAX_SAMPLES, Raster};
 
-/// Positions on one grid agree to this share of a cell: files state corners with six digits and more.
+/// Largest difference of positions on one grid, as a share of a cell: files state corners with six
+/// digits and more.
 const SAME_PLACE: f64 = 0.01;
 
-/// One grid may have so many times the samples of its tiles: tiles along a valley leave most of it empty.
+/// Largest ratio of the samples of a joined grid to those of its tiles: tiles along a valley leave
+/// most of such a grid empty.
 const MOST_TIMES: u64 = 4;
 
-/// A raster and the file that it is of; of several the first.
+/// A raster and its file; the first file if several were joined.
 pub(crate) struct Tile<'p> {
     pub part: &'p Part,
     pub raster: Raster,
-    /// Files whose samples it holds.
+    /// Number of files whose samples it holds.
     pub files: usize,
 }
 
-/// A raster with its file, and its place among all.
+/// A raster with its file, and its place in the order of all.
 struct Placed<'p> {
     order: usize,
     part: &'p Part,
     raster: Raster,
 }
 
-/// Joins what touches on one grid, and takes the rest apart where it overlaps. Gives a sentence on what was done.
+/// Joins rasters that touch on one grid, and cuts overlaps out of the others. Returns notes on what
+/// was done.
 pub(crate) fn joined<'p>(rasters: Vec<(&'p Part, Raster)>) -> (Vec<Tile<'p>>, Vec<String>) {
     let mut notes = Vec::new();
     // Groups of files that touch, directly or through others.
@@ -72,7 +76,8 @@ pub(crate) fn joined<'p>(rasters: Vec<(&'p Part, Raster)>) -> (Vec<Tile<'p>>, Ve
     (tiles, notes)
 }
 
-/// Whether two rasters touch on one grid, and are to be treated alike.
+/// Returns true if two rasters touch on one grid and have the same materials, horizon limit and
+/// coordinate system.
 fn may_join(a: &Placed, b: &Placed) -> bool {
     let alike = a.part.materials == b.part.materials
         && a.part.materials_only == b.part.materials_only
@@ -82,8 +87,8 @@ fn may_join(a: &Placed, b: &Placed) -> bool {
     alike && offset(a, b).is_some_and(|at| touch(a, b, at))
 }
 
-/// Columns eastwards and rows southwards from the first sample of a grid to that of another; `None` if that lies between samples, or
-/// the steps differ.
+/// Returns the columns eastwards and rows southwards from the first sample of a grid to that of
+/// another; `None` if the other sample lies between samples, or the steps differ.
 fn offset(a: &Grid, b: &Grid) -> Option<[i64; 2]> {
     let longest = a.columns.max(a.rows).max(b.columns).max(b.rows) as f64;
     let steps = ((a.step - b.step) / a.step).abs() * longest;
@@ -92,13 +97,14 @@ fn offset(a: &Grid, b: &Grid) -> Option<[i64; 2]> {
     on_one.then(|| [apart.x.round() as i64, apart.y.round() as i64])
 }
 
-/// Whether two grids overlap or lie next to each other: the cell between the two is their seam.
+/// Returns true if two grids overlap or lie next to each other, with one cell between them as their
+/// seam.
 fn touch(a: &Grid, b: &Grid, [column, row]: [i64; 2]) -> bool {
     let near = |at: i64, of_a: usize, of_b: usize| at <= of_a as i64 && at + of_b as i64 >= 0;
     near(column, a.columns, b.columns) && near(row, a.rows, b.rows)
 }
 
-/// The grid of all rasters of a group, if it is not too large.
+/// Returns the grid of all rasters of a group, if it is not too large.
 fn joined_grid(group: &[Placed]) -> Option<Grid> {
     let first = &group.first()?.raster;
     let (mut low, mut high) = ([0_i64; 2], [0_i64; 2]);
@@ -113,11 +119,11 @@ fn joined_grid(group: &[Placed]) -> Option<Grid> {
     let step = first.grid.step;
     let north_west = first.grid.first + DVec2::new(low[0] as f64, -(low[1] as f64)) * step;
     let grid = Grid { columns: columns as usize, rows: rows as usize, first: north_west, step };
-    // Steps that differ a little are none of one grid where it is long.
+    // Steps that differ a little give different grids where they are long.
     (all > 0 && group.iter().all(|tile| offset(&grid, &tile.raster.grid).is_some())).then_some(grid)
 }
 
-/// One raster of a group; the first one counts where several have a height.
+/// Returns one raster of a group; the first raster with a height at a sample counts.
 fn join(group: Vec<Placed>, grid: Grid) -> Option<Tile> {
     let mut heights = vec![f32::NAN; grid.columns * grid.rows];
     for Placed { raster, .. } in group.iter().rev() {
@@ -139,7 +145,8 @@ fn join(group: Vec<Placed>, grid: Grid) -> Option<Tile> {
     Some(Tile { part, raster, files })
 }
 
-/// Takes out of a raster what lies wholly below a finer one; gives the number of samples. Cells that the finer one covers in part stay.
+/// Removes from a raster the samples that lie wholly below a finer one; returns their number.
+/// Samples whose cells the finer one covers in part stay.
 fn cut_out(coarse: &mut Raster, fine: &Raster) -> usize {
     let (low, high) = fine.bounds();
     let (columns, step) = (coarse.grid.columns, coarse.grid.step);
@@ -164,7 +171,7 @@ fn cut_out(coarse: &mut Raster, fine: &Raster) -> usize {
 }
 
 impl Raster {
-    /// Whether the sample nearest to a place is known; not beyond the outermost samples.
+    /// Returns true if the sample nearest to a place is known; false beyond the outermost samples.
     fn has_height_at(&self, place: DVec2) -> bool {
         let at = (place - self.grid.first) / self.grid.step * DVec2::new(1.0, -1.0);
         let last = DVec2::new(self.grid.columns as f64 - 1.0, self.grid.rows as f64 - 1.0);
@@ -186,8 +193,8 @@ mod tests {
             .expect("heights")
     }
 
-    /// Two tiles of 4 x 3 samples side by side are one of 8 x 3, and a third one below them makes it 8 x 6; a tile that begins half a cell
-    /// off stays by itself.
+    /// Two tiles of 4 x 3 samples side by side become one of 8 x 3, and a third one below them
+    /// makes it 8 x 6; a tile that begins half a cell off stays by itself.
     #[test]
     fn tiles_are_one_grid() {
         let part = Part::plain(Path::new("r"), None);
@@ -206,8 +213,9 @@ mod tests {
         assert!(one.height(7, 5).is_nan());
     }
 
-    /// Where two tiles overlap by 2 of 4 columns the first one counts and 6 x 3 samples are left; where a tile of 1 m lies in one of 10 m, the
-    /// 3 x 3 samples of the coarse one whose cells it covers go.
+    /// Where two tiles overlap by 2 of 4 columns the first one counts, and 6 x 3 samples are left.
+    /// Where a tile of 1 m lies in one of 10 m, the 3 x 3 samples of the coarse one whose cells it
+    /// covers are removed.
     #[test]
     fn overlaps_count_once() {
         let part = Part::plain(Path::new("r"), None);

@@ -1,5 +1,5 @@
-//! Heights on a grid. In: samples as a file has them, and what it says of nodata and units. Out: metres, with NaN for nodata; no other
-//! number that is not finite, and none beyond the Earth's heights.
+//! Heights on a grid. In: samples of a file, and its statements on nodata and units. Out: metres,
+//! with NaN for nodata; no other number that is not finite, and none beyond the Earth's heights.
 
 use std::ops::Range;
 use std::path::Path;
@@ -15,54 +15,59 @@ use heliotile_core::error::{Error, Result};
 /// Most samples of a raster: 1 GB of heights, and as many triangles as a scene may have.
 pub(crate) const MAX_SAMPLES: u64 = 1 << 28;
 
-/// Heights of land and sea floor in metres: from below the Challenger Deep (-10,935) to above Mount Everest (8,849).
+/// Range of heights of land and sea floor, metres: from below the Challenger Deep (-10,935) to
+/// above Mount Everest (8,849).
 const EARTH_M: [f32; 2] = [-12_000.0, 9_000.0];
 
-/// Values within the Earth's heights that programs write for "no data" without saying so. No land lies below -430 m, and sea floor at
-/// exactly such a depth is a sample or two.
+/// Values within the Earth's heights that programs write for "no data" without stating it. No land
+/// lies below -430 m, and sea floor at exactly such a depth is a sample or two.
 const USUAL_NODATA: [f32; 3] = [-9999.0, -9998.0, -999.0];
 
-/// Where samples lie.
+/// Positions of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Grid {
     pub columns: usize,
     pub rows: usize,
-    /// Position of the first sample, the north-west one; of the middle of its cell.
+    /// Position of the first sample, the north-west one, in the middle of its cell.
     pub first: DVec2,
-    /// Metres from column to column, eastwards, and from row to row, southwards; both positive.
+    /// Distances from column to column, eastwards, and from row to row, southwards, metres; both
+    /// positive.
     pub step: DVec2,
 }
 
-/// What a file says of its numbers.
+/// Statements of a file on its numbers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Meaning {
-    /// As written, before `scale`.
+    /// Number that stands for nodata, as written, before `scale`.
     pub nodata: Option<f64>,
-    /// What a stored number is multiplied by to be a height; 1 where it is not stated.
+    /// Factor from a stored number to a height; `None`: 1.
     pub scale: Option<f64>,
-    /// What is added to the product.
+    /// Height added to the product.
     pub offset: f64,
-    /// Metres a unit of height, if the file states a unit.
+    /// Metres a unit of height, if the file states the unit.
     pub height_unit_m: Option<f64>,
-    /// Metres a unit of the plane coordinates, if the file states a unit; the grid is in metres by it.
+    /// Metres a unit of the plane coordinates, if the file states the unit; the grid is converted
+    /// to metres by it.
     pub plane_unit_m: Option<f64>,
-    /// Whether the file says that its plane coordinates are metres or feet, not degrees.
+    /// True if the file states that its plane coordinates are metres or feet, not degrees.
     pub projected: bool,
     pub reference: Option<Reference>,
 }
 
-/// Heights on a grid, at least 2 x 2, at least one of them known.
+/// Heights on a grid of at least 2 x 2 samples, of which at least one is known.
 #[derive(Debug)]
 pub(crate) struct Raster {
     pub grid: Grid,
-    /// `[row][column]`, row 0 in the north, metres; NaN: nodata. An f32 holds 9,000 m to 0.5 mm.
+    /// Heights in metres, `[row][column]`, row 0 in the north; NaN for nodata. An f32 holds 9,000 m
+    /// to 0.5 mm.
     pub(crate) heights: Vec<f32>,
     pub reference: Option<Reference>,
-    /// Metres a unit of the file's plane coordinates, if the file or its user states it: the grid is in metres for certain.
+    /// Metres a unit of the file's plane coordinates, if the file or its user states it: the grid
+    /// is then certainly in metres.
     pub plane_unit_m: Option<f64>,
     /// Metres a unit of the file's heights, if the file states it.
     pub(super) height_unit_m: Option<f64>,
-    /// Whether it is of several files, which need not fill the grid.
+    /// True if the raster was joined from several files, which need not fill the grid.
     pub(super) is_joined: bool,
     pub warnings: Vec<String>,
 }
@@ -73,12 +78,12 @@ struct PlaneAndHeight {
     height: f64,
 }
 
-/// Whether two units are a foot by any definition, or equal.
+/// Returns true if two units are nearly equal, as a foot by any two definitions is, and not metres.
 fn is_same_foot(unit_m: f64, scale: f64) -> bool {
     unit_m != 1.0 && (scale / unit_m - 1.0).abs() < 0.01
 }
 
-/// Samples that are taken for nodata though the file does not say so.
+/// Counts of samples that are taken as nodata though the file does not state it.
 #[derive(Default)]
 struct Doubtful {
     infinite: usize,
@@ -86,7 +91,8 @@ struct Doubtful {
     beyond: (usize, f32),
 }
 
-/// Refuses grids that are none, before anything of their size is allocated.
+/// Checks that a grid has 2 x 2 samples or more and not too many, before memory of its size is
+/// allocated.
 pub(crate) fn check_size(file: &Path, columns: u64, rows: u64) -> Result<usize> {
     if columns < 2 || rows < 2 {
         let what = format!("the raster has {columns} x {rows} samples");
@@ -103,7 +109,8 @@ pub(crate) fn check_size(file: &Path, columns: u64, rows: u64) -> Result<usize> 
 }
 
 impl Raster {
-    /// Takes `columns` x `rows` heights and sorts out which of them are any.
+    /// Returns a raster of `columns` x `rows` stored numbers; those that are no heights become
+    /// nodata.
     pub(crate) fn new(
         file: &Path,
         grid: Grid,
@@ -134,7 +141,7 @@ impl Raster {
         for height in &mut heights {
             let metres = (f64::from(*height) * factor + shift) as f32;
             *height = match *height {
-                // Not a number, or the number that stands for it.
+                // The number is NaN, or the one that stands for nodata.
                 h if h.is_nan() || declared == Some(h) => f32::NAN,
                 h if h.is_infinite() => doubtful.infinite(),
                 h if declared.is_none() && USUAL_NODATA.contains(&h) => doubtful.usual(h),
@@ -152,7 +159,7 @@ impl Raster {
             return Err(Error::input(file, None, what, "all are nodata: check the band and the nodata value"));
         }
         let extent = grid.step * DVec2::new(grid.columns as f64, grid.rows as f64);
-        // A land of cells of a centimetre that is ten times as high as wide is one in degrees.
+        // Land in cells of less than 2 cm that is ten times as high as wide must be in degrees.
         if !meaning.projected
             && grid.step.max_element() < 0.02
             && f64::from(greatest - least) > 10.0 * extent.max_element()
@@ -173,7 +180,7 @@ impl Raster {
         })
     }
 
-    /// Heights that are known to be some, or NaN.
+    /// Returns a raster of heights that are checked already; NaN is nodata.
     pub(crate) fn plain(grid: Grid, heights: Vec<f32>) -> Raster {
         Raster {
             grid,
@@ -186,7 +193,7 @@ impl Raster {
         }
     }
 
-    /// The samples of some columns and rows; `None` where there is none.
+    /// Returns the samples of some columns and rows; `None` for fewer than 2 x 2.
     pub(crate) fn cut(&self, columns: Range<usize>, rows: Range<usize>) -> Option<Raster> {
         let columns = columns.start..columns.end.min(self.grid.columns);
         let rows = rows.start..rows.end.min(self.grid.rows);
@@ -202,15 +209,16 @@ impl Raster {
         is_any.then(|| Raster { grid, heights, warnings: Vec::new(), ..*self })
     }
 
-    /// The columns and rows whose samples lie between two corners in plan.
+    /// Returns the columns and rows whose samples lie between two corners in plan.
     pub(crate) fn window(&self, low: DVec2, high: DVec2) -> [Range<usize>; 2] {
         let from = (DVec2::new(low.x, high.y) - self.grid.first) / self.grid.step * DVec2::new(1.0, -1.0);
         let to = (DVec2::new(high.x, low.y) - self.grid.first) / self.grid.step * DVec2::new(1.0, -1.0);
-        // Below 0 becomes 0.
+        // The cast turns numbers below 0 into 0.
         [from.x.ceil() as usize..to.x.floor() as usize + 1, from.y.ceil() as usize..to.y.floor() as usize + 1]
     }
 
-    /// Brings it to its place in the scene, whose coordinates are in `system` unless the file states another one.
+    /// Brings the raster to its place in the scene, whose coordinates are in `system` unless the
+    /// file states another system.
     pub(crate) fn placed(mut self, part: &Part, frame: &SiteFrame, system: Option<Reference>) -> Result<Raster> {
         if part.up == Some(UpAxis::Y) {
             let hint = "leave up out: the values of a raster are heights, whatever axis points up elsewhere";
@@ -242,10 +250,12 @@ impl Raster {
         Ok(self)
     }
 
-    /// What its plane coordinates and its heights are multiplied by, and warnings of what was decided where the file does not state it.
+    /// Returns the factors of plane coordinates and heights, and adds warnings about decisions
+    /// where the file states no unit.
     fn factors(&mut self, part: &Part, frame: &SiteFrame, system: Option<Reference>) -> PlaneAndHeight {
         let file = part.file.display();
-        // A scale of its own holds for what the file does not state; what was converted is not converted twice.
+        // A scale of the part counts where the file states no unit; converted coordinates are not
+        // converted twice.
         if let Some(scale) = part.scale {
             let left =
                 |stated: Option<f64>| if stated.is_some_and(|unit| is_same_foot(unit, scale)) { 1.0 } else { scale };
@@ -283,7 +293,7 @@ impl Raster {
         self.heights.len()
     }
 
-    /// Height of a sample; NaN where there is none, beyond the edges too.
+    /// Returns the height of a sample; NaN for nodata and beyond the edges.
     #[inline]
     pub(crate) fn height(&self, column: i64, row: i64) -> f32 {
         let (Ok(column), Ok(row)) = (usize::try_from(column), usize::try_from(row)) else { return f32::NAN };
@@ -293,7 +303,7 @@ impl Raster {
         self.heights.get(row * self.grid.columns + column).copied().unwrap_or(f32::NAN)
     }
 
-    /// Heights of a part of a row; empty where it leaves the raster.
+    /// Returns the heights of a part of a row; empty if the part leaves the raster.
     #[inline]
     pub(super) fn row(&self, row: i64, columns: std::ops::RangeInclusive<i64>) -> &[f32] {
         let (Ok(row), Ok(from), Ok(to)) =
@@ -307,27 +317,27 @@ impl Raster {
         self.heights.get(row * self.grid.columns + from..=row * self.grid.columns + to).unwrap_or_default()
     }
 
-    /// Position of a sample in plan.
+    /// Returns the position of a sample in plan.
     #[inline]
     pub(crate) fn plan(&self, column: i64, row: i64) -> DVec2 {
         self.grid.first + DVec2::new(column as f64, -(row as f64)) * self.grid.step
     }
 
-    /// Least and greatest corner of the samples in plan.
+    /// Returns the least and the greatest corner of the samples in plan.
     pub(crate) fn bounds(&self) -> (DVec2, DVec2) {
         let (last_column, last_row) = (self.grid.columns as i64 - 1, self.grid.rows as i64 - 1);
         (self.plan(0, last_row), self.plan(last_column, 0))
     }
 
-    /// Lowest and highest corner of its samples, of which one at least is known.
+    /// Returns the lowest and the highest corner of the samples, of which at least one is known.
     pub(crate) fn extent(&self) -> [DVec3; 2] {
         let (low, high) = self.bounds();
-        // NaN is passed over.
+        // `min` and `max` skip NaN.
         let heights = self.heights.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), h| (a.min(*h), b.max(*h)));
         [low.extend(f64::from(heights.0)), high.extend(f64::from(heights.1))]
     }
 
-    /// Lowers every sample by what `drop_m` gives for its position.
+    /// Lowers every sample by the depth that `drop_m` returns for its position.
     pub(super) fn lower(&mut self, drop_m: impl Fn(DVec2) -> f64) {
         let (columns, grid) = (self.grid.columns, self.grid);
         for (row, heights) in self.heights.chunks_mut(columns).enumerate() {
@@ -339,13 +349,13 @@ impl Raster {
     }
 }
 
-/// The error of a raster whose coordinates are longitude and latitude.
+/// Returns the error for a raster whose coordinates are longitude and latitude.
 pub(crate) fn degrees(file: &Path, why: &str) -> Error {
     let hint = "reproject it to metres, for example `gdalwarp -t_srs EPSG:32632 -r bilinear in.tif out.tif` with the zone of the place";
     Error::input(file, None, format!("the raster is in degrees: {why}"), hint)
 }
 
-/// The error of a raster whose coordinates are distances from the Earth's centre.
+/// Returns the error for a raster whose coordinates are distances from the Earth's centre.
 pub(crate) fn geocentric(file: &Path, why: &str) -> Error {
     let hint = "reproject it to metres, for example `gdalwarp -t_srs EPSG:32632 -r bilinear in.tif out.tif` with the zone of the place";
     Error::input(file, None, format!("the raster is geocentric: {why}"), hint)
@@ -410,7 +420,8 @@ mod tests {
         Raster::new(Path::new("r"), grid, heights.to_vec(), meaning, Vec::new())
     }
 
-    /// Six samples, of which declared nodata, -9999, -32768, 3.4e38, NaN and infinity are none: what is not declared is counted.
+    /// A sample of -9999, -32768, 3.4e38, NaN or infinity is nodata, declared or not. A warning
+    /// counts it unless it is NaN or declared.
     #[test]
     fn nodata() {
         let bad = [-9999.0, -32768.0, 3.4e38, f32::NAN, f32::INFINITY];
@@ -428,7 +439,8 @@ mod tests {
         assert!(message.contains("none of the 6 samples is a height"), "{message}");
     }
 
-    /// Of 3 x 2 samples 1 m apart, a window from 0.9 to 2.1 m eastwards holds the last two columns, whose heights are 7, 9 and 20, 30.
+    /// A window from 0.9 to 2.1 m eastwards on 3 x 2 samples 1 m apart holds the last two columns,
+    /// whose heights are 7, 9 and 20, 30.
     #[test]
     fn windows() {
         let whole = raster(&[5.0, 7.0, 9.0, 10.0, 20.0, 30.0], &Meaning::default()).expect("heights");

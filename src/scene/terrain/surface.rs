@@ -1,8 +1,10 @@
-//! The surface of a raster. In: heights at the middles of cells. Out: triangles between them; cells that touch nodata have none.
+//! The surface of a raster. In: heights at the middles of cells. Out: triangles between them; cells
+//! that touch nodata have none.
 //!
-//! A cell between four samples is cut along the diagonal through the one whose column and row are odd: diagonals alternate, no
-//! direction is favoured, and a thinned surface (see [`crate::terrain::thinning`]) is the same one where nothing was left out. The surface ends
-//! at the outermost samples, half a cell within the raster's edges.
+//! A cell between four samples is cut along the diagonal through the sample whose column and row
+//! are odd. Diagonals alternate, so that no direction is favoured, and a thinned surface (see
+//! [`crate::terrain::thinning`]) is the same where nothing was left out. The surface ends at the
+//! outermost samples, half a cell within the raster's edges.
 
 use std::path::Path;
 
@@ -12,27 +14,29 @@ use crate::terrain::raster::Raster;
 use crate::terrain::thinning::{Sample, thin};
 use heliotile_core::error::{Error, Result};
 
-/// Name of the material of terrain, and of the object where there is one raster.
+/// Name of the material of terrain, and of its object if there is one raster.
 pub(crate) const NAME: &str = "terrain";
 
-/// Where no angle is asked for, horizons are true to this at worst, to a quarter of it in the mean: less than a minute of a sunrise. Finer
-/// ones cost more than they tell: of a house in mountains 0.05 degrees changed a year's sums by 0.02 % and took three times as long.
+/// Default limit of the horizon's error, degrees; the mean error is a quarter of it, less than a
+/// minute of a sunrise. Finer limits cost more than they gain: for a house in mountains 0.05
+/// degrees changed a year's sums by 0.02 % and took three times as long.
 const HORIZON_DEG: f64 = 0.2;
 
-/// The Earth's curvature counts where a raster reaches this far beyond the focus: it lowers 6.8 m there, 0.04 degrees.
+/// Distance beyond the focus from which the Earth's curvature counts, metres: there it lowers 6.8
+/// m, 0.04 degrees.
 const CURVED_BEYOND_M: f64 = 10_000.0;
 
-/// How a raster becomes a surface.
+/// Options for the surface of a raster.
 pub(crate) struct Wanted<'a> {
     pub file: &'a Path,
     pub object: &'a str,
-    /// What it is the horizon of; `None` where it is the whole scene.
+    /// Box from which the raster is a horizon; `None` if the raster is the whole scene.
     pub focus: Option<Focus>,
-    /// Largest error of the horizon.
+    /// Largest error of the horizon, degrees; `None` for the default.
     pub horizon_deg: Option<f64>,
 }
 
-/// Makes the surface of a raster, and a sentence on what was left out of it.
+/// Returns the surface of a raster, and a note on its thinning.
 pub(crate) fn surface(mut raster: Raster, wanted: &Wanted) -> Result<(Geometry, Option<String>)> {
     let mut geometry = Geometry::default();
     geometry.warnings.append(&mut raster.warnings);
@@ -55,6 +59,7 @@ pub(crate) fn surface(mut raster: Raster, wanted: &Wanted) -> Result<(Geometry, 
     };
     let reach = focus.reach(low, high);
     let curved = !alone && reach > CURVED_BEYOND_M;
+    // Heights are lowered before thinning, whose limit holds for the ground as it is seen.
     if curved {
         raster.lower(|place| curvature_drop(focus.distance_squared(place)));
     }
@@ -92,7 +97,7 @@ fn raster_cells(raster: &Raster) -> usize {
     (raster.grid.columns - 1) * (raster.grid.rows - 1)
 }
 
-/// Both triangles of each cell, row by row.
+/// Returns both triangles of each cell, row by row.
 fn all(raster: &Raster) -> impl Iterator<Item = [Sample; 3]> + '_ {
     let (columns, rows) = (raster.grid.columns as i64 - 1, raster.grid.rows as i64 - 1);
     (0..rows).flat_map(move |row| (0..columns).map(move |column| [column, row])).flat_map(move |[column, row]| {
@@ -112,7 +117,7 @@ fn full_count(raster: &Raster) -> usize {
     all(raster).count()
 }
 
-/// Adds triangles to the geometry, facing up; gives their number.
+/// Adds triangles to the geometry, facing up; returns their number.
 fn fill(
     geometry: &mut Geometry,
     raster: &Raster,
@@ -124,7 +129,8 @@ fn fill(
     let mut found = 0;
     for mut corners in triangles {
         let [[ax, ay], [bx, by], [cx, cy]] = corners;
-        // Rows go southwards: what turns clockwise in columns and rows turns the other way on the ground.
+        // Rows go southwards, so that a clockwise turn in columns and rows is counter-clockwise on
+        // the ground.
         if (bx - ax) * (cy - ay) > (by - ay) * (cx - ax) {
             corners.swap(0, 1);
         }

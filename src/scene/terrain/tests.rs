@@ -1,4 +1,4 @@
-//! Rasters as scenes and beside other files.
+//! Tests of rasters as scenes and beside other files.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -9,7 +9,8 @@ use crate::Scene;
 use crate::placing::frame::UpAxis;
 use crate::site::{Part, Site};
 
-/// Hills of `columns` x `rows` cells of 500 m from (400,000, 5,000,000), with one height missing.
+/// Returns hills of `columns` x `rows` cells of 500 m from (400,000, 5,000,000), with one height
+/// missing.
 fn grid(columns: usize, rows: usize) -> String {
     let mut text = format!(
         "ncols {columns}\nnrows {rows}\nxllcorner 400000\nyllcorner 5000000\ncellsize 500\nNODATA_value -9999\n"
@@ -23,7 +24,8 @@ fn grid(columns: usize, rows: usize) -> String {
     text
 }
 
-/// A house of 10 m whose corners have millimetres, at the south-west end of the grid.
+/// Returns a house of 10 m whose corners have millimetres, at the south-west end of the grid, and
+/// its corners.
 fn house() -> (String, [[f64; 3]; 4]) {
     let corners = [
         [402_000.125, 5_002_000.033, 950.017],
@@ -50,7 +52,8 @@ fn load(parts: &[Part]) -> Scene {
     Scene::load_site(&Site { parts: parts.to_vec(), ..Site::default() }).expect("a scene")
 }
 
-/// A raster alone is 2 x 79 x 59 triangles less the 8 or 4 at nodata, all facing up, under material `terrain`, without a note.
+/// A raster alone is 2 x 79 x 59 triangles less the 8 at nodata, all facing up, under material
+/// `terrain`, without a note.
 #[test]
 fn alone() {
     let (_folder, parts) = parts(&[("t.asc", grid(80, 60))]);
@@ -64,8 +67,9 @@ fn alone() {
     assert_eq!([size.x, size.y], [39_500.0, 29_500.0]);
 }
 
-/// Beside a house at its corner, terrain of 40 km leaves the house's corners within 0.1 mm, is thinned with a note of an error below
-/// 0.2 degrees, and its far corner, 46.8 km away, is lowered by 149.4 m; the order of the files changes nothing.
+/// Beside a house at its corner, terrain of 40 km leaves the house's corners within 0.1 mm. It is
+/// thinned with a note of an error below 0.2 degrees, and its far corner, 46.8 km away, is lowered
+/// by 149.4 m. The order of the files changes nothing.
 #[test]
 fn around_a_house() {
     let (text, corners) = house();
@@ -93,7 +97,8 @@ fn around_a_house() {
     assert_eq!(load(&parts).content_hash(), scene.content_hash());
 }
 
-/// Full resolution on request: 0 degrees keep all triangles beside a house; 0.2 degrees leave fewer than 0.02 do; y up is refused.
+/// A limit of 0 degrees keeps all triangles beside a house; 0.2 degrees leave fewer than 0.02 do; y
+/// up is refused.
 #[test]
 fn asked() {
     let (text, _) = house();

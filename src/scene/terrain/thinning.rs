@@ -1,23 +1,26 @@
-//! Which samples a far surface can do without. In: a raster and the place it is seen from. Out: triangles between few samples,
-//! without cracks, whose angle to the raster is nowhere above a limit.
+//! Thinning of far terrain. In: a raster and the place it is seen from. Out: triangles between few
+//! samples, without cracks, whose angle to the raster is nowhere above a limit.
 //!
-//! The triangles are those of a right-triangulated irregular network (Evans, Kirkpatrick and Townsend 2001): two halves of a square of
-//! 2^k cells, each cut in two through the middle of its longest side as often as needed, down to halves of cells. A middle is kept
-//! if one of the two triangles beside it is off by more than the limit at any of the samples in it, or if a middle is kept in one of
-//! the halves; both triangles beside a side then agree on it, and there are no cracks.
+//! The triangles are those of a right-triangulated irregular network (Evans, Kirkpatrick and
+//! Townsend 2001): two halves of a square of 2^k cells, each cut in two through the middle of its
+//! longest side as often as needed, down to halves of cells. A middle is kept if one of the two
+//! triangles beside it is off by more than the limit at any of its samples, or if a middle is kept
+//! in one of the halves. Both triangles beside a side then agree on it, so that there are no
+//! cracks.
 
 use rayon::prelude::*;
 
 use crate::terrain::focus::Focus;
 use crate::terrain::raster::Raster;
 
-/// Column and row.
+/// Column and row of a sample.
 pub(crate) type Sample = [i64; 2];
 
-/// Differences below this are rounding, metres.
+/// Difference below which heights are equal but for rounding, metres.
 const ROUNDING_M: f64 = 1e-6;
 
-/// A triangle of the hierarchy: both ends of its longest side, then the corner between the two others.
+/// A triangle of the hierarchy: both ends of its longest side, then the corner between the other
+/// two sides.
 #[derive(Clone, Copy, Debug)]
 struct Half {
     a: Sample,
@@ -25,12 +28,12 @@ struct Half {
     apex: Sample,
 }
 
-/// What a thinned surface is made of.
+/// Triangles of a thinned surface, and figures about it.
 #[derive(Debug, Default)]
 pub(super) struct Thinned {
     /// Corners of each triangle, none of them nodata.
     pub triangles: Vec<[Sample; 3]>,
-    /// Triangles that were left out because they touch nodata.
+    /// Number of triangles left out because they touch nodata.
     pub nodata: usize,
     /// Largest angle between raster and triangles as seen from the focus, degrees.
     pub largest_deg: f64,
@@ -40,26 +43,28 @@ pub(super) struct Thinned {
 pub(super) fn thin(raster: &Raster, focus: &Focus, limit_deg: f64) -> Thinned {
     let judge = Judge {
         raster,
-        // Off a sample, the surface is a mean of three samples of one cell: distances are those of the nearest place of the cells
-        // around a sample, so that the limit holds between samples too.
+        // Between samples the surface is a mean of three samples of one cell. Distances are those
+        // of the nearest place of the cells around a sample, so that the limit also holds between
+        // samples.
         focus: focus.grown(raster.grid.step),
         limit: Limit::Angle(limit_deg.to_radians()),
     };
     judge.thinned()
 }
 
-/// Thins a raster so that no sample is off by more than is allowed for it, metres; one for which less than 0 is allowed stays a corner.
+/// Thins a raster so that no sample is off by more than `allowed_m` allows, metres; a sample that
+/// allows less than 0 stays a corner.
 pub(crate) fn thin_within(raster: &Raster, allowed_m: &[f32]) -> Vec<[Sample; 3]> {
     let (low, _) = raster.bounds();
     let judge = Judge { raster, focus: Focus::around(low, low), limit: Limit::Each(allowed_m) };
     judge.thinned().triangles
 }
 
-/// How far triangles may be off samples.
+/// Limits of the distance between triangles and samples.
 enum Limit<'a> {
-    /// Metres a metre of distance from the focus.
+    /// Limit in metres a metre of distance from the focus.
     Angle(f64),
-    /// `[row][column]`, metres; below 0 for samples that stay.
+    /// Limit of each sample, `[row][column]`, metres; below 0 for samples that stay.
     Each(&'a [f32]),
 }
 
@@ -69,7 +74,7 @@ struct Judge<'a> {
     limit: Limit<'a>,
 }
 
-/// Whether each sample is the middle of a side that is cut.
+/// True for each sample that is the middle of a cut side.
 struct Kept {
     columns: i64,
     rows: i64,
@@ -77,7 +82,7 @@ struct Kept {
 }
 
 impl Kept {
-    /// Beyond the raster everything is cut.
+    /// Returns true if a sample is kept; beyond the raster every side is cut.
     fn is(&self, [column, row]: Sample) -> bool {
         if column < 0 || row < 0 || column >= self.columns || row >= self.rows {
             return true;
@@ -94,14 +99,15 @@ impl Judge<'_> {
         self.collect(side, &kept)
     }
 
-    /// From the smallest sides to the largest.
+    /// Marks the samples to keep, from the smallest sides to the largest.
     fn kept(&self, side: i64) -> Kept {
         let (columns, rows) = (self.raster.grid.columns as i64, self.raster.grid.rows as i64);
         let mut kept = Kept { columns, rows, flags: vec![false; self.raster.samples()] };
         let mut size = 2;
         while size <= side {
             let half = size / 2;
-            // Sides along the axes first, whose triangles are halves of those on the diagonals of squares of this size.
+            // Sides along the axes come first: their triangles are halves of those on the diagonals
+            // of squares of this size.
             for diagonal in [false, true] {
                 let lines = (0..=(rows - 1) / half).into_par_iter();
                 let cut: Vec<usize> = lines
@@ -119,7 +125,7 @@ impl Judge<'_> {
         kept
     }
 
-    /// Middles of one row that must be kept.
+    /// Returns the middles of one row that must be kept.
     fn cut_in_row<'k>(
         &'k self,
         row: i64,
@@ -140,7 +146,8 @@ impl Judge<'_> {
         })
     }
 
-    /// Whether a cell of the raster may lie in a triangle: there is nothing beyond the edges to agree with.
+    /// Returns true if a cell of the raster may lie in a triangle: beyond the edges there is
+    /// nothing to agree with.
     fn has_cells(&self, half: &Half) -> bool {
         let sizes = [self.raster.grid.columns as i64, self.raster.grid.rows as i64];
         let corners = [half.a, half.b, half.apex];
@@ -150,7 +157,8 @@ impl Judge<'_> {
         })
     }
 
-    /// Whether a triangle is within the limit of every sample in it; never if there is none at one of them.
+    /// Returns true if a triangle is within the limit of every sample in it; false if one of them
+    /// is nodata.
     fn fits(&self, half: &Half) -> bool {
         let columns = self.raster.grid.columns;
         self.scan(half, |off, sample| match self.limit {
@@ -166,7 +174,7 @@ impl Judge<'_> {
         })
     }
 
-    /// Largest angle between a triangle and the samples in it, radians.
+    /// Returns the largest angle between a triangle and the samples in it, radians.
     fn angle(&self, half: &Half) -> f64 {
         let mut largest = 0.0_f64;
         self.scan(half, |off, sample| {
@@ -182,8 +190,8 @@ impl Judge<'_> {
         self.focus.distance_squared(self.raster.plan(column, row))
     }
 
-    /// Goes over all samples in a triangle, edges included, with their height above or below it;
-    /// stops and says false where it is told to or where a sample is missing.
+    /// Calls `goes_on` for all samples in a triangle, edges included, with their distance from it
+    /// along the vertical. Stops and returns false if `goes_on` does, or at nodata.
     fn scan(&self, half: &Half, mut goes_on: impl FnMut(f64, Sample) -> bool) -> bool {
         let [a, b, apex] = [half.a, half.b, half.apex].map(|[c, r]| f64::from(self.raster.height(c, r)));
         if !(a + b + apex).is_finite() {
@@ -213,7 +221,7 @@ impl Judge<'_> {
         true
     }
 
-    /// The triangles that remain.
+    /// Returns the triangles that remain.
     fn collect(&self, side: i64, kept: &Kept) -> Thinned {
         let mut thinned = Thinned::default();
         let (from, to) = ([0, 0], [side, side]);
@@ -247,12 +255,13 @@ impl Judge<'_> {
 }
 
 impl Half {
-    /// Middles of its shorter sides.
+    /// Returns the middles of the shorter sides.
     fn middles(&self) -> [Sample; 2] {
         [self.a, self.b].map(|[x, y]| [(x + self.apex[0]) / 2, (y + self.apex[1]) / 2])
     }
 
-    /// First and last column of its samples in one of its rows. Its sides are straight, upright or slanted by one column a row.
+    /// Returns the first and last column of the triangle's samples in one of its rows. The sides
+    /// are straight, upright or slanted by one column a row.
     fn columns_in(&self, row: i64) -> (i64, i64) {
         let (mut from, mut to) = (i64::MAX, i64::MIN);
         for [[x0, y0], [x1, y1]] in [[self.a, self.b], [self.b, self.apex], [self.apex, self.a]] {
@@ -268,11 +277,11 @@ impl Half {
     }
 }
 
-/// Both triangles beside the side whose middle this is.
+/// Returns both triangles beside the side with this middle.
 fn beside([x, y]: Sample, half: i64, diagonal: bool) -> [Half; 2] {
     if diagonal {
-        // The diagonal goes through the middle of the square of twice the size: through the corner that is an odd multiple of the size
-        // in both directions.
+        // The diagonal goes through the middle of the square of twice the size: through the corner
+        // that is an odd multiple of the size in both directions.
         let corner =
             |c: i64| if (c - half) / (2 * half) % 2 == 0 { (c - half, c + half) } else { (c + half, c - half) };
         let ((even_x, odd_x), (even_y, odd_y)) = (corner(x), corner(y));

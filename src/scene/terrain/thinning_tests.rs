@@ -1,4 +1,4 @@
-//! Thinned surfaces against the rasters they come from.
+//! Tests of thinned surfaces against their rasters.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,7 +8,7 @@ use glam::DVec2;
 use super::*;
 use crate::terrain::raster::{Grid, Meaning};
 
-/// Hills that no plane fits.
+/// Returns hills that no plane fits.
 fn hills(columns: usize, rows: usize, hole: Option<usize>) -> Raster {
     let height = |i: usize| {
         let (x, y) = ((i % columns) as f32, (i / columns) as f32);
@@ -24,13 +24,14 @@ fn focus(raster: &Raster, column: i64, row: i64) -> Focus {
     Focus::around(place, place)
 }
 
-/// Twice the area of a triangle in cells.
+/// Returns twice the area of a triangle in cells.
 fn doubled([a, b, c]: &[Sample; 3]) -> i64 {
     ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
 }
 
-/// Four rasters, of 97 x 60 samples and of sides that are and are not 2^k + 1: triangles cover every cell once, every inner side has two
-/// of them (no cracks), and nowhere is the angle to the samples above the limit, which brute force over all samples finds too.
+/// On four rasters, of 97 x 60 samples and of sides that are and are not 2^k + 1, triangles cover
+/// every cell once and every inner side has two of them (no cracks). Nowhere is the angle to the
+/// samples above the limit, which brute force over all samples confirms.
 #[test]
 fn covers_without_cracks() {
     for (columns, rows, limit) in [(97, 60, 0.5), (65, 65, 0.2), (2, 9, 0.1), (130, 34, 2.0)] {
@@ -68,7 +69,8 @@ fn covers_without_cracks() {
     }
 }
 
-/// Samples in a triangle by its barycentric coordinates, with their heights off its plane.
+/// Returns the samples in a triangle by their barycentric coordinates, with their heights off its
+/// plane.
 fn inside(raster: &Raster, corners: &[Sample; 3]) -> Vec<(Sample, f64)> {
     let z = corners.map(|[c, r]| f64::from(raster.height(c, r)));
     let [a, b, c] = corners;
@@ -93,8 +95,8 @@ fn inside(raster: &Raster, corners: &[Sample; 3]) -> Vec<(Sample, f64)> {
     found
 }
 
-/// A plain of 513 x 513 samples is 2 triangles, whatever the limit, and a step of 100 m in it is kept: less than a tenth of the 524,288
-/// triangles remain.
+/// A plain of 513 x 513 samples is 2 triangles, whatever the limit. A step of 100 m in it is kept,
+/// and fewer than a tenth of the 524,288 triangles remain.
 #[test]
 fn plains() {
     let grid = Grid { columns: 513, rows: 513, first: DVec2::ZERO, step: DVec2::splat(30.0) };
@@ -110,7 +112,7 @@ fn plains() {
     assert_eq!(thinned.triangles.iter().map(doubled).sum::<i64>(), 2 * 512 * 512);
 }
 
-/// A sample without a height costs the triangles that touch it, 4 or 8, and no others.
+/// A sample without a height removes the triangles that touch it, 4 or 8, and no others.
 #[test]
 fn nodata() {
     for (hole, touched) in [(31 * 65 + 31, 8), (32 * 65 + 31, 4)] {
