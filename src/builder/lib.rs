@@ -3,7 +3,8 @@
 //! # Map
 //!
 //! ```text
-//! settings spill receiver_tiles held | trace | writing pack | pipeline | accuracy | planning | judge siting | transfer store study
+//! settings spill receiver_tiles held | trace | writing pack | pipeline | accuracy | planning
+//! | judge siting | transfer store study
 //! ```
 //!
 //! | module | in | out |

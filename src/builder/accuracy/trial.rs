@@ -119,6 +119,7 @@ impl Bench<'_> {
                 }));
             }
         }
+        // A second replay with one reflection separates the errors of seen and bounced cells.
         let once = Replay::new(&site, conditions, settings(MaxBounces::Count(1)))?;
         let mut next = 0;
         for tile in once.results(0..once.tiles()) {

@@ -11,7 +11,7 @@ use heliotile_core::layers::response;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
 
-/// Encodes the blocks of a tile that do not depend on its cells, in the order of writing.
+/// Encodes the blocks of a tile that are known before its cells, in the order of writing.
 pub fn tile(
     number: TileNumber,
     receivers: &tables::ReceiversTable,

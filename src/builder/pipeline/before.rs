@@ -299,6 +299,7 @@ impl SiteTracer<'_> {
         if seen.is_nothing() || self.reflections.is_none() && !may_see(key, normal, texture, &seen) {
             return true;
         }
+        // Rays are cast only if the cheap tests above do not decide.
         let probe = known_probe(key, cell.bits.clone(), texture, self.surfaces());
         let looks: Vec<Ray> = looks_around(key, &probe, texture, rays).into_iter().map(|look| look.0).collect();
         let all = sky_rays(key, &probe, texture).chain(looks.iter().copied()).collect();

@@ -169,6 +169,7 @@ impl SiteTracer<'_> {
         if self.keeping().is_some() {
             return self.update_bounces(start, writer, rays);
         }
+        // The index is written after all chunks, so a resumed build holds all cells if it is there.
         if writer.has(format::INDEX, CellKind::Bounces.index()) {
             let index = tables::IndexTable::from_block(&writer.block(format::INDEX, CellKind::Bounces.index())?)?;
             let items = |chunk: u32| Ok(u64::from(writer.block(format::BOUNCE, TileNumber(chunk))?.items()));
@@ -301,6 +302,7 @@ impl SiteTracer<'_> {
             })
             .collect();
         let mut rays = Cast::default();
+        // Chunks are appended in order, so that the bytes do not depend on threads.
         for part in done {
             let (chunk, blocks, cast) = part?;
             chunks.add(&chunk, blocks, writer)?;

@@ -193,6 +193,7 @@ fn trace(
     let mut rays = RayCounts::default();
 
     let mut found = TilesFound::default();
+    // Each stage finds the cells that the next one traces.
     let keys = tracer.write_receivers(receivers, writer, &mut rays, &mut found)?;
     clock.lap("receivers");
     let probes = tracer.write_probes(keys, writer, &mut rays)?;

@@ -344,6 +344,7 @@ impl SiteTracer<'_> {
         for batch in numbers.chunks(2 * rayon::current_num_threads()) {
             let mut parts = Vec::with_capacity(batch.len());
             for &chunk in batch {
+                // A cell goes to the chunk whose range of keys holds its own.
                 let end = starts.get(chunk + 1).copied().flatten();
                 let before_end = |other: &Result<T>| match (other, end) {
                     (Ok(other), Some(end)) => key(other) < end,
@@ -386,6 +387,7 @@ impl SiteTracer<'_> {
     ) -> Result<Vec<Piece>> {
         let cells = held.cells;
         let Some(before) = &self.before else { return Ok(Vec::new()) };
+        // An unchanged chunk is copied as it is encoded, which keeps its bytes.
         if let Some(&first) = cells.keys.first().filter(|_| before.same_numbers && changed.is_empty()) {
             let [mirror, canopy] = kind.extras();
             let copy = |kind| before.copy(kind, TileNumber(chunk as u32), TileNumber::FIRST).transpose();

@@ -159,6 +159,7 @@ impl SiteTracer<'_> {
                 .enumerate()
                 .map(|(i, tile)| self.tile(first + i as u32, tile, &fans, writer))
                 .collect();
+            // Tiles are appended in order, so that the bytes do not depend on threads.
             for tile in traced {
                 let tile = tile?;
                 tile.blocks.into_iter().try_for_each(|block| writer.append(block))?;

@@ -114,6 +114,7 @@ impl SiteTracer<'_> {
         if touched.is_empty() {
             return false;
         }
+        // The tile is decoded only if the change may show in some sky.
         let Some(layers) = before.archive.tile(from) else { return true };
         touched.into_iter().any(|row| {
             let Some(Some(known)) = layers.get(row) else { return true };

@@ -132,6 +132,7 @@ impl YearLosses {
         let mut all = suns.year(BuildSettings::default().steps.into());
         all.retain(is_lit);
         let year = JudgedSky::sum(&in_axes(&all, North::of(scene.place.as_ref())), SkyModel::default())?;
+        // The open sky gives the sky view by which receivers are grouped.
         let open = JudgedSky::open();
         let receivers = build.receivers.count();
         let sampled: Vec<Receiver> = sample(build.receivers, SAMPLE)?.into_iter().map(|s| s.1).collect();

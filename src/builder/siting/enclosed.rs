@@ -54,6 +54,7 @@ impl Siting<'_> {
         }
         let sees_sky = sky as f64 > OPEN * RAYS as f64;
         let is_inside = backs as f64 > OTHER_SIDES * met as f64;
+        // A closure, because paths cost more than the rays above.
         let dark = || !is_reached(origin, DVec3::Z, mix(0x7369_7465, 0), &scene.mesh, tracer);
         if sees_sky || !is_inside && (sky > 0 || !dark()) {
             return None;

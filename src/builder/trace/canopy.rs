@@ -198,6 +198,7 @@ impl SeenLeaves {
         let all: f64 = self.0.iter().map(|((_, before), share)| weight(before, *share)).sum();
         let step = if self.0.len() > most { all / most as f64 } else { 0.0 };
         let mut at = unit(mix(seed, 0x6c65_6166)) * step;
+        // A leaf is drawn once for every `step` that its weight spans.
         let mut drawn = |((cell, before), share): ((CellKey, Vec<(u16, u8)>), f64)| {
             let own = weight(&before, share);
             let mut share = share;
@@ -290,6 +291,7 @@ impl CellCrossings {
         };
         let open = |&texel: &usize| bit(&probe.bits, texel);
         let sky: Vec<Path> = texture.texels().filter(open).map(sky).collect();
+        // Rays are numbered in the order in which tables of cells sort their hits.
         let mut order: Vec<&SeenCell> = seen.iter().collect();
         order.sort_by_key(|seen| (!seen.up, seen.cell.is_none(), seen.cell));
         let path = |(seen, place): (&&SeenCell, u32)| seen.path.map(|(ray, reach_m)| Path { place, ray, reach_m });

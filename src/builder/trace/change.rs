@@ -141,6 +141,7 @@ fn cut(triangles: &mut [[DVec3; 3]], cuts: u32, boxes: &mut Vec<[DVec3; 2]>) {
         triangles.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
         let half = 1.5 * (low[axis] + high[axis]);
         let at = triangles.partition_point(|triangle| middle(triangle) < half);
+        // If all centres lie on one side of the middle, cut the list in half.
         let at = if (1..triangles.len()).contains(&at) { at } else { triangles.len() / 2 };
         let (left, right) = triangles.split_at_mut(at);
         cut(left, cuts - 1, boxes);

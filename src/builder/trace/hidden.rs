@@ -6,8 +6,8 @@
 //! neighbours lie in one plane, either may be hit first, so a point counts as hidden if much less
 //! than all of its hits are other sides.
 //!
-//! Receivers that see no sky are judged by light paths instead ([`is_reached`]), because a cell
-//! that they see may be half lit, on the other side of a wall.
+//! Light paths decide on receivers that see no sky ([`is_reached`]), because a cell that they see
+//! may be half lit, on the other side of a wall.
 
 use glam::{DVec3, Vec3};
 

@@ -151,6 +151,7 @@ impl<'a> Reflections<'a> {
                 way.chain = chain;
                 next.push((i, way));
             }
+            // Rays of all paths go together after each reflection, to fill packets.
             let cast: Vec<Ray> = next.iter().map(|(_, way)| ray(way.at.from, way.at.direction)).collect();
             *rays += cast.len() as u64;
             let hits = self.tracer.closest_many(&cast);

@@ -45,6 +45,7 @@ pub fn placement_of(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Trace
         return Placement::Blocked;
     }
     let origin = view.origin(tracer);
+    // Only rays that go up can see sky.
     let up: Vec<DVec3> =
         (0..SIDE * SIDE).map(view.hit_directions(SIDE)).filter(|direction| direction.z > 0.0).collect();
     let rays: Vec<Ray> = up.iter().map(|direction| Ray { origin, direction: direction.as_vec3().into() }).collect();

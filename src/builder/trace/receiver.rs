@@ -152,6 +152,7 @@ impl Viewpoint {
         let part = fans.part(n);
         let Some(answers) = known.answers.get((n / fans.base()).ilog2() as usize) else { return blocks.to_vec() };
         let asked = |block: &TexelBlock| TexelBlock { wanted: block.wanted & answers.of(block).0, ones: 0, ..*block };
+        // Only parts of the sky towards the change can hold answers that it alters.
         let touched = blocks.iter().filter(|block| known.touched[part(block)]);
         let mut doubted: Vec<TexelBlock> = touched.map(asked).filter(|block| block.wanted != 0).collect();
         let bent = fans.bent(n, &doubted, self.normal, parts);

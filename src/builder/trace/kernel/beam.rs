@@ -11,8 +11,8 @@ use crate::trace::kernel::lanes::{F32x16, LANES, Lanes};
 use crate::trace::kernel::packet::{FAR_PAD, inverse};
 use crate::trace::kernel::tree::{Node, WIDTH};
 
-/// Bounds of some rays. In every value, lanes 0 to 7 hold the sides at which the rays enter the
-/// eight boxes, and lanes 8 to 15 the sides at which they leave, with the sign reversed.
+/// Bounds of some rays. Lanes 0 to 7 are for the sides at which the rays enter the eight boxes, and
+/// lanes 8 to 15 for the sides at which they leave, with the sign reversed.
 #[derive(Clone, Copy)]
 pub struct Beam<F> {
     origin: [F; 3],

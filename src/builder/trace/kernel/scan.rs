@@ -178,6 +178,7 @@ impl ScanSpace {
                 entered += 1;
                 self.enter(l, tree, child, &beam);
             }
+            // Triangles are tested by sixteens, and the rest when the walk ends.
             while self.pending.len() >= LANES || next.is_none() && !self.pending.is_empty() {
                 let some = self.pending.len().min(LANES);
                 let mut sixteen = Sixteen::new(l, tree, origin, &self.pending[..some]);
