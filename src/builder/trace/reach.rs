@@ -1,6 +1,6 @@
 //! Upper bounds of the light that a change can alter at a place. In: the boxes of added or removed
 //! triangles, and the reflectance of the scene's brightest surface. Out: bounds, without casting a
-//! ray.
+//! ray except in [`Reach::shown`].
 //!
 //! The light is that of a uniform sky, or the mean over suns everywhere in the sky, as a share of
 //! what open ground gets. No direction is then brighter than the sky, whatever reflects. So light
