@@ -1,4 +1,5 @@
-//! What an archive was built of. In: an archive. Out: its triangles, materials and objects; its receivers.
+//! The scene and receivers that an archive was built from. In: an archive. Out: its triangles,
+//! materials, objects and receivers.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -35,7 +36,7 @@ pub fn complete(archive: &Archive) -> Result<()> {
     Err(Error::input(archive.path(), None, what, "complete it: give the command that made it, without {preview}"))
 }
 
-/// The scene that an archive was traced of. An error: it does not hold it.
+/// Returns the scene that an archive was traced from, or an error if the archive does not hold it.
 pub fn held_scene(archive: &Archive) -> Result<TracedScene> {
     check_scene(archive)?;
     let site = OpenSite::of(archive)?;
@@ -44,7 +45,7 @@ pub fn held_scene(archive: &Archive) -> Result<TracedScene> {
     let tables: Vec<GeometryTable> = (0..chunks).into_par_iter().map(read).collect::<Result<_>>()?;
     let scene = &archive.manifest().scene;
     let corners = |table: &GeometryTable| -> Vec<[DVec3; 3]> {
-        // Corners of a table that was checked are among its vertices.
+        // A checked table has no corner beyond its vertices.
         let point = |corner: u32| DVec3::from(table.vertex[corner as usize].map(f64::from));
         table.corner.iter().map(|corners| corners.map(point)).collect()
     };
@@ -57,7 +58,7 @@ pub fn held_scene(archive: &Archive) -> Result<TracedScene> {
     })
 }
 
-/// The objects of the triangles, chunk by chunk; none if the archive does not name them.
+/// Returns the objects of all triangles, chunk by chunk, or no objects if the archive holds none.
 fn held_objects(archive: &Archive, scene: &[GeometryTable]) -> Result<MeshObjects> {
     if !archive.has(format::OBJECTS, TileNumber::FIRST) {
         return Ok(MeshObjects::default());
@@ -69,6 +70,7 @@ fn held_objects(archive: &Archive, scene: &[GeometryTable]) -> Result<MeshObject
         if table.rows() != geometry.rows() {
             return Err(block.corrupt(format!("{} rows", table.rows()), format!("{} triangles", geometry.rows())));
         }
+        // Rows of an objects table count from 0 in every chunk.
         let first = objects.len() as u32;
         of_triangle.extend(table.row.iter().map(|row| first + u32::from(*row)));
         objects.extend(table.objects());
@@ -76,7 +78,8 @@ fn held_objects(archive: &Archive, scene: &[GeometryTable]) -> Result<MeshObject
     Ok(MeshObjects::new(&objects, &of_triangle))
 }
 
-/// The receivers of an archive in its order, with what they stand for and, where it shows them, their patches.
+/// Returns the receivers of an archive in its order, with the part of the model that each belongs
+/// to and, if the archive holds an overview, their patches.
 pub fn held_receivers(archive: &Archive) -> Result<Vec<Receiver>> {
     let mut receivers = Vec::new();
     for tile in 0..archive.tiles() {

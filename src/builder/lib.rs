@@ -3,42 +3,45 @@
 //! # Map
 //!
 //! ```text
-//! settings spill receiver_tiles held | trace | writing pack | pipeline | accuracy | planning | judge siting | transfer store study
+//! settings spill receiver_tiles held | trace | writing pack | pipeline | accuracy | planning
+//! | judge siting | transfer store study
 //! ```
 //!
-//! | room | in | out |
+//! | module | in | out |
 //! | --- | --- | --- |
 //! | [`settings`] | a quality, names and numbers | numbers in range |
-//! | [`trace`] | a mesh, points to look from | raw hemispheres: sky bits, cells that are seen; the only place where rays are cast |
-//! | [`writing`] | encoded blocks | an archive, whole or not there, which an interrupted build goes on with |
+//! | [`trace`] | a mesh, points to look from | raw hemispheres: sky bits and the cells that are seen; the only module that casts rays |
+//! | [`writing`] | encoded blocks | an archive, complete or absent; an interrupted build can resume |
 //! | [`pipeline`] | a prepared scene, receivers | a plan with its forecast, then an archive |
 //! | [`accuracy`] | a target in percent | the cheapest settings that keep within it |
-//! | [`planning`] | what is wished, weather | settings, effects that may be left out, and what they rest on |
-//! | [`judge`] | a prepared scene, a receiver, suns and skies | what it gets, by paths of light and with a standard error: no texture, cell or patch |
-//! | [`siting`] | a prepared scene, points in it | what lies below a point, whether it is inside something, its horizon |
-//! | [`held`] | an archive | the triangles, materials and objects that it was traced of |
-//! | [`transfer`] | archives | parts, unions and differences of them, without a ray |
-//! | [`store`] | finished archives | those that a build can look things up in |
+//! | [`planning`] | a request, weather | settings, effects that may be left out, and the estimates behind both |
+//! | [`judge`] | a prepared scene, a receiver, suns and skies | irradiance from the reference path tracer, with a standard error: no texture, cell or patch |
+//! | [`siting`] | a prepared scene, points in it | the ground below a point, a test whether it is inside a solid, its horizon |
+//! | [`held`] | an archive | the triangles, materials, objects and receivers that it was traced from |
+//! | [`transfer`] | archives | parts, unions and differences of archives, without casting a ray |
+//! | [`store`] | finished archives | the archives that a build can reuse |
 //!
 //! # What never happens
 //!
-//! - Nothing is printed and no command line is known: an [`Observer`](heliotile_core::observer::Observer) is told, and asked whether to stop.
-//! - A cell depends on the scene and its key only, never on who asked first, on threads or on the order of tiles: equal inputs give equal
-//!   bytes, and parts of a site fit together.
+//! - The engine prints nothing and knows no command line: it reports to an
+//!   [`Observer`](heliotile_core::observer::Observer), which can also stop it.
+//! - A cell depends only on the scene and its key, never on threads, on the order of tiles or on
+//!   which receiver saw it first: equal inputs give equal bytes, and parts of a site fit together.
 //! - After a failed sync nothing more is written.
 //!
 //! # Ten words
 //!
-//! - **prepared scene**: a scene with its tree of boxes, its mirrors and canopies.
-//! - **packet**: sixteen rays that go through the tree together.
-//! - **viewpoint**: a receiver's place and normal, where its rays start.
+//! - **prepared scene**: a scene with its bounding volume hierarchy, mirrors and canopies.
+//! - **packet**: sixteen rays that traverse the hierarchy together.
+//! - **viewpoint**: position and normal of a receiver, where its rays start.
 //! - **surroundings**: the cells that a probe or bounce cell sees.
-//! - **plan**: the settings of a build and the forecast they rest on; **effect**: a kind of light path that may be left out.
-//! - **rung**: one step of the ladder of a source of error.
-//! - **pilot**: some receivers built with several settings, to choose among them.
-//! - **checkpoint**: what is on the disk from then on, whatever happens.
-//! - **journal**: the list of checkpoints beside an archive that is not finished.
-//! - **spill**: sorting with temporary files what memory does not hold.
+//! - **plan**: the settings of a build and the forecast behind them; **effect**: a kind of light
+//!   path that a build may leave out.
+//! - **rung**: one step of the accuracy ladder of a source of error.
+//! - **pilot**: a sample of receivers built with several settings, to choose among them.
+//! - **checkpoint**: a state of the file that stays on the disk even if the power fails.
+//! - **journal**: the list of checkpoints beside an unfinished archive.
+//! - **spill**: sorting with temporary files when the records do not fit in memory.
 
 #![deny(missing_docs)]
 

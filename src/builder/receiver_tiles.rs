@@ -1,4 +1,5 @@
-//! In: `receivers.csv` of any length. Out: its receivers tile by tile along the Morton curve, from bounded memory.
+//! Receivers of any number, tile by tile. In: a `receivers.csv` of any length. Out: its receivers
+//! in tiles along the Morton curve, from bounded memory.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +15,7 @@ use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::{Receiver, TILE};
 use heliotile_scene::covering::receivers::{ReceiverRows, duplicate, no_receivers};
 
-/// Receivers in Morton order, on disk where they are many.
+/// Receivers in Morton order, in temporary files if they exceed the memory budget.
 pub struct ReceiverTiles {
     sorted: Sorted,
     folder: PathBuf,
@@ -25,8 +26,9 @@ pub struct ReceiverTiles {
 }
 
 impl ReceiverTiles {
-    /// Reads a file as [`read_receivers`](heliotile_scene::covering::receivers::read_receivers) does. Sorted around `origin`, with temporary
-    /// files in `folder` where `budget_bytes` do not suffice. `warnings` gets the columns that are passed over.
+    /// Reads a file as [`read_receivers`](heliotile_scene::covering::receivers::read_receivers)
+    /// does, and sorts its receivers around `origin`. Temporary files go to `folder` if
+    /// `budget_bytes` do not suffice. `warnings` gets the columns that are ignored.
     pub fn open(
         path: &Path,
         origin: DVec3,
@@ -47,7 +49,8 @@ impl ReceiverTiles {
                 Err(error) => break Err(error),
             }
         };
-        // A name that was given twice stands before the row that could not be read.
+        // The error of a duplicate name comes before the error of an unreadable row, because its
+        // rows come first in the file.
         if let Some(twice) = first_duplicate(by_id.finish()?, folder)? {
             return Err(duplicate(path, &twice.id, twice.first_line, twice.line));
         }
@@ -56,7 +59,8 @@ impl ReceiverTiles {
         if tiles.count == 0 { Err(no_receivers(path)) } else { Ok(tiles) }
     }
 
-    /// How receivers differ from those of an archive, if they do: there are as many, and in every good tile the same ones.
+    /// Returns how the receivers differ from those of an archive, or `None` if their number and
+    /// every readable tile are equal.
     pub fn difference(&mut self, archive: &Archive) -> Result<Option<String>> {
         let (found, expected) = (self.count() as u64, archive.manifest().receivers.count);
         if found != expected {
@@ -65,7 +69,7 @@ impl ReceiverTiles {
         for (tile, given) in self.tiles()?.enumerate() {
             let (mut given, tile) = (given?, tile as u32);
             let Ok(mut held) = tables::PartsTable::receivers(archive, tile) else { continue };
-            // What is not shown, or damaged, is not compared.
+            // Patches are not compared if the archive has no overview or a damaged one.
             if !tables::OverviewTable::join(archive, tile, &mut held).unwrap_or(false) {
                 given.iter_mut().for_each(|receiver| receiver.patch = Patch::default());
             }
@@ -76,7 +80,7 @@ impl ReceiverTiles {
         Ok(None)
     }
 
-    /// Tiles of receivers that are in memory already; their names are not checked.
+    /// Sorts receivers that are in memory into tiles. Names are not checked for duplicates.
     pub fn from_receivers(receivers: &[Receiver], origin: DVec3, folder: &Path, budget_bytes: usize) -> Result<Self> {
         let mut by_place = Sorter::new(folder, budget_bytes);
         receivers.iter().try_for_each(|receiver| push(&mut by_place, receiver))?;
@@ -84,6 +88,8 @@ impl ReceiverTiles {
     }
 
     fn of_sorted(sorted: Sorted, origin: DVec3, folder: &Path) -> Result<Self> {
+        // One pass over the sorted records collects count, hash and bounds, so that memory stays
+        // bounded.
         let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let folder = folder.to_owned();
         let mut tiles = ReceiverTiles { sorted, folder, count: 0, content_hash: [0; 32], farthest: None, bounds };
@@ -114,29 +120,32 @@ impl ReceiverTiles {
         self.count.div_ceil(TILE)
     }
 
-    /// BLAKE3 of all that is known of the receivers, in Morton order: the order of the file does not matter.
+    /// Returns the BLAKE3 hash of all columns of the receivers in Morton order. The order of the
+    /// file does not matter.
     pub fn content_hash(&self) -> [u8; 32] {
         self.content_hash
     }
 
-    /// The receiver with the largest coordinate relative to the origin, the first of several; `None` if there are none.
+    /// Returns the receiver with the largest coordinate relative to the origin, the first of
+    /// several; `None` if there are no receivers.
     pub fn farthest(&self) -> Option<&Receiver> {
         self.farthest.as_ref()
     }
 
-    /// Lowest and highest coordinates of all receivers.
+    /// Returns the lowest and highest coordinates of all receivers.
     pub fn bounds(&self) -> [DVec3; 2] {
         self.bounds
     }
 
-    /// The tiles in order, [`TILE`] receivers each, the last one fewer. Every call begins with the first tile.
+    /// Returns the tiles in order, [`TILE`] receivers each and fewer in the last one. Every call
+    /// begins with the first tile.
     pub fn tiles(&mut self) -> Result<Tiles<'_>> {
         self.sorted.rewind()?;
         Ok(Tiles { sorted: &mut self.sorted, folder: &self.folder })
     }
 }
 
-/// Tiles of receivers, in order.
+/// Iterator over the tiles of receivers, in order.
 pub struct Tiles<'a> {
     sorted: &'a mut Sorted,
     folder: &'a Path,
@@ -158,7 +167,7 @@ impl Iterator for Tiles<'_> {
 }
 
 fn push(sorter: &mut Sorter, receiver: &Receiver) -> Result<()> {
-    // Areas are above zero where they are given, names of surfaces not empty.
+    // 0 and the empty text stand for `None`: areas are above 0 and names of surfaces are not empty.
     let mut payload = receiver.area.unwrap_or_default().to_le_bytes().to_vec();
     let patch = receiver.patch.to_string();
     let texts = [receiver.surface.as_deref().unwrap_or_default(), &patch].into_iter().chain(receiver.part.texts());
@@ -200,14 +209,14 @@ fn add(content: &mut ContentHasher, receiver: &Receiver) {
     }
 }
 
-/// A name that two rows have.
+/// Name that two rows have in common.
 struct Twice {
     id: String,
     first_line: usize,
     line: usize,
 }
 
-/// Of all repetitions the one that stands first in the file.
+/// Returns the repetition that comes first in the file.
 fn first_duplicate(lines_by_id: Sorted, folder: &Path) -> Result<Option<Twice>> {
     let mut found: Option<Twice> = None;
     let mut previous: Option<(Vec<u8>, usize)> = None;
@@ -215,7 +224,7 @@ fn first_duplicate(lines_by_id: Sorted, folder: &Path) -> Result<Option<Twice>> 
         let (id, payload) = record?;
         let line = number_of(&payload, folder)? as usize;
         match &previous {
-            // Rows of one name come in the order of the file, so this is the second of them, or a later one.
+            // Rows of equal names keep the order of the file, so this is the second or a later one.
             Some((same, first_line)) if *same == id => {
                 if found.as_ref().is_none_or(|twice| line < twice.line) {
                     let id = String::from_utf8_lossy(&id).into_owned();
@@ -274,8 +283,9 @@ mod tests {
         tiles.tiles().expect("rewound").collect::<Result<_>>().expect("readable")
     }
 
-    /// 20,000 receivers through 128 KiB give the 313 tiles of the plain way, twice; through 64 MiB, from memory and from a
-    /// file in reverse order the same with the same hash, which any change of a receiver changes.
+    /// Reading 20,000 receivers with 128 KiB gives the same 313 tiles as reading them in memory,
+    /// twice. 64 MiB, receivers from memory and a file in reverse order give the same tiles and the
+    /// same hash. Each of 4 changes of a receiver changes the hash.
     #[test]
     fn equals_the_plain_way() {
         let mut rows = rows(20_000);
@@ -313,7 +323,8 @@ mod tests {
         }
     }
 
-    /// Nine refusals, duplicates behind and in front of broken rows among them, read as those of the plain way do.
+    /// Nine broken files, among them duplicates before and after broken rows, are refused with the
+    /// messages of the reader that works in memory.
     #[test]
     fn refusals() {
         let good = rows(4_000);
@@ -352,7 +363,8 @@ mod tests {
         assert!(message.starts_with("cannot read /nowhere/receivers.csv: "), "{message}");
     }
 
-    /// A byte order mark, CRLF and quoted line ends count as the plain reader counts them: the error stands in line 6.
+    /// A byte order mark, CRLF and quoted line ends are counted as the reader that works in memory
+    /// counts them: the error is in line 6.
     #[test]
     fn line_numbers() {
         let text = "\u{feff}receiver,x,y,z,nx,ny,nz\r\n\"a\r\nb\",0,0,0,0,0,1\r\n\r\nc,0,0,0,0,0,1\r\nc,0,0,0,0,0,1";

@@ -1,4 +1,5 @@
-//! Suns and skies that errors are estimated under. In: a weather file or none, a number. Out: that many conditions.
+//! Suns and skies under which errors are estimated. In: a weather file or none, a number. Out: that
+//! many conditions.
 
 use std::path::Path;
 
@@ -15,12 +16,14 @@ use heliotile_core::weather::options::WeatherOptions;
 use heliotile_core::weather::series::Weather;
 use heliotile_scene::input::weather::read_weather_as;
 
-/// Altitudes of the suns, degrees: below, hardly any energy comes; above, few places have the sun.
+/// Lowest and highest ([`HIGHEST_DEG`]) altitude of the suns, degrees. Below there is hardly any
+/// energy; above, few places have the sun.
 const LOWEST_DEG: f64 = 4.0;
 const HIGHEST_DEG: f64 = 72.0;
 
-/// Suns from all sides, with no place on Earth in mind: even in azimuth and in the sine of the altitude. Half of the skies are clear, a quarter
-/// half covered, a quarter overcast, with round numbers of the size that weather files have.
+/// Returns suns from all sides, for no particular place on Earth: even in azimuth and in the sine
+/// of the altitude. Half of the skies are clear, a quarter half covered, a quarter overcast, with
+/// round numbers of the size that weather files have.
 fn spread(count: usize) -> Vec<Condition> {
     let (low, high) = (LOWEST_DEG.to_radians().sin(), HIGHEST_DEG.to_radians().sin());
     let condition = |i: usize| {
@@ -28,7 +31,8 @@ fn spread(count: usize) -> Vec<Condition> {
         let altitude_deg = sine.asin().to_degrees();
         let azimuth_deg = (i as f64 * 0.618_033_988_749_894_9).fract() * 360.0;
         let (clear, clear_dhi) = clear_sky(sine);
-        // Its own sequence (Roberts 2018), or some kinds of sky would have high suns only.
+        // The kind of sky has a sequence of its own (Roberts 2018), or some kinds would have high
+        // suns only.
         let (dni, dhi) = match (i as f64 * 0.754_877_666_246_692_8).fract() * 4.0 {
             kind if kind < 2.0 => (clear, clear_dhi),
             kind if kind < 3.0 => (0.45 * clear, 80.0 + 220.0 * sine),
@@ -40,15 +44,16 @@ fn spread(count: usize) -> Vec<Condition> {
     (0..count).map(condition).collect()
 }
 
-/// Whether the sun is up, and anything shines.
+/// Returns true if the sun is up and there is any light.
 pub fn is_lit(condition: &Condition) -> bool {
     !condition.suns.is_empty() && condition.dni_w_m2 + condition.dhi_w_m2 > 0.0
 }
 
-/// Hours with the sun up in a year.
+/// Number of hours with the sun up in a year.
 const LIT_HOURS: usize = 4380;
 
-/// A year of hours, each with so many sun positions, for timing: suns from all sides that move by 15 degrees.
+/// Returns a year of hours with `steps` sun positions each, for timing: suns from all sides that
+/// move by 15 degrees.
 fn spread_year(steps: usize) -> Vec<Condition> {
     let moving = |condition: Condition| {
         let turned = |step: usize| DMat3::from_rotation_z((step as f64 / steps as f64 - 0.5) * 15_f64.to_radians());
@@ -58,21 +63,22 @@ fn spread_year(steps: usize) -> Vec<Condition> {
     spread(LIT_HOURS).into_iter().map(moving).collect()
 }
 
-/// Van der Corput's sequence in base 2: 0, 1/2, 1/4, 3/4, ...
+/// Returns a term of van der Corput's sequence in base 2: 0, 1/2, 1/4, 3/4, ...
 fn mirrored_bits(i: u32) -> f64 {
     f64::from(i.reverse_bits()) / 2.0_f64.powi(32)
 }
 
-/// Where conditions come from.
+/// Source of the conditions of an estimate.
 pub enum ErrorConditions {
-    /// Suns from all sides, with no place on Earth in mind.
+    /// Suns from all sides, for no particular place on Earth.
     Spread,
-    /// A file by its name.
+    /// Weather file and its name.
     Weather(String, Box<Weather>),
 }
 
 impl ErrorConditions {
-    /// Of a weather file, or suns from all sides without one. Warns of what is doubtful in the file.
+    /// Reads a weather file, or returns suns from all sides without one. Warns of doubtful values
+    /// in the file.
     pub fn read(
         file: Option<&Path>,
         options: &WeatherOptions,
@@ -85,7 +91,7 @@ impl ErrorConditions {
         ErrorConditions::of_weather(path, weather)
     }
 
-    /// Of a weather file, which has an hour with light.
+    /// Creates conditions from a weather file, and fails if it has no hour with light.
     pub fn of_weather(path: &Path, weather: Weather) -> Result<Self> {
         if !weather.conditions(1).iter().any(is_lit) {
             let hint = "give a weather file of a longer time";
@@ -95,7 +101,7 @@ impl ErrorConditions {
         Ok(ErrorConditions::Weather(name, Box::new(weather)))
     }
 
-    /// For people and the manifest.
+    /// Returns the name of the conditions, for people and the manifest.
     pub fn name(&self) -> &str {
         match self {
             ErrorConditions::Spread => "suns from all sides",
@@ -103,8 +109,8 @@ impl ErrorConditions {
         }
     }
 
-    /// So many conditions: moments with the sun anywhere; of a weather file hours with light, evenly chosen, with the positions of the sun that
-    /// `replay` takes by default.
+    /// Returns `count` conditions: suns from all sides, or hours of the weather file with light,
+    /// evenly chosen, with the sun positions that `replay` uses by default.
     pub fn some(&self, count: usize) -> Vec<Condition> {
         let ErrorConditions::Weather(_, weather) = self else { return spread(count) };
         let lit: Vec<Condition> =
@@ -113,7 +119,7 @@ impl ErrorConditions {
         (0..count).map(|i| lit[i * lit.len() / count].clone()).collect()
     }
 
-    /// All hours of a year, each with so many sun positions.
+    /// Returns all hours of a year with `steps` sun positions each.
     pub fn year(&self, steps: usize) -> Vec<Condition> {
         match self {
             ErrorConditions::Spread => spread_year(steps),
@@ -126,8 +132,9 @@ impl ErrorConditions {
 mod tests {
     use super::*;
 
-    /// Of 256 conditions 60 to 68 have no sun, the highest DNI is that of a clear sky at 72 degrees (940 to 1,000 W/m2), and suns come from
-    /// all four quarters, 50 or more each; the mean altitude of clear and overcast skies differs by less than 3 degrees.
+    /// 60 to 68 of 256 conditions have no sun. The highest DNI is that of a clear sky at 72 degrees
+    /// (940 to 1,000 W/m2). 50 or more suns come from each of the four quarters. The mean altitudes
+    /// of clear and overcast skies differ by less than 3 degrees.
     #[test]
     fn suns_from_all_sides() {
         let all = spread(256);

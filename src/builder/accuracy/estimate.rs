@@ -1,21 +1,25 @@
-//! From a few trials to the error of every rung. In: how far trials lie from the finest one, source by source. Out: an error for each rung,
-//! and the cheapest rungs that keep within a target.
+//! Estimates of the error of every rung from a few trials. In: distances of trials from the finest
+//! one, source by source. Out: an error for each rung, and the cheapest rungs that keep within a
+//! target.
 //!
-//! Errors of two rungs are independent where their rays are, so the squared distance of rung k to the finest one c is e_k^2 + e_c^2. With
-//! e_c / e_k as on typical sites, that of the finest trial follows from the next coarser one, then those of all others. Rungs
-//! that were not tried lie where typical ones would.
+//! Errors of two rungs are independent if their rays are, so the squared distance of rung k to the
+//! finest one c is e_k^2 + e_c^2. The ratio e_c / e_k is taken from typical sites. It gives the
+//! error of the finest trial from the next coarser one, then the errors of all others. Rungs that
+//! were not tried get errors in proportion to typical ones.
 
 use crate::accuracy::judged::SourcesFound;
 use crate::accuracy::trial::{ErrorSource, Irradiances, Trial};
 use crate::settings::ladder::{BOUNCED_RUNGS, PATCH_RUNGS, Rungs, SEEN_RUNGS, SKY_RUNGS};
 
-/// RMSE of the hourly total by rungs of one ladder, percent of its mean, and CPU milliseconds a receiver.
+/// Typical RMSE of the hourly total by rungs of one ladder, percent of its mean, and CPU
+/// milliseconds per receiver.
 struct Typical {
     percent: &'static [f64],
     cost: &'static [f64],
 }
 
-/// Rounded from trials on the sites of `tools/accuracy/run` and a block of The Hague. Only their ratios count.
+/// Returns the typical curve of a source, rounded from trials on the sites of `tools/accuracy/run`
+/// and a block of The Hague. Only ratios of its numbers count.
 const fn typical(source: ErrorSource) -> Typical {
     match source {
         ErrorSource::Sky => {
@@ -39,17 +43,19 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// From distances in percent between trials and the finest one: (rung, distance), and the finest trial's rung.
+    /// Creates the curve from distances between trials and the finest one, as (rung, percent), and
+    /// the finest trial's rung.
     pub fn through(source: ErrorSource, distances: &[(usize, f64)], finest: usize) -> Self {
         let typical = typical(source).percent;
         let others: Vec<(usize, f64)> = distances.iter().copied().filter(|d| d.0 != finest).collect();
-        // Rungs of the same hits cast the same rays: their distance holds nothing of what these rays are off by.
+        // Rungs with equal hit textures cast the same rays, so their distance does not show the
+        // error of these rays.
         let mut known: Vec<(usize, f64)> = others.iter().copied().filter(|d| !same_rays(source, d.0, finest)).collect();
         if known.is_empty() {
             known = others;
         }
         known.sort_by_key(|d| d.0);
-        // The next coarser trial says how this site compares with a typical one.
+        // The next coarser trial shows how this site compares with a typical one.
         let next = known.iter().rev().find(|d| d.0 < finest).or(known.first());
         let scale = next.map_or(0.0, |&(rung, distance)| distance / typical[rung].hypot(typical[finest]));
         let of_finest = scale * typical[finest];
@@ -70,22 +76,23 @@ impl Curve {
         Curve { percent }
     }
 
-    /// Scales the curve so that it has a value at a rung. What noise makes small is not believed below half of what was foretold.
+    /// Scales the curve to pass through a value at a rung. The scale is at least half, because
+    /// noise may make the value found too small.
     fn pass_through(&mut self, source: ErrorSource, rung: usize, found: f64) {
         let here = self.percent[rung];
         if here > 0.0 {
             let scale = (found / here).max(0.5);
             self.percent.iter_mut().for_each(|percent| *percent *= scale);
         } else {
-            // Trials that did not differ foretold nothing.
+            // Trials that did not differ predicted no error.
             let typical = typical(source).percent;
             self.percent = typical.iter().map(|percent| found * percent / typical[rung]).collect();
         }
     }
 }
 
-/// Whether a receiver's rays are the same at two rungs of a source: those to what it sees go through a jittered point of each texel, which
-/// depends on the receiver and the side of the texture.
+/// Returns true if a receiver's rays are the same at two rungs of a source. Hit rays go through a
+/// jittered point of each texel, which depends on the receiver and the side of the texture.
 fn same_rays(source: ErrorSource, one: usize, other: usize) -> bool {
     let hit = |seen: usize| Rungs { seen, ..Rungs::FINEST }.settings().hit;
     source == ErrorSource::Seen && hit(one) == hit(other)
@@ -94,16 +101,18 @@ fn same_rays(source: ErrorSource, one: usize, other: usize) -> bool {
 /// Errors of all ladders on one site, percent of the mean total.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Errors {
-    /// In the order of [`ErrorSource::ALL`].
+    /// Curves in the order of [`ErrorSource::ALL`].
     pub curves: [Curve; 3],
-    /// `[rung]` of the sky's patches: 145, 577, 2305.
+    /// `[rung]` of the sky patches: 145, 577, 2305.
     pub patches: [f64; PATCH_RUNGS],
-    /// Error of reflected light in hours when the sun lights what receivers see, over that in all hours, both in W/m2.
+    /// Error of reflected light in hours when the sun lights what receivers see, divided by that in
+    /// all hours, both in W/m2.
     pub lit: f64,
 }
 
 impl Errors {
-    /// From trials with their rungs, the finest one of which is taken for the truth, and what each number of patches is off by.
+    /// Creates the errors from trials with their rungs, taking the finest one as the truth, and the
+    /// errors of the sky patches.
     pub fn of(trials: &[(Rungs, Trial)], finest: Rungs, truth: &Trial, patches: [f64; PATCH_RUNGS]) -> Self {
         let mean = truth.light.mean();
         let curves = ErrorSource::ALL.map(|source| {
@@ -115,7 +124,8 @@ impl Errors {
         Errors { curves, patches, lit: 1.0 }
     }
 
-    /// Takes what the judge found at some rungs in place of what trials foretold there; other rungs follow in proportion.
+    /// Replaces the predictions at some rungs by the errors that the reference path tracer found;
+    /// other rungs follow in proportion.
     pub fn learn(&mut self, rungs: Rungs, found: &SourcesFound) {
         for source in ErrorSource::ALL {
             let patches = if source == ErrorSource::Sky { self.patches[rungs.patches] } else { 0.0 };
@@ -126,24 +136,26 @@ impl Errors {
         self.lit = if all > 0.0 { (found.lit_percent / all).max(1.0) } else { 1.0 };
     }
 
-    /// Error of a source at some rungs.
+    /// Returns the error of a source at some rungs.
     pub fn at(&self, rungs: Rungs, source: ErrorSource) -> f64 {
         self.curves[source as usize].percent[rung(rungs, source)]
     }
 
-    /// Error of the total at some rungs: sources are independent.
+    /// Returns the error of the total at some rungs: sources are independent.
     pub fn total(&self, rungs: Rungs) -> f64 {
         let squares = ErrorSource::ALL.map(|source| self.at(rungs, source).powi(2));
         (squares.iter().sum::<f64>() + self.patches[rungs.patches].powi(2)).sqrt()
     }
 
-    /// Error of reflected light in hours when the sun lights what receivers see, percent of the mean total of all hours.
+    /// Returns the error of reflected light in hours when the sun lights what receivers see,
+    /// percent of the mean total of all hours.
     pub fn lit(&self, rungs: Rungs) -> f64 {
         self.lit * self.at(rungs, ErrorSource::Seen).hypot(self.at(rungs, ErrorSource::Bounced))
     }
 
-    /// The cheapest rungs that keep the total and what is reflected within a target; if none do, those that keep the total; if none do, the finest
-    /// ones. After rungs that did not keep it, rungs are nowhere coarser and somewhere finer.
+    /// Returns the cheapest rungs that keep the total and reflected light within a target; if there
+    /// are none, those that keep the total; if there are none, the finest ones. With `after`, rungs
+    /// that missed the target, the result is nowhere coarser and somewhere finer.
     pub fn cheapest(&self, target_percent: f64, after: Option<Rungs>) -> Rungs {
         let of_total = |rungs: Rungs| self.total(rungs) <= target_percent;
         let both = self.cheapest_that(|rungs| of_total(rungs) && self.lit(rungs) <= target_percent, after);
@@ -170,7 +182,7 @@ impl Errors {
     }
 }
 
-/// Rung on the ladder of a source.
+/// Returns the rung on the ladder of a source.
 pub fn rung(rungs: Rungs, source: ErrorSource) -> usize {
     match source {
         ErrorSource::Sky => rungs.sky,
@@ -179,22 +191,23 @@ pub fn rung(rungs: Rungs, source: ErrorSource) -> usize {
     }
 }
 
-/// Typical CPU milliseconds of a receiver; what patches cost is small.
+/// Returns the typical CPU milliseconds of a receiver; sky patches cost little.
 fn cost(rungs: Rungs) -> f64 {
     let traced = ErrorSource::ALL.map(|source| typical(source).cost[rung(rungs, source)]);
     traced.iter().sum::<f64>() + 0.05 * rungs.patches as f64
 }
 
-/// What each number of patches is off by, from lights of one archive; the last is the finest.
+/// Returns the error of each number of sky patches, from irradiances of one archive; the last
+/// number is the finest.
 pub fn patch_errors(lights: &[Irradiances; PATCH_RUNGS]) -> [f64; PATCH_RUNGS] {
     let truth = &lights[PATCH_RUNGS - 1];
     let mut errors = lights.each_ref().map(|light| percent(light.total_error(truth).rmse, truth.mean()));
-    // Four times the patches are a quarter as wide, and the error falls about as fast.
+    // Four times as many patches are a quarter as large, and the error falls about as fast.
     errors[PATCH_RUNGS - 1] = errors[PATCH_RUNGS - 2] / 4.0;
     errors
 }
 
-/// A difference in percent of a mean; 0 in the dark.
+/// Returns a difference in percent of a mean; 0 if the mean is 0.
 pub fn percent(difference: f64, mean: f64) -> f64 {
     if mean > 0.0 { difference / mean * 100.0 } else { 0.0 }
 }
@@ -203,8 +216,8 @@ pub fn percent(difference: f64, mean: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A site twice as bad as a typical one, tried at rungs 1, 2 and 4 of the sky: all 6 rungs come out at twice the typical error within
-    /// 1e-9; trials of no distance mean no error.
+    /// A site with twice the typical errors, tried at rungs 1, 2 and 4 of the sky, gets twice the
+    /// typical error at all 6 rungs within 1e-9. Trials without any distance give no error.
     #[test]
     fn a_typical_site() {
         let typical = typical(ErrorSource::Sky).percent;
@@ -217,8 +230,8 @@ mod tests {
         assert_eq!(none.percent.iter().sum::<f64>(), 0.0);
     }
 
-    /// Ladders have as many typical errors and costs as rungs, errors fall and costs rise: 3 of 3; a typical site gets coarser rungs for
-    /// 5 % than for 1 %, and the finest ones for 0.01 %.
+    /// All 3 ladders have as many typical errors and costs as rungs, errors fall and costs rise. A
+    /// typical site gets coarser rungs for 5 % than for 1 %, and the finest ones for 0.01 %.
     #[test]
     fn cheaper_for_less() {
         for (source, rungs) in ErrorSource::ALL.into_iter().zip([SKY_RUNGS, SEEN_RUNGS, BOUNCED_RUNGS]) {
@@ -234,8 +247,9 @@ mod tests {
         assert_eq!(errors.cheapest(0.01, None), Rungs::FINEST);
     }
 
-    /// Rungs 5 and 6 of the cells that are seen cast the same 64 x 64 rays: a distance of 0 between them says nothing. The error of rung 6 follows
-    /// from rung 4, which casts others and lies 1 % apart.
+    /// Rungs 5 and 6 of the seen cells cast the same 64 x 64 rays, so a distance of 0 between them
+    /// is ignored. The error of rung 6 follows from rung 4, which casts other rays and lies 1 %
+    /// apart.
     #[test]
     fn the_same_rays_say_nothing_of_each_other() {
         let typical = typical(ErrorSource::Seen).percent;
@@ -245,8 +259,10 @@ mod tests {
         assert!(!same_rays(ErrorSource::Bounced, 3, 4));
     }
 
-    /// The judge finds 1.2 % of one reflection where trials foretold nothing, and twice that in hours when the sun lights what is seen: the curve
-    /// goes through 1.2 %, other sources keep at least half of what was foretold, and for 2 % finer cells are taken, and nothing that is coarser.
+    /// The reference path tracer finds 1.2 % of one reflection where trials predicted nothing, and
+    /// twice that in hours when the sun lights what is seen. The curve goes through 1.2 %, other
+    /// sources keep at least half of their prediction, and a target of 2 % takes finer cells and
+    /// nothing coarser.
     #[test]
     fn what_the_judge_finds_goes_to_its_source() {
         let mut curves = ErrorSource::ALL.map(|s| Curve { percent: typical(s).percent.to_vec() });

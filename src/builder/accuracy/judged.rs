@@ -1,4 +1,5 @@
-//! What the judge finds for a sample. In: a scene, some receivers, conditions. Out: how far a light of these receivers is off.
+//! Errors of a sample against the reference path tracer. In: a scene, some receivers, conditions.
+//! Out: the errors of irradiances of these receivers.
 
 use rayon::prelude::*;
 
@@ -18,13 +19,14 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::in_axes;
 
-/// Receivers times conditions that are judged at least, and limits of the conditions of each, besides the mean of all: few receivers tell as much
-/// as many by more of them.
+/// Smallest number of receivers times conditions that are evaluated. [`OF_RECEIVER`] limits the
+/// conditions of each receiver, besides the mean of all. Fewer receivers with more conditions tell
+/// as much.
 const PAIRS: usize = 2048;
 const OF_RECEIVER: (usize, usize) = (16, 64);
 
-/// Paths of a receiver where the error wanted is 1 %, and the limits of their number: the judge's noise is taken off, but must not be many times
-/// what it looks for.
+/// Number of paths of a receiver for a target of 1 %; [`LEAST_PATHS`] and [`MOST_PATHS`] limit it.
+/// The noise of the path tracer is subtracted, but must not be many times the error in question.
 const PATHS: f64 = 4096.0;
 const LEAST_PATHS: f64 = 2048.0;
 const MOST_PATHS: f64 = 32768.0;
@@ -32,49 +34,53 @@ const MOST_PATHS: f64 = 32768.0;
 /// Seed of points of the sun.
 const SUN_SEED: u64 = 0x73_756e;
 
-/// Seed of the hours that are chosen, and of their paths.
+/// Seed of the chosen hours and of their paths.
 const SEED: u64 = 0x0068_6f75_7273;
 
-/// The total, after the six components.
+/// Place of the total, after the six components.
 pub const TOTAL: usize = PARTS - 1;
 
-/// A row of results with its total, W/m2.
+/// Returns a row of results with its total, W/m2.
 pub fn with_total(row: &[f32; 8]) -> [f64; PARTS] {
     let sum = row.iter().take(TOTAL).map(|v| f64::from(*v)).sum();
     std::array::from_fn(|part| if part < TOTAL { f64::from(row[part]) } else { sum })
 }
 
-/// Receivers of a sample as the judge sees them.
+/// Receivers of a sample with irradiances from the reference path tracer.
 pub struct JudgedSample<'a> {
     judge: Judge<'a>,
     receivers: &'a [Receiver],
-    /// Conditions of all.
+    /// All conditions.
     skies: Vec<JudgedSky>,
-    /// Paths of a receiver.
+    /// Number of paths of a receiver.
     paths: usize,
     /// Hours when the sun lights what receivers see, without results.
     hours: HourSample,
-    /// In the order of the receivers; without results.
+    /// Pairs of receiver and condition in the order of the receivers, without results.
     pairs: Vec<Pair>,
-    /// `[receiver][condition]`, all of them: the sun, straight and by mirrors. Single hours at a shadow's edge make up most of its error.
+    /// `[receiver][condition]`, for all conditions: the sun, direct and by way of mirrors. Single
+    /// hours at a shadow's edge make up most of its error.
     suns: Vec<Vec<Judged>>,
     /// `[receiver]`: the mean of all conditions.
     means: Vec<Judged>,
-    /// `[receiver]`: the share of its hemisphere that is sky.
+    /// `[receiver]`: its sky view.
     views: Vec<f64>,
 }
 
-/// What the judge finds of each source of error.
+/// Errors by source that the reference path tracer found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourcesFound {
-    /// RMSE of each of [`ErrorSource::ALL`], percent of the mean total; the sky's holds that of its patches.
+    /// RMSE of each of [`ErrorSource::ALL`], percent of the mean total. That of the sky includes
+    /// the sky patches.
     pub percent: [f64; 3],
-    /// RMSE of all reflected light in hours when the sun lights what receivers see and not the receivers, percent of the mean total of all hours.
+    /// RMSE of all reflected light in hours when the sun lights what receivers see but not the
+    /// receivers, percent of the mean total of all hours.
     pub lit_percent: f64,
 }
 
 impl<'a> JudgedSample<'a> {
-    /// Asks the judge about the receivers of a bench, for an error of so many percent.
+    /// Evaluates the receivers of a bench with the reference path tracer, for a target error in
+    /// percent.
     pub fn of(bench: &Bench<'a>, left_out: Effects, target_percent: f64) -> Result<Self> {
         let scene = bench.scene.scene;
         let conditions = in_axes(bench.conditions, North::of(scene.place.as_ref()));
@@ -85,7 +91,7 @@ impl<'a> JudgedSample<'a> {
         let paths = (PATHS / (target_percent * target_percent).max(1e-9)).clamp(LEAST_PATHS, MOST_PATHS) as usize;
         let each = (PAIRS / bench.receivers.len().max(1)).clamp(OF_RECEIVER.0, OF_RECEIVER.1);
         let judged = |(receiver, of): (usize, &Receiver)| {
-            // Others for each receiver, so that many take part.
+            // Each receiver gets conditions of its own, so that many take part.
             let chosen = spread(skies.len(), each, mix(SEED, receiver as u64));
             let mut under: Vec<&JudgedSky> = chosen.iter().map(|&condition| &skies[condition]).collect();
             under.extend([&mean, &open]);
@@ -108,7 +114,8 @@ impl<'a> JudgedSample<'a> {
         Ok(JudgedSample { judge, receivers, skies, paths, hours, pairs, suns, means, views })
     }
 
-    /// Asks about hours when the sun lights what receivers see, too; which those are, a light of theirs tells.
+    /// Adds hours when the sun lights what receivers see; irradiances of a build tell which hours
+    /// these are.
     #[must_use]
     pub fn with_hours(mut self, light: &Irradiances) -> Self {
         let mut hours = HourSample::default();
@@ -126,12 +133,13 @@ impl<'a> JudgedSample<'a> {
         &light.rows[receiver * self.skies.len() + condition]
     }
 
-    /// Mean of the totals, W/m2.
+    /// Returns the mean of the totals, W/m2.
     pub fn mean_w_m2(&self) -> f64 {
         mean_w_m2(&self.pairs)
     }
 
-    /// How far a light of the same receivers and conditions is off; `tile` of a receiver.
+    /// Returns the errors of irradiances of the same receivers and conditions. `tile` gives the
+    /// tile of a receiver.
     pub fn accuracy(&self, light: &Irradiances, tile: impl Fn(usize) -> u32) -> Accuracy {
         let row = |receiver: usize, condition: usize| self.row(light, receiver, condition);
         let (pairs, suns) = (self.pairs_with(light), self.sun_errors(light));
@@ -140,14 +148,14 @@ impl<'a> JudgedSample<'a> {
         let found: [_; PARTS] = std::array::from_fn(|part| deviation(&pairs, &suns, part));
         let names = Component::ALL.into_iter().map(|component| component.name().to_string());
         let components = found.iter().take(TOTAL).map(|found| in_percent(found.rmse_w_m2.value));
-        // Of each receiver's mean over all conditions.
+        // Error of each receiver's mean over all conditions.
         let yearly = |(receiver, judged): (usize, &Judged)| {
             let all = (0..self.skies.len()).map(|condition| with_total(row(receiver, condition))[TOTAL]);
             let difference = all.sum::<f64>() / self.skies.len().max(1) as f64 - judged.mean[TOTAL];
             difference * difference - judged.error[TOTAL].powi(2)
         };
         let squares: f64 = self.means.iter().enumerate().map(yearly).sum();
-        // Its noise is taken off, and may hide it; it is never below the bias, which has less noise.
+        // Subtracting the noise may hide the error. It is at least the bias, which has less noise.
         let yearly = (squares / self.means.len().max(1) as f64).max(0.0).sqrt().max(found[TOTAL].bias_w_m2.value.abs());
         Accuracy {
             rmse_percent: in_percent(found[TOTAL].rmse_w_m2.value),
@@ -163,7 +171,7 @@ impl<'a> JudgedSample<'a> {
         }
     }
 
-    /// What a light of the same receivers and conditions is off by, source by source.
+    /// Returns the errors of irradiances of the same receivers and conditions, source by source.
     pub fn sources(&self, light: &Irradiances) -> SourcesFound {
         let mean = self.mean_w_m2();
         let pairs = self.pairs_with(light);
@@ -201,7 +209,7 @@ impl<'a> JudgedSample<'a> {
         self.hours.with_results(|receiver, condition| with_total(self.row(light, receiver, condition)))
     }
 
-    /// The error of some receivers.
+    /// Returns the error of a group of receivers.
     fn group(&self, group: &[usize], pairs: &[Pair], suns: &[SunErrors]) -> Option<GroupError> {
         let inside: Vec<Pair> = pairs.iter().filter(|pair| group.contains(&pair.receiver)).copied().collect();
         let end = |receiver: Option<&usize>| receiver.map(|&receiver| rounded(self.views[receiver]));
@@ -214,7 +222,7 @@ impl<'a> JudgedSample<'a> {
     }
 }
 
-/// As the manifest states it.
+/// Returns the error in hours of one kind as the manifest states it.
 fn stated(found: &HoursFound) -> HoursError {
     HoursError {
         hours: found.kind.name().into(),
@@ -227,7 +235,7 @@ fn stated(found: &HoursFound) -> HoursError {
     }
 }
 
-/// RMSE of the receivers of each tile, which are in the order of their tiles.
+/// Returns the RMSE of the receivers of each tile. Pairs are in the order of their tiles.
 fn tiles(pairs: &[Pair], suns: &[SunErrors], tile: impl Fn(usize) -> u32) -> Vec<TileError> {
     let of_tile = |pairs: &[Pair]| TileError {
         tile: pairs.first().map_or(0, |pair| tile(pair.receiver)),
@@ -237,7 +245,7 @@ fn tiles(pairs: &[Pair], suns: &[SunErrors], tile: impl Fn(usize) -> u32) -> Vec
     pairs.chunk_by(|a, b| tile(a.receiver) == tile(b.receiver)).map(of_tile).collect()
 }
 
-/// Four digits are more than an estimate has.
+/// Rounds to four digits, which are more than an estimate has.
 pub fn rounded(number: f64) -> f64 {
     format!("{number:.3e}").parse().unwrap_or(number)
 }

@@ -1,11 +1,13 @@
-//! Accuracy as one number. In: a scene, its receivers and a target in percent. Out: the cheapest settings that keep within it, what
-//! they are expected to be off by, and what they were found to be off by.
+//! Accuracy as one number. In: a scene, its receivers and a target in percent. Out: the cheapest
+//! settings that keep within it, their expected error and their measured error.
 //!
-//! Some of a spread sample of the receivers are the pilot: it is built with a few settings, and the distances between them give the error of
-//! every rung of each ladder ([`estimate`]). The others are the check: built with the settings that were chosen and compared with an independent
-//! [judge](crate::judge), in all hours and in those when the sun lights what receivers see and not the receivers. Where the judge finds that the
-//! total is off by more than was wanted, or that reflected light alone is, finer settings are chosen by what it found of each source.
-//! Nothing here depends on the machine, so the same site and target give the same settings, and the same archive.
+//! A spread sample of the receivers is divided in two. The pilot is built with a few settings, and
+//! the distances between the results give the error of every rung of each ladder ([`estimate`]).
+//! The check is built with the chosen settings and compared with the independent [reference path
+//! tracer](crate::judge), in all hours and in those when the sun lights what receivers see but not
+//! the receivers. If the total or reflected light alone exceeds the target there, finer settings
+//! are chosen by the errors found for each source. Nothing depends on the machine, so the same site
+//! and target give the same settings and the same archive.
 
 pub mod conditions;
 pub mod estimate;
@@ -30,7 +32,9 @@ use heliotile_core::site::receiver::{Receiver, TILE};
 use judged::{JudgedSample, rounded};
 use trial::{Bench, ErrorSource, Trial};
 
-/// Receivers of the pilot, and of the check, which are built once and show what few of a site have: so many of all, within limits.
+/// Receivers of the site per receiver of the pilot; [`CHECKED_SHARE`] is that number for the check.
+/// The other constants limit both. The check is larger because it is built only once or a few
+/// times, and shows errors that few receivers of a site have.
 const SHARE: usize = 16;
 const CHECKED_SHARE: usize = 4;
 const LEAST: usize = 20;
@@ -38,46 +42,49 @@ const MOST: usize = 32;
 const LEAST_CHECKED: usize = 64;
 const MOST_CHECKED: usize = 128;
 
-/// Suns and skies of an estimate.
+/// Number of suns and skies of an estimate.
 pub const CONDITIONS: usize = 256;
 
-/// Receivers times conditions of the check, and conditions at most: few conditions have a shadow's edge at any of few receivers.
+/// Number of receivers times conditions of the check; [`MOST_CONDITIONS`] limits the conditions.
+/// With few conditions hardly any of few receivers would have a shadow's edge.
 const CHECKED_PAIRS: usize = 32_768;
 const MOST_CONDITIONS: usize = 1024;
 
-/// A source is looked at with finer settings if it makes up this share of the target.
+/// Share of the target from which on a source is tried with finer settings.
 const MATTERS: f64 = 0.35;
 
-/// Finer bounces than these cost more than the rest of a build on a large site.
+/// Finest rung of bounces in the pilot. Finer bounces cost more than the rest of a build on a large
+/// site.
 const FINEST_PILOT_BOUNCES: usize = 4;
 
-/// Rounds of choosing and trying.
+/// Largest number of rounds of choosing and trying.
 const ROUNDS: usize = 3;
 
-/// An error to find settings for.
+/// Request for settings that keep within an error.
 pub struct PilotRequest<'a> {
     /// Largest RMSE of hourly totals, percent of their mean.
     pub target_percent: f64,
-    /// What errors are estimated under.
+    /// Conditions under which errors are estimated.
     pub suns: &'a ErrorConditions,
     /// Effects that no build of the pilot traces.
     pub left_out: Effects,
 }
 
-/// Settings that were chosen for an error, and what they are known to be off by.
+/// Settings chosen for an error, and their estimated and measured errors.
 #[derive(Clone, Debug)]
 pub struct SettingsChoice {
-    /// The cheapest settings that keep within the target, as far as is known.
+    /// Cheapest settings that keep within the target, as far as is known.
     pub settings: BuildSettings,
-    /// What they were found to be off by, for the manifest.
+    /// Measured error, for the manifest.
     pub accuracy: Accuracy,
-    /// RMSE of each source that was expected, percent of the mean total: [`ErrorSource::ALL`], then the sky's patches.
+    /// Expected RMSE of each source, percent of the mean total: [`ErrorSource::ALL`], then the sky
+    /// patches.
     pub sources_percent: [f64; 4],
-    /// Seconds that it took to find out.
+    /// Seconds that the pilot took.
     pub pilot_s: f64,
 }
 
-/// Receivers spread evenly over the site, with the tiles that they will lie in.
+/// Returns receivers spread evenly over the site, with the tiles that they will lie in.
 pub fn sample(receivers: &mut ReceiverTiles, count: usize) -> Result<Vec<(u32, Receiver)>> {
     let all = receivers.count();
     let count = count.clamp(1, all.max(1));
@@ -94,13 +101,14 @@ pub fn sample(receivers: &mut ReceiverTiles, count: usize) -> Result<Vec<(u32, R
     Ok(sample)
 }
 
-/// The cheapest settings that keep within an error, by building samples of the receivers with several.
+/// Returns the cheapest settings that keep within an error, by building samples of the receivers
+/// with several settings.
 pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> {
     let started = Instant::now();
     let count = build.receivers.count();
     let pilots = (count / SHARE).clamp(LEAST, MOST).min(count.div_ceil(2));
     let checked = (count / CHECKED_SHARE).clamp(LEAST_CHECKED, MOST_CHECKED).min(count - pilots);
-    // A small site is checked whole, its pilots too.
+    // All receivers of a small site are checked, including the pilot.
     let whole = count <= LEAST_CHECKED;
     let sample = sample(build.receivers, pilots + checked)?;
     let is_pilot = |i: usize| (i + 1) * pilots / sample.len() > i * pilots / sample.len();
@@ -114,7 +122,7 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
         }
     }
     let many = (CHECKED_PAIRS / checked.len().max(1)).clamp(CONDITIONS, MOST_CONDITIONS);
-    // Powers of two: altitudes of the suns are even then.
+    // Powers of two, because altitudes of the suns are then even.
     let conditions = [CONDITIONS, 1 << many.ilog2()].map(|count| wish.suns.some(count));
     let parts: [Vec<Receiver>; 2] = [piloted, checked.iter().map(|s| s.1.clone()).collect()];
     let Workspace { folder, memory } = build.workspace;
@@ -198,7 +206,8 @@ pub fn choose(build: &mut Build, wish: &PilotRequest) -> Result<SettingsChoice> 
     Ok(SettingsChoice { settings: settings(chosen), accuracy, sources_percent, pilot_s })
 }
 
-/// Settings to judge some rungs by: one rung up where that source's error matters.
+/// Returns the rungs to compare some rungs with: one rung finer for each source whose error
+/// matters.
 fn finer(rungs: Rungs, errors: &Errors, target_percent: f64) -> Rungs {
     let up = |source: ErrorSource, length: usize| {
         let at = rung(rungs, source);
@@ -208,7 +217,7 @@ fn finer(rungs: Rungs, errors: &Errors, target_percent: f64) -> Rungs {
     Rungs {
         // Skies cost little.
         sky: (2..SKY_RUNGS).find(|&sky| fine(sky) > fine(rungs.sky)).unwrap_or(SKY_RUNGS - 1),
-        // From here on hits are others than those of the first trial.
+        // From this rung on hit rays differ from those of the first trial.
         seen: up(ErrorSource::Seen, SEEN_RUNGS).max(3),
         bounced: up(ErrorSource::Bounced, BOUNCED_RUNGS).min(FINEST_PILOT_BOUNCES.max(rungs.bounced)).max(2),
         patches: rungs.patches,
@@ -220,7 +229,8 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// 10 of 100 receivers are every tenth, in order, and tiles are those of 64: the first 7 lie in tile 0; all of 3 are asked for with 10.
+    /// 10 of 100 receivers are every tenth, in order. Tiles hold 64, so the first 7 lie in tile 0.
+    /// A sample of 10 out of 3 is all 3.
     #[test]
     fn samples_are_spread() {
         let receiver = |i: usize| Receiver::new(format!("{i}"), DVec3::new(i as f64, 0.0, 0.0), DVec3::Z);

@@ -1,5 +1,5 @@
-//! A trial: some receivers built with some settings, and what comes out. In: a scene, receivers, settings, conditions. Out: irradiances
-//! to compare with those of other settings, and what they cost.
+//! Trials: some receivers built with some settings. In: a scene, receivers, settings, conditions.
+//! Out: irradiances to compare with those of other settings, and their cost.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -21,21 +21,22 @@ use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::weather::conditions::Condition;
 
-/// What trials of one site have in common.
+/// Common inputs of the trials of one site.
 pub struct Bench<'a> {
-    /// What is traced.
+    /// Scene to trace.
     pub scene: &'a PreparedScene<'a>,
-    /// The receivers that are built, in this order.
+    /// Receivers that are built, in this order.
     pub receivers: &'a [Receiver],
-    /// Suns and skies that irradiances are compared under.
+    /// Suns and skies under which irradiances are compared.
     pub conditions: &'a [Condition],
-    /// Its folder holds archives of trials until they are not needed any more.
+    /// Workspace, whose folder holds the archives of trials until they are no longer needed.
     pub workspace: &'a Workspace,
-    /// Asked whether to stop, and told of warnings.
+    /// Gets warnings, and can stop the trials.
     pub observer: &'a dyn Observer,
 }
 
-/// A trial is a part of a longer stage: it shows nothing of its own, and stops when all is to stop.
+/// Observer that hides the progress of a trial, which is part of a longer stage, and passes on
+/// warnings and stops.
 struct Quiet<'a>(&'a dyn Observer);
 
 impl Observer for Quiet<'_> {
@@ -48,34 +49,34 @@ impl Observer for Quiet<'_> {
     }
 }
 
-/// What was built and how it looks.
+/// Trial build and its results.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// What it was built with.
+    /// Settings of the build.
     pub settings: BuildSettings,
-    /// The archive, in the folder of the workspace.
+    /// Archive, in the folder of the workspace.
     pub archive: PathBuf,
-    /// What its receivers get.
+    /// Irradiances of its receivers.
     pub light: Irradiances,
-    /// Rays that the build cast.
+    /// Numbers of rays that the build cast.
     pub rays: RayCounts,
-    /// Length of the archive.
+    /// Length of the archive, bytes.
     pub bytes: u64,
-    /// CPU seconds of the build, compression included.
+    /// CPU seconds of the build, including compression.
     pub build_s: f64,
 }
 
-/// Irradiances, W/m2, by what they tell of errors: `[receiver][condition]`.
+/// Irradiances, W/m2, by source of error: `[receiver][condition]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Irradiances {
     /// Number of conditions, the faster axis of `rows`.
     pub conditions: usize,
-    /// The six components, and sun_diffuse and sky_diffuse of a single reflection.
+    /// Rows of the six components, and of sun_diffuse and sky_diffuse after a single reflection.
     pub rows: Vec<[f32; 8]>,
 }
 
 impl Bench<'_> {
-    /// Builds the receivers and looks at them under the conditions with so many patches.
+    /// Builds the receivers and replays them under the conditions.
     pub fn trial(&self, settings: BuildSettings) -> Result<Trial> {
         let Workspace { folder, memory } = self.workspace;
         let path = folder.join(format!("{}.helio", format::hex(&settings.hash()?)));
@@ -93,7 +94,7 @@ impl Bench<'_> {
         Ok(Trial { settings, archive: path, light, rays: report.rays, bytes: report.bytes, build_s })
     }
 
-    /// What the receivers of an archive get, with so many sky patches.
+    /// Replays the receivers of an archive with `patches` sky patches.
     pub fn light(&self, archive: &Path, patches: usize) -> Result<Irradiances> {
         let archive = Archive::open_with(archive, Access::Read)?;
         let (diffuse, conditions) = ([Component::SunDiffuse, Component::SkyDiffuse], self.conditions);
@@ -118,6 +119,7 @@ impl Bench<'_> {
                 }));
             }
         }
+        // A second replay with one reflection separates the errors of seen and bounced cells.
         let once = Replay::new(&site, conditions, settings(MaxBounces::Count(1)))?;
         let mut next = 0;
         for tile in once.results(0..once.tiles()) {
@@ -135,12 +137,12 @@ impl Bench<'_> {
     }
 }
 
-/// A source of error that has a ladder of its own.
+/// Source of error that has a ladder of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorSource {
     /// Sky textures: sun and sky, direct and in mirrors.
     Sky,
-    /// Cells that are seen: one diffuse reflection.
+    /// Seen cells: one diffuse reflection.
     Seen,
     /// Further reflections.
     Bounced,
@@ -150,7 +152,7 @@ impl ErrorSource {
     /// All sources, in the order of their numbers.
     pub const ALL: [ErrorSource; 3] = [ErrorSource::Sky, ErrorSource::Seen, ErrorSource::Bounced];
 
-    /// The part of a row of [`Irradiances`] that has this source, W/m2.
+    /// Returns the part of a row of [`Irradiances`] that has this source, W/m2.
     pub fn of(self, row: &[f32; 8]) -> f64 {
         let [sun, sky, sun_diffuse, sky_diffuse, sun_specular, sky_specular, once_sun, once_sky] = row.map(f64::from);
         match self {
@@ -161,12 +163,12 @@ impl ErrorSource {
     }
 }
 
-/// How two lights differ, W/m2.
+/// Differences between two sets of irradiances, W/m2.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ErrorMeasures {
     /// Square root of the mean square.
     pub rmse: f64,
-    /// Mean with its sign: above 0 where the first is larger.
+    /// Mean with its sign: above 0 if the first set is larger.
     pub bias: f64,
     /// Mean of the absolute values.
     pub mean_absolute: f64,
@@ -177,7 +179,7 @@ fn total(row: &[f32; 8]) -> f64 {
 }
 
 impl Irradiances {
-    /// Mean total.
+    /// Returns the mean total, W/m2.
     pub fn mean(&self) -> f64 {
         self.rows.iter().map(total).sum::<f64>() / self.rows.len().max(1) as f64
     }
@@ -194,12 +196,12 @@ impl Irradiances {
         ErrorMeasures { rmse: (squares / count).sqrt(), bias: sum / count, mean_absolute: absolute / count }
     }
 
-    /// Errors of the total.
+    /// Returns the errors of the total.
     pub fn total_error(&self, truth: &Irradiances) -> ErrorMeasures {
         self.differ(truth, total)
     }
 
-    /// Errors of what has one source.
+    /// Returns the errors of the part that has one source.
     pub fn source_error(&self, truth: &Irradiances, source: ErrorSource) -> ErrorMeasures {
         self.differ(truth, |row| source.of(row))
     }
@@ -209,8 +211,9 @@ impl Irradiances {
 mod tests {
     use super::*;
 
-    /// Two rows off by +3 and -1 W/m2 of sun and +1 of a second reflection: rmse sqrt(5), bias 1, mean absolute 2 of the sky's; 1 of
-    /// the bounced, 0 of the seen.
+    /// Two rows are off by +3 and -1 W/m2 of sun and by +1 of a second reflection. The sky gets an
+    /// RMSE of sqrt(5), a bias of 1 and a mean absolute error of 2, the bounced part an RMSE of 1,
+    /// and the seen part 0.
     #[test]
     fn errors_by_source() {
         let row = |sun: f32, reflected: f32| [sun, 0.0, reflected, 0.0, 0.0, 0.0, 4.0, 0.0];

@@ -1,4 +1,5 @@
-//! Builds of a light well against the judge: nearly all that arrives has been reflected several times.
+//! Builds of a light well against the reference path tracer. Nearly all light there has been
+//! reflected several times.
 
 use glam::DVec3;
 
@@ -17,8 +18,8 @@ use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_scene::Scene;
 
-/// A well 3 m square and 18 m deep about a place, between four buildings whose walls meet, of reflectance 0.6; 24 receivers on its floor and
-/// walls.
+/// Returns a well 3 m square and 18 m deep about a place, between four buildings whose walls meet,
+/// of reflectance 0.6, and 24 receivers on its floor and walls.
 fn well(middle: DVec3) -> (Scene, Vec<Receiver>) {
     let mut triangles = Vec::new();
     let mut quad = |p: DVec3, a: DVec3, b: DVec3| {
@@ -57,7 +58,8 @@ fn well(middle: DVec3) -> (Scene, Vec<Receiver>) {
     (scene.expect("a scene"), (0..24).map(receiver).collect())
 }
 
-/// What receivers of a well get in a `fine` build over what the judge says, less 1: under an overcast sky, and under 12 suns.
+/// Returns the relative error of a `fine` build of a well against the reference path tracer: under
+/// an overcast sky, and under 12 suns.
 fn too_bright(middle: DVec3) -> [f64; 2] {
     let (scene, receivers) = well(middle);
     let folder = tempfile::tempdir().expect("a folder");
@@ -98,8 +100,9 @@ fn too_bright(middle: DVec3) -> [f64; 2] {
     means.map(|[built, judged]| built / judged - 1.0)
 }
 
-/// In 4 light wells, wherever the grid of cells cuts them, `fine` builds are off by less than 9 % of the mean, and by less than 4 % in the
-/// mean of all: parts of walls that see no sky count as others do, and parts inside of buildings do not.
+/// In 4 light wells, wherever the grid of cells cuts them, `fine` builds are off by less than 9 %
+/// of the mean, and by less than 4 % in the mean of all. Parts of walls that see no sky count as
+/// others do, and parts inside buildings do not.
 #[test]
 fn light_wells_are_not_too_bright() {
     let places = [(0.0, 0.0), (-15.1, 21.3), (37.4, 8.9), (5.7, -28.2)];

@@ -1,5 +1,6 @@
-//! An audit: results of an archive beside what the judge finds. In: an archive, its scene, conditions. Out: pairs, of random receivers under
-//! random conditions, and errors of the sun alone under many more of them.
+//! Audit: results of an archive beside those of the reference path tracer. In: an archive, its
+//! scene, conditions. Out: pairs of random receivers and random conditions, and errors of the sun
+//! alone under many more conditions.
 
 use std::time::{Duration, Instant};
 
@@ -26,55 +27,57 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::{Condition, in_axes};
 
-/// Receivers that are judged before the clock is looked at.
+/// Number of receivers that are evaluated between two looks at the clock.
 const AT_ONCE: usize = 64;
 
-/// Receivers times conditions that the sun is looked at under at least, and such conditions of each receiver: the fewer receivers, the more of
-/// them, because few conditions have a shadow's edge at any of few receivers.
+/// Smallest number of receivers times conditions for errors of the sun; [`SUN_CONDITIONS`] is the
+/// smallest number of conditions of each receiver. Fewer receivers get more conditions, because few
+/// conditions have a shadow's edge at any of few receivers.
 const SUN_PAIRS: usize = 32_768;
 const SUN_CONDITIONS: usize = 256;
 
-/// What is to be audited, and how long.
+/// Inputs and limits of an audit.
 pub struct AuditInputs<'a> {
-    /// The archive.
+    /// Archive to audit.
     pub archive: &'a Archive,
-    /// The scene that it was built from.
+    /// Scene that the archive was built from.
     pub scene: &'a PreparedScene<'a>,
-    /// Suns and skies to choose from, their suns by true north.
+    /// Suns and skies to choose from, with suns by true north.
     pub conditions: &'a [Condition],
-    /// How the radiance of the sky is spread.
+    /// Distribution of the sky's radiance.
     pub sky: SkyModel,
-    /// How many of them each receiver is judged under, at most.
+    /// Largest number of conditions for each receiver.
     pub hours: usize,
-    /// Receivers at most.
+    /// Largest number of receivers.
     pub samples: usize,
-    /// Time at most; what is under way is finished.
+    /// Time limit; receivers under way are finished.
     pub time: Option<Duration>,
-    /// Paths of a receiver.
+    /// Number of paths of a receiver.
     pub paths: usize,
-    /// Another one asks other receivers, hours and paths.
+    /// Seed. Another one chooses other receivers, hours and paths.
     pub seed: u64,
-    /// For replay.
+    /// Memory budget for replay.
     pub memory: MemoryBudget,
-    /// Its files.
+    /// Temporary storage for replay.
     pub storage: &'a dyn ScratchSpace,
-    /// Told how far it is, and asked whether to stop.
+    /// Gets progress, and can stop the audit.
     pub observer: &'a dyn Observer,
 }
 
-/// What was found.
+/// Results of an audit.
 pub struct Audited {
-    /// The receivers that were looked at, with the share of their hemispheres that is sky.
+    /// Receivers of the audit, with their sky views.
     pub receivers: Vec<(Receiver, f64)>,
-    /// In the order of the receivers.
+    /// Pairs, in the order of the receivers.
     pub pairs: Vec<Pair>,
-    /// Errors of the sun, of each receiver under far more conditions than there are pairs.
+    /// Errors of the sun, for each receiver under far more conditions than there are pairs.
     pub suns: Vec<SunErrors>,
-    /// The same receivers in hours when the sun lights what they see.
+    /// Pairs of the same receivers in hours when the sun lights what they see.
     pub hours: HourSample,
 }
 
-/// Compares results of an archive with the judge's. An error: blocks that cannot be read, a sky that the judge does not know.
+/// Compares results of an archive with the reference path tracer. Fails for blocks that cannot be
+/// read and for a sky model that the path tracer does not support.
 pub fn audit(request: &AuditInputs) -> Result<Audited> {
     let started = Instant::now();
     let site = OpenSite::of(request.archive)?;
@@ -100,9 +103,9 @@ pub fn audit(request: &AuditInputs) -> Result<Audited> {
     let mut audited =
         Audited { receivers: Vec::new(), pairs: Vec::new(), suns: Vec::new(), hours: HourSample::default() };
     let mut chosen = spread(all.len(), request.samples, request.seed);
-    // Whenever the time is up, those that were looked at lie everywhere.
+    // Random order, so that the receivers are spread over the site whenever the time is up.
     shuffle(&mut chosen, request.seed);
-    // Not fewer than pairs: then these would say more of the sun.
+    // Not fewer than pairs, or these would tell more of the sun.
     let sun_conditions = (SUN_PAIRS / chosen.len().max(1)).max(SUN_CONDITIONS).max(request.hours);
     for some in chosen.chunks(AT_ONCE) {
         if request.observer.cancelled() {
@@ -139,7 +142,7 @@ pub fn audit(request: &AuditInputs) -> Result<Audited> {
         let sun = |receiver: usize| {
             let (of, seed) = (&audited.receivers[receiver].0, mix(mix(request.seed, 0x73_756e), receiver as u64));
             let under = spread(skies.len(), sun_conditions, seed);
-            // Some at a time: chains of mirrors take memory.
+            // Some conditions at a time, because chains of mirrors take memory.
             let judged = under.chunks(SUN_CONDITIONS).flat_map(|some| {
                 let skies: Vec<&JudgedSky> = some.iter().map(|&condition| &skies[condition]).collect();
                 judge.sun(of.position, of.normal, &skies, request.paths, seed)
@@ -165,7 +168,8 @@ pub fn audit(request: &AuditInputs) -> Result<Audited> {
     Ok(audited)
 }
 
-/// Asks about pairs, which are in the order of their receivers: all conditions of a receiver at once.
+/// Evaluates pairs, which are in the order of their receivers, all conditions of a receiver at
+/// once.
 pub fn judge_pairs(
     pairs: &mut [Pair],
     skies: &[JudgedSky],
@@ -180,7 +184,8 @@ pub fn judge_pairs(
     });
 }
 
-/// So many numbers below a limit, all if there are fewer, one at random of each part of it.
+/// Returns `count` numbers below `limit`, one at random from each of as many equal parts; all
+/// numbers if there are fewer.
 pub fn spread(limit: usize, count: usize, seed: u64) -> Vec<usize> {
     let count = count.min(limit);
     let mut random = Random::new(mix(seed, 0));
@@ -188,7 +193,7 @@ pub fn spread(limit: usize, count: usize, seed: u64) -> Vec<usize> {
     (0..count).map(number).map(|number| number.min(limit - 1)).collect()
 }
 
-/// Fisher and Yates 1938, as by Durstenfeld 1964.
+/// Shuffles numbers (Fisher and Yates 1938, as by Durstenfeld 1964).
 fn shuffle(numbers: &mut [usize], seed: u64) {
     let mut random = Random::new(mix(seed, 1));
     for i in (1..numbers.len()).rev() {
@@ -200,7 +205,8 @@ fn shuffle(numbers: &mut [usize], seed: u64) {
 mod tests {
     use super::*;
 
-    /// 10 of 1,000 numbers are one of each hundred, all of 5 are each once, and shuffling keeps them: 15 of 15.
+    /// 10 of 1,000 numbers are one of each hundred, 5 of 5 are each once, and shuffling keeps them:
+    /// 15 of 15.
     #[test]
     fn chosen_are_spread() {
         let mut some = spread(1000, 10, 3);

@@ -1,24 +1,25 @@
-//! What a path carries. In: surfaces and canopies that it meets. Out: shares of a receiver's components, and of what effects change.
+//! Throughput of a light path. In: surfaces and canopies that it meets. Out: additions to a
+//! receiver's components, and to the changes by effects.
 
 use super::estimate::{Batch, lane};
 use crate::settings::Effect;
 use heliotile_core::replay::components::Component;
 
-/// What a path carries to its receiver.
+/// Throughput of a path to its receiver.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carried {
     /// Irradiance of the receiver for a radiance of 1 / pi from here.
     weight: f64,
-    /// The same if there were no canopies.
+    /// Weight if there were no canopies.
     bare: f64,
-    /// Matt surfaces on the way.
+    /// Number of matt surfaces on the path.
     pub matt: u32,
     mirrored: bool,
     by_leaves: bool,
 }
 
 impl Carried {
-    /// At the receiver.
+    /// Throughput at the receiver.
     pub const START: Carried = Carried { weight: 1.0, bare: 1.0, matt: 0, mirrored: false, by_leaves: false };
 
     #[must_use]
@@ -26,7 +27,7 @@ impl Carried {
         Carried { weight: self.weight * factor, bare: self.bare * factor, ..self }
     }
 
-    /// Behind canopies that let so much through.
+    /// Returns the throughput behind canopies that let the share `through` pass.
     #[must_use]
     pub fn through(self, through: f64) -> Self {
         Carried { weight: self.weight * through, ..self }
@@ -37,7 +38,8 @@ impl Carried {
         Carried { matt: self.matt + 1, ..self }
     }
 
-    /// Scattered by a leaf, which would not be there without canopies.
+    /// Returns the throughput after a leaf scattered the light; the leaf would be absent without
+    /// canopies.
     #[must_use]
     pub fn scattered(self) -> Self {
         Carried { by_leaves: true, bare: 0.0, ..self.reflected() }

@@ -1,10 +1,12 @@
-//! How results differ from what the judge finds. In: both, for random receivers and hours. Out: bias, RMSE and the worst of them, with what is
-//! known of each.
+//! Comparison of results with the reference path tracer. In: both, for random receivers and hours.
+//! Out: bias, RMSE and the worst pair, with intervals.
 //!
-//! Where a shadow's edge passes, light of the sun is off by a hundred times as much as in other hours, and few pairs say little of how often that is.
-//! Rays to the sun's disc alone say it of far more hours ([`SunErrors`]): the sun's difference S is a control variate of the total's T (Hammersley
-//! and Handscomb 1964, "Monte Carlo Methods", section 5.5). The mean square of T is mean(T^2 - S^2) over pairs plus mean(S^2) over all of these hours.
-//! T^2 - S^2 holds twice S times what else is off, so that the two may depend on each other.
+//! Where a shadow's edge passes, light of the sun is off by a hundred times as much as in other
+//! hours, and few pairs cannot tell how often that is. Rays to the sun's disc alone tell it for far
+//! more hours ([`SunErrors`]). The sun's difference S is a control variate of the total's T
+//! (Hammersley and Handscomb 1964, "Monte Carlo Methods", section 5.5): the mean square of T is
+//! mean(T^2 - S^2) over pairs plus mean(S^2) over all of these hours. T^2 - S^2 holds twice S times
+//! the other differences, so the two may depend on each other.
 
 use serde::Serialize;
 
@@ -12,55 +14,56 @@ use super::estimate::{Judged, PARTS};
 use super::random::Random;
 use heliotile_core::replay::components::Component;
 
-/// Components of light that comes from the sun by no matt surface.
+/// Components of light that comes from the sun without a matt surface.
 const OF_SUN: [Component; 2] = [Component::SunDirect, Component::SunSpecular];
 
-/// Resamplings of the receivers that an interval rests on (Efron 1979, "Bootstrap methods").
+/// Number of resamplings of the receivers behind an interval (Efron 1979, "Bootstrap methods").
 const RESAMPLINGS: usize = 1000;
 
 /// Share of resamplings on either side of an interval of 95 %.
 const TAIL: f64 = 0.025;
 
-/// A receiver under one condition.
+/// Receiver under one condition.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair {
-    /// Number of the receiver among those that were looked at.
+    /// Number of the receiver in the sample.
     pub receiver: usize,
     /// Number of the condition.
     pub condition: usize,
-    /// W/m2: the six components and the total.
+    /// Results, W/m2: the six components and the total.
     pub result: [f64; PARTS],
-    /// What the judge says.
+    /// Irradiance from the reference path tracer.
     pub judged: Judged,
 }
 
-/// A number that is known so well: an interval of 95 %.
+/// Estimate with an interval of 95 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Known {
-    /// The best guess.
+    /// Best estimate.
     pub value: f64,
-    /// Lower end.
+    /// Lower end of the interval.
     pub low: f64,
-    /// Upper end.
+    /// Upper end of the interval.
     pub high: f64,
 }
 
 impl Known {
-    /// In another unit.
+    /// Returns the estimate in another unit.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Known { value: self.value * factor, low: self.low * factor, high: self.high * factor }
     }
 }
 
-/// What was found of a component or the total.
+/// Deviation of a component or the total.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Deviation {
     /// Mean difference, W/m2: above 0 if results are too large.
     pub bias_w_m2: Known,
-    /// RMSE, W/m2. The judge's own noise is taken off, so that it comes out right whatever the number of paths.
+    /// RMSE, W/m2. The noise of the path tracer is subtracted, so that the number of paths does not
+    /// matter.
     pub rmse_w_m2: Known,
-    /// The pair that is farthest off, noise aside.
+    /// Pair with the largest difference beyond noise.
     pub worst: Option<Pair>,
 }
 
@@ -69,12 +72,12 @@ pub struct Deviation {
 struct Sums {
     count: f64,
     difference: f64,
-    /// Of squared differences, less the squared standard errors.
+    /// Sum of squared differences, less the squared standard errors.
     square: f64,
 }
 
 impl Sums {
-    /// Of one hour: a difference, and the standard error of what the judge says.
+    /// Returns the sums of one hour, from a difference and the standard error of the path tracer.
     fn of(difference: f64, error: f64) -> Self {
         Sums { count: 1.0, difference, square: difference * difference - error * error }
     }
@@ -92,16 +95,18 @@ impl Sums {
     }
 }
 
-/// How far a receiver's light of the sun is off under all conditions, or far more of them than its pairs hold.
+/// Errors of a receiver's light of the sun under all conditions, or far more of them than its pairs
+/// hold.
 #[derive(Clone, Copy, Debug)]
 pub struct SunErrors {
     receiver: usize,
-    /// In the order of [`OF_SUN`].
+    /// Sums in the order of [`OF_SUN`].
     sums: [Sums; OF_SUN.len()],
 }
 
 impl SunErrors {
-    /// Of results for a receiver (as [`Pair::receiver`]), and what the judge says of the sun.
+    /// Creates the errors from a receiver's number (as [`Pair::receiver`]), its results and the
+    /// irradiance of the sun from the path tracer.
     pub fn of(receiver: usize, hours: impl Iterator<Item = ([f64; PARTS], Judged)>) -> Self {
         let mut sums = [Sums::default(); OF_SUN.len()];
         for (result, judged) in hours {
@@ -118,8 +123,8 @@ fn sun_sums(result: &[f64; PARTS], judged: &Judged) -> [Sums; OF_SUN.len()] {
         .map(|part| Sums::of(result[part] - judged.mean[part], judged.error[part]))
 }
 
-/// Finds out about one part of pairs, which are in the order of their receivers. `suns` are those of all receivers in this order, or none: then
-/// nothing else is known of the sun.
+/// Returns the deviation of one part of pairs, which are in the order of their receivers. `suns`
+/// are those of all receivers in the same order, or empty; then only pairs tell of the sun.
 pub fn deviation(pairs: &[Pair], suns: &[SunErrors], part: usize) -> Deviation {
     let held = OF_SUN.map(|component| [component, Component::Total].map(|of| of as usize).contains(&part));
     let difference = |pair: &Pair| (off(pair, part), pair.judged.error[part]);
@@ -129,13 +134,15 @@ pub fn deviation(pairs: &[Pair], suns: &[SunErrors], part: usize) -> Deviation {
     Deviation { bias_w_m2, rmse_w_m2, worst }
 }
 
-/// RMSE of any difference of pairs, W/m2, from each pair's difference and the standard error of what the judge says. With `suns`, as
-/// [`deviation`] has them, it is one of light that holds all of `OF_SUN`.
+/// Returns the RMSE of any difference of pairs, W/m2, from each pair's difference and the standard
+/// error of the path tracer. With `suns`, as for [`deviation`], the difference must hold all of
+/// `OF_SUN`.
 pub fn rmse_known(pairs: &[Pair], suns: &[SunErrors], difference: impl Fn(&Pair) -> (f64, f64)) -> Known {
     bias_and_rmse(pairs, suns, [true; OF_SUN.len()], difference, PARTS as u64)[1]
 }
 
-/// Mean and RMSE of differences that are known with standard errors and hold those of some of [`OF_SUN`]; the seed draws the resamplings.
+/// Returns mean and RMSE of differences with standard errors that hold those of some of [`OF_SUN`].
+/// The seed draws the resamplings.
 fn bias_and_rmse(
     pairs: &[Pair],
     suns: &[SunErrors],
@@ -147,7 +154,7 @@ fn bias_and_rmse(
         let held = sums.into_iter().zip(held).filter(|(_, held)| *held).map(|(sums, _)| sums);
         Sums { count: sums[0].count, ..held.fold(Sums::default(), Sums::plus) }
     };
-    // Over its pairs, without the sun, and over all hours that tell of its sun.
+    // Sums over the pairs of a receiver, without the sun, and over all hours that tell of its sun.
     let of_receiver = |pairs: &[Pair]| {
         let sun = suns.binary_search_by_key(&pairs[0].receiver, |sun| sun.receiver).ok().map(|at| suns[at]);
         let mut rest = Sums::default();
@@ -184,12 +191,12 @@ fn bias_and_rmse(
     [known(0), known(1)]
 }
 
-/// How far a result is off.
+/// Returns the difference between a result and the path tracer.
 pub fn off(pair: &Pair, part: usize) -> f64 {
     pair.result[part] - pair.judged.mean[part]
 }
 
-/// Mean of the totals that the judge found, W/m2.
+/// Returns the mean total from the path tracer, W/m2.
 pub fn mean_w_m2(pairs: &[Pair]) -> f64 {
     pairs.iter().map(|pair| pair.judged.mean[PARTS - 1]).sum::<f64>() / pairs.len().max(1) as f64
 }
@@ -198,12 +205,13 @@ pub fn mean_w_m2(pairs: &[Pair]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Of 200 receivers with 4 hours each whose results have a bias of 1 and scatter by 2 W/m2, seen through noise of 3, the intervals
-    /// hold bias 1 and RMSE sqrt(5), are narrower than 1, and the one result that is 50 off is the worst.
+    /// 200 receivers with 4 hours each have results with a bias of 1 and a scatter of 2 W/m2, seen
+    /// through noise of 3. The intervals hold bias 1 and RMSE sqrt(5) and are narrower than 1, and
+    /// the one result that is 50 off is the worst.
     #[test]
     fn noise_is_taken_off() {
         let mut random = Random::new(9);
-        // Sums of twelve even numbers are near normal (variance 1).
+        // Sums of twelve even numbers are nearly normal (variance 1).
         let mut normal = || (0..12).map(|_| random.next()).sum::<f64>() - 6.0;
         let mut pairs = Vec::new();
         for receiver in 0..200 {
@@ -222,10 +230,12 @@ mod tests {
         assert_eq!(deviation(&[], &[], 6).rmse_w_m2, Known::default());
     }
 
-    /// The sun of 32 receivers is off by 96 W/m2 in one of 256 hours and all of their other light by 2 W/m2, seen through noise of 3 W/m2 in pairs and of 5 in
-    /// all hours: bias 2.375, mean square 4 + (2 * 2 * 96 + 96^2) / 256 = 41.5. Pairs are every 16th hour, from each of the first 16. They alone find
-    /// an RMSE that is 3 times too small, or in one of 16 cases too large; with the suns of all hours it is right within a factor of 1.25, the bias within 1e-9
-    /// in all 16 cases, and the mean square in the mean of the cases.
+    /// The sun of 32 receivers is off by 96 W/m2 in one of 256 hours, and all of their other light
+    /// by 2 W/m2, seen through noise of 3 W/m2 in pairs and of 5 in all hours: bias 2.375, mean
+    /// square 4 + (2 * 2 * 96 + 96^2) / 256 = 41.5. Pairs are every 16th hour, from each of the
+    /// first 16. They alone give an RMSE that is 3 times too small, or in one of 16 cases too
+    /// large. With the suns of all hours it is right within a factor of 1.25, the bias is right
+    /// within 1e-9 in all 16 cases, and so is the mean square in the mean of the cases.
     #[test]
     fn the_sun_of_all_hours_shows_rare_errors() {
         const RARE: usize = 7;

@@ -2,19 +2,19 @@
 
 use crate::settings::Effect;
 
-/// Batches that a receiver's paths are drawn in, each with a shift of its own.
+/// Number of batches of a receiver's paths, each with a random shift of its own.
 pub const BATCHES: usize = 16;
 
-/// The six components, in the order of results, and their total.
+/// Number of the components, in the order of results, with their total.
 pub const PARTS: usize = 7;
 
-/// Effects, in the order of [`Effect::ALL`].
+/// Number of effects, in the order of [`Effect::ALL`].
 const EFFECTS: usize = Effect::ALL.len();
 
-/// Sums of a batch: the six components, then what each effect changes in the total.
+/// Sums of a batch: the six components, then the change of the total by each effect.
 pub(super) type Batch = [f64; PARTS - 1 + EFFECTS];
 
-/// Place of an effect in a batch.
+/// Returns the place of an effect in a batch.
 pub(super) fn lane(effect: Effect) -> usize {
     PARTS - 1 + effect as usize
 }
@@ -22,22 +22,22 @@ pub(super) fn lane(effect: Effect) -> usize {
 /// Irradiance of a receiver under one condition, W/m2; under a year, kWh/m2.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Judged {
-    /// The six components and the total.
+    /// Means of the six components and the total.
     pub mean: [f64; PARTS],
-    /// Standard errors of these.
+    /// Standard errors of the components and the total.
     pub error: [f64; PARTS],
-    /// What of the total would be lost without each effect of [`Effect::ALL`]; what canopies take away would come besides.
+    /// Loss of the total without each effect of [`Effect::ALL`]. For canopies it is the gain.
     pub by_effect: [f64; EFFECTS],
-    /// Standard errors of these.
+    /// Standard errors of [`Judged::by_effect`].
     pub by_effect_error: [f64; EFFECTS],
-    /// The total by how many matt surfaces reflected the light: none, one, more.
+    /// Total by the number of matt surfaces that reflected the light: none, one, more.
     pub by_reflections: [f64; 3],
-    /// Standard errors of these.
+    /// Standard errors of [`Judged::by_reflections`].
     pub by_reflections_error: [f64; 3],
 }
 
 impl Judged {
-    /// Of means of batches.
+    /// Creates the estimate from means of batches.
     pub(super) fn of(batches: &[Batch; BATCHES]) -> Self {
         let mut judged = Judged::default();
         for part in 0..PARTS {
@@ -56,7 +56,8 @@ impl Judged {
     }
 }
 
-/// The total of a batch by how many matt surfaces reflected the light: none, one, more.
+/// Returns the total of a batch by the number of matt surfaces that reflected the light: none, one,
+/// more.
 fn by_reflections(batch: &Batch) -> [f64; 3] {
     let (matt, again) = (batch[lane(Effect::Diffuse)], batch[lane(Effect::Bounces)]);
     [batch[..PARTS - 1].iter().sum::<f64>() - matt, matt - again, again]

@@ -1,12 +1,13 @@
-//! Groups of receivers that see about as much of the sky: errors and effects differ most between them. In: sky views. Out: groups.
+//! Groups of receivers with similar sky views, between which errors and effects differ most. In:
+//! sky views. Out: groups.
 
-/// Groups at most.
+/// Largest number of groups.
 const GROUPS: usize = 10;
 
-/// Receivers of a group at least.
+/// Smallest number of receivers of a group.
 const OF_GROUP: usize = 4;
 
-/// Numbers of receivers by rising sky view, cut into groups of about equal size.
+/// Returns the numbers of receivers by rising sky view, cut into groups of about equal size.
 pub fn by_sky_view(views: &[f64]) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..views.len()).collect();
     order.sort_by(|a, b| views[*a].total_cmp(&views[*b]));
@@ -18,7 +19,8 @@ pub fn by_sky_view(views: &[f64]) -> Vec<Vec<usize>> {
 mod tests {
     use super::*;
 
-    /// Of 95 receivers the ten groups have 9 or 10 each, together all, in rising order; 9 make two groups, none one without receivers.
+    /// 95 receivers make ten groups of 9 or 10, together all, in rising order. 9 receivers make two
+    /// groups, and none make one empty group.
     #[test]
     fn groups_are_even() {
         let views: Vec<f64> = (0..95).map(|i| f64::from(i * 37 % 95)).collect();

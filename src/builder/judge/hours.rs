@@ -1,8 +1,9 @@
-//! Hours by where a receiver's light comes from. In: results of receivers under conditions. Out: hours of a kind, evenly chosen, and how far
-//! results are off in them.
+//! Hours by the source of a receiver's light. In: results of receivers under conditions. Out: hours
+//! of a kind, evenly chosen, and the errors of results in them.
 //!
-//! An error of reflected light is a small share of a mean that holds direct sun. It is a large one in hours when the sun lights what a
-//! receiver sees and not the receiver itself. Errors are therefore stated for such hours, too.
+//! An error of reflected light is a small share of a mean that holds direct sun. It is a large
+//! share in hours when the sun lights what a receiver sees but not the receiver itself. Errors are
+//! therefore stated for such hours, too.
 
 use std::collections::BTreeMap;
 
@@ -13,23 +14,26 @@ use crate::settings::Effect;
 use heliotile_core::archive::accuracy::HoursMix;
 use heliotile_core::replay::components::Component;
 
-/// Pairs of a kind that are looked at, and limits of their number for each receiver, on average.
+/// Number of pairs of a kind that are chosen; [`OF_RECEIVER`] limits their number for each
+/// receiver, on average.
 const PAIRS: usize = 1024;
 const OF_RECEIVER: (usize, usize) = (8, 32);
 
-/// Hours of a kind are stated if they make up this share of all, and are seen by so many receivers.
+/// Smallest share of all hours for which a kind is stated; [`LEAST_RECEIVERS`] is the smallest
+/// number of receivers that have such hours.
 const LEAST_SHARE: f64 = 0.01;
 const LEAST_RECEIVERS: usize = 4;
 
-/// Share of the total below which sun, direct or reflected, is none.
+/// Share of the total below which light of the sun, direct or reflected, does not count.
 const NO_SUN: f64 = 0.01;
 
-/// A kind of hours in which errors of reflected light show.
+/// Kind of hours in which errors of reflected light show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HourKind {
-    /// The sun lights what the receiver sees, by which it gives the receiver more than 1 % of its total, straight or by mirrors less than 1 %.
+    /// Hours in which reflected sun makes up more than 1 % of the receiver's total, and the sun
+    /// seen directly and by mirrors less than 1 %.
     NoDirectSun,
-    /// Of these hours those in which more than half of the total comes from matt surfaces.
+    /// Hours of the first kind in which more than half of the total comes from matt surfaces.
     MostlyReflected,
 }
 
@@ -37,7 +41,7 @@ impl HourKind {
     /// All kinds, in the order of their numbers.
     pub const ALL: [HourKind; 2] = [HourKind::NoDirectSun, HourKind::MostlyReflected];
 
-    /// As the manifest and tables state it.
+    /// Returns the name of the kind in the manifest and in tables.
     pub fn name(self) -> &'static str {
         match self {
             HourKind::NoDirectSun => "no direct sun",
@@ -45,7 +49,7 @@ impl HourKind {
         }
     }
 
-    /// Whether an hour with these components and their total (W/m2) is of this kind.
+    /// Returns true if an hour with these components and their total (W/m2) is of this kind.
     pub fn holds(self, light: &[f64; PARTS]) -> bool {
         let of = |component: Component| light[component as usize];
         let total = of(Component::Total);
@@ -55,47 +59,47 @@ impl HourKind {
     }
 }
 
-/// What matt surfaces reflect, W/m2.
+/// Returns the light that matt surfaces reflect, W/m2.
 fn reflected(light: &[f64; PARTS]) -> f64 {
     light[Component::SunDiffuse as usize] + light[Component::SkyDiffuse as usize]
 }
 
-/// Receivers in hours of the kinds.
+/// Receivers in hours of each kind.
 #[derive(Clone, Debug, Default)]
 pub struct HourSample {
-    /// Receivers times conditions that hours were chosen from.
+    /// Number of receivers times conditions that hours were chosen from.
     looked_at: usize,
-    /// Those of each kind.
+    /// Number of such hours of each kind.
     members: [usize; HourKind::ALL.len()],
-    /// Receivers and conditions that were chosen, in this order, without what the judge says.
+    /// Chosen receivers and conditions, in this order, without results of the path tracer.
     pub pairs: Vec<Pair>,
     /// `[pair]`: the kinds that it was chosen for.
     of: Vec<[bool; HourKind::ALL.len()]>,
 }
 
-/// The error of a kind of hours.
+/// Error in hours of one kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HoursFound {
-    /// Which hours.
+    /// Kind of hours.
     pub kind: HourKind,
     /// Share of all hours of all receivers.
     pub share: f64,
-    /// Receivers that have some.
+    /// Number of receivers that have such hours.
     pub receivers: usize,
     /// Mean total, W/m2.
     pub mean_w_m2: f64,
     /// RMSE of the totals, W/m2.
     pub rmse_w_m2: Known,
-    /// Mean of what matt surfaces reflect, W/m2.
+    /// Mean of the light that matt surfaces reflect, W/m2.
     pub reflected_mean_w_m2: f64,
-    /// RMSE of what matt surfaces reflect, W/m2.
+    /// RMSE of the light that matt surfaces reflect, W/m2.
     pub reflected_w_m2: Known,
-    /// What hours of each kind make up of these.
+    /// Shares of these hours by kind.
     pub mix: Vec<HoursMix<'static>>,
 }
 
 impl HourSample {
-    /// Chooses hours of each kind for some receivers, by results under so many conditions.
+    /// Chooses hours of each kind for some receivers, by results under `conditions` conditions.
     pub fn choose(
         &mut self,
         receivers: std::ops::Range<usize>,
@@ -105,6 +109,7 @@ impl HourSample {
     ) {
         self.looked_at += receivers.len() * conditions;
         let each = (PAIRS / receivers.len().max(1)).clamp(OF_RECEIVER.0, OF_RECEIVER.1);
+        // One pair may be chosen for both kinds.
         let mut chosen = BTreeMap::<(usize, usize), [bool; HourKind::ALL.len()]>::new();
         for kind in HourKind::ALL {
             let all = receivers.clone().flat_map(|receiver| (0..conditions).map(move |hour| (receiver, hour)));
@@ -122,7 +127,7 @@ impl HourSample {
         }
     }
 
-    /// The same hours with other results.
+    /// Returns the chosen hours with other results.
     #[must_use]
     pub fn with_results(&self, result: impl Fn(usize, usize) -> [f64; PARTS]) -> Self {
         let mut other = self.clone();
@@ -130,7 +135,7 @@ impl HourSample {
         other
     }
 
-    /// How far results are off in each kind of hours of which there are enough.
+    /// Returns the errors of results in each kind of hours that is frequent enough.
     pub fn found(&self) -> Vec<HoursFound> {
         HourKind::ALL.into_iter().filter_map(|kind| self.of_kind(kind)).collect()
     }
@@ -138,7 +143,8 @@ impl HourSample {
     fn of_kind(&self, kind: HourKind) -> Option<HoursFound> {
         let chosen = self.pairs.iter().zip(&self.of).filter(|(_, of)| of[kind as usize]).map(|(pair, _)| *pair);
         let (chosen, mut pairs) = (chosen.clone().count(), chosen.collect::<Vec<Pair>>());
-        // Coarse results chose hours that are not of the kind: light that they spread over neighbouring directions.
+        // Drop hours that are not of the kind: coarse results spread light over neighbouring
+        // directions, and so chose them.
         pairs.retain(|pair| kind.holds(&pair.judged.mean));
         let holding = pairs.len() as f64 / chosen.max(1) as f64;
         let receivers = pairs.chunk_by(|a, b| a.receiver == b.receiver).count();
@@ -163,7 +169,7 @@ fn mean_of(pairs: &[Pair], value: impl Fn(&Pair) -> f64) -> f64 {
     pairs.iter().map(value).sum::<f64>() / pairs.len().max(1) as f64
 }
 
-/// What hours of all kinds make up of pairs, in terms of what the manifest states.
+/// Returns the share of each kind of hours among pairs, as the manifest states it.
 pub fn mix_of(pairs: &[Pair]) -> Vec<HoursMix<'static>> {
     let of_kind = |kind: HourKind| {
         let inside: Vec<Pair> = pairs.iter().filter(|pair| kind.holds(&pair.judged.mean)).copied().collect();
@@ -182,8 +188,8 @@ mod tests {
         [sun, sky, sun_diffuse, sky_diffuse, 0.0, 0.0, sun + sky + sun_diffuse + sky_diffuse]
     }
 
-    /// 60 W/m2 of reflected sun and 40 of sky are both kinds, 40 and 60 only the first, and with 2 W/m2 of direct sun neither is; an overcast hour is
-    /// none.
+    /// 60 W/m2 of reflected light and 40 of sky are both kinds, 40 and 60 only the first. With 2
+    /// W/m2 of direct sun the hour is neither, and neither is an overcast hour.
     #[test]
     fn kinds_of_hours() {
         let kinds = |light: [f64; PARTS]| HourKind::ALL.map(|kind| kind.holds(&light));
@@ -193,9 +199,10 @@ mod tests {
         assert_eq!(kinds(light(0.0, 40.0, 0.0, 60.0)), [false, false]);
     }
 
-    /// Of 160 receivers in 64 hours, of which every fourth is without direct sun and off by 2 W/m2, 1,280 are chosen, 8 a receiver. The judge finds
-    /// direct sun for every second receiver. An eighth of the hours has an RMSE of 2 W/m2 of 50, all of it among 20 W/m2 that are reflected; mostly
-    /// reflected hours are none and are not stated.
+    /// 160 receivers have 64 hours, every fourth without direct sun and off by 2 W/m2; 1,280 are
+    /// chosen, 8 per receiver. The path tracer finds direct sun for every second receiver. An
+    /// eighth of the hours has an RMSE of 2 W/m2 of 50, all of it in the 20 W/m2 of reflected
+    /// light. Mostly reflected hours do not occur and are not stated.
     #[test]
     fn errors_of_hours_without_sun() {
         let result = |_: usize, condition: usize| match condition % 4 {

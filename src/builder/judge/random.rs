@@ -1,11 +1,12 @@
-//! Numbers that paths are drawn by. In: a seed. Out: numbers in [0, 1).
+//! Random numbers of paths. In: a seed. Out: numbers in [0, 1).
 
 use heliotile_core::hemisphere::{mix, unit};
 
-/// Numbers of a path that are spread evenly over all paths of a batch: two of its first direction, three of the sun that its receiver sees.
+/// Number of low-discrepancy numbers of a path, spread evenly over all paths of a batch: two for
+/// its first direction, three for the sun that its receiver sees.
 pub(super) const EVEN: usize = 5;
 
-/// A sequence of independent numbers.
+/// Sequence of independent numbers.
 pub(super) struct Random {
     seed: u64,
     drawn: u64,
@@ -26,7 +27,8 @@ impl Random {
     }
 }
 
-/// Point i of the sequence of Roberts (2018, "The unreasonable effectiveness of quasirandom sequences"), shifted.
+/// Returns point i of the sequence of Roberts (2018, "The unreasonable effectiveness of quasirandom
+/// sequences"), shifted.
 pub(super) fn even(i: usize, shift: &[f64; EVEN]) -> [f64; EVEN] {
     // The real root of x^6 = x + 1.
     const ROOT: f64 = 1.134_724_138_401_519_4;

@@ -1,5 +1,5 @@
-//! A sky as the judge sees it: its continuous radiance, tabled far finer than it bends, and its suns. In: a condition, a model. Out: W/m2/sr,
-//! points of the sun.
+//! Sky of the reference path tracer: its continuous radiance, tabulated far finer than it varies,
+//! and its suns. In: a condition, a sky model. Out: radiances, W/m2/sr, and points of the sun.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,31 +13,34 @@ use heliotile_core::sky::model::SkyModel;
 use heliotile_core::units::SUN_RADIUS_RAD;
 use heliotile_core::weather::conditions::Condition;
 
-/// Steps by height and around of the integral that sets a sky's level: 1e-5 of it.
+/// Steps by altitude and azimuth of the integral that sets a sky's level, exact to 1e-5 of it.
 const STEPS: [usize; 2] = [96, 192];
 
-/// Cells to a side of the square that radiances are tabled on: 1.2 degrees, over which no sky bends by more than 1e-3.
+/// Cells per side of the square of radiances: 1.2 degrees, over which no sky departs from linear by
+/// more than 1e-3.
 const SIDE: usize = 128;
 
-/// The same for the many skies of a sum, over which what is left of the bends is 1e-3, and for the level.
+/// Cells per side for the many skies of a sum, which leave an error of 1e-3; [`COARSE_STEPS`] are
+/// the steps for the level of these skies.
 const COARSE_SIDE: usize = 32;
 const COARSE_STEPS: [usize; 2] = [24, 48];
 
-/// Conditions of a sum that are added up by one thread.
+/// Number of conditions of a sum that one thread adds up.
 const AT_ONCE: usize = 64;
 
-/// One condition.
+/// Sky and suns of one condition, or of a sum of conditions.
 pub struct JudgedSky {
     /// Radiance in the middle of each cell of the sky, W/m2/sr.
     radiances: Vec<f32>,
-    /// Normal to the sun, W/m2.
+    /// Irradiance normal to the sun, W/m2.
     pub(super) dni_w_m2: f64,
     /// Running sums of the weights of the suns, and frames about them.
     suns: Vec<(f64, Frame)>,
 }
 
 impl JudgedSky {
-    /// A condition in the axes of the site. An error: a sky with a band at the horizon, which has no radiance.
+    /// Creates the sky of a condition in the axes of the site. Fails for a sky model with a band at
+    /// the horizon, which has no radiance.
     pub fn new(condition: &Condition, model: SkyModel) -> Result<Self> {
         check(model)?;
         let radiances = radiances(condition, model, SIDE, STEPS).map(|radiance| radiance as f32).collect();
@@ -46,7 +49,8 @@ impl JudgedSky {
         Ok(sky)
     }
 
-    /// The sum over conditions in the axes of the site, for the hours that each lasts: with it, the judge speaks of kWh/m2. An error: as [`new`](Self::new).
+    /// Creates the sum over conditions in the axes of the site, weighted by the hours that each
+    /// lasts, so that results are in kWh/m2. Fails as [`new`](Self::new) does.
     pub fn sum(conditions: &[Condition], model: SkyModel) -> Result<Self> {
         check(model)?;
         let weight = |condition: &Condition| condition.stamp.map_or(1.0, |stamp| stamp.hours) / 1000.0;
@@ -58,7 +62,8 @@ impl JudgedSky {
             }
             sums
         };
-        // One after the other in the end, so that the sum does not depend on the number of threads.
+        // The parts are added one after the other, so that the sum does not depend on the number of
+        // threads.
         let parts: Vec<Vec<f64>> = conditions.par_chunks(AT_ONCE).map(added).collect();
         let mut coarse = vec![0.0; COARSE_SIDE * COARSE_SIDE];
         parts.iter().for_each(|part| coarse.iter_mut().zip(part).for_each(|(sum, part)| *sum += part));
@@ -73,7 +78,8 @@ impl JudgedSky {
         Ok(sum)
     }
 
-    /// Lists the suns of a condition behind those whose weights sum to `before`; their own sum to `part`.
+    /// Adds the suns of a condition after those whose weights sum to `before`; their own weights
+    /// sum to `part`.
     fn add_suns(&mut self, condition: &Condition, before: f64, part: f64) {
         let whole: f64 = condition.suns.iter().map(|instant| instant.weight).sum();
         let mut sum = 0.0;
@@ -83,22 +89,23 @@ impl JudgedSky {
         }
     }
 
-    /// Radiance at a place of the sky, W/m2/sr.
+    /// Returns the radiance at a place of the sky, W/m2/sr.
     pub(super) fn radiance(&self, place: SkyPlace) -> f64 {
         f64::from(self.radiances[place.0])
     }
 
-    /// A point of the sun's disc above the horizon, by numbers for which of the suns and where, and others should that lie below; `None`
-    /// without sun.
+    /// Returns a random point of the sun's disc above the horizon; `None` without sun. The first
+    /// numbers choose one of the suns and the point, `others` are drawn if that point is below the
+    /// horizon.
     pub(super) fn sun(&self, [which, mut across, mut along]: [f64; 3], others: &mut Random) -> Option<DVec3> {
         let total = self.suns.last().map(|sun| sun.0).filter(|total| *total > 0.0 && self.dni_w_m2 > 0.0)?;
         let at = self.suns.partition_point(|sun| sun.0 <= which * total).min(self.suns.len() - 1);
         let frame = &self.suns[at].1;
         loop {
-            // Level parts of cosine-distributed directions are points of a disc, all alike.
+            // Cosine-weighted directions, projected to the disc, are uniform on it.
             let point = cosine_direction_of(DVec2::new(across, along)).truncate() * SUN_RADIUS_RAD;
             let point = frame.to_world(point.extend(1.0)).normalize();
-            // Its middle is above, and so is half of it at least.
+            // The centre of the sun is above the horizon, and so is at least half of the disc.
             if point.z > 0.0 {
                 return Some(point);
             }
@@ -106,13 +113,14 @@ impl JudgedSky {
         }
     }
 
-    /// An open sky, of which a receiver gets its sky view: the cosine-weighted share of its hemisphere that is sky.
+    /// Creates an open sky, under which the irradiance of a receiver is its sky view: the
+    /// cosine-weighted share of its hemisphere that is sky.
     pub fn open() -> Self {
         let level = std::f64::consts::FRAC_1_PI as f32;
         JudgedSky { radiances: vec![level; SIDE * SIDE], dni_w_m2: 0.0, suns: Vec::new() }
     }
 
-    /// The mean of skies: their suns, each for its share of the time.
+    /// Returns the mean of skies. Each sun counts for its share of the time.
     pub fn mean(skies: &[JudgedSky]) -> JudgedSky {
         let share = 1.0 / skies.len().max(1) as f64;
         let mut mean = JudgedSky { radiances: vec![0.0; SIDE * SIDE], dni_w_m2: 0.0, suns: Vec::new() };
@@ -132,7 +140,7 @@ impl JudgedSky {
     }
 }
 
-/// An error for a sky that has no radiance everywhere.
+/// Refuses a sky model that has no radiance everywhere.
 fn check(model: SkyModel) -> Result<()> {
     if model.brightens() {
         let hint = "judge by perez, uniform or cie:N";
@@ -141,7 +149,8 @@ fn check(model: SkyModel) -> Result<()> {
     Ok(())
 }
 
-/// Radiances in the middles of so many cells to a side, W/m2/sr; steps of the integral that sets their level.
+/// Returns the radiances in the middles of `side` x `side` cells, W/m2/sr. The last argument gives
+/// the steps of the integral that sets their level.
 fn radiances(
     condition: &Condition,
     model: SkyModel,
@@ -149,7 +158,8 @@ fn radiances(
     [rows, columns]: [usize; 2],
 ) -> impl Iterator<Item = f64> {
     let (distribution, sun) = (model.distribution(condition), condition.sky_sun);
-    // Even in the square of the sine of the altitude, so that each point stands for as much of a horizontal receiver's light.
+    // Even in the square of the sine of the altitude, so that each point stands for an equal part
+    // of a horizontal receiver's light.
     let at = |i: usize| {
         let z = (((i / columns) as f64 + 0.5) / rows as f64).sqrt();
         let azimuth = TAU * ((i % columns) as f64 + 0.5) / columns as f64;
@@ -161,12 +171,12 @@ fn radiances(
     (0..side * side).map(move |cell| level * distribution.relative_radiance(middle(cell), sun))
 }
 
-/// A place of the sky.
+/// Place of the sky: one cell of its radiances.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SkyPlace(usize);
 
 impl SkyPlace {
-    /// In a direction; `None` below the horizon.
+    /// Returns the place in a direction; `None` below the horizon.
     pub fn of(direction: DVec3) -> Option<Self> {
         (direction.z > 0.0).then(|| {
             let (column, row) = texel_of(direction, SIDE);
@@ -175,12 +185,12 @@ impl SkyPlace {
     }
 }
 
-/// Unit direction at an azimuth from x, of height z.
+/// Returns the unit direction at an azimuth from x and a height z.
 fn around(azimuth: f64, z: f64) -> DVec3 {
     (DVec2::from_angle(azimuth) * (1.0 - z * z).max(0.0).sqrt()).extend(z)
 }
 
-/// A cosine-distributed direction about an axis.
+/// Returns a cosine-weighted direction about an axis.
 pub(super) fn cosine(frame: &Frame, [a, b]: [f64; 2]) -> DVec3 {
     frame.to_world(cosine_direction_of(DVec2::new(a, b)))
 }

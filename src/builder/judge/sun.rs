@@ -1,5 +1,5 @@
-//! The sun at places on surfaces, seen straight or by chains of mirrors. In: places, points of suns. Out: what is added to a receiver's
-//! components.
+//! Sun at places on surfaces, seen directly or by chains of mirrors. In: places, points of suns.
+//! Out: additions to a receiver's components.
 
 use glam::DVec3;
 
@@ -13,25 +13,26 @@ use heliotile_core::hemisphere::mix;
 use heliotile_core::light::fresnel::specular;
 use heliotile_core::site::chain::{MOST_MIRRORS, MirrorPlane};
 
-/// A place that looks for a point of the sun.
+/// Query of a place for a point of the sun.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SunLook {
     place: Place,
-    /// Towards the point.
+    /// Direction to the point.
     sun: DVec3,
-    /// For a cosine of 1; as irradiance of the receiver, W/m2.
+    /// Throughput for a cosine of 1, as irradiance of the receiver, W/m2.
     carried: Carried,
     sky: usize,
     batch: usize,
-    /// Draws chains of mirrors, if not all are followed.
+    /// Seed that draws chains of mirrors if not all are followed.
     seed: u64,
 }
 
-/// Chains that a place looks along at most; if there are more, so many are drawn of each length.
+/// Largest number of chains for which a place follows all. If there are more, [`DRAWN`] of each
+/// length are drawn.
 const ALL_CHAINS: usize = 96;
 const DRAWN: usize = 16;
 
-/// A look along a chain of mirrors.
+/// Query along a chain of mirrors.
 struct Way<'l> {
     look: &'l SunLook,
     chain: Vec<u16>,
@@ -41,7 +42,8 @@ struct Way<'l> {
 }
 
 impl SunLook {
-    /// A look for a point of the sun of each sky, at the same place of its disc; `carried` for a DNI of 1 W/m2.
+    /// Returns queries for a point of the sun of each sky, at the same place of its disc. `carried`
+    /// is for a DNI of 1 W/m2.
     pub fn at_all(
         place: Place,
         batch: usize,
@@ -64,7 +66,7 @@ impl SunLook {
 }
 
 impl Judge<'_> {
-    /// Adds what comes of the sun, straight and by mirrors.
+    /// Adds the light of the sun, direct and by mirrors.
     pub(super) fn add_suns(&self, looks: &[SunLook], sums: &mut Sums) {
         let straight: Vec<(&SunLook, f64)> =
             looks.iter().map(|look| (look, look.place.normal.dot(look.sun))).filter(|(_, cos)| *cos > 0.0).collect();
@@ -97,7 +99,7 @@ impl Judge<'_> {
         }
     }
 
-    /// A way behind its next mirror, if that is what its ray meets.
+    /// Follows a ray past its next mirror; `None` if the ray does not hit that mirror.
     fn follow<'l>(&self, mut way: Way<'l>, hit: Hit, passed: usize, through: f64) -> Option<Way<'l>> {
         let (_, orientation) = self.orientation(hit).filter(|(number, _)| way.chain.get(passed) == Some(number))?;
         let (place, _) = self.place(way.from, way.direction, hit);
@@ -109,7 +111,8 @@ impl Judge<'_> {
     }
 }
 
-/// Looks along chains of mirrors, in the directions in which the sun would appear in them.
+/// Returns queries along chains of mirrors, in the directions in which the sun would appear in
+/// them.
 fn ways<'l>(look: &'l SunLook, orientations: &[MirrorPlane]) -> Vec<Way<'l>> {
     let count = orientations.len();
     let of_length = |length: usize| count.saturating_pow(length as u32);

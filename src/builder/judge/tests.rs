@@ -27,11 +27,11 @@ fn matt(diffuse: f64) -> Material {
     Material::matt(format!("m{diffuse}"), diffuse, Class::Obstruction)
 }
 
-/// Receiver, its normal, what it gets by closed forms.
+/// Receiver, its normal and its components by closed forms.
 type Known = (DVec3, DVec3, [f64; 6]);
 
-/// Comparisons, those of them that are off by more than 3 standard errors, the mean difference in standard errors, and the largest difference
-/// relative to the total.
+/// Number of comparisons, those of them that are off by more than 3 standard errors, the sum of
+/// differences in standard errors, and the largest difference relative to the total.
 struct Count {
     all: usize,
     beyond: usize,
@@ -76,7 +76,8 @@ impl Count {
     }
 }
 
-/// Ground of 40 km, tilted receivers: the isotropic closed form (Liu and Jordan 1963), within 3 standard errors in 97.5 % of 840 comparisons.
+/// On ground of 40 km, tilted receivers match the isotropic closed form (Liu and Jordan 1963)
+/// within 3 standard errors in 97.5 % of 840 comparisons.
 #[test]
 fn open_ground() {
     let mut triangles = Triangles::new();
@@ -97,7 +98,7 @@ fn open_ground() {
     assert!((count.sum / count.all as f64).abs() < 0.15 && count.largest < 0.02, "{} {}", count.sum, count.largest);
 }
 
-/// From the order of light paths here to that of results.
+/// Puts components in the order of light paths used here into that of results.
 fn ordered([sun_direct, sky_direct, sun_diffuse, sky_diffuse, sun_specular, sky_specular]: [f64; 6]) -> [f64; 6] {
     let mut out = [0.0; 6];
     for (component, value) in [
@@ -113,10 +114,11 @@ fn ordered([sun_direct, sky_direct, sun_diffuse, sky_diffuse, sun_specular, sky_
     out
 }
 
-/// Between ground of 0.3 and the open sky lie endless leaves that let 0.4 through and scatter 0.5, half to each side. Two layers (Kubelka 1954,
-/// "New contributions to the optics of intensely light-scattering materials, part II"): below them a level receiver gets T / (1 - R rho) of what comes from
-/// above, one that looks down from above R + T^2 rho / (1 - R rho), with R = 0.25 and T = 0.65: within 3 standard errors in 97.5 % of 240
-/// comparisons.
+/// Endless leaves that let 0.4 through and scatter 0.5, half to each side, lie between ground of
+/// 0.3 and the open sky. By the theory of two layers (Kubelka 1954, "New contributions to the
+/// optics of intensely light-scattering materials, part II") a level receiver below them gets T /
+/// (1 - R rho) of the light from above, and one that looks down from above gets R + T^2 rho / (1 -
+/// R rho), with R = 0.25 and T = 0.65: within 3 standard errors in 97.5 % of 240 comparisons.
 #[test]
 fn layers_of_leaves() {
     let mut triangles = Triangles::new();
@@ -143,9 +145,10 @@ fn layers_of_leaves() {
     assert!((count.sum / count.all as f64).abs() < 0.2 && count.largest < 0.03, "{} {}", count.sum, count.largest);
 }
 
-/// In front of a long black-backed wall of 10 m on no ground, lit straight on above a shadow's edge at 4 m or not, a level receiver gets
-/// the strip's view factor, (cos a - cos b) / 2 by its edges' altitudes, times what the wall reflects: within 3 standard errors in 97.5 % of 480
-/// comparisons.
+/// A level receiver stands in front of a long black-backed wall of 10 m without ground, which the
+/// sun lights straight on, wholly or above a shadow's edge at 4 m. It gets the view factor of the
+/// lit strip, (cos a - cos b) / 2 by the altitudes of its edges, times the light that the wall
+/// reflects: within 3 standard errors in 97.5 % of 480 comparisons.
 #[test]
 fn lit_wall() {
     let (dni, albedo, altitude) = (700.0, 0.6, 30.0_f64.to_radians());
@@ -155,7 +158,7 @@ fn lit_wall() {
     for shaded_m in [0.0, 4.0] {
         let mut triangles = Triangles::new();
         quad(&mut triangles, 0, DVec3::new(0.0, -4e3, 0.0), DVec3::Y * 8e3, DVec3::Z * 10.0);
-        // A black blade whose upper edge throws the shadow.
+        // A black blade whose upper edge casts the shadow.
         let top = shaded_m + 60.0 * altitude.tan();
         let blade = if shaded_m > 0.0 { top } else { -1.0 };
         quad(&mut triangles, 1, DVec3::new(60.0, -4e3, -2.0), DVec3::Y * 8e3, DVec3::Z * (blade + 2.0));
@@ -172,18 +175,19 @@ fn lit_wall() {
     assert!((count.sum / count.all as f64).abs() < 0.2, "{}", count.sum);
 }
 
-/// Below a blade whose level edge leaves 10, 50 and 90 % of the sun's disc open, receivers get that share of it (a segment of a circle), by 256 and by
-/// 1,024 points of the disc: over 400 seeds the mean is right within 3 of its standard errors, and the square of the standard error is
-/// that of the difference within a quarter.
+/// Below a blade whose level edge leaves 10, 50 and 90 % of the sun's disc open, receivers get that
+/// share of it (a segment of a circle), by 256 and by 1,024 points of the disc. Over 400 seeds the
+/// mean is right within 3 of its standard errors, and the squared standard error equals the squared
+/// difference within a quarter.
 #[test]
 fn sun_behind_an_edge() {
     let (dni, altitude) = (800.0, 30.0_f64.to_radians());
     let condition = condition(90.0, 30.0, dni, 100.0);
     let sky = JudgedSky::new(&condition, SkyModel::Uniform).expect("a sky");
-    // Radii that the edge lies above the middle of the disc, and the open share.
+    // Height of the edge above the centre of the disc, in radii, and the open share.
     for t in [-0.687_f64, 0.0, 0.687] {
         let open = (t.acos() - t * (1.0 - t * t).sqrt()) / PI;
-        // What is open lies higher than the middle.
+        // The open part is higher than the centre.
         let higher = SUN_RADIUS_RAD * 2.0 / 3.0 * (1.0 - t * t).powf(1.5) / PI;
         let expected = dni * (altitude.sin() * open + altitude.cos() * higher);
         let top = 400.0 * (altitude + t * SUN_RADIUS_RAD).tan();
@@ -207,8 +211,9 @@ fn sun_behind_an_edge() {
     }
 }
 
-/// A court 12 m deep of surfaces that absorb nothing, matt or half mirrors, under a uniform sky is as bright everywhere as the sky: receivers on
-/// floor and walls get all of DHI, within 3 standard errors in 97 % of 150 totals and 0.6 % in the mean of these.
+/// A court 12 m deep of surfaces that absorb nothing, matt or half mirrors, is as bright everywhere
+/// as the uniform sky above. Receivers on floor and walls get all of DHI, within 3 standard errors
+/// in 97 % of 150 totals and within 0.6 % in their mean.
 #[test]
 fn furnace() {
     for specular in [0.0, 0.5] {
@@ -238,8 +243,9 @@ fn furnace() {
     }
 }
 
-/// Before one and before two mirrors that stand at right angles, receivers get what the images of sun and sky send: 1, 2 and 3 images,
-/// within 3 standard errors in 97.5 % of 480 comparisons; a screen that lets 0.4 through leaves 0.4.
+/// In front of one mirror, and of two mirrors at right angles, receivers get the light of the
+/// images of sun and sky, 1 and 3 images, within 3 standard errors in 97.5 % of 480 comparisons. A
+/// screen that lets 0.4 through leaves 0.4.
 #[test]
 fn images() {
     let (dni, dhi, share) = (600.0, 120.0, 0.7);
@@ -270,7 +276,8 @@ fn images() {
         let known = |normal: DVec3| {
             let sun_specular: f64 =
                 images.iter().map(|(x, y, share)| share * dni * normal.dot(flip(sun, *x, *y)).max(0.0)).sum();
-            // Of a level receiver each mirror takes a part of the sky that its image gives back: half, or a quarter.
+            // Each mirror hides a part of a level receiver's sky, which its image gives back: half,
+            // or a quarter.
             let parts = if both { 4.0 } else { 2.0 };
             let sky_specular: f64 = images.iter().map(|image| image.2).sum::<f64>() * dhi / parts;
             let expected = [dni * normal.dot(sun).max(0.0), dhi / parts, 0.0, 0.0, sun_specular, sky_specular]
@@ -278,7 +285,7 @@ fn images() {
             (DVec3::new(5.0, 7.0, 0.0), normal, ordered(expected))
         };
         count.compare(&triangles, vec![mirror.clone(), screen.clone()], &condition, &[known(DVec3::Z)], 32);
-        // Sky behind a wall's upright receiver is not level's: suns alone.
+        // Only suns: the closed form of the sky does not hold for upright receivers.
         let dark = Condition { dhi_w_m2: 0.0, ..condition.clone() };
         let upright = [DVec3::NEG_X, DVec3::X].map(|normal| {
             let (position, normal, mut expected) = known(normal);
@@ -292,7 +299,8 @@ fn images() {
     assert!((count.sum / count.all as f64).abs() < 0.15 && count.largest < 0.02, "{} {}", count.sum, count.largest);
 }
 
-/// An open level receiver gets DHI of the 16 skies of the CIE and of Perez' sky, within 3 standard errors and 0.5 %: 17 of 17.
+/// An open level receiver gets DHI of the 16 CIE skies and of Perez' sky, within 3 standard errors
+/// and 0.5 %: 17 of 17.
 #[test]
 fn skies_are_level() {
     let scene = Scene::from_triangles(&[([DVec3::ZERO, DVec3::X, DVec3::Y], 0)], vec![matt(0.2)]).expect("a scene");

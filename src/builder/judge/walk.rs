@@ -1,4 +1,4 @@
-//! Paths of light from a receiver. In: a receiver, suns and skies. Out: what it gets of each.
+//! Light paths from a receiver. In: a receiver, suns and skies. Out: its irradiance by each.
 
 use std::f64::consts::PI;
 
@@ -22,43 +22,44 @@ use heliotile_core::site::material::Material;
 use heliotile_scene::mesh::Mesh;
 use heliotile_scene::mirrors::Mirrors;
 
-/// Surfaces that a path meets before chance decides whether it goes on.
+/// Number of surfaces that a path hits before Russian roulette may end it.
 const SURE: u32 = 2;
 
-/// Chance of going on at most: a path between white walls ends, too.
+/// Largest probability of going on, so that a path between white walls ends, too.
 const LIKELIEST: f64 = 0.95;
 
-/// Rays for the sky that is seen straight, to each path.
+/// Number of rays for directly seen sky, per path.
 const SKY_RAYS: usize = 16;
 
-/// Paths for each point of the sun's disc, where only the sun is asked for, under many skies, and points at least.
+/// Paths per point of the sun's disc if only the sun is evaluated, under many skies;
+/// [`LEAST_POINTS`] is the smallest number of points.
 const PATHS_OF_POINT: usize = 16;
 const LEAST_POINTS: usize = 256;
 
-/// A scene, ready to be asked.
+/// Reference path tracer of a scene.
 pub struct Judge<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) tracer: &'a Tracer,
     canopies: Option<&'a Canopies<'a>>,
-    /// Where there are some.
+    /// Mirrors; `None` if there are none.
     pub(super) mirrors: Option<&'a Mirrors>,
     pub(super) reflectors: Vec<Reflector>,
-    /// Whether light that was reflected by a matt surface is not reflected by another one.
+    /// True if light is reflected by at most one matt surface.
     once: bool,
-    /// Whether leaves scatter light.
+    /// True if leaves scatter light.
     leaves: bool,
 }
 
-/// A place on a surface, where rays start.
+/// Place on a surface, where rays start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
-    /// Relative to the scene origin, off the surface.
+    /// Position relative to the scene origin, off the surface.
     pub from: DVec3,
-    /// On the side that is looked at.
+    /// Normal on the side that is lit.
     pub normal: DVec3,
 }
 
-/// The end of a path.
+/// End of a path so far.
 struct Walker {
     batch: usize,
     from: DVec3,
@@ -68,11 +69,12 @@ struct Walker {
     random: Random,
 }
 
-/// W/m2 by sky and batch.
+/// Sums by sky and batch, W/m2.
 pub(super) type Sums = Vec<[Batch; BATCHES]>;
 
 impl<'a> Judge<'a> {
-    /// Of a scene, and what is to be left out of it as a build leaves it out.
+    /// Creates the path tracer of a scene. Effects in `left_out` are left out as a build leaves
+    /// them out.
     pub fn new(prepared: &'a PreparedScene<'a>, left_out: Effects) -> Self {
         let reflector = |material: &Material| match left_out.contains(Effect::Diffuse) {
             true => Reflector { diffuse: 0.0, ..Reflector::of(material) },
@@ -89,7 +91,8 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// What a receiver (input coordinates, unit normal) gets of each sky, by so many paths, the same for all skies.
+    /// Returns the irradiance of a receiver (input coordinates, unit normal) by each sky, by
+    /// `paths` paths that are the same for all skies.
     pub fn irradiance(
         &self,
         position: DVec3,
@@ -121,6 +124,7 @@ impl<'a> Judge<'a> {
             let through = self.left_behind(&passages, ways.len());
             looks.clear();
             let mut next = Vec::with_capacity(walkers.len());
+            // Before `through` applies: only the leaves in front of a leaf dim its light.
             for passage in passages.iter().filter(|_| self.leaves) {
                 next.extend(self.scatter(&mut walkers[passage.place as usize], passage, skies, &mut looks));
             }
@@ -137,8 +141,9 @@ impl<'a> Judge<'a> {
         judged(&sums, each)
     }
 
-    /// What a receiver (input coordinates, unit normal) gets of the sun of each sky, straight and by mirrors; other components are 0. A sixteenth as many
-    /// points of the disc as `paths`, but 256 at least, are the same for all skies.
+    /// Returns the irradiance of a receiver (input coordinates, unit normal) by the sun of each
+    /// sky, direct and by mirrors; other components are 0. The number of points of the disc is a
+    /// sixteenth of `paths`, but at least 256, and they are the same for all skies.
     pub fn sun(&self, position: DVec3, normal: DVec3, skies: &[&JudgedSky], paths: usize, seed: u64) -> Vec<Judged> {
         let each = paths.div_ceil(PATHS_OF_POINT).max(LEAST_POINTS).div_ceil(BATCHES);
         let mut sums: Sums = vec![[Batch::default(); BATCHES]; skies.len()];
@@ -157,8 +162,8 @@ impl<'a> Judge<'a> {
         Place { from: vector(self.mesh.grid().lifted(position, normal)), normal }
     }
 
-    /// The sky that is seen straight: rays that cost little and go through a cell each of the square that cosine-distributed directions come
-    /// from. Sums are those of `each` paths.
+    /// Adds the directly seen sky. Its rays cost little, and go through one cell each of the square
+    /// that cosine-weighted directions come from. Sums are scaled to `each` paths.
     fn add_open_sky(&self, here: Place, skies: &[&JudgedSky], each: usize, seed: u64, sums: &mut Sums) {
         let frame = Frame::of(here.normal);
         let side = (SKY_RAYS * each).isqrt().max(1);
@@ -180,7 +185,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Which of some rays meet nothing, and what canopies let through of them.
+    /// Returns the rays that hit nothing, with the share that canopies let through.
     pub(super) fn open(&self, rays: &[Ray]) -> Vec<(usize, f64)> {
         let met = self.tracer.occluded_many(rays);
         let open: Vec<usize> = met.into_iter().enumerate().filter(|(_, met)| !met).map(|(place, _)| place).collect();
@@ -188,7 +193,7 @@ impl<'a> Judge<'a> {
         open.into_iter().zip(through).collect()
     }
 
-    /// A path at a surface: asks for the sun, and goes on unless it ends there.
+    /// Handles a path at a surface: queries the sun, and goes on unless the path ends there.
     fn meet(&self, mut walker: Walker, hit: Hit, skies: &[&JudgedSky], looks: &mut Vec<SunLook>) -> Option<Walker> {
         let (place, orientation) = self.place(walker.from, walker.direction, hit);
         let material = self.mesh.triangle_material[hit.triangle as usize];
@@ -222,7 +227,8 @@ impl<'a> Judge<'a> {
         Some(walker)
     }
 
-    /// A path that is scattered by one of the leaves on its way, drawn by chance; the path itself goes on.
+    /// Returns a path that one of the leaves on the way scatters, drawn at random; the path itself
+    /// goes on.
     fn scatter(
         &self,
         walker: &mut Walker,
@@ -248,7 +254,7 @@ impl<'a> Judge<'a> {
             .map(|normal| Place { from: vector(self.mesh.grid().lifted(leaf.point, normal)), normal });
         let disc = random.many();
         for place in places {
-            // Half of the light on each side goes to the receiver's.
+            // Half of the scattered light leaves on each side.
             looks.extend(SunLook::at_all(place, walker.batch, carried.times(0.5), skies, disc, &mut random));
         }
         let Place { from, normal } = places[usize::from(side < 0.5)];
@@ -256,12 +262,13 @@ impl<'a> Judge<'a> {
         Some(Walker { batch: walker.batch, from, direction, carried, met: walker.met + 1, random })
     }
 
-    /// Where a ray meets a surface, and the orientation of the mirror if it is one.
+    /// Returns the place where a ray hits a surface, and the orientation of the mirror if it is
+    /// one.
     pub(super) fn place(&self, from: DVec3, direction: DVec3, hit: Hit) -> (Place, Option<MirrorPlane>) {
         let triangle = hit.triangle as usize;
         let outward = self.mesh.normal(triangle);
         let normal = if outward.dot(direction) > 0.0 { -outward } else { outward };
-        // Distances are single numbers: the place is put on the surface's plane.
+        // Distances have single precision, so the place is moved onto the plane of the surface.
         let way = direction * f64::from(hit.t);
         let [corner, ..] = self.mesh.triangle_points(triangle);
         let way = way - outward * (way - (corner - from)).dot(outward);
@@ -270,14 +277,14 @@ impl<'a> Judge<'a> {
         (Place { from, normal }, self.orientation(hit).map(|(_, orientation)| orientation))
     }
 
-    /// The orientation of the mirror that is met, and its number.
+    /// Returns the number and orientation of the mirror that was hit; `None` if it is no mirror.
     pub(super) fn orientation(&self, hit: Hit) -> Option<(u16, MirrorPlane)> {
         let mirrors = self.mirrors?;
         let number = mirrors.of_triangle(hit.triangle)?;
         Some((number, mirrors.orientations[usize::from(number)]))
     }
 
-    /// What canopies let through of rays that go so far, metres.
+    /// Returns the shares that canopies let through of rays with their lengths, metres.
     pub(super) fn through(&self, rays: impl ExactSizeIterator<Item = (Ray, f32)>) -> Vec<f64> {
         let count = rays.len();
         match self.canopies {
@@ -286,7 +293,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// What is left of the light of so many rays, some of which cross canopies.
+    /// Returns the remaining share of `rays` rays, some of which cross canopies.
     fn left_behind(&self, passages: &[Passage], rays: usize) -> Vec<f64> {
         let mut through = vec![1.0; rays];
         for crossing in self.canopies.iter().flat_map(|canopies| canopies.counted(passages)) {
@@ -295,31 +302,31 @@ impl<'a> Judge<'a> {
         through
     }
 
-    /// What so many crossings of a canopy leave.
+    /// Returns the share that `count` crossings of a canopy leave.
     fn left(&self, material: u16, count: u8) -> f64 {
         self.reflectors[usize::from(material)].transmittance.unwrap_or(1.0).powi(i32::from(count))
     }
 }
 
-/// Rays and how far they go, metres, as a numbered list.
+/// Numbers rays and their lengths, metres.
 fn numbered(rays: impl Iterator<Item = (Ray, f32)>) -> Vec<Path> {
     (0..).zip(rays).map(|(place, (ray, reach_m))| Path { place, ray, reach_m }).collect()
 }
 
-/// The first numbers of each path of a batch, and where its others come from.
+/// Returns the first numbers of each path of a batch, and the source of its other numbers.
 fn starts(seed: u64, batch: usize, paths: usize) -> impl Iterator<Item = (Random, [f64; EVEN])> {
-    // Twice: seeds and batches are small numbers, and a mix takes them as one.
+    // Mixed twice: seeds and batches are small numbers, and one mix would confuse their sums.
     let of_batch = mix(mix(seed, 0), batch as u64);
     let shift: [f64; EVEN] = Random::new(mix(of_batch, 0)).many();
     (0..paths).map(move |i| (Random::new(mix(of_batch, i as u64 + 1)), even(i, &shift)))
 }
 
-/// Means over so many paths of each batch, by sky.
+/// Returns the estimates by sky from sums over `each` paths of each batch.
 fn judged(sums: &Sums, each: usize) -> Vec<Judged> {
     sums.iter().map(|batches| Judged::of(&batches.map(|sums| sums.map(|sum| sum / each as f64)))).collect()
 }
 
-/// The sky at the end of a path; what is seen straight has rays of its own.
+/// Adds the sky at the end of a path. Directly seen sky has rays of its own.
 fn see(walker: &Walker, skies: &[&JudgedSky], sums: &mut Sums) {
     let Some(place) = SkyPlace::of(walker.direction).filter(|_| walker.met > 0) else { return };
     for (sky, sums) in skies.iter().zip(sums) {

@@ -1,4 +1,5 @@
-//! Chunks of one kind of cells on their way into an archive, and the index that finds them.
+//! Chunks of one kind of cells for an archive, and the index that finds them. In: sorted cells.
+//! Out: blocks.
 
 use crate::pack::{COMPRESSION, extra};
 use crate::writing::Writer;
@@ -10,7 +11,8 @@ use heliotile_core::layers::canopy::Canopy;
 use heliotile_core::layers::cells::{Cells, cells_per_chunk};
 use heliotile_core::site::cells::CellKey;
 
-/// The chunks written so far; all but the last one hold [`Chunks::size`] cells, but for those of previews.
+/// Chunks written so far. All but the last one hold [`Chunks::size`] cells; chunks of previews may
+/// hold fewer.
 pub struct Chunks {
     kind: CellKind,
     size: usize,
@@ -19,12 +21,13 @@ pub struct Chunks {
 }
 
 impl Chunks {
-    /// Chunks of cells that cast so many rays each, with skies of `side` x `side` texels.
+    /// Creates a writer for chunks of cells that cast `rays` rays each and have skies of `side` x
+    /// `side` texels.
     pub fn new(kind: CellKind, rays: usize, side: usize) -> Self {
         Chunks { kind, size: cells_per_chunk(rays, side * side), firsts: Vec::new(), count: 0 }
     }
 
-    /// Chunks of the cells of an archive with these settings.
+    /// Creates a writer for chunks of the cells of an archive with these settings.
     pub fn of(kind: CellKind, settings: &Settings) -> Self {
         let (rays, side) = match kind {
             CellKind::Probes => (settings.probe_hits, settings.probe),
@@ -37,22 +40,22 @@ impl Chunks {
         self.kind
     }
 
-    /// Cells of a chunk.
+    /// Returns the number of cells of a full chunk.
     pub fn size(&self) -> usize {
         self.size
     }
 
-    /// Cells to be given at a time: some chunks for every core.
+    /// Returns the number of cells to be given at a time: two chunks for every core.
     pub fn batch(&self) -> usize {
         self.size * rayon::current_num_threads() * 2
     }
 
-    /// Number of the next chunk.
+    /// Returns the number of the next chunk.
     pub fn next(&self) -> TileNumber {
         TileNumber(self.firsts.len() as u32)
     }
 
-    /// The blocks of a chunk.
+    /// Encodes the blocks of a chunk.
     pub fn encode(&self, number: TileNumber, chunk: &Cells) -> Result<Vec<EncodedBlock>> {
         let mut blocks = vec![tables::CellsTable::new(chunk).encode(self.kind.chunks(), number, COMPRESSION)?];
         let [mirror, canopy] = self.kind.extras();
@@ -62,7 +65,7 @@ impl Chunks {
         Ok(blocks)
     }
 
-    /// Writes the next chunk; without blocks if the file holds it already.
+    /// Writes the next chunk. `blocks` is empty if the file already holds the chunk.
     pub fn add(&mut self, chunk: &Cells, blocks: Vec<EncodedBlock>, writer: &mut Writer) -> Result<()> {
         blocks.into_iter().try_for_each(|block| writer.append(block))?;
         self.firsts.extend(chunk.keys.first());
@@ -70,7 +73,7 @@ impl Chunks {
         Ok(())
     }
 
-    /// Writes the next chunk, of which there are blocks under any number.
+    /// Writes the next chunk from encoded blocks, whatever their number was.
     pub fn add_numbered(
         &mut self,
         first: CellKey,

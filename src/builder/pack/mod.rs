@@ -1,5 +1,6 @@
-//! From tables and textures to blocks, cut and compressed in one way. In: receivers of a tile, sorted cells. Out: the blocks of
-//! an archive. The build packs what it traced and the transfer commands what they read, so equal contents give equal bytes.
+//! Packing of tables and textures into compressed blocks. In: receivers of a tile, sorted cells.
+//! Out: the blocks of an archive. Builds and transfer commands use the same code, so equal contents
+//! give equal bytes.
 
 mod chunks;
 mod name_index;
@@ -12,5 +13,5 @@ pub use overview::{OverviewRow, overview};
 use tile::extra;
 pub(crate) use tile::{hits, responses, tile};
 
-/// Level of the block compressor: textures are written once and read for years.
+/// Level of the block compressor, high because textures are written once and read for years.
 pub const COMPRESSION: i32 = heliotile_core::archive::codec::pack::DEFAULT_LEVEL;

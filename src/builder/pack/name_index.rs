@@ -1,4 +1,5 @@
-//! Where receivers stand, for those who look for some of them. In: receivers, tile by tile. Out: blocks of tiles' boxes and of names.
+//! Name index and boxes of tiles, to find receivers by name or place. In: receivers, tile by tile.
+//! Out: blocks of tiles' boxes and of names.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -13,22 +14,23 @@ use heliotile_core::archive::{EncodedBlock, format};
 use heliotile_core::error::Result;
 use heliotile_core::site::receiver::Receiver;
 
-/// Names and boxes of tiles, until all tiles are there.
+/// Names and boxes of tiles, collected until all tiles are added.
 pub(crate) struct NameIndexWriter {
     boxes: Vec<[DVec3; 2]>,
-    /// Names by (what they are of, name); tiles ascend.
+    /// Numbers of tiles by kind of name ([`NameOf`]) and name; tiles ascend.
     names: Sorter,
-    /// Where names lie that do not fit.
+    /// Folder of the temporary files for names that do not fit in memory.
     folder: PathBuf,
 }
 
 impl NameIndexWriter {
-    /// Of no tiles yet; names that do not fit a budget go to files in a folder.
+    /// Creates an index without tiles. Names that exceed `budget_bytes` go to temporary files in
+    /// `folder`.
     pub(crate) fn new(folder: &Path, budget_bytes: usize) -> Self {
         NameIndexWriter { boxes: Vec::new(), names: Sorter::new(folder, budget_bytes), folder: folder.to_path_buf() }
     }
 
-    /// The receivers of the next tile.
+    /// Adds the names and the box of the receivers of the next tile.
     pub(crate) fn add<'r>(&mut self, receivers: impl Iterator<Item = &'r Receiver> + Clone) -> Result<()> {
         let tile = (self.boxes.len() as u32).to_le_bytes();
         self.boxes.extend(ExtentsTable::around(receivers.clone().map(|receiver| receiver.position)));
@@ -40,13 +42,15 @@ impl NameIndexWriter {
         Ok(())
     }
 
-    /// The blocks of all tiles, in the order in which they are written.
+    /// Passes the blocks of all tiles to `append`, in the order in which they are written.
     pub(crate) fn finish(self, mut append: impl FnMut(EncodedBlock) -> Result<()>) -> Result<()> {
         for (chunk, boxes) in (0..).zip(self.boxes.chunks(TILES_A_CHUNK)) {
             append(ExtentsTable::new(boxes).encode(format::EXTENTS, TileNumber(chunk), COMPRESSION)?)?;
         }
         let pulled = |(key, tile): (Vec<u8>, Vec<u8>)| row(&key, &tile).ok_or_else(|| damaged(&self.folder));
         let mut names = self.names.finish()?.map(|record| record.and_then(pulled));
+        // The first chunk lists the first name of every other one, so a reader finds a name with
+        // two blocks.
         let mut firsts: Vec<NameRow> = Vec::new();
         for chunk in 1.. {
             let rows: Vec<NameRow> = names.by_ref().take(NAMES_A_CHUNK).collect::<Result<_>>()?;
@@ -61,7 +65,7 @@ impl NameIndexWriter {
     }
 }
 
-/// The row that [`NameIndexWriter::add`] pushed; `None` for bytes that it never pushes.
+/// Decodes a row that [`NameIndexWriter::add`] pushed; `None` for bytes that it never pushes.
 fn row(key: &[u8], tile: &[u8]) -> Option<NameRow> {
     let (of, name) = key.split_first()?;
     Some(NameRow {
@@ -117,9 +121,11 @@ mod tests {
         }
     }
 
-    /// Of 5,000 tiles of two receivers each, sorted with 20 kB of memory: the terrain's rows fill three chunks and lie in all tiles, an id in
-    /// one, a wall in three, an object in a hundred, names before, between and behind all others in none; a box over a seam of chunks meets
-    /// the 7 tiles that it covers, and the whole takes 13 chunks of names and the one that tells of them, and 2 of boxes.
+    /// 5,000 tiles of two receivers each are indexed with 20 kB of memory. The terrain's rows fill
+    /// three chunks and lie in all tiles, an id lies in one tile, a wall in three, an object in a
+    /// hundred; names before, between and behind all others lie in none. A box across a seam of
+    /// chunks meets the 7 tiles that it covers. The index takes 13 chunks of names and one that
+    /// lists them, and 2 chunks of boxes.
     #[test]
     fn names_and_boxes_lead_to_tiles() {
         let mut writer = NameIndexWriter::new(&std::env::temp_dir(), 20_000);

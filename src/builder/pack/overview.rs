@@ -1,4 +1,5 @@
-//! What an archive shows of a tile's receivers. In: receivers with their patches, sky views, sums. Out: a block.
+//! Overview block of a tile's receivers. In: receivers with their patches, sky views and yearly
+//! sums. Out: a block.
 
 use glam::DVec3;
 
@@ -9,17 +10,17 @@ use heliotile_core::archive::{EncodedBlock, format};
 use heliotile_core::error::Result;
 use heliotile_core::site::receiver::Receiver;
 
-/// A receiver as it is looked at; its patch is in [`Receiver::patch`].
+/// Row of the overview of a tile. The patch is in [`Receiver::patch`].
 pub struct OverviewRow<'a> {
-    /// Its place, normal, area and patch.
+    /// Receiver, of which position, normal, area and patch are stored.
     pub receiver: &'a Receiver,
-    /// Cosine-weighted share of its hemisphere that sees sky.
+    /// Sky view: cosine-weighted share of the hemisphere that sees sky.
     pub sky_view: f32,
-    /// kWh/m2, if the place is known.
+    /// Irradiation of a clear year, kWh/m2; `None` if the place is unknown.
     pub clear_year: Option<f32>,
 }
 
-/// The overview of a tile, places relative to an origin.
+/// Encodes the overview of a tile, with positions relative to `origin`.
 pub fn overview<'a>(
     tile: TileNumber,
     origin: DVec3,
@@ -32,7 +33,7 @@ pub fn overview<'a>(
         table.area.push(receiver.area.unwrap_or_default() as f32);
         table.sky_view.push((sky_view * 255.0).round() as u8);
         table.clear_year.extend(clear_year);
-        // Patches have at most 255 polygons of at most 255 corners.
+        // A patch has at most 255 polygons of at most 255 corners.
         let polygons = receiver.patch.polygons();
         table.polygons.push(polygons.len() as u8);
         for polygon in polygons {

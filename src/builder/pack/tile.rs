@@ -1,4 +1,4 @@
-//! The blocks of one tile of receivers.
+//! Blocks of one tile of receivers. In: tables and layers of a tile. Out: encoded blocks.
 
 use crate::pack::COMPRESSION;
 use heliotile_core::archive::format::{BlockKind, TileNumber};
@@ -11,7 +11,7 @@ use heliotile_core::layers::response;
 use heliotile_core::layers::response::Response;
 use heliotile_core::layers::sky::SkyTexture;
 
-/// What is known of a tile before its cells are, in the order of writing.
+/// Encodes the blocks of a tile that are known before its cells, in the order of writing.
 pub fn tile(
     number: TileNumber,
     receivers: &tables::ReceiversTable,
@@ -32,18 +32,18 @@ pub fn tile(
     Ok(blocks)
 }
 
-/// The hits of a tile.
+/// Encodes the hits of a tile.
 pub fn hits(number: TileNumber, receivers: usize, hits: &HitTile) -> Result<EncodedBlock> {
     layer(format::HIT, number, receivers, &hits.pack())
 }
 
-/// The block of a layer that only some scenes call for, if anything is in it.
+/// Encodes a layer that only some scenes need, or returns `None` if all its rows are empty.
 pub fn extra(kind: BlockKind, number: TileNumber, rows: Vec<Vec<u8>>) -> Result<Option<EncodedBlock>> {
     let raw = extras::pack(rows.iter().map(Vec::as_slice));
     raw.map(|raw| layer(kind, number, rows.len(), &raw)).transpose()
 }
 
-/// The responses of a tile.
+/// Encodes the responses of a tile.
 pub fn responses(number: TileNumber, responses: &[Response]) -> Result<EncodedBlock> {
     let raw = response::pack(responses).ok_or_else(|| Error::Unsupported {
         what: "writing responses".into(),

@@ -1,5 +1,6 @@
-//! An archive of the scene before it was changed (`build --from`). In: that archive, the scene as it is now. Out: layers of receivers and cells
-//! that the change leaves as they were, to the bit: they depend on rays that meet none of the triangles that came or went.
+//! Reuse of an archive of the scene before it was changed (`build --from`). In: that archive, the
+//! scene as it is now. Out: layers of receivers and cells that the change leaves as they were, to
+//! the bit, because they depend only on rays that meet no added or removed triangle.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -33,42 +34,43 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
 use heliotile_scene::change::SceneChange;
 
-/// A mean of unit normals that is at least so long is one of a plane.
+/// Length of a mean of unit normals from which on the surface counts as plane.
 pub(super) const PLANE: f64 = 1.0 - 1e-6;
 
-/// Cells a triangle from which it pays to find out to which backs light may come since. With fewer, asking costs more than tracing the doubtful cells
+/// Number of cells per triangle from which on it pays to find out which backs of triangles may have
+/// become lit or dark. With fewer cells, the search costs more than tracing the doubtful cells
 /// again. Chosen by timing both on a tile of The Hague.
 const CELLS_A_TRIANGLE: u64 = 3;
 
-/// An archive, and what came or went since.
+/// Archive of the scene before, and the change since.
 pub(super) struct Before<'a> {
     pub file: &'a Archive,
     pub archive: Earlier<'a>,
     pub change: Change,
-    /// Whether materials have the numbers that they had.
+    /// True if materials have the same numbers as in the archive.
     pub same_numbers: bool,
-    /// Whether materials that are left are of the class that they were of.
+    /// True if all materials that remain have the same class.
     pub same_classes: bool,
-    /// Whether materials that are left reflect and transmit what they did.
+    /// True if all materials that remain reflect and transmit the same shares.
     pub same_light: bool,
-    /// Whether canopies came or went.
+    /// True if canopies were added or removed.
     pub of_canopies: bool,
-    /// What need not be derived again, if the archive is to be a preview.
+    /// Layers that a preview keeps; `None` if the archive is to be complete.
     pub preview: Option<Keeping>,
-    /// With triangles to whose backs light may come since, or no longer: what doubtful cells depend on. `None` where that would cost more to
-    /// find out than to trace them.
+    /// Change together with the triangles whose backs may have become lit or dark, which doubtful
+    /// cells depend on. `None` if finding these would cost more than tracing the doubtful cells.
     in_doubt: Option<Change>,
-    /// `[material now]`: its number then.
+    /// `[material now]`: its number in the archive.
     number_then: Vec<Option<u16>>,
-    /// `[material then]`: its number now.
+    /// `[material in the archive]`: its number now.
     number_now: Vec<Option<u16>>,
     pub receivers: AtomicU64,
     pub cells: [AtomicU64; 2],
 }
 
 impl<'a> Before<'a> {
-    /// Compares an archive with a scene. `None`, and the observer is told why, if nothing of it can be used. An error: an archive that is damaged,
-    /// or that does not hold its scene.
+    /// Compares an archive with a scene. Warns and returns `None` if nothing of the archive can be
+    /// used. Fails if the archive is damaged or does not hold its scene.
     pub fn open(
         archive: &'a Archive,
         ready: &PreparedScene,
@@ -112,7 +114,7 @@ impl<'a> Before<'a> {
         let mut change = Change::of(&found, scene);
         let archive_cells = archive.manifest().counts.probes + archive.manifest().counts.bounce_cells;
         let pays = CELLS_A_TRIANGLE * scene.mesh.triangles.len() as u64 <= archive_cells;
-        // Neither where nothing changed nor where light may go by mirrors is it asked for.
+        // The search is skipped if nothing changed, and if light may go by way of mirrors.
         let in_doubt = (pays && !found.is_empty() && !ready.reflects(settings)).then(|| {
             let all = 0..scene.mesh.triangles.len() as u32;
             let since = |&triangle: &u32| may_be_lit_since(&change, triangle, &scene.mesh, &ready.tracer);
@@ -120,7 +122,7 @@ impl<'a> Before<'a> {
             Change::with(&found, &doubted, scene)
         });
         if ready.reflects(settings) {
-            // What lies behind a mirror may have changed, wherever that is.
+            // A change may show behind any mirror, wherever the change is.
             let mirrors = ready.mirrors.triangles().map(|triangle| scene.mesh.triangle_points(triangle as usize));
             change = change.near_to(mirrors);
         }
@@ -149,26 +151,29 @@ impl<'a> Before<'a> {
         }))
     }
 
-    /// Layers that receivers of a tile had, in their order; `None` for those that were not there.
+    /// Returns the layers that the archive holds for the receivers of a tile, in their order;
+    /// `None` for other receivers.
     pub fn receivers(&self, tile: &[Receiver]) -> Vec<Option<KnownReceiver>> {
         let mut found: Vec<Option<KnownReceiver>> = tile.iter().map(|_| None).collect();
         self.archive.fill(tile, &mut found);
         found
     }
 
-    /// What was kept so far.
+    /// Returns the numbers of receivers and cells kept so far.
     pub fn kept(&self) -> Kept {
         let [probes, bounce_cells] = self.cells.each_ref().map(|count| count.load(Ordering::Relaxed));
         Kept { receivers: self.receivers.load(Ordering::Relaxed), probes, bounce_cells }
     }
 
-    /// A cell with the number that its material has now; `None` if there is none of its name.
+    /// Returns a cell's key with the number that its material has now; `None` if the material is
+    /// gone.
     pub fn now(&self, key: CellKey) -> Option<CellKey> {
         let material = self.number_now.get(usize::from(key.material)).copied().flatten()?;
         Some(CellKey { material, ..key })
     }
 
-    /// The cells of some keys that the archive holds, with today's numbers of materials.
+    /// Returns the cells of some keys that the archive holds, with the present numbers of
+    /// materials.
     fn cells(&self, kind: CellKind, keys: &[CellKey]) -> Vec<Cell> {
         let Some(source) = self.archive.source(kind) else { return Vec::new() };
         let then = |key: &CellKey| {
@@ -176,11 +181,12 @@ impl<'a> Before<'a> {
             Some(CellKey { material, ..*key })
         };
         let keys: Vec<CellKey> = keys.iter().filter_map(then).collect();
-        // Numbers of materials rise as they did, so keys do.
+        // Materials are in the same order as before, so keys stay sorted.
         whole_cells(source, &keys).into_iter().filter_map(|cell| self.renumbered(cell)).collect()
     }
 
-    /// A cell with the numbers that materials have now; `None` if one of them is gone.
+    /// Returns a cell with the present numbers of materials; `None` if one of its materials is
+    /// gone.
     pub fn renumbered(&self, cell: Cell) -> Option<Cell> {
         let seen = |(up, key): &(bool, Option<CellKey>)| match key {
             Some(key) => self.now(*key).map(|key| (*up, Some(key))),
@@ -195,13 +201,13 @@ impl<'a> Before<'a> {
         })
     }
 
-    /// Where the change lies as seen from a receiver.
+    /// Returns the directions of the change as seen from a receiver.
     pub fn seen(&self, view: &Viewpoint, at: &SiteTracer) -> ChangeInView {
         let origin = DVec3::from(view.origin(at.tracer).map(f64::from));
         self.change.seen_from(origin, 0.0).before(view.normal)
     }
 
-    /// The sky of a receiver: rays are cast only where the change may show.
+    /// Traces the sky of a receiver, with rays only where the change may show.
     pub fn sky(
         &self,
         view: &Viewpoint,
@@ -219,12 +225,12 @@ impl<'a> Before<'a> {
         view.sky_after(fans, at.tracer, Some(known))
     }
 
-    /// Whether a hit ray of a receiver meets another thing first than before.
+    /// Returns true if a hit ray of a receiver hits something else than before.
     pub fn alters_hits(&self, view: &Viewpoint, seen: &ChangeInView, at: &SiteTracer) -> bool {
         self.change.alters(&towards(seen, view.hit_rays(at.settings.hit, at.tracer)), at.tracer)
     }
 
-    /// The hits of a receiver, if none of its rays meets what changed.
+    /// Returns the known hits of a receiver if none of its rays meets the change.
     pub fn hits(
         &self,
         view: &Viewpoint,
@@ -232,7 +238,8 @@ impl<'a> Before<'a> {
         seen: &ChangeInView,
         at: &SiteTracer,
     ) -> Option<HitTrace> {
-        // Mirrors and canopies ask for more of a hit than is stored, and an archive without reflections stores none.
+        // Mirrors and canopies need more of a hit than is stored, and an archive without
+        // reflections stores no hits.
         let stored = at.traces(Effect::Diffuse) && at.reflections.is_none() && at.canopies.is_none();
         if !stored || self.alters_hits(view, seen, at) {
             return None;
@@ -248,15 +255,16 @@ impl<'a> Before<'a> {
     }
 }
 
-/// Drops the rays that do not go towards what changed.
+/// Keeps only the rays that go towards the change.
 fn towards(seen: &ChangeInView, mut rays: Vec<Ray>) -> Vec<Ray> {
     rays.retain(|ray| seen.lies_towards(DVec3::from(ray.direction.map(f64::from))));
     rays
 }
 
 impl SiteTracer<'_> {
-    /// The cells of some keys, sorted by key, that need not be traced: an archive of the same scene holds them, or the change does not alter
-    /// them. `rays`: how many each casts to what it sees.
+    /// Returns the cells of some keys, sorted by key, that need not be traced: an archive of the
+    /// same scene holds them, or the change does not alter them. `rays` is the number of rays that
+    /// each casts to its surroundings.
     pub(super) fn known_cells(&self, kind: CellKind, keys: &[CellKey], texture: &Directions, rays: usize) -> Vec<Cell> {
         let mut found = self.known.cells(kind, keys);
         let Some(before) = &self.before else { return found };
@@ -270,8 +278,8 @@ impl SiteTracer<'_> {
         found
     }
 
-    /// Whether a cell of the scene before is one of the scene as it is now: none of the rays that it depends on meets what changed, or goes
-    /// by a mirror.
+    /// Returns true if a cell of the scene before is valid in the scene as it is now: no ray that
+    /// it depends on meets the change or goes by way of a mirror.
     pub(super) fn stands(&self, cell: &Cell, before: &Before, texture: &Directions, rays: usize) -> bool {
         let (key, change) = (cell.key, &before.change);
         if change.is_nothing() {
@@ -291,6 +299,7 @@ impl SiteTracer<'_> {
         if seen.is_nothing() || self.reflections.is_none() && !may_see(key, normal, texture, &seen) {
             return true;
         }
+        // Rays are cast only if the cheap tests above do not decide.
         let probe = known_probe(key, cell.bits.clone(), texture, self.surfaces());
         let looks: Vec<Ray> = looks_around(key, &probe, texture, rays).into_iter().map(|look| look.0).collect();
         let all = sky_rays(key, &probe, texture).chain(looks.iter().copied()).collect();
@@ -303,12 +312,14 @@ impl SiteTracer<'_> {
         !reflections.towards_mirrors(&towards(&seen, by_mirrors)).contains(&true)
     }
 
-    /// As [`SiteTracer::stands`], for a cell of which some points may be hidden: it is not known which, so any may have cast any of its rays.
-    /// Also no ray may meet first what the light may have come to since.
+    /// Does the work of [`SiteTracer::stands`] for a cell with points that may be hidden. Which
+    /// points are is not known, so any may have cast any ray of the cell. Also, no ray may hit a
+    /// triangle whose back may have become lit or dark.
     fn doubtful_stands(&self, cell: &Cell, before: &Before, texture: &Directions, rays: usize) -> bool {
         let (key, normal) = (cell.key, DVec3::from(cell.normal.map(f64::from)));
         let Some(change) = &before.in_doubt else { return false };
-        // Of backs of triangles it is fronts that are in doubt.
+        // For cells on backs of triangles, lit fronts would be in doubt, and these are not searched
+        // for.
         if key.is_back() || change.touches(key, texture.nearby()) {
             return false;
         }

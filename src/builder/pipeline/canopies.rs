@@ -1,5 +1,5 @@
-//! The canopy layers of a build: what rays of receivers and cells cross on their way, and the leaves that they see. Nothing where a scene has no
-//! canopies.
+//! Canopy layers of a build. In: rays of receivers and cells. Out: the leaves and screens that they
+//! cross, and the cells of leaves that they see; nothing if the scene has no canopies.
 
 use super::site_tracer::SiteTracer;
 use crate::settings::Effect;
@@ -11,20 +11,22 @@ use heliotile_core::layers::canopy::{Canopy, SeenLeaf, sky_side};
 use heliotile_core::site::cells::{CellKey, level_of};
 
 impl SiteTracer<'_> {
-    /// Whether leaves scatter light that is traced.
+    /// Returns true if leaves scatter light that is traced.
     pub(super) fn leaves_scatter(&self) -> bool {
         self.traces(Effect::Leaves)
             && self.traces(Effect::Diffuse)
             && self.canopies.is_some_and(|canopies| canopies.scatter())
     }
 
-    /// How cells see leaves: those that see no surfaces see no leaves that scatter light, either.
+    /// Returns the view of cells on leaves. Cells that see no surfaces see no scattering leaves,
+    /// either.
     pub(super) fn leaf_view(&self, sees_surfaces: bool) -> Option<LeafView<'_>> {
         let closed_level = (sees_surfaces && self.leaves_scatter()).then(|| level_of(self.settings.closed_m));
         self.canopies.map(|canopies| LeafView { canopies, closed_level })
     }
 
-    /// What the rays of a receiver with these sky bits and hits cross, and the rays cast. `lit`: whether light comes to it.
+    /// Returns the crossings of the rays of a receiver with these sky bits and hits, and the number
+    /// of rays cast. `lit` is true if light reaches the receiver.
     pub(super) fn canopy_of_receiver(
         &self,
         view: &Viewpoint,
@@ -35,7 +37,7 @@ impl SiteTracer<'_> {
         let Some(canopies) = self.canopies else { return (Canopy::default(), 0) };
         let side = sky_side(self.settings.sky_base, self.settings.sky_fine);
         let block = sky.side() / side;
-        // Where no sky is seen no leaf can dim it.
+        // A leaf cannot dim sky that is not seen.
         let open = |&(column, row): &(usize, usize)| block > 64 || sky.count_block(block, column, row) > 0;
         let texels = texels_in_blocks(side).filter(open).map(|(column, row)| row * side + column);
         let sky = view.sky_paths(side, texels, self.tracer);
@@ -49,7 +51,8 @@ impl SiteTracer<'_> {
         (Canopy::new(crossings, rays, leaves), cast)
     }
 
-    /// The cells of leaves that a receiver with these hits sees; none where leaves scatter nothing.
+    /// Returns the cells of leaves that a receiver with these hits sees; none if leaves scatter
+    /// nothing.
     pub(super) fn leaf_cells(&self, view: &Viewpoint, hits: &HitTrace) -> Vec<CellKey> {
         let Some(canopies) = self.canopies.filter(|_| self.leaves_scatter()) else { return Vec::new() };
         let paths = view.hit_paths(self.settings.hit, &hits.distances_m, true, self.tracer);
@@ -57,7 +60,7 @@ impl SiteTracer<'_> {
         leaves.into_iter().map(|leaf| leaf.cell).collect()
     }
 
-    /// The leaves on the way of a receiver's hit rays.
+    /// Returns the leaves on the way of a receiver's hit rays.
     fn leaves_of_receiver(&self, view: &Viewpoint, canopies: &Canopies, passages: &[Passage]) -> Vec<SeenLeaf> {
         let n = self.settings.hit;
         let (texel_sr, direction) = (HEMISPHERE_SR / (n * n) as f64, view.hit_directions(n));
@@ -73,7 +76,8 @@ impl SiteTracer<'_> {
     }
 }
 
-/// What the rays of a cell cross, with so many texels a side and rays to what it sees.
+/// Packs the crossings of the rays of a cell, with `side` sky texels a side and `rays` rays to its
+/// surroundings.
 pub(super) fn canopy_of_cell(crossings: CellCrossings, side: usize, rays: usize) -> Canopy {
     Canopy::new([&crossings.sky, &crossings.seen], [side * side, rays], crossings.leaves)
 }

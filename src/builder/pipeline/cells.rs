@@ -1,5 +1,5 @@
-//! The cells of a build: fine probes and coarse bounce cells, traced a batch at a time, sorted, packed, compressed and written.
-//! Nothing but their keys stays in memory.
+//! Cells of a build, fine probes and coarse bounce cells. In: keys. Out: cells, traced a batch at a
+//! time, sorted, packed, compressed and written. Only their keys stay in memory.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -26,13 +26,14 @@ use heliotile_core::observer::Stage;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::site::cells::{CellKey, CellSet, level_of};
 
-/// Bounce cells traced at a time.
+/// Number of bounce cells traced at a time.
 const WAVE: usize = 8192;
 
-/// Cells whose rays to what is around them are cast together. One cell has 8 or 16 of them in all directions, too few to fill packets of 16.
+/// Number of cells whose rays to their surroundings are cast together. One cell has 8 or 16 of them
+/// in all directions, too few to fill packets of 16.
 const TOGETHER: usize = 32;
 
-/// RayCounts cast for cells: those that any scene needs, and those by way of mirrors.
+/// Numbers of rays cast for cells: those that any scene needs, and those by way of mirrors.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Cast {
     pub plain: u64,
@@ -45,7 +46,7 @@ impl Cast {
     }
 }
 
-/// Cells that have been written, and what the next stage needs of them.
+/// Number of cells written, and the cells that they see, for the next stage.
 #[derive(Default)]
 pub(super) struct Written {
     pub count: u64,
@@ -86,13 +87,13 @@ impl SiteTracer<'_> {
         Ok(Written { count, seen })
     }
 
-    /// Rays that each cell of a kind casts to what it sees besides the sky.
+    /// Returns the number of rays that each cell of a kind casts to its surroundings.
     pub(super) fn looks(&self, kind: CellKind) -> usize {
         let traced = kind == CellKind::Bounces || self.traces(Effect::Bounces);
         if traced { self.hits(kind) } else { 0 }
     }
 
-    /// What a cell of a kind stores of what it sees besides the sky.
+    /// Returns the number of hits on its surroundings that a cell of a kind stores.
     fn hits(&self, kind: CellKind) -> usize {
         match kind {
             CellKind::Probes => self.settings.probe_hits,
@@ -100,12 +101,12 @@ impl SiteTracer<'_> {
         }
     }
 
-    /// Chunks of cells of a kind, none of them written.
+    /// Returns a writer for chunks of cells of a kind, none of them written.
     pub(super) fn chunks(&self, kind: CellKind) -> Chunks {
         Chunks::new(kind, self.hits(kind), self.side(kind))
     }
 
-    /// Side of the sky textures of cells of a kind.
+    /// Returns the side of the sky textures of cells of a kind.
     fn side(&self, kind: CellKind) -> usize {
         match kind {
             CellKind::Probes => self.settings.probe,
@@ -113,7 +114,7 @@ impl SiteTracer<'_> {
         }
     }
 
-    /// The directions in which cells of a kind look for the sky.
+    /// Returns the directions of the sky rays of cells of a kind.
     pub(super) fn directions(&self, kind: CellKind) -> Directions {
         let weighting = match kind {
             CellKind::Probes => PointWeights::Open,
@@ -122,7 +123,8 @@ impl SiteTracer<'_> {
         Directions::new(self.side(kind), weighting)
     }
 
-    /// Cells of a kind in the order of their keys, and the rays that were cast for each.
+    /// Traces cells of a kind in the order of their keys, and returns each with the numbers of rays
+    /// cast.
     pub(super) fn trace_cells(&self, kind: CellKind, keys: &[CellKey], texture: &Directions) -> Vec<(Cell, Cast)> {
         let settings = SurroundingSettings { closed_level: level_of(self.settings.closed_m), rays: self.hits(kind) };
         let (surfaces, reflections) = (self.surfaces(), self.reflections.as_ref());
@@ -136,12 +138,14 @@ impl SiteTracer<'_> {
             let cell = |((&key, probe), seen)| self.cell(key, probe, seen, texture);
             keys.iter().zip(probes).zip(seen).map(cell).collect::<Vec<_>>()
         };
-        // A few cells, as those of late waves, keep all threads busy in smaller parts.
+        // A few cells, such as those of late waves, are split into smaller parts to keep all
+        // threads busy.
         let together = keys.len().div_ceil(rayon::current_num_threads()).clamp(1, TOGETHER);
         keys.par_chunks(together).flat_map_iter(trace).collect()
     }
 
-    /// A traced cell, and the rays that were cast for it: for the cell itself, and for what it sees in mirrors.
+    /// Packs a traced cell, and counts the rays cast for it: for the cell itself, and for its views
+    /// in mirrors.
     pub(super) fn cell(
         &self,
         key: CellKey,
@@ -160,11 +164,12 @@ impl SiteTracer<'_> {
         (Cell { key, normal, bits: probe.bits, seen: pairs(seen.seen), mirrors, canopy, doubtful }, cast)
     }
 
-    /// Traces and writes all bounce cells that can be reached from some: the closed system.
+    /// Traces and writes all bounce cells that can be reached from `start`: the closed system.
     pub fn write_bounces(&self, start: CellSet, writer: &mut Writer, rays: &mut RayCounts) -> Result<u64> {
         if self.keeping().is_some() {
             return self.update_bounces(start, writer, rays);
         }
+        // The index is written after all chunks, so a resumed build holds all cells if it is there.
         if writer.has(format::INDEX, CellKind::Bounces.index()) {
             let index = tables::IndexTable::from_block(&writer.block(format::INDEX, CellKind::Bounces.index())?)?;
             let items = |chunk: u32| Ok(u64::from(writer.block(format::BOUNCE, TileNumber(chunk))?.items()));
@@ -187,10 +192,10 @@ impl SiteTracer<'_> {
     }
 }
 
-/// Bounce cells on their way to their chunks.
+/// Bounce cells that are traced but not yet in chunks.
 pub(super) struct BounceCells {
     sorter: Sorter,
-    /// Cells that are to be traced, before those that they see.
+    /// Cells that are to be traced next, before the cells that they see.
     pub wave: Vec<CellKey>,
 }
 
@@ -199,7 +204,7 @@ impl BounceCells {
         BounceCells { sorter: Sorter::new(&at.folder, at.memory.length(Use::BounceCells)), wave }
     }
 
-    /// Adds a traced cell, and those that it sees and that were not `met` to the wave.
+    /// Adds a traced cell, and adds the cells that it sees to the wave unless they are in `met`.
     pub fn add(&mut self, cell: &Cell, met: &mut CellSet) -> Result<()> {
         self.wave.extend(cell.reached().filter(|key| met.insert(*key)));
         self.push(cell)
@@ -210,7 +215,7 @@ impl BounceCells {
         self.sorter.push(&cell.key.to_bytes(), &cell.to_bytes())
     }
 
-    /// All of them by key.
+    /// Returns all cells by key.
     pub fn sorted(self, at: &SiteTracer) -> Result<impl Iterator<Item = Result<Cell>> + use<>> {
         let (texels, folder) = (at.settings.bounce_sky * at.settings.bounce_sky, at.folder.clone());
         let cell = move |record: Result<(Vec<u8>, Vec<u8>)>| {
@@ -222,7 +227,8 @@ impl BounceCells {
 }
 
 impl SiteTracer<'_> {
-    /// Traces all cells of a wave and, wave by wave, those that they see and that were not met.
+    /// Traces all cells of a wave and, wave by wave, the cells that they see and that are not in
+    /// `met`.
     pub(super) fn close(
         &self,
         found: &mut BounceCells,
@@ -248,7 +254,7 @@ impl SiteTracer<'_> {
         Ok(())
     }
 
-    /// Known cells and, traced, the missing ones; sorted by key. Returns the rays cast too.
+    /// Traces the cells that are not known. Returns all cells, sorted by key, and the rays cast.
     fn trace_missing(
         &self,
         kind: CellKind,
@@ -268,8 +274,9 @@ impl SiteTracer<'_> {
         (known, cast)
     }
 
-    /// Writes the chunks of some keys: sorted, a batch at a time but for the last ones. A chunk that the file holds already is
-    /// read instead of traced. Returns the rays cast.
+    /// Writes the chunks of some keys, which are sorted and come a batch at a time; only the last
+    /// batch may be smaller. A chunk that the file already holds is read instead of traced. Returns
+    /// the rays cast.
     fn write_chunks<'c>(
         &self,
         chunks: &mut Chunks,
@@ -295,6 +302,7 @@ impl SiteTracer<'_> {
             })
             .collect();
         let mut rays = Cast::default();
+        // Chunks are appended in order, so that the bytes do not depend on threads.
         for part in done {
             let (chunk, blocks, cast) = part?;
             chunks.add(&chunk, blocks, writer)?;

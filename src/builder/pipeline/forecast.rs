@@ -1,11 +1,13 @@
-//! What a build would trace, before it does. In: a sample of the receivers. Out: for every effect whether the scene calls for it, what
-//! it would cost, and what leaving it out could cost.
+//! Forecast of a build. In: a sample of the receivers. Out: for every effect the reason why it is
+//! traced or not, its cost, and an upper bound of the light that is lost without it.
 //!
-//! Bounds hold under 1,000 W/m2 of sun from any direction and 100 W/m2 of a uniform sky, so no surface gets more than E = 1,100
-//! W/m2 at first. A receiver that sees the share v_m of its hemisphere filled with material m gets at most sum v_m rho_m E / (1 - rho)
-//! from all reflections, rho the largest reflectance of the scene, and of that at most the share g rho' by way of two or more: g is the
-//! cosine-weighted share of a seen cell's hemisphere that other surfaces fill, weighted by their reflectance. Both follow from the rendering
-//! equation, whose operator has a norm of at most rho.
+//! Bounds hold under 1,000 W/m2 of sun from any direction and 100 W/m2 of a uniform sky, so the
+//! first irradiance of a surface is at most E = 1,100 W/m2. A receiver that sees the share v_m of
+//! its hemisphere filled with material m gets at most sum v_m rho_m E / (1 - rho) from all
+//! reflections, where rho is the largest reflectance of the scene. At most the share g rho' of that
+//! comes by two or more reflections, where g is the cosine-weighted share of a seen cell's
+//! hemisphere that other surfaces fill, weighted by their reflectance. Both bounds follow from the
+//! rendering equation, whose operator has a norm of at most rho.
 
 use super::sample::Sample;
 use super::site_tracer::SiteTracer;
@@ -17,76 +19,79 @@ use heliotile_core::light::fresnel::specular;
 use heliotile_core::light::reflector::Reflector;
 use heliotile_core::site::chain::MOST_MIRRORS;
 
-/// Irradiance of the sun at normal incidence that bounds are stated for.
+/// Irradiance of the sun at normal incidence for which bounds are stated, W/m2.
 pub const SUN_W_M2: f64 = 1000.0;
-/// Irradiance of a uniform sky on open ground that bounds are stated for.
+/// Irradiance of a uniform sky on open ground for which bounds are stated, W/m2.
 pub const SKY_W_M2: f64 = 100.0;
 
-/// An effect is left out if that costs no more than this.
+/// Largest bound with which an effect is left out, W/m2.
 pub const NEGLIGIBLE_W_M2: f64 = 1.0;
 
-/// What a view's share by its hit texture, and lookups in the response, may be wrong by.
+/// Safety factor for the error of a view's share by its hit texture and of lookups in the response.
 const COARSE: f64 = 1.1;
 
-/// What the few rays of a cell may be wrong by.
+/// Safety factor for the error of the few rays of a cell.
 const FEW_RAYS: f64 = 1.25;
 
-/// Bounce cells to a probe, and seconds to solve for them to seconds to trace them: as in The Hague (55 k probes).
+/// Number of bounce cells per probe. [`SOLVING`] is the seconds to solve for bounce cells per
+/// second of tracing them. Both as in The Hague (55 k probes).
 const CELLS_PER_PROBE: f64 = 1.9;
 const SOLVING: f64 = 0.3;
 
-/// What is to be traced, effect by effect, and what that takes.
+/// Forecast of what a build traces, effect by effect, and of its cost.
 #[derive(Clone, Debug)]
 pub struct Forecast {
     /// Number of receivers that the forecast is for.
     pub receivers: u64,
-    /// What is always traced, and each effect.
+    /// Lines for the light that is always traced, and for each effect.
     pub lines: Vec<Line>,
-    /// What is left out although the scene has it.
+    /// Effects that are left out although the scene has them.
     pub left_out: Effects,
 }
 
-/// One effect, or what is always traced.
+/// Line of a forecast: one effect, or light that is always traced.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// The light path, as people read it.
+    /// Name of the light path, for people.
     pub name: &'static str,
-    /// `None` is always on.
+    /// Effect of the line; `None` for light that is always traced.
     pub effect: Option<Effect>,
-    /// Whether it will be traced.
+    /// True if it will be traced.
     pub on: bool,
     /// Rays that it takes, or would take; scaled up from a sample.
     pub rays: f64,
     /// Seconds that it takes, or would take, on this machine.
     pub seconds: f64,
-    /// The most that any receiver could lose without it, W/m2.
+    /// Upper bound of the light that any receiver loses without it, W/m2; `None` for light that is
+    /// always traced.
     pub bound_w_m2: Option<f64>,
-    /// Why it is on or off.
+    /// Reason why it is traced or not.
     pub why: String,
 }
 
 impl Forecast {
-    /// The most that any receiver loses by what is left out, W/m2.
+    /// Returns the upper bound of the light that any receiver loses by all left-out effects, W/m2.
     pub fn loss_w_m2(&self) -> f64 {
         let off = |effect: Effect| self.lines.iter().any(|line| line.effect == Some(effect) && !line.on);
-        // Without diffuse reflection there are no bounces to lose besides.
+        // Without diffuse reflection there are no bounces to lose in addition.
         let counts = |line: &&Line| !(line.on || line.effect == Some(Effect::Bounces) && off(Effect::Diffuse));
         self.lines.iter().filter(counts).filter_map(|line| line.bound_w_m2).sum()
     }
 
-    /// The lines of what is traced.
+    /// Returns the lines of light that is traced.
     pub fn on(&self) -> impl Iterator<Item = &Line> {
         self.lines.iter().filter(|line| line.on)
     }
 
-    /// Seconds of the whole build: the sum of what is traced.
+    /// Returns the seconds of the whole build: the sum of the lines that are traced.
     pub fn seconds(&self) -> f64 {
         self.on().map(|line| line.seconds).sum()
     }
 }
 
 impl SiteTracer<'_> {
-    /// Looks at a sample and decides. `mirrors`: number of orientations of mirrors in the scene, whether they are traced or not.
+    /// Traces a sample and decides which effects are traced. `mirrors` is the number of
+    /// orientations of mirrors in the scene, traced or not.
     pub(super) fn forecast(
         &self,
         receivers: &mut ReceiverTiles,
@@ -99,18 +104,18 @@ impl SiteTracer<'_> {
     }
 }
 
-/// What a decision rests on.
+/// Facts behind a decision on effects.
 struct Decision<'a> {
     sample: &'a Sample,
     reflectors: &'a [Reflector],
-    /// Orientations of mirrors.
+    /// Number of orientations of mirrors.
     mirrors: usize,
     wanted: EffectChoice,
-    /// What is left out under some weather, where the scene decides.
+    /// Effects that may be left out under some weather; used with [`EffectChoice::Auto`].
     negligible: Option<&'a Negligible>,
 }
 
-/// What is known of an effect, and the words for why it is traced or not.
+/// Facts about an effect, and the reasons why it is traced or not.
 struct EffectFacts<'a> {
     name: &'static str,
     effect: Effect,
@@ -118,13 +123,13 @@ struct EffectFacts<'a> {
     bound_w_m2: f64,
     rays: f64,
     seconds: f64,
-    /// Why it is off where the scene has none of it.
+    /// Reason to show if the scene has nothing of the effect.
     nothing: &'a str,
-    /// Why it is on.
+    /// Reason to show if the effect is traced.
     some: String,
 }
 
-/// The most that each effect can give a receiver, W/m2.
+/// Upper bounds of the light that each effect can add to a receiver, W/m2.
 struct Bounds {
     diffuse: f64,
     bounces: f64,
@@ -145,14 +150,14 @@ impl Decision<'_> {
         let largest = |value: fn(&Reflector) -> f64| reflectors.iter().map(value).fold(0.0, f64::max);
         let brightest = largest(|r| r.diffuse);
         let both = largest(|r| r.diffuse + if r.panes > 0 { 1.0 - r.diffuse } else { r.specular });
-        // A mirror can send the sun to where it shines already; several can do so at once.
+        // A mirror can send the sun where it shines already; several can do so at once.
         let mirrored = largest(|r| if r.panes > 0 { specular(r, 0.0) } else { r.specular });
         let once = mirrored * mirrors as f64;
         let suns = (1..=MOST_MIRRORS as i32).map(|mirrors| once.powi(mirrors)).sum::<f64>();
         let light = SUN_W_M2 * (1.0 + suns) + SKY_W_M2;
-        // Receivers that were not looked at may see nothing but the brightest material.
+        // Receivers outside the sample may see nothing but the brightest material.
         let leaves = largest(|r| r.transmittance.map_or(0.0, |_| r.diffuse));
-        // How much of a view leaves fill is not looked at.
+        // The sample does not tell how much of a view leaves fill.
         let worst =
             |share: f64| if sample.receivers < sample.all { brightest } else { (share + leaves).min(brightest) };
         let (share, others) = (worst(sample.reflecting), worst(sample.traced.reflecting * FEW_RAYS));
@@ -161,7 +166,8 @@ impl Decision<'_> {
         Bounds {
             diffuse: bound(share, gain * COARSE),
             bounces: bound(share * others, gain * COARSE),
-            // The light of all paths with a mirror among them: 1 / (1 - both) less 1 / (1 - diffuse), both being their sum.
+            // Light of all paths with a mirror among them: 1 / (1 - both) less 1 / (1 - diffuse),
+            // both being their sum.
             mirrors: bound(suns / (1.0 - brightest).max(0.0), (SUN_W_M2 + SKY_W_M2) / (1.0 - both).max(0.0)),
             canopies: if reflectors.iter().any(|r| r.transmittance.is_some()) { gain } else { 0.0 },
             leaves: bound(leaves, gain),
@@ -171,7 +177,7 @@ impl Decision<'_> {
         }
     }
 
-    /// Whether an effect is traced that can give so much.
+    /// Returns true if an effect with this bound is traced.
     fn is_on(&self, effect: Effect, bound: f64) -> bool {
         match self.wanted {
             EffectChoice::Auto => match self.negligible {
@@ -182,7 +188,7 @@ impl Decision<'_> {
         }
     }
 
-    /// The line of an effect.
+    /// Returns the line of an effect.
     fn line(&self, facts: EffectFacts) -> Line {
         let EffectFacts { name, effect, on, bound_w_m2, rays, seconds, nothing, some } = facts;
         let why = match (self.wanted, on) {
@@ -202,7 +208,7 @@ impl Decision<'_> {
         Line { name, effect: Some(effect), on, rays, seconds, bound_w_m2: Some(bound_w_m2), why }
     }
 
-    /// The line of what is always traced.
+    /// Returns the line of light that is always traced.
     fn always(name: &'static str, rays: f64, seconds: f64, why: &str) -> Line {
         Line { name, effect: None, on: true, rays, seconds, bound_w_m2: None, why: why.into() }
     }
@@ -279,7 +285,8 @@ impl Decision<'_> {
                 effect: Effect::Leaves,
                 on: leaves_on,
                 bound_w_m2: bounds.leaves,
-                // The lines of canopies count the rays of receivers to leaves, the lines of reflections and bounces those of cells.
+                // Rays of receivers to leaves are in the line of canopies, those of cells in the
+                // lines of reflections and bounces.
                 rays: 0.0,
                 seconds: 0.0,
                 nothing: "no canopy has a `diffuse`",
@@ -293,12 +300,13 @@ impl Decision<'_> {
     }
 }
 
-/// Share of a view in percent that surfaces of the largest reflectance would fill.
+/// Returns the percentage of a view that surfaces of the largest reflectance would fill.
 fn filled(sample: &Sample, diffuse: f64) -> f64 {
     if diffuse > 0.0 { (sample.reflecting / diffuse * 100.0).min(100.0) } else { 0.0 }
 }
 
-/// Cells that so many times the receivers would see, from those of a quarter of the sample and of all of it: by a power law.
+/// Predicts the number of cells that `factor` times as many receivers see, by a power law through
+/// the cells of a quarter of the sample and of the whole sample.
 fn predicted([quarter, all]: [usize; 2], factor: f64) -> f64 {
     let power = if quarter > 0 { (all as f64 / quarter as f64).ln() / 4.0_f64.ln() } else { 1.0 };
     all as f64 * factor.max(1.0).powf(power.clamp(0.0, 1.0))

@@ -1,5 +1,5 @@
-//! What is told of a site besides its light: the scene's triangles, an overview of its receivers, and where they stand. In: a mesh, receivers,
-//! the archive so far. Out: blocks.
+//! Blocks about a site besides its light: the scene's triangles, an overview of its receivers, and
+//! an index of their names and places. In: a mesh, receivers, the archive so far. Out: blocks.
 
 use std::sync::Arc;
 
@@ -28,7 +28,8 @@ use heliotile_scene::Scene;
 use heliotile_scene::mesh::Mesh;
 
 impl SiteTracer<'_> {
-    /// The objects of all triangles, in the same chunks as [`SiteTracer::scene_blocks`]; no block for a scene that names no objects.
+    /// Encodes the objects of all triangles, in the same chunks as [`SiteTracer::scene_blocks`]; no
+    /// blocks for a scene without named objects.
     pub(super) fn object_blocks(&self) -> impl Iterator<Item = Result<EncodedBlock>> {
         let objects = &self.scene.objects;
         (0..).zip(objects.of_triangle.chunks(MAX_TRIANGLES)).map(|(chunk, some)| {
@@ -36,7 +37,8 @@ impl SiteTracer<'_> {
         })
     }
 
-    /// All triangles in the order of the mesh, which is that of their vertices from west to east; one block after the other.
+    /// Encodes all triangles in the order of the mesh, which is that of their vertices from west to
+    /// east, block by block.
     pub(super) fn scene_blocks(&self) -> impl Iterator<Item = Result<EncodedBlock>> {
         let mesh = &self.scene.mesh;
         let count = mesh.triangles.len();
@@ -48,7 +50,8 @@ impl SiteTracer<'_> {
 }
 
 impl SiteTracer<'_> {
-    /// Writes the overview of all tiles, when everything else is written: it stands in one piece.
+    /// Writes the overview of all tiles after everything else, so that it is contiguous in the
+    /// file.
     pub(super) fn write_overview(
         &self,
         receivers: &mut ReceiverTiles,
@@ -78,6 +81,7 @@ impl SiteTracer<'_> {
                 .map(|(tile, receivers)| receivers.map(|of| (tile, sums.by_ref().take(of.len()).collect(), of)))
                 .map(|tile| tile.map(|(tile, sums, of)| (tile, of, sums)))
                 .collect::<Result<_>>()?;
+            // The sky view is read back from the file, so resumed tiles need no special case.
             let site = OpenSite::over(&*writer, Arc::clone(&self.facts));
             let blocks: Vec<EncodedBlock> = batch
                 .par_iter()
@@ -97,9 +101,10 @@ impl SiteTracer<'_> {
         }
     }
 
-    /// Writes where the receivers stand, when everything else is written: it stands in one piece, too.
+    /// Writes the name index after everything else, so that it is contiguous in the file.
     pub(super) fn write_gazetteer(&self, receivers: &mut ReceiverTiles, writer: &mut Writer) -> Result<()> {
-        // The first names of all chunks come last.
+        // The chunk that lists the other chunks is written last, so the index is complete if it is
+        // there.
         if writer.has(format::NAMES, TileNumber::FIRST) {
             return Ok(());
         }
@@ -113,7 +118,8 @@ impl SiteTracer<'_> {
         })
     }
 
-    /// Sums over the clear year of all receivers of some tiles, kWh/m2, rounded to `SUM_STEP`.
+    /// Returns the sums over the clear year of all receivers of some tiles, kWh/m2, rounded to
+    /// `SUM_STEP`.
     fn clear_years(&self, place: &Place, tiles: &[u32], writer: &Writer) -> Result<Vec<f32>> {
         let site = OpenSite::over(writer, Arc::clone(&self.facts));
         let (conditions, bins) = clear_year(place);
@@ -133,7 +139,8 @@ impl SiteTracer<'_> {
     }
 }
 
-/// Whether an archive that holds its scene calls the objects of its triangles as a scene of the same triangles does.
+/// Returns true if an archive that holds its scene has the same object names as a scene of the same
+/// triangles.
 pub fn holds_objects(archive: &Archive, scene: &Scene) -> bool {
     let held = archive.entries_of(format::OBJECTS);
     let chunks = || scene.objects.of_triangle.chunks(MAX_TRIANGLES);
@@ -144,22 +151,22 @@ pub fn holds_objects(archive: &Archive, scene: &Scene) -> bool {
     held.len() == chunks().count() && held.iter().zip(chunks()).all(same)
 }
 
-/// Patches of the sky of clear years: the fewest there are.
+/// Number of sky patches for clear years: the smallest number available.
 const PATCHES: usize = 145;
 
-/// Sums are written in steps of this, kWh/m2.
+/// Step to which sums are rounded, kWh/m2.
 const SUM_STEP: f32 = 0.25;
 
-/// Tiles that are written at a time.
+/// Number of tiles that are written at a time.
 const GROUP: usize = 64;
 
-/// Some triangles with their vertices, which keep their order.
+/// Returns the table of some triangles and their vertices, which keep their order.
 fn table(mesh: &Mesh, some: std::ops::Range<usize>) -> GeometryTable {
     let triangles = &mesh.triangles[some.clone()];
     let mut rows: Vec<u32> = triangles.iter().flatten().copied().collect();
     rows.sort_unstable();
     rows.dedup();
-    // Every corner is among them, and there are less than 2^18.
+    // Every corner is in `rows`, and there are less than 2^18.
     let place = |corner: &u32| rows.partition_point(|row| row < corner) as u32;
     GeometryTable {
         vertex: rows.iter().map(|&row| mesh.vertices[row as usize].as_vec3().to_array()).collect(),

@@ -1,6 +1,7 @@
-//! What earlier builds of the same scene with the same settings have traced. In: their archives, whole or damaged. Out: layers of
-//! receivers and cells, so that nothing is traced twice. Every block is checked before it is used; what is damaged is not there: errors
-//! are passed over on purpose.
+//! Layers that earlier builds of the same scene with the same settings traced. In: their archives,
+//! complete or damaged. Out: layers of receivers and cells, so that nothing is traced twice. Every
+//! block is checked before it is used. Damaged blocks count as absent: their errors are ignored on
+//! purpose.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -23,21 +24,22 @@ use heliotile_core::site::receiver::Receiver;
 /// Layers of one receiver.
 pub(super) struct KnownReceiver {
     pub sky: SkyTexture,
-    /// The bits that `sky` describes.
+    /// Bits that `sky` encodes.
     pub dense: BitSquare,
     pub hits: Vec<Option<CellKey>>,
     pub extras: ReceiverExtras,
 }
 
-/// Archives to look things up in.
+/// Archives to look layers up in.
 #[derive(Default)]
 pub(super) struct Known<'a> {
     earlier: Vec<Earlier<'a>>,
 }
 
-/// One archive to look things up in.
+/// One archive to look layers up in.
 pub(super) struct Earlier<'a> {
-    /// For archives of the same scene with its materials and mirrors: the archive's own tables may be damaged.
+    /// Site with the materials and mirrors of the present scene, if the scene is the same: the
+    /// archive's own tables may be damaged.
     site: OpenSite<'a>,
     /// Tile and row by [`place_hash`].
     receivers: HashMap<u128, (u32, u32)>,
@@ -46,11 +48,12 @@ pub(super) struct Earlier<'a> {
 }
 
 impl<'a> Known<'a> {
-    /// All archives must be of the scene of some facts, and have the same settings. A table, a block or a whole archive that is damaged is
-    /// passed over: what it held is traced again.
+    /// Opens archives, which must all be of the scene of `scene` and have the same settings. A
+    /// damaged table, block or archive is skipped, and its contents are traced again.
     pub fn new(archives: &'a [Archive], scene: &SiteFacts) -> Self {
         let earlier = |archive: &'a Archive| {
-            // Where the table of mirrors is missing so are layers of what is seen in them: they would count as empty.
+            // Without the table of mirrors, layers of views in mirrors are missing, too, and would
+            // count as empty.
             if archive.has(format::MIRRORS, TileNumber::FIRST) == scene.orientations().is_empty() {
                 return None;
             }
@@ -65,14 +68,14 @@ impl<'a> Known<'a> {
         Known { earlier: archives.iter().filter_map(earlier).collect() }
     }
 
-    /// Layers of those receivers of a tile that are known, in their order.
+    /// Returns the known layers of the receivers of a tile, in their order.
     pub fn receivers(&self, tile: &[Receiver]) -> Vec<Option<KnownReceiver>> {
         let mut found: Vec<Option<KnownReceiver>> = tile.iter().map(|_| None).collect();
         self.earlier.iter().for_each(|earlier| earlier.fill(tile, &mut found));
         found
     }
 
-    /// The cells of some keys, sorted by key, that are known.
+    /// Returns the known cells of some keys, sorted by key.
     pub fn cells(&self, kind: CellKind, keys: &[CellKey]) -> Vec<Cell> {
         let mut found: Vec<Cell> = Vec::new();
         let mut missing = keys.to_vec();
@@ -86,10 +89,10 @@ impl<'a> Known<'a> {
 }
 
 impl<'a> Earlier<'a> {
-    /// An opened site with the places of its receivers. Tables that are damaged are not there.
+    /// Indexes the receivers of an opened site by place. Damaged tables count as absent.
     pub fn open(site: OpenSite<'a>) -> Self {
         let places = |tile: u32| -> Vec<(u128, (u32, u32))> {
-            // A damaged tile is no known one.
+            // A damaged tile holds no known receivers.
             let Ok(table) = site.tile_receivers(tile) else { return Vec::new() };
             let hashes = table.position.iter().zip(&table.normal).map(|(p, n)| place_hash(p, n));
             hashes.zip(0..).map(|(hash, row)| (hash, (tile, row))).collect()
@@ -102,7 +105,7 @@ impl<'a> Earlier<'a> {
         }
     }
 
-    /// Its cells of a kind.
+    /// Returns the cells of a kind.
     pub fn source(&self, kind: CellKind) -> Option<&CellSource<'a>> {
         match kind {
             CellKind::Probes => self.probes.as_ref(),
@@ -110,7 +113,8 @@ impl<'a> Earlier<'a> {
         }
     }
 
-    /// The tile that holds these receivers and no others, in this order, with its table. One that is damaged does not.
+    /// Returns the tile that holds exactly these receivers in this order, and its table; `None` if
+    /// there is none or it is damaged.
     pub fn tile_of(&self, receivers: &[Receiver]) -> Option<(u32, ReceiversTable)> {
         let first = receivers.first()?;
         let hash = place_hash(&first.position.to_array(), &first.normal.to_array());
@@ -120,14 +124,14 @@ impl<'a> Earlier<'a> {
         places.eq(receivers.iter().map(|receiver| (receiver.position, receiver.normal))).then_some((tile, table))
     }
 
-    /// The hits of so many receivers of a tile; `None` if they are damaged.
+    /// Returns the hits of `receivers` receivers of a tile; `None` if they are damaged.
     pub fn hits(&self, tile: u32, receivers: usize) -> Option<HitTile> {
         self.site.tile_hits(tile, receivers).ok()
     }
 
-    /// Adds layers of those receivers of a tile that have none yet and are known here.
+    /// Adds the known layers of those receivers of a tile that have none yet.
     pub fn fill(&self, tile: &[Receiver], found: &mut [Option<KnownReceiver>]) {
-        // By tile of the archive, since a tile is decoded as a whole.
+        // Grouped by tile of the archive, since a tile is decoded as a whole.
         let mut wanted: HashMap<u32, Vec<(usize, u32)>> = HashMap::new();
         for (i, receiver) in tile.iter().enumerate().filter(|(i, _)| found[*i].is_none()) {
             let hash = place_hash(&receiver.position.to_array(), &receiver.normal.to_array());
@@ -143,7 +147,7 @@ impl<'a> Earlier<'a> {
         }
     }
 
-    /// Layers of a tile; `None` if they are damaged.
+    /// Returns the layers of a tile; `None` if they are damaged.
     pub fn tile(&self, tile: u32) -> Option<Vec<Option<KnownReceiver>>> {
         let count = self.site.block(format::HIT, TileNumber(tile)).ok()?.items() as usize;
         let hits = self.site.tile_hits(tile, count).ok()?;
@@ -154,7 +158,8 @@ impl<'a> Earlier<'a> {
     }
 }
 
-/// Those of some cells, sorted by key, whose chunks are whole; damaged ones are passed over.
+/// Returns the cells of some keys, sorted by key, whose chunks are intact. Damaged chunks are
+/// skipped.
 pub(super) fn whole_cells(source: &CellSource, keys: &[CellKey]) -> Vec<Cell> {
     let parts: Vec<&[CellKey]> = keys.chunk_by(|a, b| source.chunk_of(a) == source.chunk_of(b)).collect();
     let found = |part: &[CellKey]| -> Vec<Cell> {
@@ -166,7 +171,8 @@ pub(super) fn whole_cells(source: &CellSource, keys: &[CellKey]) -> Vec<Cell> {
     parts.into_par_iter().flat_map_iter(found).collect()
 }
 
-/// What a receiver's layers depend on besides scene and settings: its place and normal, bit by bit.
+/// Returns the hash of a receiver's position and normal, bit by bit. Its layers depend on nothing
+/// else besides scene and settings.
 fn place_hash(position: &[f64; 3], normal: &[f64; 3]) -> u128 {
     let mut hasher = blake3::Hasher::new();
     for x in position.iter().chain(normal) {

@@ -1,4 +1,5 @@
-//! The manifest of a build: where the archive comes from and what is in it.
+//! Manifest of a build, with the tables of materials. In: counts, a plan, layers. Out: the
+//! manifest, blocks of tables.
 
 use super::plan::Plan;
 use super::preview::Keeping;
@@ -12,16 +13,16 @@ use heliotile_core::error::Result;
 use heliotile_core::site::material::Glass;
 use heliotile_core::site::receiver::TILE;
 
-/// What a build counted.
+/// Numbers of receivers and cells of a build.
 #[derive(Clone, Copy, Debug)]
 pub struct BuildCounts {
     /// Number of receivers.
     pub receivers: u64,
-    /// Number of tiles that they make.
+    /// Number of their tiles.
     pub tiles: u32,
-    /// Cells that receivers see.
+    /// Number of cells that receivers see.
     pub probes: u64,
-    /// Coarser cells that probes and each other see.
+    /// Number of coarser cells that probes and other coarse cells see.
     pub bounce_cells: u64,
 }
 
@@ -38,7 +39,8 @@ impl SiteTracer<'_> {
         table.encode(format::MATERIALS, TileNumber::FIRST, COMPRESSION)
     }
 
-    /// What materials do besides reflecting diffusely, the orientations of the mirrors, and what materials do by band; nothing where none does.
+    /// Encodes the optics of materials other than diffuse reflection, the orientations of mirrors,
+    /// and reflectances by band; no blocks if no material needs them.
     pub(super) fn optics_blocks(&self) -> Result<Vec<EncodedBlock>> {
         let materials = &self.scene.materials;
         let bands = tables::BandsTable::of(materials.iter().map(|m| &m.bands));

@@ -1,4 +1,4 @@
-//! What receivers and cells see in mirrors: traced here, packed as `layers/mirror.rs` says.
+//! Views of receivers and cells in mirrors: traced here, packed as `layers/mirror.rs` says.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -21,7 +21,7 @@ use heliotile_core::light::mirrors::left;
 use heliotile_core::site::cells::{CellKey, level_of};
 
 impl SiteTracer<'_> {
-    /// The surfaces that a receiver sees in mirrors; adds the rays that are cast to a count.
+    /// Returns the surfaces that a receiver sees in mirrors, and adds the rays cast to `rays`.
     pub(super) fn mirror_paths(&self, view: &Viewpoint, hits: &HitTrace, rays: &mut u64) -> Vec<MirrorPath> {
         let Some(reflections) = self.reflections.as_ref().filter(|_| self.traces(Effect::Diffuse)) else {
             return Vec::new();
@@ -46,7 +46,8 @@ impl SiteTracer<'_> {
         paths
     }
 
-    /// The parts of the sky that a receiver sees in mirrors.
+    /// Returns the parts of the sky that a receiver sees in mirrors, and adds the rays cast to
+    /// `rays`.
     pub(super) fn mirror_windows(&self, view: &Viewpoint, rays: &mut u64) -> Vec<Window> {
         let Some(reflections) = &self.reflections else { return Vec::new() };
         let (base, fine) = (self.settings.sky_base, self.settings.sky_fine);
@@ -72,7 +73,7 @@ impl SiteTracer<'_> {
                     Look { chain: 0, sky, origin, normal: view.normal }
                 };
                 let n = base * scale as usize;
-                // What is not refined any more is what its middle is.
+                // A texel that is not refined further takes the answer of its centre.
                 let split = if n < fine { (base * FINER / n).max(1) as u32 } else { 1 };
                 let parts = |&(c, r): &(u32, u32)| {
                     let part = move |i: u32| (c * split + i % split, r * split + i / split);
@@ -98,7 +99,8 @@ impl SiteTracer<'_> {
         windows
     }
 
-    /// What a cell sees in mirrors.
+    /// Returns the surfaces and parts of the sky that a cell sees in mirrors, and adds the rays
+    /// cast to `rays`.
     pub(super) fn cell_mirrors(
         &self,
         key: CellKey,
@@ -107,7 +109,7 @@ impl SiteTracer<'_> {
         surroundings: &Surroundings,
         rays: &mut u64,
     ) -> CellMirrors {
-        // Leaves look in no mirrors.
+        // Leaves do not look into mirrors.
         let Some(reflections) = self.reflections.as_ref().filter(|_| !key.is_leaf()) else {
             return CellMirrors::default();
         };
@@ -130,10 +132,11 @@ impl SiteTracer<'_> {
     }
 }
 
-/// The parts of a base texel, a side, that are asked where mirrors may be: panes are often narrower than a base texel.
+/// Number of parts per side of a base texel that are traced where mirrors may be, since panes are
+/// often narrower than a base texel.
 const FINER: usize = 4;
 
-/// What is seen of a texel by its parts.
+/// Visibility of a texel by its parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SeenPart {
     Nothing,
@@ -151,8 +154,8 @@ impl SeenPart {
     }
 }
 
-/// Bits of texels such that each texel that is seen in part is refined: [`SkyTexture::trace`] refines a texel that differs from a neighbour, so a
-/// texel that is seen in part gets a bit that does.
+/// Returns bits such that each texel that is partly seen is refined. [`SkyTexture::trace`] refines
+/// a texel that differs from a neighbour, so a partly seen texel gets a bit that differs.
 fn refinable(texels: &[(u32, u32)], seen: &[SeenPart]) -> Vec<bool> {
     let of = |((column, row), seen): (&(u32, u32), &SeenPart)| match seen {
         SeenPart::Nothing => false,
@@ -181,7 +184,7 @@ fn note_lost(largest: &AtomicU64, share: f64) {
     largest.fetch_max(share.max(0.0).to_bits(), Ordering::Relaxed);
 }
 
-/// The rays that look for mirrors around a cell.
+/// Returns the rays that look for mirrors around a cell.
 pub(super) fn around_cell(reflections: &Reflections, key: CellKey, probe: &ProbeTrace, n: usize) -> Vec<(DVec3, Ray)> {
     let lit: Vec<_> = probe.points.iter().filter(|p| p.1 > 0.0).map(|p| p.0).collect();
     if lit.is_empty() {
@@ -194,7 +197,8 @@ pub(super) fn around_cell(reflections: &Reflections, key: CellKey, probe: &Probe
     })
 }
 
-/// The texels of the sky that a cell sees in mirrors: each from the point that it asks for the sky itself.
+/// Returns the texels of the sky that a cell sees in mirrors, each from the point that also traces
+/// it directly.
 fn cell_windows(
     reflections: &Reflections,
     key: CellKey,
@@ -218,7 +222,7 @@ fn cell_windows(
     let mut seen: Vec<Vec<u16>> = vec![Vec::new(); chains.len()];
     for ((look, texel), lit) in looks.iter().zip(places).zip(reflections.lit(&chains, &looks, rays)) {
         if lit {
-            // At most 128 texels a side.
+            // There are at most 128 texels a side.
             seen[look.chain].push(texel as u16);
         }
     }

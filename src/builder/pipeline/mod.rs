@@ -1,5 +1,7 @@
-//! Building: scene -> trace -> layers -> archive. In: a prepared scene, its receivers, settings. Out: a finished archive, and what was
-//! done. The chain is [`Build::plan`](crate::planning), which looks first ([`Build::forecast`]), then [`Build::write`]. Never: printing, command lines.
+//! Building: scene -> trace -> layers -> archive. In: a prepared scene, its receivers, settings.
+//! Out: a finished archive and a report. The steps are [`Build::plan`](crate::planning), which
+//! makes a forecast first ([`Build::forecast`]), then [`Build::write`]. Never: printing, command
+//! lines.
 
 mod before;
 mod canopies;
@@ -52,17 +54,18 @@ pub use plan::Plan;
 pub use prepared::PreparedScene;
 pub use report::{BuildReport, Kept, RayCounts};
 
-/// Where a build works, and how much memory it may take.
+/// Folder and memory budget of a build.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Workspace {
-    /// Of temporary files.
+    /// Folder of temporary files.
     pub folder: PathBuf,
-    /// For all that a build holds besides the scene and its tree.
+    /// Memory budget for all that a build holds besides the scene and its tree.
     pub memory: MemoryBudget,
 }
 
 impl Workspace {
-    /// The receivers of a table in tiles. Warns of columns that are passed over and of receivers far from the scene.
+    /// Reads the receivers of a table into tiles. Warns of ignored columns and of receivers far
+    /// from the scene.
     pub fn read_receivers(&self, path: &Path, scene: &Scene, observer: &dyn Observer) -> Result<ReceiverTiles> {
         let mut warnings = Vec::new();
         let budget = self.memory.length(Use::SortedReceivers);
@@ -74,29 +77,29 @@ impl Workspace {
     }
 }
 
-/// Finished archives that a build takes layers from.
+/// Finished archives from which a build copies layers.
 #[derive(Clone, Copy, Default)]
 pub struct ReusedArchives<'a> {
-    /// Of the same scene with the same settings.
+    /// Archives of the same scene with the same settings.
     pub earlier: &'a [Archive],
-    /// Of the scene before it was changed.
+    /// Archive of the scene before it was changed.
     pub before: Option<&'a Archive>,
 }
 
-/// A scene with its receivers, about to be traced.
+/// Scene with its receivers, ready to be traced.
 pub struct Build<'a> {
-    /// What is traced.
+    /// Scene to trace.
     pub scene: &'a PreparedScene<'a>,
-    /// The receivers, cut into tiles.
+    /// Receivers, cut into tiles.
     pub receivers: &'a mut ReceiverTiles,
-    /// Where it may put files, and how much memory it may take.
+    /// Folder of temporary files and memory budget.
     pub workspace: &'a Workspace,
-    /// Told of progress and warnings, and asked whether to stop.
+    /// Gets progress and warnings, and can stop the build.
     pub observer: &'a dyn Observer,
 }
 
 impl Build<'_> {
-    /// What is known of the archive before it is one.
+    /// Returns the facts of the site that are known before the archive is complete.
     fn facts(&self, settings: &BuildSettings, path: &Path) -> Result<SiteFacts> {
         let (scene, mirrors) = (self.scene.scene, &self.scene.mirrors);
         let receivers = ReceiverSummary {
@@ -109,8 +112,9 @@ impl Build<'_> {
         SiteFacts::given(path, &stated, origin, &receivers, materials, orientations)
     }
 
-    /// What a build with some settings would trace, from a sample of its receivers; writes no archive. `negligible` decides in place of the light
-    /// that bounds are stated for, where effects are chosen by what the scene calls for.
+    /// Forecasts what a build with some settings would trace, from a sample of its receivers,
+    /// without writing an archive. With [`EffectChoice::Auto`], `negligible` decides on effects in
+    /// place of the bounds.
     pub fn forecast(
         &mut self,
         settings: &BuildSettings,
@@ -122,9 +126,10 @@ impl Build<'_> {
         tracer.forecast(self.receivers, self.scene.mirrors.orientations.len(), effects, negligible)
     }
 
-    /// Traces the receivers and writes the archive; nothing is traced that sources hold. Equal
-    /// inputs give equal bytes, whatever the sources, whatever the order of receivers, the number of threads or the memory. Work that fails or is
-    /// stopped leaves what was written up to its last checkpoint, if there was one, for [`Start::Resume`].
+    /// Traces the receivers and writes the archive. Layers that `sources` hold are copied. Equal
+    /// inputs give equal bytes, whatever the sources, the order of receivers, the number of threads
+    /// or the memory. If work fails or is stopped, what was written up to the last checkpoint, if
+    /// there was one, remains for [`Start::Resume`].
     pub fn write(&mut self, plan: &Plan, output: &Output, sources: &ReusedArchives) -> Result<BuildReport> {
         let (scene, settings) = (self.scene.scene, &plan.settings);
         let mut clock = Clock::after("tree", self.scene.seconds);
@@ -148,7 +153,8 @@ impl Build<'_> {
         let tracer = SiteTracer::new(self.scene, settings, self.workspace, self.observer, facts, known, before);
         let traced = trace(&tracer, plan, self.receivers, &mut writer, &mut clock);
         if matches!(traced, Err(Error::Io { .. })) && tracer.keeping().is_none() {
-            // Where another file failed, such as a temporary one, what was written can be kept.
+            // If another file failed, such as a temporary one, the blocks written so far can be
+            // kept.
             let _ = writer.checkpoint();
         }
         let kept = writer.committed();
@@ -165,7 +171,7 @@ impl Build<'_> {
     }
 }
 
-/// What an archive holds whose blocks are all written.
+/// Facts about an archive whose blocks are all written.
 struct Traced {
     counts: BuildCounts,
     rays: RayCounts,
@@ -174,7 +180,7 @@ struct Traced {
     lost_in_mirrors: [f64; 2],
 }
 
-/// Writes all blocks that a writer does not have.
+/// Writes all blocks that the writer does not hold yet.
 fn trace(
     tracer: &SiteTracer,
     plan: &Plan,
@@ -187,6 +193,7 @@ fn trace(
     let mut rays = RayCounts::default();
 
     let mut found = TilesFound::default();
+    // Each stage finds the cells that the next one traces.
     let keys = tracer.write_receivers(receivers, writer, &mut rays, &mut found)?;
     clock.lap("receivers");
     let probes = tracer.write_probes(keys, writer, &mut rays)?;
@@ -224,10 +231,10 @@ fn trace(
     Ok(Traced { counts, rays, warnings, manifest, lost_in_mirrors })
 }
 
-/// Rays start this far off surfaces (metres) before it is worth a warning.
+/// Offset of ray origins from surfaces above which a warning is given, metres.
 const LARGE_OFFSET_M: f64 = 0.01;
 
-/// A warning if some receiver lies so far from the scene's origin that details near it are lost.
+/// Returns a warning if a receiver is so far from the scene's origin that details near it are lost.
 fn far_away(tracer: &Tracer, scene: &Scene, worst: &Receiver) -> Option<String> {
     let (offset_m, o) = (tracer.grid().offset_m(worst.position), scene.mesh.origin);
     (offset_m > LARGE_OFFSET_M).then(|| {

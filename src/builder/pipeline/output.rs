@@ -1,4 +1,5 @@
-//! Where an archive goes, and how its build starts where an interrupted one lies.
+//! Output of a build: where the archive goes, and what happens to an interrupted build at that
+//! place. In: a path. Out: a writer.
 
 use std::io;
 use std::path::PathBuf;
@@ -7,19 +8,19 @@ use std::time::Duration;
 use crate::writing::{Job, Progress, Writer};
 use heliotile_core::error::{Error, Result};
 
-/// The archive that a build writes.
+/// Archive that a build writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Output {
-    /// The archive; it has this name once it is finished, `PATH.partial` until then.
+    /// Path of the archive. Its name is `PATH.partial` until it is finished.
     pub path: PathBuf,
-    /// What to do where an interrupted build lies.
+    /// Action if an interrupted build is at this path.
     pub start: Start,
-    /// What a crash costs at most.
+    /// Time between checkpoints: the most work that a crash costs.
     pub checkpoint_every: Duration,
 }
 
 impl Output {
-    /// A new archive, with a checkpoint every 30 seconds.
+    /// Creates an output for a new archive, with a checkpoint every 30 seconds.
     pub fn new(path: impl Into<PathBuf>) -> Self {
         Output { path: path.into(), start: Start::New, checkpoint_every: Duration::from_secs(30) }
     }
@@ -35,19 +36,19 @@ impl Output {
     }
 }
 
-/// What to do where an interrupted build lies.
+/// Action if an interrupted build is at the path of the archive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Start {
     /// Refuse, and say what can be done.
     #[default]
     New,
-    /// Go on with it; refused if it was for something else.
+    /// Resume it; refused if it was for another job.
     Resume,
-    /// Throw it away, and begin anew.
+    /// Delete it, and start again.
     Fresh,
 }
 
-/// An error of the disk, with what can be done about it if something is kept.
+/// Adds to an error of the disk what the user can do, if blocks are kept.
 pub(super) fn kept(error: Error, kept: Option<Progress>) -> Error {
     match (error, kept) {
         (Error::Io { path, action, source }, Some(done)) => {

@@ -1,32 +1,34 @@
-//! What is to be built: settings, and what is known of their error.
+//! Plan of a build. In: settings and estimates of their error. Out: a hash that identifies the
+//! work.
 
 use crate::settings::BuildSettings;
 use heliotile_core::archive::accuracy::Accuracy;
 use heliotile_core::archive::negligible::Negligible;
 use heliotile_core::error::Result;
 
-/// What will be built: settings, and what is known of their error.
+/// Plan of a build: settings, and estimates of their error.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// What is traced, how finely, and what is left out.
+    /// Settings, with the effects that are left out.
     pub settings: BuildSettings,
-    /// What the settings are known to be off by, for the manifest.
+    /// Estimated error of the settings, for the manifest; `None` if there is no estimate.
     pub accuracy: Option<Accuracy>,
-    /// Why effects are left out, if that rests on some weather; for the manifest.
+    /// Reason why effects are left out, if it rests on some weather; for the manifest.
     pub negligible: Option<Negligible>,
-    /// Whether the archive holds the scene's triangles, for those who look at it.
+    /// True if the archive holds the scene's triangles, for viewers.
     pub with_scene: bool,
-    /// Of a scene that was changed: keep what the change can alter by less than so many percent, see [`Preview`](heliotile_core::archive::preview::Preview).
+    /// Bound of a preview of a changed scene, percent: layers that the change can alter by less are
+    /// kept, see [`Preview`](heliotile_core::archive::preview::Preview).
     pub preview_percent: Option<f64>,
 }
 
 impl Plan {
-    /// Settings whose error nobody has estimated; with the scene.
+    /// Creates a plan with the scene and without an estimate of the error.
     pub fn of(settings: BuildSettings) -> Self {
         Plan { settings, accuracy: None, negligible: None, with_scene: true, preview_percent: None }
     }
 
-    /// Names what a build writes: one of another plan does not go on with it.
+    /// Returns the hash of what a build writes. A build with another plan cannot resume it.
     pub fn hash(&self) -> Result<[u8; 32]> {
         let settings = self.settings.hash()?;
         let mut more = if self.with_scene { Vec::new() } else { b"without scene".to_vec() };

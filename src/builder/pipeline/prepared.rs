@@ -1,4 +1,4 @@
-//! A scene ready for rays. In: a scene. Out: its tree, its mirrors and its canopies.
+//! Scene ready for rays. In: a scene. Out: its tree, its mirrors and its canopies.
 
 use std::time::Instant;
 
@@ -9,11 +9,11 @@ use heliotile_core::error::Result;
 use heliotile_scene::Scene;
 use heliotile_scene::mirrors::Mirrors;
 
-/// A scene with all that does not depend on settings.
+/// Scene with all that does not depend on settings.
 pub struct PreparedScene<'a> {
-    /// The scene as it was loaded.
+    /// Scene as it was loaded.
     pub scene: &'a Scene,
-    /// Of all that stops rays.
+    /// Tracer of the opaque triangles.
     pub(crate) tracer: Tracer,
     pub(crate) canopies: Option<Canopies<'a>>,
     pub(crate) mirrors: Mirrors,
@@ -21,7 +21,7 @@ pub struct PreparedScene<'a> {
 }
 
 impl<'a> PreparedScene<'a> {
-    /// Builds the tree and finds mirrors.
+    /// Builds the tree and finds the mirrors.
     pub fn new(scene: &'a Scene) -> Result<Self> {
         let start = Instant::now();
         let (tracer, canopies) = Canopies::split(scene);
@@ -29,7 +29,7 @@ impl<'a> PreparedScene<'a> {
         Ok(PreparedScene { scene, tracer, canopies, mirrors, seconds: start.elapsed().as_secs_f64() })
     }
 
-    /// Whether there are mirrors, and they are to be traced.
+    /// Returns true if there are mirrors and they are to be traced.
     pub(super) fn reflects(&self, settings: &BuildSettings) -> bool {
         !self.mirrors.is_empty() && !settings.left_out.contains(Effect::Mirrors)
     }

@@ -1,14 +1,19 @@
-//! Previews: what a change of the scene alters by less than a bound is kept as it was. In: an archive of the scene before, the bound. Out: tiles,
-//! chunks of cells and responses that are copied, and the few that are traced or derived again.
+//! Previews: layers that a change of the scene alters by less than a bound are kept. In: an archive
+//! of the scene before, the bound. Out: copied tiles, chunks of cells and responses, and the few
+//! that are traced or derived again.
 //!
-//! The bound holds under a uniform sky, or in the mean over suns everywhere in the sky, as a share of the light on open ground:
+//! The bound holds under a uniform sky, or in the mean over suns everywhere in the sky, as a share
+//! of the light on open ground:
 //!
-//! - A cell that sees less than `unasked` of the change is kept, so its light is off by less than `unasked / (1 - rho)` with all bounces, and that of
-//!   a receiver by `rho` times as much: `unasked = bound (1 - rho) / rho`.
-//! - A response is kept where the cells that the receiver sees, weighed by how much of its hemisphere they take and what they reflect, alter by less
-//!   than the bound. A cell alters by what it sees of the change, and by what the surfaces that it sees reflect of [`Reach::by_all_ways`].
-//! - Rays of receivers are not cast again either where the change takes less than half of the bound in their view, as few rays towards it tell;
-//!   that counts for their responses.
+//! - A cell that sees less than `unasked` of the change is kept. Its light is then off by less than
+//!   `unasked / (1 - rho)` with all bounces, and that of a receiver by `rho` times as much:
+//!   `unasked = bound (1 - rho) / rho`.
+//! - A response is kept if the cells that the receiver sees alter by less than the bound, weighted
+//!   by their share of its hemisphere and their reflectance. A cell alters by the light from the
+//!   part of the change that it sees, and by the share of [`Reach::by_all_ways`] that the surfaces
+//!   it sees reflect.
+//! - Rays of receivers are not cast again, either, if the change fills less than half of the bound
+//!   in their view, as estimated by a few rays towards it. That share counts for their responses.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -42,39 +47,41 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::site::cells::{CellKey, CellMap, CellSet};
 use heliotile_core::site::receiver::Receiver;
 
-/// Tiles whose bounds are found together.
+/// Number of tiles whose bounds are found together.
 const GROUP: usize = 64;
 
-/// What a preview keeps.
+/// Layers that a preview keeps.
 pub(super) struct Keeping {
     percent: f64,
     reach: Reach,
-    /// Cells that see less of the change than this share of their light are kept.
+    /// Share of a cell's light that the change may fill, below which the cell is kept.
     unasked: f64,
-    /// Most by which the light on probes alters; those that are not here alter by less than [`Keeping::small`].
+    /// Upper bounds of how much the light on probes alters. Probes that are not in the map alter by
+    /// less than [`Keeping::small`].
     alters: Mutex<CellMap<f32>>,
-    /// Receivers whose responses are kept.
+    /// Number of receivers whose responses are kept.
     receivers: AtomicU64,
 }
 
 impl Keeping {
-    /// For the manifest.
+    /// Returns the preview as the manifest states it.
     pub fn stated(&self) -> Preview {
         let kept_receivers = self.receivers.load(Ordering::Relaxed);
         Preview { bound_percent: self.percent, kept_receivers, ..Preview::default() }
     }
 
-    /// The bound.
+    /// Returns the bound as a share.
     fn share(&self) -> f64 {
         self.percent / 100.0
     }
 
-    /// Of cells nothing is noted that alters by less.
+    /// Returns the share below which the alteration of a cell is not recorded.
     fn small(&self) -> f64 {
         self.share() / 4.0
     }
 
-    /// Most by which direct light at some receivers alters, if their rays are not cast again; `None` if that is too much.
+    /// Returns the largest alteration of the direct light at some receivers if their rays are not
+    /// cast again; `None` if it is too large.
     pub fn direct(&self, receivers: &[Receiver], at: &SiteTracer, change: &Change) -> Option<f64> {
         let alters = receivers.iter().map(|receiver| {
             let view = at.viewpoint(receiver);
@@ -92,7 +99,7 @@ impl Keeping {
     }
 }
 
-/// Where the surfaces of a cell lie.
+/// Returns the place of a cell's surfaces.
 fn surface(cells: &Cells, row: usize, change: &Change) -> SurfacePlace {
     let normal = DVec3::from(cells.normals[row].map(f64::from));
     let (middle, spread_m) = change.middle(cells.keys[row]);
@@ -100,7 +107,7 @@ fn surface(cells: &Cells, row: usize, change: &Change) -> SurfacePlace {
 }
 
 impl Build<'_> {
-    /// What is kept within a bound; `None`, and the observer is told why, where nothing can be bounded.
+    /// Returns what is kept within a bound. Warns and returns `None` if nothing can be bounded.
     pub(super) fn keeping(&self, percent: f64, before: &Before, settings: &BuildSettings) -> Option<Keeping> {
         if self.scene.reflects(settings) || before.file.has(format::MIRRORS, TileNumber::FIRST) {
             self.observer.warn(
@@ -115,7 +122,7 @@ impl Build<'_> {
     }
 }
 
-/// A chunk of cells as it will be written, under any number.
+/// Chunk of cells as it will be written, under a number that is not known yet.
 struct Piece {
     first: CellKey,
     cells: u64,
@@ -127,20 +134,20 @@ struct Piece {
 struct Retraced {
     cells: Vec<Cell>,
     cast: Cast,
-    /// Most by which the light on cells alters, where that is not small.
+    /// Upper bounds of how much the light on cells alters, for cells where it is not small.
     alters: Vec<(CellKey, f32)>,
 }
 
-/// What became of a chunk of the archive before.
+/// Chunk of the archive before, updated.
 struct Updated {
     pieces: Vec<Piece>,
     retraced: Retraced,
 }
 
-/// A chunk of the archive before, with the numbers that materials have now.
+/// Chunk of the archive before, with the present numbers of materials.
 struct Held {
     cells: Cells,
-    /// Cells that see one of a material that is gone.
+    /// Cells that see a material which is gone.
     lost: Vec<CellKey>,
 }
 
@@ -163,7 +170,8 @@ impl Before<'_> {
         Ok(Held { cells: Cells::new(&kept), lost })
     }
 
-    /// `[chunk]`: a key that none before it reaches and none in it is below; `None` if nothing is left in it or after it.
+    /// Returns `[chunk]`: a key above all keys of the chunks before and not above any key in the
+    /// chunk; `None` if no keys are left in it or after it.
     fn starts(&self, kind: CellKind) -> Result<Vec<Option<CellKey>>> {
         let firsts = self.archive.source(kind).map_or(&[][..], |source| source.firsts());
         if self.same_numbers {
@@ -182,7 +190,8 @@ impl Before<'_> {
 }
 
 impl SiteTracer<'_> {
-    /// Writes the probes of the archive before with those of some more keys, which are sorted; traced again where they may see the change.
+    /// Writes the probes of the archive before and those of more keys, which are sorted. Probes are
+    /// traced again if they may see the change.
     pub(super) fn update_probes(
         &self,
         keys: impl Iterator<Item = Result<CellKey>>,
@@ -214,7 +223,7 @@ impl SiteTracer<'_> {
         Ok(Written { count, seen })
     }
 
-    /// Writes the bounce cells of the archive before, with all that can be reached from some more.
+    /// Writes the bounce cells of the archive before, and all that can be reached from `start`.
     pub(super) fn update_bounces(&self, start: CellSet, writer: &mut Writer, rays: &mut RayCounts) -> Result<u64> {
         let (kind, texture) = (CellKind::Bounces, self.directions(CellKind::Bounces));
         let Some(before) = &self.before else { return Ok(0) };
@@ -244,12 +253,13 @@ impl SiteTracer<'_> {
         self.merge_cells(kind, found.sorted(self)?, |cell| cell.key, as_traced, writer, |_| {})
     }
 
-    /// Traces those cells of a chunk that may see the change, those that see what is gone, and some more.
+    /// Traces the cells of a chunk that may see the change, those that see a material which is
+    /// gone, and the wanted ones.
     fn again(&self, kind: CellKind, held: &Held, wanted: Vec<CellKey>, texture: &Directions) -> Retraced {
         let (Some(before), Some(keeping)) = (&self.before, self.keeping()) else { return Retraced::default() };
         let Held { cells, lost } = held;
         let altered = |row: &usize| {
-            // Which points of a doubtful cell are hidden hangs on more than what it sees.
+            // Which points of a doubtful cell are hidden depends on more than what the cell sees.
             let asked =
                 cells.doubtful[*row] || keeping.reach.in_view(surface(cells, *row, &before.change)) >= keeping.unasked;
             asked && !self.stands(&cells.cell(*row), before, texture, self.looks(kind))
@@ -266,7 +276,8 @@ impl SiteTracer<'_> {
         missing.sort_unstable();
         missing.dedup();
         let mut traced = self.trace_cells(kind, &altered, texture);
-        // Those whose surface is gone stay for the cells that still name them: cells that see so little of the change that they are kept.
+        // Cells whose surface is gone stay for the cells that still refer to them, which see so
+        // little of the change that they are kept.
         traced.retain(|(cell, _)| cell.normal != [0.0; 3]);
         traced.extend(self.trace_cells(kind, &missing, texture));
         traced.sort_unstable_by_key(|(cell, _)| cell.key);
@@ -274,7 +285,8 @@ impl SiteTracer<'_> {
         Retraced { cells: traced.into_iter().map(|(cell, _)| cell).collect(), cast, alters: Vec::new() }
     }
 
-    /// Most by which the light on each of some probes alters, and on those that are traced again, where that is not small.
+    /// Returns upper bounds of how much the light on some probes alters, and on those that are
+    /// traced again, where it is not small.
     fn alters_of(&self, cells: &Cells, traced: &[Cell]) -> Vec<(CellKey, f32)> {
         let (Some(before), Some(keeping)) = (&self.before, self.keeping()) else { return Vec::new() };
         let replaced: CellSet = traced.iter().map(|cell| cell.key).collect();
@@ -291,7 +303,7 @@ impl SiteTracer<'_> {
                 let in_view = keeping.reach.in_view(surface(cells, row, &before.change));
                 let leaves = cells.canopy_of(row).map_or_else(Vec::new, |canopy| canopy.leaves(&Powers::new()));
                 let leaves: f64 = leaves.iter().map(|(key, share)| reflected(key) * f64::from(*share)).sum();
-                // Of others that were asked it is known that they do not see the change.
+                // Of the other cells it is known that they do not see the change.
                 let mut most = leaves + if are_traced || in_view < keeping.unasked { in_view } else { 0.0 };
                 let (hits, normal) = (cells.hits_of(row), cells.normals[row]);
                 let from = |around: Surround| -> f64 {
@@ -299,7 +311,8 @@ impl SiteTracer<'_> {
                     let met = hits.iter().filter(|hit| *hit & !DOWN != MISS);
                     met.map(|hit| seen[(hit & !DOWN) as usize] * if hit & DOWN == 0 { above } else { below }).sum()
                 };
-                // All that is above the horizon counts first, as if nothing of it were sky.
+                // First count all that is above the horizon, as if none of it were sky; this bound
+                // is cheaper.
                 let half = SidesOf(cells.keys[row]).above(f64::from(normal[2]));
                 if most + from(Surround { up: half, down: 1.0 - half }) > keeping.small() {
                     most += from(surround(cells.keys[row], normal, cells.bits_of(row), &self.probe_centres));
@@ -312,8 +325,8 @@ impl SiteTracer<'_> {
         alters
     }
 
-    /// Writes the cells of a kind of the archive before, with others that come sorted by key and take the place of those of their key. Chunks
-    /// without any are copied. Returns the number of all cells.
+    /// Writes the cells of a kind of the archive before. `others` come sorted by key and replace
+    /// the cells of their keys; chunks without any are copied. Returns the number of all cells.
     fn merge_cells<T: Send>(
         &self,
         kind: CellKind,
@@ -331,6 +344,7 @@ impl SiteTracer<'_> {
         for batch in numbers.chunks(2 * rayon::current_num_threads()) {
             let mut parts = Vec::with_capacity(batch.len());
             for &chunk in batch {
+                // A cell goes to the chunk whose range of keys holds its own.
                 let end = starts.get(chunk + 1).copied().flatten();
                 let before_end = |other: &Result<T>| match (other, end) {
                     (Ok(other), Some(end)) => key(other) < end,
@@ -362,7 +376,7 @@ impl SiteTracer<'_> {
         chunks.finish(writer)
     }
 
-    /// A chunk of the archive before as it is, or with some cells in place of those of their keys.
+    /// Returns a chunk of the archive before, unchanged or with some cells replaced.
     fn pieces(
         &self,
         kind: CellKind,
@@ -373,6 +387,7 @@ impl SiteTracer<'_> {
     ) -> Result<Vec<Piece>> {
         let cells = held.cells;
         let Some(before) = &self.before else { return Ok(Vec::new()) };
+        // An unchanged chunk is copied as it is encoded, which keeps its bytes.
         if let Some(&first) = cells.keys.first().filter(|_| before.same_numbers && changed.is_empty()) {
             let [mirror, canopy] = kind.extras();
             let copy = |kind| before.copy(kind, TileNumber(chunk as u32), TileNumber::FIRST).transpose();
@@ -390,7 +405,8 @@ impl SiteTracer<'_> {
         all.par_chunks(chunks.size()).map(piece).collect()
     }
 
-    /// Copies the responses of those tiles that were copied, and whose reflected light alters by less than the bound.
+    /// Copies the responses of those copied tiles whose reflected light alters by less than the
+    /// bound.
     pub(super) fn keep_responses(&self, copied: &[CopiedTile], writer: &mut Writer) -> Result<()> {
         let (Some(before), Some(keeping)) = (&self.before, self.keeping()) else { return Ok(()) };
         if !before.same_light {
@@ -417,8 +433,8 @@ impl SiteTracer<'_> {
         Ok(())
     }
 
-    /// Most that the change alters the light of any receiver of a tile, of which its direct light alters by no more than `direct`: shares of
-    /// the light on open ground.
+    /// Returns an upper bound of how much the change alters the light of any receiver of a tile, as
+    /// a share of the light on open ground. `direct` is the bound for its direct light.
     fn tile_alters(&self, view: &TileView, direct: f64, keeping: &Keeping, alters: &CellMap<f32>) -> f64 {
         let of_cell = |key: &CellKey| {
             let most = alters.get(key).map_or(keeping.small(), |most| f64::from(*most));

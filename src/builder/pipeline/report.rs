@@ -1,37 +1,38 @@
-//! What a build did.
+//! Report of a build. In: counts and times. Out: a report for people and tables.
 
 use std::time::Instant;
 
 use super::manifest::BuildCounts;
 use heliotile_core::archive::preview::Preview;
 
-/// What a build did, for people and tables.
+/// Report of a build.
 #[derive(Clone, Debug)]
 pub struct BuildReport {
-    /// How much the archive holds.
+    /// Numbers of receivers and cells in the archive.
     pub counts: BuildCounts,
-    /// Cast by this run: a build that was resumed cast others before.
+    /// Rays cast by this run. A resumed build cast others before.
     pub rays: RayCounts,
     /// Seconds by stage.
     pub seconds: Vec<(&'static str, f64)>,
-    /// Length of the archive.
+    /// Length of the archive, bytes.
     pub bytes: u64,
-    /// Root hash of the archive: names its content.
+    /// Root hash of the archive, which identifies its content.
     pub root: [u8; 32],
-    /// Sentences for the user.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
-    /// Largest share of a receiver's light, and of a cell's, that was lost behind the last mirror followed.
+    /// Largest share of a receiver's light, and of a cell's, that was lost behind the last mirror
+    /// followed.
     pub lost_in_mirrors: [f64; 2],
-    /// What the archive from before a change gave; `None` where none was used.
+    /// Numbers of layers kept from the archive before a change; `None` if none was used.
     pub kept: Option<Kept>,
-    /// What the archive says of itself, if it is a preview.
+    /// Preview as the archive states it, if it is one.
     pub preview: Option<Preview>,
 }
 
-/// What a change of the scene left as it was.
+/// Numbers of layers that a change of the scene left as they were.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Kept {
-    /// Receivers that still meet what they met.
+    /// Receivers whose hits are unchanged.
     pub receivers: u64,
     /// Probes that were not traced.
     pub probes: u64,
@@ -39,25 +40,25 @@ pub struct Kept {
     pub bounce_cells: u64,
 }
 
-/// Rays cast, by purpose.
+/// Numbers of rays cast, by purpose.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RayCounts {
-    /// Of receivers to the texels of the sky.
+    /// Rays of receivers to the texels of the sky.
     pub sky: u64,
-    /// Of receivers to what they see.
+    /// Rays of receivers to surfaces.
     pub hit: u64,
-    /// Of probes.
+    /// Rays of probes.
     pub probe: u64,
-    /// Of bounce cells.
+    /// Rays of bounce cells.
     pub bounce: u64,
-    /// By way of mirrors, for receivers and cells.
+    /// Rays by way of mirrors, for receivers and cells.
     pub mirror: u64,
-    /// Of receivers through canopies; those of cells are among `probe` and `bounce`.
+    /// Rays of receivers through canopies; those of cells are in `probe` and `bounce`.
     pub canopy: u64,
 }
 
 impl RayCounts {
-    /// All of them.
+    /// Returns the number of all rays.
     pub fn total(&self) -> u64 {
         self.sky + self.hit + self.probe + self.bounce + self.mirror + self.canopy
     }
@@ -70,7 +71,7 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// Starts with what was done before.
+    /// Starts after a stage that is done already.
     pub fn after(name: &'static str, seconds: f64) -> Self {
         Clock { start: Instant::now(), laps: vec![(name, seconds)] }
     }

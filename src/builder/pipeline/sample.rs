@@ -1,4 +1,5 @@
-//! A sample of the receivers, traced before the build. In: a site's tracer, receivers. Out: what they see, what it costs to trace.
+//! Sample of the receivers, traced before the build. In: a site's tracer, receivers. Out: what they
+//! see, and the cost of tracing them.
 
 use std::collections::BTreeSet;
 use std::time::Instant;
@@ -21,16 +22,17 @@ use heliotile_core::light::radiosity::{each_ray, surround};
 use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::receiver::Receiver;
 
-/// Receivers whose hits are looked at; if there are more, bounds take the worst that any could see. One in so many is traced whole.
+/// Largest number of receivers whose hits are traced. If there are more, bounds assume the worst
+/// that any receiver could see. One in [`WHOLE`] is traced completely.
 const SAMPLE: usize = 512;
 const WHOLE: usize = 16;
 
-/// Cells of the sample that are traced, at most.
+/// Largest number of cells of the sample that are traced.
 const CELLS: usize = 512;
 
-/// What the sample said.
+/// Results of tracing the sample.
 pub(super) struct Sample {
-    /// Receivers of the sample, and of all.
+    /// Number of receivers of the sample; `all` is that of the site.
     pub receivers: usize,
     pub all: usize,
     /// Rays of a receiver: sky, hits, mirrors, canopies.
@@ -40,15 +42,16 @@ pub(super) struct Sample {
     /// Largest share of a hemisphere that surfaces fill, weighted by their reflectance.
     pub reflecting: f64,
     pub sees_mirrors: bool,
-    /// Cells that a quarter of the sample and all of it see.
+    /// Numbers of cells that a quarter of the sample and all of it see.
     pub cells: [usize; 2],
     pub traced: TracedCells,
 }
 
-/// Some of the cells that are seen.
+/// Results of tracing some of the seen cells.
 #[derive(Default)]
 pub(super) struct TracedCells {
-    /// Rays and seconds of a probe and of a bounce cell, and rays by mirrors.
+    /// Rays of a probe and of a bounce cell. `mirror_rays` and `seconds` are the rays by way of
+    /// mirrors and the seconds of these cells.
     pub rays: [f64; 2],
     pub mirror_rays: f64,
     pub seconds: [f64; 2],
@@ -58,7 +61,7 @@ pub(super) struct TracedCells {
 }
 
 impl SiteTracer<'_> {
-    /// Looks at receivers spread evenly over the site.
+    /// Traces receivers spread evenly over the site.
     pub fn sample(&self, receivers: &mut ReceiverTiles) -> Result<Sample> {
         let (count, step) = (receivers.count(), receivers.count().div_ceil(SAMPLE).max(1));
         let mut sample: Vec<Receiver> = Vec::new();
@@ -74,7 +77,7 @@ impl SiteTracer<'_> {
         Ok(self.look(&sample, count))
     }
 
-    /// Traces the sample: hits of all of it, the rest of some.
+    /// Traces the hits of the whole sample, and the rest for some of it.
     fn look(&self, receivers: &[Receiver], all: usize) -> Sample {
         let fans = SkyFans::new(self.settings.sky_base, self.settings.sky_fine);
         let reflectors = &self.reflectors;
@@ -113,7 +116,7 @@ impl SiteTracer<'_> {
             let paths = self.mirror_paths(&view, &hits, &mut rays);
             (view, self.leaf_cells(&view, &hits), hits.cells, paths, rays)
         };
-        // Others see cells that nobody traces.
+        // Receivers that no light reaches see cells that are not traced.
         let in_light = receivers.par_iter().filter(|receiver| self.is_reached(&self.viewpoint(receiver)));
         let hits: Vec<_> = in_light.map(hits).collect();
         let hits_s = timed.elapsed().as_secs_f64() / hits.len().max(1) as f64;
@@ -162,7 +165,7 @@ impl SiteTracer<'_> {
         }
     }
 
-    /// Traces some of the cells that are seen, evenly chosen.
+    /// Traces some of the seen cells, evenly chosen.
     fn look_at_cells(&self, keys: &[CellKey]) -> TracedCells {
         let reflectors = &self.reflectors;
         let some: Vec<CellKey> = keys.iter().copied().step_by(keys.len().div_ceil(CELLS).max(1)).collect();

@@ -1,4 +1,5 @@
-//! A scene with settings, ready to trace receivers and cells: what every stage of a build works on.
+//! Scene with settings, ready to trace receivers and cells: the shared state of all stages of a
+//! build.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -23,26 +24,27 @@ use heliotile_core::observer::Observer;
 use heliotile_core::opened::SiteFacts;
 use heliotile_scene::Scene;
 
-/// What every part of a build works on.
+/// Shared state of all stages of a build.
 pub(super) struct SiteTracer<'a> {
     pub scene: &'a Scene,
-    /// Of what stops rays.
+    /// Tracer of the opaque triangles.
     pub tracer: &'a Tracer,
-    /// By material.
+    /// `[material]`: its reflector.
     pub reflectors: Vec<Reflector>,
     pub canopies: Option<&'a Canopies<'a>>,
     pub settings: &'a BuildSettings,
-    /// Where temporary files go.
+    /// Folder of temporary files.
     pub folder: PathBuf,
     pub memory: MemoryBudget,
-    /// What is known of the archive before it is one.
+    /// Facts of the site that are known before the archive is complete.
     pub facts: Arc<SiteFacts>,
     pub known: Known<'a>,
-    /// The scene before it was changed.
+    /// Archive of the scene before it was changed.
     pub before: Option<Before<'a>>,
-    /// Only where there are mirrors.
+    /// Tracer of mirrors; `None` if there are none.
     pub reflections: Option<Reflections<'a>>,
-    /// Largest share of light that was lost behind the last mirror followed, as bits of an f64: of a receiver's, of a cell's.
+    /// Largest shares of light that were lost behind the last mirror followed, as bits of an f64:
+    /// of a receiver's light, of a cell's.
     pub lost: [AtomicU64; 2],
     /// Mean directions of the texels of the sky of probes.
     pub probe_centres: Vec<[f32; 3]>,
@@ -81,27 +83,27 @@ impl<'a> SiteTracer<'a> {
         }
     }
 
-    /// The surfaces that cells are on.
+    /// Returns the surfaces that cells lie on.
     pub fn surfaces(&self) -> CellSurfaces<'_> {
         let canopies = self.canopies.map(Canopies::tracer);
         CellSurfaces { mesh: &self.scene.mesh, tracer: self.tracer, canopies }
     }
 
-    /// What need not be derived again, if the archive is to be a preview.
+    /// Returns the layers that a preview keeps; `None` if the archive is to be complete.
     pub fn keeping(&self) -> Option<&Keeping> {
         self.before.as_ref()?.preview.as_ref()
     }
 
-    /// Whether an effect is to be traced, if the scene has it.
+    /// Returns true if an effect is to be traced where the scene has it.
     pub fn traces(&self, effect: Effect) -> bool {
         let left_out = self.settings.left_out;
         !(left_out.contains(effect) || effect == Effect::Bounces && left_out.contains(Effect::Diffuse))
     }
 
-    /// Makes what was written survive a crash, every now and then; and ends the build if the user wants it to end.
+    /// Writes a checkpoint if one is due, and ends the build if the user stopped it.
     pub fn checkpoint(&self, writer: &mut Writer) -> Result<()> {
         if self.keeping().is_some() {
-            // It takes seconds: it begins anew.
+            // A preview takes seconds, so it is not resumed.
             let stopped = || Error::Stopped { what: "before the preview was whole".into() };
             return if self.observer.cancelled() { Err(stopped()) } else { Ok(()) };
         }

@@ -1,4 +1,4 @@
-//! One tile of a build: 64 receivers traced, packed and compressed.
+//! Tiles of a build. In: 64 receivers. Out: their layers, traced, packed and compressed.
 
 use std::sync::Arc;
 
@@ -42,53 +42,56 @@ use heliotile_core::site::cells::CellKey;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::{counted, with_list};
 
-/// A receiver that sees less sky than this and is enclosed lies inside a solid.
+/// Sky view below which an enclosed receiver counts as inside a solid.
 pub(super) const BLIND: f64 = 1e-4;
 
-/// Tiles whose responses are derived together: they share much of what they see.
+/// Number of tiles whose responses are derived together, because they see many of the same cells.
 const GROUP: usize = 16;
 
-/// A traced tile: its blocks in the order they are written, and what the rest of the build needs of it.
+/// Traced tile: its blocks in the order of writing, and facts for the rest of the build.
 #[derive(Default)]
 pub(super) struct TracedTile {
     pub blocks: Vec<EncodedBlock>,
     pub cells: Vec<CellKey>,
     pub rays: RayCounts,
     pub misplaced: Vec<Misplaced>,
-    /// Where it is copied from, if it is.
+    /// Tile of the archive before that it is copied from, if it is.
     pub copied: Option<CopiedTile>,
 }
 
-/// What is known of the tiles of a build.
+/// Facts about the tiles of a build.
 #[derive(Default)]
 pub(super) struct TilesFound {
     pub misplaced: Vec<Misplaced>,
-    /// Tiles that are copies, with their numbers in the archive before a change.
+    /// Copied tiles, with their numbers in the archive before a change.
     pub copied: Vec<CopiedTile>,
 }
 
-/// A tile, and the tile of the archive before a change that it is a copy of.
+/// Tile, and the tile of the archive before a change that it is a copy of.
 #[derive(Clone, Copy)]
 pub(super) struct CopiedTile {
     pub tile: u32,
     pub from: u32,
-    /// Most by which the direct light of its receivers alters: a share of the light on open ground.
+    /// Upper bound of how much the direct light of its receivers alters, as a share of the light on
+    /// open ground.
     pub direct: f64,
 }
 
-/// A receiver that lies where it can hardly be meant to.
+/// Receiver at a place where it can hardly be intended.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Misplaced {
-    /// In a solid or below the terrain: it sees no sky, and steep rays cross an odd number of surfaces.
+    /// Receiver in a solid or below the terrain: it sees no sky, and steep rays cross an odd number
+    /// of surfaces.
     Inside(String),
-    /// A surface this close in front of it, metres.
+    /// Receiver with a surface this close in front of it, metres.
     Touching(String, f64),
 }
 
-/// Receivers named in the first line of a warning.
+/// Number of receivers that the first line of a warning names.
 const MOST_NAMES: usize = 3;
 
-/// One warning for each way of being misplaced, naming the receivers: more than a few in a list behind it.
+/// Returns one warning for each kind of misplacement with the names of the receivers. More than a
+/// few names follow as a list.
 pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<String> {
     let mut inside = Vec::new();
     let mut touching = Vec::new();
@@ -124,7 +127,7 @@ pub(super) fn warnings(misplaced: &[Misplaced]) -> Vec<String> {
     .collect()
 }
 
-/// One traced receiver.
+/// Traced receiver.
 struct Traced {
     sky: SkyTexture,
     hits: HitTrace,
@@ -134,7 +137,8 @@ struct Traced {
 }
 
 impl SiteTracer<'_> {
-    /// Traces and writes the receivers' tiles. Returns the keys of all cells that they see, sorted, each once.
+    /// Traces and writes the receivers' tiles. Returns the keys of all cells that they see, sorted,
+    /// each once.
     pub fn write_receivers(
         &self,
         receivers: &mut ReceiverTiles,
@@ -155,6 +159,7 @@ impl SiteTracer<'_> {
                 .enumerate()
                 .map(|(i, tile)| self.tile(first + i as u32, tile, &fans, writer))
                 .collect();
+            // Tiles are appended in order, so that the bytes do not depend on threads.
             for tile in traced {
                 let tile = tile?;
                 tile.blocks.into_iter().try_for_each(|block| writer.append(block))?;
@@ -179,7 +184,7 @@ impl SiteTracer<'_> {
         Ok(keys.finish()?.map(key))
     }
 
-    /// A tile that the file holds already, or a traced one.
+    /// Returns a tile that the file already holds, or traces it.
     fn tile(&self, number: u32, receivers: &[Receiver], fans: &SkyFans, writer: &Writer) -> Result<TracedTile> {
         if [format::RECEIVERS, format::SKY, format::HIT].iter().all(|&kind| writer.has(kind, TileNumber(number))) {
             let site = OpenSite::over(writer, Arc::clone(&self.facts));
@@ -198,7 +203,7 @@ impl SiteTracer<'_> {
         }
     }
 
-    /// Derives and writes the responses of all tiles but those that a preview keeps.
+    /// Derives and writes the responses of all tiles, except those that a preview keeps.
     pub fn write_responses(
         &self,
         tiles: u32,
@@ -221,7 +226,7 @@ impl SiteTracer<'_> {
             let view = |&tile: &u32| TileView::read(&site, tile);
             let views: Vec<TileView> = group.par_iter().map(view).collect::<Result<_>>()?;
             let responses = responder.derive(&Tables::of(&site)?, &views)?;
-            // The stored reflectances are the only state.
+            // There is one state only, that of the stored reflectances.
             let encode = |(&tile, states): (&u32, &Vec<Vec<Response>>)| pack::responses(TileNumber(tile), &states[0]);
             let blocks: Vec<EncodedBlock> = group.par_iter().zip(&responses).map(encode).collect::<Result<_>>()?;
             blocks.into_iter().try_for_each(|block| writer.append(block))?;
@@ -265,7 +270,7 @@ impl SiteTracer<'_> {
         let mut hits = HitTile::new(&cells);
         let table = self.receivers_table(receivers, &hits, &viewers);
         if !self.traces(Effect::Diffuse) {
-            // They have given the view factors, and nothing else asks for them.
+            // Hits were only needed for the view factors.
             hits = HitTile { palette: Vec::new(), texels: vec![0; hits.texels.len()] };
         }
         let parts = tables::PartsTable::of(receivers);
@@ -275,10 +280,10 @@ impl SiteTracer<'_> {
         Ok(TracedTile { blocks, cells, rays, misplaced, copied: None })
     }
 
-    /// A receiver that an earlier build traced, as if it had been traced now.
+    /// Returns a receiver that an earlier build traced, as if it had been traced now.
     fn known_receiver(&self, receiver: &Receiver, known: KnownReceiver, fans: &SkyFans) -> Traced {
         let view = self.viewpoint(receiver);
-        // An archive without reflections holds no hits, but view factors are made of them.
+        // An archive without reflections holds no hits, but view factors need them.
         let hits = match self.traces(Effect::Diffuse) {
             true => {
                 HitTrace { cells: known.hits, nearest_m: f64::INFINITY, mirrors: Vec::new(), distances_m: Vec::new() }
@@ -298,7 +303,8 @@ impl SiteTracer<'_> {
         self.trace_rest(&view, view.sky(fans, self.tracer), None, fans)
     }
 
-    /// A receiver that was traced before the scene was changed: rays are cast only where the change may show.
+    /// Traces a receiver that was traced before the scene was changed, with rays only where the
+    /// change may show.
     fn changed_receiver(&self, receiver: &Receiver, known: &KnownReceiver, before: &Before, fans: &SkyFans) -> Traced {
         let view = self.viewpoint(receiver);
         let seen = before.seen(&view, self);
@@ -307,7 +313,7 @@ impl SiteTracer<'_> {
         self.trace_rest(&view, sky, hits, fans)
     }
 
-    /// All of a receiver but its sky, and its hits if they are known.
+    /// Traces all layers of a receiver but its sky, and but its hits if they are known.
     fn trace_rest(&self, view: &Viewpoint, sky: SkyTrace, hits: Option<HitTrace>, fans: &SkyFans) -> Traced {
         let SkyTrace { texture, bits, rays } = sky;
         let mut rays = RayCounts { sky: rays, ..RayCounts::default() };
@@ -319,7 +325,7 @@ impl SiteTracer<'_> {
         });
         let lit = !blind || self.is_reached(view);
         if !lit {
-            // What it sees may share cells with what lies in the light.
+            // The cells that it sees may also hold surfaces in the light.
             hits.cells.iter_mut().flatten().for_each(|cell| *cell = CellKey::dark(cell.material));
             hits.mirrors.clear();
         }
@@ -331,38 +337,39 @@ impl SiteTracer<'_> {
         Traced { sky: texture, hits, viewer, extras: ReceiverExtras { mirrors, canopy }, rays }
     }
 
-    /// Whether light comes to a place that sees no sky.
+    /// Returns true if light reaches a place that sees no sky.
     pub(super) fn is_reached(&self, view: &Viewpoint) -> bool {
         let origin = self.tracer.grid().lifted(view.position, view.normal);
         is_reached(origin, view.normal, view.seed(), &self.scene.mesh, self.tracer)
     }
 
-    /// A receiver's first hits.
+    /// Traces the first hits of a receiver.
     pub(super) fn trace_hits(&self, view: &Viewpoint) -> HitTrace {
         let (n, mesh) = (self.settings.hit, &self.scene.mesh);
         view.hits(n, self.cell_settings(), mesh, self.tracer, self.reflections.as_ref())
     }
 
-    /// How hits are gathered into cells.
+    /// Returns the sizes of the cells that hits are gathered into.
     pub(super) fn cell_settings(&self) -> CellSettings {
         CellSettings { factor: self.settings.cell_factor(), floor_m: self.settings.cell_floor_m }
     }
 
-    /// What is wrong with where a receiver lies.
+    /// Returns how a receiver is misplaced, or `None` if it is not.
     fn misplaced(&self, receiver: &Receiver, traced: &Traced) -> Option<Misplaced> {
         if self.inside(receiver, traced.viewer.sky_view) {
             return Some(Misplaced::Inside(receiver.id.clone()));
         }
         let (grid, nearest_m) = (self.tracer.grid(), traced.hits.nearest_m);
         (nearest_m < 2.0 * grid.offset_m(receiver.position)).then(|| {
-            // Rays start on the grid, so they are lifted by a little more or less.
+            // Rays start on the grid, so their offset is a little more or less.
             let start = DVec3::from(grid.lifted(receiver.position, receiver.normal).map(f64::from));
             let lifted_m = (grid.absolute(start) - receiver.position).dot(receiver.normal);
             Misplaced::Touching(receiver.id.clone(), nearest_m + lifted_m)
         })
     }
 
-    /// Whether a receiver that sees this share of sky lies inside a solid. Few are blind, so few are asked.
+    /// Returns true if a receiver with this sky view is inside a solid. Few receivers are blind, so
+    /// the costly test is rare.
     fn inside(&self, receiver: &Receiver, sky_view: f64) -> bool {
         sky_view < BLIND && is_enclosed(&self.viewpoint(receiver), &self.scene.mesh, self.tracer)
     }
@@ -378,7 +385,7 @@ impl SiteTracer<'_> {
     }
 }
 
-/// What is needed of a receiver with these sky bits besides its hits.
+/// Returns the facts of a receiver with these sky bits that its responses need besides its hits.
 fn viewer(view: &Viewpoint, sky: &BitSquare, fans: &SkyFans) -> Viewer {
     let sky_view = sky_view_factor(view.normal, sky, fans.centres()).min((1.0 + view.normal.z) / 2.0);
     Viewer { normal: view.normal, seed: view.seed(), sky_view }

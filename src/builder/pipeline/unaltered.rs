@@ -1,5 +1,6 @@
-//! Tiles that a change of the scene leaves as they were. In: an archive of the scene before, a tile of receivers. Out: the blocks of that archive,
-//! as they stand there, if it holds these receivers and none of their rays meets what changed.
+//! Tiles that a change of the scene leaves as they were. In: an archive of the scene before, a tile
+//! of receivers. Out: the blocks of that archive, copied, if it holds these receivers and none of
+//! their rays meets the change.
 
 use std::sync::atomic::Ordering;
 
@@ -16,7 +17,7 @@ use heliotile_core::layers::hit::HitTile;
 use heliotile_core::site::receiver::Receiver;
 
 impl Before<'_> {
-    /// A block as it stands in the archive, under another number.
+    /// Copies a block of the archive, under another number.
     pub fn copy(&self, kind: BlockKind, tile: TileNumber, to: TileNumber) -> Result<Option<EncodedBlock>> {
         let Some(entry) = self.file.entry(kind, tile) else { return Ok(None) };
         let mut block = self.file.copy(entry)?;
@@ -24,8 +25,8 @@ impl Before<'_> {
         Ok(Some(block))
     }
 
-    /// The hits of so many receivers of a tile, with the numbers that materials have now; `None` if they are damaged, or one of a material that
-    /// is gone is among them.
+    /// Returns the hits of `receivers` receivers of a tile, with the present numbers of materials.
+    /// `None` if they are damaged or one of their materials is gone.
     fn tile_hits(&self, tile: u32, receivers: usize) -> Option<HitTile> {
         let mut hits = self.archive.hits(tile, receivers)?;
         for key in &mut hits.palette {
@@ -34,7 +35,7 @@ impl Before<'_> {
         Some(hits)
     }
 
-    /// The block of these under another number.
+    /// Returns the block of these hits under another number.
     fn hits_block(&self, tile: TileNumber, to: TileNumber, receivers: usize) -> Result<Option<EncodedBlock>> {
         if self.same_numbers {
             return Ok(self.copy(format::HIT, tile, to).ok().flatten());
@@ -44,7 +45,7 @@ impl Before<'_> {
 }
 
 impl SiteTracer<'_> {
-    /// The blocks of a tile that the change does not alter; `None` for any other tile.
+    /// Returns the blocks of a tile that the change does not alter; `None` for any other tile.
     pub(super) fn unaltered_tile(
         &self,
         number: TileNumber,
@@ -52,7 +53,8 @@ impl SiteTracer<'_> {
         fans: &SkyFans,
     ) -> Result<Option<TracedTile>> {
         let Some(before) = &self.before else { return Ok(None) };
-        // Mirrors and canopies show more of the scene than rays to the sky and to first hits do, and an archive without reflections holds no hits.
+        // Mirrors and canopies show more of the scene than rays to the sky and to first hits do,
+        // and an archive without reflections holds no hits.
         let canopies = self.canopies.is_some() && before.of_canopies;
         let mirrors = self.reflections.is_some() || before.file.has(format::MIRRORS, TileNumber::FIRST);
         if !before.same_classes || mirrors || canopies || self.leaves_scatter() || !self.traces(Effect::Diffuse) {
@@ -61,13 +63,14 @@ impl SiteTracer<'_> {
         let Some((from, table)) = before.archive.tile_of(receivers) else { return Ok(None) };
         let preview = before.preview.as_ref();
         let direct = preview.and_then(|keeping| keeping.direct(receivers, self, &before.change));
-        // Whether light comes to a receiver that sees no sky is not told by its own rays. The table holds f32.
+        // A receiver's own rays do not tell if light reaches it when it sees no sky. The factor 2
+        // allows for the f32 values of the table.
         let blind = || table.sky_view.iter().any(|view| f64::from(*view) < 2.0 * BLIND);
         if direct.is_none() && (blind() || self.alters(before, from, receivers, fans)) {
             return Ok(None);
         }
         let table = tables::ReceiversTable::new(receivers.iter().zip(table.views()));
-        // A block that is damaged is traced again.
+        // A damaged block is traced again.
         let Ok(Some(sky)) = before.copy(format::SKY, TileNumber(from), number) else { return Ok(None) };
         let Some(hits) = before.hits_block(TileNumber(from), number, receivers.len())? else { return Ok(None) };
         let mut blocks = vec![table.encode(format::RECEIVERS, number, COMPRESSION)?, sky, hits];
@@ -79,7 +82,7 @@ impl SiteTracer<'_> {
             _ => return Ok(None),
         }
         let cells = match before.preview.is_some() {
-            // It keeps all cells of the archive.
+            // A preview keeps all cells of the archive.
             true => Vec::new(),
             false => match before.tile_hits(from, receivers.len()) {
                 Some(hits) => hits.palette,
@@ -95,7 +98,8 @@ impl SiteTracer<'_> {
         }))
     }
 
-    /// Whether the change alters what some receivers of a tile see. Also where that cannot be read.
+    /// Returns true if the change alters what some receivers of a tile see, or if that cannot be
+    /// read.
     fn alters(&self, before: &Before, from: u32, receivers: &[Receiver], fans: &SkyFans) -> bool {
         let views = receivers.iter().map(|receiver| self.viewpoint(receiver));
         let views: Vec<_> = views.map(|view| (view, before.seen(&view, self))).collect();
@@ -110,6 +114,7 @@ impl SiteTracer<'_> {
         if touched.is_empty() {
             return false;
         }
+        // The tile is decoded only if the change may show in some sky.
         let Some(layers) = before.archive.tile(from) else { return true };
         touched.into_iter().any(|row| {
             let Some(Some(known)) = layers.get(row) else { return true };

@@ -1,10 +1,13 @@
-//! What effects bring over a year, and which may be left out. In: a scene, receivers, weather. Out: by groups of receivers, what leaving an effect
-//! out costs at most.
+//! Light that effects contribute over a year, to decide which effects a build may leave out. In: a
+//! scene, receivers, weather. Out: by groups of receivers, an upper bound of the light that is lost
+//! without an effect.
 //!
-//! An independent [judge](crate::judge) follows the paths of light of a sample of receivers under all suns and skies of the year at once, and
-//! counts what came by surfaces, by several of them, by mirrors, and what canopies took away. A bound is what is found and three standard
-//! errors of it: of the judge's chance and, where not all receivers were asked, of the sample's. It is a bound of a group's mean; among
-//! receivers that were not asked a few may lose more.
+//! The [reference path tracer](crate::judge) follows light paths of a sample of receivers under all
+//! suns and skies of the year at once. It counts the light that came by surfaces, by several of
+//! them and by mirrors, and the light that canopies took away. A bound is 1.05 times the mean
+//! found, since a build may overestimate an effect, plus three standard errors: of the path tracer
+//! and, if not all receivers were sampled, of the sample. The bound holds for the mean of a group;
+//! a few receivers outside the sample may lose more.
 
 use std::time::Instant;
 
@@ -26,63 +29,67 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::conditions::in_axes;
 
-/// Receivers that are asked, at most, and paths of each.
+/// Largest number of receivers in the sample; [`PATHS`] is the number of paths of each.
 const SAMPLE: usize = 512;
 const PATHS: usize = 1024;
 
-/// Share of the mean of all receivers below which a group's sum is nothing that percents tell: of receivers inside solids.
+/// Least sum that percentages refer to, as a share of the mean of all receivers. Groups below it,
+/// such as receivers inside solids, get hardly any light, so percentages of their own sum would say
+/// nothing.
 const LEAST: f64 = 0.01;
 
-/// Standard errors that a bound lies above what is found: passed once in 700 times.
+/// Standard errors between the estimate and its bound: exceeded once in 700 times.
 const SURE: f64 = 3.0;
 
-/// What a build may give too much of an effect.
+/// Factor by which a build may overestimate the light of an effect.
 const BUILDER: f64 = 1.05;
 
-/// What effects bring under some weather.
+/// Light that effects contribute over a year of weather.
 #[derive(Clone, Debug)]
 pub struct YearLosses {
-    /// The weather, as its file is called.
+    /// Name of the weather file.
     pub weather: String,
-    /// All receivers, and those that were asked.
+    /// Number of all receivers.
     pub receivers: usize,
-    /// Number of those that were asked.
+    /// Number of receivers in the sample.
     pub sample: usize,
-    /// All first, then groups by the sky that they see.
+    /// All receivers first, then groups by sky view.
     pub groups: Vec<GroupLosses>,
-    /// What it took.
+    /// Time that the estimate took, seconds.
     pub seconds: f64,
 }
 
-/// The means of a group of receivers.
+/// Means of a group of receivers.
 #[derive(Clone, Copy, Debug)]
 pub struct GroupLosses {
-    /// Smallest and largest share of a view that is sky.
+    /// Smallest and largest sky view of the group, as shares of the hemisphere.
     pub sky_view: [f64; 2],
-    /// Sum of irradiation.
+    /// Mean yearly irradiation, kWh/m2.
     pub total_kwh_m2: f64,
-    /// What percents are of: the sum, or a small share of that of all receivers, where hardly any light comes.
+    /// Sum that percentages refer to, kWh/m2: the group's own, but at least a small share of the
+    /// mean of all receivers.
     pub whole_kwh_m2: f64,
-    /// Each of [`Effect::ALL`].
+    /// Loss for each of [`Effect::ALL`].
     pub losses: [Loss; Effect::ALL.len()],
 }
 
-/// What leaving an effect out costs.
+/// Light that is lost when an effect is left out. For canopies it is light that is gained.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Loss {
-    /// What was found. Without canopies, so much would come besides.
+    /// Estimate, kWh/m2.
     pub found_kwh_m2: f64,
-    /// What it is at most.
+    /// Upper bound, kWh/m2.
     pub bound_kwh_m2: f64,
 }
 
 impl GroupLosses {
-    /// The bound of an effect in percent of the group's sum.
+    /// Returns the bound of an effect in percent of the group's sum.
     pub fn percent(&self, effect: Effect) -> f64 {
         percent(self.losses[effect as usize].bound_kwh_m2, self.whole_kwh_m2)
     }
 
-    /// Of some receivers that the judge was asked about, out of `all`; percents are of `least` kWh/m2 at least.
+    /// Returns the losses of a group from `some`, its sampled receivers out of `all`. Percentages
+    /// refer to at least `least` kWh/m2.
     fn of(some: &[Asked], all: f64, least: f64) -> Self {
         let count = some.len().max(1) as f64;
         let mean = |value: &dyn Fn(&Asked) -> f64| some.iter().map(value).sum::<f64>() / count;
@@ -90,7 +97,8 @@ impl GroupLosses {
             let number = effect as usize;
             let found = mean(&|asked| asked.year.by_effect[number]);
             let chance = mean(&|asked| asked.year.by_effect_error[number].powi(2)) / count;
-            // A sample without replacement (Cochran 1977, "Sampling Techniques", eq. 2.20).
+            // Variance of a mean sampled without replacement (Cochran 1977, "Sampling Techniques",
+            // eq. 2.20).
             let spread = mean(&|asked| (asked.year.by_effect[number] - found).powi(2)) / (count - 1.0).max(1.0);
             let left = (1.0 - count / all).max(0.0);
             let bound = BUILDER * found + SURE * (chance + left * spread).sqrt();
@@ -107,22 +115,24 @@ impl GroupLosses {
     }
 }
 
-/// A receiver of the sample.
+/// Sampled receiver and what the reference path tracer found for it.
 #[derive(Clone, Copy)]
 struct Asked {
     sky_view: f64,
-    /// kWh/m2.
+    /// Sums of the year, kWh/m2.
     year: Judged,
 }
 
 impl YearLosses {
-    /// Asks the judge about a sample of a build's receivers. An error: no place for suns that go by true north.
+    /// Estimates the losses for a sample of a build's receivers with the reference path tracer.
+    /// Fails if the suns need true north and the scene has no place.
     pub fn of(build: &mut Build, suns: &ErrorConditions) -> Result<Self> {
         let started = Instant::now();
         let scene = build.scene.scene;
         let mut all = suns.year(BuildSettings::default().steps.into());
         all.retain(is_lit);
         let year = JudgedSky::sum(&in_axes(&all, North::of(scene.place.as_ref())), SkyModel::default())?;
+        // The open sky gives the sky view by which receivers are grouped.
         let open = JudgedSky::open();
         let receivers = build.receivers.count();
         let sampled: Vec<Receiver> = sample(build.receivers, SAMPLE)?.into_iter().map(|s| s.1).collect();
@@ -149,12 +159,13 @@ impl YearLosses {
         Ok(YearLosses { weather: suns.name().into(), receivers, sample: count, groups, seconds })
     }
 
-    /// The most that an effect brings any group, percent of its sum.
+    /// Returns the largest loss of any group without an effect, percent of the group's sum.
     pub fn worst_percent(&self, effect: Effect) -> f64 {
         self.groups.iter().map(|group| group.percent(effect)).fold(0.0, f64::max)
     }
 
-    /// What can be left out so that no group loses more than some percent of its sum: effects that bring least first.
+    /// Returns the effects that can be left out together so that no group loses more than `percent`
+    /// of its sum. Effects that contribute least are tried first.
     pub fn negligible(&self, percent: f64) -> Effects {
         let mut effects = Effect::ALL;
         effects.sort_by(|a, b| self.worst_percent(*a).total_cmp(&self.worst_percent(*b)));
@@ -169,7 +180,8 @@ impl YearLosses {
     }
 }
 
-/// What a group loses without some effects, percent of its sum: reflected light holds what is reflected again and what leaves scatter.
+/// Returns the loss of a group without some effects, percent of its sum. Bounces and light
+/// scattered by leaves are parts of diffuse light and do not count again without it.
 fn lost_percent(group: &GroupLosses, without: &[Effect]) -> f64 {
     let is_diffuse = |effect: &Effect| matches!(effect, Effect::Bounces | Effect::Leaves);
     let counts = |effect: &&Effect| !(is_diffuse(effect) && without.contains(&Effect::Diffuse));
@@ -192,9 +204,10 @@ mod tests {
         YearLosses { weather: "w".into(), receivers: 8, sample: 8, groups, seconds: 0.0 }
     }
 
-    /// Of groups of 1,000 kWh/m2 that lose 9 and 3 kWh/m2 without diffuse light, 2 and 4 of these without bounces, 3 and 0 without mirrors, 0.4 %
-    /// leaves out bounces or mirrors and not both (the one whose worst group loses less), 0.7 % both, 1.3 % all three and with them what leaves scatter; where nothing is
-    /// lost all five go at 0.
+    /// Groups of 1,000 kWh/m2 lose 9 and 3 kWh/m2 without diffuse light, 2 and 4 of these without
+    /// bounces, 3 and 0 without mirrors. A limit of 0.4 % leaves out mirrors only, whose worst
+    /// group loses less than that of bounces, 0.7 % leaves out both, 1.3 % all three and with them
+    /// scattering leaves. Where nothing is lost, a limit of 0 leaves out all five.
     #[test]
     fn least_goes_first() {
         let some = losses(&[[9.0, 2.0, 3.0, 50.0, 50.0], [3.0, 4.0, 0.0, 50.0, 50.0]]);
@@ -209,8 +222,9 @@ mod tests {
         assert_eq!(losses(&[[0.0; 5]]).negligible(0.0), Effects::ALL);
     }
 
-    /// Of 4 receivers out of 8 that lose 1, 2, 3, 4 with errors of 0.2, the mean is 2.5 and the bound 1.05 x 2.5 + 3 sqrt(0.04 / 4 + 0.5 x 1.25 / 3);
-    /// with all of them asked, the second part falls away.
+    /// Four receivers out of 8 lose 1, 2, 3, 4 with errors of 0.2: the mean is 2.5 and the bound
+    /// 1.05 x 2.5 + 3 sqrt(0.04 / 4 + 0.5 x 1.25 / 3). If the group has only these 4, the second
+    /// part of the root is 0.
     #[test]
     fn bounds_of_samples() {
         let asked = |i: usize| {

@@ -1,5 +1,5 @@
-//! Planning: what a build is to trace, before it does. In: a build's scene and receivers, what is wished. Out: a plan, with the forecast and
-//! the choice of settings that it rests on.
+//! Planning: decides what a build traces before it starts. In: the scene and receivers of a build,
+//! a request. Out: a plan, with the forecast and the choice of settings behind it.
 
 pub mod losses;
 mod request;
@@ -16,51 +16,53 @@ use losses::YearLosses;
 
 pub use request::{AccuracyRequest, BuildDone, BuildRequest, PREVIEWS, check_preview};
 
-/// What is wished of a build.
+/// Request for a plan.
 pub struct PlanRequest<'a> {
-    /// Settings to begin with; what they leave out is decided anew.
+    /// Settings to begin with. Their left-out effects are decided anew.
     pub settings: BuildSettings,
-    /// Which light paths to trace.
+    /// Light paths to trace.
     pub effects: EffectChoice,
-    /// Weather that effects are weighed under.
+    /// Weather under which losses by effect are estimated; `None` skips the estimate.
     pub under: Option<EffectsUnder<'a>>,
-    /// An error to keep within; settings are then chosen by a pilot.
+    /// Error target; a pilot then chooses the settings.
     pub target: Option<ErrorTarget<'a>>,
 }
 
-/// Weather that effects are weighed under.
+/// Weather under which losses by effect are estimated.
 #[derive(Clone, Copy)]
 pub struct EffectsUnder<'a> {
     /// The weather.
     pub weather: &'a ErrorConditions,
-    /// What may be left out where the scene decides, percent of the sum of each group of receivers; `None` decides nothing.
+    /// Largest loss in any group of receivers, percent of its sum, for which [`EffectChoice::Auto`]
+    /// leaves effects out; `None` only reports the losses.
     pub negligible_percent: Option<f64>,
 }
 
-/// An error to keep within.
+/// Error target of a build.
 #[derive(Clone, Copy)]
 pub struct ErrorTarget<'a> {
     /// Largest RMSE of hourly totals, percent of their mean.
     pub percent: f64,
-    /// What it is estimated under.
+    /// Weather or suns under which the error is estimated.
     pub suns: &'a ErrorConditions,
 }
 
-/// A plan and what it rests on.
+/// Plan and the estimates behind it.
 #[derive(Clone, Debug)]
 pub struct PlanReport {
-    /// What to build.
+    /// Settings and left-out effects of the build.
     pub plan: Plan,
-    /// What that would trace, effect by effect.
+    /// Forecast of the plan's work, effect by effect.
     pub forecast: Forecast,
-    /// Only where effects were weighed under some weather.
+    /// Losses by effect; `None` if no weather was given for them.
     pub losses: Option<YearLosses>,
-    /// Only where settings were chosen for an error.
+    /// Choice of settings; `None` if no error target was given.
     pub choice: Option<SettingsChoice>,
 }
 
 impl Build<'_> {
-    /// Decides on what is left out and, where an error is given, on settings.
+    /// Decides which effects are left out and, if an error target is given, which settings are
+    /// used.
     pub fn plan(&mut self, request: &PlanRequest) -> Result<PlanReport> {
         let losses = request.under.map(|under| YearLosses::of(self, under.weather)).transpose()?;
         let percent = request.under.and_then(|under| under.negligible_percent);
@@ -78,7 +80,7 @@ impl Build<'_> {
             plan.accuracy = Some(chosen.accuracy.clone());
             choice = Some(chosen);
         }
-        // What the scene has none of is not left out.
+        // Effects that the scene does not have are not left out.
         let left_out = plan.settings.left_out.names();
         plan.negligible = known.and_then(|mut known| {
             known.bound_percent.retain(|name, _| left_out.contains(name));
@@ -88,7 +90,7 @@ impl Build<'_> {
     }
 }
 
-/// What may be left out under some weather.
+/// Returns the effects that may be left out under some weather, with their bounds.
 fn negligible(losses: &YearLosses, percent: f64) -> Negligible {
     let without = losses.negligible(percent);
     let left_out = Effect::ALL.into_iter().filter(|effect| without.contains(*effect));

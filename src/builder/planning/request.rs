@@ -1,5 +1,5 @@
-//! A build as a user asks for it. In: how exact it is to be, which light paths, under which weather. Out: a plan, an archive, and what an observer
-//! is told about both.
+//! Request of a user for a build. In: the accuracy wanted, light paths, weather. Out: a plan, an
+//! archive, and reports of both to an observer.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -15,23 +15,24 @@ use heliotile_core::archive::Archive;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::options::WeatherOptions;
 
-/// How exact a build is to be.
+/// Accuracy that a user wants of a build.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AccuracyRequest {
     /// Rung of the accuracy ladder.
     #[serde(default)]
     pub quality: Quality,
-    /// Settings by name that differ from those of the rung, `hit=16`.
+    /// Settings by name that replace those of the rung, such as `hit=16`.
     #[serde(default)]
     pub set: Vec<String>,
-    /// Largest RMSE of hourly totals, percent of their mean. A pilot chooses the settings then.
+    /// Error target: largest RMSE of hourly totals, percent of their mean. A pilot then chooses the
+    /// settings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_percent: Option<f64>,
-    /// Weather file that errors are estimated under; none: suns from all sides.
+    /// Weather file under which errors are estimated; `None` uses suns from all sides.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_weather: Option<PathBuf>,
-    /// How that file is read.
+    /// Options for reading the weather file.
     #[serde(default, skip_serializing_if = "says_nothing")]
     pub weather_options: WeatherOptions,
 }
@@ -41,10 +42,12 @@ fn says_nothing(options: &WeatherOptions) -> bool {
 }
 
 impl AccuracyRequest {
-    /// Errors that can be asked for, percent: below, 32-bit textures and the sun's disc say more than the weather does.
+    /// Error targets that a user can ask for, percent. Below the lowest one, 32-bit textures and
+    /// the sun's disc matter more than the weather.
     pub const ERRORS: RangeInclusive<f64> = 0.1..=50.0;
 
-    /// The settings of the rung with those that are set by name. An error: a name or a number that is not valid.
+    /// Returns the settings of the rung with those that are set by name. Fails for a name or number
+    /// that is not valid.
     pub fn settings(&self) -> Result<BuildSettings> {
         if self.error_percent.is_some_and(|percent| !Self::ERRORS.contains(&percent)) {
             let hint = format!("give {} to {} percent", Self::ERRORS.start(), Self::ERRORS.end());
@@ -57,27 +60,30 @@ impl AccuracyRequest {
     }
 }
 
-/// What is asked of a build.
+/// Request for a build.
 pub struct BuildRequest<'a> {
-    /// How exact it is to be.
+    /// Accuracy wanted.
     pub accuracy: &'a AccuracyRequest,
-    /// Which receivers share a probe.
+    /// Sharing of probes among receivers.
     pub share: Share,
     /// Light paths to trace.
     pub effects: EffectChoice,
-    /// Weather that effects are weighed under, where the scene decides.
+    /// Weather under which losses by effect are estimated; `None` skips the estimate.
     pub under: Option<EffectsUnder<'a>>,
-    /// Whether the archive holds the scene's triangles.
+    /// True if the archive holds the scene's triangles.
     pub with_scene: bool,
-    /// What earlier builds traced; the new archive is added.
+    /// Store in which the build looks up what earlier builds traced, and to which it adds its
+    /// archive.
     pub store: Option<Folder>,
-    /// Archive of the scene before it was changed: what the change does not alter is taken from there.
+    /// Archive of the scene before it was changed. Layers that the change does not alter are copied
+    /// from it.
     pub from: Option<&'a Archive>,
-    /// Keep what the change can alter by less than so many percent; the archive is a preview then.
+    /// Bound of a preview, percent of the light on open ground. Layers that the change can alter by
+    /// less are kept, and the archive is a preview.
     pub preview_percent: Option<f64>,
 }
 
-/// Refuses a bound that no preview can have.
+/// Refuses a percentage outside [`PREVIEWS`].
 pub fn check_preview(percent: Option<f64>) -> Result<()> {
     if percent.is_none_or(|percent| PREVIEWS.contains(&percent)) {
         return Ok(());
@@ -86,20 +92,21 @@ pub fn check_preview(percent: Option<f64>) -> Result<()> {
     Err(Error::argument("preview", "is no bound for a preview", hint))
 }
 
-/// Bounds of previews, percent of the light on open ground.
+/// Bounds that a preview may have, percent of the light on open ground.
 pub const PREVIEWS: RangeInclusive<f64> = 0.01..=20.0;
 
-/// What was planned and what was built.
+/// Plan and report of a finished build.
 #[derive(Clone, Debug)]
 pub struct BuildDone {
-    /// Settings, and the error that they were estimated to have.
+    /// Settings and their estimated error.
     pub plan: Plan,
     /// Counts, seconds, bytes.
     pub report: BuildReport,
 }
 
 impl Build<'_> {
-    /// Decides what is traced. The observer is told which settings were chosen, if an error is to be kept within.
+    /// Decides what is traced. If an error target is given, reports the chosen settings to the
+    /// observer.
     pub fn decide(&mut self, request: &BuildRequest) -> Result<PlanReport> {
         let accuracy = request.accuracy;
         let read = |percent| {
@@ -112,7 +119,7 @@ impl Build<'_> {
         let settings = BuildSettings { share: request.share, ..accuracy.settings()? };
         let plan = PlanRequest { settings, effects: request.effects, under: request.under, target };
         let plan = self.plan(&plan).map_err(|error| match error {
-            // What a trial had written is gone.
+            // The files of the trial are removed, so the message names no file.
             Error::Stopped { .. } => Error::Stopped { what: "while settings were tried".into() },
             error => error,
         })?;
@@ -122,7 +129,7 @@ impl Build<'_> {
         Ok(plan)
     }
 
-    /// Plans, builds, and tells the observer what is done.
+    /// Plans and builds, and reports both to the observer.
     pub fn plan_and_write(mut self, request: &BuildRequest, output: &Output) -> Result<BuildDone> {
         check_preview(request.preview_percent)?;
         if request.preview_percent.is_some() && request.from.is_none() {
@@ -139,6 +146,7 @@ impl Build<'_> {
         let earlier = request.store.as_ref().map_or(Ok(Vec::new()), |store| open_all(store, &key, observer))?;
         let sources = ReusedArchives { earlier: &earlier, before: request.from };
         let report = self.write(plan, output, &sources)?;
+        // A preview holds layers of an older scene, so other builds must not reuse it.
         if let Some(store) = request.store.as_ref().filter(|_| report.preview.is_none()) {
             store.add(&key, &output.path, &report.root)?;
         }
@@ -156,7 +164,7 @@ impl Build<'_> {
 mod tests {
     use super::*;
 
-    /// How weather is read stands in JSON where something is said of it, and not otherwise: 1 of 2.
+    /// `weather_options` are in the JSON only if they differ from the default: 1 of 2 requests.
     #[test]
     fn what_is_said_of_weather_is_kept() {
         let plain = AccuracyRequest { error_percent: Some(2.0), ..AccuracyRequest::default() };

@@ -1,4 +1,5 @@
-//! What a build will do and has done, as tables for people.
+//! Forecast and summary of a build as text tables. In: a forecast, losses, a choice of settings, a
+//! report. Out: text.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -14,7 +15,7 @@ use heliotile_core::site::chain::MOST_MIRRORS;
 use heliotile_core::text::counted;
 use heliotile_scene::Scene;
 
-/// Effect by effect what would be traced.
+/// Returns a table of the rays, seconds and bound of every effect.
 pub fn forecast(forecast: &Forecast) -> String {
     let mut out =
         format!("{:<22}{:<7}{:>11}{:>10}{:>16}  why\n", "effect", "state", "rays", "seconds", "without: W/m2");
@@ -38,7 +39,7 @@ pub fn forecast(forecast: &Forecast) -> String {
     out
 }
 
-/// What effects bring over a year, by groups of receivers.
+/// Returns a table of the losses by effect over a year, by groups of receivers.
 pub fn losses(losses: &YearLosses) -> String {
     let mut out = format!("\n{:<13}{:>8}", "sky view", "kWh/m2");
     Effect::ALL.iter().for_each(|effect| out += &format!("{:>24}", format!("without {}", effect.name())));
@@ -69,7 +70,7 @@ pub fn losses(losses: &YearLosses) -> String {
     out
 }
 
-/// A bound, W/m2; a large one says nothing.
+/// Formats an upper bound, W/m2. More than twice the sun's irradiance counts as unbounded.
 fn at_most(bound: f64) -> String {
     match bound {
         b if b <= 0.0 => "0".into(),
@@ -78,7 +79,7 @@ fn at_most(bound: f64) -> String {
     }
 }
 
-/// 12.3 M.
+/// Formats a number of rays with a prefix: 12.3 M.
 fn rounded(rays: f64) -> String {
     match rays {
         r if r >= 1e9 => format!("{:.1} G", r / 1e9),
@@ -88,7 +89,7 @@ fn rounded(rays: f64) -> String {
     }
 }
 
-/// What was chosen and why, before the build.
+/// Describes the chosen settings and their expected error, before the build.
 pub fn choice(choice: &SettingsChoice) -> String {
     let (stated, a, [sky, seen, bounced, patches]) =
         (choice.settings.stated(), &choice.accuracy, choice.sources_percent);
@@ -115,7 +116,7 @@ pub fn choice(choice: &SettingsChoice) -> String {
     )
 }
 
-/// What was expected and what came out, errors and seconds.
+/// Describes the expected and measured error and time, after the build.
 pub fn outcome(choice: &SettingsChoice, expected_s: f64, taken_s: f64) -> String {
     let a = &choice.accuracy;
     let above = match a.rmse_percent > a.target_percent {
@@ -143,7 +144,7 @@ pub fn outcome(choice: &SettingsChoice, expected_s: f64, taken_s: f64) -> String
     out
 }
 
-/// The error in hours of one kind, in words.
+/// Describes the error in one kind of hours.
 pub fn in_hours(hours: &HoursError) -> String {
     format!(
         "in hours with {} ({:.0} % of all): {:.2} % of their mean ({:.2} of {:.1} W/m2), reflected light {:.2} % ({:.2} of {:.1} W/m2)",
@@ -158,7 +159,7 @@ pub fn in_hours(hours: &HoursError) -> String {
     )
 }
 
-/// A kind of hours, after "hours with".
+/// Returns the words for a kind of hours, to follow "hours with".
 fn hours_in_words(kind: &str) -> String {
     match kind {
         "mostly reflected" => "mostly reflected light".into(),
@@ -166,7 +167,7 @@ fn hours_in_words(kind: &str) -> String {
     }
 }
 
-/// The summary that a build ends with.
+/// Returns the summary of a finished build.
 pub fn summary(report: &BuildReport, scene: &Scene, output: &Path) -> String {
     let counts = &report.counts;
     let total: f64 = report.seconds.iter().map(|s| s.1).sum();

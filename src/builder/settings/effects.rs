@@ -1,23 +1,25 @@
-//! Effects: the light paths that a build may leave out. In: what the user asks for. Out: a set of them.
+//! Effects: the light paths that a build may leave out. In: the choice of the user. Out: a set of
+//! effects.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// A kind of light path. Sun and sky that are seen directly are always there.
+/// Kind of light path. Sun and sky seen directly are always traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Effect {
-    /// What surfaces reflect diffusely.
+    /// First diffuse reflection by surfaces.
     Diffuse,
-    /// What they get from each other before: second and later reflections.
+    /// Second and later diffuse reflections.
     Bounces,
     /// Mirrors and glass.
     Mirrors,
-    /// Leaves and screens, which dim what shines through them; left out, they are not there.
+    /// Leaves and screens, which dim the light that passes through them. If left out, they are
+    /// absent.
     Canopies,
-    /// What leaves and screens scatter; left out, they absorb what they stop.
+    /// Light scattered by leaves and screens. If left out, they absorb the light they stop.
     Leaves,
 }
 
@@ -25,7 +27,7 @@ impl Effect {
     /// All effects, in the order of their numbers.
     pub const ALL: [Effect; 5] = [Effect::Diffuse, Effect::Bounces, Effect::Mirrors, Effect::Canopies, Effect::Leaves];
 
-    /// As options and the manifest name it.
+    /// Returns the name of the effect in options and in the manifest.
     pub fn name(self) -> &'static str {
         match self {
             Effect::Diffuse => "diffuse",
@@ -37,7 +39,7 @@ impl Effect {
     }
 }
 
-/// A set of effects.
+/// Set of effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effects(u8);
 
@@ -47,12 +49,13 @@ impl Effects {
     /// Every effect.
     pub const ALL: Effects = Effects(0b1_1111);
 
-    /// Whether an effect is among them.
+    /// Returns true if the set holds `effect`.
     pub fn contains(self, effect: Effect) -> bool {
         self.0 & 1 << effect as u8 != 0
     }
 
-    /// One more; bounces are reflections of what is reflected, and leaves that scatter light reflect it and are canopies.
+    /// Adds an effect and the effects it needs: bounces need diffuse light, and scattering leaves
+    /// need diffuse light and canopies.
     #[must_use]
     pub fn with(self, effect: Effect) -> Self {
         let implied: &[Effect] = match effect {
@@ -63,25 +66,26 @@ impl Effects {
         Effects(implied.iter().fold(self.0 | 1 << effect as u8, |set, effect| set | 1 << *effect as u8))
     }
 
-    /// Their names, in the order of [`Effect::ALL`].
+    /// Returns the names of the effects, in the order of [`Effect::ALL`].
     pub fn names(self) -> Vec<String> {
         Effect::ALL.into_iter().filter(|e| self.contains(*e)).map(|e| e.name().to_string()).collect()
     }
 
-    /// The effects of these names, as a manifest lists them; names of a later release are passed over.
+    /// Returns the effects with these names, as a manifest lists them. Names of a later release are
+    /// ignored.
     pub fn of_names(names: &[String]) -> Self {
         let named = Effect::ALL.into_iter().filter(|e| names.iter().any(|name| name == e.name()));
         Effects(named.fold(0, |set, effect| set | 1 << effect as u8))
     }
 }
 
-/// What the user wants to be traced.
+/// Effects that the user wants to be traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub enum EffectChoice {
-    /// What the scene calls for.
+    /// Effects that the scene calls for.
     Auto,
-    /// These and no others.
+    /// Exactly these effects.
     These(Effects),
 }
 
@@ -110,7 +114,7 @@ impl TryFrom<String> for EffectChoice {
     }
 }
 
-/// `auto`, `all`, `none` or names with commas.
+/// Parses `auto`, `all`, `none` or names separated by commas.
 impl FromStr for EffectChoice {
     type Err = String;
 
@@ -140,8 +144,8 @@ impl FromStr for EffectChoice {
 mod tests {
     use super::*;
 
-    /// Lists come back as they were written, bounces bring what they reflect (2 effects), leaves too (3), and an unknown or an empty name is
-    /// refused with all 5 names.
+    /// Lists come back as they were written. Bounces imply diffuse light (2 effects), leaves imply
+    /// canopies and diffuse light (3). An unknown or empty name is refused with all 5 names.
     #[test]
     fn lists() {
         for text in ["auto", "all", "none", "mirrors", "diffuse,bounces", "diffuse,mirrors"] {

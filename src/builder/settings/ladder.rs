@@ -1,10 +1,11 @@
 //! The accuracy ladder. In: a rung for each source of error. Out: settings.
 //!
-//! Errors are independent of each other, so each has a ladder of its own: the receivers' sky textures (sun and sky seen directly or in
-//! mirrors), the cells that they see (one reflection), what those see (further ones), and the patches of the sky. The values of the rungs
-//! stand with the settings ([`heliotile_core::archive::settings`]). What a rung is
-//! worth was measured on the sites of `tools/accuracy` against one that is finer everywhere (`tools/accuracy/run`); a build with
-//! `--error` measures it on its own receivers.
+//! Errors are independent of each other, so each source has a ladder of its own: the receivers' sky
+//! textures (sun and sky seen directly or in mirrors), the cells that receivers see (one
+//! reflection), the cells that those see (further reflections), and the patches of the sky. The
+//! values of the rungs are declared with the settings ([`heliotile_core::archive::settings`]). The
+//! error of a rung was measured on the sites of `tools/accuracy`, against a rung that is finer
+//! everywhere (`tools/accuracy/run`). A build with `--error` measures it on its own receivers.
 
 use heliotile_core::archive::settings::{Ladder, SETTINGS};
 
@@ -12,7 +13,7 @@ use super::effects::Effects;
 use super::quality::Quality;
 use super::values::BuildSettings;
 
-/// Number of rungs of a ladder.
+/// Returns the number of rungs of a ladder.
 pub const fn rungs_of(ladder: Ladder) -> usize {
     let mut i = 0;
     while i < SETTINGS.len() {
@@ -24,39 +25,40 @@ pub const fn rungs_of(ladder: Ladder) -> usize {
     0
 }
 
-/// Rungs of the ladder of the receivers' sky textures.
+/// Number of rungs of the ladder of the receivers' sky textures.
 pub const SKY_RUNGS: usize = rungs_of(Ladder::Sky);
-/// Rungs of the ladder of the cells that receivers see.
+/// Number of rungs of the ladder of the cells that receivers see.
 pub const SEEN_RUNGS: usize = rungs_of(Ladder::Seen);
-/// Rungs of the ladder of what those cells see.
+/// Number of rungs of the ladder of the cells that those cells see.
 pub const BOUNCED_RUNGS: usize = rungs_of(Ladder::Bounced);
-/// Rungs of the ladder of the sky's patches.
+/// Number of rungs of the ladder of the sky patches.
 pub const PATCH_RUNGS: usize = rungs_of(Ladder::Patches);
 
-/// Sky patches of each rung.
+/// Returns the number of sky patches of each rung.
 pub fn patches() -> [usize; PATCH_RUNGS] {
     std::array::from_fn(|patches| Rungs { patches, ..Rungs::FINEST }.settings().patches)
 }
 
-/// A rung of each ladder, from 0, the coarsest.
+/// One rung of each ladder, counted from 0, the coarsest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rungs {
-    /// Of the receivers' sky textures, below [`SKY_RUNGS`].
+    /// Rung of the receivers' sky textures, below [`SKY_RUNGS`].
     pub sky: usize,
-    /// Of the cells that receivers see, below [`SEEN_RUNGS`].
+    /// Rung of the cells that receivers see, below [`SEEN_RUNGS`].
     pub seen: usize,
-    /// Of what those cells see, below [`BOUNCED_RUNGS`].
+    /// Rung of the cells that those cells see, below [`BOUNCED_RUNGS`].
     pub bounced: usize,
-    /// Of the sky's patches, below [`PATCH_RUNGS`].
+    /// Rung of the sky patches, below [`PATCH_RUNGS`].
     pub patches: usize,
 }
 
 impl Rungs {
-    /// Finer everywhere than any named rung: what they are judged by.
+    /// Finest rung of every ladder: the reference that the error of other rungs is measured
+    /// against.
     pub const FINEST: Rungs =
         Rungs { sky: SKY_RUNGS - 1, seen: SEEN_RUNGS - 1, bounced: BOUNCED_RUNGS - 1, patches: PATCH_RUNGS - 1 };
 
-    /// The rungs of a quality.
+    /// Returns the rungs of a quality.
     pub const fn of(quality: Quality) -> Self {
         match quality {
             Quality::Draft => Rungs { sky: 1, seen: 1, bounced: 1, patches: 0 },
@@ -66,7 +68,7 @@ impl Rungs {
         }
     }
 
-    /// The rung of one ladder.
+    /// Returns the rung of one ladder.
     pub const fn at(self, ladder: Ladder) -> usize {
         match ladder {
             Ladder::Sky => self.sky,
@@ -76,7 +78,7 @@ impl Rungs {
         }
     }
 
-    /// Whether no rung is above another one's.
+    /// Returns true if no rung is above that of `other`.
     pub const fn is_nowhere_finer(self, other: Rungs) -> bool {
         self.sky <= other.sky
             && self.seen <= other.seen
@@ -84,13 +86,13 @@ impl Rungs {
             && self.patches <= other.patches
     }
 
-    /// Settings that share probes and leave nothing out.
+    /// Returns the settings of the rungs, which share probes and leave nothing out.
     pub fn settings(self) -> BuildSettings {
         BuildSettings::of_rungs(self)
     }
 }
 
-/// The quality whose settings these are, whatever is left out.
+/// Returns the quality with these settings, whatever they leave out.
 pub fn quality_of(settings: &BuildSettings) -> Option<Quality> {
     let traced = BuildSettings { left_out: Effects::NONE, ..*settings };
     Quality::ALL.into_iter().find(|quality| Rungs::of(*quality).settings() == traced)
@@ -100,8 +102,8 @@ pub fn quality_of(settings: &BuildSettings) -> Option<Quality> {
 mod tests {
     use super::*;
 
-    /// All 4 named rungs are in range, are told by their settings, and are finer than the one before in every ladder; 1 changed number is
-    /// no named rung.
+    /// All 4 named rungs are in range, are recognised from their settings, and are finer than the
+    /// one before in every ladder. Settings with 1 changed number are no named rung.
     #[test]
     fn rungs() {
         for quality in Quality::ALL {

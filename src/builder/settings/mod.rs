@@ -1,5 +1,6 @@
-//! Settings: what decides how exact an archive is and what it leaves out. In: a quality, or names and numbers of the user. Out: numbers in
-//! range. Each number is declared in [`heliotile_core::archive::settings`]. Never: scenes, rays, files.
+//! Settings: the numbers and left-out effects that decide how exact an archive is. In: a quality,
+//! or names and numbers of the user. Out: numbers in range. Each number is declared in
+//! [`heliotile_core::archive::settings`]. Never: scenes, rays, files.
 
 mod effects;
 pub mod ladder;

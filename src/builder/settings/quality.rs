@@ -3,27 +3,28 @@
 use heliotile_core::named::NamedValues;
 use serde::{Deserialize, Serialize};
 
-/// A named rung of the accuracy ladder; what it means in textures and cells follows from [`Rungs::of`](crate::settings::Rungs::of).
+/// Named rung of the accuracy ladder. [`Rungs::of`](crate::settings::Rungs::of) says which textures
+/// and cells it uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Quality {
-    /// A quick look.
+    /// Quick look.
     Draft,
-    /// Near the knee of error against time.
+    /// Balance near the knee of error against time.
     #[default]
     Standard,
-    /// For publication.
+    /// Results for publication.
     Fine,
-    /// To judge the others by.
+    /// Reference to compare the other rungs with.
     Reference,
 }
 
 impl Quality {
-    /// From coarse to fine.
+    /// All qualities, from coarse to fine.
     pub const ALL: [Quality; 4] = [Quality::Draft, Quality::Standard, Quality::Fine, Quality::Reference];
 
-    /// As the manifest and the command line name it.
+    /// Returns the name of the quality in the manifest and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Quality::Draft => "draft",

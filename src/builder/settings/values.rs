@@ -1,5 +1,5 @@
-//! Settings of a build as numbers of the program. In: a rung of each ladder, an archive's statement, and what the user sets by name. Out:
-//! numbers in range.
+//! Settings of a build as native numbers. In: a rung of each ladder, the settings that an archive
+//! states, numbers that the user sets by name. Out: numbers in range.
 
 use heliotile_core::archive::settings::{Ladder, SETTINGS, Settings};
 use heliotile_core::error::{Error, Result};
@@ -10,18 +10,18 @@ use super::effects::Effects;
 use super::ladder::{Rungs, quality_of};
 use super::quality::Quality;
 
-/// How probes are shared.
+/// Sharing of probes among receivers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Share {
-    /// By all receivers that see a cell.
+    /// All receivers that see a cell share its probe.
     #[default]
     Cells,
-    /// By nobody: a hemisphere of its own for every hit, the slow reference.
+    /// No sharing: every hit has a hemisphere of its own, the slow reference.
     None,
 }
 
 impl Share {
-    /// As the manifest states it.
+    /// Returns the name of the choice in the manifest.
     pub fn name(self) -> &'static str {
         match self {
             Share::Cells => "cells",
@@ -30,37 +30,46 @@ impl Share {
     }
 }
 
-/// Goes up with every change that makes the same scene and settings give other receivers or cells: what was traced before is not mixed with what is
-/// traced now, in stores, interrupted builds and merges. 1: points hidden in solids do not count, and receivers that no light comes to see none.
-/// 2: the lit side of a sheet hides nothing. 3: whether a side is lit is told by fewer paths. 4: receivers look for mirrors in parts of base texels.
-/// 5: points of cells count by how far surfaces nearby leave them open, cells near each other are finer, fine probes are refined.
+/// Version of the tracing. It goes up with every change that makes the same scene and settings give
+/// other receivers or cells, so that stores, interrupted builds and merges do not mix old and new
+/// ones.
+///
+/// - 1: points hidden in solids do not count, and receivers that no light reaches see nothing.
+/// - 2: the lit side of a sheet hides nothing.
+/// - 3: fewer paths decide if a side is lit.
+/// - 4: receivers look for mirrors in parts of base texels.
+/// - 5: points of cells count by how far nearby surfaces leave them open, cells near each other are
+///   finer, fine probes are refined.
 const TRACING: u32 = 5;
 
 macro_rules! declare {
     ($($name:ident: $stored:ty as $native:ty, $range:ident($($bound:expr),*), $ladder:ident $rungs:tt, $meaning:literal;)*) => {
-        /// Everything that decides what an archive of a scene holds. The defaults are the quality `standard`.
+        /// Settings that decide what an archive of a scene holds. The defaults are the quality
+        /// `standard`.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct BuildSettings {
             $(#[doc = $meaning] pub $name: $native,)*
-            /// Whether receivers share cells, or every hit has one of its own.
+            /// Sharing of cells among receivers.
             pub share: Share,
-            /// What is not traced although the scene has it.
+            /// Effects that are not traced although the scene has them.
             pub left_out: Effects,
         }
 
         impl BuildSettings {
-            /// The settings of a rung of each ladder, which share probes and leave nothing out.
+            /// Returns the settings of a rung of each ladder, which share probes and leave nothing
+            /// out.
             pub fn of_rungs(rungs: Rungs) -> Self {
                 let settings = BuildSettings {
                     $($name: pick!($rungs, $native, rungs.at(Ladder::$ladder)),)*
                     share: Share::Cells,
                     left_out: Effects::NONE,
                 };
-                // A bounce cell cannot tell more of the sky than the probes that see it.
+                // The sky of a bounce cell needs no finer texture than that of the probes that see
+                // it.
                 BuildSettings { bounce_sky: settings.bounce_sky.min(settings.probe), ..settings }
             }
 
-            /// The settings that an archive states.
+            /// Returns the settings that an archive states.
             pub fn of(stated: &Settings) -> Self {
                 BuildSettings {
                     $($name: stated.$name as $native,)*
@@ -69,7 +78,7 @@ macro_rules! declare {
                 }
             }
 
-            /// The settings as the archive states them.
+            /// Returns the settings as an archive states them.
             pub fn stated(&self) -> Settings {
                 Settings {
                     quality: quality_of(self).map_or("", Quality::name).into(),
@@ -82,7 +91,8 @@ macro_rules! declare {
                 }
             }
 
-            /// Sets a number that has a name; `as` saturates, and [`BuildSettings::check`] refuses what is out of range.
+            /// Sets a number by name. `as` saturates, and [`BuildSettings::check`] refuses numbers
+            /// out of range.
             fn set_number(&mut self, name: &str, number: f64) {
                 match name {
                     $(stringify!($name) => self.$name = number as $native,)*
@@ -90,7 +100,7 @@ macro_rules! declare {
                 }
             }
 
-            /// The numbers, in the order of [`SETTINGS`].
+            /// Returns the numbers in the order of [`SETTINGS`].
             fn numbers(&self) -> [f64; SETTINGS.len()] {
                 [$(self.$name as f64),*]
             }
@@ -98,7 +108,7 @@ macro_rules! declare {
     };
 }
 
-/// A number of a list, by its place.
+/// Returns the number at place `$at` of a list.
 macro_rules! pick {
     ([$($number:literal),*], $native:ty, $at:expr) => {{
         const RUNGS: &[$native] = &[$($number),*];
@@ -114,13 +124,13 @@ impl Default for BuildSettings {
     }
 }
 
-/// A wrong value of a setting.
+/// Returns the error for a wrong value of a setting.
 fn wrong(what: String, hint: impl Into<String>) -> Error {
     Error::argument("set", what, hint)
 }
 
 impl BuildSettings {
-    /// Sets one number by `name=value`, named as in the manifest.
+    /// Sets one number by `name=value`, with the name that the manifest uses.
     pub fn set(&mut self, text: &str) -> Result<()> {
         let Some((name, value)) = text.split_once('=') else {
             return Err(wrong(format!("`{text}` is not NAME=VALUE"), "write it as in {set} hit=16"));
@@ -142,7 +152,7 @@ impl BuildSettings {
         Ok(())
     }
 
-    /// Refuses numbers that cannot work.
+    /// Checks that every number is in range and that the numbers fit each other.
     pub fn check(&self) -> Result<()> {
         for (setting, number) in SETTINGS.iter().zip(self.numbers()) {
             if !setting.range.contains(number) {
@@ -158,12 +168,12 @@ impl BuildSettings {
         Ok(())
     }
 
-    /// Edge of a fine cell in footprints; 0 when every hit has a probe of its own.
+    /// Returns the edge of a fine cell in footprints, or 0 if every hit has a probe of its own.
     pub(crate) fn cell_factor(&self) -> f64 {
         if self.share == Share::None { 0.0 } else { self.cell_factor }
     }
 
-    /// Names the settings: builds with other ones have other hashes.
+    /// Returns the hash of the settings. Builds with other settings have other hashes.
     pub fn hash(&self) -> Result<[u8; 32]> {
         self.stated().hash()
     }
@@ -180,7 +190,8 @@ impl NamedValues for Share {
 mod tests {
     use super::*;
 
-    /// What another release traced has another name: 2 hashes of 2 tracings, 1 of the same.
+    /// Settings of another tracing version have another hash: 2 hashes of 2 versions, 1 hash of
+    /// equal settings.
     #[test]
     fn tracing_is_named() {
         let now = BuildSettings::default().stated();
@@ -189,7 +200,8 @@ mod tests {
         assert_ne!(now.hash().expect("a hash"), before.hash().expect("a hash"));
     }
 
-    /// Twelve settings can be set by name; 12 wrong texts are refused by name, and the defaults are in range.
+    /// Twelve settings can be set by name. 12 wrong texts are refused by name, and the defaults are
+    /// in range.
     #[test]
     fn settings_by_name() {
         let mut settings = BuildSettings::default();

@@ -1,4 +1,5 @@
-//! Whether a point lies inside of something. In: a point. Out: what it is inside of, if no light can come to it.
+//! Test whether a point is enclosed. In: a point. Out: the ground or solid that encloses it, if no
+//! light can reach it.
 
 use glam::{DVec2, DVec3};
 
@@ -8,27 +9,30 @@ use crate::trace::hidden::{is_reached, meets_inside};
 use heliotile_core::hemisphere::{cosine_direction_of, mix};
 use heliotile_core::site::material::Class;
 
-/// Rays to each side of the horizon.
+/// Number of rays to each side of the horizon.
 const RAYS: usize = 256;
 
-/// A point which sees more of the sky than this, by the cosine, is in the open: what is left at the rim of terrain that ends somewhere is less.
+/// Cosine-weighted share of sky above which a point is in the open. Less remains at the rim of
+/// terrain that ends somewhere.
 const OPEN: f64 = 0.02;
 
-/// Who sees more than this share of other sides than those that look out is inside of something.
+/// Share of inner sides among the hits above which a point is inside a solid.
 const OTHER_SIDES: f64 = 0.5;
 
-/// What a point is inside of.
+/// Enclosure of a point.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Enclosed {
-    /// The ground is above it.
+    /// The point is below the ground.
     BelowGround,
-    /// Inside of a solid, or of a space that no light reaches; the name of the material that is mostly met.
+    /// The point is inside a solid, or in a space that no light reaches. Holds the name of the
+    /// material that most rays hit.
     Inside(String),
 }
 
 impl Siting<'_> {
-    /// What a point (input coordinates) lies inside of: it sees next to no sky, and mostly backs of surfaces, or no path of light comes to it.
-    /// `None` in the open, and inside of a room with windows that are open.
+    /// Returns what encloses a point (input coordinates): the point sees hardly any sky and mostly
+    /// backs of surfaces, or no light path reaches it. `None` in the open, and inside a room with
+    /// open windows.
     pub fn enclosed(&self, point: DVec3) -> Option<Enclosed> {
         let (scene, tracer) = (self.prepared.scene, &self.prepared.tracer);
         let origin = tracer.grid().relative(point).as_vec3().to_array();
@@ -50,6 +54,7 @@ impl Siting<'_> {
         }
         let sees_sky = sky as f64 > OPEN * RAYS as f64;
         let is_inside = backs as f64 > OTHER_SIDES * met as f64;
+        // A closure, because paths cost more than the rays above.
         let dark = || !is_reached(origin, DVec3::Z, mix(0x7369_7465, 0), &scene.mesh, tracer);
         if sees_sky || !is_inside && (sky > 0 || !dark()) {
             return None;

@@ -1,4 +1,4 @@
-//! The horizon of a point. In: a point. Out: how high the scene stands in the directions around it.
+//! Horizon of a point. In: a point. Out: the altitude of the scene in the directions around it.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -7,22 +7,26 @@ use super::Siting;
 use crate::trace::Ray;
 use heliotile_core::units::direction_from_degrees;
 
-/// Altitudes between which the first sky is looked for, degrees: what is narrower may be missed.
+/// Step of the altitudes at which the lowest sky is looked for, degrees. Narrower gaps may be
+/// missed.
 const SCAN_DEG: f64 = 0.25;
 
-/// The edge is then halved down to this, degrees.
+/// Width to which the edge of the sky is then bisected, degrees.
 const EDGE_DEG: f64 = 1e-3;
 
-/// Heights of the horizon.
+/// Altitudes of a horizon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HorizonLine {
-    /// Degrees above the level, `[azimuth]` at equal distances, clockwise from the first one; 0 where nothing stands higher.
+    /// Degrees above the level, `[azimuth]` at equal distances, clockwise from the first one; 0
+    /// where nothing stands higher.
     pub altitudes_deg: Vec<f64>,
 }
 
 impl Siting<'_> {
-    /// The horizon of a point (input coordinates) in so many directions, the first of them `first_deg` clockwise from y: the height of the
-    /// lowest sky that is seen, 90 degrees where none is. What hides sky above that, such as a balcony overhead, is no part of a horizon.
+    /// Returns the horizon of a point (input coordinates) in `count` directions, the first of them
+    /// `first_deg` clockwise from y. Each altitude is that of the lowest visible sky, or 90 degrees
+    /// if none is visible. What hides sky above that, such as a balcony overhead, is not part of
+    /// the horizon.
     pub fn horizon(&self, point: DVec3, count: usize, first_deg: f64) -> HorizonLine {
         let tracer = &self.prepared.tracer;
         let origin = tracer.grid().lifted(point, DVec3::Z);

@@ -1,5 +1,6 @@
-//! Siting: what a scene says of a place before anything is traced from it. In: a prepared scene, points. Out: what lies below a point,
-//! whether light can come to it, and its horizon. Rays only; no textures, cells or archives.
+//! Siting: queries about places in a scene before anything is traced from them. In: a prepared
+//! scene, points. Out: the surface below a point, a test whether light can reach it, and its
+//! horizon. Rays only; no textures, cells or archives.
 
 mod enclosed;
 mod horizon;
@@ -19,39 +20,40 @@ pub use horizon::HorizonLine;
 pub use mirror_rays::{MirrorObserver, MirrorRays};
 pub use sun_rays::SunRays;
 
-/// A scene that is asked about places.
+/// Scene for queries about places.
 pub struct Siting<'a> {
     prepared: &'a PreparedScene<'a>,
 }
 
-/// What lies below a point.
+/// Surface below a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Below {
-    /// Its height, input coordinates, metres.
+    /// Height, input coordinates, metres.
     pub z: f64,
     /// Index into the scene's materials.
     pub material: u16,
-    /// Whether it is ground.
+    /// Class of the material.
     pub class: Class,
 }
 
-/// Rays from above start so far over the scene, metres.
+/// Height above the scene from which rays downwards start, metres.
 const ABOVE_M: f64 = 10.0;
 
 impl<'a> Siting<'a> {
-    /// Of a prepared scene; leaves and screens are not met.
+    /// Creates the queries of a prepared scene. Leaves and screens are ignored.
     pub fn new(prepared: &'a PreparedScene<'a>) -> Self {
         Siting { prepared }
     }
 
-    /// What is met first from high above a place in plan; `None` where there is nothing.
+    /// Returns the highest surface at a place in plan; `None` if there is none.
     pub fn top(&self, x: f64, y: f64) -> Option<Below> {
         let mesh = &self.prepared.scene.mesh;
         let highest = mesh.bounds().1.z + mesh.origin.z + ABOVE_M;
         self.below(DVec3::new(x, y, highest), |_| true)
     }
 
-    /// The highest ground at or below a point, whatever else lies between them; `None` where there is none.
+    /// Returns the highest ground at or below a point, whatever lies between them; `None` if there
+    /// is none.
     pub fn ground_below(&self, point: DVec3) -> Option<Below> {
         self.below(point, |class| class == Class::Ground)
     }
@@ -68,7 +70,7 @@ impl<'a> Siting<'a> {
             wanted(class).then_some((triangle, material, class, [a, b, c]))
         });
         let (triangle, material, class, [a, ..]) = met?;
-        // By the plane of what is met: f32 rays lose millimetres from high above.
+        // Use the plane of the triangle, because f32 rays from high above lose millimetres.
         let normal = scene.mesh.normal(triangle);
         let z = if normal.z.abs() > 1e-6 {
             a.z - (normal.x * (from.x - a.x) + normal.y * (from.y - a.y)) / normal.z

@@ -7,7 +7,8 @@ use crate::pipeline::PreparedScene;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_scene::Scene;
 
-/// A ground of 200 m, and on it a house of 10 x 10 x 6 m, its faces outwards or inwards.
+/// Returns a scene with a ground of 200 m and a house of 10 x 10 x 6 m on it, its faces outwards or
+/// inwards.
 fn scene(outwards: bool) -> Scene {
     let mut triangles = Vec::new();
     let mut quad = |p: DVec3, a: DVec3, b: DVec3, material: u16| {
@@ -27,7 +28,8 @@ fn scene(outwards: bool) -> Scene {
     Scene::from_triangles(&triangles, materials).expect("a scene")
 }
 
-/// From above a house of 6 m is met on its roof, the lawn at 0 m, and nothing beyond it; through the roof the ground is found: 4 of 4.
+/// From above, a house of 6 m is found by its roof, the lawn at 0 m, and nothing beyond it. Through
+/// the roof the ground is found: 4 of 4.
 #[test]
 fn what_lies_below() {
     let scene = scene(true);
@@ -42,7 +44,8 @@ fn what_lies_below() {
     assert!(ground.z.abs() < 1e-4, "{ground:?}");
 }
 
-/// A point in a house is inside, whether its faces look out or in, one below the lawn is below the ground, and 3 around them are in the open.
+/// A point in a house is inside, whether its faces look out or in. One below the lawn is below the
+/// ground, and 3 around them are in the open.
 #[test]
 fn inside_and_below() {
     for outwards in [true, false] {
@@ -57,8 +60,9 @@ fn inside_and_below() {
     }
 }
 
-/// At 10 m from the middle of a wall of 10 x 6 m the horizon is atan(6 cos a / 10) up to its corners at 26.6 degrees off, 0 behind, within
-/// 0.01 degrees in 360 directions; seen from a direction of 90 degrees on it begins there.
+/// At 10 m from the middle of a wall of 10 x 6 m the horizon is atan(6 cos a / 10) up to its
+/// corners at 26.6 degrees off, and 0 behind, within 0.01 degrees in 360 directions. With a first
+/// direction of 90 degrees the list begins there.
 #[test]
 fn horizon_of_a_wall() {
     let scene = scene(true);

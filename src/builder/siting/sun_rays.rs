@@ -1,4 +1,5 @@
-//! Rays of one receiver towards the sun. In: its place and normal, directions. Out: whether it sees the sky there.
+//! Rays of one receiver towards the sun. In: its position and normal, directions. Out: for each
+//! direction true if the receiver sees the sky there.
 
 use glam::DVec3;
 
@@ -6,7 +7,7 @@ use super::Siting;
 use crate::trace::receiver::Viewpoint;
 use crate::trace::{Ray, Tracer};
 
-/// A receiver in a scene.
+/// Receiver in a scene.
 pub struct SunRays<'a> {
     tracer: &'a Tracer,
     origin: [f32; 3],
@@ -14,7 +15,8 @@ pub struct SunRays<'a> {
 }
 
 impl Siting<'_> {
-    /// The rays of a receiver, which start where those of a build do; `position` in input coordinates.
+    /// Returns the rays of a receiver, which start where those of a build do. `position` is in
+    /// input coordinates.
     pub fn sun_rays(&self, position: DVec3, normal: DVec3) -> SunRays<'_> {
         let tracer = &self.prepared.tracer;
         SunRays { tracer, origin: Viewpoint { position, normal }.origin(tracer), normal }
@@ -22,7 +24,8 @@ impl Siting<'_> {
 }
 
 impl SunRays<'_> {
-    /// Whether nothing stands in each of some directions; what lies behind the surface is not seen.
+    /// Returns for each direction true if the receiver sees the sky there. Directions behind its
+    /// surface give false.
     pub fn sees(&self, directions: &[DVec3]) -> Vec<bool> {
         let ray = |direction: &DVec3| Ray { origin: self.origin, direction: direction.as_vec3().to_array() };
         let rays: Vec<Ray> = directions.iter().map(ray).collect();

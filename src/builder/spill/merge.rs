@@ -1,4 +1,5 @@
-//! In: sorted runs, in memory or in a temporary file. Out: their records as one sorted sequence.
+//! Merging of sorted runs. In: sorted runs, in memory or in a temporary file. Out: their records as
+//! one sorted sequence.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -10,14 +11,14 @@ use crate::spill::run::{Record, Run, RunReader, RunWriter};
 use crate::spill::sorter::Batch;
 use heliotile_core::error::Result;
 
-/// A read is worth a seek from this size on, where the budget allows it.
+/// Buffer size from which on a read is worth a seek, bytes. Used if the budget allows it.
 const BUFFER: usize = 64 << 10;
-/// Larger buffers read no faster.
+/// Largest buffer, bytes: larger ones read no faster.
 const LARGEST_BUFFER: usize = 256 << 10;
-/// A buffer this small is slow, but reads.
+/// Smallest buffer, bytes: slow, but it works.
 const SMALLEST_BUFFER: usize = 4 << 10;
 
-/// How many runs are merged at once, and through buffers of what size.
+/// Number of runs that are merged at once, and the size of their buffers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
     fan_in: usize,
@@ -25,14 +26,16 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// Each run costs a buffer and the record in front of it, the run that is written the same. Within the budget, unless
-    /// that does not hold three records and small buffers for them.
+    /// Returns the plan for `budget` bytes and records of at most `largest_record` bytes. Each run
+    /// that is read takes a buffer and its front record, and so does the run that is written. The
+    /// plan stays within the budget unless the budget cannot hold three records with small buffers.
     pub(super) fn new(budget: usize, largest_record: usize) -> Plan {
         let fan_in = (budget / BUFFER.saturating_add(largest_record)).saturating_sub(1).max(2);
         Plan { fan_in, buffer: Plan::buffer(budget, fan_in, largest_record) }
     }
 
-    /// Buffers grow where there are fewer runs than the budget has room for.
+    /// Returns the buffer size of the last pass, larger if there are fewer runs than the budget has
+    /// room for.
     fn of_last_pass(budget: usize, runs: usize, largest_record: usize) -> usize {
         Plan::buffer(budget, runs, largest_record)
     }
@@ -82,14 +85,15 @@ impl Spilled {
     }
 }
 
-/// The record in front of a run.
+/// Front record of a run.
 struct Head {
     record: Record,
     run: usize,
 }
 
 impl Ord for Head {
-    /// The greatest of a heap comes first, which must be the least key of the earliest run.
+    /// Compares in reverse: the heap returns its greatest item, which must be the least key of the
+    /// earliest run.
     fn cmp(&self, other: &Self) -> Ordering {
         (&other.record.0, other.run).cmp(&(&self.record.0, self.run))
     }
@@ -109,7 +113,7 @@ impl PartialEq for Head {
 
 impl Eq for Head {}
 
-/// Several runs read as one.
+/// Merge of several runs into one sequence.
 struct Merge {
     readers: Vec<RunReader>,
     heads: BinaryHeap<Head>,
@@ -142,9 +146,9 @@ impl Merge {
     }
 }
 
-/// All records of a sorter, by key; records of equal keys in the order they were pushed.
+/// All records of a sorter by key. Records of equal keys keep the order in which they were pushed.
 ///
-/// After an error the records that follow are not to be trusted.
+/// After an error the records that follow cannot be trusted.
 pub struct Sorted(Place);
 
 enum Place {
@@ -167,7 +171,8 @@ impl Sorted {
         match &mut self.0 {
             Place::Memory { next, .. } => *next = 0,
             Place::File { spilled, merge } => {
-                // The old buffers go before the new ones come.
+                // Drop the old buffers before the new ones are allocated, to stay within the
+                // budget.
                 merge.readers.clear();
                 *merge = spilled.last_merge()?;
             }
@@ -175,7 +180,7 @@ impl Sorted {
         Ok(())
     }
 
-    /// Bytes held in memory at this moment.
+    /// Returns the bytes held in memory at this moment.
     #[cfg(test)]
     pub(super) fn buffered(&self) -> usize {
         match &self.0 {
@@ -207,7 +212,8 @@ impl Iterator for Sorted {
 mod tests {
     use super::*;
 
-    /// For 30 budgets from 64 KiB to 32 GiB and records of up to a fifth of them, all that a pass holds fits the budget.
+    /// For 30 budgets from 64 KiB to 32 GiB and records of up to a fifth of them, the buffers and
+    /// records of every pass fit the budget.
     #[test]
     fn plans_fit() {
         for budget in (0..20).map(|i| 65536_usize << i).chain((0..10).map(|i| 100_000 * (i + 1))) {

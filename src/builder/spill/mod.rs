@@ -1,8 +1,9 @@
-//! Sorting more than memory holds. In: byte records in any order. Out: the same records by key, read one after the other,
-//! as often as wanted.
+//! Spill: sorting of records that do not fit in memory. In: byte records in any order. Out: the
+//! same records by key, read one after the other, as often as wanted.
 //!
-//! Runs that do not fit the budget go to unnamed temporary files, which the system removes when the program ends, however
-//! it ends; the same for what replay cannot keep in memory. It knows nothing of what the records mean.
+//! Runs that exceed the budget go to unnamed temporary files. The operating system removes them
+//! when the program ends, even after a crash. Replay uses such files, too, for what it cannot keep
+//! in memory. The module does not interpret the records.
 
 mod merge;
 mod run;
@@ -18,12 +19,13 @@ use std::path::Path;
 
 use heliotile_core::error::Error;
 
-/// A record that is not what was pushed: the temporary file in `folder` that held it is damaged.
+/// Returns the error for a record that cannot be read back: the temporary file in `folder` is
+/// damaged.
 pub fn damaged(folder: &Path) -> Error {
     Error::io(folder, "read a temporary file in")(io::ErrorKind::InvalidData.into())
 }
 
-/// A number that was pushed as eight bytes.
+/// Reads a number that was pushed as eight bytes.
 pub fn number_of(payload: &[u8], folder: &Path) -> heliotile_core::error::Result<u64> {
     payload.try_into().map(u64::from_le_bytes).map_err(|_| damaged(folder))
 }

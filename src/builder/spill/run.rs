@@ -1,4 +1,5 @@
-//! A sorted run of records in a temporary file: key length and payload length as u32, then both, record after record.
+//! Sorted run of records in a temporary file. Each record is its key length and payload length as
+//! u32, then both.
 
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
@@ -7,13 +8,13 @@ use std::sync::Arc;
 
 use heliotile_core::error::{Error, Result};
 
-/// Bytes in front of every record.
+/// Number of bytes of the two lengths in front of every record.
 pub(super) const LENGTHS: usize = 8;
 
-/// A key and its payload.
+/// Key and its payload.
 pub(super) type Record = (Vec<u8>, Vec<u8>);
 
-/// The two lengths that stand in front of a record.
+/// Encodes the two lengths that go in front of a record.
 pub(super) fn lengths(key: &[u8], payload: &[u8]) -> Result<[u8; LENGTHS]> {
     let mut bytes = [0; LENGTHS];
     for (slot, (what, part)) in bytes.chunks_exact_mut(4).zip([("key", key), ("payload", payload)]) {
@@ -27,19 +28,19 @@ pub(super) fn lengths(key: &[u8], payload: &[u8]) -> Result<[u8; LENGTHS]> {
     Ok(bytes)
 }
 
-/// Key length and payload length, as [`lengths`] wrote them.
+/// Decodes key length and payload length, as [`lengths`] encodes them.
 pub(super) fn parse_lengths([a, b, c, d, e, f, g, h]: [u8; LENGTHS]) -> (usize, usize) {
     (u32::from_le_bytes([a, b, c, d]) as usize, u32::from_le_bytes([e, f, g, h]) as usize)
 }
 
-/// Where a run stands in its file.
+/// Position of a run in its file.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     start: u64,
     end: u64,
 }
 
-/// Runs that are being written one after the other into one temporary file.
+/// Writer of runs, one after the other, into one temporary file.
 pub(super) struct RunWriter {
     folder: PathBuf,
     file: BufWriter<File>,
@@ -66,7 +67,7 @@ impl RunWriter {
         self.append(&[&lengths(key, payload)?, key, payload])
     }
 
-    /// Everything appended since the last call.
+    /// Ends the run of all records appended since the last call, and returns its position.
     pub(super) fn end_run(&mut self) -> Run {
         let run = Run { start: self.start, end: self.end };
         self.start = self.end;
@@ -79,11 +80,11 @@ impl RunWriter {
     }
 }
 
-/// The records of one run, in order.
+/// Reader of the records of one run, in order.
 pub(super) struct RunReader {
     folder: PathBuf,
     section: BufReader<Section>,
-    /// Bytes of the run that no record was read from yet.
+    /// Number of bytes of the run that are not read yet.
     left: u64,
 }
 
@@ -122,7 +123,8 @@ impl RunReader {
     }
 }
 
-/// Reads a part of a file that others read too; only one of them at a time, since they share the file's position.
+/// Reader of a part of a file that several readers share. Only one may read at a time, because they
+/// share the position of the file.
 struct Section {
     file: Arc<File>,
     at: u64,
@@ -147,7 +149,8 @@ impl Read for Section {
 mod tests {
     use super::*;
 
-    /// A file that lost its last 1 or 30 bytes, or whose lengths point beyond the run, gives an error that names the folder.
+    /// A file that lost its last 1 or 30 bytes, or whose lengths point beyond the run, gives an
+    /// error that names the folder.
     #[test]
     fn short_reads() {
         let folder = tempfile::tempdir().expect("a scratch folder");

@@ -1,4 +1,5 @@
-//! Temporary files for what the engine cannot keep in memory. They have no name and are gone with the program, however it ends.
+//! Temporary files for data that the engine cannot keep in memory. They have no name, and the
+//! operating system removes them when the program ends, even after a crash.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -10,14 +11,14 @@ use heliotile_core::light::scratch::{Scratch, ScratchSpace};
 
 use crate::writing::write_all_at;
 
-/// Temporary storage as files in a folder.
+/// Temporary storage as files in a given folder.
 #[derive(Clone, Debug)]
 pub struct TempFiles {
     folder: Arc<Path>,
 }
 
 impl TempFiles {
-    /// In `folder`, which must exist when the first file is made.
+    /// Creates temporary storage in `folder`, which must exist when the first file is made.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
         TempFiles { folder: folder.into().into() }
     }
@@ -31,7 +32,7 @@ impl ScratchSpace for TempFiles {
     }
 }
 
-/// Temporary storage in the system's folder for it.
+/// Temporary storage in the folder that the operating system provides for it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SystemTemp;
 
@@ -60,8 +61,9 @@ impl Scratch for TempFile {
 mod tests {
     use super::*;
 
-    /// 200 pieces of 7 bytes come back whichever way round they are written, what was skipped is 0, one byte too far is an error; the
-    /// folder holds 0 names, and a folder that is missing is named.
+    /// 200 pieces of 7 bytes, written in reverse order, come back, and skipped bytes are 0. Reading
+    /// one byte too far is an error. The folder shows 0 names, and the error for a missing folder
+    /// names it.
     #[test]
     fn bytes_come_back() {
         let folder = tempfile::tempdir().expect("a scratch folder");

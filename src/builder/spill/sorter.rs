@@ -1,4 +1,5 @@
-//! In: records one by one. Out: [`Sorted`], from memory where they fit the budget, else from sorted runs in a file.
+//! Sorter of byte records. In: records one by one. Out: [`Sorted`], from memory if the records fit
+//! the budget, else from sorted runs in a file.
 
 use std::path::{Path, PathBuf};
 
@@ -8,10 +9,11 @@ use crate::spill::merge::{Plan, Sorted, Spilled};
 use crate::spill::run::{LENGTHS, Run, RunWriter, lengths, parse_lengths};
 use heliotile_core::error::Result;
 
-/// Smaller budgets are taken for this one.
+/// Smallest budget, bytes. Smaller ones are raised to it.
 const SMALLEST_BUDGET: usize = 64 << 10;
 
-/// Sorts byte records by key, bytes compared from the first on; equal keys keep the order in which they were pushed.
+/// Sorter of byte records by key, compared byte by byte from the first. Equal keys keep the order
+/// in which they were pushed.
 pub struct Sorter {
     folder: PathBuf,
     budget: usize,
@@ -21,15 +23,16 @@ pub struct Sorter {
     unique: bool,
 }
 
-/// The file that full batches go to.
+/// File for full batches.
 struct Spill {
     writer: RunWriter,
     runs: Vec<Run>,
 }
 
 impl Sorter {
-    /// `folder` takes the temporary file if there has to be one; `budget_bytes`, at least 64 KiB, limits what is held in
-    /// memory while records are pushed, merged and read, unless single records come near it.
+    /// Creates a sorter. `folder` takes the temporary file if one is needed. `budget_bytes`, at
+    /// least 64 KiB, limits the memory held while records are pushed, merged and read, unless
+    /// single records come near it.
     pub fn new(folder: &Path, budget_bytes: usize) -> Self {
         let budget = budget_bytes.max(SMALLEST_BUDGET);
         let write_buffer = budget / 16;
@@ -43,12 +46,12 @@ impl Sorter {
         }
     }
 
-    /// Keeps of equal keys only the record that was pushed first.
+    /// Makes the sorter keep only the first pushed record of equal keys.
     pub fn unique(self) -> Self {
         Sorter { unique: true, ..self }
     }
 
-    /// Adds a record; its key and its payload have less than 4 GiB each.
+    /// Adds a record. Its key and its payload must have less than 4 GiB each.
     pub fn push(&mut self, key: &[u8], payload: &[u8]) -> Result<()> {
         let lengths = lengths(key, payload)?;
         let length = LENGTHS + key.len() + payload.len();
@@ -58,7 +61,7 @@ impl Sorter {
         }
         self.spill_batch()?;
         if !self.batch.add(lengths, key, payload) {
-            // Larger than a whole batch: a run of its own.
+            // A record larger than a whole batch becomes a run of its own.
             let spill = self.spill()?;
             spill.writer.append(&[&lengths, key, payload])?;
             spill.runs.push(spill.writer.end_run());
@@ -66,7 +69,7 @@ impl Sorter {
         Ok(())
     }
 
-    /// Sorts what was pushed.
+    /// Sorts the pushed records.
     pub fn finish(mut self) -> Result<Sorted> {
         if self.spill.is_some() {
             self.spill_batch()?;
@@ -75,7 +78,7 @@ impl Sorter {
             self.batch.sort(self.unique);
             return Ok(Sorted::of_memory(self.batch));
         };
-        // Merging needs the memory.
+        // Merging needs the memory of the batch.
         drop(self.batch);
         Sorted::of_file(Spilled {
             folder: self.folder,
@@ -92,7 +95,7 @@ impl Sorter {
             return Ok(());
         }
         self.batch.sort(self.unique);
-        // Out of `self` while the file is borrowed from it.
+        // The batch leaves `self` because the file is borrowed from `self`.
         let mut batch = std::mem::replace(&mut self.batch, Batch::new(0));
         let spill = self.spill()?;
         for entry in &batch.index {
@@ -115,18 +118,18 @@ impl Sorter {
         Ok(self.spill.insert(spill))
     }
 
-    /// Bytes held in memory at this moment.
+    /// Returns the bytes held in memory at this moment.
     #[cfg(test)]
     fn buffered(&self) -> usize {
         self.batch.buffered() + self.spill.as_ref().map_or(0, |_| self.budget / 16)
     }
 }
 
-/// Records in memory: their bytes as they stand in a run, and where each begins.
+/// Records in memory: their bytes as in a run, and the position of each.
 pub(super) struct Batch {
     bytes: Vec<u8>,
     index: Vec<Entry>,
-    /// Bytes and entries that fit.
+    /// Most bytes of records; `places` is the largest number of records.
     room: usize,
     places: usize,
 }
@@ -134,7 +137,7 @@ pub(super) struct Batch {
 /// One record of a batch.
 #[derive(Clone, Copy)]
 struct Entry {
-    /// The first eight bytes of the key, padded with zeros, which decide most comparisons.
+    /// First eight bytes of the key, padded with zeros, which decide most comparisons.
     prefix: u64,
     start: usize,
 }
@@ -142,14 +145,14 @@ struct Entry {
 const ENTRY: usize = size_of::<Entry>();
 
 impl Batch {
-    /// Holds at most `budget` bytes: a quarter for the index, enough for records of 48 bytes and more, 1/16 for the old
-    /// allocations while records move to the final ones.
+    /// Creates a batch of at most `budget` bytes. A quarter is for the index, enough for records of
+    /// 48 bytes and more, and 1/16 for the old allocations while records move to the final ones.
     fn new(budget: usize) -> Self {
         let places = budget / 4 / ENTRY;
         Batch { bytes: Vec::new(), index: Vec::new(), room: budget / 16 * 11, places }
     }
 
-    /// False if there is no room.
+    /// Adds a record, or returns false if there is no room.
     fn add(&mut self, lengths: [u8; LENGTHS], key: &[u8], payload: &[u8]) -> bool {
         let length = LENGTHS + key.len() + payload.len();
         if length > self.room - self.bytes.len() || self.index.len() == self.places {
@@ -166,7 +169,7 @@ impl Batch {
         true
     }
 
-    /// Places that equal keys leave behind are not filled again.
+    /// Sorts the index. Entries that `unique` removes leave their bytes unused.
     fn sort(&mut self, unique: bool) {
         let mut index = std::mem::take(&mut self.index);
         index.par_sort_unstable_by(|a, b| {
@@ -183,7 +186,7 @@ impl Batch {
         self.index.clear();
     }
 
-    /// The n-th record of the index.
+    /// Returns the n-th record of the index.
     pub(super) fn get(&self, n: usize) -> Option<(&[u8], &[u8])> {
         self.index.get(n).map(|entry| self.parts(entry))
     }
@@ -210,8 +213,9 @@ impl Batch {
     }
 }
 
-/// Makes room for `more`: first for a sixteenth of what may come, so that small inputs cost little, then for all of it at
-/// once, because doubling would hold up to three times as much as needed while it copies.
+/// Reserves room for `more` items out of at most `most`: first a sixteenth of `most`, so that small
+/// inputs cost little, then all of it at once. Doubling would hold up to three times as much as
+/// needed while it copies.
 fn grow<T>(list: &mut Vec<T>, more: usize, most: usize) {
     if list.capacity() - list.len() < more {
         let first = most / 16;
@@ -260,8 +264,9 @@ mod tests {
         all
     }
 
-    /// 100,000 random records, many of equal keys, through 64 KiB: over 50 runs, merged in passes, equal the stable sort in
-    /// memory and, for unique ones, its first records; no more than 64 KiB are ever held, also not with 1 MiB.
+    /// 100,000 random records, many with equal keys, sorted with 64 KiB give over 50 runs that are
+    /// merged in passes. The result equals the stable sort in memory and, for unique keys, its
+    /// first records. Neither 64 KiB nor 1 MiB of budget is ever exceeded.
     #[test]
     fn equals_the_stable_sort() {
         let folder = tempfile::tempdir().expect("a scratch folder");
@@ -280,7 +285,8 @@ mod tests {
         assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 0);
     }
 
-    /// What fits the budget is sorted without a file, in a folder that does not exist; beyond it the error names the folder.
+    /// Records that fit the budget are sorted without a file, in a folder that does not exist.
+    /// Beyond the budget the error names the folder.
     #[test]
     fn small_inputs_stay_in_memory() {
         let nowhere = Path::new("/nowhere/at all");
@@ -295,7 +301,7 @@ mod tests {
         assert!(message.starts_with("cannot create a temporary file in /nowhere/at all: "), "{message}");
     }
 
-    /// Three records of up to four times the budget among 2,000 small ones keep their places.
+    /// Three records of up to four times the budget among 2,000 small ones are sorted correctly.
     #[test]
     fn records_beyond_the_budget() {
         let folder = tempfile::tempdir().expect("a scratch folder");

@@ -1,4 +1,4 @@
-//! A store in a folder: `FOLDER/SCENE/SETTINGS/ROOT.helio`, each name 32 digits of a hash.
+//! Store in a folder: `FOLDER/SCENE/SETTINGS/ROOT.helio`, each name 32 digits of a hash.
 
 use std::ffi::OsStr;
 use std::fs::{self, File, FileTimes};
@@ -10,14 +10,14 @@ use crate::store::{Store, StoreKey, Stored, short};
 use crate::writing::copy::copy_whole;
 use heliotile_core::error::{Error, Result};
 
-/// A store in a folder.
+/// Store in a folder of the file system.
 #[derive(Clone, Debug)]
 pub struct Folder {
     path: PathBuf,
 }
 
 impl Folder {
-    /// A folder that is a store: an empty one, or one with a folder of a scene.
+    /// Opens a folder that is a store: an empty one, or one that holds the folder of a scene.
     pub fn open(path: &Path) -> Result<Self> {
         let refuse = |what: &str| Err(Error::input(path, None, what, "name a folder that a build with {store} made"));
         if !path.is_dir() {
@@ -30,7 +30,7 @@ impl Folder {
         Ok(Folder { path: path.to_path_buf() })
     }
 
-    /// A folder that is made if it is not there.
+    /// Opens the store in a folder, and creates the folder if it is absent.
     pub fn create(path: &Path) -> Result<Self> {
         fs::create_dir_all(path).map_err(Error::io(path, "create the folder"))?;
         Ok(Folder { path: path.to_path_buf() })
@@ -46,7 +46,8 @@ impl Store for Folder {
         let mut found = archives(&self.of(key))?;
         found.sort_by_key(|stored| std::cmp::Reverse(stored.used));
         for stored in &found {
-            // Only says when it was used last; a store that cannot be written can still be read.
+            // The time only records the last use. A store that is read-only can still be read, so
+            // errors are ignored.
             let touched = File::options().append(true).open(&stored.path);
             let _ = touched.and_then(|file| file.set_times(FileTimes::new().set_modified(SystemTime::now())));
         }
@@ -57,8 +58,8 @@ impl Store for Folder {
         let folder = self.of(key);
         fs::create_dir_all(&folder).map_err(Error::io(&folder, "create the folder"))?;
         let place = folder.join(short(root)).with_extension("helio");
-        // One that is there already is replaced: it may be damaged. A link costs nothing; the archive is replaced by its owner, never
-        // changed, so the link stays what it is.
+        // An archive of this name is replaced, since it may be damaged. A hard link costs no space,
+        // and it stays valid: the owner replaces the archive and never changes it in place.
         let link = folder.join(format!("{}.{}.new", short(root), std::process::id()));
         if fs::hard_link(archive, &link).is_ok() {
             return fs::rename(&link, &place).map_err(Error::io(&place, "rename a link to"));
@@ -82,12 +83,12 @@ impl Store for Folder {
     }
 }
 
-/// Whether this is the name of a hash, as [`short`] makes it.
+/// Returns true if `name` can be the name of a hash, as [`short`] makes it.
 fn is_name(name: &OsStr) -> bool {
     name.to_str().is_some_and(|name| name.len() == 32 && name.bytes().all(|b| b.is_ascii_hexdigit()))
 }
 
-/// Entries of a folder; none if it is not there.
+/// Returns the entries of a folder, or none if it does not exist.
 fn entries(folder: &Path) -> Result<Vec<fs::DirEntry>> {
     match fs::read_dir(folder) {
         Ok(entries) => entries.collect::<io::Result<_>>().map_err(Error::io(folder, "list")),
@@ -103,7 +104,7 @@ fn folders(folder: &Path) -> Result<Vec<PathBuf>> {
 fn archives(folder: &Path) -> Result<Vec<Stored>> {
     let mut found = Vec::new();
     for entry in entries(folder)?.into_iter().filter(|entry| entry.path().extension().is_some_and(|e| e == "helio")) {
-        // One that another process removed meanwhile is not there.
+        // Skip an archive that another process removed meanwhile.
         if let Ok(about) = entry.metadata() {
             let used = about.modified().unwrap_or(SystemTime::UNIX_EPOCH);
             found.push(Stored { path: entry.path(), bytes: about.len(), used });

@@ -1,8 +1,8 @@
-//! The trace cache that projects share (`build --store`, `store ls|gc|verify`). In: finished archives. Out: those of the same scene and
-//! settings, for a build to look things up in.
+//! Store: the trace cache that projects share (`build --store`, `store ls|gc|verify`). In: finished
+//! archives. Out: the archives of the same scene and settings, which a build can reuse.
 //!
-//! A build adds its whole archive under a name that says what is in it, and never changes what is there: any number of builds
-//! may read and add at once.
+//! A build adds its whole archive under a name made of its hashes, and never changes an archive
+//! that is in the store. Any number of builds may read and add at once.
 
 mod folder;
 
@@ -14,7 +14,7 @@ use heliotile_core::archive::{Access, Archive, format};
 use heliotile_core::error::Result;
 use heliotile_core::observer::Observer;
 
-/// What decides which archives can serve a build.
+/// Hashes that decide which archives can serve a build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StoreKey {
     /// Content hash of the scene.
@@ -24,7 +24,8 @@ pub struct StoreKey {
 }
 
 impl StoreKey {
-    /// What keeps an archive from serving a build, by its own manifest: names of folders can be wrong.
+    /// Returns why an archive cannot serve a build, judged by its own manifest, because names of
+    /// folders can be wrong.
     fn misfit(&self, archive: &Archive) -> Result<Option<&'static str>> {
         let manifest = archive.manifest();
         Ok(if manifest.scene.content_hash != format::hex(&self.scene) {
@@ -37,34 +38,37 @@ impl StoreKey {
     }
 }
 
-/// An archive in a store.
+/// Archive in a store.
 #[derive(Clone, Debug)]
 pub struct Stored {
-    /// Where it is.
+    /// Path of the archive.
     pub path: PathBuf,
-    /// Its length.
+    /// Length of the archive, bytes.
     pub bytes: u64,
-    /// Last used by a build.
+    /// Time of the last use by a build.
     pub used: SystemTime,
 }
 
-/// Where archives are kept. A folder now; whatever lists, gives and takes whole objects can be one.
+/// Storage of finished archives. It is a folder now; any service that lists, gets and puts whole
+/// objects can implement it.
 pub trait Store {
-    /// Archives that can serve a build, newest first.
+    /// Returns the archives that can serve a build, newest first.
     fn find(&self, key: &StoreKey) -> Result<Vec<Stored>>;
-    /// Adds a finished archive; one of the same root is there already.
+    /// Adds a finished archive. An archive with the same root may already be there.
     fn add(&self, key: &StoreKey, archive: &std::path::Path, root: &[u8; 32]) -> Result<()>;
-    /// All archives, least recently used first.
+    /// Returns all archives, least recently used first.
     fn list(&self) -> Result<Vec<Stored>>;
-    /// Removes an archive. A build that reads it keeps what it has opened.
+    /// Removes an archive. A build that has it open can go on reading it.
     fn remove(&self, stored: &Stored) -> Result<()>;
 }
 
-/// Opens what a store has for a build; an archive that cannot be opened, or is of something else, is passed over with a warning.
+/// Opens the archives of a store that can serve a build. An archive that cannot be opened or does
+/// not fit is skipped with a warning.
 pub fn open_all(store: &dyn Store, key: &StoreKey, observer: &dyn Observer) -> Result<Vec<Archive>> {
     let mut archives = Vec::new();
     for stored in store.find(key)? {
-        // Others may remove it meanwhile, or have damaged it: plain reads, and every block is checked.
+        // Another process may remove or damage the file meanwhile: plain reads, and every block is
+        // checked.
         let opened =
             Archive::open_with(&stored.path, Access::Read).and_then(|archive| Ok((key.misfit(&archive)?, archive)));
         let why = match opened {
@@ -80,7 +84,7 @@ pub fn open_all(store: &dyn Store, key: &StoreKey, observer: &dyn Observer) -> R
     Ok(archives)
 }
 
-/// Name of a hash in a store.
+/// Returns the name of a hash in a store.
 fn short(hash: &[u8; 32]) -> String {
     format::hex(hash).chars().take(32).collect()
 }

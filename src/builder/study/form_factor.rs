@@ -1,5 +1,5 @@
-//! Form factors by the rays of a map. In: a tracer, a viewpoint with no surface of its own, and rays about its normal. Out: the weights
-//! of those that meet anything.
+//! Form factors from the rays of a hemisphere map. In: a tracer, a viewpoint that lies on no
+//! surface, and rays about its normal. Out: the sum of the weights of rays that hit anything.
 
 use glam::DVec3;
 
@@ -9,7 +9,7 @@ use crate::trace::receiver::Viewpoint;
 use heliotile_core::hemisphere::Frame;
 
 impl Viewpoint {
-    /// Form factor of everything in the scene.
+    /// Returns the form factor of everything in the scene.
     pub fn form_factor(&self, rays: &[MappedRay], tracer: &Tracer) -> f64 {
         let origin = tracer.grid().relative(self.position).as_vec3().to_array();
         let frame = Frame::of(self.normal);

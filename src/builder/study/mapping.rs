@@ -1,7 +1,9 @@
-//! Maps of a hemisphere that a study compares: texels of a square -> rays and their weights. In: a texel of n x n. Out: its direction
-//! about the normal z, its solid angle, and its form factor weight, solid angle x cosine / pi.
+//! Hemisphere maps for a study: texels of a square -> rays and their weights. In: a texel of n x n.
+//! Out: its direction about the normal z, its solid angle, and its form factor weight, solid angle
+//! x cosine / pi.
 //!
-//! Archives hold the map of equal solid angles only, [`heliotile_core::hemisphere`]; the others are for comparison.
+//! Archives only hold the map of equal solid angles, [`heliotile_core::hemisphere`]. The other maps
+//! are for comparison.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt;
@@ -11,23 +13,23 @@ use glam::{DVec2, DVec3};
 
 use heliotile_core::hemisphere::{HEMISPHERE_SR, texel_direction};
 
-/// How the texels of a square lie on the hemisphere.
+/// Map from the texels of a square to the hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HemisphereMapping {
     /// Columns of equal longitude about the normal, rows of equal angle from it.
     LongitudeLatitude,
-    /// Every texel has the same solid angle.
+    /// Texels of equal solid angle.
     SolidAngle,
-    /// Every texel has the same solid angle x cosine: its rays have equal weights.
+    /// Texels of equal solid angle x cosine: their rays have equal weights.
     Cosine,
 }
 
-/// A ray of a map.
+/// Ray of a hemisphere map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MappedRay {
-    /// Unit, z >= 0 along the normal.
+    /// Unit vector, z >= 0 along the normal.
     pub direction: DVec3,
-    /// Solid angle x cosine / pi: the form factor of what only this ray meets.
+    /// Solid angle x cosine / pi: the form factor of a surface that only this ray hits.
     pub weight: f64,
 }
 
@@ -36,7 +38,7 @@ impl HemisphereMapping {
     pub const ALL: [HemisphereMapping; 3] =
         [HemisphereMapping::LongitudeLatitude, HemisphereMapping::SolidAngle, HemisphereMapping::Cosine];
 
-    /// As options and tables name it.
+    /// Returns the name of the map in options and tables.
     pub fn name(self) -> &'static str {
         match self {
             HemisphereMapping::LongitudeLatitude => "longitude-latitude",
@@ -45,7 +47,7 @@ impl HemisphereMapping {
         }
     }
 
-    /// Direction of the centre of a texel.
+    /// Returns the direction of the centre of a texel.
     pub fn direction(self, column: usize, row: usize, n: usize) -> DVec3 {
         let equal_solid_angle = || texel_direction(column, row, n, DVec2::splat(0.5));
         match self {
@@ -55,8 +57,9 @@ impl HemisphereMapping {
             }
             HemisphereMapping::SolidAngle => equal_solid_angle(),
             HemisphereMapping::Cosine => {
-                // The same point of the unit disc, of radius sqrt(1 - z), lifted straight up to the sphere (Nusselt's analogue, so
-                // equal areas of the disc are equal form factors) in place of Shirley's and Chiu's lift.
+                // The same point of the unit disc, of radius sqrt(1 - z), lifted straight up to the
+                // sphere in place of Shirley's and Chiu's lift. By Nusselt's analogue equal areas
+                // of the disc are equal form factors.
                 let d = equal_solid_angle();
                 let flat = d.truncate().normalize_or_zero() * (1.0 - d.z).max(0.0).sqrt();
                 flat.extend(d.z.sqrt())
@@ -64,7 +67,7 @@ impl HemisphereMapping {
         }
     }
 
-    /// Solid angle of a texel, sr.
+    /// Returns the solid angle of a texel, sr.
     pub fn solid_angle_sr(self, column: usize, row: usize, n: usize) -> f64 {
         match self {
             HemisphereMapping::LongitudeLatitude => {
@@ -75,7 +78,8 @@ impl HemisphereMapping {
         }
     }
 
-    /// All rays of n x n texels, row-major; their weights sum to 1, of the first two maps within the error of a sum over centres.
+    /// Returns all rays of n x n texels, row-major. Their weights sum to 1; for the first two maps
+    /// only within the error of a sum over centres.
     pub fn rays(self, n: usize) -> Vec<MappedRay> {
         let ray = |(column, row)| {
             let direction = self.direction(column, row, n);
@@ -85,7 +89,7 @@ impl HemisphereMapping {
     }
 }
 
-/// Angle from the normal of the edge between rows, radians.
+/// Returns the angle between the normal and the edge between two rows, radians.
 fn ring(row: f64, n: usize) -> f64 {
     FRAC_PI_2 * row / n as f64
 }
@@ -112,9 +116,9 @@ impl FromStr for HemisphereMapping {
 mod tests {
     use super::*;
 
-    /// Weights sum to 1 in 3 maps of N = 16 to 64 squared texels: within 1e-12 in the cosine map, whose weights are all 1 / N, within
-    /// 0.32 / N by longitude and latitude and 2.1 / N by solid angle (cosines at centres); in these two solid angles sum to 2 pi
-    /// within 1e-12.
+    /// Weights sum to 1 in 3 maps of N = 16 to 64 squared texels: within 1e-12 in the cosine map,
+    /// whose weights are all 1 / N, within 0.32 / N by longitude and latitude and within 2.1 / N by
+    /// solid angle (cosines at centres). In the last two, solid angles sum to 2 pi within 1e-12.
     #[test]
     fn weights() {
         for (mapping, n) in HemisphereMapping::ALL.into_iter().flat_map(|m| [16, 32, 64].map(|n| (m, n))) {
@@ -136,7 +140,8 @@ mod tests {
         }
     }
 
-    /// Names come back as they were written, 3 of 3; an unknown one is refused with all three.
+    /// Names come back as they were written, 3 of 3. An unknown one is refused with all three
+    /// names.
     #[test]
     fn names() {
         for mapping in HemisphereMapping::ALL {

@@ -1,32 +1,33 @@
-//! A wall that is faced, the scene whose answer is known. In: its size and how far it is. Out: its triangles, and the form factor that a
-//! point before it sees.
+//! Facing wall, a scene whose answer is known. In: its size and distance. Out: its triangles, and
+//! its form factor from a point in front of it.
 
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
-/// A rectangle at y = `distance_m`, its middle at x = z = 0; receivers lie at y = 0 and look along y.
+/// Rectangle at y = `distance_m`, its centre at x = z = 0. Receivers lie at y = 0 and look along y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wall {
-    /// Along x.
+    /// Width along x, metres.
     pub width_m: f64,
-    /// Along z.
+    /// Height along z, metres.
     pub height_m: f64,
-    /// Between receivers and wall, along y; above 0.
+    /// Distance between receivers and wall along y, metres; above 0.
     pub distance_m: f64,
 }
 
 impl Wall {
-    /// Two triangles of one material, scene coordinates, metres.
+    /// Returns two triangles of one material, in scene coordinates, metres.
     pub fn triangles(&self, material: u16) -> [([DVec3; 3], u16); 2] {
         let corner = |x: f64, z: f64| DVec3::new(x * self.width_m / 2.0, self.distance_m, z * self.height_m / 2.0);
         let [a, b, c, d] = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
         [([a, b, c], material), ([a, c, d], material)]
     }
 
-    /// Form factor from an element at (x, 0, z), `at` = (x, z), metres: four rectangles with a corner opposite to it, whose signs take
-    /// care of elements beside the wall. Differential element to parallel rectangle: Siegel and Howell, "Thermal Radiation Heat
-    /// Transfer", configuration factors, any distance above 0.
+    /// Returns the form factor from an element at (x, 0, z), `at` = (x, z), metres. It is the sum
+    /// of four rectangles with a corner opposite to the element; their signs take care of elements
+    /// beside the wall. Differential element to parallel rectangle: Siegel and Howell, "Thermal
+    /// Radiation Heat Transfer", configuration factors, any distance above 0.
     pub fn form_factor(&self, at: DVec2) -> f64 {
         let (left, right) = (self.width_m / 2.0 + at.x, self.width_m / 2.0 - at.x);
         let (down, up) = (self.height_m / 2.0 + at.y, self.height_m / 2.0 - at.y);
@@ -36,7 +37,8 @@ impl Wall {
     }
 }
 
-/// Form factor of a rectangle, sides in units of its distance, from an element opposite to its corner; odd in both sides.
+/// Returns the form factor of a rectangle from an element opposite to its corner. Sides are in
+/// units of the distance; the result is odd in both.
 fn corner_form_factor(x: f64, y: f64) -> f64 {
     let (p, q) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
     (x / p * (y / p).atan() + y / q * (x / q).atan()) / (2.0 * PI)
@@ -50,7 +52,8 @@ mod tests {
         Wall { width_m: 10.0, height_m: 10.0, distance_m }
     }
 
-    /// A wall that touches fills the view (1 within 1e-3 at 1 mm), one at 50 m has area / (pi d^2) within 1.5 %.
+    /// A wall that touches the receiver fills its view (1 within 1e-3 at 1 mm); one at 50 m has
+    /// area / (pi d^2) within 1.5 %.
     #[test]
     fn limits() {
         assert!((wall(0.001).form_factor(DVec2::ZERO) - 1.0).abs() < 1e-3);
@@ -58,7 +61,7 @@ mod tests {
         assert!((wall(50.0).form_factor(DVec2::ZERO) / far - 1.0).abs() < 0.015);
     }
 
-    /// Halves make the whole within 1e-12, from 3 places before the wall and beside it.
+    /// Two halves sum to the whole within 1e-12, from 3 places in front of the wall and beside it.
     #[test]
     fn parts() {
         for at in [DVec2::ZERO, DVec2::new(2.0, -3.5), DVec2::new(30.0, 7.0)] {

@@ -1,9 +1,10 @@
-//! Canopies: leaves and screens, which stop no ray and are counted instead. In: rays and how far they go. Out: how often each
-//! passes each material of that kind, and the leaves on its way that scatter light.
+//! Canopies: leaves and screens. They stop no ray; the tracer counts how often rays cross them. In:
+//! rays and their lengths. Out: for each ray the number of crossings of each such material, and the
+//! leaves on its way that scatter light.
 //!
-//! Triangles that touch and are met at one distance are one leaf: a ray through an edge of two triangles, or through the two faces
-//! of a leaf drawn from both sides, crosses once. Where faces meet without a corner in common, a ray through that very line may
-//! count twice.
+//! Triangles that touch and are hit at one distance count as one leaf: a ray through an edge of two
+//! triangles, or through the two faces of a leaf drawn from both sides, crosses once. Where faces
+//! meet without a common corner, a ray through that very line may count twice.
 
 use std::collections::BTreeMap;
 
@@ -22,57 +23,59 @@ use heliotile_core::site::material::Material;
 use heliotile_scene::Scene;
 use heliotile_scene::mesh::Mesh;
 
-/// Share of the distance below which two hits of touching triangles are one: the rounding of distances at grazing incidence.
+/// Share of the distance below which two hits of touching triangles are one. It covers the rounding
+/// of distances at grazing incidence.
 const ONE_PLACE: f32 = 1e-4;
 
-/// A ray of a list, and where it ends.
+/// Ray of a list, and its length.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Path {
-    /// Place in the list.
+    /// Place of the ray in the list.
     pub place: u32,
-    /// Where it starts and its direction.
+    /// Start and direction.
     pub ray: Ray,
-    /// What lies at this distance or beyond is not crossed; infinite towards the sky.
+    /// Length of the ray, metres; infinite towards the sky. Leaves at this distance or beyond are
+    /// not crossed.
     pub reach_m: f32,
 }
 
-/// The leaves and screens of a scene.
+/// Leaves and screens of a scene.
 pub struct Canopies<'a> {
     mesh: &'a Mesh,
     tracer: Tracer,
-    /// `[material]`: whether its leaves scatter light.
+    /// `[material]`: true if its leaves scatter light.
     scatters: Vec<bool>,
-    /// Whether some that are there do.
+    /// True if some leaf of the scene scatters light.
     some_scatter: bool,
 }
 
-/// A ray that meets leaves.
+/// Ray that crosses leaves.
 #[derive(Debug)]
 pub(crate) struct Passage {
     /// Place of the ray in the list.
     pub place: u32,
     ray: Ray,
-    /// The leaves that it crosses, nearest first: one triangle of each.
+    /// Leaves that the ray crosses, nearest first: one triangle of each.
     leaves: Vec<Hit>,
 }
 
-/// A leaf that a ray crosses and that scatters light.
+/// Leaf that scatters light and that a ray crosses.
 #[derive(Debug)]
 pub(crate) struct LeafHit {
-    /// Row of the materials table.
+    /// Row of its material in the materials table.
     pub material: u16,
-    /// The triangle's normal.
+    /// Normal of the triangle.
     pub normal: DVec3,
-    /// Input coordinates.
+    /// Point where the ray hits it, input coordinates.
     pub point: DVec3,
-    /// How far the ray goes to it.
+    /// Distance from the start of the ray, metres.
     pub distance_m: f64,
-    /// Materials that are crossed before, ascending, and how often each.
+    /// Materials that the ray crosses before, ascending, with the number of crossings of each.
     pub before: Vec<(u16, u8)>,
 }
 
 impl<'a> Canopies<'a> {
-    /// A tracer of what stops rays, and the canopies if there are some.
+    /// Returns a tracer of the opaque triangles, and the canopies if the scene has any.
     pub fn split(scene: &'a Scene) -> (Tracer, Option<Self>) {
         let mesh = &scene.mesh;
         let lets_through = |&id: &u32| {
@@ -88,31 +91,31 @@ impl<'a> Canopies<'a> {
         (Tracer::of(mesh, &opaque), canopies)
     }
 
-    /// The tracer of leaves and screens alone.
+    /// Returns the tracer of leaves and screens alone.
     pub(crate) fn tracer(&self) -> &Tracer {
         &self.tracer
     }
 
-    /// Whether some leaves scatter light.
+    /// Returns true if some leaves scatter light.
     pub(crate) fn scatter(&self) -> bool {
         self.some_scatter
     }
 
-    /// What some rays cross, by place and material.
+    /// Returns the crossings of some rays, by place and material.
     pub(crate) fn crossings(&self, paths: &[Path]) -> Vec<Crossing> {
         self.counted(&self.passages(paths))
     }
 
-    /// The rays among `paths` that cross leaves, in the order of `paths`.
+    /// Returns the rays among `paths` that cross leaves, in the order of `paths`.
     pub(crate) fn passages(&self, paths: &[Path]) -> Vec<Passage> {
         let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
-        // Most rays meet no leaf at all, and packets find that out fast.
+        // Most rays cross no leaf at all, and packets find that out fast.
         let met = self.tracer.occluded_many(&rays);
         let passage = |(path, _): (&Path, bool)| Passage { place: path.place, ray: path.ray, leaves: self.along(path) };
         paths.iter().zip(met).filter(|path| path.1).map(passage).collect()
     }
 
-    /// How often rays cross each material, by place and material.
+    /// Counts the crossings of each material by each ray, by place and material.
     pub(crate) fn counted(&self, passages: &[Passage]) -> Vec<Crossing> {
         let crossings = |passage: &Passage| {
             let mut counts = Vec::new();
@@ -125,7 +128,7 @@ impl<'a> Canopies<'a> {
         found
     }
 
-    /// The leaves on the way of a ray that scatter light, nearest first.
+    /// Returns the leaves on the way of a ray that scatter light, nearest first.
     pub(crate) fn leaves(&self, passage: &Passage) -> Vec<LeafHit> {
         let [from, direction] = [passage.ray.origin, passage.ray.direction].map(|v| DVec3::from(v.map(f64::from)));
         let (mut before, mut found) = (Vec::new(), Vec::new());
@@ -143,7 +146,7 @@ impl<'a> Canopies<'a> {
         found
     }
 
-    /// The leaves that one ray crosses, one hit of each.
+    /// Returns the leaves that one ray crosses, one hit of each.
     fn along(&self, path: &Path) -> Vec<Hit> {
         let hits: Vec<Hit> = self.tracer.crossed(path.ray).into_iter().take_while(|hit| hit.t < path.reach_m).collect();
         let is_new = |&i: &usize| {
@@ -158,7 +161,7 @@ impl<'a> Canopies<'a> {
         self.mesh.triangle_material[hit.triangle as usize]
     }
 
-    /// Whether two triangles are of one material and have a corner in common.
+    /// Returns true if two triangles have the same material and a common corner.
     fn one_leaf(&self, a: u32, b: u32) -> bool {
         let [a, b] = [a as usize, b as usize];
         let corners = self.mesh.triangles[b];
@@ -167,7 +170,7 @@ impl<'a> Canopies<'a> {
     }
 }
 
-/// One more crossing of a material.
+/// Adds one crossing of a material.
 fn count(counts: &mut Vec<(u16, u8)>, material: u16) {
     match counts.iter_mut().find(|known| known.0 == material) {
         Some((_, count)) => *count = count.saturating_add(1),
@@ -175,18 +178,18 @@ fn count(counts: &mut Vec<(u16, u8)>, material: u16) {
     }
 }
 
-/// Leaves that are seen, gathered by cell and by what is before them.
+/// Seen leaves, gathered by cell and by the leaves in front of them.
 #[derive(Default)]
 pub(crate) struct SeenLeaves(BTreeMap<(CellKey, Vec<(u16, u8)>), f64>);
 
 impl SeenLeaves {
-    /// One more, on a ray that stands for a share of the hemisphere.
+    /// Adds a leaf on a ray that stands for `share` of the hemisphere.
     pub fn add(&mut self, cell: CellKey, leaf: LeafHit, share: f64) {
         *self.0.entry((cell, leaf.before)).or_default() += share;
     }
 
-    /// All of them, or so many of them at most, drawn evenly by what they may send (systematic sampling: Madow 1949): their shares
-    /// stand for the others.
+    /// Returns all leaves, or draws about `most` of them evenly by the light they may send
+    /// (systematic sampling: Madow 1949). The shares of drawn leaves stand for the others, too.
     pub fn gathered(self, most: usize, seed: u64) -> Vec<SeenLeaf> {
         let weight = |before: &[(u16, u8)], share: f64| {
             let crossed: i32 = before.iter().map(|(_, count)| i32::from(*count)).sum();
@@ -195,6 +198,7 @@ impl SeenLeaves {
         let all: f64 = self.0.iter().map(|((_, before), share)| weight(before, *share)).sum();
         let step = if self.0.len() > most { all / most as f64 } else { 0.0 };
         let mut at = unit(mix(seed, 0x6c65_6166)) * step;
+        // A leaf is drawn once for every `step` that its weight spans.
         let mut drawn = |((cell, before), share): ((CellKey, Vec<(u16, u8)>), f64)| {
             let own = weight(&before, share);
             let mut share = share;
@@ -210,14 +214,14 @@ impl SeenLeaves {
     }
 }
 
-/// What leaves behind another one are likely to send, and how many before them count for that: others may stand for none of their light
-/// where a replay has fewer leaves.
+/// Factor by which each leaf in front is likely to dim the light of a leaf. At most [`MOST_BEHIND`]
+/// leaves count, because a replay with fewer leaves must not lose the light of all leaves behind.
 const BEHIND_ONE: f64 = 0.5;
 const MOST_BEHIND: i32 = 4;
 
 impl Viewpoint {
-    /// A jittered ray through each of some texels of an n x n world-frame texture; of those whose ray goes behind the surface, one
-    /// along it.
+    /// Returns a jittered ray through each of some texels of an n x n world-frame texture. A ray
+    /// that would go behind the surface goes along it.
     pub(crate) fn sky_paths(&self, n: usize, texels: impl Iterator<Item = usize>, tracer: &Tracer) -> Vec<Path> {
         let (origin, seed) = (self.origin(tracer), mix(self.seed(), 0x6c65_6166));
         let path = |texel: usize| {
@@ -230,7 +234,8 @@ impl Viewpoint {
         texels.map(path).collect()
     }
 
-    /// The rays of an n x n hit texture, as far as they go; only those that meet a surface, unless all are wanted.
+    /// Returns the rays of an n x n hit texture with their lengths: all of them, or only those that
+    /// hit a surface.
     pub(crate) fn hit_paths(&self, n: usize, distances_m: &[f32], all: bool, tracer: &Tracer) -> Vec<Path> {
         let (origin, direction) = (self.origin(tracer), self.hit_directions(n));
         let wanted = distances_m.iter().enumerate().filter(|(_, distance)| all || distance.is_finite());
@@ -242,32 +247,34 @@ impl Viewpoint {
     }
 }
 
-/// Leaves of a cell at most, to each ray to what else it sees.
+/// Largest number of leaves of a cell, per ray to its surroundings.
 const LEAVES_OF_RAY: usize = 2;
 
-/// What the rays of a cell cross.
+/// Crossings of the rays of a cell.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CellCrossings {
-    /// By texel of the sky, where it is seen.
+    /// Crossings by texel of the sky, for texels that see sky.
     pub sky: Vec<Crossing>,
-    /// By ray to what else is seen; rays are numbered in ascending order of what they meet, as tables of cells hold them.
+    /// Crossings by ray to the surroundings. Rays are numbered in ascending order of the cells that
+    /// they hit, as tables of cells hold them.
     pub seen: Vec<Crossing>,
-    /// Leaves that scatter light.
+    /// Seen leaves that scatter light.
     pub leaves: Vec<SeenLeaf>,
-    /// Rays cast.
+    /// Number of rays cast.
     pub rays: u64,
 }
 
-/// How cells see leaves.
+/// View of cells on leaves.
 #[derive(Clone, Copy)]
 pub(crate) struct LeafView<'a> {
     pub canopies: &'a Canopies<'a>,
-    /// Level of the cells at middle distance, if leaves that scatter light are looked for.
+    /// Level of the cells at middle distance; `None` if no scattering leaves are looked for.
     pub closed_level: Option<i8>,
 }
 
 impl CellCrossings {
-    /// Of a cell that is traced; nothing without canopies. `around`: what its rays below and above the horizon stand for.
+    /// Returns the crossings of a traced cell; empty without canopies. `around` is the part of the
+    /// hemisphere that its rays below and above the horizon stand for.
     pub fn of(
         view: Option<LeafView>,
         key: CellKey,
@@ -284,6 +291,7 @@ impl CellCrossings {
         };
         let open = |&texel: &usize| bit(&probe.bits, texel);
         let sky: Vec<Path> = texture.texels().filter(open).map(sky).collect();
+        // Rays are numbered in the order in which tables of cells sort their hits.
         let mut order: Vec<&SeenCell> = seen.iter().collect();
         order.sort_by_key(|seen| (!seen.up, seen.cell.is_none(), seen.cell));
         let path = |(seen, place): (&&SeenCell, u32)| seen.path.map(|(ray, reach_m)| Path { place, ray, reach_m });
@@ -319,9 +327,9 @@ mod tests {
     use glam::DVec3;
     use heliotile_core::site::material::{Class, Material};
 
-    /// A leaf of six triangles around a corner, drawn from both sides, and a quad of two above it: rays through the corner, through an
-    /// edge, through a diagonal and through the middle of triangles cross 2 leaves each, 1 of each material; a ray that ends between
-    /// them 1, and one beside them none.
+    /// A leaf of six triangles around a corner, drawn from both sides, lies below a quad of two.
+    /// Rays through the corner, an edge, a diagonal and the middle of triangles cross 2 leaves
+    /// each, 1 of each material. A ray that ends between them crosses 1, and one beside them none.
     #[test]
     fn one_place_is_one_leaf() {
         let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);

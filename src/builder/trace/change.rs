@@ -1,5 +1,5 @@
-//! What a change of the scene can alter. In: the triangles that came or went. Out: which rays meet one of them: all others meet what they
-//! met before, and nothing where they met nothing.
+//! Change of a scene, for finding what it can alter. In: the triangles that were added or removed.
+//! Out: the rays that meet one of them. All other rays hit what they hit before, or still nothing.
 
 use glam::DVec3;
 
@@ -12,31 +12,33 @@ use heliotile_scene::Scene;
 use heliotile_scene::change::SceneChange;
 use heliotile_scene::mesh::Mesh;
 
-/// Triangles that came or went.
+/// Triangles that were added or removed.
 pub struct Change {
-    /// `None` without triangles.
+    /// Tracer of the triangles; `None` without triangles.
     tracer: Option<Tracer>,
-    /// Around all of them, relative to the origin.
+    /// Boxes around all triangles, relative to the origin.
     boxes: Vec<[DVec3; 2]>,
     grid: Grid,
 }
 
-/// Boxes are cut until they are this small (metres), so that the balls around them are not much larger than what is in them.
+/// Size below which boxes are not cut further, metres, so that the balls around them are not much
+/// larger than their contents.
 const SMALL_M: f64 = 16.0;
 
-/// Cuts of a box at most: 64 boxes.
+/// Largest number of successive cuts: 64 boxes.
 const CUTS: u32 = 6;
 
-/// Rounding of coordinates, distances and directions, and more: metres, and per metre of distance.
+/// Margin that covers the rounding of coordinates, distances and directions: metres, and metres per
+/// metre of distance.
 const MARGIN: (f64, f64) = (0.05, 1e-4);
 
 impl Change {
-    /// Of a scene as it is now.
+    /// Creates the change of a scene that is `scene` now.
     pub fn of(change: &SceneChange, scene: &Scene) -> Self {
         Change::with(change, &[], scene)
     }
 
-    /// Also counts some triangles of the scene as changed.
+    /// Creates the change, and counts some triangles of the scene as changed, too.
     pub fn with(change: &SceneChange, more: &[u32], scene: &Scene) -> Self {
         let points = |&triangle: &u32| scene.mesh.triangle_points(triangle as usize);
         let now = change.added.iter().chain(more).map(points);
@@ -49,24 +51,25 @@ impl Change {
         Change { tracer: (!all.is_empty()).then(|| Tracer::of(&mesh, &all)), boxes, grid: mesh.grid() }
     }
 
-    /// Adds the boxes of triangles that did not change, to the places that cells look towards. Rays do not meet these triangles.
+    /// Adds boxes of unchanged triangles to the places that cells look towards. Rays do not meet
+    /// these triangles.
     pub fn near_to(mut self, triangles: impl Iterator<Item = [DVec3; 3]>) -> Self {
         cut(&mut triangles.collect::<Vec<_>>(), CUTS, &mut self.boxes);
         self
     }
 
-    /// Whether nothing came or went.
+    /// Returns true if nothing was added or removed.
     pub fn is_nothing(&self) -> bool {
         self.tracer.is_none()
     }
 
-    /// Which of some rays meet one of the triangles.
+    /// Returns for each ray true if it meets one of the triangles.
     pub fn met(&self, rays: &[Ray]) -> Vec<bool> {
         self.tracer.as_ref().map_or_else(|| vec![false; rays.len()], |tracer| tracer.occluded_many(rays))
     }
 
-    /// How many of the rays meet another thing first than before: one of the triangles that came or went, and nothing nearer.
-    /// `hits`: what they meet now.
+    /// Returns the number of rays that hit something else than before the change: one of the
+    /// triangles, with nothing nearer. `hits` are the hits in the scene as it is now.
     pub fn altered_of(&self, rays: &[Ray], hits: &[Option<Hit>]) -> usize {
         let Some(changed) = &self.tracer else { return 0 };
         let met = rays.iter().zip(hits).zip(self.met(rays)).filter(|ray| ray.1).map(|ray| ray.0);
@@ -77,23 +80,24 @@ impl Change {
         changed.closest_many(&rays).into_iter().zip(&hits).filter(is_first).count()
     }
 
-    /// As [`Change::altered_of`], where it is not known what the rays meet.
+    /// Does the work of [`Change::altered_of`] if the hits of the rays are not known.
     pub fn altered(&self, rays: &[Ray], scene: &Tracer) -> usize {
         let met: Vec<Ray> = rays.iter().zip(self.met(rays)).filter(|ray| ray.1).map(|ray| *ray.0).collect();
         self.altered_of(&met, &scene.closest_many(&met))
     }
 
-    /// Whether some of the rays meet another thing first than before.
+    /// Returns true if some of the rays hit something else than before the change.
     pub fn alters(&self, rays: &[Ray], scene: &Tracer) -> bool {
         self.altered(rays, scene) > 0
     }
 
-    /// The boxes, relative to the origin: lowest and highest corner.
+    /// Returns the boxes, relative to the origin: lowest and highest corner.
     pub fn boxes(&self) -> &[[DVec3; 2]] {
         &self.boxes
     }
 
-    /// Where the boxes lie as seen from within `spread_m` of a point relative to the origin.
+    /// Returns the directions of the boxes as seen from within `spread_m` of a point relative to
+    /// the origin.
     pub fn seen_from(&self, point: DVec3, spread_m: f64) -> ChangeInView {
         let ball = |[low, high]: &[DVec3; 2]| {
             let way = 0.5 * (*low + *high) - point;
@@ -104,7 +108,8 @@ impl Change {
         ChangeInView { balls: self.boxes.iter().map(ball).collect() }
     }
 
-    /// Whether a box touches the voxel of a cell, or comes nearer to it than a share of its edge.
+    /// Returns true if a box touches the voxel of a cell, or comes nearer to it than `nearby` times
+    /// its edge.
     pub fn touches(&self, key: CellKey, nearby: f64) -> bool {
         let (corner, size) = (key.corner(self.grid.origin), size_of(key.level));
         let slack = size * (nearby + 1.0 / 4096.0) + self.grid.slack_m(corner, size) + MARGIN.0;
@@ -113,14 +118,15 @@ impl Change {
         self.boxes.iter().any(|of| of[0].cmple(high).all() && of[1].cmpge(low).all())
     }
 
-    /// The middle of a cell's voxel relative to the origin, and how far its corners are from there.
+    /// Returns the centre of a cell's voxel relative to the origin, and the distance of its corners
+    /// from there.
     pub fn middle(&self, key: CellKey) -> (DVec3, f64) {
         let (corner, size) = (key.corner(self.grid.origin), size_of(key.level));
         (corner - self.grid.origin - GRID_SHIFT_M + 0.5 * size, size * 3_f64.sqrt() * 0.5)
     }
 }
 
-/// Cuts triangles into boxes: each in the middle of its longest side.
+/// Cuts triangles into boxes, each in the middle of its longest side.
 fn cut(triangles: &mut [[DVec3; 3]], cuts: u32, boxes: &mut Vec<[DVec3; 2]>) {
     let corners = || triangles.iter().flatten();
     let low = corners().fold(DVec3::INFINITY, |low, p| low.min(*p));
@@ -135,6 +141,7 @@ fn cut(triangles: &mut [[DVec3; 3]], cuts: u32, boxes: &mut Vec<[DVec3; 2]>) {
         triangles.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
         let half = 1.5 * (low[axis] + high[axis]);
         let at = triangles.partition_point(|triangle| middle(triangle) < half);
+        // If all centres lie on one side of the middle, cut the list in half.
         let at = if (1..triangles.len()).contains(&at) { at } else { triangles.len() / 2 };
         let (left, right) = triangles.split_at_mut(at);
         cut(left, cuts - 1, boxes);
@@ -144,21 +151,23 @@ fn cut(triangles: &mut [[DVec3; 3]], cuts: u32, boxes: &mut Vec<[DVec3; 2]>) {
     }
 }
 
-/// A ball around some of what changed, as seen from a place.
+/// Ball around some of the changed triangles, as seen from a place.
 struct Ball {
-    /// From there to its middle, metres.
+    /// Vector from the place to the centre, metres.
     way: DVec3,
     radius: f64,
-    /// How far a direction of length 1 leads along `way`, times the length of that, if it touches the ball; -infinity from within it.
+    /// Least dot product of `way` with a unit direction that touches the ball; -infinity if the
+    /// place is inside the ball.
     least: f64,
 }
 
-/// Where what changed lies, as seen from a place.
+/// Directions of the changed triangles as seen from a place.
 pub struct ChangeInView {
     balls: Vec<Ball>,
 }
 
-/// Normals of a plane cell may be off their mean by so much: where its length tells no more (1e-6), 0.003.
+/// Bound of the deviation of a plane cell's normals from their mean. The length of the mean is
+/// known to 1e-6, which leaves 0.003.
 pub const FLAT: f64 = 4e-3;
 
 impl ChangeInView {
@@ -168,23 +177,23 @@ impl ChangeInView {
         self
     }
 
-    /// Whether nothing of it can be seen.
+    /// Returns true if nothing of the change can be seen.
     pub fn is_nothing(&self) -> bool {
         self.balls.is_empty()
     }
 
-    /// Whether a ray in a direction can meet some.
+    /// Returns true if a ray in a direction can meet the change.
     pub fn lies_towards(&self, direction: DVec3) -> bool {
-        // The square of the distance of the middle from the ray is way^2 - along^2.
+        // The squared distance of the centre from the ray is way^2 - along^2.
         self.balls.iter().any(|ball| ball.way.dot(direction) >= ball.least)
     }
 
-    /// Whether a ray that does not go up can meet some.
+    /// Returns true if a ray that does not go up can meet the change.
     pub fn lies_below(&self) -> bool {
         self.balls.iter().any(|ball| ball.way.z <= ball.radius)
     }
 
-    /// Whether a ray of a cone can meet some.
+    /// Returns true if a ray of a cone can meet the change.
     pub(crate) fn lies_in(&self, cone: &Cone) -> bool {
         self.balls.iter().any(|Ball { way, radius, .. }| {
             let distance = way.length();
@@ -192,18 +201,18 @@ impl ChangeInView {
                 return true;
             }
             let sine = radius / distance;
-            // Directions of the cone are of about unit length.
+            // Directions of the cone have about unit length.
             f64::from(cone.dot((*way / distance).as_vec3().to_array())[1]) >= (1.0 - sine * sine).sqrt() - 1e-4
         })
     }
 }
 
-/// What is known of a receiver's sky from before a change.
+/// Answers for a receiver's sky from before a change.
 pub struct KnownSky<'a> {
-    /// Level by level, the base first.
+    /// Answers of each level of the texture, the base first.
     pub answers: &'a [Answers],
     pub change: &'a Change,
-    /// `[part of the sky]`: whether the change may be seen there.
+    /// `[part of the sky]`: true if the change may be seen there.
     pub touched: &'a [bool],
 }
 
@@ -212,8 +221,9 @@ mod tests {
     use super::*;
     use heliotile_core::hemisphere::{mix, unit};
 
-    /// Of 20,000 random rays at 40 triangles each that meets one is expected to: by the balls of its place, by those within 5 m of it, and by
-    /// the cone around its direction; over 150 do, and fewer than 16 times as many are expected to.
+    /// 20,000 random rays go towards 40 triangles. Every ray that meets one is predicted to by the
+    /// balls of its place, by the balls for places within 5 m and by the cone around its direction.
+    /// Over 150 rays meet one, and fewer than 16 times as many are predicted to.
     #[test]
     fn what_is_met_is_expected() {
         let random = |i: u64, k: u64| unit(mix(i, k)) - 0.5;

@@ -1,11 +1,13 @@
-//! Which points of a surface lie hidden in solids or below the terrain, where no light comes to. In: rays from points that see no
-//! sky. Out: a verdict for each point.
+//! Points of a surface that are hidden in solids or below the terrain, where no light arrives. In:
+//! rays from points that see no sky. Out: a verdict for each point.
 //!
-//! In the air rays meet the outside of things, inside of a solid the other side. A sheet, such as an overhang, has no inside: its other side
-//! is lit, and does not count. Where the walls of two neighbours lie in one plane either may be met first, so much less than all of it has to
-//! be the other side.
+//! Rays in the air hit the outside of things; rays inside a solid hit the other side. A sheet, such
+//! as an overhang, has no inside: its other side is lit and does not count. Where the walls of two
+//! neighbours lie in one plane, either may be hit first, so a point counts as hidden if much less
+//! than all of its hits are other sides.
 //!
-//! Receivers that see no sky are told by paths instead: a cell that they see may lie half in the light, on the other side of a wall.
+//! Light paths decide on receivers that see no sky ([`is_reached`]), because a cell that they see
+//! may be half lit, on the other side of a wall.
 
 use glam::{DVec3, Vec3};
 
@@ -14,24 +16,24 @@ use super::kernel::rays::{FaceSide, Hit, Ray, Tracer};
 use heliotile_core::hemisphere::{Frame, cosine_direction_of, jitter, mix};
 use heliotile_scene::mesh::Mesh;
 
-/// Rays of a point at most; those behind its surface are not cast.
+/// Largest number of rays of a point; rays that go behind its surface are not cast.
 pub const LOOKS: usize = 8;
 
-/// A point that sees more than this share of other sides is hidden. From one house of a row the party wall to the next may fill most of the
-/// view.
+/// Share of other sides among the hits of a point above which it is hidden. The party wall of the
+/// next house in a row may fill most of the view.
 const OTHER_SIDES: f64 = 0.25;
 
-/// Which of some points are hidden.
+/// Verdict about some points.
 #[derive(Clone, Debug)]
 pub struct Verdict {
-    /// `[point]`.
+    /// `[point]`: true if it is hidden.
     pub hidden: Vec<bool>,
-    /// Whether some seemed to be, so that paths through the whole scene were followed.
+    /// True if some points seemed hidden, so that paths through the whole scene decided.
     pub doubtful: bool,
 }
 
-/// Looks around from some of `count` points: pairs of a point and a ray. `inside`: the points are on the back of their triangles, so that it
-/// is fronts that should not be met.
+/// Judges `count` points by `looks`, pairs of a point and a ray. With `inside` the points are on
+/// the back of their triangles, so that front sides count as other sides.
 pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, tracer: &Tracer) -> Verdict {
     let rays: Vec<Ray> = looks.iter().map(|look| look.1).collect();
     let hits = tracer.closest_many(&rays);
@@ -44,7 +46,8 @@ pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, t
     }
     let is_hidden =
         |others: &[f64]| -> Vec<bool> { met.iter().zip(others).map(|(met, o)| *o > OTHER_SIDES * met).collect() };
-    // Only points that seem hidden are worth the paths that tell a sheet from a solid, until enough of what they see is known to be dark.
+    // Paths that tell a sheet from a solid cost much. They are followed only for points that seem
+    // hidden, until enough of the surfaces hit are known to be dark.
     let suspected = is_hidden(&others);
     let mut dark = vec![0.0; count];
     for (&(point, ray), hit) in looks.iter().zip(&hits) {
@@ -57,40 +60,44 @@ pub fn hidden(count: usize, looks: &[(usize, Ray)], inside: bool, mesh: &Mesh, t
     Verdict { hidden: is_hidden(&dark), doubtful: suspected.contains(&true) }
 }
 
-/// The side of a triangle that a ray meets.
+/// Returns the side of a triangle that a ray hits.
 pub fn side_met(ray: &Ray, hit: &Hit, mesh: &Mesh) -> FaceSide {
     let along = mesh.normal(hit.triangle as usize).as_vec3().dot(Vec3::from(ray.direction));
     if along > 0.0 { FaceSide::Back } else { FaceSide::Front }
 }
 
-/// Whether a ray meets the inner side of a solid or the underside of terrain: the back of a triangle to which no light comes.
+/// Returns true if a ray hits the inner side of a solid or the underside of terrain: the back of a
+/// triangle that no light reaches.
 pub fn meets_inside(ray: &Ray, hit: &Hit, mesh: &Mesh, tracer: &Tracer) -> bool {
     side_met(ray, hit, mesh) == FaceSide::Back && !is_lit(hit.triangle, FaceSide::Back, mesh, tracer)
 }
 
-/// Paths that are followed from each of the points of a triangle, first and in all, and surfaces that the first ones meet at most: most sides
-/// that are asked for are dark, and that is to be found out cheaply.
+/// Numbers of paths from each start point of a triangle, in the first round and in all, and largest
+/// number of surfaces that a path of the first round hits. Most sides in question are dark, and the
+/// first round finds that out cheaply.
 const FIRST_PATHS: usize = 4;
 const LIT_PATHS: usize = 16;
 const FIRST_MET: usize = 3;
-/// A side of which at least this share of paths gets to the sky is lit. Below a canopy on a square it is more than half; in a house whose
-/// walls stand a little above rough terrain, or below the rim of terrain, it is a few hundredths.
+/// Share of paths that reach the sky from which on a side counts as lit. Below a canopy on a square
+/// it is more than half; in a house whose walls stand a little above rough terrain, or below the
+/// rim of terrain, it is a few hundredths.
 const LIT: f64 = 0.25;
 
-/// Whether light comes to a side of a triangle. Remembered by the tracer: it depends on the scene alone.
+/// Returns true if light reaches a side of a triangle. The tracer caches the answer, which depends
+/// on the scene alone.
 fn is_lit(triangle: u32, side: FaceSide, mesh: &Mesh, tracer: &Tracer) -> bool {
     tracer.lit_sides().known_or(triangle, side, || find_lit(triangle, side, mesh, tracer, &mut |_, _| {}))
 }
 
-/// Whether a change of the scene may be why light comes to the back of a triangle, or does not: some of the paths that tell meet what came or
-/// went.
+/// Returns true if a change of the scene may have altered whether light reaches the back of a
+/// triangle: some of the paths that decide it meet an added or removed triangle.
 pub fn may_be_lit_since(change: &Change, triangle: u32, mesh: &Mesh, tracer: &Tracer) -> bool {
     let mut altered = false;
     find_lit(triangle, FaceSide::Back, mesh, tracer, &mut |rays, hits| altered |= change.altered_of(rays, hits) > 0);
     altered
 }
 
-/// What a set of rays met.
+/// Callback that gets a set of rays and their hits.
 type Watch<'a> = &'a mut dyn FnMut(&[Ray], &[Option<Hit>]);
 
 fn find_lit(triangle: u32, side: FaceSide, mesh: &Mesh, tracer: &Tracer, watch: Watch) -> bool {
@@ -98,11 +105,12 @@ fn find_lit(triangle: u32, side: FaceSide, mesh: &Mesh, tracer: &Tracer, watch: 
     let normal = if side == FaceSide::Front { outward } else { -outward };
     let [a, b, c] = mesh.triangle_points(triangle as usize).map(|corner| mesh.grid().absolute(corner));
     let middle = (a + b + c) / 3.0;
-    // The middle, and half way from there to each corner.
+    // Start from the centre and from half way between it and each corner.
     let points = [middle, 0.5 * (middle + a), 0.5 * (middle + b), 0.5 * (middle + c)];
     let origins = points.map(|point| tracer.grid().lifted(point, normal));
     let starts = |paths: usize| origins.iter().flat_map(move |origin| (0..paths).map(move |path| (*origin, path)));
     let mut from = Start { normal, seed: 0x6c69_7473, most_met: FIRST_MET, until: Until::Sky };
+    // A short round first: most sides are dark, and few paths show it.
     if follow(starts(FIRST_PATHS).collect(), &from, mesh, tracer, watch) == 0 {
         return false;
     }
@@ -111,36 +119,37 @@ fn find_lit(triangle: u32, side: FaceSide, mesh: &Mesh, tracer: &Tracer, watch: 
     reached as f64 >= LIT * (origins.len() * LIT_PATHS) as f64
 }
 
-/// Paths from a receiver, and surfaces that each meets at most.
+/// Number of paths from a receiver; [`MOST_MET`] is the largest number of surfaces that each hits.
 const PATHS: usize = 128;
 const MOST_MET: usize = 8;
 
-/// Whether light can come to a place: of some paths that turn at random at every surface, one gets to the sky. Through a gap of a hundredth of what
-/// a place sees, one does in more than 99 of 100 cases.
+/// Returns true if light can reach a place: one of [`PATHS`] paths that turn at random at every
+/// surface reaches the sky. Through a gap of a hundredth of the view, one does in more than 99 of
+/// 100 cases.
 pub fn is_reached(origin: [f32; 3], normal: DVec3, seed: u64, mesh: &Mesh, tracer: &Tracer) -> bool {
     let from = Start { normal, seed, most_met: MOST_MET, until: Until::Sky };
     follow((0..PATHS).map(|path| (origin, path)).collect(), &from, mesh, tracer, &mut |_, _| {}) > 0
 }
 
-/// When paths are followed no further.
+/// Condition that ends the following of paths.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Until {
-    /// All of them have ended.
+    /// All paths have ended.
     End,
-    /// One has got to the sky.
+    /// One path has reached the sky.
     Sky,
 }
 
-/// How paths begin, and how far they are followed.
+/// Start of paths, and how far they are followed.
 struct Start {
     normal: DVec3,
     seed: u64,
-    /// Surfaces that a path meets at most.
+    /// Largest number of surfaces that a path hits.
     most_met: usize,
     until: Until,
 }
 
-/// Follows paths, each by its origin and number, and counts those that get to the sky.
+/// Follows paths, each given by its origin and number, and counts those that reach the sky.
 fn follow(starts: Vec<([f32; 3], usize)>, from: &Start, mesh: &Mesh, tracer: &Tracer, watch: Watch) -> usize {
     let Start { normal, seed, most_met, until } = *from;
     let turned = |normal: DVec3, path: usize, met: usize| {
@@ -168,7 +177,8 @@ fn follow(starts: Vec<([f32; 3], usize)>, from: &Start, mesh: &Mesh, tracer: &Tr
                 Some(hit) => {
                     let outward = mesh.normal(hit.triangle as usize);
                     let normal = if outward.dot(direction) > 0.0 { -outward } else { outward };
-                    // The first sum is exact, and the second one that of input coordinates: equal in all scenes.
+                    // The first sum is exact, and the second is in input coordinates, so it is
+                    // equal in all scenes.
                     let from = mesh.grid().absolute(DVec3::from(ray.origin.map(f64::from)));
                     let origin = tracer.grid().lifted(from + direction * f64::from(hit.t), normal);
                     next.push((path, Ray { origin, direction: turned(normal, path, met) }));
@@ -186,7 +196,8 @@ mod tests {
     use crate::trace::test_scenes::matt;
     use heliotile_scene::Scene;
 
-    /// Three houses in a row, 5 m wide, 10 m deep and 8 m high, on a plane 1 m above their feet, and opposite of them a wall 20 m high.
+    /// Returns a scene of three houses in a row, 5 m wide, 10 m deep and 8 m high, on a plane 1 m
+    /// above their feet, and a wall 20 m high opposite.
     fn row() -> Scene {
         let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
         let mut faces = vec![[DVec3::new(-50.0, -50.0, 1.0), 100.0 * x, 100.0 * y]];
@@ -200,8 +211,9 @@ mod tests {
         matt(&faces)
     }
 
-    /// Of 6 places on walls those 3 in party walls and below the ground are hidden, and those 3 in a street without sky are not, by 8 rays
-    /// each; seen from within a house 1 of its walls is not hidden either.
+    /// With 8 rays each, 3 places in party walls and below the ground are hidden, and 3 places on
+    /// walls in a street without sky are not. Seen from within a house, 1 of its walls is not
+    /// hidden either.
     #[test]
     fn what_is_hidden() {
         let scene = row();
@@ -227,7 +239,8 @@ mod tests {
         assert!(!is_hidden(DVec3::new(2.0, 0.0, 3.0), y, true));
     }
 
-    /// Of 5 places in and around three houses light comes to the 2 in the street and not to the 3 within houses and below the ground.
+    /// Light reaches the 2 places in the street in front of three houses, and not the 3 places
+    /// inside houses and below the ground.
     #[test]
     fn what_light_reaches() {
         let scene = row();

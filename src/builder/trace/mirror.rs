@@ -1,9 +1,10 @@
-//! Light by way of mirrors. In: rays whose first hit is a mirror, or a observer. Out: what lies behind up to three mirrors, and through
-//! which parts of the sky light comes by which chain of them.
+//! Light by way of mirrors. In: rays whose first hit is a mirror, or an observer. Out: the surfaces
+//! behind up to three mirrors, and the parts of the sky whose light comes by each chain of mirrors.
 //!
-//! A chain maps directions of the sky to directions of the observer ([`Chain::seen_from`]), so its texture is one of the sky's
-//! texels, as the sky texture is: a texel is 1 if the ray in the direction that it maps to meets the chain's mirrors, one after
-//! the other, and leaves in the texel's own direction.
+//! A chain maps directions of the sky to directions of the observer ([`Chain::seen_from`]). Its
+//! texture is one of the sky's texels, like the sky texture: a texel is 1 if the ray in the
+//! direction that it maps to hits the chain's mirrors, one after the other, and leaves in the
+//! texel's own direction.
 
 use std::collections::BTreeMap;
 
@@ -20,42 +21,42 @@ use heliotile_core::site::chain::{Chain, MOST_MIRRORS, MirrorPlane, MirrorStep};
 use heliotile_scene::mesh::Mesh;
 use heliotile_scene::mirrors::Mirrors;
 
-/// A scene with mirrors, ready for rays.
+/// Scene with mirrors, ready for rays.
 pub struct Reflections<'a> {
     mesh: &'a Mesh,
     tracer: &'a Tracer,
     mirrors: &'a Mirrors,
     /// Triangles that are mirrors.
     triangles: Vec<u32>,
-    /// The mirrors alone: most rays miss them, and are soon done with.
+    /// Tracer of the mirrors alone. Most rays miss them, and it finds that out fast.
     alone: Tracer,
 }
 
-/// A surface behind mirrors.
+/// Surface behind mirrors.
 #[derive(Clone, Debug)]
 pub struct Met {
-    /// The last part of the way: where it starts, its direction and what it meets.
+    /// Start of the last segment of the path; `direction` and `hit` are its direction and end.
     pub from: DVec3,
     pub direction: DVec3,
     pub hit: Hit,
-    /// Length of the whole way, metres.
+    /// Length of the whole path, metres.
     pub length_m: f64,
-    /// The mirrors before it.
+    /// Mirrors on the path before the surface.
     pub steps: Vec<MirrorStep>,
 }
 
-/// How a way by mirrors ends.
+/// End of a path by way of mirrors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// In this direction, above the horizon.
+    /// The path reaches the sky in this direction, above the horizon.
     Sky(Chain, DVec3),
-    /// At a surface that is no mirror, or nowhere.
+    /// The path ends at a surface that is no mirror, or below the horizon.
     Dark,
-    /// At one more mirror than is followed.
+    /// The path ends at one more mirror than is followed.
     Cut,
 }
 
-/// A ray and the mirror that it meets.
+/// Ray and the mirror that it hits.
 #[derive(Clone, Copy, Debug)]
 pub struct MirrorRay {
     pub from: DVec3,
@@ -63,7 +64,7 @@ pub struct MirrorRay {
     pub hit: Hit,
 }
 
-/// A direction of the sky that is looked for from a point, by one of some chains.
+/// Query for one direction of the sky from a point, by one of some chains.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     pub chain: usize,
@@ -72,7 +73,7 @@ pub struct Look {
     pub normal: DVec3,
 }
 
-/// One ray on its way.
+/// Ray on its path by way of mirrors.
 struct Way {
     at: MirrorRay,
     chain: Chain,
@@ -91,27 +92,28 @@ impl<'a> Reflections<'a> {
         &self.mirrors.orientations
     }
 
-    /// Number of the orientation that a hit lies on.
+    /// Returns the number of the orientation of the mirror that was hit, or `None` if it is no
+    /// mirror.
     pub fn orientation(&self, hit: Hit) -> Option<u16> {
         self.mirrors.of_triangle(hit.triangle)
     }
 
-    /// The cell of this level that a surface behind mirrors lies in.
+    /// Returns the cell of this level that holds a surface behind mirrors.
     pub fn cell(&self, met: &Met, level: i8) -> CellKey {
         cell_of(met.hit, met.direction, level, self.mesh, met.from)
     }
 
-    /// Where rays of a surface point (input coordinates) start.
+    /// Returns the origin of rays from a surface point (input coordinates).
     pub fn origin(&self, position: DVec3, normal: DVec3) -> [f32; 3] {
         lifted(position, normal, self.tracer)
     }
 
-    /// Which of some rays would meet a mirror, were there nothing else.
+    /// Returns for each ray true if it would hit a mirror if there were nothing else.
     pub fn towards_mirrors(&self, rays: &[Ray]) -> Vec<bool> {
         self.alone.occluded_many(rays)
     }
 
-    /// Which of some rays meet a mirror first, and where.
+    /// Returns the rays whose first hit is a mirror, with that hit.
     pub fn starts(&self, rays: &[(DVec3, Ray)]) -> Vec<(usize, MirrorRay)> {
         let cast: Vec<Ray> = rays.iter().map(|r| r.1).collect();
         let near: Vec<usize> =
@@ -126,7 +128,8 @@ impl<'a> Reflections<'a> {
         .collect()
     }
 
-    /// Follows rays that met a mirror, [`MOST_MIRRORS`] of them at most: the surfaces that each meets and how it ends. `rays` counts.
+    /// Follows rays that hit a mirror, past [`MOST_MIRRORS`] mirrors at most. Returns the surfaces
+    /// that each hits and its end; `rays` counts the rays cast.
     pub fn follow(&self, starts: &[MirrorRay], rays: &mut u64) -> Vec<(Vec<Met>, End)> {
         let mut done: Vec<(Vec<Met>, End)> = starts.iter().map(|_| (Vec::new(), End::Dark)).collect();
         let start =
@@ -148,6 +151,7 @@ impl<'a> Reflections<'a> {
                 way.chain = chain;
                 next.push((i, way));
             }
+            // Rays of all paths go together after each reflection, to fill packets.
             let cast: Vec<Ray> = next.iter().map(|(_, way)| ray(way.at.from, way.at.direction)).collect();
             *rays += cast.len() as u64;
             let hits = self.tracer.closest_many(&cast);
@@ -168,13 +172,13 @@ impl<'a> Reflections<'a> {
         done
     }
 
-    /// Where a ray goes from a mirror, and in which direction.
+    /// Returns the start and the direction of a ray that a mirror reflects.
     fn reflected(&self, at: MirrorRay, orientation: MirrorPlane) -> (DVec3, DVec3) {
         let triangle = at.hit.triangle as usize;
         let outward = self.mesh.normal(triangle);
         let facing = if outward.dot(at.direction) > 0.0 { -outward } else { outward };
-        // Distances are known to some 1e-6 of themselves, which may be more than a ray's origin is lifted by: the point is put on the
-        // plane of the mirror.
+        // Distances have a relative error of some 1e-6, which may exceed the offset of a ray's
+        // origin, so the point is moved onto the plane of the mirror.
         let way = at.direction * f64::from(at.hit.t);
         let [corner, ..] = self.mesh.triangle_points(triangle);
         let way = way - outward * (way - (corner - at.from)).dot(outward);
@@ -183,7 +187,8 @@ impl<'a> Reflections<'a> {
         (from, orientation.reflect(at.direction).normalize())
     }
 
-    /// Whether light from directions of the sky reaches points by chains, each with its map. `rays` counts.
+    /// Returns for each query true if light from its direction of the sky reaches its point by its
+    /// chain. `chains` are given with their maps; `rays` counts the rays cast.
     pub fn lit(&self, chains: &[(Chain, DMat3)], looks: &[Look], rays: &mut u64) -> Vec<bool> {
         let mut lit = vec![false; looks.len()];
         let mut ways: Vec<(usize, MirrorRay)> = Vec::with_capacity(looks.len());
@@ -219,12 +224,13 @@ impl<'a> Reflections<'a> {
         lit
     }
 
-    /// [`Chain::seen_from`] of a chain that was followed, whose orientations exist.
+    /// Returns [`Chain::seen_from`] of a chain that was followed, so its orientations exist.
     pub fn seen_from(&self, chain: &Chain) -> DMat3 {
         chain.numbers().fold(DMat3::IDENTITY, |map, number| map * self.mirrors.orientations[usize::from(number)].map())
     }
 
-    /// The chains by which some rays reach the sky, and the texels of an n x n sky that they reach, with those around them.
+    /// Returns the chains by which some rays reach the sky, with the texels of an n x n sky that
+    /// they reach and the texels around them.
     pub fn reached(&self, rays: &[(DVec3, Ray)], n: usize, count: &mut u64) -> BTreeMap<Chain, Vec<(u32, u32)>> {
         *count += rays.len() as u64;
         let starts: Vec<MirrorRay> = self.starts(rays).into_iter().map(|s| s.1).collect();
@@ -243,8 +249,10 @@ impl<'a> Reflections<'a> {
         found
     }
 
-    /// Rays from a point to those parts of its hemisphere where mirrors may be, were there nothing else: `finer` x `finer` rays in each of those texels of
-    /// an n x n texture in which a corner or the middle of a mirror's triangle lies, or in or beside which a ray meets a mirror. `rays` counts.
+    /// Returns rays from a viewpoint to those parts of its hemisphere where mirrors may be if
+    /// nothing hides them. A texel of an n x n texture gets `finer` x `finer` rays if a corner or
+    /// the centre of a mirror's triangle lies in it, or if a ray in it or beside it hits a mirror.
+    /// `rays` counts the rays cast.
     pub fn around_mirrors(&self, n: usize, finer: usize, view: &Viewpoint, rays: &mut u64) -> Vec<(DVec3, Ray)> {
         let mut near = BitSquare::new(n);
         let mut mark = |column: usize, row: usize, far: usize| {
@@ -260,7 +268,7 @@ impl<'a> Reflections<'a> {
         }
         let origin = view.origin(self.tracer);
         let (from, frame) = (DVec3::from(origin.map(f64::from)), Frame::of(view.normal));
-        // Rays are this far from each other; what is much narrower is met by chance only.
+        // A quarter of the spacing of the rays. Much narrower mirrors are hit by chance only.
         let narrow = HEMISPHERE_SR.sqrt() / (n * finer) as f64 / 4.0;
         for triangle in &self.triangles {
             let corners = self.mesh.triangle_points(*triangle as usize).map(|corner| corner - from);
@@ -287,7 +295,8 @@ impl<'a> Reflections<'a> {
         near.ones().flat_map(|texel| (0..finer * finer).map(move |i| part(texel, i))).collect()
     }
 
-    /// Rays from points over an n x n texture of their surface's hemisphere, one a texel; `point(texel)` gives place and normal.
+    /// Returns rays over an n x n texture of the hemisphere of a surface, one per texel.
+    /// `point(texel)` gives position and normal.
     pub fn around(&self, n: usize, seed: u64, point: impl Fn(usize) -> (DVec3, DVec3)) -> Vec<(DVec3, Ray)> {
         let texel = |(column, row): (usize, usize)| {
             let t = row * n + column;

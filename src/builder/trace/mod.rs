@@ -1,5 +1,6 @@
-//! Trace: the only stage that casts rays. In: a mesh and the points to look from. Out: raw hemispheres: sky bits and the
-//! cells that are seen. It knows nothing of textures on disk, archives, weather or reflectances.
+//! Trace: the only stage that casts rays. In: a mesh and viewpoints. Out: raw hemispheres: sky bits
+//! and the cells that are seen. It knows nothing of textures on disk, archives, weather or
+//! reflectances.
 
 pub mod canopy;
 pub(crate) mod change;

@@ -1,5 +1,5 @@
-//! Whether a receiver that was put on a surface gets light at all. In: a point some millimetres off its surface, the scene. Out: free,
-//! covered by what lies upon the surface, or inside a solid or below the terrain.
+//! Placement of receivers that were put on a surface. In: a point some millimetres off its surface,
+//! the scene. Out: free, covered by another surface, or inside a solid or below the terrain.
 
 use glam::DVec3;
 
@@ -8,28 +8,30 @@ use crate::trace::kernel::rays::{Ray, Tracer};
 use crate::trace::receiver::Viewpoint;
 use heliotile_scene::mesh::Mesh;
 
-/// How a receiver that was put on a surface lies.
+/// Placement of a receiver on a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Placement {
-    /// Nothing covers it: light can arrive.
+    /// Nothing covers the receiver: light can arrive.
     Free,
-    /// Another surface lies between it and its own, or as close in front of it.
+    /// Another surface lies between the receiver and its own surface, or as close in front of it.
     Blocked,
-    /// In a neighbour's walls or below the terrain.
+    /// The receiver lies in a neighbour's walls or below the terrain.
     Inside,
 }
 
-/// Side of the hemisphere of rays that look for sky.
+/// Side of the texture of rays that look for sky.
 const SIDE: usize = 8;
 
-/// A receiver that sees at most this share of sky, ...
+/// Share of sky at or below which a receiver may be inside.
 const NEARLY_BLIND: f64 = 0.1;
 
-/// ... and for the rest at least this share of inner sides of solids or terrain, is behind them. Crossings alone would not tell in a cellar:
-/// with the terrain above it they are even; nor would darkness: flat rays get out below the edge of the terrain.
+/// Share of inner sides of solids or terrain among the hits of a nearly blind receiver from which
+/// on it is inside. Crossings alone would not tell in a cellar, where the terrain above makes their
+/// number even. Darkness alone would not tell either, because flat rays get out below the edge of
+/// the terrain.
 const INNER_SIDES: f64 = 0.9;
 
-/// Looks where a receiver lies that is `offset_m` off its surface.
+/// Returns the placement of a receiver that is `offset_m` off its surface.
 pub fn placement_of(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Tracer) -> Placement {
     let first = |direction: DVec3| {
         let ray = Ray {
@@ -43,6 +45,7 @@ pub fn placement_of(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Trace
         return Placement::Blocked;
     }
     let origin = view.origin(tracer);
+    // Only rays that go up can see sky.
     let up: Vec<DVec3> =
         (0..SIDE * SIDE).map(view.hit_directions(SIDE)).filter(|direction| direction.z > 0.0).collect();
     let rays: Vec<Ray> = up.iter().map(|direction| Ray { origin, direction: direction.as_vec3().into() }).collect();
@@ -59,7 +62,8 @@ pub fn placement_of(view: &Viewpoint, offset_m: f64, mesh: &Mesh, tracer: &Trace
     if behind || dark && is_enclosed(view, mesh, tracer) { Placement::Inside } else { Placement::Free }
 }
 
-/// Whether a receiver that sees no sky lies below terrain, inside a solid, or where no light comes to.
+/// Returns true if a receiver that sees no sky is below terrain, inside a solid, or where no light
+/// arrives.
 pub fn is_enclosed(view: &Viewpoint, mesh: &Mesh, tracer: &Tracer) -> bool {
     !is_reached(view.origin(tracer), view.normal, view.seed(), mesh, tracer) || view.crosses_out(mesh, tracer)
 }
@@ -70,7 +74,8 @@ mod tests {
     use heliotile_core::site::material::{Class, Material};
     use heliotile_scene::Scene;
 
-    /// A wall of 8 x 3 m on a plane, below an overhang of 4 m depth that is drawn upwards or downwards, and a closed box of 2 m behind the wall.
+    /// Returns a scene with a wall of 8 x 3 m on a plane, below an overhang of 4 m depth that is
+    /// drawn upwards or downwards, and a closed box of 2 m behind the wall.
     fn porch(upwards: bool) -> Scene {
         let mut triangles = Vec::new();
         let mut quad = |p: DVec3, a: DVec3, b: DVec3| {
@@ -93,8 +98,8 @@ mod tests {
         Scene::from_triangles(&triangles, vec![Material::matt("all", 0.3, Class::Obstruction)]).expect("a scene")
     }
 
-    /// Of 60 receivers on a wall below an overhang all are free, whichever way the overhang is drawn; 6 of 6 that look around in a closed box
-    /// lie inside.
+    /// All 60 receivers on a wall below an overhang are free, whichever way the overhang is drawn.
+    /// 6 of 6 receivers in a closed box are inside.
     #[test]
     fn an_overhang_hides_nothing_and_a_sealed_box_all() {
         for upwards in [true, false] {

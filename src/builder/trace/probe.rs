@@ -1,12 +1,15 @@
-//! Probes: what the surface of one cell sees of the sky. In: a cell key. Out: one small world-frame sky texture, and the
-//! points it was traced from.
+//! Probes: the sky as the surface of one cell sees it. In: a cell key. Out: one small world-frame
+//! sky texture, and the points that its rays started from.
 //!
-//! Rays start from many points of the cell, each texel from one of them. A cell stands for what others see of it, so a point counts as far as it can
-//! be seen: not at all if it is [hidden](super::hidden) in a party wall or below the terrain, less if surfaces close by hide it ([`NEARBY`]). (Weights in
-//! proportion to the sky that points see were tried, and so was leaving out all that see none: too much light in wells and canyons, where lower
-//! parts see little sky and yet are seen.)
+//! Rays start from many points of the cell, each texel from one of them. A cell stands for what
+//! others see of it, so a point counts as far as it can be seen: not at all if it is
+//! [hidden](super::hidden) in a party wall or below the terrain, less if surfaces close by hide it
+//! ([`NEARBY`]). (Two alternatives were tried: weights in proportion to the sky that points see,
+//! and leaving out all points that see none. Both give too much light in wells and canyons, where
+//! lower parts see little sky and yet are seen.)
 //!
-//! Fine textures are traced on a base of half their side first: the other texels only where neighbours differ.
+//! Fine textures are traced on a base of half their side first. The other texels are traced only
+//! where neighbours differ.
 
 use std::cell::RefCell;
 
@@ -22,22 +25,22 @@ use heliotile_core::hemisphere::{
 use heliotile_core::light::radiosity::centres_f32;
 use heliotile_core::site::cells::{CellKey, size_of};
 
-/// Jittered directions through the texels of cells' n x n sky textures: a few patterns, made once, of which each cell takes
-/// one by its seed.
+/// Jittered directions through the texels of cells' n x n sky textures. There are a few patterns,
+/// made once; each cell takes one of them by its seed.
 pub struct Directions {
     pub n: usize,
-    /// How points of a cell count.
+    /// Weighting of the points of a cell.
     weighting: PointWeights,
-    /// Whether one texel of four is traced first, the others where that does not tell.
+    /// True if one texel of four is traced first, and the others only if that does not decide them.
     refined: bool,
-    /// `[texel]`: mean directions.
+    /// `[texel]`: mean direction.
     pub centres: Vec<[f32; 3]>,
     patterns: Vec<Vec<DVec3>>,
-    /// As [`texels_in_blocks`] lists them.
+    /// Texels in the order of [`texels_in_blocks`].
     places: Vec<Place>,
 }
 
-/// A texel, its block, and where it stands in it.
+/// Texel, its block, and its place in the block.
 #[derive(Clone, Copy)]
 struct Place {
     texel: usize,
@@ -45,15 +48,17 @@ struct Place {
     inside: usize,
 }
 
-/// Larger textures are refined. From a base of 16 features are lost: probes of 32 are off by 1.3 times as much in a dense block then, for a
-/// twentieth of the time.
+/// Largest side of a texture that is traced whole; larger ones are refined. A base of 16 loses
+/// features: refined probes of 32 have 1.3 times the error in a dense block, and save a twentieth
+/// of the time.
 const LARGEST_WHOLE: usize = 32;
 
-/// Jitter patterns: a receiver sees some hundred probes, their errors average out over this many.
+/// Number of jitter patterns. A receiver sees some hundred probes, so their errors average out over
+/// this many.
 const PATTERNS: u64 = 64;
 
 impl Directions {
-    /// Textures of side n.
+    /// Creates the directions of textures of side n.
     pub fn new(n: usize, weighting: PointWeights) -> Self {
         let direction = |k: u64, t: usize| texel_direction(t % n, t / n, n, jitter(mix(0x7465_7865, k), t as u64));
         let patterns = (0..PATTERNS).map(|k| (0..n * n).map(|t| direction(k, t)).collect()).collect();
@@ -66,12 +71,13 @@ impl Directions {
         Directions { n, weighting, refined: n > LARGEST_WHOLE, centres: centres_f32(n), patterns, places }
     }
 
-    /// All texels; neighbours in the list are neighbours on the sphere.
+    /// Returns all texels. Neighbours in the list are neighbours on the sphere.
     pub fn texels(&self) -> impl Iterator<Item = usize> {
         self.places.iter().map(|place| place.texel)
     }
 
-    /// `[texel]`: which point of a cell asks it first: each as many as it counts, spread over the whole sky.
+    /// Returns `[texel]`: the point from which its first ray starts. Each point gets texels in
+    /// proportion to its weight, spread over the whole sky.
     fn owners(&self, key: CellKey, worth: &[f64]) -> Vec<u8> {
         let (seed, mut owner) = (key.seed(), vec![0_u8; self.n * self.n]);
         let sum: f64 = worth.iter().sum();
@@ -79,17 +85,19 @@ impl Directions {
             let order = order(seed, of_block[0].block);
             for place in of_block {
                 let first = slot(place.inside, order as usize % POINTS) * worth.len() / POINTS;
-                // What a point does not count goes to all of them, as far as they count.
+                // A point gives up texels in proportion to the weight it lacks; they go to all
+                // points by weight.
                 let draw = |salt: u64| unit(mix(seed ^ salt, place.texel as u64));
                 let is_kept = worth[first] >= 1.0 || draw(0x6b65_6570) < worth[first];
-                // At most POINTS, so a byte.
+                // A number below POINTS, so a byte.
                 owner[place.texel] = if is_kept { first } else { pick(worth, sum * draw(0x6769_7665)) } as u8;
             }
         }
         owner
     }
 
-    /// The texels that are traced first, in the order of [`Directions::texels`]: all, or one of each two by two.
+    /// Returns the texels that are traced first, in the order of [`Directions::texels`]: all, or
+    /// one of each 2 x 2.
     fn first(&self, key: CellKey) -> Vec<usize> {
         if !self.refined {
             return self.texels().collect();
@@ -107,41 +115,44 @@ impl Directions {
         first
     }
 
-    /// How far from a cell surfaces decide how its points count, over the cell's edge.
+    /// Returns the distance within which surfaces decide how a cell's points count, as a multiple
+    /// of the cell's edge.
     pub fn nearby(&self) -> f64 {
         if self.weighting == PointWeights::Open { NEARBY } else { 0.0 }
     }
 
-    /// [texel]: unit directions of a cell's rays, world frame.
+    /// Returns `[texel]`: unit directions of a cell's rays, world frame.
     pub fn of(&self, key: CellKey) -> &[DVec3] {
         &self.patterns[(mix(key.seed(), 5) % PATTERNS) as usize]
     }
 }
 
-/// Rays of a point at least, so that it is known whether it sees sky.
+/// Smallest number of rays of a point, enough to know if it sees sky.
 const LEAST_RAYS: usize = 16;
 
-/// How points of a cell count.
+/// Weighting of the points of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointWeights {
-    /// All alike: cells that others see from any distance.
+    /// Equal weights: for cells that others see from any distance.
     Alike,
-    /// By how far surfaces nearby leave them open: cells that receivers see from eight times their edge or more.
+    /// Weights by how far nearby surfaces leave the points open: for cells that receivers see from
+    /// eight times their edge or more.
     Open,
 }
 
-/// Surfaces nearer than this share of a cell's edge hide a point from those who see the cell. Points in crevices, such as those between terrain and
-/// a floor above it, are dark and seldom seen: with all points alike one reflection in a dense block was 1.7 times as much too low at `fine`. Shares
-/// of 1 and 2 help as much there, and make courts too bright.
+/// Distance below which surfaces hide a point from those who see the cell, as a share of the cell's
+/// edge. Points in crevices, such as those between terrain and a floor above it, are dark and
+/// seldom seen. With equal weights one reflection in a dense block was too low by 1.7 times as much
+/// at `fine`. Shares of 1 and 2 help as much there, and make courts too bright.
 const NEARBY: f64 = 0.5;
 
-/// Rays by which a point looks for surfaces nearby.
+/// Number of rays by which a point looks for nearby surfaces.
 const NEARBY_RAYS: usize = 4;
 
-/// No point counts less: one that sees sky is never lost.
+/// Smallest weight of a point, so that a point that sees sky is never lost.
 const LEAST_WORTH: f64 = 1.0 / 64.0;
 
-/// `[point]`: how much the points of a cell count, 1 for the one that is open the most, and the rays that it took to find out.
+/// Returns `[point]`: its weight, 1 for the most open one, and the number of rays cast to find out.
 fn worth_of(key: CellKey, starts: &Starts, weighting: PointWeights, tracer: &Tracer) -> (Vec<f64>, u64) {
     let count = starts.normals.len();
     if weighting == PointWeights::Alike || key.is_leaf() {
@@ -160,26 +171,28 @@ fn worth_of(key: CellKey, starts: &Starts, weighting: PointWeights, tracer: &Tra
     (open.into_iter().map(|open| (open as f64 / most).max(LEAST_WORTH)).collect(), looks.len() as u64)
 }
 
-/// Sky bits of a cell.
+/// Traced sky bits of a cell.
 #[derive(Clone, Debug)]
 pub struct ProbeTrace {
-    /// Mean of the points' unit normals, so its length is 1 for a plane cell and below for a curved one; of leaves made 1 long.
+    /// Mean of the points' unit normals. Its length is 1 for a plane cell and less for a curved
+    /// one; for leaves it is normalised.
     pub normal: DVec3,
-    /// n x n bits, row-major, world frame, 8 to a byte from the lowest bit.
+    /// Sky bits, n x n, row-major, world frame, 8 to a byte from the lowest bit.
     pub bits: Vec<u8>,
     /// Points and the share of the cell that each stands for (sum 1).
     pub points: Vec<(SurfacePoint, f64)>,
-    /// Where its rays start.
+    /// Starts of the rays.
     pub starts: Starts,
-    /// [texel]: the point that the texel's ray was cast from.
+    /// `[texel]`: point from which the texel's ray was cast.
     pub owner: Vec<u8>,
     pub rays: u64,
-    /// Whether some points seemed hidden: [`Cell::doubtful`](heliotile_core::layers::cells::Cell::doubtful).
+    /// True if some points seemed hidden:
+    /// [`Cell::doubtful`](heliotile_core::layers::cells::Cell::doubtful).
     pub doubtful: bool,
 }
 
 impl ProbeTrace {
-    /// Points that count so much, before anything is known of their sky.
+    /// Creates a probe from weighted points, before anything is known of their sky.
     fn of(key: CellKey, points: Vec<SurfacePoint>, starts: Starts, worth: &[f64]) -> Self {
         let sum: f64 = worth.iter().sum();
         let points: Vec<(SurfacePoint, f64)> = points.into_iter().zip(worth.iter().map(|worth| worth / sum)).collect();
@@ -188,14 +201,14 @@ impl ProbeTrace {
     }
 }
 
-/// Where rays of the points of a cell start: off the surface, of leaves on either side.
+/// Starts of the rays of a cell's points: off the surface, for leaves on either side.
 #[derive(Clone, Debug, Default)]
 pub struct Starts {
-    /// `[point]`: unit normals.
+    /// `[point]`: unit normal.
     normals: Vec<DVec3>,
-    /// `[point]`: on the side of the normal.
+    /// `[point]`: start on the side of the normal.
     fronts: Vec<[f32; 3]>,
-    /// `[point]`: on the other side; none but for leaves.
+    /// `[point]`: start on the other side; empty except for leaves.
     backs: Vec<[f32; 3]>,
 }
 
@@ -209,37 +222,40 @@ impl Starts {
         }
     }
 
-    /// `[point]`: unit normals.
+    /// Returns `[point]`: unit normals.
     pub fn normals(&self) -> &[DVec3] {
         &self.normals
     }
 
-    /// What light from a direction weighs on a point; no more than 0 where none comes from there.
+    /// Returns the weight of light from a direction at a point; 0 or less if no light can come from
+    /// there.
     pub fn cosine(&self, point: usize, direction: DVec3) -> f64 {
         let cosine = self.normals[point].dot(direction);
         if self.backs.is_empty() { cosine } else { cosine.abs() }
     }
 
-    /// The ray of a point in a direction.
+    /// Returns the ray of a point in a direction.
     pub fn ray(&self, point: usize, direction: DVec3) -> Ray {
         let back = self.backs.get(point).filter(|_| self.normals[point].dot(direction) < 0.0);
         Ray { origin: *back.unwrap_or(&self.fronts[point]), direction: direction.as_vec3().to_array() }
     }
 }
 
-/// Mean of unit normals that stand for these shares; of leaves 1 long, since light on either side counts.
+/// Returns the weighted mean of unit normals. For leaves its length is 1, since light on either
+/// side counts.
 fn mean_normal(key: CellKey, normals: impl Iterator<Item = DVec3>) -> DVec3 {
     let mean: DVec3 = normals.sum();
     if key.is_leaf() { mean.normalize_or_zero() } else { mean }
 }
 
-/// The points of a cell for an n x n texture.
+/// Returns the points of a cell for an n x n texture.
 fn points_of(key: CellKey, n: usize, surfaces: CellSurfaces) -> Vec<SurfacePoint> {
-    // With fewer rays a point, many that see little sky would have to be looked at for whether they are hidden.
+    // With fewer rays per point, many points that see little sky would be checked for being hidden.
     sample(key, (n * n / LEAST_RAYS).clamp(1, POINTS), surfaces)
 }
 
-/// What [`trace_probe`] gives of a cell without hidden points whose sky bits are known, and no ray is cast to the sky.
+/// Returns what [`trace_probe`] gives for a cell without hidden points whose sky bits are known,
+/// without casting rays to the sky.
 pub fn known_probe(key: CellKey, bits: Vec<u8>, texture: &Directions, surfaces: CellSurfaces) -> ProbeTrace {
     let points = points_of(key, texture.n, surfaces);
     let starts = Starts::of(key, &points, surfaces.tracer);
@@ -248,7 +264,7 @@ pub fn known_probe(key: CellKey, bits: Vec<u8>, texture: &Directions, surfaces: 
     ProbeTrace { bits, owner, rays, ..ProbeTrace::of(key, points, starts, &worth) }
 }
 
-/// All rays that [`trace_probe`] may cast to the sky for a cell without hidden points.
+/// Returns all rays that [`trace_probe`] may cast to the sky for a cell without hidden points.
 pub fn sky_rays<'a>(key: CellKey, probe: &'a ProbeTrace, texture: &'a Directions) -> impl Iterator<Item = Ray> + 'a {
     let directions = texture.of(key);
     let ray = |texel: usize| {
@@ -259,7 +275,8 @@ pub fn sky_rays<'a>(key: CellKey, probe: &'a ProbeTrace, texture: &'a Directions
     texels.filter_map(ray)
 }
 
-/// Traces the n x n sky bits of a cell. A cell without any surface (which no hit can name) has zero bits and no points.
+/// Traces the n x n sky bits of a cell. A cell without any surface (which no hit can name) has zero
+/// bits and no points.
 pub fn trace_probe(key: CellKey, texture: &Directions, surfaces: CellSurfaces) -> ProbeTrace {
     let (n, directions, tracer) = (texture.n, texture.of(key), surfaces.tracer);
     let points = points_of(key, n, surfaces);
@@ -286,7 +303,8 @@ pub fn trace_probe(key: CellKey, texture: &Directions, surfaces: CellSurfaces) -
     let (Verdict { hidden, doubtful }, looks) = look.hidden(&open, &owner, key, texture, surfaces);
     rays += looks;
 
-    // Second round: texels of hidden points are asked again from the others, of which there is one that sees sky if any is hidden.
+    // Second round: texels of hidden points are traced again from the other points. If any point is
+    // hidden, one of the others sees sky.
     if hidden.contains(&true) {
         worth.iter_mut().zip(&hidden).filter(|(_, hidden)| **hidden).for_each(|(worth, _)| *worth = 0.0);
         let shown: f64 = worth.iter().sum();
@@ -299,7 +317,7 @@ pub fn trace_probe(key: CellKey, texture: &Directions, surfaces: CellSurfaces) -
         look.open(tracer).for_each(|(texel, _)| sky.set(texel));
     }
 
-    // Third round: the other texels, where those traced first do not tell.
+    // Third round: the remaining texels, where those traced first do not decide them.
     if texture.refined {
         let base = Refinement::of(n, &first, &sky.bits, |texel| look.is_before(texel, usize::from(owner[texel])));
         for texel in texture.texels().filter(|&texel| !base.is_traced(texel)) {
@@ -318,7 +336,7 @@ pub fn trace_probe(key: CellKey, texture: &Directions, surfaces: CellSurfaces) -
     ProbeTrace { bits: sky.bits, owner, rays, doubtful, ..ProbeTrace::of(key, points, starts, &worth) }
 }
 
-/// Bits of a texture.
+/// Sky bits of a texture.
 struct SkyBits {
     bits: Vec<u8>,
 }
@@ -330,12 +348,12 @@ impl SkyBits {
 }
 
 thread_local! {
-    /// Memory of a thread for the lists of [`Look`], which serves one cell after the other.
+    /// Memory of a thread for the lists of [`Look`], reused for one cell after the other.
     static ASKED: RefCell<Vec<(usize, usize)>> = RefCell::default();
     static CAST: RefCell<Vec<Ray>> = RefCell::default();
 }
 
-/// Asks for the sky behind texels from points of a cell.
+/// Queries for the sky behind texels from points of a cell.
 struct Look<'a> {
     directions: &'a [DVec3],
     starts: &'a Starts,
@@ -345,12 +363,12 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Whether a texel is not behind a point's surface.
+    /// Returns true if a texel lies in front of a point's surface.
     fn is_before(&self, texel: usize, point: usize) -> bool {
         self.starts.cosine(point, self.directions[texel]) > 0.0
     }
 
-    /// A ray from a point through a texel, unless that is behind the point's surface.
+    /// Adds a ray from a point through a texel, unless the texel lies behind the point's surface.
     fn ask(&mut self, texel: usize, point: usize) {
         if self.is_before(texel, point) {
             self.asked.push((texel, point));
@@ -358,8 +376,9 @@ impl Look<'_> {
         }
     }
 
-    /// Which points are hidden, and the rays that it took to find out. Only points that see no sky are suspected, and only where others
-    /// see some: only those could take their rays. Leaves are not asked: the inside of a crown is no solid.
+    /// Returns the hidden points, and the number of rays cast to find out. Points are checked only
+    /// if they see no sky and others see some, because only those others could take over their
+    /// rays. Leaves are not checked: the inside of a crown is no solid.
     fn hidden(
         &self,
         open: &[bool],
@@ -371,7 +390,7 @@ impl Look<'_> {
         if key.is_leaf() || !open.contains(&true) || !open.contains(&false) {
             return (Verdict { hidden: vec![false; open.len()], doubtful: false }, 0);
         }
-        // Each point has a texel in each block: some blocks, spread over the sky.
+        // Each point has a texel in each block, so take some blocks, spread over the sky.
         let stride = (texture.n * texture.n / (POINTS * LOOKS)).max(1) as u64;
         let some = texture.places.iter().filter(|place| place.block % stride == 0);
         let asked = some.map(|place| (usize::from(owner[place.texel]), self.directions[place.texel]));
@@ -381,7 +400,8 @@ impl Look<'_> {
         (hidden(open.len(), &looks, key.is_back(), surfaces.mesh, surfaces.tracer), looks.len() as u64)
     }
 
-    /// Those texels and points, of all asked for, that see sky; after that none is asked for.
+    /// Casts the queued rays and returns the texels and points that see sky. The queue is empty
+    /// afterwards.
     fn open(&mut self, tracer: &Tracer) -> impl Iterator<Item = (usize, usize)> {
         let met = tracer.occluded_many(&self.cast);
         self.cast.clear();
@@ -389,24 +409,27 @@ impl Look<'_> {
     }
 }
 
-/// Ray origin of a surface point (input coordinates): lifted off the surface, on the grid, relative to the scene origin.
+/// Returns the ray origin of a surface point (input coordinates): lifted off the surface, on the
+/// grid, relative to the scene origin.
 pub fn lifted(position: DVec3, normal: DVec3, tracer: &Tracer) -> [f32; 3] {
     tracer.grid().lifted(position, normal)
 }
 
-/// Which of 16 points a texel asks in the first round, by its place in a 4 x 4 block: each block asks all of them, in an order of
-/// its own.
+/// Returns which of 16 points traces a texel in the first round, by the texel's place in a 4 x 4
+/// block. Each block uses all points, in an order of its own.
 fn slot(inside: usize, turn: usize) -> usize {
     (inside * 5 % 16) ^ turn
 }
 
-/// Random bits of a block of 4 x 4 texels: the lowest four say which point asks which of them, four pairs from the ninth on which texel of each two by
-/// two is traced first.
+/// Returns random bits of a block of 4 x 4 texels. The lowest four choose the point that traces
+/// each texel. Four pairs from the ninth bit on choose the texel of each 2 x 2 that is traced
+/// first.
 fn order(seed: u64, block: u64) -> u64 {
     mix(seed ^ 0x736c_6f74, block)
 }
 
-/// First index at which the running sum of `weights` exceeds `at`; the last positive one if rounding leaves none.
+/// Returns the first index at which the running sum of `weights` exceeds `at`, or the last positive
+/// one if rounding leaves none.
 pub fn pick(weights: &[f64], at: f64) -> usize {
     let mut running = 0.0;
     for (i, w) in weights.iter().enumerate() {
@@ -426,7 +449,8 @@ mod tests {
     use heliotile_core::site::cells::level_of;
     use heliotile_scene::Scene;
 
-    /// A plane of 200 m with a house of 20 x 12 m, 9 m high, whose floor lies 2 cm above it.
+    /// Returns a scene with a plane of 200 m and a house of 20 x 12 m, 9 m high, whose floor lies 2
+    /// cm above the plane.
     fn house() -> Scene {
         let (x, y, z, low) = (20.0 * DVec3::X, 12.0 * DVec3::Y, 9.0 * DVec3::Z, DVec3::new(3.0, 0.0, 0.02));
         let ground = [DVec3::new(-100.0, -100.0, 0.0), 200.0 * DVec3::X, 200.0 * DVec3::Y];
@@ -434,8 +458,9 @@ mod tests {
         matt(&[&[ground][..], &walls[..], &[[low + z, x, y], [low, y, x]][..]].concat())
     }
 
-    /// Of a cell of ground, 8 m wide, the part below a floor 2 cm above it is no part of what others see: it has more than a half of the
-    /// weight of points that count alike and less than 3 % of that of points that count by how open they are; the bits of the sky rise by as much.
+    /// Part of a cell of ground, 8 m wide, lies below a floor 2 cm above it. With equal weights its
+    /// points have more than half of the weight, with weights by openness less than 3 %. The sky
+    /// bits rise accordingly.
     #[test]
     fn crevices_do_not_count() {
         let scene = house();
@@ -453,8 +478,8 @@ mod tests {
         assert!((sky_open * (1.0 - below) / sky - 1.0).abs() < 0.05, "{sky} {sky_open}");
     }
 
-    /// Probes of 64 x 64 texels around a house, traced whole and refined: of 24 cells on its walls and before them at most 0.5 % of all bits differ, for
-    /// less than half of the rays.
+    /// Probes of 64 x 64 texels of 24 cells on and around a house are traced whole and refined. At
+    /// most 0.5 % of all bits differ, for less than half of the rays.
     #[test]
     fn refined_probes_are_whole_ones() {
         let scene = house();

@@ -1,11 +1,15 @@
-//! How much of the light at a place a change can alter at most. In: the boxes of what came or went, and how much the scene's brightest surface
-//! reflects. Out: bounds, without a ray.
+//! Upper bounds of the light that a change can alter at a place. In: the boxes of added or removed
+//! triangles, and the reflectance of the scene's brightest surface. Out: bounds, without casting a
+//! ray except in [`Reach::shown`].
 //!
-//! The light is that of a uniform sky, or the mean over suns everywhere in the sky, as a share of what open ground gets. No direction is brighter
-//! than that sky then, whatever reflects. So light by directions that meet a change alters by no more than the view factor of the ball around it,
-//! (R/d)^2 at a distance d. What surfaces reflect of altered light is bounded by the integral equation of radiosity: at most (d/D)^2 of a
-//! hemisphere at a distance D is nearer than d to the middle of the ball, so the sum over all bounces is at most the solution of
-//! `M(D) = (R/D)^2 (1 + rho) + rho int_R^D M(d) 2 d / D^2 dd`, which is `M(D) = (1 + rho) (R/D)^(2 - 2 rho)`.
+//! The light is that of a uniform sky, or the mean over suns everywhere in the sky, as a share of
+//! what open ground gets. No direction is then brighter than the sky, whatever reflects. So light
+//! from directions that meet a change alters by no more than the view factor of the ball around it,
+//! (R/d)^2 at a distance d. The integral equation of radiosity bounds the reflections of altered
+//! light: at most (d/D)^2 of a hemisphere at a distance D is nearer than d to the centre of the
+//! ball. So the sum over all bounces is at most the solution of
+//! `M(D) = (R/D)^2 (1 + rho) + rho int_R^D M(d) 2 d / D^2 dd`, which is
+//! `M(D) = (1 + rho) (R/D)^(2 - 2 rho)`.
 
 use std::f64::consts::TAU;
 
@@ -16,24 +20,24 @@ use super::kernel::rays::{Ray, Tracer};
 use super::receiver::Viewpoint;
 use heliotile_core::hemisphere::{Frame, mix, unit};
 
-/// Rounding of coordinates, metres.
+/// Margin for the rounding of coordinates, metres.
 const MARGIN_M: f64 = 0.05;
 
-/// A ball, relative to the origin.
+/// Ball, relative to the origin.
 struct Ball {
     middle: DVec3,
     radius: f64,
 }
 
-/// What a change can alter, by place.
+/// Bounds of the light that a change can alter, by place.
 pub struct Reach {
-    /// Around what came or went.
+    /// Balls around the added or removed triangles.
     balls: Vec<Ball>,
-    /// What the brightest surface reflects, below 1.
+    /// Reflectance of the brightest surface, below 1.
     brightest: f64,
 }
 
-/// Where some surface lies: within `spread_m` of a middle relative to the origin; and which way it faces, if it is plane.
+/// Surface within `spread_m` of a centre relative to the origin, with its normal if it is plane.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePlace {
     pub middle: DVec3,
@@ -42,7 +46,7 @@ pub struct SurfacePlace {
 }
 
 impl Reach {
-    /// Of a change in a scene whose surfaces all reflect no more than `brightest`.
+    /// Creates the bounds for a change in a scene whose surfaces all reflect at most `brightest`.
     pub fn new(change: &Change, brightest: f64) -> Self {
         let ball = |[low, high]: &[DVec3; 2]| Ball {
             middle: 0.5 * (*low + *high),
@@ -51,13 +55,15 @@ impl Reach {
         Reach { balls: change.boxes().iter().map(ball).collect(), brightest }
     }
 
-    /// Share of the light anywhere on a surface that comes by directions that meet the change: at most 1.
+    /// Returns a bound of the share of light anywhere on a surface that comes from directions which
+    /// meet the change: at most 1.
     pub fn in_view(&self, surface: SurfacePlace) -> f64 {
         self.sum(|ball| cap(ball, surface))
     }
 
-    /// As [`Reach::in_view`] for a point, less what is hidden by other surfaces: as much of each ball as rays towards it tell. Of `RAYS` rays of
-    /// which k meet the change first, it is less than (k + 3) / `RAYS` of the ball by 19 to 1 ("rule of three").
+    /// Does the work of [`Reach::in_view`] for a point, less what other surfaces hide, which rays
+    /// towards each ball find out. If k of `RAYS` rays meet the change first, less than (k + 3) /
+    /// `RAYS` of the ball is visible by 19 to 1 ("rule of three").
     pub fn shown(&self, at: &Viewpoint, seed: u64, change: &Change, scene: &Tracer) -> f64 {
         let origin = at.origin(scene);
         let middle = DVec3::from(origin.map(f64::from));
@@ -86,7 +92,8 @@ impl Reach {
         self.balls.iter().zip(caps).filter(|(_, share)| *share > 0.0).map(shown).sum::<f64>().min(1.0)
     }
 
-    /// Share of the light anywhere on a surface that is other light now, by whatever way it came: at most 1.
+    /// Returns a bound of the share of light anywhere on a surface that the change alters, directly
+    /// and by all reflections: at most 1.
     pub fn by_all_ways(&self, surface: SurfacePlace) -> f64 {
         let (rho, power) = (self.brightest, 2.0 - 2.0 * self.brightest);
         self.sum(|ball| {
@@ -100,13 +107,13 @@ impl Reach {
     }
 }
 
-/// Rays towards a ball.
+/// Number of rays towards a ball.
 const RAYS: u64 = 64;
 
-/// Of a ball that takes more of the light than this it is not found out how much of it is hidden.
+/// Share of the light of a ball above which its visibility is not traced.
 const LARGE: f64 = 0.1;
 
-/// Most of the light anywhere on a surface that comes from a ball.
+/// Returns an upper bound of the light from a ball anywhere on a surface.
 fn cap(ball: &Ball, surface: SurfacePlace) -> f64 {
     let SurfacePlace { middle, spread_m, normal } = surface;
     let (way, radius) = (ball.middle - middle, ball.radius);
@@ -114,7 +121,8 @@ fn cap(ball: &Ball, surface: SurfacePlace) -> f64 {
     if distance <= radius + spread_m {
         return 1.0;
     }
-    // What it takes of the sphere, and the steepest direction into it from anywhere on the surface.
+    // Share of the sphere that the ball fills, and the steepest direction into it from anywhere on
+    // the surface.
     let sine = (radius / (distance - spread_m)).min(1.0);
     let share = 2.0 * (1.0 - (1.0 - sine * sine).sqrt());
     let steepest = normal.map_or(1.0, |normal| {
@@ -131,9 +139,11 @@ mod tests {
     use heliotile_scene::Scene;
     use heliotile_scene::change::SceneChange;
 
-    /// A triangle 2 m long, seen from surfaces at 3 to 300 m: what is in view of one that faces it is (R/d)^2 within 12 %, 1 at the triangle,
-    /// nothing where it lies behind, and less than (R/d)^3 at the horizon of a surface. By all ways it is, with all that reflects 0.5, the numerical
-    /// solution of the integral equation within 1 %, never less than what is in view.
+    /// A triangle 2 m long is seen from surfaces at 3 to 300 m. The share in view of a surface that
+    /// faces it is (R/d)^2 within 12 %, 1 at the triangle, 0 if the triangle lies behind, and less
+    /// than 1.5 (R/d)^3 at the horizon of a surface. With all reflections at a reflectance of 0.5,
+    /// the bound is the numerical solution of the integral equation within 1 %, and never less than
+    /// the share in view.
     #[test]
     fn bounds_fall_with_distance() {
         let corners = [DVec3::ZERO, DVec3::X * 2.0, DVec3::new(1.0, 1.0, 0.0)];

@@ -1,4 +1,5 @@
-//! What one receiver sees: sky bits wherever they are asked for, and the cell that each texel of its own hemisphere meets.
+//! Sky and surroundings of one receiver. In: a viewpoint. Out: sky bits where they are asked for,
+//! and the cell that each texel of its own hemisphere hits.
 
 use std::cell::RefCell;
 
@@ -19,81 +20,84 @@ use heliotile_core::layers::texel_block::TexelBlock;
 use heliotile_core::site::cells::{CellKey, level_of, receiver_seed};
 use heliotile_scene::mesh::Mesh;
 
-/// How hits are gathered into cells.
+/// Sizes of the cells that hits are gathered into.
 #[derive(Clone, Copy, Debug)]
 pub struct CellSettings {
-    /// Edge of a cell in units of the hit texel's footprint; 0 gives every hit a cell of its own (about 1 mm).
+    /// Edge of a cell in units of the hit texel's footprint; 0 gives every hit a cell of its own
+    /// (about 1 mm).
     pub factor: f64,
-    /// Smallest edge of a cell.
+    /// Smallest edge of a cell, metres.
     pub floor_m: f64,
 }
 
 impl CellSettings {
-    /// Level of the cell of a hit at this distance, texels of the hit texture being so wide.
+    /// Returns the level of the cell of a hit at this distance, for texels of the hit texture that
+    /// are `texel_angle` wide.
     pub fn level(&self, distance_m: f64, texel_angle: f64) -> i8 {
         let size = (self.factor * distance_m * texel_angle).max(self.floor_m);
         if self.factor > 0.0 { level_of(size) } else { PRIVATE_LEVEL }
     }
 }
 
-/// Level of a cell that holds nothing but its own hit: 2^-10 m.
+/// Level of a cell that holds only its own hit: 2^-10 m.
 const PRIVATE_LEVEL: i8 = -10;
 
-/// The sky of one receiver.
+/// Traced sky of one receiver.
 #[derive(Clone, Debug)]
 pub struct SkyTrace {
-    /// World frame.
+    /// Sky texture, world frame.
     pub texture: SkyTexture,
-    /// What the texture describes, as finely as it is refined.
+    /// Bits that the texture encodes, as fine as it is refined.
     pub bits: BitSquare,
-    /// Rays that were cast.
+    /// Number of rays cast.
     pub rays: u64,
 }
 
-/// The hits of one receiver.
+/// Traced hits of one receiver.
 #[derive(Clone, Debug)]
 pub struct HitTrace {
-    /// n x n, row-major, surface frame; `None` where the ray met nothing.
+    /// Cells of the hits, n x n, row-major, surface frame; `None` if the ray hit nothing.
     pub cells: Vec<Option<CellKey>>,
-    /// Distance of the nearest surface met, metres.
+    /// Distance of the nearest surface, metres.
     pub nearest_m: f64,
-    /// Texels whose ray meets a mirror.
+    /// Texels whose ray hits a mirror.
     pub mirrors: Vec<(usize, MirrorRay)>,
-    /// `[texel]`: distance of what is met, metres; infinite where nothing is.
+    /// `[texel]`: distance of the hit, metres; infinite if there is none.
     pub distances_m: Vec<f32>,
 }
 
 thread_local! {
-    /// Memory of a thread for its receivers.
+    /// Memory of a thread, reused for its receivers.
     static SPACE: RefCell<Box<ScanSpace>> = RefCell::default();
 }
 
-/// Where a receiver stands and what it faces.
+/// Position and normal of a receiver.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewpoint {
-    /// Input coordinates, metres.
+    /// Position in input coordinates, metres.
     pub position: DVec3,
-    /// Unit.
+    /// Unit normal.
     pub normal: DVec3,
 }
 
 impl Viewpoint {
-    /// Where its rays start, relative to the origin of the scene.
+    /// Returns the origin of the rays, relative to the origin of the scene.
     pub(crate) fn origin(&self, tracer: &Tracer) -> [f32; 3] {
         lifted(self.position, self.normal, tracer)
     }
 
-    /// Seed of the jitter of this viewpoint's hit rays.
+    /// Returns the seed of the jitter of this viewpoint's hit rays.
     pub fn seed(&self) -> u64 {
         receiver_seed(self.position, self.normal)
     }
 
-    /// What is seen of the sky. Texels whose centre lies behind the surface are asked along the surface.
+    /// Traces the sky. Texels whose centre lies behind the surface are traced along the surface.
     pub fn sky(&self, fans: &SkyFans, tracer: &Tracer) -> SkyTrace {
         self.sky_after(fans, tracer, None)
     }
 
-    /// As [`Viewpoint::sky`], where something is known from before a change: only rays that it does not answer are cast.
+    /// Traces the sky as [`Viewpoint::sky`] does. If answers from before a change are known, only
+    /// rays that they do not answer are cast.
     pub(crate) fn sky_after(&self, fans: &SkyFans, tracer: &Tracer, known: Option<KnownSky>) -> SkyTrace {
         let origin = self.origin(tracer);
         let (mut space, mut rays, parts) = (SPACE.take(), 0, fans.parts(self.normal));
@@ -104,6 +108,7 @@ impl Viewpoint {
             let mut questions = fans.questions(n, blocks, self.normal, &parts, &bent);
             scan.answer(&mut questions);
             let (mut alone, mut places) = (Vec::new(), Vec::new());
+            // Blocks without an answer from the scan are traced ray by ray.
             for (place, (block, question)) in blocks.iter_mut().zip(&questions).enumerate() {
                 match question.met {
                     Some(met) => block.ones = block.wanted & !met,
@@ -133,7 +138,8 @@ impl Viewpoint {
         SkyTrace { texture, bits, rays }
     }
 
-    /// Fills in what is known of some blocks, and gives the texels that are left: never asked about, or their rays meet what changed.
+    /// Fills in the known answers of some blocks, and returns the texels that remain: those never
+    /// asked before, and those whose rays meet the change.
     fn unanswered(
         &self,
         n: usize,
@@ -146,6 +152,7 @@ impl Viewpoint {
         let part = fans.part(n);
         let Some(answers) = known.answers.get((n / fans.base()).ilog2() as usize) else { return blocks.to_vec() };
         let asked = |block: &TexelBlock| TexelBlock { wanted: block.wanted & answers.of(block).0, ones: 0, ..*block };
+        // Only parts of the sky towards the change can hold answers that it alters.
         let touched = blocks.iter().filter(|block| known.touched[part(block)]);
         let mut doubted: Vec<TexelBlock> = touched.map(asked).filter(|block| block.wanted != 0).collect();
         let bent = fans.bent(n, &doubted, self.normal, parts);
@@ -171,7 +178,8 @@ impl Viewpoint {
         blocks.iter_mut().filter_map(left).collect()
     }
 
-    /// Closest hits over the n x n texture of the surface's own hemisphere, one jittered ray a texel.
+    /// Traces the closest hits over the n x n texture of the surface's own hemisphere, one jittered
+    /// ray per texel.
     pub fn hits(
         &self,
         n: usize,
@@ -184,6 +192,7 @@ impl Viewpoint {
         let lifted_position = DVec3::from(origin.map(f64::from));
         let texel_angle = (heliotile_core::hemisphere::HEMISPHERE_SR / (n * n) as f64).sqrt();
         let direction = self.hit_directions(n);
+        // Neighbouring texels go together, since their rays make coherent packets.
         let texels: Vec<usize> = texels_in_blocks(n).map(|(column, row)| row * n + column).collect();
         let directions: Vec<DVec3> = texels.iter().map(|&texel| direction(texel)).collect();
         let rays: Vec<Ray> = directions.iter().map(|d| Ray { origin, direction: d.as_vec3().to_array() }).collect();
@@ -204,26 +213,27 @@ impl Viewpoint {
         HitTrace { cells: keys, nearest_m, mirrors, distances_m }
     }
 
-    /// `[part of the sky]`: whether a ray to it may meet what changed.
+    /// Returns `[part of the sky]`: true if a ray to it may meet the change.
     pub(crate) fn parts_towards(&self, seen: &ChangeInView, fans: &SkyFans) -> Vec<bool> {
         fans.parts(self.normal).iter().map(|part| seen.lies_in(part.whole())).collect()
     }
 
-    /// The rays of [`Viewpoint::hits`].
+    /// Returns the rays of [`Viewpoint::hits`].
     pub(crate) fn hit_rays(&self, n: usize, tracer: &Tracer) -> Vec<Ray> {
         let (origin, direction) = (self.origin(tracer), self.hit_directions(n));
         let ray = |(column, row)| Ray { origin, direction: direction(row * n + column).as_vec3().to_array() };
         texels_in_blocks(n).map(ray).collect()
     }
 
-    /// Directions of the hit rays by texel: jittered, world frame.
+    /// Returns the directions of the hit rays by texel: jittered, world frame.
     pub(crate) fn hit_directions(&self, n: usize) -> impl Fn(usize) -> DVec3 + use<> {
         let (frame, seed) = (Frame::of(self.normal), self.seed());
         move |texel| frame.to_world(texel_direction(texel % n, texel / n, n, jitter(seed, texel as u64)))
     }
 
-    /// Whether rays that go up from here leave terrain or solids: at least two of three steep ones cross an odd number of surfaces, the last of
-    /// them from within. The other side of a sheet, such as an overhang, is not within.
+    /// Returns true if rays that go up from here leave terrain or solids: at least two of three
+    /// steep ones cross an odd number of surfaces, the last of them from within. The other side of
+    /// a sheet, such as an overhang, does not count as within.
     pub fn crosses_out(&self, mesh: &Mesh, tracer: &Tracer) -> bool {
         let origin = self.origin(tracer);
         let leaves = |direction: &[f32; 3]| {
@@ -245,7 +255,8 @@ mod tests {
     use heliotile_core::site::material::{Class, Material};
     use heliotile_scene::Scene;
 
-    /// 40 towers on a plane, and a bush of more triangles than a list holds.
+    /// Returns a scene with 40 towers on a plane, and a bush of more triangles than a candidate
+    /// list holds.
     fn scene() -> Scene {
         let mut state = 1;
         let mut random = |low: f64, high: f64| {
@@ -276,8 +287,9 @@ mod tests {
         Scene::from_triangles(&triangles, vec![Material::matt("all", 0.2, Class::Obstruction)]).expect("a scene")
     }
 
-    /// Skies of 7 viewpoints, upright, tilted and overhanging, in 5 textures are those of rays cast one by one, on every level of
-    /// processor that this machine has: over 100,000 rays, of which a fifth at least meet something and a fifth do not.
+    /// Skies of 7 viewpoints, upright, tilted and overhanging, in 5 textures equal those of rays
+    /// cast one by one, on every processor level of this machine. Of over 100,000 rays at least a
+    /// fifth hit something and at least a fifth do not.
     #[test]
     fn sky_of_single_rays() {
         let scene = scene();

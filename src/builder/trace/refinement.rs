@@ -1,26 +1,28 @@
-//! Which texels of a cell's sky texture follow from others. In: one texel of each two by two, traced. Out: what it tells about the three beside it:
-//! its own answer where its neighbours agree with it, nothing where they do not.
+//! Refinement of a cell's sky texture. In: one traced texel of each 2 x 2. Out: for the other three
+//! its answer if its neighbours agree with it, else nothing.
 
 use heliotile_core::hemisphere::bit;
 
-/// Below this share of open texels all are traced: an opening smaller than a texel of the base is found by chance, and would count for all of it.
+/// Share of open texels below which all texels are traced. An opening smaller than a base texel is
+/// found by chance, and would count for the whole texel.
 const LITTLE_SKY: f64 = 0.03;
 
-/// What one texel of four tells about the three beside it.
+/// Answers of one texel of four for the three beside it.
 pub struct Refinement {
     /// Side of the texture.
     n: usize,
-    /// `[base texel]`: whether it is open; `None` where its ray lies behind the surface.
+    /// `[base texel]`: true if it is open; `None` if its ray lies behind the surface.
     open: Vec<Option<bool>>,
     /// `[base texel]`: the texel that was traced.
     traced: Vec<usize>,
-    /// There is so little sky that none tells anything.
+    /// True if there is so little sky that no base texel decides others.
     is_dark: bool,
 }
 
 impl Refinement {
-    /// From the texels of an n x n texture that were traced, one in each two by two, with their bits; some lie before their point's surface, others behind
-    /// it.
+    /// Creates the answers from the texels of an n x n texture that were traced first, one in each
+    /// 2 x 2, and their bits. `is_before` is true for texels in front of the surface of their
+    /// point.
     pub fn of(n: usize, first: &[usize], bits: &[u8], is_before: impl Fn(usize) -> bool) -> Self {
         let m = n / 2;
         let (mut open, mut traced) = (vec![None; m * m], vec![0; m * m]);
@@ -38,7 +40,7 @@ impl Refinement {
         Refinement { n, open, traced, is_dark: (found as f64) < LITTLE_SKY * f64::from(asked) }
     }
 
-    /// Whether a texel is one of those that were traced.
+    /// Returns true if a texel was traced first.
     pub fn is_traced(&self, texel: usize) -> bool {
         self.traced[self.base(texel)] == texel
     }
@@ -47,7 +49,7 @@ impl Refinement {
         texel / self.n / 2 * (self.n / 2) + texel % self.n / 2
     }
 
-    /// Whether a texel is open, if its base texel and those beside that agree.
+    /// Returns if a texel is open, provided that its base texel and the neighbours of that agree.
     pub fn told(&self, texel: usize) -> Option<bool> {
         let (m, at) = (self.n / 2, self.base(texel));
         let own = self.open[at]?;
@@ -65,8 +67,9 @@ impl Refinement {
 mod tests {
     use super::*;
 
-    /// A half of a 64 x 64 sky is open: of its 1,024 base texels the 64 beside the edge tell nothing, the other 960 what is the case, also where
-    /// a quarter lies behind the surface. A sky of 30 open base texels of 1,024 tells nothing at all.
+    /// Half of a 64 x 64 sky is open. Of its 1,024 base texels the 64 beside the edge decide
+    /// nothing, and the other 960 are right, also if a quarter lies behind the surface. A sky with
+    /// 30 open base texels of 1,024 decides nothing.
     #[test]
     fn texels_follow_from_their_neighbours() {
         let n = 64;

@@ -1,5 +1,6 @@
-//! Directions of the sky's texels at all levels of a texture, each made once for all receivers. In: sides of a texture, blocks of its
-//! texels. Out: their rays by sixteens, and cones around them and all that they are refined to.
+//! Directions of the sky's texels at all levels of a texture, made once for all receivers. In:
+//! sides of a texture, blocks of its texels. Out: their rays by sixteens, and cones around the rays
+//! and all their refinements.
 
 use std::f64::consts::FRAC_PI_4;
 use std::sync::OnceLock;
@@ -14,8 +15,9 @@ use heliotile_core::layers::bits::BitSquare;
 use heliotile_core::layers::sky::front_of;
 use heliotile_core::layers::texel_block::TexelBlock;
 
-/// Where a texel at the rim of a texture that will be refined is looked at: near the horizon, as whatever stands there stands on it. With
-/// its centre, 0.9 degrees up in a texture of 64 a side, lower hills and houses would never be seen.
+/// Returns the direction for a texel at the rim of a texture that will be refined: near the
+/// horizon, because whatever stands there stands on it. With its centre, 0.9 degrees up in a
+/// texture of 64 a side, lower hills and houses would never be seen.
 fn low(column: u32, row: u32, n: usize) -> Option<DVec3> {
     let last = n as u32 - 1;
     let at = |i: u32| match i {
@@ -27,43 +29,47 @@ fn low(column: u32, row: u32, n: usize) -> Option<DVec3> {
     rim.then(|| texel_direction(column as usize, row as usize, n, DVec2::new(at(column), at(row))))
 }
 
-/// Texels off the rim: 0.1 degrees of the coarsest ones.
+/// Distance from the rim, in texels: 0.1 degrees of the coarsest ones.
 const RIM: f64 = 0.06;
 
-/// Rays of textures of one base and finest side.
+/// Rays of textures of one base side and one finest side.
 pub struct SkyFans {
     base: usize,
     fine: usize,
-    /// Of the base texture's texels, row-major.
+    /// Directions of the base texture's texels, row-major.
     centres: Vec<DVec3>,
-    /// Around its blocks with all that they are refined to, row-major: the parts of the sky.
+    /// Cones around the blocks of the base texture with all their refinements, row-major: the parts
+    /// of the sky.
     parts: Vec<Cone>,
     levels: Vec<Level>,
 }
 
-/// Rays of the blocks of an n x n texture, row-major, made when they are asked for first: much of the sky is never refined.
+/// Rays of the blocks of an n x n texture, row-major, made on first use because much of the sky is
+/// never refined.
 struct Level {
     n: usize,
     stretches: Vec<OnceLock<Vec<Aim>>>,
 }
 
-/// Blocks that are made at once.
+/// Number of blocks that are made at once.
 const STRETCH: usize = 16;
 
-/// Where the rays of a block go.
+/// Rays of a block and the cone around them.
 struct Aim {
     fan: Fan,
     cone: Cone,
 }
 
-/// Larger textures would not fit a core's share of cache and memory: their directions are computed when they are asked for.
+/// Largest side with a table of directions. Tables of larger textures would not fit a core's share
+/// of cache and memory, so their directions are computed on use.
 const LARGEST_TABLE: usize = 1024;
 
-/// What is turned by less than this is not: rounding of a dot product in f32, and more.
+/// Tolerance of the dot product below which a direction counts as behind a surface: rounding in
+/// f32, with a margin.
 const BEHIND: f32 = 1e-5;
 
 impl SkyFans {
-    /// Of textures of `base` texels a side, a multiple of 8, refined to `fine`.
+    /// Creates the rays of textures of `base` texels a side, a multiple of 8, refined to `fine`.
     pub fn new(base: usize, fine: usize) -> Self {
         let blocks = |n: usize| n / TexelBlock::SIDE as usize;
         let side = blocks(base);
@@ -75,27 +81,27 @@ impl SkyFans {
         SkyFans { base, fine, centres: texel_centres(base), parts, levels }
     }
 
-    /// Directions of the centres of the base texture's texels, row-major.
+    /// Returns the directions of the centres of the base texture's texels, row-major.
     pub fn centres(&self) -> &[DVec3] {
         &self.centres
     }
 
-    /// Texels of the base texture that are not wholly behind a surface.
+    /// Returns the texels of the base texture that are not wholly behind a surface.
     pub fn front(&self, normal: DVec3) -> BitSquare {
         front_of(self.base, normal, &self.centres)
     }
 
-    /// Side of the coarsest texture.
+    /// Returns the side of the coarsest texture.
     pub fn base(&self) -> usize {
         self.base
     }
 
-    /// Side of the finest texture.
+    /// Returns the side of the finest texture.
     pub fn fine(&self) -> usize {
         self.fine
     }
 
-    /// Where the ray of a texel of an n x n texture goes, if nothing turns it.
+    /// Returns the direction of the ray of a texel of an n x n texture, before a surface bends it.
     pub(crate) fn direction(&self, n: usize) -> impl Fn(u32, u32) -> DVec3 + use<> {
         let refined = n < self.fine;
         move |column, row| {
@@ -104,7 +110,7 @@ impl SkyFans {
         }
     }
 
-    /// The rays of a block that are asked about, each after `turn`; the other lanes hold one of them.
+    /// Returns the wanted rays of a block, each after `turn`. The other lanes repeat one of them.
     fn fan(&self, n: usize, block: &TexelBlock, turn: impl Fn(DVec3) -> DVec3) -> Fan {
         let direction = self.direction(n);
         let ray = |bit: u32| {
@@ -120,12 +126,13 @@ impl SkyFans {
         fan
     }
 
-    /// Whether there is a table of an n x n texture.
+    /// Returns true if there is a table for an n x n texture.
     fn tabled(&self, n: usize) -> bool {
         self.levels.iter().any(|level| level.n == n)
     }
 
-    /// Where blocks of an n x n texture go; where there is no table, the blocks that they are refined from in the finest one.
+    /// Returns the rays of blocks of an n x n texture. Without a table for it, returns those of the
+    /// coarser blocks in the finest table.
     fn aims<'a>(&'a self, n: usize) -> impl Fn(&TexelBlock) -> &'a Aim {
         let level = &self.levels[((n / self.base).ilog2() as usize).min(self.levels.len() - 1)];
         let (shift, side) = ((n / level.n).ilog2(), level.n / TexelBlock::SIDE as usize);
@@ -144,7 +151,7 @@ impl SkyFans {
         }
     }
 
-    /// Parts of the sky, before a surface.
+    /// Returns the parts of the sky as a surface sees them.
     pub(crate) fn parts(&self, normal: DVec3) -> Vec<Part> {
         let part = |cone: &Cone| match way(cone, normal) {
             None => Part { whole: *cone, front: true },
@@ -153,14 +160,15 @@ impl SkyFans {
         self.parts.iter().map(part).collect()
     }
 
-    /// Number of the part that a block of an n x n texture belongs to.
+    /// Returns the number of the part that a block of an n x n texture belongs to.
     pub(crate) fn part(&self, n: usize) -> impl Fn(&TexelBlock) -> usize + use<> {
         let (shift, side) = ((n / self.base).ilog2(), self.base / TexelBlock::SIDE as usize);
         move |block| (block.row >> shift) as usize * side + (block.column >> shift) as usize
     }
 
-    /// Rays of those blocks of an n x n texture that the table does not hold, by place in the list: some go along the surface, since their
-    /// texel's centre is behind it, or they are too many to be held.
+    /// Returns the rays of those blocks that the table does not hold, by place in the list: rays
+    /// that go along the surface because the centre of their texel is behind it, and rays of
+    /// textures too large for a table.
     pub(crate) fn bent(&self, n: usize, blocks: &[TexelBlock], normal: DVec3, parts: &[Part]) -> Vec<(usize, Fan)> {
         let (tabled, part, aim) = (self.tabled(n), self.part(n), self.aims(n));
         let front = |block: &TexelBlock| parts[part(block)].front || way(&aim(block).cone, normal).is_none();
@@ -168,7 +176,7 @@ impl SkyFans {
         bent.map(|(place, block)| (place, self.fan(n, block, |d| before(d, normal)))).collect()
     }
 
-    /// Questions for blocks, given those rays.
+    /// Returns the occlusion queries for blocks, with the rays of [`SkyFans::bent`].
     pub(crate) fn questions<'a>(
         &'a self,
         n: usize,
@@ -198,38 +206,40 @@ impl SkyFans {
     }
 }
 
-/// A part of the sky.
+/// Part of the sky.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
-    /// Around all its rays, those along the surface among them.
+    /// Cone around all its rays, including those along the surface.
     whole: Cone,
-    /// Whether none goes along the surface.
+    /// True if no ray goes along the surface.
     front: bool,
 }
 
 impl Part {
-    /// The cone around it.
+    /// Returns the cone around the part.
     pub fn whole(&self) -> &Cone {
         &self.whole
     }
 }
 
-/// A direction in front of a surface, or along it.
+/// Returns the direction if it is in front of a surface, else one along the surface.
 pub(crate) fn before(d: DVec3, normal: DVec3) -> DVec3 {
     let behind = normal.dot(d);
     if behind > 0.0 { d } else { d - normal * (behind - 1e-4) }
 }
 
-/// How far rays of a cone are turned from behind a surface, at most; `None` if none lies there.
+/// Returns the largest shift of a cone's rays from behind a surface; `None` if none lies there.
 fn way(cone: &Cone, normal: DVec3) -> Option<[f32; 3]> {
     let normal = normal.as_vec3();
     let [low, _] = cone.dot(normal.to_array());
     (low <= BEHIND).then(|| (normal * (1e-4 - low + BEHIND)).to_array())
 }
 
-/// The cone around all directions of a block of a square of `side` x `side` blocks, an even number.
+/// Returns the cone around all directions of a block of a square of `side` x `side` blocks, an even
+/// number.
 fn cone(column: u32, row: u32, side: usize) -> Cone {
-    // Sizes of the square's coordinates from its middle, -1 to 1, and on which side of it.
+    // Distances of the square's coordinates from its middle, 0 to 1, and on which side of it they
+    // lie.
     let ends = |at: u32| {
         let [a, b] = [at, at + 1].map(|x| 2.0 * f64::from(x) / side as f64 - 1.0);
         (a.abs().min(b.abs()), a.abs().max(b.abs()), a < 0.0)
@@ -254,8 +264,8 @@ fn cone(column: u32, row: u32, side: usize) -> Cone {
 mod tests {
     use super::*;
 
-    /// Cones hold the directions of all 16 rays of a block, and of all that it is refined to, straight and along 5 surfaces: over 100,000
-    /// directions.
+    /// Cones hold the directions of all 16 rays of a block and of all its refinements, straight and
+    /// along 5 surfaces: over 100,000 directions.
     #[test]
     fn cones_hold_rays() {
         let (base, fine) = (16, 128);

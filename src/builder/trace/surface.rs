@@ -1,11 +1,12 @@
-//! Points on the surface of a cell. In: a cell key and the scene. Out: up to 16 points spread evenly over the surfaces that
-//! the key names, with their normals.
+//! Points on the surface of a cell. In: a cell key and the scene. Out: up to 16 points spread
+//! evenly over the surfaces that the key names, with their normals.
 //!
-//! The points depend on the surface only, not on how it is cut into triangles: lines parallel to the axis that the cell
-//! faces are shot through the bounding box of the clipped surface, and the first surface along each line is taken; of leaves any one.
+//! The points depend on the surface only, not on how it is cut into triangles. Lines parallel to
+//! the axis that the cell faces go through the bounding box of the clipped surface, and the first
+//! surface along each line is taken; for leaves any one.
 //!
-//! All of it is computed relative to the voxel's corner, where corners of triangles are exact, so that scenes with different origins have
-//! equal points to the bit.
+//! All of it is computed relative to the voxel's corner, where corners of triangles are exact, so
+//! that scenes with different origins get equal points to the bit.
 
 use glam::{DVec2, DVec3};
 
@@ -14,37 +15,37 @@ use heliotile_core::hemisphere::{mix, r2, unit};
 use heliotile_core::site::cells::{CellKey, GRID_SHIFT_M, size_of};
 use heliotile_scene::mesh::Mesh;
 
-/// Points that a cell's rays start from, at most.
+/// Largest number of points that a cell's rays start from.
 pub const POINTS: usize = 16;
 
-/// Lines tried before fewer points than wanted are accepted.
+/// Number of lines tried before fewer points than wanted are accepted.
 const TRIES: u32 = 160;
 
-/// The surfaces of a scene that cells are on.
+/// Surfaces of a scene that cells lie on.
 #[derive(Clone, Copy)]
 pub struct CellSurfaces<'a> {
     pub mesh: &'a Mesh,
-    /// Of what stops rays.
+    /// Tracer of the opaque triangles.
     pub tracer: &'a Tracer,
-    /// Of leaves and screens, if there are some.
+    /// Tracer of leaves and screens, if there are any.
     pub canopies: Option<&'a Tracer>,
 }
 
 impl<'a> CellSurfaces<'a> {
-    /// The tracer that holds the triangles of a cell.
+    /// Returns the tracer that holds the triangles of a cell.
     fn holding(&self, key: CellKey) -> &'a Tracer {
         self.canopies.filter(|_| key.is_leaf()).unwrap_or(self.tracer)
     }
 }
 
-/// A point of a cell (input coordinates, metres) and the normal on the side that the cell faces.
+/// Point of a cell (input coordinates, metres) and the normal on the side that the cell faces.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
     pub position: DVec3,
     pub normal: DVec3,
 }
 
-/// A triangle of the cell; a coarse cell of a large map has very many of them.
+/// Triangle of the cell. A coarse cell of a large map has very many of them.
 struct Candidate {
     triangle: u32,
     /// Box of its part in the voxel, along the cell's axis.
@@ -52,15 +53,16 @@ struct Candidate {
     high: DVec2,
 }
 
-/// A line along the cell's axis, and the surface of the cell on it of the highest rank: the first one of a surface that stops light, any one
-/// of leaves, which lie behind each other.
+/// Line along the cell's axis, and the surface of the cell on it with the highest rank: the first
+/// one of a surface that stops light, any one of leaves, which lie behind each other.
 struct Line {
     number: u32,
     at: DVec2,
     first: Option<(f64, SurfacePoint)>,
 }
 
-/// Up to so many points of a cell; empty only if no surface of that name exists in the voxel.
+/// Returns at most `wanted` points of a cell. The list is empty only if the voxel holds no such
+/// surface.
 pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<SurfacePoint> {
     let (mesh, tracer) = (surfaces.mesh, surfaces.holding(key));
     let (axis, sign) = key.axis();
@@ -83,7 +85,7 @@ pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<Surfac
     let corners_of = |triangle: u32| mesh.triangle_points(triangle as usize).map(|p| p - to_scene);
     for triangle in tracer.triangles_near(to_scene + low, to_scene + high, |tag| key.holds(tag)) {
         let corners = corners_of(triangle);
-        // Nearly all triangles of a coarse cell.
+        // Nearly all triangles of a coarse cell are wholly inside.
         let is_inside = corners.iter().all(|p| p.cmpge(low).all() && p.cmple(high).all());
         let polygon = if is_inside { &corners[..] } else { clipper.clip(&corners, low, high) };
         if !is_inside && area_and_centre(polygon).is_none() {
@@ -110,7 +112,7 @@ pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<Surfac
             Line { number: i, at, first: None }
         };
         let mut lines: Vec<Line> = (tried..last).map(line).collect();
-        // Candidates may be very many, each before few lines.
+        // Candidates may be very many, each crossed by few lines.
         lines.sort_by(|a, b| a.at.x.total_cmp(&b.at.x));
         for c in &candidates {
             let from = lines.partition_point(|line| line.at.x < c.low.x);
@@ -154,7 +156,8 @@ pub fn sample(key: CellKey, wanted: usize, surfaces: CellSurfaces) -> Vec<Surfac
     points
 }
 
-/// Cuts triangles to a box (Sutherland and Hodgman 1974), in lists that serve one triangle after the other.
+/// Clipper of triangles to a box (Sutherland and Hodgman 1974). Its lists are reused for one
+/// triangle after the other.
 #[derive(Default)]
 struct Clipper {
     polygon: Vec<DVec3>,
@@ -162,7 +165,7 @@ struct Clipper {
 }
 
 impl Clipper {
-    /// The part of a triangle inside a box; at most nine corners but for rounding.
+    /// Returns the part of a triangle inside a box, with at most nine corners apart from rounding.
     fn clip(&mut self, corners: &[DVec3; 3], low: DVec3, high: DVec3) -> &[DVec3] {
         let Clipper { polygon, kept } = self;
         polygon.clear();
@@ -192,7 +195,7 @@ impl Clipper {
     }
 }
 
-/// Area and area centroid of a plane convex polygon; `None` if it has no area.
+/// Returns the area and the centroid of a plane convex polygon; `None` if it has no area.
 fn area_and_centre(polygon: &[DVec3]) -> Option<(f64, DVec3)> {
     let first = *polygon.first()?;
     let (mut area, mut moment) = (0.0, DVec3::ZERO);
@@ -204,7 +207,8 @@ fn area_and_centre(polygon: &[DVec3]) -> Option<(f64, DVec3)> {
     (area > 0.0).then(|| (area, moment / area))
 }
 
-/// Barycentric coordinates of a point in a flat triangle, `None` outside or if the triangle is seen edge-on.
+/// Returns the barycentric coordinates of a point in a flat triangle; `None` outside or if the
+/// triangle is seen edge-on.
 fn barycentric(corners: [DVec2; 3], p: DVec2) -> Option<[f64; 3]> {
     let [a, b, c] = corners.map(|q| q - p);
     let w = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];

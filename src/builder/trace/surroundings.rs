@@ -1,8 +1,9 @@
-//! What a cell sees besides the sky. In: a cell whose sky bits are traced. Out: the coarse cells that a few rays meet, above
-//! and below the horizon apart.
+//! Surroundings of a cell: what it sees besides the sky. In: a cell whose sky bits are traced. Out:
+//! the coarse cells that a few rays hit, above and below the horizon apart.
 //!
-//! No ray is spent on the sky: above the horizon, rays go again where the sky bits are 0, in proportion to the cosine. How
-//! much of the hemisphere they stand for is known from the bits, so sky and surroundings always add up to the whole.
+//! No ray is spent on the sky. Above the horizon, rays go again where the sky bits are 0, in
+//! proportion to the cosine. The bits tell how much of the hemisphere these rays stand for, so sky
+//! and surroundings always add up to the whole.
 
 use glam::{DVec2, DVec3};
 
@@ -17,71 +18,77 @@ use heliotile_core::light::radiosity::SidesOf;
 use heliotile_core::site::cells::{CellKey, level_of};
 use heliotile_scene::mesh::Mesh;
 
-/// What one ray met.
+/// Cell that one ray hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenCell {
-    /// Whether the ray goes above the horizon.
+    /// True if the ray goes above the horizon.
     pub up: bool,
-    /// The coarse cell, if any surface was met.
+    /// Coarse cell that was hit; `None` if no surface was.
     pub cell: Option<CellKey>,
-    /// The ray and how far it went, if it met a surface.
+    /// Ray and its length, metres, if it hit a surface.
     pub path: Option<(Ray, f32)>,
 }
 
 impl SeenCell {
-    /// The ray as a hit of [`Cells`](heliotile_core::layers::cells::Cells), of which it matters only whether anything is met.
+    /// Returns the ray as a hit of [`Cells`](heliotile_core::layers::cells::Cells), for uses where
+    /// it only matters if anything was hit.
     pub fn as_hit(&self) -> u32 {
         let met = if self.cell.is_some() { 0 } else { MISS };
         if self.up { met } else { met | DOWN }
     }
 }
 
-/// How cells look around.
+/// Settings of the rays by which cells see their surroundings.
 #[derive(Clone, Copy, Debug)]
 pub struct SurroundingSettings {
-    /// Level of the cells at middle distance, as receivers' cells see them; cells nearby are finer, cells far away coarser.
+    /// Level of the cells at middle distance, as receivers' cells see them. Nearby cells are finer,
+    /// distant cells coarser.
     pub closed_level: i8,
-    /// Rays of a cell.
+    /// Number of rays of a cell.
     pub rays: usize,
 }
 
-/// What some rays met.
+/// Surroundings that the rays of a cell hit.
 #[derive(Clone, Debug, Default)]
 pub struct Surroundings {
-    /// One for each ray.
+    /// Hit of each ray.
     pub seen: Vec<SeenCell>,
-    /// Of those rays that met a mirror: whether they go above the horizon, and where they met it.
+    /// Rays that hit a mirror: true if the ray goes above the horizon, and where it hit the mirror.
     pub mirrors: Vec<(bool, MirrorRay)>,
-    /// Rays that were cast.
+    /// Number of rays cast.
     pub cast: u64,
 }
 
 impl Surroundings {
-    /// Nothing is met by so many rays, and none is cast.
+    /// Returns surroundings of `rays` rays that hit nothing, none of them cast.
     pub fn none(rays: usize) -> Self {
         Surroundings { seen: vec![SeenCell { up: true, cell: None, path: None }; rays], ..Surroundings::default() }
     }
 }
 
-/// Surfaces at distance t are cut into cells of about t / 4, the footprint of a ray.
+/// Size of cells on distant surfaces, as a share of their distance: the footprint of a ray.
 const FAR_SHARE: f64 = 0.25;
 
-/// Nearby surfaces are cut into cells of about t / 2 at most: in a light well light falls off over the well's width, and below an arcade larger ones
-/// would hold what lies outside of it. With t errors are 1.3 times as large in an arcade, 1.2 in a well, for 5 to 10 % less time.
+/// Largest size of cells on nearby surfaces, as a share of their distance. In a light well, light
+/// falls off over the well's width, and larger cells below an arcade would hold surfaces outside
+/// it. With a share of 1, errors are 1.3 times as large in an arcade and 1.2 in a well, for 5 to 10
+/// % less time.
 const NEAR_SHARE: f64 = 0.5;
 
-/// The home of a cell is a voxel so many levels above its own: within it coarse cells see each other in circles, as in a court or a
-/// room of white walls. What lies beyond is seen by larger cells, or one street would drag in the next, and that the whole map.
+/// Levels between a cell and its home, the voxel within which coarse cells of one level see each
+/// other, as in a court or a room of white walls. Beyond it they see larger cells; otherwise one
+/// street would require the next, and so the whole map.
 const HOME: u32 = 3;
 
-/// So many levels above those at middle distance cells are large enough to see each other all over the map: they are few.
+/// Levels above those at middle distance from which on cells see each other all over the map: such
+/// large cells are few.
 const GROWTH: i8 = 6;
 
-/// A part of the hemisphere smaller than this gets no ray.
+/// Share of the hemisphere below which a part gets no ray.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Up to `count` rays from a cell whose sky texture is traced, and whether each goes above the horizon; those above count alike, and so do
-/// those below.
+/// Returns at most `count` rays from a cell whose sky texture is traced, each with true if it goes
+/// above the horizon. All rays above have equal weights, and so have all rays below.
 pub fn looks_around(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: usize) -> Vec<(Ray, bool)> {
     let (n, directions) = (texture.n, texture.of(key));
     let seed = key.seed();
@@ -108,7 +115,7 @@ pub fn looks_around(key: CellKey, probe: &ProbeTrace, texture: &Directions, coun
     let (start, mut last) = (unit(mix(seed, 11)), 0);
     let mut blocked = blocked().peekable();
     for i in 0..up_count {
-        // These rise from ray to ray.
+        // These values rise from ray to ray.
         let at = (i as f64 + start) / up_count as f64 * sum;
         while let Some(passed) = blocked.next_if(|&(_, sum)| sum <= at) {
             last = passed.0;
@@ -120,7 +127,7 @@ pub fn looks_around(key: CellKey, probe: &ProbeTrace, texture: &Directions, coun
         let frames: Vec<Frame> = normals.iter().map(|&normal| Frame::of(normal)).collect();
         let weights: Vec<f64> = probe.points.iter().map(|p| p.1).collect();
         let square = tries_of(key);
-        // The part of the hemisphere below the horizon is kept.
+        // Only tries that go below the horizon are kept.
         let tries = (0..64 * down_count).map(|j| {
             let point = pick(&weights, unit(mix(seed ^ 0x646f_776e, j as u64)));
             Some((point, downward(key, frames[point].to_world(cosine_direction_of(square(j))))?))
@@ -132,7 +139,8 @@ pub fn looks_around(key: CellKey, probe: &ProbeTrace, texture: &Directions, coun
     rays
 }
 
-/// A direction that is tried, if it goes below the horizon; of leaves, which have two sides, it is turned round to do so.
+/// Returns a tried direction if it goes below the horizon. For leaves, which have two sides, other
+/// directions are reversed.
 fn downward(key: CellKey, direction: DVec3) -> Option<DVec3> {
     match direction.z <= 0.0 {
         true => Some(direction),
@@ -140,15 +148,15 @@ fn downward(key: CellKey, direction: DVec3) -> Option<DVec3> {
     }
 }
 
-/// Where a cell tries the cosine-distributed hemisphere.
+/// Returns the sequence of points at which a cell tries the cosine-weighted hemisphere.
 fn tries_of(key: CellKey) -> impl Fn(usize) -> DVec2 {
     let seed = key.seed();
     let offset = DVec2::new(unit(mix(seed, 12)), unit(mix(seed, 13)));
     move |j| r2(j as f64, offset)
 }
 
-/// All rays that a cell may cast for its sky and, `count` of them, for what else it sees, whichever of its points are hidden; but only those that
-/// go towards a change.
+/// Returns all rays that a cell may cast towards a change, for its sky and, `count` of them, for
+/// its surroundings, whichever of its points are hidden.
 pub fn may_cast(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: usize, seen: &ChangeInView) -> Vec<Ray> {
     let directions: Vec<DVec3> = texture.of(key).iter().copied().filter(|way| seen.lies_towards(*way)).collect();
     let mut rays = Vec::new();
@@ -163,7 +171,8 @@ pub fn may_cast(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: u
     }
     let frames: Vec<Frame> = probe.points.iter().map(|p| Frame::of(p.0.normal)).collect();
     let square = tries_of(key);
-    // Tries count for a point where they go below its horizon: the last one is known once as many as wanted do for all.
+    // A try counts for a point if it goes below the point's horizon. Tries end when `count` of them
+    // count for all points.
     let mut below_all = 0;
     for j in 0..64 * count {
         let tried = cosine_direction_of(square(j));
@@ -181,8 +190,8 @@ pub fn may_cast(key: CellKey, probe: &ProbeTrace, texture: &Directions, count: u
     rays
 }
 
-/// Casts the rays of [`looks_around`] from cells whose sky textures are traced: those of all cells together, since one cell has too few to fill
-/// packets. Of each cell what its rays met.
+/// Casts the rays of [`looks_around`] from cells whose sky textures are traced, and returns the
+/// surroundings of each. Rays of all cells go together, since one cell has too few to fill packets.
 pub fn surroundings<'p>(
     cells: impl Iterator<Item = (CellKey, &'p ProbeTrace)>,
     texture: &Directions,
@@ -214,11 +223,12 @@ pub fn surroundings<'p>(
     cells.into_iter().map(met_by).collect()
 }
 
-/// The coarse cell that a cell sees. `met`: the cell at a distance, if it had a given level.
+/// Returns the coarse cell that a cell sees at a distance. `met` gives the cell that was hit, for a
+/// level.
 pub fn seen_from(own: CellKey, distance_m: f64, closed: i8, met: impl Fn(i8) -> CellKey) -> CellKey {
     let near = level_of(distance_m * NEAR_SHARE).min(closed);
     let far = level_of(distance_m * FAR_SHARE);
-    // Fine ones see coarser ones only, or one well of them would drag in a city of them.
+    // Fine cells see only coarser ones, or one well of them would require a city of them.
     let level = near.max(far).max((own.level + 1).min(closed)).max(own.level);
     let seen = met(level).coarse(level);
     let home = |key: CellKey| key.voxel.map(|v| v >> HOME);
@@ -226,14 +236,16 @@ pub fn seen_from(own: CellKey, distance_m: f64, closed: i8, met: impl Fn(i8) -> 
     if stays { seen } else { seen.coarse(level + 1) }
 }
 
-/// Whether a cell of this mean normal can see a change at all: by its texels of the sky, or below the horizon.
+/// Returns true if a cell with this mean normal can see a change at all: by its texels of the sky,
+/// or below the horizon.
 pub fn may_see(key: CellKey, normal: DVec3, texture: &Directions, seen: &ChangeInView) -> bool {
     // The normal that a cell holds is rounded to f32.
     (seen.lies_below() && SidesOf(key).below(normal.z) > 0.5 * NEGLIGIBLE)
         || texture.of(key).iter().any(|direction| seen.lies_towards(*direction))
 }
 
-/// Rays above and below the horizon, in proportion to their shares; at least one for each share that matters.
+/// Splits `count` rays above and below the horizon in proportion to their shares, with at least one
+/// for each share that matters.
 fn split(count: usize, above: f64, below: f64) -> (usize, usize) {
     match (above > NEGLIGIBLE, below > NEGLIGIBLE) {
         (false, false) => (0, 0),
@@ -247,12 +259,12 @@ fn split(count: usize, above: f64, below: f64) -> (usize, usize) {
     }
 }
 
-/// Cell of a hit of a ray from `origin`, on the side that the ray comes from.
+/// Returns the cell of a hit of a ray from `origin`, on the side that the ray comes from.
 pub fn cell_of(hit: Hit, direction: DVec3, level: i8, mesh: &Mesh, origin: DVec3) -> CellKey {
     let triangle = hit.triangle as usize;
     let outward = mesh.normal(triangle);
     let back = outward.dot(direction) > 0.0;
-    // The first sum is exact, and the second one that of input coordinates: equal in all scenes.
+    // The first sum is exact, and the second is in input coordinates, so it is equal in all scenes.
     let point = mesh.grid().absolute(origin) + direction * f64::from(hit.t);
     CellKey::new(point, outward, back, mesh.triangle_material[triangle], level)
 }

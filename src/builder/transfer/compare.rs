@@ -1,4 +1,5 @@
-//! What two archives state of scene, settings and materials.
+//! Comparison of what two archives state about scene, settings and materials. In: two archives.
+//! Out: the items that differ.
 
 use serde_json::{Map, Value, json};
 
@@ -7,22 +8,22 @@ use heliotile_core::archive::{Archive, format, tables};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::site::content::ContentHasher;
 
-/// Keys of the manifest that tell of one file, not of what it holds.
+/// Keys of the manifest that describe one file, not its content.
 const OF_THE_FILE: [&str; 5] = ["format", "creator", "experimental", "counts", "layers"];
 
-/// Longest value in a message.
+/// Length of the longest value in a message, characters.
 const LONGEST: usize = 70;
 
-/// One item with its values in both archives.
+/// Item with its values in both archives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// `settings.hit`.
+    /// Path of the item, such as `settings.hit`.
     pub item: String,
-    /// In the first archive and in the second, shortened for messages.
+    /// Values in the first and in the second archive, shortened for messages.
     pub values: [String; 2],
 }
 
-/// Everything stated that is not equal, unknown keys of the manifest too; not what is counted.
+/// Returns all stated items that differ, including unknown keys of the manifest, but not counts.
 pub fn differences(a: &Archive, b: &Archive) -> Result<Vec<Difference>> {
     let mut found = Vec::new();
     walk("", Some(&statements(a)?), Some(&statements(b)?), &mut found);
@@ -52,19 +53,20 @@ fn statements(archive: &Archive) -> Result<Value> {
     Ok(value)
 }
 
-/// What an archive says of the objects of its scene, if it holds that, as a hash.
+/// Returns a hash of the objects of an archive's scene; `None` if the archive does not hold its
+/// scene.
 pub fn objects(archive: &Archive) -> Option<String> {
     let mut content = ContentHasher::new("objects");
     archive.entries_of(format::OBJECTS).iter().for_each(|entry| content.raw(&entry.content));
     archive.has(format::SCENE, TileNumber::FIRST).then(|| format::hex(&content.finish()))
 }
 
-/// Whether an archive tells what its receivers stand for.
+/// Returns true if an archive holds the overview of all its receivers.
 pub fn shows(archive: &Archive) -> bool {
     archive.entries_of(format::OVERVIEW).len() == archive.tiles() as usize
 }
 
-/// The materials by name, with their numbers in cell keys.
+/// Returns the materials by name, with their numbers in cell keys.
 fn materials(archive: &Archive) -> Result<Value> {
     let table = tables::MaterialsTable::from_block(&archive.block(format::MATERIALS, TileNumber::FIRST)?)?;
     let bands = match archive.has(format::BANDS, TileNumber::FIRST) {
@@ -91,7 +93,7 @@ fn materials(archive: &Archive) -> Result<Value> {
     Ok(Value::Object(rows))
 }
 
-/// Goes down where both are objects.
+/// Collects differences. Descends into items that are objects in both archives.
 fn walk(item: &str, a: Option<&Value>, b: Option<&Value>, found: &mut Vec<Difference>) {
     match (a, b) {
         (Some(Value::Object(a)), Some(Value::Object(b))) => {

@@ -1,14 +1,15 @@
-//! What two archives say differently of the same thing: counted, the first few by name.
+//! Conflicts between two archives. In: conflicts one by one. Out: an error with their number and
+//! the first few by name.
 
 use std::path::Path;
 
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 
-/// Names that a message holds.
+/// Largest number of names in a message.
 const NAMED: usize = 10;
 
-/// The conflicts of a merge.
+/// Conflicts of a merge.
 #[derive(Debug, Default)]
 pub struct Conflicts {
     names: Vec<String>,
@@ -23,7 +24,7 @@ impl Conflicts {
         }
     }
 
-    /// An error that tells the conflicts, if there are any.
+    /// Returns an error that lists the conflicts, if there are any.
     pub fn check(&self, first: &Path, second: &Path) -> Result<()> {
         if self.count == 0 {
             return Ok(());
@@ -35,7 +36,7 @@ impl Conflicts {
     }
 }
 
-/// `12 receivers: a, b, ...`, where names may be fewer than the count.
+/// Formats `12 receivers: a, b, ...`; names may be fewer than the count.
 pub fn listed(count: u64, thing: &str, names: &[String]) -> String {
     let more = if count > names.len() as u64 { ", ..." } else { "" };
     format!("{}: {}{more}", counted(count, thing), names.join(", "))

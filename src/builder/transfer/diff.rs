@@ -1,4 +1,5 @@
-//! What two archives do not share.
+//! Differences of two archives. In: two archives. Out: statements, receivers, cells and blocks that
+//! differ.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -17,10 +18,10 @@ use heliotile_core::layers::cells::Cell;
 use heliotile_core::memory::Use;
 use heliotile_core::opened::{CellSource, OpenSite};
 
-/// Names of one line.
+/// Largest number of names in one line.
 const NAMED: usize = 20;
 
-/// What two archives do not share.
+/// Differences of two archives.
 #[derive(Clone, Debug, Default)]
 pub struct Differences {
     /// Scene, settings, materials, and all else that the manifest states.
@@ -33,12 +34,13 @@ pub struct Differences {
     pub bounces: Parted,
     /// Blocks of kinds that this release does not know.
     pub unknown: Parted,
-    /// Whether both archives have the same root hash.
+    /// True if both archives have the same root hash.
     pub same_root: bool,
 }
 
 impl Differences {
-    /// What differs between the archives of these paths, as a short text; lists name the first of many.
+    /// Returns the differences between the archives at these paths as a short text. Lists name the
+    /// first of many.
     pub fn table(&self, [a, b]: [&Path; 2]) -> String {
         let found = self;
         let mut out = String::new();
@@ -72,21 +74,21 @@ impl Differences {
         out
     }
 
-    /// Whether both hold the same, however it is packed.
+    /// Returns true if both archives have the same content, however it is packed.
     pub fn is_equal(&self) -> bool {
         let parts = [&self.receivers, &self.probes, &self.bounces, &self.unknown];
         self.statements.is_empty() && parts.iter().all(|part| part.is_empty())
     }
 }
 
-/// Things of one kind by where they are.
+/// Items of one kind, by the archives that hold them.
 #[derive(Clone, Debug, Default)]
 pub struct Parted {
-    /// In the first archive only.
+    /// Items in the first archive only.
     pub only_a: Names,
-    /// In the second archive only.
+    /// Items in the second archive only.
     pub only_b: Names,
-    /// In both, with different content.
+    /// Items in both archives with different content.
     pub different: Names,
 }
 
@@ -95,7 +97,7 @@ impl Parted {
         [&self.only_a, &self.only_b, &self.different].iter().all(|names| names.count == 0)
     }
 
-    /// Sorts in one side of a union: its name, and for two items what differs, if anything.
+    /// Adds one side of a union. For two items `compare` returns the difference, if any.
     fn add<T>(&mut self, side: &Side<T>, name: impl Fn(&T) -> String, compare: impl Fn(&T, &T) -> Option<String>) {
         match side {
             Side::Left(item) => self.only_a.add(|| name(item)),
@@ -109,10 +111,10 @@ impl Parted {
     }
 }
 
-/// A number of things, the first few by name.
+/// Number of items, the first few by name.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
-    /// How many there are.
+    /// Number of items.
     pub count: u64,
     /// Names of the first few.
     pub first: Vec<String>,
@@ -127,7 +129,7 @@ impl Names {
     }
 }
 
-/// Compares all that two archives hold. Receivers are matched by id, cells by key.
+/// Compares the whole content of two archives. Receivers are matched by id, cells by key.
 pub fn diff(a: &Archive, b: &Archive, workspace: &Workspace) -> Result<Differences> {
     let mut found =
         Differences { statements: differences(a, b)?, same_root: a.root() == b.root(), ..Differences::default() };
@@ -149,7 +151,7 @@ pub fn diff(a: &Archive, b: &Archive, workspace: &Workspace) -> Result<Differenc
     Ok(found)
 }
 
-/// The receivers' hashes by id.
+/// Returns the receivers' hashes by id.
 fn by_id(site: &OpenSite, workspace: &Workspace) -> Result<Sorted> {
     let mut sorter = Sorter::new(&workspace.folder, workspace.memory.length(Use::ReceiverIds));
     for row in ArchiveReceivers::<AllLayers>::new(site) {

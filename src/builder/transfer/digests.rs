@@ -1,4 +1,5 @@
-//! What can be compared of a receiver or a cell, as hashes.
+//! Digests of receivers and cells for comparison. In: a receiver with its layers, or a cell. Out:
+//! hashes, names of parts that differ.
 
 use crate::transfer::rows::{LayeredReceiver, Shown, TracedLayers};
 use heliotile_core::layers::cells::Cell;
@@ -9,13 +10,13 @@ use heliotile_core::site::cells::CellKey;
 /// Parts of a receiver, in the order of the hashes.
 const PARTS: [&str; 8] = ["place", "receivers", "sky", "hit", "response", "mirror", "canopy", "overview"];
 
-/// In place of the hash of what an archive does not show.
+/// Placeholder for the hash of an overview that the archive does not hold.
 const NOT_SHOWN: [u8; 32] = [0; 32];
 
 /// All layers of a receiver.
 pub type AllLayers = ((TracedLayers, Response), Shown);
 
-/// Hashes of a receiver's place and normal, of its other columns, and of its layers.
+/// Hashes of a receiver's position and normal, of its other columns, and of its layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Digests([[u8; 32]; PARTS.len()]);
 
@@ -45,18 +46,19 @@ impl Digests {
         Digests(digests)
     }
 
-    /// Names of the parts that differ; an overview that only one of them has does not.
+    /// Returns the names of the parts that differ. An overview that only one of them has does not
+    /// count.
     pub fn differences(&self, other: &Digests) -> Vec<&'static str> {
         let parts = PARTS.into_iter().zip(self.0.iter().zip(&other.0));
         parts.filter(|(_, (a, b))| a != b && **a != NOT_SHOWN && **b != NOT_SHOWN).map(|(name, _)| name).collect()
     }
 
-    /// For sorting outside memory.
+    /// Returns the hashes as bytes, for sorting in temporary files.
     pub fn to_bytes(self) -> Vec<u8> {
         self.0.concat()
     }
 
-    /// Inverse of [`Digests::to_bytes`]; zeros stand for bytes that are missing.
+    /// Inverse of [`Digests::to_bytes`]; zeros stand for missing bytes.
     pub fn from_bytes(bytes: &[u8]) -> Self {
         let mut digests = [[0; 32]; PARTS.len()];
         for (digest, bytes) in digests.iter_mut().zip(bytes.as_chunks().0) {
@@ -66,7 +68,7 @@ impl Digests {
     }
 }
 
-/// Whether two cells of one key hold the same; the order of rays means nothing.
+/// Returns true if two cells of one key have the same content. The order of rays does not matter.
 pub fn same_cell(a: &Cell, b: &Cell) -> bool {
     let rays = |cell: &Cell| {
         let mut seen = cell.seen.clone();
@@ -77,7 +79,7 @@ pub fn same_cell(a: &Cell, b: &Cell) -> bool {
     bits(a) == bits(b) && a.bits == b.bits && a.mirrors == b.mirrors && a.canopy == b.canopy && rays(a) == rays(b)
 }
 
-/// A cell as people read it: level/facing/material/voxel.
+/// Formats a cell's key for people: level/facing/material/voxel.
 pub fn cell_name(key: &CellKey) -> String {
     let [x, y, z] = key.voxel;
     format!("{}/{}/{}/{x},{y},{z}", key.level, key.facing, key.material)

@@ -1,4 +1,5 @@
-//! The archive of some receivers of another one, with the cells that they need and no others.
+//! Extract of an archive. In: an archive, a selection of receivers. Out: the archive of these
+//! receivers, with only the cells that they need.
 
 use std::path::Path;
 
@@ -15,27 +16,27 @@ use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::{CellSource, OpenSite};
 
-/// What an extract did.
+/// Report of an extract.
 #[derive(Clone, Debug)]
 pub struct Extracted {
-    /// What the new archive holds.
+    /// Content of the new archive.
     pub written: Assembled,
-    /// What the archive held that it was taken from.
+    /// Content of the archive that it was taken from.
     pub of: Whole,
 }
 
-/// How much the archive holds that was extracted from.
+/// Content of the archive that was extracted from.
 #[derive(Clone, Copy, Debug)]
 pub struct Whole {
     /// Number of receivers.
     pub receivers: u64,
-    /// Cells that receivers see.
+    /// Number of cells that receivers see.
     pub probes: u64,
-    /// Coarser cells that probes and each other see.
+    /// Number of coarser cells that probes and other coarse cells see.
     pub bounce_cells: u64,
 }
 
-/// Writes the archive of some receivers: the bytes of a build of them alone.
+/// Writes the archive of some receivers, with the same bytes as a build of them alone.
 pub fn extract(
     archive: &Archive,
     selection: &Selection,
@@ -72,6 +73,7 @@ pub fn extract(
     if with_scene {
         output.scene(&[archive])?;
     }
+    // Receivers are read again for each layer, so that memory stays bounded.
     output.responses(ArchiveReceivers::<Response>::chosen(&site, archive, &kept))?;
     if with_scene {
         output.overview(&[archive], ArchiveReceivers::<Shown>::chosen(&site, archive, &kept))?;

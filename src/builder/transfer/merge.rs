@@ -1,4 +1,5 @@
-//! The union of two archives of one scene.
+//! Union of two archives. In: two archives of one scene. Out: one archive with the receivers and
+//! cells of both.
 
 use std::path::Path;
 
@@ -20,21 +21,23 @@ use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::{CellSource, OpenSite};
 
-/// What may differ between archives that fit: counted, estimated or left out by each build for itself.
+/// Items that may differ between archives that fit: each build counts, estimates or leaves them out
+/// for itself.
 const MAY_DIFFER: [&str; 4] = ["scene.degenerate_dropped", "accuracy", "negligible", "shown"];
 
-/// What a merge did.
+/// Report of a merge.
 #[derive(Clone, Debug)]
 pub struct Merged {
-    /// What the union holds.
+    /// Content of the union.
     pub written: Assembled,
-    /// Receivers of each archive.
+    /// Number of receivers of each archive.
     pub of_each: [u64; 2],
-    /// Receivers that both archives hold.
+    /// Number of receivers that both archives hold.
     pub shared: u64,
 }
 
-/// Writes the union of two archives. Archives of parts of a site give the bytes of the whole site's build.
+/// Writes the union of two archives. Archives of parts of a site give the same bytes as the build
+/// of the whole site.
 pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer: &dyn Observer) -> Result<Merged> {
     [a, b].into_iter().try_for_each(complete)?;
     let (of_a, of_b) = (OpenSite::of(a)?, OpenSite::of(b)?);
@@ -50,6 +53,7 @@ pub fn merge([a, b]: [&Archive; 2], path: &Path, workspace: &Workspace, observer
     output.probes(settings, merge_cells("probe", &from_a, &from_b, &mut conflicts))?;
     let (from_a, from_b) = (CellSource::bounces(&of_a)?, CellSource::bounces(&of_b)?);
     output.bounces(settings, merge_cells("bounce cell", &from_a, &from_b, &mut conflicts))?;
+    // Refused only now, so that the message counts all conflicts.
     conflicts.check(a.path(), b.path())?;
     output.materials(a)?;
     output.scene(&[a, b])?;
@@ -82,7 +86,7 @@ fn check_fit(a: &Archive, b: &Archive) -> Result<()> {
     ))
 }
 
-/// Whether both hold their scene, and call its objects differently.
+/// Returns true if both archives hold their scene, with different names of objects.
 fn renamed(a: &Archive, b: &Archive) -> bool {
     matches!((objects(a), objects(b)), (Some(a), Some(b)) if a != b)
 }
@@ -94,7 +98,7 @@ fn both<'a, L: Layers + 'a>(
     union(ArchiveReceivers::<L>::new(a), ArchiveReceivers::<L>::new(b), LayeredReceiver::order)
 }
 
-/// Writes the tiles of both archives' receivers. Returns how many both hold.
+/// Writes the tiles of both archives' receivers. Returns the number of receivers that both hold.
 fn merge_receivers(
     a: &OpenSite,
     b: &OpenSite,
@@ -122,7 +126,7 @@ fn merge_receivers(
     Ok(shared)
 }
 
-/// Finds names of receivers that stand at different places.
+/// Finds names of receivers that are at different places.
 fn id_conflicts(ids: Sorter, conflicts: &mut Conflicts) -> Result<()> {
     let mut last: Option<(Vec<u8>, Vec<u8>)> = None;
     for record in ids.finish()? {
@@ -140,7 +144,7 @@ fn id_conflicts(ids: Sorter, conflicts: &mut Conflicts) -> Result<()> {
     Ok(())
 }
 
-/// Position and normal as people read them.
+/// Formats position and normal for people.
 fn place_name(place: &[u8]) -> String {
     let numbers: Vec<String> = place.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b).to_string()).collect();
     let (position, normal) = numbers.split_at(numbers.len().min(3));
@@ -162,7 +166,7 @@ fn merge_cells<'a>(
     })
 }
 
-/// Blocks of unknown kinds can be kept only where they do not differ.
+/// Finds blocks of unknown kinds that differ; only equal ones can be kept.
 fn unknown_conflicts(a: &Archive, b: &Archive, conflicts: &mut Conflicts) {
     for entry in unknown(a) {
         let others = b.entries_of(entry.kind);
@@ -174,7 +178,8 @@ fn unknown_conflicts(a: &Archive, b: &Archive, conflicts: &mut Conflicts) {
     }
 }
 
-/// What the union's manifest states; what may differ does not depend on which archive comes first.
+/// Returns the statements of the union's manifest. Items that may differ do not depend on which
+/// archive comes first.
 fn stated(a: &Manifest, b: &Manifest) -> Manifest {
     let mut stated = a.clone();
     stated.scene.degenerate_dropped = a.scene.degenerate_dropped.max(b.scene.degenerate_dropped);

@@ -1,9 +1,11 @@
-//! Archives from archives: a part of one (`extract`), two as one (`merge`), and what two do not share (`diff`). In: finished
-//! archives. Out: an archive with the very bytes that a build of its receivers has, or a list of differences.
+//! Archives from archives: a part of one (`extract`), two as one (`merge`), and the differences of
+//! two (`diff`). In: finished archives. Out: an archive with the same bytes as a build of its
+//! receivers, or a list of differences.
 //!
-//! That is possible because a probe depends on the scene and its key only, and because tiles and chunks are cut from one
-//! sorted sequence: all work is merging or filtering of such sequences and packing them as the build does. Of receivers and
-//! cells only some tiles and chunks are in memory at a time, ids are sorted outside. No ray is cast.
+//! That is possible because a probe depends only on the scene and its key, and because tiles and
+//! chunks are cut from one sorted sequence. All work is merging or filtering such sequences, and
+//! packing them as the build does. Only some tiles and chunks are in memory at a time; ids are
+//! sorted in temporary files. No ray is cast.
 
 mod compare;
 mod conflicts;

@@ -1,4 +1,5 @@
-//! An archive that is put together from receivers and cells of others, in the build's order of blocks.
+//! Assembly of an archive from receivers and cells of others, in the build's order of blocks. In:
+//! rows of other archives. Out: an archive.
 
 use std::fs;
 use std::path::Path;
@@ -24,7 +25,7 @@ use heliotile_core::memory::Use;
 use heliotile_core::observer::{Observer, Stage};
 use heliotile_core::site::receiver::TILE;
 
-/// The archive being written; the methods are called in the order in which they stand.
+/// Archive being written. Its methods are called in the order in which they are declared.
 pub struct ArchiveAssembly<'a> {
     observer: &'a dyn Observer,
     writer: Writer,
@@ -33,12 +34,12 @@ pub struct ArchiveAssembly<'a> {
     cells: manifest::CellCounts,
 }
 
-/// What was written.
+/// Content of the assembled archive.
 #[derive(Clone, Debug)]
 pub struct Assembled {
     /// Number of receivers.
     pub receivers: u64,
-    /// Number of tiles that they make.
+    /// Number of their tiles.
     pub tiles: u32,
     /// Number of cells of both kinds.
     pub cells: manifest::CellCounts,
@@ -64,7 +65,8 @@ impl<'a> ArchiveAssembly<'a> {
             }
             *hasher.finalize().as_bytes()
         };
-        // It is written in one go, without checkpoints: the job only tells it from an interrupted build.
+        // The archive is written in one go, without checkpoints. The job only tells it from an
+        // interrupted build.
         let job = Job { scene: hash(b"scene"), receivers: hash(b"receivers"), settings: hash(b"settings") };
         let advice = "finish it with the build that began it, remove it, or give the archive another name";
         let writer = Writer::create(path, &job).map_err(|error| error.advise(advice))?;
@@ -115,7 +117,8 @@ impl<'a> ArchiveAssembly<'a> {
         Ok(())
     }
 
-    /// Writes the scene's triangles with their objects, if one of the archives, which are of one scene, holds them.
+    /// Writes the scene's triangles with their objects, if one of the archives, which share one
+    /// scene, holds them.
     pub fn scene(&mut self, archives: &[&Archive]) -> Result<()> {
         let holds = |archive: &&&Archive| archive.has(format::SCENE, TileNumber::FIRST);
         let Some(archive) = archives.iter().find(holds) else { return Ok(()) };
@@ -130,7 +133,7 @@ impl<'a> ArchiveAssembly<'a> {
         })
     }
 
-    /// Writes the responses of the receivers, in the same order as before.
+    /// Writes the responses of the receivers, in the order of the tiles.
     pub fn responses(&mut self, rows: impl Iterator<Item = Result<LayeredReceiver<Response>>>) -> Result<()> {
         self.cut("responses", rows, |number, rows| {
             let responses: Vec<Response> = rows.iter().map(|row| row.layers.clone()).collect();
@@ -139,7 +142,8 @@ impl<'a> ArchiveAssembly<'a> {
         Ok(())
     }
 
-    /// Writes the overview of the receivers, in the same order as before, if all archives show theirs.
+    /// Writes the overview of the receivers, in the order of the tiles, if all archives hold
+    /// theirs.
     pub fn overview(
         &mut self,
         archives: &[&Archive],
@@ -166,7 +170,8 @@ impl<'a> ArchiveAssembly<'a> {
         Ok(())
     }
 
-    /// Writes where the receivers stand, in the same order as before; names that do not fit the workspace's memory go to files in its folder.
+    /// Writes the name index of the receivers, in the order of the tiles. Names that exceed the
+    /// workspace's memory go to files in its folder.
     pub fn name_index(
         &mut self,
         workspace: &Workspace,
@@ -183,7 +188,8 @@ impl<'a> ArchiveAssembly<'a> {
         }
     }
 
-    /// Copies the blocks of kinds that this release does not know; of equal names the first archive's.
+    /// Copies the blocks of kinds that this release does not know. Of equal names the first
+    /// archive's block is copied.
     pub fn copy_unknown(&mut self, archives: &[&Archive]) -> Result<()> {
         let mut count = 0;
         for archive in archives {
@@ -203,7 +209,8 @@ impl<'a> ArchiveAssembly<'a> {
         Ok(())
     }
 
-    /// Finishes with what a manifest states, its unknown keys too, and the counts of what was written.
+    /// Finishes with the statements of a manifest, including its unknown keys, and the counts of
+    /// this archive.
     pub fn finish(self, stated: Manifest) -> Result<Assembled> {
         let ArchiveAssembly { writer, receivers, tiles, cells, .. } = self;
         let own = Manifest::new();
@@ -269,7 +276,7 @@ impl<'a> ArchiveAssembly<'a> {
     }
 }
 
-/// Blocks of an archive whose kinds this release does not know.
+/// Returns the entries of blocks whose kinds this release does not know.
 pub fn unknown(archive: &Archive) -> impl Iterator<Item = &format::Entry> {
     archive.entries().iter().filter(|entry| format::schema_of(entry.kind).is_none())
 }

@@ -1,4 +1,4 @@
-//! Which cells of an archive some keys lead to. In: keys. Out: a mark for each cell, one byte.
+//! Cells that can be reached from some keys. In: keys. Out: a mark for each cell, one byte.
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -9,7 +9,7 @@ use heliotile_core::layers::cells::Cells;
 use heliotile_core::opened::CellSource;
 use heliotile_core::site::cells::CellKey;
 
-/// Keys of cells, each once, sorted outside memory.
+/// Keys of cells, each once, sorted in temporary files.
 pub struct Keys(Sorter);
 
 impl Keys {
@@ -21,7 +21,7 @@ impl Keys {
         self.0.push(&key.to_bytes(), &[])
     }
 
-    /// All of them, rising.
+    /// Returns all keys, ascending.
     fn finish(self) -> Result<impl Iterator<Item = Result<CellKey>> + use<>> {
         let key = |record: Result<(Vec<u8>, Vec<u8>)>| {
             let mut bytes = [0; CellKey::BYTES];
@@ -33,15 +33,15 @@ impl Keys {
     }
 }
 
-/// Keys that are looked at ahead, for their chunks to be told of.
+/// Number of keys that are read ahead, to prefetch their chunks.
 const AHEAD: usize = 1 << 16;
 
-/// Cells of one kind that are kept.
+/// Marks of the cells of one kind that are kept.
 #[derive(Default)]
 pub struct Marks(Vec<Vec<bool>>);
 
 impl Marks {
-    /// Chunks with a cell that is kept.
+    /// Returns the numbers of the chunks with a marked cell.
     pub fn chunks(&self) -> Vec<usize> {
         let kept = self.0.iter().enumerate().filter(|(_, rows)| rows.contains(&true));
         kept.map(|(chunk, _)| chunk).collect()
@@ -51,8 +51,8 @@ impl Marks {
         self.0.get(chunk).and_then(|rows| rows.get(row)).copied().unwrap_or(false)
     }
 
-    /// Marks the cells of some keys; `see` gets the keys that the new ones among them see. A key without a cell is damage of the layer
-    /// that the keys are from.
+    /// Marks the cells of some keys. `see` gets the keys that newly marked cells see. A key without
+    /// a cell means that the layer the keys come from is damaged.
     pub fn add(
         &mut self,
         source: &CellSource,
@@ -89,7 +89,7 @@ impl Marks {
         Ok(())
     }
 
-    /// Marks the cells of some keys and all that can be reached from them.
+    /// Marks the cells of some keys and all cells that can be reached from them.
     pub fn add_reachable(
         &mut self,
         source: &CellSource,

@@ -1,4 +1,5 @@
-//! Receivers of an archive one after the other, in the order that all archives share, and its cells likewise.
+//! Rows of archives. In: an archive. Out: its receivers and its cells one after the other, in the
+//! order that all archives share.
 
 use std::cmp::Ordering;
 use std::collections::VecDeque;
@@ -19,60 +20,60 @@ use heliotile_core::site::morton::morton_key;
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::Receiver;
 
-/// A receiver with some of its layers.
+/// Receiver with some of its layers.
 pub struct LayeredReceiver<L> {
-    /// Sorts as receivers do.
+    /// Sort key of the receiver.
     pub key: Vec<u8>,
-    /// Its id, place and normal.
+    /// Id, position and normal.
     pub receiver: Receiver,
     /// Shares of its hemisphere: sky, ground, obstruction.
     pub views: [f32; 3],
-    /// What was read of it besides: `()` for nothing.
+    /// Layers that were read with it: `()` for none.
     pub layers: L,
 }
 
 impl<L> LayeredReceiver<L> {
-    /// The order that receivers of all archives share.
+    /// Compares receivers in the order that all archives share.
     pub fn order(&self, other: &Self) -> Ordering {
         self.key.cmp(&other.key)
     }
 
-    /// The same receiver with other layers.
+    /// Returns the receiver with other layers.
     pub fn map<M>(self, layers: impl FnOnce(L) -> M) -> LayeredReceiver<M> {
         LayeredReceiver { key: self.key, receiver: self.receiver, views: self.views, layers: layers(self.layers) }
     }
 }
 
-/// Layers that can be read a tile at a time.
+/// Layers that can be read tile by tile.
 pub trait Layers: Send + Sized {
-    /// What is read for them.
+    /// Returns the kinds of blocks that are read.
     fn kinds() -> Vec<BlockKind>;
 
-    /// One value for each of a tile's receivers.
+    /// Returns one value for each of a tile's receivers.
     fn of_tile(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<Self>>;
 }
 
-/// What the build knows of a receiver before it knows the cells.
+/// Layers of a receiver that a build traces before the cells.
 pub struct TracedLayers {
     pub sky: SkyTexture,
-    /// One key a texel of the hit texture.
+    /// One key per texel of the hit texture.
     pub hits: Vec<Option<CellKey>>,
     pub extras: ReceiverExtras,
 }
 
 impl TracedLayers {
-    /// The cells that the receiver sees, some of them in mirrors, and those of leaves.
+    /// Returns the cells that the receiver sees, including those in mirrors and those of leaves.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
         self.hits.iter().flatten().copied().chain(self.extras.mirrors.cells()).chain(self.extras.canopy.cells())
     }
 }
 
-/// What an archive shows of a receiver; nothing where it may not.
+/// Overview of a receiver; empty if the archive does not hold it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shown {
-    /// The part of a surface that it stands for.
+    /// Part of a surface that the receiver stands for.
     pub patch: Patch,
-    /// kWh/m2, where the place is known.
+    /// Irradiation of a clear year, kWh/m2; `None` if the place is unknown.
     pub clear_year: Option<f32>,
 }
 
@@ -148,27 +149,27 @@ impl<A: Layers, B: Layers> Layers for (A, B) {
     }
 }
 
-/// Receivers of an archive; a few tiles are in memory at a time.
+/// Iterator over the receivers of an archive. A few tiles are in memory at a time.
 pub struct ArchiveReceivers<'a, L> {
     site: OpenSite<'a>,
-    /// Numbers of the tiles to read, and which of their receivers are wanted: all, without a choice.
+    /// Numbers of the tiles to read, and which of their receivers are wanted; `None` for all.
     tiles: std::vec::IntoIter<(u32, Option<&'a [bool]>)>,
     ready: VecDeque<LayeredReceiver<L>>,
     last: Vec<u8>,
-    /// Where as many tiles are left the next ones are told of.
+    /// Number of remaining tiles at which the next tiles are announced for prefetching.
     told_from: usize,
 }
 
-/// Tiles between two times that others are told of.
+/// Number of tiles between two announcements.
 const AHEAD: usize = 64;
 
 impl<'a, L: Layers> ArchiveReceivers<'a, L> {
-    /// All receivers of a site, in the archive's order.
+    /// Returns all receivers of a site, in the archive's order.
     pub fn new(site: &OpenSite<'a>) -> Self {
         ArchiveReceivers::of_tiles(site, 0..site.tiles())
     }
 
-    /// The receivers of some tiles, whose numbers ascend.
+    /// Returns the receivers of some tiles, whose numbers ascend.
     pub fn of_tiles(site: &OpenSite<'a>, tiles: impl IntoIterator<Item = u32>) -> Self {
         let tiles: Vec<_> = tiles.into_iter().map(|tile| (tile, None)).collect();
         ArchiveReceivers {
@@ -180,7 +181,8 @@ impl<'a, L: Layers> ArchiveReceivers<'a, L> {
         }
     }
 
-    /// Those receivers for which `kept` is true, in the archive's order; tiles without any are not read.
+    /// Returns the receivers for which `kept` is true, in the archive's order. Tiles without any
+    /// are not read.
     pub fn chosen(site: &OpenSite<'a>, archive: &Archive, kept: &'a [bool]) -> Self {
         let mut rest = kept;
         let mut tiles = Vec::new();
@@ -221,7 +223,7 @@ impl<'a, L: Layers> ArchiveReceivers<'a, L> {
     }
 }
 
-/// The receivers of one tile.
+/// Reads the receivers of one tile.
 fn read_tile<L: Layers>(site: &OpenSite, tile: u32) -> Result<Vec<LayeredReceiver<L>>> {
     let table = site.tile_receivers(tile)?;
     let (layers, receivers) = (L::of_tile(site, tile, table.rows())?, site.tile_parts(tile, &table)?);
@@ -248,12 +250,13 @@ impl<L: Layers> Iterator for ArchiveReceivers<'_, L> {
     }
 }
 
-/// All cells of one kind, in order.
+/// Returns all cells of one kind, in order.
 pub fn all_cells<'a>(source: &'a CellSource) -> impl Iterator<Item = Result<Cell>> + 'a {
     cells(source, (0..source.chunks()).collect(), |_, _| true)
 }
 
-/// Some cells of one kind, in order: those of some chunks for which `keep` (chunk, row) holds.
+/// Returns some cells of one kind, in order: those of `chunks` for which `keep` (chunk, row) is
+/// true.
 pub fn cells<'a>(
     source: &'a CellSource,
     chunks: Vec<usize>,

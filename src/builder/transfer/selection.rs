@@ -1,4 +1,5 @@
-//! Which receivers of an archive are meant: those of a list, of a box, of some surfaces. Tiles without any are not read.
+//! Selection of receivers of an archive: by a list, a box, surfaces or objects. In: archives. Out:
+//! for each receiver true if it is selected. Tiles without any are not read.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -17,10 +18,10 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
 use heliotile_scene::covering::receiver_ids::ReceiverIds;
 
-/// Names that a message holds.
+/// Largest number of names in a message.
 const NAMED: usize = 10;
 
-/// A box of positions, its faces included; metres, input coordinates.
+/// Box of positions, its faces included; metres, input coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Lowest coordinates.
@@ -30,7 +31,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Of xmin, ymin, xmax, ymax, for all heights or with zmin, zmax behind them.
+    /// Parses xmin, ymin, xmax, ymax, for all heights, or followed by zmin, zmax.
     pub fn of(numbers: &[f64]) -> std::result::Result<Self, String> {
         let (low, high) = match *numbers {
             [x0, y0, x1, y1] => (DVec3::new(x0, y0, f64::NEG_INFINITY), DVec3::new(x1, y1, f64::INFINITY)),
@@ -44,13 +45,13 @@ impl Bounds {
     }
 }
 
-/// Which receivers of an archive are meant.
+/// Receivers of an archive to select.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Selection {
     /// Ids in a column `receiver` of a CSV file.
     Receivers(PathBuf),
-    /// Ids.
+    /// List of ids.
     Ids(Vec<String>),
     /// Positions in a box, its faces included.
     Bounds(Bounds),
@@ -61,8 +62,8 @@ pub enum Selection {
 }
 
 impl Selection {
-    /// For each receiver of some archives whether it is meant, in their order, one byte each. Nobody, and names that do not exist in
-    /// any of them, are errors.
+    /// Returns for each receiver of some archives true if it is selected, in their order, one byte
+    /// each. Fails if no receiver is selected, or if no archive holds one of the names.
     pub fn resolve(&self, sites: &[OpenSite], folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
         let kept = match self {
             Selection::Receivers(file) => listed_in(file, sites, folder, budget_bytes)?,
@@ -90,7 +91,7 @@ impl Selection {
     }
 }
 
-/// The receivers of some tiles of each of some archives, with their places among all receivers.
+/// Returns the receivers of some tiles of each archive, with their places among all receivers.
 fn receivers_of<'a>(
     sites: &'a [OpenSite],
     tiles: Vec<Vec<u32>>,
@@ -112,12 +113,12 @@ fn receivers_of<'a>(
     })
 }
 
-/// The error of a receiver that the directory of its archive does not count.
+/// Returns the error for a receiver that the directory of its archive does not count.
 fn unexpected(path: &Path, receiver: &Receiver) -> Error {
     Error::defect(path, "directory", "rows of receivers", format!("does not count receiver {}", receiver.id))
 }
 
-/// The receivers that are meant, of those in the tiles that hold some.
+/// Selects the receivers for which `meant` is true, from the tiles that may hold some.
 fn marked(
     sites: &[OpenSite],
     tiles: impl Fn(&OpenSite) -> Result<Vec<u32>>,
@@ -132,20 +133,20 @@ fn marked(
     Ok(kept)
 }
 
-/// One byte for each receiver of some archives.
+/// Returns false for each receiver of some archives.
 fn nobody(sites: &[OpenSite]) -> Vec<bool> {
     vec![false; sites.iter().map(|site| site.receivers() as usize).sum()]
 }
 
-/// What messages name.
+/// Returns the path that messages name.
 fn first<'a>(sites: &[OpenSite<'a>]) -> &'a Path {
     sites.first().map_or(Path::new(""), OpenSite::path)
 }
 
-/// What one archive does not, or several do not.
+/// Predicate of a message for one archive and for several.
 const NOT_HELD: [&str; 2] = ["does not hold", "do not hold"];
 
-/// How a message goes on, behind the name of the first of some archives.
+/// Returns the predicate of a message that begins with the name of the first of some archives.
 fn none(sites: &[OpenSite], [one, several]: [&str; 2]) -> String {
     match sites.len() {
         0 | 1 => one.to_owned(),
@@ -153,7 +154,7 @@ fn none(sites: &[OpenSite], [one, several]: [&str; 2]) -> String {
     }
 }
 
-/// The receivers that one of some names is a name of; a name of nobody is an error.
+/// Selects the receivers with one of some names. Fails for names without receivers.
 fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Result<Vec<bool>> {
     let tiles = |site: &OpenSite| {
         let mut name_index = NameIndex::of(site)?;
@@ -187,7 +188,7 @@ fn named(names: &[String], thing: &str, of: &[NameOf], sites: &[OpenSite]) -> Re
     Err(Error::input(first(sites), None, found, hint))
 }
 
-/// The receivers whose ids stand in a file.
+/// Selects the receivers whose ids are in a file.
 fn listed_in(file: &Path, sites: &[OpenSite], folder: &Path, budget_bytes: usize) -> Result<Vec<bool>> {
     let ids = ReceiverIds::open(file)?.map(|row| row.map(|(id, line)| (id, line as u64)));
     let (kept, missing) = by_id(ids, sites, folder, budget_bytes)?;
@@ -203,7 +204,7 @@ fn listed_in(file: &Path, sites: &[OpenSite], folder: &Path, budget_bytes: usize
 #[derive(Default)]
 struct MissingIds {
     count: u64,
-    /// The first ones, with their lines.
+    /// First ones, with their lines.
     some: Vec<(String, u64)>,
 }
 
@@ -214,7 +215,8 @@ impl MissingIds {
     }
 }
 
-/// The receivers of some ids, each with its line, and the ids of nobody.
+/// Selects the receivers with some ids, each given with its line. Returns the ids without
+/// receivers, too.
 fn by_id(
     ids: impl Iterator<Item = Result<(String, u64)>>,
     sites: &[OpenSite],
@@ -237,7 +239,7 @@ fn by_id(
         held.push(receiver.id.as_bytes(), &(row as u64).to_le_bytes())?;
     }
     let (mut kept, mut missing) = (nobody(sites), MissingIds::default());
-    // Parts of an atlas may have receivers of one id: all of them are meant.
+    // Parts of an atlas may have receivers with the same id: all of them are selected.
     let mut last = None;
     for side in union(wanted, held.finish()?, |a, b| a.0.cmp(&b.0)) {
         match side? {
@@ -260,10 +262,10 @@ fn by_id(
     Ok((kept, missing))
 }
 
-/// Ids that are looked up together.
+/// Number of ids that are looked up together.
 const TOGETHER: usize = 4096;
 
-/// The tiles that hold receivers of some ids, which are left at their beginning.
+/// Returns the tiles that hold receivers of some ids. `wanted` is rewound.
 fn tiles_of_ids(site: &OpenSite, wanted: &mut Sorted) -> Result<Vec<u32>> {
     let mut name_index = NameIndex::of(site)?;
     let mut tiles = BTreeSet::new();

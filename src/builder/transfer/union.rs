@@ -1,10 +1,10 @@
-//! Two sorted sequences read as one.
+//! Union of two sorted sequences. In: two sequences. Out: their items in one sequence.
 
 use std::cmp::Ordering;
 
 use heliotile_core::error::Result;
 
-/// Where an item of a union comes from.
+/// Item of a union, by the sequences that hold it.
 pub enum Side<T> {
     Left(T),
     Right(T),
@@ -13,14 +13,14 @@ pub enum Side<T> {
 }
 
 impl<T> Side<T> {
-    /// The left item, or the only one.
+    /// Returns the left item, or the only one.
     pub fn first(self) -> T {
         match self {
             Side::Left(item) | Side::Right(item) | Side::Both(item, _) => item,
         }
     }
 
-    /// All items.
+    /// Returns all items.
     pub fn items(&self) -> impl Iterator<Item = &T> {
         let (one, other) = match self {
             Side::Left(item) | Side::Right(item) => (item, None),
@@ -29,13 +29,14 @@ impl<T> Side<T> {
         std::iter::once(one).chain(other)
     }
 
-    /// Both items, if there are two.
+    /// Returns both items, if there are two.
     pub fn both(&self) -> Option<(&T, &T)> {
         if let Side::Both(left, right) = self { Some((left, right)) } else { None }
     }
 }
 
-/// The union of two sequences that rise by `order`. An error comes as soon as it is met.
+/// Returns the union of two sequences that ascend by `order`. An error is passed on as soon as it
+/// occurs.
 pub fn union<T>(
     left: impl Iterator<Item = Result<T>>,
     right: impl Iterator<Item = Result<T>>,

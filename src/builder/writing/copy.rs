@@ -1,4 +1,4 @@
-//! A file copied whole or not at all.
+//! Copying of files. In: two paths. Out: a complete copy, or none.
 
 use std::fs::File;
 use std::io;
@@ -6,8 +6,8 @@ use std::path::Path;
 
 use heliotile_core::error::{Error, Result};
 
-/// Copies bytes and permissions, under a name of its own until all is on the disk: whoever reads `to` meanwhile, or after a crash,
-/// finds what was there or what was copied.
+/// Copies bytes and permissions. The copy has a temporary name until it is on the disk: a reader of
+/// `to` finds the old or the new file, at any time and after a crash.
 pub fn copy_whole(from: &Path, to: &Path) -> Result<()> {
     let folder = folder_of(to);
     let partial = tempfile::NamedTempFile::new_in(folder).map_err(Error::io(folder, "create a file in"))?;
@@ -20,7 +20,7 @@ pub fn copy_whole(from: &Path, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The folder of a file: temporary ones beside it can be renamed to it.
+/// Returns the folder of a file. A temporary file in that folder can be renamed to the file.
 pub fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -29,8 +29,8 @@ pub fn folder_of(file: &Path) -> &Path {
 mod tests {
     use super::*;
 
-    /// A copy has the bytes and the permissions of its source, also where 3 bytes were; a source that is not there leaves those alone
-    /// and 0 other files.
+    /// A copy has the bytes and the permissions of its source, also if it replaces a file of 3
+    /// bytes. A missing source leaves that file alone, and 0 other files.
     #[test]
     fn copies_are_whole() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,5 @@
-//! What damage does to a whole archive: an error that names the part, or the same answer; never another answer.
+//! Damage to a complete archive gives an error that names the part, or the same answer; never
+//! another answer.
 
 use std::path::Path;
 
@@ -7,7 +8,8 @@ use heliotile_core::archive::tables::{CellsTable, IndexTable, MaterialsTable, Re
 use heliotile_core::archive::{Access, Archive, format, verify};
 use heliotile_core::error::{Error, Result};
 
-/// Everything an archive can be asked: manifest, and each block's name, rows and bytes; tables are decoded too.
+/// All answers of an archive: the manifest, and each block's name, rows and bytes. Tables are
+/// decoded, too.
 type Answers = (String, Vec<(String, u32, Vec<u8>)>);
 
 fn ask(path: &Path, access: Access) -> Result<Answers> {
@@ -27,8 +29,8 @@ fn ask(path: &Path, access: Access) -> Result<Answers> {
     Ok((format!("{:?}", archive.manifest()), blocks))
 }
 
-/// One bit changed in each byte of an archive: 0 other answers, an error or the same answer each time, and `verify` names
-/// a problem every time, also in padding.
+/// One bit is changed in each byte of an archive. Every change gives an error or the same answer,
+/// never another one, and `verify` finds every change, also in padding.
 #[test]
 fn no_changed_byte_is_silent() {
     let site = test_site::written();
@@ -50,12 +52,14 @@ fn no_changed_byte_is_silent() {
         }
         assert!(!verify(&path, Access::Read, false).unwrap().problems.is_empty(), "byte {place} was not found");
     }
-    // Both slots save each other, and what is not zero may stand in padding: the rest is blocks, directory, manifest.
+    // Each header slot backs the other up, and readers ignore padding. All other bytes are blocks,
+    // directory and manifest.
     assert_eq!(errors + same, original.len());
     assert!(same >= 8192 && errors > 2000, "{errors} errors, {same} same");
 }
 
-/// The file cut at each of its lengths is an error at each, and 1 KiB of garbage after its end changes nothing.
+/// The file cut at each of its lengths is an error at each. 1 KiB of garbage after its end changes
+/// nothing.
 #[test]
 fn no_truncation_is_silent() {
     let site = test_site::written();
@@ -73,7 +77,8 @@ fn no_truncation_is_silent() {
     assert_eq!((report.problems.len(), report.trailing_bytes), (0, 1024));
 }
 
-/// Two builds of one site have the same bytes and the same root hash, whatever name and folder: 2 of 2.
+/// Two builds of one site have the same bytes and the same root hash, whatever name and folder: 2
+/// of 2.
 #[test]
 fn equal_sites_have_equal_bytes() {
     let (first, second) = (test_site::bytes(), test_site::bytes());
@@ -81,8 +86,8 @@ fn equal_sites_have_equal_bytes() {
     assert_eq!(first.0.len() as u64, first.1.bytes);
 }
 
-/// What is no archive says so: an empty file, a text, 9000 zeros, a folder and a missing file are 5 errors, and `verify`
-/// gives errors too, not reports.
+/// An empty file, a text, 9000 zeros, a folder and a missing file are 5 errors that say so.
+/// `verify` gives errors, too, not reports.
 #[test]
 fn what_is_no_archive_says_so() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,6 @@
-//! File operations of a writer. In: paths and bytes. Out: files on the disk, and errors that name path and action. They stand
-//! behind a trait so that tests can make any of them fail and cut the power between any two.
+//! File operations of a writer. In: paths and bytes. Out: files on the disk, and errors that name
+//! path and action. They are behind a trait so that tests can make any of them fail, and cut the
+//! power between any two.
 
 use std::borrow::Borrow;
 use std::fmt::Debug;
@@ -13,33 +14,34 @@ use heliotile_core::error::{Error, Result};
 
 use super::file_lock::FileLock;
 
-/// Where files lie.
+/// File system of a writer.
 pub trait Disk: Debug + Send + Sync {
-    /// Opens a file or makes an empty one, as the only writer of it.
+    /// Opens a file, or creates an empty one, and locks it for this writer.
     fn lock(&self, path: &Path) -> Result<Box<dyn DiskFile>>;
     /// Opens a file that exists.
     fn open(&self, path: &Path) -> io::Result<Box<dyn DiskFile>>;
-    /// Makes an empty file, also out of one that exists.
+    /// Creates an empty file, and truncates one that exists.
     fn create(&self, path: &Path) -> io::Result<Box<dyn DiskFile>>;
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()>;
     fn remove(&self, path: &Path) -> io::Result<()>;
-    /// Makes names in the folder of `path` last: what was created, renamed, removed.
+    /// Syncs the folder of `path`, so that created, renamed and removed names survive a loss of
+    /// power.
     fn sync_folder(&self, path: &Path) -> io::Result<()>;
 }
 
-/// An open file.
+/// Open file.
 pub trait DiskFile: Debug + Send + Sync {
     fn length(&self) -> io::Result<u64>;
-    /// Fills `bytes`.
+    /// Fills `bytes` from the file.
     fn read_at(&self, bytes: &mut [u8], offset: u64) -> io::Result<()>;
-    /// Writes all `bytes`; on an error some of them may be there.
+    /// Writes all `bytes`. After an error some of them may be in the file.
     fn write_at(&self, bytes: &[u8], offset: u64) -> io::Result<()>;
     fn set_len(&self, length: u64) -> io::Result<()>;
     /// Returns when bytes and length would survive the loss of power.
     fn sync(&self) -> io::Result<()>;
 }
 
-/// An open file whose errors say what was tried with it.
+/// Open file whose errors name the action and the path.
 #[derive(Debug)]
 pub struct Handle {
     path: Arc<Path>,
@@ -59,7 +61,7 @@ impl Handle {
         self.file.length().map_err(Error::io(&self.path, "read the length of"))
     }
 
-    /// `length` bytes at `offset`; the caller has compared `length` with a limit.
+    /// Reads `length` bytes at `offset`. The caller has compared `length` with a limit.
     pub fn read(&self, offset: u64, length: usize) -> Result<Vec<u8>> {
         let mut bytes = vec![0; length];
         self.file.read_at(&mut bytes, offset).map_err(Error::io(&self.path, "read"))?;
@@ -79,13 +81,14 @@ impl Handle {
     }
 }
 
-/// The disk of the operating system.
+/// File system of the operating system.
 #[derive(Debug)]
 pub struct SystemDisk;
 
 impl Disk for SystemDisk {
-    /// Between opening and locking, the process that held the lock may have renamed or removed the file, so what was locked
-    /// must still be what the name means; else it is tried again.
+    /// Opens and locks a file. Between the two, the process that held the lock may have renamed or
+    /// removed the file, so the name must still refer to the locked file; if not, both are tried
+    /// again.
     fn lock(&self, path: &Path) -> Result<Box<dyn DiskFile>> {
         for _ in 0..16 {
             let file = OpenOptions::new()
@@ -130,7 +133,7 @@ impl Disk for SystemDisk {
     }
 }
 
-/// A file, or one that is locked.
+/// Plain or locked file.
 impl<F: Borrow<File> + Debug + Send + Sync> DiskFile for F {
     fn length(&self) -> io::Result<u64> {
         Ok(self.borrow().metadata()?.len())
@@ -173,7 +176,7 @@ pub fn write_all_at(file: &File, mut bytes: &[u8], mut offset: u64) -> io::Resul
     Ok(())
 }
 
-/// Whether `path` still names this open file.
+/// Returns true if `path` still names this open file.
 #[cfg(unix)]
 fn is_named(file: &File, path: &Path) -> Result<bool> {
     use std::os::unix::fs::MetadataExt;
@@ -185,7 +188,7 @@ fn is_named(file: &File, path: &Path) -> Result<bool> {
     }
 }
 
-/// Elsewhere a name whose file is gone is told by its absence only.
+/// Returns true if `path` exists. Systems other than Unix cannot compare files.
 #[cfg(not(unix))]
 fn is_named(_: &File, path: &Path) -> Result<bool> {
     path.try_exists().map_err(Error::io(path, "look at"))

@@ -10,14 +10,14 @@ use crate::writing::test_site::{Build, JOB};
 use crate::writing::writer::Interrupted;
 use heliotile_core::error::{Error, Result};
 
-/// How an operation fails.
+/// Failure of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Failure {
-    /// EIO.
+    /// Input or output error (EIO).
     Broken,
-    /// ENOSPC.
+    /// Disk full (ENOSPC).
     Full,
-    /// Half of a write, then ENOSPC.
+    /// Half of a write, then disk full (ENOSPC).
     Short,
 }
 
@@ -26,13 +26,13 @@ struct Plan {
     operations: u64,
     at: u64,
     failure: Option<Failure>,
-    /// Action and path of the operation that failed, and how many came after it.
+    /// Action and path of the operation that failed.
     failed: Option<(&'static str, PathBuf)>,
-    /// Writes and syncs after the failure.
+    /// Number of operations after the failure, except removals.
     after: u64,
 }
 
-/// The real disk, one operation of which fails.
+/// Real disk, one operation of which fails.
 #[derive(Clone, Debug, Default)]
 struct FaultyDisk(Arc<Mutex<Plan>>);
 
@@ -130,10 +130,11 @@ impl DiskFile for Faulty {
 }
 
 const OLD: &[u8] = b"an older archive";
-/// After blocks 2, 5 and 6 of 9.
+/// Checkpoints after blocks 2, 5 and 6 of 11.
 const CHECKPOINTS: u64 = 0b11_0010;
 
-/// Runs `interrupted` with a failure at each of its operations, on what `prepare` leaves in a folder; returns how often.
+/// Runs `interrupted` with a failure at each of its operations, on what `prepare` leaves in a
+/// folder. Returns the number of runs.
 fn fail_everywhere(build: &Build, interrupted: Interrupted, prepare: impl Fn(&Path)) -> u64 {
     let mut runs = 0;
     for failure in [Failure::Broken, Failure::Full, Failure::Short] {
@@ -162,7 +163,8 @@ fn fail_everywhere(build: &Build, interrupted: Interrupted, prepare: impl Fn(&Pa
                         assert!(message.contains(part), "{at}: `{part}` is not in: {message}");
                     }
                     assert!(matches!(error, Error::Io { .. }), "{message}");
-                    // The folder is synced after the rename, and before the first checkpoint counts.
+                    // The folder is synced after the rename, and before the first checkpoint
+                    // counts.
                     assert!(found == OLD || (*action == "sync" && found == build.bytes), "{at}: {message}");
                     assert_eq!(plan.after, 0, "{at}: went on after: {message}");
                 }
@@ -176,7 +178,8 @@ fn fail_everywhere(build: &Build, interrupted: Interrupted, prepare: impl Fn(&Pa
     runs
 }
 
-/// Leaves a build that was interrupted a block after its second checkpoint, in the middle of a third.
+/// Leaves a build that was interrupted a block after its second checkpoint, in the middle of a
+/// third.
 fn interrupt(build: &Build, path: &Path) {
     let mut writer = Writer::create(path, &JOB).unwrap();
     for (row, block) in build.blocks.iter().take(6).enumerate() {
@@ -189,8 +192,9 @@ fn interrupt(build: &Build, path: &Path) {
     std::fs::OpenOptions::new().append(true).open(log).unwrap().write_all(&[1; 50]).unwrap();
 }
 
-/// Each operation of a build with three checkpoints fails with EIO, ENOSPC or half a write, over 90 runs: the old file is
-/// there byte for byte, the message names path and action, nothing is written after it, and a resume ends with equal bytes.
+/// Each operation of a build with three checkpoints fails with EIO, ENOSPC or half a write, in over
+/// 90 runs. The old file is there byte for byte, the message names path and action, nothing is
+/// written after the failure, and a resume ends with equal bytes.
 #[test]
 fn a_build_survives_every_failure() {
     let build = Build::new();
@@ -198,7 +202,8 @@ fn a_build_survives_every_failure() {
     assert!(runs > 90, "{runs} runs");
 }
 
-/// The same for each operation of a resume, and of a start that discards the interrupted build: over 90 and 60 runs.
+/// Each operation of a resume, and of a start that discards the interrupted build, fails in over 90
+/// and 60 runs. The old file, the message and the resume are as they must be.
 #[test]
 fn a_resume_survives_every_failure() {
     let build = Build::new();

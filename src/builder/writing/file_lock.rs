@@ -1,18 +1,20 @@
-//! The lock of a file that one process writes. In: an open file. Out: the file, locked until it is dropped.
+//! Lock of a file that one process writes. In: an open file. Out: the file, locked until it is
+//! dropped.
 
 use std::borrow::Borrow;
 use std::fs::{File, TryLockError};
 use std::io;
 
-/// An open file that no other process can lock before it is dropped.
+/// Open file that no other process can lock before it is dropped.
 ///
-/// Closing a file ends its lock only when every copy of the handle is closed, and a process that is being started holds copies of all
-/// handles for a moment. The lock is therefore taken back before the file is closed.
+/// Closing a file only ends its lock when every copy of the handle is closed, and a child process
+/// that is starting holds copies of all handles for a moment. The lock is therefore released before
+/// the file is closed.
 #[derive(Debug)]
 pub struct FileLock(File);
 
 impl FileLock {
-    /// Locks `file`, or returns `None` where another process holds its lock.
+    /// Locks `file`, or returns `None` if another process holds its lock.
     pub fn try_new(file: File) -> io::Result<Option<FileLock>> {
         match file.try_lock() {
             Ok(()) => Ok(Some(FileLock(file))),
@@ -29,7 +31,7 @@ impl Borrow<File> for FileLock {
 }
 
 impl Drop for FileLock {
-    /// An error leaves what closing does.
+    /// Unlocks the file. After an error, closing still unlocks it.
     fn drop(&mut self) {
         let _ = self.0.unlock();
     }
@@ -39,7 +41,8 @@ impl Drop for FileLock {
 mod tests {
     use super::*;
 
-    /// A lock ends with its owner, also while a copy of the handle is open, as in a process that is being started.
+    /// A lock ends with its owner, also while a copy of the handle is open, as in a child process
+    /// that is starting.
     #[test]
     fn a_lock_ends_while_copies_of_the_handle_are_open() {
         let folder = tempfile::tempdir().expect("a scratch folder");

@@ -1,4 +1,5 @@
-//! What must not be replaced. In: an output, and the files that it is made of. Out: a refusal, or nothing.
+//! Guards against replacing files. In: an output, and the files that it is made from. Out: an error
+//! if the output must not be replaced.
 
 use std::fs::{self, File};
 use std::io::Read;
@@ -15,7 +16,8 @@ pub fn guard_site(output: &Path, site: &Site, others: &[Option<&Path>]) -> Resul
     guard_output(output, &inputs)
 }
 
-/// Refuses an output that would replace one of the inputs, or that is no regular file (a folder, a device).
+/// Refuses an output that would replace one of the inputs, or that is no regular file (a folder, a
+/// device).
 pub fn guard_output(output: &Path, inputs: &[&Path]) -> Result<()> {
     let refuse = |what: &str| Err(Error::input(output, None, what, "give the output a name of its own"));
     match fs::metadata(output) {
@@ -38,7 +40,8 @@ pub fn guard_archive(output: &Path) -> Result<()> {
     }
 }
 
-/// Refuses a name that is not that of an archive; what is there and no archive is refused by [`guard_archive`], for what it is.
+/// Refuses a name that is not that of an archive. A file that exists and is no archive is left to
+/// [`guard_archive`], which gives the better message.
 pub fn check_archive_name(path: &Path) -> Result<()> {
     let named = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("helio"));
     if named || path.exists() && starts_as_archive(path) != Some(true) {
@@ -48,21 +51,22 @@ pub fn check_archive_name(path: &Path) -> Result<()> {
     Err(Error::input(path, None, "is no name of an archive: it ends with .helio", hint))
 }
 
-/// Whether a file is an archive by its name, or by its first bytes; what is at an address is one, or nothing that is read.
+/// Returns true if a file is an archive by its name or by its first bytes. Every web address counts
+/// as an archive.
 pub fn is_archive(path: &Path) -> bool {
     is_address(&path.to_string_lossy())
         || path.extension().is_some_and(|ending| ending == "helio")
         || starts_as_archive(path) == Some(true)
 }
 
-/// Whether the first bytes of a file are those of an archive; `None` for one that cannot be read, or holds nothing.
+/// Returns true if a file begins like an archive; `None` if it is empty or cannot be read.
 pub fn starts_as_archive(path: &Path) -> Option<bool> {
     let mut head = Vec::new();
     File::open(path).and_then(|file| file.take(format::MAGIC.len() as u64).read_to_end(&mut head)).ok()?;
     (!head.is_empty()).then(|| head == format::MAGIC)
 }
 
-/// Whether two paths lead to one file.
+/// Returns true if two paths lead to one file.
 pub fn same_file(a: &Path, b: &Path) -> bool {
     match (fs::canonicalize(a), fs::canonicalize(b)) {
         (Ok(a), Ok(b)) => a == b,
@@ -74,7 +78,8 @@ pub fn same_file(a: &Path, b: &Path) -> bool {
 mod tests {
     use super::*;
 
-    /// A note of 4 bytes, shorter than the first bytes of an archive, is refused as an output; an empty file and none are not.
+    /// A note of 4 bytes, shorter than the first bytes of an archive, is refused as an output. An
+    /// empty file and a missing one are not.
     #[test]
     fn short_files() {
         let folder = tempfile::tempdir().expect("a folder");

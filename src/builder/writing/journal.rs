@@ -1,8 +1,9 @@
-//! The journal of a build, `NAME.partial.log`: what of the partial file can be relied on after a crash. In: the directory
-//! entries of every checkpoint. Out: the longest part of them that is whole, with the job that wrote them.
+//! Journal of a build, `NAME.partial.log`: the part of the partial file that is valid after a
+//! crash. In: the directory entries of every checkpoint. Out: the longest intact sequence of them,
+//! with the job that wrote them.
 //!
-//! It lies beside the partial file because a checkpoint inside it would move every later block: section 7.1 of
-//! `schema/heliotile-1.md`.
+//! It is a file beside the partial file because a checkpoint inside it would move every later
+//! block: section 7.1 of `schema/heliotile-1.md`.
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -18,23 +19,23 @@ use heliotile_core::error::{Error, Result};
 
 /// First bytes of a journal.
 pub const MAGIC: [u8; 8] = [0x89, b'H', b'L', b'J', 0x0d, 0x0a, 0x1a, 0x0a];
-/// Layout of the batches; the header is the same in every version.
+/// Layout of the batches. The header is the same in every version.
 pub const VERSION: u16 = 1;
-/// Checksums are whole BLAKE3 hashes.
+/// Size of checksums, bytes: complete BLAKE3 hashes.
 pub const SUM_SIZE: usize = 32;
-/// Header with its checksum.
+/// Size of the header with its checksum, bytes.
 pub const HEADER_SIZE: usize = 208;
 const HEADER_CHECKED: usize = 176;
-/// A batch before its entries and its checksum.
+/// Size of a batch without its entries and its checksum, bytes.
 pub const BATCH_SIZE: usize = 16;
 
-/// What can be done about an interrupted build whatever the command.
+/// Hint that applies to an interrupted build of every command.
 pub(super) const REMOVE: &str = "remove it to start again";
 
-/// What is built, as hashes: only an equal job may go on with an interrupted build.
+/// Hashes of the inputs of a build. Only an equal job may resume an interrupted build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Job {
-    /// Geometry, materials and objects.
+    /// Hash of geometry, materials and objects.
     pub scene: [u8; 32],
     /// Hash of all receivers, in the order of tiles.
     pub receivers: [u8; 32],
@@ -42,17 +43,17 @@ pub struct Job {
     pub settings: [u8; 32],
 }
 
-/// How much of a build is on the disk.
+/// Part of a build that is on the disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// Number of blocks in the partial file.
     pub blocks: u64,
-    /// Length of the partial file.
+    /// Length of the partial file, bytes.
     pub bytes: u64,
 }
 
 heliotile_core::record! {
-    /// The start of a journal: who writes what.
+    /// Header of a journal: the program and its job.
     Header {
         magic: [u8; 8],
         /// [`VERSION`].
@@ -64,15 +65,16 @@ heliotile_core::record! {
         scene: [u8; 32],
         receivers: [u8; 32],
         settings: [u8; 32],
-        /// Program and compressor with their versions, UTF-8, filled up with zeros: others give other bytes.
+        /// Program and compressor with their versions, UTF-8, padded with zeros. Other versions may
+        /// give other bytes.
         program: [u8; 64],
     }
 }
 
 heliotile_core::record! {
-    /// The start of what one checkpoint adds.
+    /// Header of the entries that one checkpoint adds.
     Batch {
-        /// Entries that follow.
+        /// Number of entries that follow.
         count: u64,
         /// Length of the partial file after the last of them.
         committed: u64,
@@ -97,7 +99,7 @@ impl Header {
         }
     }
 
-    /// Names of what is not equal in another header.
+    /// Returns the names of the parts that differ in another header.
     fn differences(&self, other: &Header) -> Vec<&'static str> {
         let version = |h: &Header| (h.version, h.major, h.minor, h.program);
         [
@@ -112,17 +114,18 @@ impl Header {
     }
 }
 
-/// An open journal that can take another batch.
+/// Open journal that can take another batch.
 #[derive(Debug)]
 pub struct Journal {
     file: Handle,
     length: u64,
-    /// Checksum of the last part; the next one covers it, so nothing after a bad part counts.
+    /// Checksum of the last part. The next checksum covers it, so nothing after a damaged part
+    /// counts.
     sum: [u8; SUM_SIZE],
 }
 
 impl Journal {
-    /// Starts a journal; its header gets to the disk with the first batch.
+    /// Starts a journal. Its header gets to the disk with the first batch.
     pub fn create(disk: &dyn Disk, path: &Path, job: &Job) -> Result<Self> {
         let file = Handle::new(path, disk.create(path).map_err(Error::io(path, "create"))?);
         let mut bytes = Vec::with_capacity(HEADER_SIZE);
@@ -133,7 +136,8 @@ impl Journal {
         Ok(Journal { file, length: bytes.len() as u64, sum })
     }
 
-    /// Adds what was written since the last batch and syncs it. The partial file must be synced up to `committed`.
+    /// Appends the entries written since the last batch, and syncs the journal. The partial file
+    /// must be synced up to `committed`.
     pub fn append(&mut self, entries: &[Entry], committed: u64) -> Result<()> {
         let mut bytes = Vec::with_capacity(batch_length(entries.len()).unwrap_or(0));
         Batch { count: entries.len() as u64, committed }.put(&mut bytes);
@@ -148,20 +152,21 @@ impl Journal {
     }
 }
 
-/// An interrupted build.
+/// Interrupted build.
 #[derive(Debug)]
 pub struct Found {
     header: Header,
     journal: Journal,
-    /// The part of the journal that counts.
+    /// Valid bytes of the journal.
     bytes: Vec<u8>,
     pub entries: BTreeMap<(BlockKind, TileNumber), Entry>,
     /// End of the last block.
     pub end: u64,
 }
 
-/// The interrupted build that journal and partial file tell of: `None` if no checkpoint of it can be relied on. Blocks are
-/// compared with their checksums, so a journal beside another partial file, or none, does not count.
+/// Returns the interrupted build that journal and partial file describe; `None` if no checkpoint is
+/// valid. Blocks are compared with their checksums, so a journal beside another partial file, or
+/// none, does not count.
 pub fn find(disk: &dyn Disk, path: &Path, partial: &Handle) -> Result<Option<Found>> {
     let file = match disk.open(path) {
         Ok(file) => Handle::new(path, file),
@@ -177,7 +182,7 @@ pub fn find(disk: &dyn Disk, path: &Path, partial: &Handle) -> Result<Option<Fou
     let journal = Journal { file, length: HEADER_SIZE as u64, sum };
     let mut found = Found { header, journal, bytes, entries: BTreeMap::new(), end: FIRST_BLOCK };
     if header.version != VERSION {
-        // Its batches cannot be read, but they are somebody's work.
+        // Batches of another version cannot be read, but they are finished work.
         return Ok((partial_length > FIRST_BLOCK).then_some(found));
     }
     while found.take_batch(length, partial, partial_length)? {}
@@ -185,7 +190,7 @@ pub fn find(disk: &dyn Disk, path: &Path, partial: &Handle) -> Result<Option<Fou
 }
 
 impl Found {
-    /// Takes the next batch if it is whole and its blocks are there.
+    /// Takes the next batch if it is intact and its blocks are in the partial file.
     fn take_batch(&mut self, length: u64, partial: &Handle, partial_length: u64) -> Result<bool> {
         let Some(bytes) = self.next_batch(length)? else { return Ok(false) };
         let Some((checked, sum)) = bytes.split_last_chunk::<SUM_SIZE>() else { return Ok(false) };
@@ -212,7 +217,7 @@ impl Found {
         Ok(true)
     }
 
-    /// The bytes of a batch after those taken, if the file is long enough for it.
+    /// Reads the next batch, if the file is long enough for it.
     fn next_batch(&self, length: u64) -> Result<Option<Vec<u8>>> {
         let file = &self.journal.file;
         let (start, rest) = (self.journal.length, length.saturating_sub(self.journal.length));
@@ -231,7 +236,7 @@ impl Found {
         Progress { blocks: self.entries.len() as u64, bytes: self.end }
     }
 
-    /// Refuses to go on with another job.
+    /// Refuses to resume with another job.
     pub fn check(&self, partial: &Path, job: &Job) -> Result<()> {
         let ours = Header::new(job);
         let differences = self.header.differences(&ours);
@@ -245,8 +250,8 @@ impl Found {
         Err(Error::Incomplete { partial: partial.to_path_buf(), what, hint: REMOVE.to_string() })
     }
 
-    /// The journal, without what does not count. It is written again, the same bytes in the same place: if the run before
-    /// ended with a failed sync, they may have been in memory only.
+    /// Returns the journal without its invalid end. The valid bytes are written again in place,
+    /// because after a failed sync of the run before they may have been in memory only.
     pub fn into_journal(self) -> Result<Journal> {
         let Found { journal, bytes, .. } = self;
         journal.file.write(0, &bytes)?;
@@ -256,7 +261,8 @@ impl Found {
     }
 }
 
-/// Where a block ends that was written after `end`; `None` if it is not there, whole, before `committed`, behind zeros.
+/// Returns the end of a block that was written after `end`; `None` unless it is intact, follows
+/// zeros only and ends by `committed`.
 fn block_end(partial: &Handle, entry: &Entry, end: u64, committed: u64) -> Result<Option<u64>> {
     let stored = usize::try_from(entry.stored).ok().filter(|stored| (1..=MAX_RAW).contains(stored));
     let next = entry.end().filter(|&next| next <= committed && format::align(end) == Some(entry.offset));
@@ -267,17 +273,17 @@ fn block_end(partial: &Handle, entry: &Entry, end: u64, committed: u64) -> Resul
     Ok((zeros && whole).then_some(next))
 }
 
-/// Bytes of a batch of `count` entries.
+/// Returns the size of a batch of `count` entries, bytes.
 fn batch_length(count: usize) -> Option<usize> {
     count.checked_mul(ENTRY_SIZE)?.checked_add(BATCH_SIZE)?.checked_add(SUM_SIZE)
 }
 
-/// Checksum of a part that follows one with the checksum `previous`.
+/// Returns the checksum of a part that follows one with the checksum `previous`.
 fn chain(previous: &[u8], bytes: &[u8]) -> [u8; SUM_SIZE] {
     *blake3::Hasher::new().update(previous).update(bytes).finalize().as_bytes()
 }
 
-/// A header whose checksum is right.
+/// Decodes a header, and returns it if its checksum is right.
 fn decode_header(bytes: &[u8]) -> Option<(Header, [u8; SUM_SIZE])> {
     let (checked, sum) = bytes.split_at_checked(HEADER_CHECKED)?;
     let (header, _) = Header::take(checked)?;
@@ -285,7 +291,7 @@ fn decode_header(bytes: &[u8]) -> Option<(Header, [u8; SUM_SIZE])> {
     (header.magic == MAGIC && sum == right).then_some((header, right))
 }
 
-/// Text without the zeros that fill it up.
+/// Returns text without its padding of zeros.
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).trim_end_matches('\0').to_string()
 }

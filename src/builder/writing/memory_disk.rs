@@ -1,4 +1,5 @@
-//! A disk in memory for tests that knows what would survive the loss of power: what was synced, and any part of the rest.
+//! Disk in memory for tests. It knows what would survive the loss of power: all synced bytes, and
+//! any part of the rest.
 
 use std::collections::BTreeMap;
 use std::io::{self, ErrorKind};
@@ -8,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use crate::writing::disk::{Disk, DiskFile};
 use heliotile_core::error::{Error, Result};
 
-/// Sectors are written whole or not at all.
+/// Size of a sector, bytes. Sectors are written completely or not at all.
 const SECTOR: u64 = 512;
 
 /// Random numbers (splitmix64; Steele, Lea and Flood 2014) that are the same in every run.
@@ -24,16 +25,17 @@ impl Random {
     }
 }
 
-/// What happens at an operation.
+/// Event at an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// It fails; a failed sync also forgets that its bytes are not on the disk, as operating systems do.
+    /// The operation fails. After a failed sync the unsynced bytes are forgotten, as operating
+    /// systems do.
     Fail,
-    /// It is the last one: whoever asks for more gets errors. Its effect is not synced.
+    /// The operation is the last one, and later ones fail. Its effect is not synced.
     Stop,
 }
 
-/// Bytes of a file, and what was not synced.
+/// Bytes of a file, and its unsynced changes.
 #[derive(Clone, Debug, Default)]
 struct File {
     bytes: Vec<u8>,
@@ -92,7 +94,8 @@ fn rename(names: &mut Names, naming: &Naming) {
 }
 
 impl File {
-    /// The file after the loss of power: of each sector and each length that was not synced, `percent` are kept.
+    /// Returns the file after the loss of power. Of unsynced sectors and lengths, `percent` are
+    /// kept.
     fn survivor(&self, percent: u64, random: &mut Random) -> File {
         let mut bytes = self.durable.clone();
         let mut kept = || percent == 100 || random.below(100) < percent;
@@ -110,7 +113,7 @@ impl File {
                         }
                         start = next;
                     }
-                    // The length may be written without the bytes: a hole of zeros.
+                    // The length may be written without the bytes, which leaves a hole of zeros.
                     if kept() {
                         put(&mut bytes, end, &[]);
                     }
@@ -122,7 +125,8 @@ impl File {
 }
 
 impl State {
-    /// Counts an operation. `Some`: its error. A stop lets the effect happen, unsynced, before the error: see `after`.
+    /// Counts an operation, and returns its error if it fails. A stop lets the effect happen,
+    /// unsynced, before the error: see `after`.
     fn before(&mut self) -> io::Result<()> {
         if self.stopped {
             return Err(io::Error::other("stopped"));
@@ -155,14 +159,14 @@ impl State {
 }
 
 impl MemoryDisk {
-    /// A disk with one file that is safe.
+    /// Creates a disk with one synced file.
     pub fn with(path: &Path, bytes: &[u8]) -> Self {
         let disk = MemoryDisk::default();
         disk.put(path, bytes);
         disk
     }
 
-    /// Puts a file there, safe.
+    /// Adds a synced file.
     pub fn put(&self, path: &Path, bytes: &[u8]) {
         let mut state = self.state();
         state.files.push(File { bytes: bytes.to_vec(), durable: bytes.to_vec(), changes: Vec::new() });
@@ -184,13 +188,13 @@ impl MemoryDisk {
         self.state().operations
     }
 
-    /// Sets what happens at the n-th operation from now, and ends what happened before.
+    /// Sets the event of the n-th operation from now, and ends the event before.
     pub fn plan(&self, event: Option<(u64, Event)>) {
         let mut state = self.state();
         (state.operations, state.event, state.stopped) = (0, event, false);
     }
 
-    /// The disk after the loss of power.
+    /// Returns the disk after the loss of power.
     pub fn lose_power(&self, random: &mut Random) -> Self {
         let percent = [0, 10, 50, 90, 100][random.below(5) as usize];
         let state = self.state();
@@ -293,7 +297,7 @@ impl DiskFile for Open {
         if state.stopped {
             return failed;
         }
-        // A full disk takes the start of what is written.
+        // A full disk takes the start of the bytes.
         let taken = if failed.is_ok() { bytes } else { &bytes[..bytes.len() / 2] };
         let file = &mut state.files[self.1];
         put(&mut file.bytes, offset, taken);
@@ -318,13 +322,13 @@ impl DiskFile for Open {
             return failed;
         }
         if failed.is_err() {
-            // What was not written is forgotten, and a later sync will not find it.
+            // The unsynced changes are forgotten, and a later sync will not write them.
             state.files[self.1].changes.clear();
             return failed;
         }
         state.after()?;
         let file = &mut state.files[self.1];
-        // Not `bytes`: what a failed sync has forgotten stays so.
+        // Not `bytes`, because changes that a failed sync has forgotten stay lost.
         file.durable = file.survivor(100, &mut Random(0)).durable;
         file.changes.clear();
         Ok(())

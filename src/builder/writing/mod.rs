@@ -1,5 +1,5 @@
-//! Writing archives. In: encoded blocks and a manifest. Out: a finished file, whole or not at all, which a build that was interrupted
-//! goes on with.
+//! Writing of archives. In: encoded blocks and a manifest. Out: a finished file, complete or
+//! absent; an interrupted build can be resumed.
 
 #![deny(
     clippy::unwrap_used,

@@ -1,5 +1,5 @@
-//! Builds that lose power, are killed or get an error at any operation, again and again, on a disk in memory that keeps any
-//! part of what was not synced.
+//! Builds that lose power, are killed or get an error at any operation, again and again, on a disk
+//! in memory that keeps any part of the unsynced bytes.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -14,7 +14,7 @@ use heliotile_core::archive::format::{COMPLETE, SLOT_OFFSETS, Slot};
 
 const OLD: &[u8] = b"an older archive";
 
-/// Operations of an undisturbed build with a checkpoint after each block.
+/// Returns the number of operations of an undisturbed build with a checkpoint after each block.
 fn operations(build: &Build) -> u64 {
     let path = Path::new("site.helio");
     let disk = MemoryDisk::with(path, OLD);
@@ -23,7 +23,8 @@ fn operations(build: &Build) -> u64 {
     disk.operations()
 }
 
-/// Whether a slot of the partial file says "complete"; then it must be the whole archive.
+/// Returns true if a slot of the partial file says "complete". The file must then be the whole
+/// archive.
 fn says_complete(disk: &MemoryDisk, build: &Build) -> bool {
     let Some(bytes) = disk.get(Path::new("site.helio.partial")) else { return false };
     let slots = SLOT_OFFSETS.map(|offset| bytes.get(offset as usize..).and_then(Slot::decode));
@@ -32,9 +33,11 @@ fn says_complete(disk: &MemoryDisk, build: &Build) -> bool {
     complete
 }
 
-/// 20 000 builds, disturbed up to four times each by loss of power, a kill or a failed operation: `NAME` is the old or the whole
-/// new file after every one, a resume finds the blocks of the last acknowledged checkpoint, and the end has the bytes of
-/// an undisturbed build. A partial file that says "complete" is so. Every operation is hit first at least 100 times, and over 10 000 losses of power come out of it.
+/// 20 000 builds are disturbed up to four times each by loss of power, a kill or a failed
+/// operation. After every one, `NAME` is the old file or the complete new one, a resume finds the
+/// blocks of the last acknowledged checkpoint, and the end has the bytes of an undisturbed build. A
+/// partial file that says "complete" is complete. Every operation is hit first at least 100 times,
+/// and there are over 10 000 losses of power.
 #[test]
 fn no_crash_loses_a_checkpoint() {
     let build = Build::new();
@@ -83,8 +86,9 @@ fn no_crash_loses_a_checkpoint() {
     assert!(20_000 / 2 / most > 100, "{most} operations");
 }
 
-/// A build that was discarded does not come back: power lost 1000 times after another job with the same first blocks was
-/// started with `--fresh`, and that job always starts anew, never refused for the journal of the old one.
+/// A discarded build does not come back. Power is lost 1000 times after another job with the same
+/// first blocks was started with `--fresh`, and that job always starts again, never refused because
+/// of the old journal.
 #[test]
 fn discarded_builds_stay_so() {
     let build = Build::new();

@@ -1,4 +1,4 @@
-//! What was written is read: [`heliotile_core::archive::reader`].
+//! Reading of written archives: [`heliotile_core::archive::reader`].
 
 use heliotile_core::archive::format::{self, BlockKind, Entry, TileNumber};
 use heliotile_core::archive::reader::check_entries;
@@ -7,7 +7,8 @@ use heliotile_core::error::Error;
 
 use crate::writing::test_site;
 
-/// Every block of the test site is read as it was written, by both ways of access: 3 receivers in 2 tiles.
+/// Every block of the test site is read as it was written, by both ways of access: 3 receivers in 2
+/// tiles.
 #[test]
 fn what_was_written_is_read() {
     let site = test_site::written();
@@ -23,7 +24,7 @@ fn what_was_written_is_read() {
     }
 }
 
-/// A block of kind 77 does not stop reading; a block that is not there is named.
+/// A block of kind 77 does not stop reading. The error for a missing block names it.
 #[test]
 fn unknown_kinds_are_skipped() {
     let site = test_site::written();
@@ -35,7 +36,8 @@ fn unknown_kinds_are_skipped() {
     assert!(error.contains("holds no block sky/2"), "{error}");
 }
 
-/// Directories that are unsorted, overlap, leave the file or lie about lengths are refused: 8 of 8, with right hashes.
+/// Directories that are unsorted, overlap, leave the file or state wrong lengths are refused: 8 of
+/// 8, with right hashes.
 #[test]
 fn lying_directories_are_refused() {
     let site = test_site::written();

@@ -1,4 +1,5 @@
-//! One writer that publishes again and again while others read: a reader sees one generation, whole.
+//! One writer publishes again and again while others read: every reader sees one complete
+//! generation.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -12,14 +13,16 @@ use heliotile_core::archive::tables::ReceiversTable;
 use heliotile_core::archive::{Access, Archive, encode, format};
 use heliotile_core::error::{Error, Result};
 
-/// Bytes that say which generation they are of; too many for one page, and not compressible to one.
+/// Returns bytes that identify their generation and tile; too many for one page, and not
+/// compressible to one.
 fn layer(generation: u64, tile: u32) -> Vec<u8> {
     let word = |i: u64| (generation << 20 | u64::from(tile)).wrapping_mul(2 * i + 1).to_le_bytes();
     let head = generation.to_le_bytes();
     head.into_iter().chain((0..2000).flat_map(word)).collect()
 }
 
-/// Publishes one generation: its number stands in the receivers' ids, in both sky layers and in the manifest.
+/// Publishes one generation: its number is in the receivers' ids, in both sky layers and in the
+/// manifest.
 fn publish(path: &Path, generation: u64) {
     let mut writer = Writer::create(path, &JOB).unwrap();
     for tile in 0..2 {
@@ -35,7 +38,7 @@ fn publish(path: &Path, generation: u64) {
     writer.finish(&manifest).unwrap();
 }
 
-/// Reads everything and returns the one generation that all parts are of.
+/// Reads everything, and returns the one generation that all parts belong to.
 fn read(path: &Path, access: Access) -> Result<u64> {
     let archive = Archive::open_with(path, access)?;
     let generation = archive.manifest().counts.probes;
@@ -50,8 +53,9 @@ fn read(path: &Path, access: Access) -> Result<u64> {
     Ok(generation)
 }
 
-/// Eight readers for three seconds beside a writer that publishes without pause, half of them through mappings: over 1000
-/// reads, 0 errors, 0 mixed generations, none older than one read before; each of the last ones published is seen.
+/// Eight readers, half of them through mappings, read for three seconds beside a writer that
+/// publishes without pause. Over 1000 reads give 0 errors and 0 mixed generations, none is older
+/// than one read before, and every reader sees the last one.
 #[test]
 fn readers_see_whole_generations() {
     let folder = tempfile::tempdir().unwrap();
@@ -61,7 +65,7 @@ fn readers_see_whole_generations() {
     let (published, seen) = std::thread::scope(|scope| {
         let follow = |access| {
             let (mut last, mut distinct) = (0, 0);
-            // One more time after the end, so that the last generation is seen.
+            // One more read after the end, so that the last generation is seen.
             loop {
                 let ending = done.load(Ordering::Acquire);
                 let generation = read(&path, access).unwrap();
@@ -90,8 +94,8 @@ fn readers_see_whole_generations() {
     assert!(reads.load(Ordering::Relaxed) > 1000 && distinct > 16, "{reads:?} reads, {distinct} changes seen");
 }
 
-/// An archive shortened under an open reader, to each of 60 lengths, is a typed error of every block beyond the new end with
-/// plain reads, and the block itself before it; what stays readable is unchanged.
+/// An archive is shortened to each of 60 lengths under an open reader. Every block beyond the new
+/// end is a typed error with plain reads, and every block before it is read unchanged.
 #[test]
 fn a_shortened_archive_is_a_typed_error() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! Interrupted builds: what may go on with them, what is refused, and what is left of a damaged one.
+//! Interrupted builds: which jobs may resume them, which are refused, and what remains of a damaged
+//! one.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,7 +18,8 @@ fn beside(path: &Path, ending: &str) -> PathBuf {
     PathBuf::from(format!("{}{ending}", path.display()))
 }
 
-/// Starts a build in a new folder and appends `blocks`, with a checkpoint after each whose bit is set.
+/// Starts a build in a new folder and appends `blocks`, with a checkpoint after each whose bit is
+/// set.
 fn started(build: &Build, path: &Path, blocks: usize, checkpoints: u64) -> Writer {
     let mut writer = Writer::create(path, &JOB).unwrap();
     for (row, block) in build.blocks.iter().take(blocks).enumerate() {
@@ -29,7 +31,7 @@ fn started(build: &Build, path: &Path, blocks: usize, checkpoints: u64) -> Write
     writer
 }
 
-/// Appends what is missing and finishes.
+/// Appends the missing blocks and finishes.
 fn finish(build: &Build, mut writer: Writer) {
     for block in &build.blocks {
         if !writer.has(block.entry().kind, block.entry().tile) {
@@ -39,7 +41,8 @@ fn finish(build: &Build, mut writer: Writer) {
     writer.finish(&build.manifest).unwrap();
 }
 
-/// A build on a disk in memory that was interrupted after `blocks`, with a checkpoint after each.
+/// Returns the disk in memory of a build that was interrupted after `blocks`, with a checkpoint
+/// after each.
 fn interrupted(build: &Build, path: &Path, blocks: usize) -> MemoryDisk {
     let disk = MemoryDisk::default();
     let mut writer = Writer::start(Arc::new(disk.clone()), path, &JOB, Interrupted::Refuse).unwrap();
@@ -50,8 +53,9 @@ fn interrupted(build: &Build, path: &Path, blocks: usize) -> MemoryDisk {
     disk
 }
 
-/// 200 builds killed after a random block, half of them in the middle of the next one, checkpoints at random: the files as
-/// the kill leaves them, resumed in another folder, become the bytes of an undisturbed build.
+/// 200 builds are killed after a random block, half of them in the middle of the next one, with
+/// checkpoints at random. The files that the kill leaves, resumed in another folder, become the
+/// bytes of an undisturbed build.
 #[test]
 fn killed_builds_go_on() {
     let build = Build::new();
@@ -80,8 +84,9 @@ fn killed_builds_go_on() {
     assert!(resumed > 100, "{resumed} of 200 had a checkpoint");
 }
 
-/// An interrupted build with 4 of 9 blocks is refused by `create`, which says so and changes no byte of its 2 files; `resume`
-/// goes on, and `create_fresh` starts again: both end with equal bytes.
+/// An interrupted build with 4 of 11 blocks is refused by `create`, which says so and changes no
+/// byte of its 2 files. `resume` continues it, and `create_fresh` starts again: both end with equal
+/// bytes.
 #[test]
 fn interrupted_work_is_not_overwritten() {
     let build = Build::new();
@@ -100,7 +105,7 @@ fn interrupted_work_is_not_overwritten() {
         let writer = if fresh { Writer::create_fresh(&path, &JOB) } else { Writer::resume(&path, &JOB) }.unwrap();
         assert_eq!(writer.resumed().map(|progress| progress.blocks), (!fresh).then_some(4));
         assert_eq!(writer.has(format::SKY, TileNumber::FIRST), !fresh);
-        // While it goes on, nobody else may.
+        // During the resume no other writer may have the file.
         assert!(Writer::resume(&path, &JOB).unwrap_err().to_string().contains("another process"));
         finish(&build, writer);
         assert!(std::fs::read(&path).unwrap() == build.bytes);
@@ -108,8 +113,9 @@ fn interrupted_work_is_not_overwritten() {
     }
 }
 
-/// Each of 4 differences, the program's in two ways, and all at once, is refused by its name and no other, by `resume` and by `create`, and leaves both
-/// files; the job that fits goes on afterwards.
+/// Each of 4 differences, that of the program in two ways, and all at once, is refused by its name
+/// and no other, by `resume` and by `create`, and leaves both files. The job that fits can resume
+/// afterwards.
 #[test]
 fn another_job_is_refused_by_name() {
     let build = Build::new();
@@ -118,7 +124,7 @@ fn another_job_is_refused_by_name() {
     drop(started(&build, &path, 3, 0b100));
     let log = beside(&path, ".partial.log");
     let ours = std::fs::read(&log).unwrap();
-    // A journal of heliotile 1.1.0, its one batch too, and one whose batches have another layout.
+    // A journal of heliotile 1.1.0 with its one batch, and one whose batches have another layout.
     let [mut later, mut newer] = [ours.clone(), ours.clone()];
     later[122] = b'1';
     newer[8] = 2;
@@ -153,8 +159,9 @@ fn another_job_is_refused_by_name() {
     assert!(std::fs::read(&path).unwrap() == build.bytes);
 }
 
-/// One bit changed in each byte of the journal and of the partial file, and both cut at each length: the
-/// blocks before the damage count, those after it are written again, and all of over 10 000 ends have equal bytes.
+/// One bit is changed in each byte of the journal and of the partial file, and both are cut at each
+/// length. The blocks before the damage count, those after it are written again, and all of over 10
+/// 000 results have equal bytes.
 #[test]
 fn damage_costs_what_follows_it() {
     let build = Build::new();
@@ -167,7 +174,7 @@ fn damage_costs_what_follows_it() {
         bytes[place] ^= 1 << (place % 8);
         bytes
     };
-    // A batch is 128 bytes: what is cut or changed in one costs it and those after it.
+    // A batch is 128 bytes. Damage to one loses it and all batches after it.
     let before = |place: usize| place.saturating_sub(HEADER_SIZE) / 128;
     let mut cases = Vec::new();
     for place in 0..log.len() {
@@ -193,7 +200,8 @@ fn damage_costs_what_follows_it() {
     }
 }
 
-/// A journal without its partial file, as a crash between rename and removal leaves it, is dropped by 3 of 3 ways to start.
+/// A journal without its partial file, as a crash between rename and removal leaves it, is dropped
+/// by 3 of 3 ways to start.
 #[test]
 fn a_stale_journal_is_dropped() {
     let build = Build::new();
@@ -212,8 +220,8 @@ fn a_stale_journal_is_dropped() {
     }
 }
 
-/// A dropped writer leaves 2 files after a checkpoint and 0 before one; `keep` makes the checkpoint; one with nothing new
-/// costs 0 operations.
+/// A dropped writer leaves 2 files after a checkpoint and 0 before one. `keep` writes the
+/// checkpoint. A checkpoint without new blocks takes 0 operations.
 #[test]
 fn what_a_dropped_writer_leaves() {
     let build = Build::new();
@@ -238,7 +246,8 @@ fn what_a_dropped_writer_leaves() {
     assert_eq!([left(0, false, true), left(0, true, false)], [0, 0]);
 }
 
-/// After a failed write and after a failed sync nothing is tried again: 3 of 3 calls are errors without an operation.
+/// After a failed write and after a failed sync nothing is tried again: 3 of 3 calls are errors
+/// without an operation.
 #[test]
 fn a_failure_ends_the_writer() {
     let build = Build::new();

@@ -1,4 +1,5 @@
-//! The texts of `schema/` say what the code does: tables, limits, kinds, example and JSON Schema are compared.
+//! The texts of `schema/` agree with the code: tables, limits, kinds, example and JSON Schema are
+//! compared.
 
 use serde_json::Value;
 
@@ -17,14 +18,15 @@ fn text(name: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// Cells of the rows of the first table after a heading.
+/// Returns the cells of the rows of the first table after a heading.
 fn table(text: &str, heading: &str) -> Vec<Vec<String>> {
     let start = text.find(heading).unwrap_or_else(|| panic!("no heading {heading}"));
     let rows = text[start..].lines().skip_while(|line| !line.starts_with('|')).take_while(|line| line.starts_with('|'));
     rows.skip(2).map(|row| row.trim_matches('|').split('|').map(|cell| cell.trim().to_string()).collect()).collect()
 }
 
-/// Offset, size and name of each of the 14 + 2 fields of a slot and the 11 of an entry are those of the text.
+/// Offset, size and name of each of the 14 + 2 fields of a slot and the 11 of a directory entry are
+/// those of the text.
 #[test]
 fn byte_tables_are_those_of_the_code() {
     let text = text("heliotile-1.md");
@@ -46,8 +48,9 @@ fn byte_tables_are_those_of_the_code() {
     }
 }
 
-/// Offset, size and name of the 9 fields of a journal's header with its checksum, and of the 4 parts of a batch, are those of
-/// the text; so are its magic and version, and when a checkpoint is due.
+/// Offset, size and name of the 9 fields and the checksum of a journal's header, and of the 4 parts
+/// of a batch, are those of the text. So are its magic and version, and the conditions for a
+/// checkpoint.
 #[test]
 fn the_journal_is_that_of_the_code() {
     let text = text("heliotile-1.md");
@@ -74,7 +77,7 @@ fn the_journal_is_that_of_the_code() {
     assert!(text.split_whitespace().collect::<Vec<_>>().join(" ").contains(&due), "{due}");
 }
 
-/// The 10 limits, 16 kinds and 1 required bit of the text are those of the code.
+/// The 10 limits, 23 kinds and 1 required bit of the text are those of the code.
 #[test]
 fn limits_and_kinds_are_those_of_the_code() {
     let text = text("heliotile-1.md");
@@ -99,7 +102,7 @@ fn limits_and_kinds_are_those_of_the_code() {
     assert_eq!(bits, format::REQUIRED_BITS);
 }
 
-/// 16 bytes a line with their offset.
+/// Formats 16 bytes a line with their offset.
 fn dump(offset: usize, bytes: &[u8]) -> String {
     let line = |(i, row): (usize, &[u8])| {
         let words: Vec<String> = row.iter().map(|byte| format!("{byte:02x}")).collect();
@@ -141,7 +144,8 @@ fn the_example_is_a_real_file() {
     assert!(text("heliotile-1.md").contains(&expected), "put this into schema/heliotile-1.md:\n{expected}");
 }
 
-/// Walks a value along a schema (type, required, properties, items, const, minimum, maximum); returns properties seen.
+/// Checks a value against a schema (type, required, properties, items, const), and returns the
+/// number of properties seen.
 fn follow(schema: &Value, value: &Value, at: &str) -> usize {
     let kind = match value {
         Value::Null => "null",
@@ -175,8 +179,9 @@ fn follow(schema: &Value, value: &Value, at: &str) -> usize {
     seen
 }
 
-/// A real manifest holds only keys that the JSON Schema describes, all that it requires, and of its types; and the schema
-/// requires every key but `accuracy`, `ground`, `negligible`, `place` and, further down, `left_out`.
+/// A real manifest holds only keys that the JSON Schema describes, all that it requires, and of its
+/// types. The schema requires every key but `accuracy`, `ground`, `negligible`, `place`, `preview`
+/// and, further down, `left_out`.
 #[test]
 fn manifests_follow_the_json_schema() {
     let schema: Value = serde_json::from_str(&text("manifest.schema.json")).unwrap();
@@ -206,7 +211,7 @@ fn manifests_follow_the_json_schema() {
     }
 }
 
-/// The changelog's newest entry is this format version.
+/// The newest entry of the changelog is this format version.
 #[test]
 fn the_changelog_names_this_version() {
     let version = format!("## {}.{}", format::MAJOR, format::MINOR);

@@ -1,4 +1,5 @@
-//! A small whole archive for tests: 3 receivers in 2 tiles, one block of every known kind but two, one of an unknown kind.
+//! Small complete archive for tests: 3 receivers in 2 tiles, 10 blocks of 7 known kinds and one of
+//! an unknown kind.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,10 +14,10 @@ use heliotile_core::error::Result;
 use heliotile_core::layers::cells;
 use heliotile_core::site::cells::CellKey;
 
-/// What the site is built from.
+/// Job of the test site.
 pub const JOB: Job = Job { scene: [1; 32], receivers: [2; 32], settings: [3; 32] };
 
-/// An archive in its own folder.
+/// Archive in its own folder.
 pub struct Site {
     pub folder: tempfile::TempDir,
     pub path: PathBuf,
@@ -46,7 +47,7 @@ pub fn materials() -> MaterialsTable {
     }
 }
 
-/// A table of one cell of this level and facing, which sees one bounce cell.
+/// Returns a table of one cell of this level and facing, which sees one bounce cell.
 pub fn cells(level: i8, facing: u8) -> cells::Cells {
     let key = |level, facing| CellKey { level, facing, material: 0, voxel: [1, -2, 3] };
     cells::Cells {
@@ -81,7 +82,7 @@ pub fn encoded() -> Vec<EncodedBlock> {
     ]
 }
 
-/// Kind, tile and raw bytes of every block, in the order of writing.
+/// Returns kind, tile and raw bytes of every block, in the order of writing.
 pub fn blocks() -> Vec<(BlockKind, TileNumber, Vec<u8>)> {
     let path: Arc<Path> = PathBuf::from("site.helio").into();
     let raw = |block: EncodedBlock| {
@@ -112,7 +113,7 @@ pub fn fill(mut writer: Writer) -> Summary {
     writer.finish(&manifest()).unwrap()
 }
 
-/// The whole archive on the disk.
+/// Writes the complete archive to the disk.
 pub fn written() -> Site {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("site.helio");
@@ -120,17 +121,17 @@ pub fn written() -> Site {
     Site { folder, path, summary }
 }
 
-/// The bytes of the archive.
+/// Returns the bytes of the archive.
 pub fn bytes() -> (Vec<u8>, Summary) {
     let site = written();
     (std::fs::read(&site.path).unwrap(), site.summary)
 }
 
-/// A build of the site that is run many times, so everything is encoded once.
+/// Build of the site that is run many times, so everything is encoded once.
 pub struct Build {
     pub blocks: Vec<EncodedBlock>,
     pub manifest: Manifest,
-    /// The file that every run must end with.
+    /// File that every run must end with.
     pub bytes: Vec<u8>,
 }
 
@@ -139,8 +140,9 @@ impl Build {
         Build { blocks: encoded(), manifest: manifest(), bytes: bytes().0 }
     }
 
-    /// Starts or resumes, appends what is missing with a checkpoint after each block whose bit is set, reads a block back,
-    /// finishes. `acknowledged` becomes the number of blocks of the last checkpoint; a resume must find them.
+    /// Starts or resumes, appends the missing blocks with a checkpoint after each whose bit is set,
+    /// reads a block back, and finishes. `acknowledged` becomes the number of blocks of the last
+    /// checkpoint; a resume must find them.
     pub fn run(
         &self,
         disk: &Arc<dyn Disk>,

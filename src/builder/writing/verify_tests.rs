@@ -1,4 +1,4 @@
-//! What was written is read: [`heliotile_core::archive::verify`].
+//! Verification of written archives: [`heliotile_core::archive::verify`].
 
 use crate::writing::{Writer, test_site};
 use heliotile_core::archive::format::{self, BOUNCE, BlockKind, CellKind, INDEX, MATERIALS, PROBES, TileNumber};
@@ -17,7 +17,7 @@ fn a_good_archive_has_no_problems() {
     assert_eq!(report.raw_bytes, test_site::blocks().iter().map(|(_, _, raw)| raw.len() as u64).sum::<u64>());
 }
 
-/// Damage of 2 blocks, a slot and a gap gives these 4 names, and all 11 blocks are checked.
+/// Damage to 2 blocks, a slot and a gap gives these 4 names, and all 11 blocks are checked.
 #[test]
 fn damage_is_named_and_does_not_stop_the_check() {
     let site = test_site::written();
@@ -34,8 +34,9 @@ fn damage_is_named_and_does_not_stop_the_check() {
     assert_eq!(report.blocks, 11);
 }
 
-/// Values that no single block can refuse are found: a material beyond the table, a chunk that the index does not know, and,
-/// in a deep check, a probe and a cell that see what does not exist: 2 and 4 problems.
+/// Values that no single block can refuse are found: a material beyond the table, a chunk that the
+/// index does not list, and, in a deep check, a probe and a cell that see a missing cell: 2 and 4
+/// problems.
 #[test]
 fn blocks_are_checked_against_each_other() {
     let folder = tempfile::tempdir().unwrap();

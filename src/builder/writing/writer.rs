@@ -1,6 +1,7 @@
-//! Writing an archive. In: blocks in an order that follows from the input alone, then a manifest. Out: the finished file,
-//! whole or not at all: everything goes to `NAME.partial`, is synced, and gets its name last. Checkpoints go to a journal
-//! beside it, so that a build that was interrupted goes on where it was and ends with the same bytes.
+//! Writer of archives. In: blocks in an order that depends on the input alone, then a manifest.
+//! Out: the finished file, complete or absent. Everything goes to `NAME.partial`, is synced, and
+//! gets its name last. Checkpoints go to a journal beside it, so that an interrupted build resumes
+//! where it was and ends with the same bytes.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -22,20 +23,21 @@ use heliotile_core::archive::manifest;
 use heliotile_core::archive::manifest::{LayerSummary, Manifest};
 use heliotile_core::error::{Error, Result};
 
-/// A checkpoint is due after this time or this many bytes: what a crash costs at most. One takes two syncs.
+/// Time after which a checkpoint is due; [`CHECKPOINT_BYTES`] is the number of bytes after which it
+/// is due, too. They limit what a crash costs; a checkpoint takes two syncs.
 pub(super) const CHECKPOINT_EVERY: Duration = Duration::from_secs(30);
 pub(super) const CHECKPOINT_BYTES: u64 = 64 << 20;
 
-/// What was written.
+/// Summary of a finished archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Summary {
-    /// Root hash: names the content of the whole archive.
+    /// Root hash, which identifies the content of the whole archive.
     pub root: [u8; 32],
-    /// Length of the file.
+    /// Length of the file, bytes.
     pub bytes: u64,
 }
 
-/// What to do with an interrupted build.
+/// Action for an interrupted build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Interrupted {
     Refuse,
@@ -43,20 +45,21 @@ pub(super) enum Interrupted {
     Resume,
 }
 
-/// An archive that is being written. Dropped before [`Writer::finish`], it leaves partial file and journal for
-/// [`Writer::resume`] if there is a checkpoint, else nothing.
+/// Archive that is being written. If it is dropped before [`Writer::finish`], it leaves partial
+/// file and journal for [`Writer::resume`] if there is a checkpoint, else nothing.
 #[derive(Debug)]
 pub struct Writer {
     path: PathBuf,
     log: PathBuf,
     disk: Arc<dyn Disk>,
-    /// Locked until the end: nobody else may remove, rename or write the partial file, or touch the journal.
+    /// Partial file, locked until the end: no other process may remove, rename or write it, or
+    /// touch the journal.
     partial: Handle,
     job: Job,
-    /// Made by the first checkpoint: most builds end before it.
+    /// Journal, created by the first checkpoint because most builds end before it.
     journal: Option<Journal>,
     entries: BTreeMap<(BlockKind, TileNumber), Entry>,
-    /// What the next checkpoint adds, in the order of writing.
+    /// Entries that the next checkpoint adds, in the order of writing.
     pending: Vec<Entry>,
     /// End of the bytes written.
     end: u64,
@@ -64,25 +67,28 @@ pub struct Writer {
     committed_at: Instant,
     checkpoint_every: Duration,
     resumed: Option<Progress>,
-    /// A write or sync failed. What is on the disk is then unknown, and a sync that is tried again may lie.
+    /// True if a write or sync failed. The state of the disk is then unknown, and a repeated sync
+    /// may report success wrongly.
     failed: bool,
     renamed: bool,
 }
 
 impl Writer {
-    /// Starts `path`'s partial file. One that another process writes is refused, and so is an interrupted build with a
-    /// checkpoint; a left-over without one is overwritten. An archive under `path` stays as it is until [`Writer::finish`].
+    /// Starts `path`'s partial file. A file that another process writes is refused, and so is an
+    /// interrupted build with a checkpoint; one without is overwritten. An archive at `path` stays
+    /// as it is until [`Writer::finish`].
     pub fn create(path: &Path, job: &Job) -> Result<Self> {
         Writer::start(Arc::new(SystemDisk), path, job, Interrupted::Refuse)
     }
 
-    /// As [`Writer::create`], but an interrupted build is discarded.
+    /// Starts a build as [`Writer::create`] does, but discards an interrupted one.
     pub fn create_fresh(path: &Path, job: &Job) -> Result<Self> {
         Writer::start(Arc::new(SystemDisk), path, job, Interrupted::Discard)
     }
 
-    /// Goes on with an interrupted build of the same job after its last checkpoint; starts anew if there is none, see
-    /// [`Writer::resumed`]. Blocks that [`Writer::has`] must not be appended again; the others in the order as ever.
+    /// Resumes an interrupted build of the same job after its last checkpoint, or starts again if
+    /// there is none, see [`Writer::resumed`]. Blocks that [`Writer::has`] must not be appended
+    /// again; the others come in the usual order.
     pub fn resume(path: &Path, job: &Job) -> Result<Self> {
         Writer::start(Arc::new(SystemDisk), path, job, Interrupted::Resume)
     }
@@ -131,10 +137,11 @@ impl Writer {
         }
     }
 
-    /// An empty partial file.
+    /// Starts with an empty partial file.
     fn begin(self) -> Result<Self> {
         match self.disk.remove(&self.log) {
-            // An old journal must not come back after a crash, when the partial file holds other bytes.
+            // An old journal must not come back after a crash, when the partial file holds other
+            // bytes.
             Ok(()) => self.sync_folder()?,
             Err(source) if source.kind() == io::ErrorKind::NotFound => {}
             Err(source) => return Err(Error::io(&self.log, "remove")(source)),
@@ -143,7 +150,7 @@ impl Writer {
         Ok(self)
     }
 
-    /// The partial file as it was at its last checkpoint.
+    /// Starts with the partial file as it was at its last checkpoint.
     fn go_on(mut self, mut found: Found) -> Result<Self> {
         let progress = found.progress();
         self.entries = std::mem::take(&mut found.entries);
@@ -154,8 +161,8 @@ impl Writer {
         Ok(self)
     }
 
-    /// Makes the partial file say "building", and cuts it. A run before may have ended between commit and rename, so it must
-    /// say so on the disk before a block is cut or overwritten.
+    /// Marks the partial file as "building", and cuts it. A run before may have ended between
+    /// commit and rename, so the mark must be on the disk before a block is cut or overwritten.
     fn reset(&self, length: u64) -> Result<()> {
         let left_over = self.partial.length()? > 0;
         let mut header = Slot::building().encode();
@@ -167,17 +174,18 @@ impl Writer {
         self.partial.set_len(length)
     }
 
-    /// What [`Writer::resume`] found done; `None` if this build started anew.
+    /// Returns the progress that [`Writer::resume`] found; `None` if this build started from
+    /// nothing.
     pub fn resumed(&self) -> Option<Progress> {
         self.resumed
     }
 
-    /// What would be found by [`Writer::resume`] if the power went now.
+    /// Returns the progress that [`Writer::resume`] would find if the power failed now.
     pub fn committed(&self) -> Option<Progress> {
         self.committed
     }
 
-    /// Adds a block.
+    /// Appends a block.
     pub fn append(&mut self, block: EncodedBlock) -> Result<()> {
         let EncodedBlock { mut entry, stored } = block;
         if self.entries.contains_key(&entry.key()) {
@@ -195,22 +203,22 @@ impl Writer {
         Ok(())
     }
 
-    /// The file that is being written.
+    /// Returns the path of the partial file.
     pub fn partial(&self) -> &Path {
         self.partial.path()
     }
 
-    /// Whether a block was appended, in this run or before a resume.
+    /// Returns true if a block was appended, in this run or before a resume.
     pub fn has(&self, kind: BlockKind, tile: TileNumber) -> bool {
         self.entry(kind, tile).is_some()
     }
 
-    /// What the directory will say of a block.
+    /// Returns the directory entry of a block.
     pub fn entry(&self, kind: BlockKind, tile: TileNumber) -> Option<&Entry> {
         self.entries.get(&(kind, tile))
     }
 
-    /// A block that was appended, read from the file and checked. Many threads may do so.
+    /// Reads an appended block from the file and checks it. Several threads may do so at once.
     pub fn read_back(&self, kind: BlockKind, tile: TileNumber) -> Result<Block> {
         let Some(entry) = self.entry(kind, tile) else {
             let name = format::block_name(kind, tile);
@@ -220,14 +228,15 @@ impl Writer {
         block::decode(self.partial.path(), entry, &stored)
     }
 
-    /// Whether so much was written since the last checkpoint that the next one is worth its syncs.
+    /// Returns true if enough was written since the last checkpoint that the next one is worth its
+    /// syncs.
     pub fn due(&self) -> bool {
         let done = self.committed.map_or(FIRST_BLOCK, |progress| progress.bytes);
         let much = self.end.saturating_sub(done) >= CHECKPOINT_BYTES;
         !self.pending.is_empty() && (much || self.committed_at.elapsed() >= self.checkpoint_every)
     }
 
-    /// Makes checkpoints due after another time than 30 seconds.
+    /// Sets the time after which a checkpoint is due, 30 seconds by default.
     pub fn set_checkpoint_every(&mut self, every: Duration) {
         self.checkpoint_every = every;
     }
@@ -240,12 +249,12 @@ impl Writer {
         Ok(())
     }
 
-    /// Ends the build for now, with a last checkpoint: [`Writer::resume`] goes on with it.
+    /// Ends the build for now, with a last checkpoint. [`Writer::resume`] can continue it.
     pub fn keep(mut self) -> Result<()> {
         self.checkpoint()
     }
 
-    /// Blocks, then the journal that names them, then, once, the names of both files.
+    /// Syncs blocks, then the journal that names them, then, once, the names of both files.
     fn commit(&mut self) -> Result<()> {
         self.partial.sync()?;
         let first = self.journal.is_none();
@@ -264,13 +273,14 @@ impl Writer {
         Ok(())
     }
 
-    /// Number and size of the blocks so far, for [`Manifest::layers`].
+    /// Returns number and size of the blocks so far, for [`Manifest::layers`].
     pub fn layers(&self) -> Vec<LayerSummary> {
         manifest::summarize(self.entries.values())
     }
 
-    /// Writes directory and manifest, syncs, commits, and gives the file its name. On an error the name means what it
-    /// did before; only if syncing the folder fails, it may mean either after a crash.
+    /// Writes directory and manifest, syncs, commits, and gives the file its name. After an error
+    /// the name refers to the file it did before; only if syncing the folder fails, it may refer to
+    /// either after a crash.
     pub fn finish(mut self, manifest: &Manifest) -> Result<Summary> {
         let entries: Vec<Entry> = self.entries.values().copied().collect();
         manifest.check(&entries).map_err(|wrong| Error::Unsupported {
@@ -314,13 +324,14 @@ impl Writer {
         self.renamed = true;
         self.sync_folder()?;
         if self.journal.is_some() {
-            // The archive is whole and has its name: a journal that stays is dropped by the next build.
+            // The archive is complete and has its name. A journal that stays is dropped by the next
+            // build.
             let _ = self.disk.remove(&self.log);
         }
         Ok(Summary { root: slot.root, bytes: self.end })
     }
 
-    /// Does what changes files. After a failure nothing is tried again.
+    /// Does work that changes files. After a failure nothing is tried again.
     fn attempt<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
         if self.failed {
             let source = io::Error::other("an earlier write or sync of this build failed");
@@ -332,7 +343,7 @@ impl Writer {
         Ok(done)
     }
 
-    /// Where the next `length` bytes go; the file cannot pass 2^64.
+    /// Returns the offset of the next `length` bytes. The file cannot pass 2^64.
     fn place(&self, length: usize) -> Result<u64> {
         let max = u64::MAX;
         format::align(self.end).filter(|start| start.checked_add(length as u64).is_some()).ok_or(Error::Limit {
@@ -347,7 +358,7 @@ impl Writer {
     }
 }
 
-/// The error of a build that would overwrite an interrupted one.
+/// Returns the error for a build that would overwrite an interrupted one.
 fn lies_there(partial: &Path, done: Progress) -> Error {
     let what = format!("is an interrupted build of which {} blocks, {} bytes are done", done.blocks, done.bytes);
     Error::Incomplete { partial: partial.to_path_buf(), what, hint: journal::REMOVE.to_string() }
@@ -356,7 +367,8 @@ fn lies_there(partial: &Path, done: Progress) -> Error {
 impl Drop for Writer {
     fn drop(&mut self) {
         if !self.renamed && self.committed.is_none() {
-            // Nothing can be done about a failure here; the next writer overwrites what is left.
+            // A failure here can be ignored, because the next writer overwrites the files that
+            // stay.
             let _ = self.disk.remove(&self.log);
             let _ = self.disk.remove(self.partial.path());
         }
@@ -388,7 +400,8 @@ mod tests {
     use crate::writing::test_site::JOB;
     use heliotile_core::archive::{Archive, encode};
 
-    /// A second writer of the same file is refused while the first lives, and the file it would replace is untouched.
+    /// A second writer of the same file is refused while the first exists, and the file that it
+    /// would replace is untouched.
     #[test]
     fn two_writers_are_one_too_many() {
         let folder = tempfile::tempdir().unwrap();
@@ -405,7 +418,8 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
-    /// A left-over of 100 kB of another run leaves no byte in the new file, and the 4 threads of a race make one writer.
+    /// A partial file of 100 kB from another run leaves no byte in the new file, and 4 threads that
+    /// race make one writer.
     #[test]
     fn left_overs_are_overwritten() {
         let folder = tempfile::tempdir().unwrap();
@@ -422,7 +436,8 @@ mod tests {
         assert_eq!(std::fs::read(&path).unwrap(), clean);
     }
 
-    /// Each of 5 blocks reads back before the end; a second one of the same name, and one never written, are errors.
+    /// Each of 5 blocks reads back before the end. A second one of the same name, and one never
+    /// written, are errors.
     #[test]
     fn blocks_read_back() {
         let folder = tempfile::tempdir().unwrap();
@@ -439,7 +454,8 @@ mod tests {
         assert_eq!(writer.layers()[0].raw_bytes, 4500);
     }
 
-    /// 30 s after the last checkpoint the next one is due if there is a block for it: 1 of 3 times here.
+    /// 30 s after the last checkpoint the next one is due if there is a block for it: 1 of 3 times
+    /// here.
     #[test]
     fn checkpoints_fall_due_in_time() {
         let folder = tempfile::tempdir().unwrap();
@@ -455,7 +471,8 @@ mod tests {
         assert!(!due(&mut writer));
     }
 
-    /// A file that was not finished says so, and a manifest that does not fit leaves no file at all: 0 names in the folder.
+    /// An unfinished file says so, and a manifest that does not fit leaves no file at all: 0 names
+    /// in the folder.
     #[test]
     fn unfinished_files_say_so() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,28 +1,29 @@
-//! A beam: what bounds the rays of a packet, or some of them. In: a node. Out: its children that any of the rays may meet, all
-//! eight boxes in one test.
+//! Beam: bounds of the rays of a packet, or of some of them. In: a node. Out: the children that any
+//! of the rays may enter, all eight boxes in one test.
 //!
-//! Interval arithmetic on slabs (Boulos et al. 2006, "Geometric and arithmetic culling methods for entire ray packets"): of each
-//! axis the least and the greatest reciprocal direction bound where the rays enter and leave. Rounding is monotone, so a beam
-//! never refuses a box that one of its rays meets by the same arithmetic.
+//! Interval arithmetic on slabs (Boulos et al. 2006, "Geometric and arithmetic culling methods for
+//! entire ray packets"): for each axis the least and the greatest reciprocal direction bound where
+//! the rays enter and leave. Rounding is monotone, so a beam never refuses a box that one of its
+//! rays enters by the same arithmetic.
 
 use crate::trace::kernel::fan::Cone;
 use crate::trace::kernel::lanes::{F32x16, LANES, Lanes};
 use crate::trace::kernel::packet::{FAR_PAD, inverse};
 use crate::trace::kernel::tree::{Node, WIDTH};
 
-/// Bounds of some rays. Lanes 0 to 7 are where the rays enter the eight boxes, lanes 8 to 15 where they leave, with their
-/// sign turned.
+/// Bounds of some rays. Lanes 0 to 7 are for the sides at which the rays enter the eight boxes, and
+/// lanes 8 to 15 for the sides at which they leave, with the sign reversed.
 #[derive(Clone, Copy)]
 pub struct Beam<F> {
     origin: [F; 3],
-    /// Both ends of the reciprocal directions' sizes.
+    /// Smallest and largest magnitude of the reciprocal directions.
     inverse: [[F; 2]; 3],
-    /// The side at which the rays enter: 1 where they go backwards.
+    /// Side at which the rays enter: 1 if they go backwards.
     side: [usize; 3],
 }
 
 impl<F: Copy> Beam<F> {
-    /// All rays of a packet, which agree on the sign of each axis.
+    /// Bounds all rays of a packet, which agree on the sign of each axis.
     #[inline(always)]
     pub fn whole<L: Lanes<F = F>>(l: L, origin: &[F; 3], inverse: &[F; 3]) -> Self {
         let axis = |i: usize| Axis {
@@ -32,7 +33,7 @@ impl<F: Copy> Beam<F> {
         Beam::new(l, &[axis(0), axis(1), axis(2)])
     }
 
-    /// Two rays of a packet, or twice the same one.
+    /// Bounds two rays of a packet, or one ray given twice.
     #[inline(always)]
     pub fn of_two<L: Lanes<F = F>>(l: L, origin: &[F32x16; 3], inverse: &[F32x16; 3], a: usize, b: usize) -> Self {
         let (a, b) = (a % LANES, b % LANES);
@@ -45,7 +46,7 @@ impl<F: Copy> Beam<F> {
         Beam::new(l, &axes)
     }
 
-    /// All rays from a point in a cone; an axis along which they cross bounds nothing.
+    /// Bounds all rays from a point in a cone. An axis along which they cross bounds nothing.
     #[inline(always)]
     pub fn of_cone<L: Lanes<F = F>>(l: L, origin: [f32; 3], cone: &Cone) -> Self {
         let (sizes, mut axes) = (cone.sizes(), [Axis::default(); 3]);
@@ -72,10 +73,11 @@ impl<F: Copy> Beam<F> {
         beam
     }
 
-    /// Children whose boxes the rays may meet before `reach`, one bit each, and where they enter at the earliest.
+    /// Returns the children whose boxes the rays may enter before `reach`, one bit each, and the
+    /// least distance at which they enter.
     #[inline(always)]
     pub fn meets<L: Lanes<F = F>>(&self, l: L, node: &Node, reach: f32) -> (u16, F32x16) {
-        // Children that are not there are entered at infinity, and so refused.
+        // Absent children are entered at infinity, and so refused.
         let reach = reach.min(f32::MAX / 2.0);
         let mut bounds = l.select(ENTERING, l.splat(0.0), l.splat(-reach));
         for i in 0..3 {
@@ -92,7 +94,8 @@ impl<F: Copy> Beam<F> {
 /// Lanes of the sides at which rays enter.
 const ENTERING: u16 = 0x00ff;
 
-/// So far off that planes are entered before any start and left after any end.
+/// Axis without bounds: its planes are so far off that rays enter before any start and leave after
+/// any end.
 const UNBOUNDED: Axis = Axis { origin: [-1e30, 1e30], inverse: [1.0; 2] };
 
 /// Bounds along one axis.

@@ -1,10 +1,13 @@
-//! Candidates: the triangles that rays of a cone may meet, seen from their common origin, sixteen in lanes. In: triangles of the tree and a
-//! cone. Out: which of them every ray of the cone misses, which one all of them hit, and for the rest which rays do.
+//! Candidates: the triangles that rays of a cone may hit, seen from their common origin, sixteen in
+//! lanes. In: triangles of the tree and a cone. Out: the triangles that every ray of the cone
+//! misses, a triangle that all of them hit, and for the rest the rays that hit.
 //!
-//! A ray misses a triangle if it passes an edge on the outer side, and it hits it if it passes all three on the inner side; a box of
-//! directions bounds how far off they pass (interval arithmetic as in Boulos et al. 2006). With twice the doubt of a single ray the
-//! bounds hold whatever is rounded: the product of a direction, about 1 long, with the plane of an edge, at most 3 x reach x longest
-//! edge long, is known to 6e-7 of their lengths in f32, and so is a bound; together that is less than one `DOUBT`.
+//! A ray misses a triangle if it passes an edge on the outer side, and hits it if it passes all
+//! three on the inner side. A box of directions bounds how far off they pass (interval arithmetic
+//! as in Boulos et al. 2006). With twice the doubt of a single ray the bounds hold whatever is
+//! rounded: the product of a direction, about 1 long, with the plane of an edge, at most 3 x reach
+//! x longest edge long, is known to 6e-7 of their lengths in f32, and so is a bound. Together that
+//! is less than one `DOUBT`.
 
 use crate::trace::kernel::fan::{Cone, Fan};
 use crate::trace::kernel::lanes::{F32x16, LANES, Lanes};
@@ -12,18 +15,19 @@ use crate::trace::kernel::planes::{Planes, bits, meets, planes};
 use crate::trace::kernel::rays::Ray;
 use crate::trace::kernel::tree::Tree;
 
-/// Sixteen triangles.
+/// Sixteen triangles as seen from one origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Sixteen {
-    /// `[edge][axis]`, turned so that hitting rays have positive products.
+    /// `[edge][axis]`: normals of the planes through origin and edge, signed so that hitting rays
+    /// have positive products.
     edges: [[F32x16; 3]; 3],
     normal: [F32x16; 3],
     height: F32x16,
     doubt: F32x16,
     edge_on: F32x16,
-    /// Their places in the tree.
+    /// Places of the triangles in the tree.
     places: [u32; LANES],
-    /// Lanes that count.
+    /// Lanes of the triangles that are kept.
     open: u16,
 }
 
@@ -33,7 +37,7 @@ pub struct Candidates {
     lists: Vec<Sixteen>,
 }
 
-/// A list: which sixteens.
+/// Range of a list in [`Candidates`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listed {
     first: u32,
@@ -41,17 +45,17 @@ pub struct Listed {
 }
 
 impl Listed {
-    /// Whether nothing can be met.
+    /// Returns true if the list holds no triangle.
     pub fn is_empty(self) -> bool {
         self.first == self.end
     }
 }
 
-/// Sixteen rays and a cone around them.
+/// Sixteen rays and the lanes that are wanted.
 pub struct Rays<'a, F> {
     pub origin: [f32; 3],
     pub fan: &'a Fan,
-    /// The fan's.
+    /// Directions of the fan in registers.
     pub directions: [F; 3],
     pub wanted: u16,
 }
@@ -65,7 +69,7 @@ impl<'a, F: Copy> Rays<'a, F> {
 }
 
 impl Sixteen {
-    /// Triangles at 1 to 16 places in the tree, as seen from a point.
+    /// Creates the triangles at 1 to 16 places in the tree, as seen from a point.
     #[inline(always)]
     pub fn new<L: Lanes>(l: L, tree: &Tree, origin: [f32; 3], places: &[u32]) -> Self {
         let last = places.len() - 1;
@@ -81,7 +85,7 @@ impl Sixteen {
             }
             longest.0[lane] = triangle.longest;
         }
-        // Loops, since closures of `map` would not be compiled for the processor at hand.
+        // Loops, because closures of `map` would not be compiled for the processor level.
         let mut loaded = [[l.splat(0.0); 3]; 3];
         for (to, from) in loaded.iter_mut().zip(&corners) {
             for (axis, x) in to.iter_mut().zip(from) {
@@ -109,11 +113,11 @@ impl Sixteen {
         sixteen
     }
 
-    /// Those that rays of a cone may or may not hit, and those that all of them hit.
+    /// Returns the triangles that some rays of a cone may hit, and those that all of them hit.
     #[inline(always)]
     fn pass<L: Lanes>(&self, l: L, cone: &Cone) -> (u16, u16) {
         let doubt = l.load(&self.doubt);
-        // In the plane of a triangle nothing is known.
+        // An origin in the plane of a triangle decides nothing.
         let infinite = l.splat(f32::INFINITY);
         let margin = l.select(l.less(l.load(&self.edge_on), infinite), l.add(doubt, doubt), infinite);
         let minus_margin = l.sub(l.splat(0.0), margin);
@@ -131,7 +135,8 @@ impl Sixteen {
         (self.open & !missed & !hit, self.open & !missed & hit)
     }
 
-    /// Forgets those that all rays of a cone miss; whether all rays hit one of the others, and how many are left.
+    /// Drops the triangles that all rays of a cone miss. Returns true if all rays hit one of the
+    /// others, and how many are left.
     #[inline(always)]
     pub fn keep<L: Lanes>(&mut self, l: L, cone: &Cone) -> (bool, u32) {
         let (open, hit) = self.pass(l, cone);
@@ -139,7 +144,8 @@ impl Sixteen {
         (hit != 0, open.count_ones())
     }
 
-    /// Those of the wanted rays that hit a triangle, of those set in `open`; `met` of them are known to do so.
+    /// Returns the wanted rays that hit a triangle set in `open`. `met` are rays that are known to
+    /// hit something.
     #[inline(always)]
     fn hits<L: Lanes>(&self, l: L, tree: &Tree, rays: &Rays<L::F>, open: u16, mut met: u16) -> u16 {
         for lane in bits(open) {
@@ -162,7 +168,8 @@ impl Sixteen {
         met
     }
 
-    /// Those of the wanted rays that hit one that is kept; `met` of them are known to meet something.
+    /// Returns the wanted rays that hit a kept triangle. `met` are rays that are known to hit
+    /// something.
     #[inline(always)]
     pub fn met<L: Lanes>(&self, l: L, tree: &Tree, rays: &Rays<L::F>, met: u16) -> u16 {
         self.hits(l, tree, rays, self.open, met)
@@ -170,32 +177,32 @@ impl Sixteen {
 }
 
 impl Candidates {
-    /// Forgets all lists.
+    /// Removes all lists.
     pub fn clear(&mut self) {
         self.lists.clear();
     }
 
-    /// Where the next list begins.
+    /// Returns the place where the next list begins.
     pub fn next(&self) -> u32 {
         self.lists.len() as u32
     }
 
-    /// Adds to the list that began there.
+    /// Adds sixteen triangles to the last list.
     pub fn push(&mut self, sixteen: Sixteen) {
         self.lists.push(sixteen);
     }
 
-    /// Drops the list that began there.
+    /// Drops the list that begins at `first`.
     pub fn drop_from(&mut self, first: u32) {
         self.lists.truncate(first as usize);
     }
 
-    /// Ends the list that began there.
+    /// Ends the list that begins at `first`.
     pub fn finish(&self, first: u32) -> Listed {
         Listed { first, end: self.next() }
     }
 
-    /// Those of some rays in a cone that hit a triangle of a list.
+    /// Returns the wanted rays of a cone that hit a triangle of a list.
     #[inline(always)]
     pub fn met<L: Lanes>(&self, l: L, tree: &Tree, list: Listed, rays: &Rays<L::F>, cone: &Cone) -> u16 {
         let mut met = 0;

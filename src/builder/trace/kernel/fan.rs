@@ -1,5 +1,5 @@
-//! Fans: the sixteen rays of a block of texels, and cones: what bounds them. In: directions, or a part of the sky's square. Out: what
-//! packets and candidates are met with.
+//! Fans, the sixteen rays of a block of texels, and cones, their bounds. In: directions, or a part
+//! of the sky's square. Out: directions and bounds for packets and candidates.
 
 use crate::trace::kernel::lanes::F32x16;
 
@@ -8,29 +8,30 @@ use crate::trace::kernel::lanes::F32x16;
 pub struct Fan(pub [F32x16; 3]);
 
 impl Fan {
-    /// The direction of a lane.
+    /// Returns the direction of a lane.
     pub fn direction(&self, lane: usize) -> [f32; 3] {
         [0, 1, 2].map(|i| self.0[i].0[lane])
     }
 }
 
-/// A box around some directions: `[axis]`, f32.
+/// Box around some directions: `[axis]`, f32.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cone {
     pub centre: [f32; 3],
-    /// Half its width, not less.
+    /// Half its width, rounded up.
     pub half: [f32; 3],
-    /// Axes along which all the directions go backwards; along the others all go forwards, but for [`Cone::crosses`].
+    /// Axes along which all directions go backwards. Along the others all go forwards, except for
+    /// [`Cone::crosses`].
     pub backwards: [bool; 3],
-    /// Axes along which some may go forwards and some backwards.
+    /// Axes along which some directions may go forwards and some backwards.
     pub crosses: [bool; 3],
 }
 
 impl Cone {
-    /// Between two ends, neither on the other side of zero than the other one.
+    /// Creates the cone between two ends, which must not lie on different sides of zero.
     pub fn between(low: [f64; 3], high: [f64; 3]) -> Self {
         let centre = [0, 1, 2].map(|i| (0.5 * (low[i] + high[i])) as f32);
-        // Above all rounding of the ends, far below a texel.
+        // The margin is above all rounding of the ends, and far below a texel.
         let half = [0, 1, 2].map(|i| {
             let centre = f64::from(centre[i]);
             (high[i] - centre).max(centre - low[i]) as f32 * 1.000_001 + 1e-7
@@ -38,7 +39,7 @@ impl Cone {
         Cone { centre, half, backwards: [0, 1, 2].map(|i| low[i] + high[i] < 0.0), crosses: [false; 3] }
     }
 
-    /// The same directions and all those that are moved from there by up to `way`.
+    /// Returns a cone of these directions and of all that are shifted from them by up to `way`.
     pub fn moved(&self, way: [f32; 3]) -> Self {
         let mut cone = *self;
         for (i, &way) in way.iter().enumerate() {
@@ -50,7 +51,7 @@ impl Cone {
         cone
     }
 
-    /// Bounds of the dot products with a vector, up to rounding.
+    /// Returns bounds of the dot products with a vector, up to rounding.
     #[inline(always)]
     pub fn dot(&self, v: [f32; 3]) -> [f32; 2] {
         let middle = self.centre[0] * v[0] + self.centre[1] * v[1] + self.centre[2] * v[2];
@@ -58,7 +59,8 @@ impl Cone {
         [middle - reach, middle + reach]
     }
 
-    /// Least and greatest size along each axis, where directions do not cross.
+    /// Returns the least and greatest magnitude along each axis, for axes along which directions do
+    /// not cross.
     pub fn sizes(&self) -> [[f32; 2]; 3] {
         [0, 1, 2].map(|i| {
             let size = self.centre[i].abs();

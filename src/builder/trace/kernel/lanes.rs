@@ -1,9 +1,11 @@
-//! Sixteen f32 lanes on the processor at hand. In: a kernel written once over [`Lanes`]. Out: the kernel compiled for AVX-512, for
-//! AVX2 and for any processor, and run on the best that this machine has.
+//! Sixteen f32 lanes on the processor at hand. In: a kernel written once over [`Lanes`]. Out: the
+//! kernel compiled for AVX-512, for AVX2 and for any processor, and run on the best level of this
+//! machine.
 //!
-//! All levels give the same bits: additions, products, quotients, minima and comparisons only, never a fused product.
+//! All levels give the same bits: they use additions, products, quotients, minima and comparisons
+//! only, never a fused multiply-add.
 
-/// Lanes of a packet.
+/// Number of lanes of a packet.
 pub const LANES: usize = 16;
 
 /// Sixteen values in memory.
@@ -18,43 +20,43 @@ pub type Half = [f32; LANES / 2];
 pub trait Lanes: Copy {
     /// Sixteen f32 values in registers.
     type F: Copy;
-    /// One value in all lanes.
+    /// Returns one value in all lanes.
     fn splat(self, x: f32) -> Self::F;
-    /// Values from memory.
+    /// Loads values from memory.
     fn load(self, x: &F32x16) -> Self::F;
-    /// Values to memory.
+    /// Stores values to memory.
     fn store(self, x: Self::F) -> F32x16;
-    /// a + b.
+    /// Returns a + b.
     fn add(self, a: Self::F, b: Self::F) -> Self::F;
-    /// a - b.
+    /// Returns a - b.
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
-    /// a x b.
+    /// Returns a x b.
     fn mul(self, a: Self::F, b: Self::F) -> Self::F;
-    /// a / b.
+    /// Returns a / b.
     fn div(self, a: Self::F, b: Self::F) -> Self::F;
-    /// The smaller of a and b.
+    /// Returns the smaller of a and b.
     fn min(self, a: Self::F, b: Self::F) -> Self::F;
-    /// The larger of a and b.
+    /// Returns the larger of a and b.
     fn max(self, a: Self::F, b: Self::F) -> Self::F;
-    /// a without its sign.
+    /// Returns a without its sign.
     fn abs(self, a: Self::F) -> Self::F;
-    /// Lanes where a < b.
+    /// Returns the lanes in which a < b.
     fn less(self, a: Self::F, b: Self::F) -> u16;
-    /// Lanes where a <= b.
+    /// Returns the lanes in which a <= b.
     fn less_equal(self, a: Self::F, b: Self::F) -> u16;
-    /// `a` where the mask is set, `b` elsewhere.
+    /// Returns `a` where the mask is set, `b` elsewhere.
     fn select(self, mask: u16, a: Self::F, b: Self::F) -> Self::F;
-    /// Lanes 0 to 7 and 8 to 15.
+    /// Joins lanes 0 to 7 (`low`) and 8 to 15 (`high`).
     fn halves(self, low: &Half, high: &Half) -> Self::F;
-    /// Lanes 8 to 15 first.
+    /// Swaps lanes 0 to 7 with lanes 8 to 15.
     fn swap(self, a: Self::F) -> Self::F;
-    /// The smallest lane.
+    /// Returns the smallest lane.
     fn lowest(self, a: Self::F) -> f32;
-    /// The largest lane.
+    /// Returns the largest lane.
     fn highest(self, a: Self::F) -> f32;
 }
 
-/// A level of processor that kernels are compiled for.
+/// Processor level that kernels are compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// Any processor.
@@ -66,7 +68,7 @@ pub enum Level {
 }
 
 impl Level {
-    /// All levels that this machine can run, best last.
+    /// Returns all levels that this machine can run, best last.
     pub fn available() -> Vec<Level> {
         let mut levels = vec![Level::Baseline];
         #[cfg(target_arch = "x86_64")]
@@ -77,21 +79,21 @@ impl Level {
         levels
     }
 
-    /// The best level of this machine.
+    /// Returns the best level of this machine.
     pub fn best() -> Level {
         Level::available().last().copied().unwrap_or(Level::Baseline)
     }
 }
 
-/// A computation that can be compiled for any level.
+/// Computation that can be compiled for any level.
 pub trait Kernel {
-    /// What comes out.
+    /// Result of the computation.
     type Output;
-    /// The computation, compiled for the level of `lanes`.
+    /// Runs the computation, compiled for the level of `lanes`.
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
-/// Runs a kernel at a level; a level that the machine lacks falls back to the baseline.
+/// Runs a kernel at a level. A level that the machine lacks falls back to the baseline.
 #[inline]
 pub fn dispatch<K: Kernel>(level: Level, kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
@@ -111,7 +113,7 @@ pub fn dispatch<K: Kernel>(level: Level, kernel: K) -> K::Output {
     kernel.run(Baseline)
 }
 
-/// Plain arrays: whatever the compiler makes of them.
+/// Plain arrays, which the compiler vectorises as it can.
 #[derive(Clone, Copy)]
 struct Baseline;
 
@@ -206,7 +208,7 @@ mod x86 {
 
     use super::{F32x16, Half, Kernel, LANES, Lanes};
 
-    /// A kernel with the level it is compiled for.
+    /// Kernel with the level it is compiled for.
     pub(super) struct Run<L, K>(pub L, pub K);
 
     impl<L: Lanes, K: Kernel> NullaryFnOnce for Run<L, K> {
@@ -378,11 +380,11 @@ mod x86 {
 
     #[inline(always)]
     fn bits(v3: V3, low: __m256, high: __m256) -> u16 {
-        // Eight bits each.
+        // Each half gives eight bits.
         (v3.avx._mm256_movemask_ps(low) | v3.avx._mm256_movemask_ps(high) << 8) as u16
     }
 
-    /// The lowest eight bits as the sign bits of eight lanes.
+    /// Turns the lowest eight bits of a mask into the sign bits of eight lanes.
     #[inline(always)]
     fn lanes_of(v3: V3, mask: u16) -> __m256 {
         let places: __m256i = cast([31_i32, 30, 29, 28, 27, 26, 25, 24]);
@@ -416,7 +418,7 @@ mod tests {
                 l.splat(l.highest(a)),
                 l.swap(a),
                 l.halves(&[0.1; LANES / 2], &[0.2; LANES / 2]),
-                // A fused product would differ here.
+                // A fused multiply-add would differ here.
                 l.add(l.mul(a, b), l.mul(b, b)),
             ];
             let bits = values.iter().flat_map(|&v| l.store(v).0.map(f32::to_bits)).collect();
@@ -424,7 +426,7 @@ mod tests {
         }
     }
 
-    /// Every level that this machine has gives the same bits as the baseline, on 1,000 pairs of vectors.
+    /// Every level of this machine gives the same bits as the baseline, on 1,000 pairs of vectors.
     #[test]
     fn levels_agree() {
         for round in 0..1000_u32 {

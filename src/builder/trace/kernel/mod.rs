@@ -1,5 +1,6 @@
-//! The kernel: rays against triangles. In: a mesh, rays. Out: what they meet first, or whether they meet anything. Packets of sixteen rays
-//! walk the tree together; single rays are the reference that they are judged by.
+//! Kernel: rays against triangles. In: a mesh, rays. Out: the first hit of each ray, or only if it
+//! hits anything. Packets of sixteen rays traverse the tree together; single rays are their
+//! reference.
 
 pub(crate) mod beam;
 mod candidates;

@@ -1,8 +1,9 @@
-//! Packets: sixteen rays walk the tree together. In: rays that start near each other and go about the same way. Out: for each
-//! lane what a single ray would have answered, bit for bit.
+//! Packets: sixteen rays traverse the tree together. In: rays that start near each other and have
+//! similar directions. Out: for each lane the answer of a single ray, bit for bit.
 //!
-//! Where all rays share an origin, planes through origin and edges are computed once for sixteen rays (Wald et al. 2001, Boulos
-//! et al. 2007 for packets). Memory is what a walk waits for most, so some packets take turns.
+//! If all rays share an origin, planes through origin and edges are computed once for sixteen rays
+//! (Wald et al. 2001, Boulos et al. 2007 for packets). A walk mostly waits for memory, so some
+//! packets take turns.
 
 use std::cell::RefCell;
 
@@ -12,10 +13,11 @@ use crate::trace::kernel::rays::{Hit, Ray};
 use crate::trace::kernel::tree::Tree;
 use crate::trace::kernel::walk::{Stack, Walk};
 
-/// Distances to the far side of a box are widened by this factor.
+/// Factor by which distances to the far side of a box are widened.
 pub const FAR_PAD: f32 = 1.000_000_4;
 
-/// Reciprocal of a direction's component; one of exactly zero would give 0 x infinity in the slab test.
+/// Returns the reciprocal of a direction's component. A component of exactly zero would give 0 x
+/// infinity in the slab test, so it is replaced by a tiny one.
 #[inline(always)]
 pub fn inverse(d: f32) -> f32 {
     1.0 / if d.abs() >= 1e-20 {
@@ -27,22 +29,23 @@ pub fn inverse(d: f32) -> f32 {
     }
 }
 
-/// Up to sixteen rays that agree on the sign of each axis; lanes beyond them repeat the last one and are not active.
+/// Up to sixteen rays that agree on the sign of each axis. Lanes beyond them repeat the last ray
+/// and are not active.
 #[derive(Clone, Copy, Debug)]
 pub struct Packet {
     pub(super) origin: [F32x16; 3],
     pub(super) direction: [F32x16; 3],
     pub(super) active: u16,
-    /// What lies farther away does not count.
+    /// Distance beyond which hits do not count.
     pub(super) reach: f32,
-    /// All rays start at one point.
+    /// True if all rays start at one point.
     shared: bool,
-    /// Places of the rays among all that are asked about.
+    /// Places of the rays in the list of all rays.
     places: [u32; LANES],
 }
 
 impl Packet {
-    /// A packet of 1 to 16 of some rays.
+    /// Creates a packet of 1 to 16 of some rays.
     fn new(rays: &[Ray], places: &[u32], reach: f32) -> Self {
         let last = places.len().min(LANES) - 1;
         let ray = |lane: usize| rays[places[lane.min(last)] as usize];
@@ -68,28 +71,29 @@ impl Packet {
         packet
     }
 
-    /// The ray of a lane.
+    /// Returns the ray of a lane.
     pub(super) fn ray(&self, lane: usize) -> Ray {
         let at = |v: &[F32x16; 3]| [0, 1, 2].map(|i| v[i].0[lane]);
         Ray { origin: at(&self.origin), direction: at(&self.direction) }
     }
 }
 
-/// Whether each ray meets anything.
+/// Returns for each ray true if it hits anything.
 pub fn occluded(tree: &Tree, level: Level, rays: &[Ray]) -> Vec<bool> {
     let mut met = vec![false; rays.len()];
     trace::<true>(tree, level, rays, f32::INFINITY, &mut met, &mut []);
     met
 }
 
-/// What each ray meets first, no farther away than `reach`.
+/// Returns the first hit of each ray, no farther away than `reach`.
 pub fn closest(tree: &Tree, level: Level, rays: &[Ray], reach: f32) -> Vec<Option<Hit>> {
     let mut hits = vec![None; rays.len()];
     trace::<false>(tree, level, rays, reach, &mut [], &mut hits);
     hits
 }
 
-/// Memory of a thread for its packets: most calls are about a few only, and memory would cost as much as their first steps.
+/// Memory of a thread for its packets. Most calls are for a few packets only, and allocations would
+/// cost as much as their first steps.
 #[derive(Default)]
 struct Space {
     order: Vec<u32>,
@@ -110,7 +114,7 @@ fn trace<const ANY: bool>(
     hits: &mut [Option<Hit>],
 ) {
     SPACE.with_borrow_mut(|Space { order, packets, stacks }| {
-        // Sorted by counting; what the caller put together stays together.
+        // Counting sort by octant is stable, so rays that the caller put together stay together.
         let mut counts = [0; 8];
         rays.iter().for_each(|ray| counts[octant(ray)] += 1);
         let mut sum = 0;
@@ -132,15 +136,16 @@ fn trace<const ANY: bool>(
     });
 }
 
-/// Which way a ray goes along each axis.
+/// Returns the signs of a ray's direction as one number.
 fn octant(ray: &Ray) -> usize {
     ray.direction.iter().fold(0, |octant, &d| octant << 1 | usize::from(d < 0.0))
 }
 
-/// Packets that are walked in turns: while one waits for memory, the others go on.
+/// Number of packets that are walked in turns: while one waits for memory, the others go on.
 const TURNS: usize = 4;
 
-/// Notes which rays meet anything or, unless `ANY` hit will do, what they meet first.
+/// Kernel that traces packets: it notes which rays hit anything or, unless `ANY` hit will do, their
+/// first hits.
 struct Traced<'a, const ANY: bool> {
     tree: &'a Tree,
     packets: &'a [Packet],
@@ -159,7 +164,7 @@ impl<const ANY: bool> Kernel for Traced<'_, ANY> {
 }
 
 impl<const ANY: bool> Traced<'_, ANY> {
-    /// Traces those packets whose rays start at one point (`SHARED`), or those whose do not.
+    /// Traces the packets whose rays start at one point (`SHARED`), or the others.
     #[inline(always)]
     fn alike<L: Lanes, const SHARED: bool>(&mut self, l: L) {
         let packets = self.packets;

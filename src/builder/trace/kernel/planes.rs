@@ -1,5 +1,5 @@
-//! Triangles in lanes. In: a triangle and the rays of a packet. Out: which lanes hit it and where; the arithmetic of
-//! [`crate::trace::kernel::triangle`] lane by lane.
+//! Triangles in lanes. In: a triangle and the rays of a packet. Out: the lanes that hit it and the
+//! distances, by the arithmetic of [`crate::trace::kernel::triangle`] lane by lane.
 
 use crate::trace::kernel::lanes::Lanes;
 use crate::trace::kernel::packet::Packet;
@@ -13,7 +13,7 @@ pub struct PacketRays<F> {
     pub inverse: [F; 3],
 }
 
-/// Those of the wanted lanes that hit, and at which distance.
+/// Returns the wanted lanes that hit, and their distances.
 #[inline(always)]
 pub fn intersect<L: Lanes, const SHARED: bool>(
     l: L,
@@ -26,7 +26,8 @@ pub fn intersect<L: Lanes, const SHARED: bool>(
     meets(l, &seen, &triangle.corners, wanted, &rays.direction, |lane| packet.ray(lane))
 }
 
-/// The same for a triangle as the lanes see it; `ray` gives the ray of a lane.
+/// Does the work of [`intersect`] for a triangle as the lanes see it. `ray` gives the ray of a
+/// lane.
 #[inline(always)]
 pub fn meets<L: Lanes>(
     l: L,
@@ -50,14 +51,14 @@ pub fn meets<L: Lanes>(
     }
     let slope = dot(&seen.normal);
     let doubtful = wanted & !missed & (near_edge | l.less(l.abs(slope), seen.edge_on));
-    // Lanes that are decided in f64 divide by one here: no infinity or NaN is made.
+    // Lanes that f64 decides divide by one here, so no infinity or NaN arises.
     let t = l.div(seen.height, l.select(missed | doubtful, l.splat(1.0), slope));
     let forward = l.less(l.splat(0.0), t) & l.less(t, l.splat(f32::INFINITY));
     let hit = wanted & !missed & !doubtful & forward;
     if doubtful != 0 { decide(l, corners, ray, doubtful, t, hit) } else { (hit, t) }
 }
 
-/// Doubtful lanes one by one in f64.
+/// Decides doubtful lanes one by one in f64.
 #[cold]
 #[inline(never)]
 fn decide<L: Lanes>(
@@ -79,7 +80,7 @@ fn decide<L: Lanes>(
     (hit, l.load(&distances))
 }
 
-/// Set bits, lowest first.
+/// Returns the set bits, lowest first.
 #[inline(always)]
 pub fn bits(mask: u16) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(mask), |m| Some(m & m.wrapping_sub(1)))
@@ -87,7 +88,7 @@ pub fn bits(mask: u16) -> impl Iterator<Item = usize> {
         .map(|m| m.trailing_zeros() as usize)
 }
 
-/// A triangle as the lanes see it, or a triangle in each lane.
+/// Triangle as the lanes see it, or one triangle in each lane.
 pub struct Planes<F> {
     pub edges: [[F; 3]; 3],
     pub normal: [F; 3],
@@ -96,7 +97,7 @@ pub struct Planes<F> {
     pub edge_on: F,
 }
 
-/// One origin for all lanes: computed once.
+/// Returns a triangle as seen from one origin for all lanes, computed once.
 #[inline(always)]
 fn shared<L: Lanes>(l: L, triangle: &EdgeTriangle, origin: [f32; 3]) -> Planes<L::F> {
     let seen = triangle.seen_from(origin);
@@ -110,7 +111,7 @@ fn shared<L: Lanes>(l: L, triangle: &EdgeTriangle, origin: [f32; 3]) -> Planes<L
     }
 }
 
-/// An origin for each lane.
+/// Returns a triangle as seen from an origin for each lane.
 #[inline(always)]
 fn apart<L: Lanes>(l: L, triangle: &EdgeTriangle, origin: &[L::F; 3]) -> Planes<L::F> {
     let fixed = triangle.fixed();
@@ -122,7 +123,8 @@ fn apart<L: Lanes>(l: L, triangle: &EdgeTriangle, origin: &[L::F; 3]) -> Planes<
     seen(l, &corners, &edges, splat(fixed.normal), l.splat(fixed.doubt), l.splat(fixed.flat))
 }
 
-/// A triangle in each lane, seen from one point; `longest` is the largest extent of an edge.
+/// Returns a triangle in each lane, seen from one point. `longest` is the largest extent of an
+/// edge.
 #[inline(always)]
 pub fn planes<L: Lanes>(l: L, corners: &[[L::F; 3]; 3], longest: L::F, origin: [f32; 3]) -> Planes<L::F> {
     let [a, b, c] = corners;
@@ -134,7 +136,8 @@ pub fn planes<L: Lanes>(l: L, corners: &[[L::F; 3]; 3], longest: L::F, origin: [
     seen(l, &corners, &edges, normal, doubt, l.mul(doubt, longest))
 }
 
-/// [`EdgeTriangle::seen_from`] in lanes: corners relative to the origin, and what [`EdgeTriangle::fixed`] gives.
+/// Does the work of [`EdgeTriangle::seen_from`] in lanes, from corners relative to the origin and
+/// the values of [`EdgeTriangle::fixed`].
 #[inline(always)]
 fn seen<L: Lanes>(
     l: L,

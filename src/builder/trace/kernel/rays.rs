@@ -1,6 +1,6 @@
-//! Rays: what a scene answers. In: rays, f32, relative to the scene origin, directions of about unit length. Out: what they
-//! meet first, or whether they meet anything. Many rays go in packets of sixteen (`packet`); rays one by one
-//! are the reference that packets are judged against.
+//! Rays: the queries to a scene. In: rays, f32, relative to the scene origin, directions of about
+//! unit length. Out: their first hits, or only if they hit anything. Many rays go in packets of
+//! sixteen (`packet`); rays one by one are the reference for packets.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
@@ -16,16 +16,16 @@ use heliotile_core::site::cells::FaceTag;
 use heliotile_core::site::grid::Grid;
 use heliotile_scene::mesh::Mesh;
 
-/// A ray.
+/// Ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Relative to the scene origin, metres.
+    /// Start relative to the scene origin, metres.
     pub origin: [f32; 3],
-    /// About unit length.
+    /// Direction, about unit length.
     pub direction: [f32; 3],
 }
 
-/// What a ray met first.
+/// First hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance in units of the direction's length.
@@ -34,18 +34,19 @@ pub struct Hit {
     pub triangle: u32,
 }
 
-/// A side of a triangle.
+/// Side of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaceSide {
-    /// From which its corners turn counter-clockwise.
+    /// Side from which the corners turn counter-clockwise.
     Front,
-    /// The other one.
+    /// Other side.
     Back,
 }
 
-/// Whether light comes to the sides of triangles, as far as somebody found out.
+/// Cache of which sides of triangles light reaches.
 pub struct LitSides {
-    /// `[triangle]`: for each side a bit that says that it is known, and one that says that it is lit.
+    /// `[triangle]`: for each side a bit that is set if the answer is known, and one that is set if
+    /// the side is lit.
     known: Vec<AtomicU8>,
 }
 
@@ -54,7 +55,8 @@ impl LitSides {
         LitSides { known: (0..triangles).map(|_| AtomicU8::new(0)).collect() }
     }
 
-    /// What is known of a side, else what `find` says, which must depend on the scene alone: threads may ask it at the same time.
+    /// Returns the answer for a side, and calls `find` if it is not known. `find` must depend on
+    /// the scene alone, because several threads may call it at the same time.
     pub fn known_or(&self, triangle: u32, side: FaceSide, find: impl FnOnce() -> bool) -> bool {
         let (slot, first) = (&self.known[triangle as usize], if side == FaceSide::Front { 0 } else { 2 });
         let state = slot.load(Ordering::Relaxed) >> first;
@@ -67,7 +69,7 @@ impl LitSides {
     }
 }
 
-/// A scene ready for rays.
+/// Scene ready for rays.
 pub struct Tracer {
     tree: Tree,
     level: Level,
@@ -76,64 +78,69 @@ pub struct Tracer {
 }
 
 impl Tracer {
-    /// Builds the tree; packets run on the best level of this machine.
+    /// Builds the tree. Packets run on the best level of this machine.
     pub fn new(mesh: &Mesh) -> Result<Self> {
         Tracer::at_level(mesh, Level::best())
     }
 
-    /// As [`Tracer::new`], with packets compiled for a given level; results are the same.
+    /// Builds the tree as [`Tracer::new`] does, with packets compiled for a given level. Results
+    /// are the same.
     pub fn at_level(mesh: &Mesh, level: Level) -> Result<Self> {
         let all: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
         Ok(Tracer { tree: Tree::new(mesh, &all), level, grid: mesh.grid(), lit_sides: LitSides::new(all.len()) })
     }
 
-    /// As [`Tracer::new`], of some triangles of the mesh.
+    /// Builds the tree of some triangles of the mesh.
     pub fn of(mesh: &Mesh, triangles: &[u32]) -> Self {
         let lit_sides = LitSides::new(mesh.triangles.len());
         Tracer { tree: Tree::new(mesh, triangles), level: Level::best(), grid: mesh.grid(), lit_sides }
     }
 
-    /// The frame of the scene.
+    /// Returns the grid of the scene.
     pub fn grid(&self) -> Grid {
         self.grid
     }
 
-    /// What was found out about the light on sides of triangles.
+    /// Returns the cache of lit sides of triangles.
     pub(crate) fn lit_sides(&self) -> &LitSides {
         &self.lit_sides
     }
 
-    /// Distance by which a ray's origin leaves its surface at a place relative to the scene origin, metres: [`Grid::offset_m`].
+    /// Returns the distance by which a ray's origin leaves its surface at a place relative to the
+    /// scene origin, metres: [`Grid::offset_m`].
     pub fn offset_m(&self, point: DVec3) -> f64 {
         self.grid.offset_m(self.grid.absolute(point))
     }
 
-    /// Mesh indices of all `wanted` triangles whose own box touches the given one, ascending.
+    /// Returns the mesh indices of all `wanted` triangles whose own box touches the given one,
+    /// ascending.
     pub fn triangles_near(&self, low: DVec3, high: DVec3, wanted: impl Fn(FaceTag) -> bool) -> Vec<u32> {
         self.tree.triangles_near(low, high, wanted)
     }
 
-    /// Whether each ray meets anything. Fast where neighbours in the list are alike, faster where they share an origin.
+    /// Returns for each ray true if it hits anything. Fast if neighbours in the list are alike,
+    /// faster if they share an origin.
     pub fn occluded_many(&self, rays: &[Ray]) -> Vec<bool> {
         packet::occluded(&self.tree, self.level, rays)
     }
 
-    /// What a point sees of so many parts of the sky.
+    /// Starts a scan of `parts` parts of the sky from a point.
     pub(crate) fn scan<'a>(&'a self, origin: [f32; 3], parts: usize, space: &'a mut ScanSpace) -> Scan<'a> {
         Scan::new(&self.tree, self.level, origin, parts, space)
     }
 
-    /// What each ray meets first; the same triangles and bits as [`Tracer::closest`].
+    /// Returns the first hit of each ray, with the same triangles and bits as [`Tracer::closest`].
     pub fn closest_many(&self, rays: &[Ray]) -> Vec<Option<Hit>> {
         packet::closest(&self.tree, self.level, rays, f32::INFINITY)
     }
 
-    /// Whether each ray meets anything nearer than `reach_m`.
+    /// Returns for each ray true if it hits anything nearer than `reach_m`.
     pub fn blocked_within(&self, rays: &[Ray], reach_m: f32) -> Vec<bool> {
         packet::closest(&self.tree, self.level, rays, reach_m).iter().map(Option::is_some).collect()
     }
 
-    /// The first triangle met; among equal distances the one with the lowest index.
+    /// Returns the first hit of a ray. Among equal distances the triangle with the lowest index
+    /// counts.
     pub fn closest(&self, ray: Ray) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.walk(ray, |limit, first, count| {
@@ -150,7 +157,7 @@ impl Tracer {
         best
     }
 
-    /// Whether the ray meets anything.
+    /// Returns true if the ray hits anything.
     pub fn occluded(&self, ray: Ray) -> bool {
         let mut met = false;
         self.walk(ray, |_, first, count| {
@@ -161,12 +168,12 @@ impl Tracer {
         met
     }
 
-    /// Number of triangles that the ray meets.
+    /// Returns the number of triangles that the ray hits.
     pub fn crossings(&self, ray: Ray) -> usize {
         self.crossed(ray).len()
     }
 
-    /// All triangles that the ray meets, nearest first.
+    /// Returns all hits of the ray, nearest first.
     pub fn crossed(&self, ray: Ray) -> Vec<Hit> {
         let mut met: Vec<Hit> = Vec::new();
         self.walk(ray, |_, first, count| {
@@ -181,8 +188,8 @@ impl Tracer {
         met
     }
 
-    /// Visits the leaves that a ray meets, nearest first; `leaf(limit, first, count)` may lower the limit, and ends the
-    /// walk by returning false.
+    /// Visits the leaves that a ray enters, nearest first. `leaf(limit, first, count)` may lower
+    /// the limit, and ends the walk by returning false.
     fn walk(&self, ray: Ray, mut leaf: impl FnMut(&mut f32, usize, usize) -> bool) {
         let inverse = ray.direction.map(packet::inverse);
         let mut limit = f32::INFINITY;
@@ -207,14 +214,15 @@ impl Tracer {
     }
 }
 
-/// Entry distance of a ray into the box of a child, if it meets it before `limit`. The far distance is widened by two
-/// roundings (Ize 2013, "Robust BVH ray traversal", JCGT 2(2)).
+/// Returns the distance at which a ray enters the box of a child, if it does so before `limit`. The
+/// far distance is widened by two roundings (Ize 2013, "Robust BVH ray traversal", JCGT 2(2)).
 fn slab(node: &Node, child: usize, origin: [f32; 3], inverse: [f32; 3], limit: f32) -> Option<f32> {
     let mut near = 0.0_f32;
     let mut far = limit;
     for i in 0..3 {
         let (low, high) = (node.planes[i][0][child], -node.planes[i][1][child]);
-        // Not by the smaller of both distances: a box inside out, of a child that is not there, must not be met.
+        // The sides go by the sign of the direction, not by the smaller distance: the inverted box
+        // of an absent child must not be hit.
         let (enter, leave) = if inverse[i] < 0.0 { (high, low) } else { (low, high) };
         near = near.max((enter - origin[i]) * inverse[i]);
         far = far.min((leave - origin[i]) * inverse[i] * packet::FAR_PAD);

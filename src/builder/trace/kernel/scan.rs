@@ -1,9 +1,10 @@
-//! A scan: all that one point sees of the sky, block of texels by block. In: fans of rays with cones around them. Out: which of them meet
-//! anything, for each what a single ray would have answered, bit for bit.
+//! Scan: the sky as one point sees it, block of texels by block. In: fans of rays with cones around
+//! them. Out: the rays that hit anything, for each the answer of a single ray, bit for bit.
 //!
-//! A texture is refined where it is mixed, so one part of the sky is asked about again and again. The tree is therefore walked once for
-//! each part, by a beam around all its rays, and the triangles that they can meet are kept; from then on rays meet these alone. A walk ends
-//! at a triangle that covers the part, and where all that is asked for is met.
+//! A texture is refined where it is mixed, so one part of the sky is queried again and again. The
+//! tree is therefore walked once for each part, by a beam around all its rays, and the triangles
+//! that they can hit are kept. From then on rays are tested against these alone. A walk ends at a
+//! triangle that covers the part, or when all wanted rays have hit something.
 
 use prefetch_index::prefetch_index;
 
@@ -14,44 +15,44 @@ use crate::trace::kernel::lanes::{Kernel, LANES, Lanes, Level, dispatch};
 use crate::trace::kernel::planes::bits;
 use crate::trace::kernel::tree::{Child, Tree, WIDTH};
 
-/// What is known of a part of the sky.
+/// Knowledge about a part of the sky.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Known {
-    /// Nothing.
+    /// Nothing is known yet.
     Nothing,
-    /// The first rays all met something, and the walk ended there.
+    /// The rays of the first query all hit something, and the walk ended there.
     Met,
-    /// One triangle covers it.
+    /// One triangle covers the part.
     Covered,
-    /// All triangles that its rays can meet.
+    /// All triangles that the rays of the part can hit.
     Listed(Listed),
-    /// They are more than are worth a list, or too far apart.
+    /// The triangles are too many for a list, or too far apart.
     Unlisted,
 }
 
-/// Candidates of a part at most: some ten times those of a city's skyline.
+/// Largest number of candidates of a part: some ten times those of a city's skyline.
 const MOST: u32 = 512;
 
-/// Nodes of the tree that a walk enters at most: a beam that is broad or flat over a large map finds what its rays, which end at what is near,
-/// never come to.
+/// Largest number of nodes that a walk enters. A broad or flat beam over a large map would visit
+/// nodes that its rays, which end at near surfaces, never reach.
 const ENTERED: usize = 64;
 
-/// Questions that are looked ahead.
+/// Number of queries to prefetch ahead.
 const SOON: usize = 4;
 
-/// Triangles that are remembered to have been noted.
+/// Size of the cache of recently noted triangles.
 const NOTED: usize = 1024;
 
-/// Memory for a scan, which serves one point after the other.
+/// Memory of a scan, reused for one point after the other.
 pub struct ScanSpace {
     known: Vec<Known>,
     candidates: Candidates,
     stack: Vec<Child>,
-    /// Places of triangles that are still to be looked at.
+    /// Places of triangles that are still to be tested.
     pending: Vec<u32>,
-    /// Walks so far.
+    /// Number of walks so far.
     walks: u64,
-    /// Walk and mesh index of triangles that were noted lately, by the end of their index.
+    /// Walk and mesh index of recently noted triangles, by the index modulo the size of the cache.
     noted: [u64; NOTED],
 }
 
@@ -62,23 +63,24 @@ impl Default for ScanSpace {
     }
 }
 
-/// Sixteen rays of a part of the sky.
+/// Occlusion query for sixteen rays of a part of the sky.
 #[derive(Clone, Copy, Debug)]
 pub struct Question<'a> {
     /// Number of the part.
     pub part: u32,
-    /// Around all rays of the part that are ever asked about.
+    /// Cone around all rays of the part that any query may hold.
     pub whole: &'a Cone,
     pub fan: &'a Fan,
-    /// Around these rays.
+    /// Cone around the rays of this query.
     pub cone: Cone,
-    /// Lanes that are asked about.
+    /// Lanes that are wanted.
     pub wanted: u16,
-    /// The answer: those of them that meet something; `None` if these rays have to find their own way.
+    /// Answer: the wanted lanes that hit something; `None` if these rays have to be traced one by
+    /// one.
     pub met: Option<u16>,
 }
 
-/// What one point sees.
+/// Scan of the sky from one point.
 pub struct Scan<'a> {
     tree: &'a Tree,
     level: Level,
@@ -87,7 +89,7 @@ pub struct Scan<'a> {
 }
 
 impl<'a> Scan<'a> {
-    /// From a point, over so many parts of the sky.
+    /// Starts a scan from a point, over `parts` parts of the sky.
     pub fn new(tree: &'a Tree, level: Level, origin: [f32; 3], parts: usize, space: &'a mut ScanSpace) -> Self {
         space.known.clear();
         space.known.resize(parts, Known::Nothing);
@@ -95,7 +97,7 @@ impl<'a> Scan<'a> {
         Scan { tree, level, origin, space }
     }
 
-    /// Answers questions.
+    /// Answers queries.
     pub fn answer(&mut self, questions: &mut [Question]) {
         let Scan { tree, level, origin, space } = self;
         dispatch(*level, Answer { tree, origin: *origin, space, questions });
@@ -114,7 +116,7 @@ impl Kernel for Answer<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         for place in 0..self.questions.len() {
-            // What comes soon has to come from memory.
+            // Queries that come soon have to be fetched from memory.
             if let Some(soon) = self.questions.get(place + SOON) {
                 soon.fan.0.iter().for_each(|axis| prefetch_index(axis.0.as_slice(), 0));
             }
@@ -125,7 +127,7 @@ impl Kernel for Answer<'_, '_> {
 }
 
 impl ScanSpace {
-    /// Lanes that meet something.
+    /// Returns the lanes of a query that hit something.
     #[inline(always)]
     fn met<L: Lanes>(&mut self, l: L, tree: &Tree, origin: [f32; 3], asked: &Question) -> Option<u16> {
         let part = asked.part as usize;
@@ -150,7 +152,8 @@ impl ScanSpace {
         }
     }
 
-    /// Walks the tree with a beam: what is known of its rays from then on, and which of the first ones meet something.
+    /// Walks the tree with a beam. Returns the knowledge about its part, and the rays of `first`
+    /// that hit something.
     #[inline(always)]
     fn walk<L: Lanes>(
         &mut self,
@@ -175,6 +178,7 @@ impl ScanSpace {
                 entered += 1;
                 self.enter(l, tree, child, &beam);
             }
+            // Triangles are tested by sixteens, and the rest when the walk ends.
             while self.pending.len() >= LANES || next.is_none() && !self.pending.is_empty() {
                 let some = self.pending.len().min(LANES);
                 let mut sixteen = Sixteen::new(l, tree, origin, &self.pending[..some]);
@@ -205,7 +209,7 @@ impl ScanSpace {
         }
     }
 
-    /// Notes the triangles of a leaf. One that is cut into many leaves is mostly noted once.
+    /// Notes the triangles of a leaf. A triangle that is cut into many leaves is mostly noted once.
     #[inline(always)]
     fn leaf(&mut self, tree: &Tree, leaf: Child) {
         for place in leaf.first..leaf.first + leaf.count {
@@ -219,7 +223,7 @@ impl ScanSpace {
         }
     }
 
-    /// Lets the children of a node wait, the nearest in front.
+    /// Puts the children of a node on the stack, the nearest on top.
     #[inline(always)]
     fn enter<L: Lanes>(&mut self, l: L, tree: &Tree, child: Child, beam: &Beam<L::F>) {
         let node = &tree.nodes[child.first as usize];

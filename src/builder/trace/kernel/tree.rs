@@ -1,11 +1,13 @@
-//! The bounding volume hierarchy. In: a mesh. Out: pairs of boxes to walk and triangles in the tree's order.
+//! Bounding volume hierarchy. In: a mesh. Out: nodes of boxes to traverse, and triangles in the
+//! tree's order.
 //!
-//! obvhs builds the tree (preset "slow": spatial splits; a scene is traced often and built once; leaves are collapsed less
-//! than it would, 5 % faster for packets). Three levels of its binary nodes become one node of eight children, with boxes padded for
-//! rounding, so that one instruction of sixteen lanes meets a plane of every box on either side.
+//! obvhs builds the tree (preset "slow", with spatial splits, because a scene is built once and
+//! traced often; leaves are collapsed less than the preset does, 5 % faster for packets). Three
+//! levels of its binary nodes become one node of eight children, with boxes padded for rounding, so
+//! that one instruction of sixteen lanes tests a plane of every box on either side.
 //!
-//! What improves a tree takes time that grows faster than the tree, so a large scene is cut into blocks with trees of their own, below a
-//! small tree of blocks.
+//! The time to improve a tree grows faster than the tree, so a large scene is cut into blocks with
+//! trees of their own, below a small tree of blocks.
 
 use std::time::Duration;
 
@@ -23,45 +25,47 @@ use crate::trace::kernel::triangle::EdgeTriangle;
 use heliotile_core::site::cells::FaceTag;
 use heliotile_scene::mesh::Mesh;
 
-/// Boxes grow by this share of the largest coordinate: measured to close all leaks at vertices. A triangle that a ray meets is so always
-/// reached, and what a ray meets does not depend on how the scene around it is cut into boxes.
+/// Padding of boxes, as a share of the largest coordinate: measured to close all leaks at vertices.
+/// So every triangle that a ray hits is reached, and hits do not depend on how the scene is cut
+/// into boxes.
 const BOX_PAD: f32 = 1e-6;
 
-/// Triangles of a block at most.
+/// Largest number of triangles of a block.
 const BLOCK: usize = 1 << 16;
 
-/// Children of a node.
+/// Number of children of a node.
 pub const WIDTH: usize = 8;
 
-/// A child: triangles `first .. first + count` of a leaf, or node `first` where `count` is 0.
+/// Child of a node: triangles `first .. first + count` of a leaf, or node `first` if `count` is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Child {
     pub first: u32,
     pub count: u32,
 }
 
-/// Up to eight children and their boxes: four cache lines.
+/// Node of up to eight children and their boxes: four cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Node {
-    /// `[axis][side][child]`: lower ends (side 0) and upper ends with their sign turned (side 1), so that both sides read alike
-    /// from where a ray enters. Boxes of children that are not there are inside out.
+    /// `[axis][side][child]`: lower ends (side 0) and upper ends with their sign reversed (side 1),
+    /// so that the sides at which rays enter and leave are treated alike. Boxes of absent children
+    /// are inverted.
     pub planes: [[[f32; WIDTH]; 2]; 3],
     pub child: [Child; WIDTH],
 }
 
-/// A scene's tree.
+/// Tree of a scene.
 pub struct Tree {
-    /// The first one is the root.
+    /// Nodes; the first one is the root.
     pub nodes: Vec<Node>,
-    /// In the tree's order.
+    /// Triangles in the tree's order.
     pub triangles: Vec<EdgeTriangle>,
-    /// What cells ask of each of these triangles.
+    /// Tags of these triangles, by which cells select them.
     tags: Vec<FaceTag>,
 }
 
 impl Tree {
-    /// Of some triangles of a mesh, which keep their indices.
+    /// Builds the tree of some triangles of a mesh, which keep their indices.
     pub fn new(mesh: &Mesh, ids: &[u32]) -> Self {
         let (low, high) = mesh.bounds();
         let pad = low.abs().max(high.abs()).max_element() as f32 * BOX_PAD;
@@ -91,7 +95,7 @@ impl Tree {
                 moved
             }));
         }
-        // Leaves of the tree above hold one block each.
+        // Leaves of the upper tree hold one block each.
         for child in tree.nodes.iter_mut().take(above).flat_map(|node| &mut node.child).filter(|child| child.count > 0)
         {
             *child = Child { first: roots[order[child.first as usize] as usize], count: 0 };
@@ -99,7 +103,7 @@ impl Tree {
         tree
     }
 
-    /// Of one block's triangles, and the box about them.
+    /// Builds the tree of one block's triangles, and returns the box around them.
     fn of_block(mesh: &Mesh, ids: &[u32], pad: f32) -> (Self, Aabb) {
         let corners_of = |id: u32| mesh.triangle_points(id as usize).map(|p| p.as_vec3().to_array());
         let boxed = ids.iter().map(|&id| {
@@ -116,7 +120,7 @@ impl Tree {
         (Tree { nodes: widened(&bvh, pad), triangles, tags }, bounds)
     }
 
-    /// Asks for the memory of a child that will be visited.
+    /// Prefetches the memory of a child that will be visited.
     #[inline(always)]
     pub fn fetch(&self, child: Child) {
         let first = child.first as usize;
@@ -133,8 +137,9 @@ impl Tree {
         }
     }
 
-    /// Mesh indices of all `wanted` triangles whose own box touches the given one, ascending. Their tags are asked first: a coarse cell has most of
-    /// a large scene in its box.
+    /// Returns the mesh indices of all `wanted` triangles whose own box touches the given one,
+    /// ascending. Tags are tested first, because a coarse cell has most of a large scene in its
+    /// box.
     pub fn triangles_near(&self, low: DVec3, high: DVec3, wanted: impl Fn(FaceTag) -> bool) -> Vec<u32> {
         let touches = |t: &EdgeTriangle| {
             let [a, b, c] = t.corners;
@@ -168,7 +173,8 @@ impl Tree {
     }
 }
 
-/// Cuts triangles at the middle of those along the longest axis of their centres, until parts are small; each part in ascending order.
+/// Cuts triangles at the median along the longest axis of their centres until the parts are small.
+/// Each part is in ascending order.
 fn blocks(mesh: &Mesh, ids: &[u32]) -> Vec<Vec<u32>> {
     let centre = |id: u32| mesh.triangle_points(id as usize).into_iter().sum::<DVec3>();
     let mut done = Vec::new();
@@ -182,7 +188,7 @@ fn blocks(mesh: &Mesh, ids: &[u32]) -> Vec<Vec<u32>> {
         let ends = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let (low, high) = part.iter().map(|id| centre(*id)).fold(ends, |(low, high), c| (low.min(c), high.max(c)));
         let axis = (high - low).max_position();
-        // Made once: comparisons are many more than triangles.
+        // Keys are made once, because there are many more comparisons than triangles.
         let mut keys: Vec<(f64, u32)> = part.iter().map(|id| (centre(*id)[axis], *id)).collect();
         let middle = keys.len() / 2;
         keys.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -192,12 +198,13 @@ fn blocks(mesh: &Mesh, ids: &[u32]) -> Vec<Vec<u32>> {
     done
 }
 
-/// Nodes in depth-first order: of each binary node the descendants that a ray is likeliest to meet become its children.
+/// Returns nodes of eight children in depth-first order. The descendants of a binary node that a
+/// ray is likeliest to hit become its children.
 fn widened(bvh: &Bvh2, pad: f32) -> Vec<Node> {
     let pad = Vec3A::splat(pad);
     let none = [[f32::INFINITY; WIDTH]; 2];
     let mut nodes = Vec::with_capacity(bvh.nodes.len() / 4 + 1);
-    // Binary nodes still to be placed, and where their place is to be noted.
+    // Binary nodes still to be placed, and the parent slot that refers to each.
     let mut waiting: Vec<(usize, Option<(usize, usize)>)> = vec![(0, None)];
     while let Some((index, parent)) = waiting.pop() {
         let place = nodes.len();

@@ -1,7 +1,9 @@
-//! One packet's walk through the tree, a step at a time. In: a packet. Out: which lanes met something, where and what.
+//! Walk of one packet through the tree, step by step. In: a packet. Out: the lanes that hit
+//! something, with distances and triangles.
 //!
-//! At a node, a beam around the packet meets all eight boxes at once; the boxes that are left are met lane by lane, so that each
-//! child waits for its own lanes only. Where no more than two lanes are left the beam is drawn around these.
+//! At a node, a beam around the packet tests all eight boxes at once. The boxes that remain are
+//! tested lane by lane, so that each child only waits for the lanes that enter it. If no more than
+//! two lanes remain, the beam is drawn around these.
 
 use crate::trace::kernel::beam::Beam;
 use crate::trace::kernel::lanes::{F32x16, LANES, Lanes};
@@ -9,7 +11,7 @@ use crate::trace::kernel::packet::{FAR_PAD, Packet};
 use crate::trace::kernel::planes::{PacketRays, bits, intersect};
 use crate::trace::kernel::tree::{Child, Node, Tree, WIDTH};
 
-/// A child that waits for those lanes that met its box.
+/// Child that waits for the lanes that enter its box.
 #[derive(Clone, Copy)]
 pub struct Waiting {
     child: Child,
@@ -19,9 +21,9 @@ pub struct Waiting {
 /// Children that wait, the next one last.
 pub type Stack = Vec<Waiting>;
 
-/// Where lanes enter a box at the earliest, which child it is, and which lanes: bits 32 to 63, 16 to 18 and 0 to 15. One number,
-/// because fields that are written apart and read together cost more than all arithmetic on them. Distances are not
-/// negative, so entries sort as numbers do.
+/// Least entry distance into a box, number of the child, and lanes: bits 32 to 63, 16 to 18 and 0
+/// to 15. It is one number because fields that are written apart and read together cost more than
+/// all arithmetic on them. Distances are not negative, so entries sort as numbers do.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry(u64);
 
@@ -44,33 +46,33 @@ impl Entry {
     }
 }
 
-/// A packet on its way.
+/// Packet on its way through the tree.
 pub struct Walk<'a, F> {
     pub packet: &'a Packet,
     rays: PacketRays<F>,
     inverse: [F32x16; 3],
     beam: Beam<F>,
     backwards: [bool; 3],
-    /// Serves one packet after the other.
+    /// Stack, reused for one packet after the other.
     pub stack: Stack,
-    /// Lanes that met something.
+    /// Lanes that hit something.
     pub met: u16,
-    /// Distance beyond which a lane is not interested; -1 for lanes that are done.
+    /// Distance beyond which hits of a lane do not count; -1 for lanes that are done.
     pub limit: F,
-    /// The largest limit.
+    /// Largest limit of all lanes.
     reach: f32,
-    /// Mesh triangles of lanes that met something.
+    /// Mesh triangles of the lanes that hit something.
     pub triangle: [u32; LANES],
 }
 
 impl<'a, F: Copy> Walk<'a, F> {
-    /// The next packet, at the root.
+    /// Starts with the next packet, at the root.
     #[inline(always)]
     pub fn restart<L: Lanes<F = F>>(&mut self, l: L, packet: &'a Packet) {
         *self = Walk::new(l, packet, std::mem::take(&mut self.stack));
     }
 
-    /// A packet at the root.
+    /// Starts with a packet at the root.
     #[inline(always)]
     pub fn new<L: Lanes<F = F>>(l: L, packet: &'a Packet, mut stack: Stack) -> Self {
         let [x, y, z] = &packet.origin;
@@ -94,8 +96,8 @@ impl<'a, F: Copy> Walk<'a, F> {
         }
     }
 
-    /// Visits the nearest child that waits; false at the end. `ANY` stops a lane at its first hit, `SHARED` says that all rays
-    /// start at one point.
+    /// Visits the nearest child that waits, and returns false at the end. `ANY` stops a lane at its
+    /// first hit; `SHARED` means that all rays start at one point.
     #[inline(always)]
     pub fn step<L: Lanes<F = F>, const ANY: bool, const SHARED: bool>(&mut self, l: L, tree: &Tree) -> bool {
         let (child, lanes) = loop {
@@ -120,7 +122,7 @@ impl<'a, F: Copy> Walk<'a, F> {
         !ANY || self.met != self.packet.active
     }
 
-    /// Notes nearer hits; among equal distances the triangle with the lower index.
+    /// Keeps nearer hits. Among equal distances the triangle with the lower index counts.
     #[inline(always)]
     fn keep<L: Lanes<F = F>>(&mut self, l: L, hit: u16, t: F, id: u32) {
         let mut better = hit & l.less(t, self.limit);
@@ -136,7 +138,7 @@ impl<'a, F: Copy> Walk<'a, F> {
         self.reach = l.highest(self.limit);
     }
 
-    /// Lets the children of a node wait, the nearest in front.
+    /// Puts the children of a node on the stack, the nearest on top.
     #[inline(always)]
     fn enter<L: Lanes<F = F>>(&mut self, l: L, tree: &Tree, child: Child, lanes: u16) {
         let node = &tree.nodes[child.first as usize];
@@ -152,7 +154,7 @@ impl<'a, F: Copy> Walk<'a, F> {
         let mut count = 0;
         for k in bits(children) {
             let k = k % WIDTH;
-            // One lane is a beam of its own.
+            // A beam of one lane is exact.
             let lanes = if others == 0 { lanes } else { lanes & self.meets(l, node, k) };
             if lanes != 0 {
                 tree.fetch(node.child[k]);
@@ -169,7 +171,7 @@ impl<'a, F: Copy> Walk<'a, F> {
         self.stack.extend(entries.iter().take(count).map(|&entry| Waiting { child: node.child[entry.child()], entry }));
     }
 
-    /// Lanes that enter the box of a child before their limit.
+    /// Returns the lanes that enter the box of a child before their limit.
     #[inline(always)]
     fn meets<L: Lanes<F = F>>(&self, l: L, node: &Node, child: usize) -> u16 {
         let mut near = l.splat(0.0);
@@ -185,7 +187,7 @@ impl<'a, F: Copy> Walk<'a, F> {
     }
 }
 
-/// [`packet::inverse`] in lanes.
+/// Does the work of [`packet::inverse`] in lanes.
 #[inline(always)]
 fn inverses<L: Lanes>(l: L, d: L::F) -> L::F {
     let tiny = l.less(l.abs(d), l.splat(1e-20));
