@@ -29,7 +29,7 @@
 //!   which receiver saw it first: equal inputs give equal bytes, and parts of a site fit together.
 //! - After a failed sync nothing more is written.
 //!
-//! # Ten words
+//! # Eleven words
 //!
 //! - **prepared scene**: a scene with its bounding volume hierarchy, mirrors and canopies.
 //! - **packet**: sixteen rays that traverse the hierarchy together.
