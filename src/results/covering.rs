@@ -491,7 +491,7 @@ pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> String {
     };
     for kind in SurfaceKind::ALL {
         let of_kind = || covered.chosen.iter().filter(|c| covered.surfaces.list[c.surface].kind == kind);
-        // An empty sum is -0.0.
+        // Adding 0.0 turns the -0.0 of an empty sum into 0.
         let area: f64 = of_kind().map(|c| covered.surfaces.list[c.surface].area_m2).sum::<f64>() + 0.0;
         let pieces = || {
             of_kind()

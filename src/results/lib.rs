@@ -6,27 +6,27 @@
 //! | room | what it holds |
 //! | --- | --- |
 //! | `request` | [`QueryRequest`], [`ReplayRequest`], [`LightChoice`]: what a user asks for |
-//! | `archives`, `receivers` | one archive or those of an atlas, and the selection of their receivers |
+//! | `archives`, `receivers` | one archive or those of an atlas, and their chosen receivers |
 //! | `bands` | [`BandChoice`]: light by band, in columns that follow those of all light |
 //! | `own_skies` | [`SkyFiles`]: skies and clouds from files, put into conditions |
 //! | `series` | conditions with labels, and coarser periods of them |
-//! | `stream` | [`TileStream`], the one place that sets up a replay, and [`TileSink`], which takes its tiles |
+//! | `stream` | [`TileStream`], the only setup of replays; [`TileSink`] takes the tiles |
 //! | `files` | [`FileRequest`]: tables, maps, charts, city models and Honeybee folders as sinks |
 //! | `compare` | [`CompareRequest`]: the light that a change of a site adds or takes |
-//! | `buildings`, `places`, `factors` | solar cadastre, best places of modules, factors by position of the sun |
-//! | `checks` | [`AuditRequest`] checks the accuracy of an archive; [`RepairRequest`] repairs a damaged one |
+//! | `buildings`, `places`, `factors` | cadastre, places of modules, factors by sun position |
+//! | `checks` | [`AuditRequest`]: accuracy of an archive; [`RepairRequest`]: repair of an archive |
 //! | [`covering`] | receivers on a scene's surfaces, and the table of these receivers |
-//! | [`site_archive`] | the archive of a scene's receivers in a folder: the existing one, or a new one |
+//! | [`site_archive`] | archive of a scene's receivers in a folder, existing or new |
 //! | [`pv`] | light on solar modules, and their best orientation |
 //! | [`run`] | from scene files to a folder of a year's results in one go |
 //! | `sky_components` | light of an overcast sky in percent of open ground |
 //! | `comfort` | thermal comfort of people: [`ComfortRequest`], [`ComfortSiteRequest`] |
-//! | `sunlight` | [`SunlightRequest`]: hours of possible sun, glare from mirrors, and rules about either |
+//! | `sunlight` | [`SunlightRequest`]: hours of possible sun, glare, and rules about either |
 //! | `tradeoff` | [`TradeoffRequest`]: cost of accuracy on a site |
 //! | `update` | [`UpdateRequest`]: an archive after edits of its scene |
-//! | `viewer` | [`PageRequest`], [`open_after`]: an HTML file that shows one archive, or two side by side |
+//! | `viewer` | [`PageRequest`], [`open_after`]: HTML file with one archive, or two compared |
 //! | [`horizon`], `doubts` | warnings that a user should know before results are used |
-//! | [`outputs`] | writers of tables, maps, pictures and foreign formats, with one model of columns |
+//! | [`outputs`] | writers of tables, maps, pictures and foreign formats |
 //!
 //! # What never happens
 //!

@@ -141,6 +141,8 @@ pub fn build_or_reuse(
 ) -> Result<Archive> {
     fs::create_dir_all(asked.folder).map_err(Error::io(asked.folder, "create"))?;
     let before = asked.from.map(|from| open_archive(from, Access::Read)).transpose()?;
+    // The new table waits beside the one in the folder, which is replaced only if nothing is
+    // refused.
     let planned = match covered {
         Some(covered) => Some(PlannedReceivers::write(covered, asked)?),
         None => None,

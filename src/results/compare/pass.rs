@@ -60,6 +60,7 @@ impl CompareRequest {
             memory_bytes: stream.resources.memory.length(Use::ComparedValues) / self.after.len().max(1),
         };
         let (mut variants, mut opened) = (Vec::new(), Vec::new());
+        // Archives after are replayed first: receivers before without a match need no replay then.
         for (place, name) in self.after.iter().zip(names(&self.after)) {
             let sources = open(place)?;
             doubts::tell(before.archives, before.place, sources.borrowed(), place, stream.resources.observer)?;

@@ -1,5 +1,5 @@
-//! Maps of results. In: a stream, groups of its receivers. Out: a map that waits for values.
-//! Whether a map can be drawn is checked before anything is computed.
+//! Maps of results. In: a stream, groups of its receivers. Out: a map that waits for values. A map
+//! that cannot be drawn is refused before anything is computed.
 
 use std::path::Path;
 
