@@ -279,8 +279,8 @@ impl ComfortChoice {
         PetPerson { posture, ..PetPerson::VDI_3787 }
     }
 
-    /// Returns the surfaces that a plane sees; requested emissivities and absorptances replace those
-    /// of the materials.
+    /// Returns the surfaces that a plane sees; requested emissivities and absorptances replace
+    /// those of the materials.
     pub(super) fn over(&self, seen: SeenSurfaces) -> SeenSurfaces {
         let over = |class, mean: Option<SurfaceMean>| mean.map(|mean| self.over_mean(class, mean));
         SeenSurfaces {
