@@ -1,4 +1,5 @@
-//! Receivers along lines, looking in the direction of travel. In: a scene, a file of lines. Out: the table that builds read.
+//! Receivers along lines, each looking in the direction of travel. In: a scene, a file of lines.
+//! Out: the table of receivers that builds read.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -17,35 +18,36 @@ use heliotile_scene::covering::cover::MOST_POINTS;
 use heliotile_scene::covering::lines::{TravelLine, TravelPoint, read_lines};
 use heliotile_scene::site::Site;
 
-/// Receivers along lines.
+/// Request for receivers along lines of travel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlongRequest {
-    /// CSV file of the lines: columns `x` and `y`, `z` and `line` if there are.
+    /// CSV file of the lines: columns `x` and `y`, and optionally `z` and `line`.
     pub lines: PathBuf,
-    /// Distance between receivers.
+    /// Distance between receivers, metres.
     pub spacing_m: f64,
-    /// Height of eyes above the road.
+    /// Height of eyes above the road, metres.
     pub height_m: f64,
-    /// Whether people travel back as well.
+    /// True if people also travel back along each line.
     pub both_ways: bool,
 }
 
-/// A receiver that looks ahead.
+/// Receiver at eye height that looks in the direction of travel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EyePoint {
-    /// Name of the line with a number.
+    /// Name of the receiver: the name of its line with a number.
     pub name: String,
-    /// Input coordinates.
+    /// Position in input coordinates.
     pub position: DVec3,
-    /// The direction of travel.
+    /// Direction of travel.
     pub ahead: DVec3,
 }
 
-/// Ending of the names of lines that go back.
+/// Ending of the name of a line that is travelled backwards.
 const BACK: &str = "-back";
 
 impl AlongRequest {
-    /// The receivers of a site. An error: numbers out of range, lines that cannot be read, no ground below a point.
+    /// Returns the receivers on the scene of `site`. Errors: numbers out of range, lines that
+    /// cannot be read, no ground below a point.
     pub fn points(&self, site: &Site, observer: &dyn Observer) -> Result<Vec<EyePoint>> {
         for (field, metres) in [("spacing", self.spacing_m), ("eye_height", self.height_m)] {
             if !(0.001..=10_000.0).contains(&metres) {
@@ -63,6 +65,7 @@ impl AlongRequest {
         let prepared = PreparedScene::new(&scene)?;
         let siting = Siting::new(&prepared);
         let mesh = &scene.mesh;
+        // Points without a z get the ground below them; the search starts above all of the scene.
         let highest_m = mesh.origin.z + mesh.bounds().1.z;
         let back = |line: &TravelLine| line.back(format!("{}{BACK}", line.name));
         let all = lines.iter().flat_map(|line| [Some(line.clone()), self.both_ways.then(|| back(line))]).flatten();
@@ -86,7 +89,7 @@ impl AlongRequest {
     }
 }
 
-/// Writes a table of them; `-` is the standard output.
+/// Writes `points` as a table of receivers to `path`; `-` is the standard output.
 pub fn write_points(path: &Path, points: &[EyePoint]) -> Result<()> {
     let mut table = ReceiverTable::create(path, false)?;
     for EyePoint { name, position, ahead } in points {

@@ -1,4 +1,5 @@
-//! The archives that results are made of. In: archives that are open. Out: one, or several of one scene's settings and place.
+//! Archives that results come from. In: open archives. Out: one archive, or several that share a
+//! scene's settings and place.
 
 use std::path::Path;
 
@@ -6,13 +7,13 @@ use crate::outputs::provenance::Provenance;
 use heliotile_core::archive::{Archive, Manifest, format};
 use heliotile_core::error::{Error, Result};
 
-/// Opened archives, at least one.
+/// Opened archives that are owned, at least one.
 pub struct Sources {
     first: Archive,
     others: Vec<Archive>,
 }
 
-/// Archives that others hold, at least one.
+/// Borrowed archives, at least one.
 #[derive(Clone, Copy)]
 pub struct Archives<'a> {
     first: &'a Archive,
@@ -20,7 +21,8 @@ pub struct Archives<'a> {
 }
 
 impl Sources {
-    /// Archives in the order of results. An error: none (`none` says so), or some that cannot stand in one table.
+    /// Returns `archives` in the order of results. Errors: no archive (`none` makes the error), or
+    /// archives that cannot share one table.
     pub fn of(archives: Vec<Archive>, none: impl FnOnce() -> Error) -> Result<Self> {
         let mut archives = archives.into_iter();
         let first = archives.next().ok_or_else(none)?;
@@ -29,12 +31,12 @@ impl Sources {
         Ok(Sources { first, others })
     }
 
-    /// All of them.
+    /// Returns all archives, in the order of results.
     pub fn into_archives(self) -> impl Iterator<Item = Archive> {
         std::iter::once(self.first).chain(self.others)
     }
 
-    /// To be asked.
+    /// Returns the archives borrowed.
     pub fn borrowed(&self) -> Archives<'_> {
         Archives { first: &self.first, others: &self.others }
     }
@@ -47,32 +49,33 @@ impl From<Archive> for Sources {
 }
 
 impl<'a> Archives<'a> {
-    /// One archive by itself.
+    /// Returns one archive by itself.
     pub fn one(archive: &'a Archive) -> Self {
         Archives { first: archive, others: &[] }
     }
 
-    /// All of them, in the order of results.
+    /// Returns all archives, in the order of results.
     pub fn iter(self) -> impl Iterator<Item = &'a Archive> {
         std::iter::once(self.first).chain(self.others)
     }
 
-    /// What all of them state: place, settings. What each states of its own is that of the first.
+    /// Returns the first archive's manifest. Place and settings in it hold for all archives; all
+    /// else holds for the first only.
     pub fn manifest(self) -> &'a Manifest {
         self.first.manifest()
     }
 
-    /// If it is one.
+    /// Returns the archive if there is exactly one.
     pub fn only(self) -> Option<&'a Archive> {
         self.others.is_empty().then_some(self.first)
     }
 
-    /// The first one.
+    /// Returns the first archive.
     pub fn first(self) -> &'a Archive {
         self.first
     }
 
-    /// The root of the archive, or one for those of the parts of an atlas.
+    /// Returns the root of the only archive, or one root made of the roots of an atlas's parts.
     pub fn root(self) -> String {
         match self.only() {
             Some(archive) => format::hex(&archive.root()),
@@ -80,7 +83,8 @@ impl<'a> Archives<'a> {
         }
     }
 
-    /// What is known of results, with the archive at a place, or the atlas there and the roots of its parts in their order.
+    /// Adds the sources to `about`: the archive at `place`, or the atlas at `place` and the roots
+    /// of its parts in their order.
     pub fn told_in(self, about: Provenance, place: &Path) -> Provenance {
         match self.only() {
             Some(archive) => about.with_archive(place, archive),
@@ -89,7 +93,8 @@ impl<'a> Archives<'a> {
     }
 }
 
-/// Refuses parts that cannot stand in one table.
+/// Checks that two archives can share one table: equal settings, and a known place in both or in
+/// neither.
 fn check_fit(first: &Archive, other: &Archive) -> Result<()> {
     let [a, b] = [first, other].map(Archive::manifest);
     let what = match () {

@@ -1,4 +1,5 @@
-//! Bands of light that are asked for. In: names of bands, files of one's own. Out: their columns, and what is doubtful about an archive in them.
+//! Bands of light in a request. In: names of bands, files of custom bands. Out: their columns, and
+//! doubts about an archive in these bands.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -14,18 +15,18 @@ use heliotile_core::site::bands::{Band, SourceScale};
 use heliotile_core::site::material::Material;
 use heliotile_scene::line_of_offset;
 
-/// What a file of bands may hold.
+/// Hint that says what a file of bands may hold.
 const KEYS: &str = "give tables [[band]] with a `name`, the shares `sun` and `sky` (0 to 1) and, if they are not those for all light, the band \
                     whose reflectances count as `optics` (uv, visible, par or nir); `partition = true` above them says that they are all of the \
                     light";
 
-/// How far from 1 the shares of a partition may add up: a share is stated to four digits.
+/// Allowed distance from 1 of the sum of a partition's shares: a share is stated to four digits.
 const PARTITION_SLACK: f64 = 0.002;
 
-/// Materials that a note names.
+/// Largest number of materials that a note names.
 const NAMED: usize = 3;
 
-/// Bands by their names, and files of bands of one's own.
+/// Bands by their names, and files of custom bands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BandChoice {
     bands: Vec<Band>,
@@ -33,7 +34,7 @@ pub struct BandChoice {
 }
 
 impl BandChoice {
-    /// What it can be, for help.
+    /// Returns the help text that says which values are possible.
     pub fn described() -> String {
         let names: Vec<&str> = Band::ALL.into_iter().map(Band::name).collect();
         format!(
@@ -42,12 +43,12 @@ impl BandChoice {
         )
     }
 
-    /// The files.
+    /// Returns the files of custom bands.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.files.iter().map(PathBuf::as_path)
     }
 
-    /// The bands, with those of files, whose bytes `files` gives.
+    /// Returns the bands by name and those of the files; `files` gives the bytes of a file.
     pub fn read(&self, files: &dyn Fn(&Path) -> Result<Vec<u8>>) -> Result<BandList> {
         let mut own: Vec<OwnBand> = Vec::new();
         for path in &self.files {
@@ -68,7 +69,7 @@ impl BandChoice {
     }
 }
 
-/// `visible,par` or `visible,own.toml`.
+/// Parses lists such as `visible,par` or `visible,own.toml`.
 impl FromStr for BandChoice {
     type Err = String;
 
@@ -95,31 +96,32 @@ impl FromStr for BandChoice {
     }
 }
 
-/// Columns of bands, and what bands of one's own are.
+/// Columns of bands, and the definitions of custom bands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BandList {
-    /// Columns that stand behind the others.
+    /// Columns that follow the columns of all light.
     pub columns: Vec<Component>,
-    /// Bands of one's own, in the order of [`Component::OWN`] and at most as many.
+    /// Custom bands, in the order of [`Component::OWN`] and at most as many.
     pub own: Vec<OwnBand>,
-    /// Files that these were read from.
+    /// Files that the custom bands were read from.
     pub files: Vec<PathBuf>,
 }
 
 impl BandList {
-    /// The columns of bands, none of them one's own.
+    /// Returns the columns of bands by name, without custom bands.
     pub fn of(bands: &[Band]) -> Self {
         let columns = bands.iter().flat_map(|band| columns_of(*band)).copied().collect();
         BandList { columns, ..BandList::default() }
     }
 
-    /// What results call the columns of bands of one's own.
+    /// Returns the names of the columns of custom bands in results.
     pub fn own_names(&self) -> Vec<String> {
         self.own.iter().map(|band| format!("total_{}", band.name)).collect()
     }
 
-    /// What a user should know of archives whose columns of bands are asked for: no material states values by band, or what follows from some is
-    /// no share of the light.
+    /// Returns what a user should know about archives whose columns of bands are requested: no
+    /// material states values by band, or the light that a material gives back in a band, by its
+    /// other values, is not a share from 0 to 1.
     pub(super) fn doubts(&self, archives: Archives, components: ComponentSet) -> Result<Vec<String>> {
         let optics = |component: Component| {
             let band = Band::ALL.into_iter().find(|band| columns_of(*band).contains(&component));
@@ -153,7 +155,7 @@ impl BandList {
     }
 }
 
-/// A file of bands.
+/// Contents of a file of bands.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BandFile {
@@ -171,7 +173,7 @@ struct StatedBand {
     optics: Option<String>,
 }
 
-/// The bands of a file.
+/// Reads the custom bands of a file's text.
 fn own_bands(path: &Path, text: &str) -> Result<Vec<OwnBand>> {
     let refuse = |offset: Option<usize>, what: String| {
         Error::input(path, offset.map(|offset| line_of_offset(text.as_bytes(), offset)), what, KEYS)
@@ -221,7 +223,8 @@ fn own_bands(path: &Path, text: &str) -> Result<Vec<OwnBand>> {
 mod tests {
     use super::*;
 
-    /// Two names and a file are read, with 6 columns; 5 of 5 wrong lists are refused by what is wrong in them.
+    /// Two names and a file are read and give 6 columns; 5 of 5 wrong lists are refused with a
+    /// message that names the mistake.
     #[test]
     fn choices() {
         let choice: BandChoice = "visible, par,own.toml".parse().expect("bands");
@@ -241,7 +244,8 @@ mod tests {
         }
     }
 
-    /// Ten wrong files are refused by what is wrong in them, eight of them with the line; nine bands are one too many.
+    /// Ten wrong files are refused with a message that names the mistake, eight of them with the
+    /// line; nine bands are one too many.
     #[test]
     fn wrong_files() {
         let read = |text: &str| own_bands(Path::new("own.toml"), text);

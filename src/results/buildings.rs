@@ -1,4 +1,5 @@
-//! What a solar cadastre says of buildings and roof faces. In: a stream of a year's sums. Out: tables of buildings and of roof faces.
+//! Solar cadastre of buildings and roof faces. In: a stream of a year's sums. Out: tables of
+//! buildings and of roof faces.
 
 use std::path::{Path, PathBuf};
 
@@ -15,24 +16,25 @@ use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::text::counted;
 use heliotile_remote::naming::shown;
 
-/// More hours than a year has; of fewer the reader of the weather says so.
+/// Hours that are more than a year's. The reader of the weather warns of fewer hours than a year
+/// has.
 const MORE_THAN_A_YEAR_H: f64 = 8800.0;
 
-/// A solar cadastre.
+/// Request for a solar cadastre.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BuildingsRequest {
     /// Table of buildings; `-`: standard output.
     pub output: PathBuf,
-    /// Table of roof faces.
+    /// Table of roof faces; `None`: not written.
     pub faces: Option<PathBuf>,
-    /// What a place on a roof gets at least that counts as usable, kWh/m2 in the year.
+    /// Least irradiation of a usable place on a roof, kWh/m2 in the year.
     pub threshold_kwh_m2: f64,
-    /// What a region of such places that touch has at least that counts as usable, m2.
+    /// Least area of a usable region, m2. A region is a set of usable places that touch.
     pub least_m2: f64,
 }
 
-/// What a cadastre holds.
+/// Counts of what a cadastre holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuildingsSummary {
     /// Number of buildings.
@@ -48,7 +50,7 @@ impl Default for BuildingsRequest {
 }
 
 impl BuildingsRequest {
-    /// Refuses tables of unknown endings, and such that would replace one of the inputs or one another.
+    /// Refuses tables of unknown endings, and tables that would replace an input or each other.
     pub fn check(&self, inputs: &[&Path]) -> Result<()> {
         let outputs = || [Some(self.output.as_path()), self.faces.as_deref()].into_iter().flatten();
         for output in outputs() {
@@ -61,7 +63,8 @@ impl BuildingsRequest {
         Ok(())
     }
 
-    /// Writes the tables from sums of a year; `place` is that of the archive or of the atlas.
+    /// Writes the tables from the sums of a year; `place` is the path of the archive or of the
+    /// atlas.
     pub fn write(&self, stream: &TileStream, archives: Archives, place: &Path) -> Result<BuildingsSummary> {
         let (series, observer) = (stream.series, stream.resources.observer);
         let hours: f64 =

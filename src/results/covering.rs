@@ -1,5 +1,5 @@
-//! A scene's surfaces covered with receivers. In: a scene with its objects, what is asked for. Out: receivers by surface, those that are buried
-//! among them, and a table of them.
+//! Covers a scene's surfaces with receivers. In: a scene with its objects, a request. Out:
+//! receivers by surface, buried ones included, and a table of the receivers.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -33,37 +33,39 @@ use heliotile_scene::site::Site;
 
 pub use heliotile_scene::covering::cover::Density;
 
-/// Where receivers are put.
+/// Surfaces that get receivers, and the density of the receivers.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CoverRequest {
-    /// Kinds of surfaces, names of materials, or `all`; none: roofs, walls and windows of buildings.
+    /// Kinds of surfaces, names of materials, or `all`; empty: roofs, walls and windows of
+    /// buildings.
     pub on: Vec<String>,
-    /// Types of objects; none: buildings.
+    /// Types of objects; empty: buildings.
     pub types: Vec<String>,
-    /// How many.
+    /// Density of the receivers.
     pub density: Density,
-    /// Distance off their surfaces.
+    /// Distance of receivers off their surfaces, metres.
     pub offset_m: f64,
-    /// Surfaces with less area get none.
+    /// Least area of a surface that gets receivers, m2.
     pub min_area_m2: f64,
-    /// The part of a region whose own receivers are given; there may be none.
+    /// Part of a region to which receivers are limited. It may hold none.
     #[serde(skip)]
     pub within: Option<RegionPart>,
-    /// Whether a scene without any such surface is no error.
+    /// True if a scene without any such surface is no error.
     #[serde(skip)]
     pub may_be_none: bool,
 }
 
-/// Lengths of distances between receivers and off surfaces, metres.
+/// Allowed distances between receivers and off surfaces, metres.
 const LENGTHS_M: RangeInclusive<f64> = 0.001..=10_000.0;
-/// Areas below which a surface gets no receiver, m2.
+/// Allowed areas below which a surface gets no receiver, m2.
 const AREAS_M2: RangeInclusive<f64> = 0.0..=1e9;
-/// Receivers on a surface.
+/// Allowed numbers of receivers on a surface.
 const PER_SURFACE: RangeInclusive<u32> = 1..=1_000_000;
 
 impl Default for CoverRequest {
-    /// A receiver for each 2 m x 2 m of the roofs, walls and windows of buildings, 20 mm off them.
+    /// Returns a receiver for each 2 m x 2 m of the roofs, walls and windows of buildings, 20 mm
+    /// off them.
     fn default() -> Self {
         let (on, types) = (Vec::new(), Vec::new());
         CoverRequest {
@@ -79,7 +81,7 @@ impl Default for CoverRequest {
 }
 
 impl CoverRequest {
-    /// Refuses numbers that are not in range.
+    /// Refuses numbers that are out of range.
     pub fn check(&self) -> Result<()> {
         let length = |name: &str, metres: f64| match LENGTHS_M.contains(&metres) {
             true => Ok(()),
@@ -99,42 +101,43 @@ impl CoverRequest {
     }
 }
 
-/// Surfaces and the receivers on them.
+/// Surfaces of a scene and the receivers on them.
 pub struct PlacedReceivers {
-    /// All of the scene.
+    /// All surfaces of the scene.
     pub surfaces: Surfaces,
-    /// Those of the files.
+    /// Faces of the input files.
     pub faces: Vec<SourceFace>,
-    /// By surface, only those that were asked for.
+    /// Receivers by surface, for the requested surfaces only.
     pub chosen: Vec<ChosenSurface>,
-    /// Surfaces too small for a receiver, and their area in m2.
+    /// Number of surfaces too small for a receiver, and their area in m2.
     pub small: (usize, f64),
-    /// Surfaces that face rooms or the ground, as their file says, and their area in m2.
+    /// Number of surfaces that face rooms or the ground according to their file, and their area in
+    /// m2.
     pub inner: (usize, f64),
-    /// Surfaces of objects that are no buildings, by type, and their area in m2.
+    /// Area in m2 of surfaces of objects that are no buildings, by type of object.
     pub beside: BTreeMap<String, f64>,
 }
 
-/// A surface that was asked for.
+/// Requested surface with its receivers.
 pub struct ChosenSurface {
     /// Index into `Surfaces::list`.
     pub surface: usize,
-    /// What its receivers stand for.
+    /// Piece of the surface that each receiver stands for.
     pub pieces: Vec<Piece>,
-    /// `[piece]`: how its receiver lies.
+    /// `[piece]`: placement of the piece's receiver: free or buried.
     pub placements: Vec<Placement>,
 }
 
-/// Name of a receiver, what it stands for, the surface it is on, and how it lies there.
+/// Name of a receiver, the piece it stands for, the surface it is on, and its placement.
 pub type PlacedRow<'a> = (String, &'a Piece, &'a Surface, Placement);
 
 impl PlacedReceivers {
-    /// Receivers that get light.
+    /// Returns the receivers that get light.
     pub fn free(&self) -> impl Iterator<Item = PlacedRow<'_>> {
         self.all().filter(|row| row.3 == Placement::Free)
     }
 
-    /// Those that are buried, too.
+    /// Returns all receivers, buried ones included.
     pub fn all(&self) -> impl Iterator<Item = PlacedRow<'_>> {
         self.chosen.iter().flat_map(|chosen| {
             let surface = &self.surfaces.list[chosen.surface];
@@ -145,28 +148,30 @@ impl PlacedReceivers {
         })
     }
 
-    /// What a receiver stands for.
+    /// Returns the part of the input model that `piece` stands for.
     pub fn part(&self, piece: &Piece, surface: &Surface) -> ModelPart {
         self.surfaces.part(surface, piece.face, &self.faces)
     }
 
-    /// How many receivers lie so.
+    /// Returns the number of receivers with the placement `wanted`.
     pub fn count(&self, wanted: Placement) -> usize {
         self.chosen.iter().flat_map(|chosen| &chosen.placements).filter(|placement| **placement == wanted).count()
     }
 }
 
-/// Reads a site and covers its surfaces; the part of a region that the site states counts. The observer is told what is odd about the scene.
+/// Reads a site and covers its surfaces. Receivers are limited to the part of a region that the
+/// site states. The observer gets warnings about the scene.
 pub fn cover_site(site: &Site, request: &CoverRequest, observer: &dyn Observer) -> Result<(Scene, PlacedReceivers)> {
     let (scene, soup) = Scene::load_with_objects(site)?;
-    // Before what may fail.
+    // Warnings come first: covering may fail.
     scene.report.tell(observer);
     let asked = CoverRequest { within: site.within, ..request.clone() };
     let covered = cover_scene(&scene, soup, &asked, observer)?;
     Ok((scene, covered))
 }
 
-/// Covers the surfaces that are asked for. An error: names that nothing has, too many receivers, none that gets light.
+/// Covers the requested surfaces. Errors: names that match nothing, too many receivers, no receiver
+/// that gets light.
 pub fn cover_scene(
     scene: &Scene,
     soup: Soup,
@@ -176,7 +181,7 @@ pub fn cover_scene(
     asked.check()?;
     let surfaces = Surfaces::find(&soup, &scene.materials);
     doubts(&soup, &surfaces).iter().for_each(|doubt| observer.warn(doubt));
-    // The rest of the soup goes.
+    // The rest of the soup is dropped to free its memory.
     let Soup { source_faces: faces, .. } = soup;
     let wanted = Wanted::of(asked, &scene.materials, &surfaces)?;
     let density = asked.density;
@@ -238,7 +243,7 @@ pub fn cover_scene(
     Ok(covered)
 }
 
-/// What is odd about the surfaces of a scene, a sentence each.
+/// Returns doubts about the surfaces of a scene, a sentence each.
 pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<String> {
     let mut found = Vec::new();
     if surfaces.contrary_edges > 0 {
@@ -262,7 +267,7 @@ pub fn doubts(soup: &Soup, surfaces: &Surfaces) -> Vec<String> {
     found
 }
 
-/// The refusal of too many receivers, with what would be few enough.
+/// Returns the error for too many receivers, with a density that is low enough.
 fn too_many(density: Density, points: f64, area_m2: f64, of: impl Fn(Density) -> f64) -> Error {
     let area = if area_m2 < 1e6 { format!("{area_m2:.0} m2") } else { format!("{:.1} km2", area_m2 / 1e6) };
     let limit = format!("on {area} of surfaces, and the limit is {:.0} million", MOST_POINTS / 1e6);
@@ -270,7 +275,7 @@ fn too_many(density: Density, points: f64, area_m2: f64, of: impl Fn(Density) ->
     let spacing_m = match density {
         Density::Spacing(metres) => metres,
         Density::PerSurface(count) => {
-            // At least one for each surface.
+            // Each surface gets at least one receiver.
             let fewer = (f64::from(count) * MOST_POINTS / points).floor().max(1.0);
             let what = format!("{count} for each surface are {:.0} million receivers {limit}", points / 1e6);
             let hint = format!("{{per_surface}} {fewer:.0}, or fewer surfaces with {{on}}{unit}");
@@ -292,14 +297,15 @@ fn millions(count: f64) -> String {
     if count < 1e6 { format!("{count:.0}") } else { format!("{:.0} million", count / 1e6) }
 }
 
-/// The least spacing of two digits that is wide enough, metres, and how many receivers it gives.
+/// Returns the least spacing of two digits that is wide enough, in metres, and the number of
+/// receivers it gives.
 fn wide_enough(metres: f64, points: f64, of: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
-    // Areas take most of them, by the square of the spacing.
+    // Large areas take most of the receivers, so the number falls with the square of the spacing.
     let about = metres * (points / MOST_POINTS).sqrt();
     let step = 10_f64.powf(about.log10().floor() - 1.0);
     let first = (about / step).floor();
     (0..1000).find_map(|i| {
-        // Decimal digits, such as 0.35, as they are written.
+        // Rounding keeps decimal digits such as 0.35 as they are written.
         let wider = ((first + f64::from(i)) * step * 1e6).round() / 1e6;
         let count = of(wider);
         (count <= MOST_POINTS).then_some((wider, count))
@@ -311,23 +317,23 @@ fn lie(piece: &Piece, offset_m: f64, scene: &Scene, tracer: &Tracer) -> Placemen
     placement_of(&Viewpoint { position, normal: piece.normal }, offset_m, &scene.mesh, tracer)
 }
 
-/// Surfaces that are asked for.
+/// Requested surfaces, with names resolved.
 struct Wanted {
-    /// Without any, what of a building the sun may reach.
+    /// Kinds of surfaces; if nothing is named, the roofs, walls and windows that the sun may reach.
     kinds: Vec<SurfaceKind>,
-    /// Numbers of materials.
+    /// Indices of materials.
     materials: Vec<u16>,
-    /// Whether it was `all`, what lies in the ground too.
+    /// True if `all` was requested, which includes surfaces in the ground.
     all: bool,
-    /// Whether a material is asked for that this part of the region does not have.
+    /// True if a requested name matches nothing in this part of the region.
     missing: bool,
-    /// Types of objects, in lower case; without any, buildings.
+    /// Types of objects, in lower case; empty: buildings.
     types: Vec<String>,
 }
 
 impl Wanted {
     fn of(asked: &CoverRequest, materials: &[Material], surfaces: &Surfaces) -> Result<Wanted> {
-        // In a part of a region, and on what is added to a scene, what is asked for may be missing.
+        // A part of a region, and what is added to a scene, may lack some requested names.
         let is_part = asked.within.is_some() || asked.may_be_none;
         let types = asked.types.iter().map(|name| name.trim().to_lowercase()).collect();
         let mut wanted = Wanted { kinds: Vec::new(), materials: Vec::new(), all: false, missing: false, types };
@@ -371,21 +377,22 @@ impl Wanted {
         Ok(wanted)
     }
 
-    /// Whether it is a surface that is asked for, of whatever object.
+    /// Returns true if the surface is requested, whatever object it belongs to.
     fn asks(&self, surface: &Surface) -> bool {
         let named = self.materials.contains(&surface.material);
         let reached = self.all || surface.exposed != Some(false);
         let of_kind = match surface.kind {
             kind if !self.kinds.is_empty() || !self.materials.is_empty() || self.missing => self.kinds.contains(&kind),
             SurfaceKind::Roof | SurfaceKind::Wall | SurfaceKind::Window => true,
-            // The floor of a storey that juts out; that of a city model lies on the ground.
+            // This takes the floor of a storey that juts out. The floor of a city model lies on the
+            // ground.
             SurfaceKind::Floor => surface.exposed == Some(true),
             SurfaceKind::Ground | SurfaceKind::Shade => false,
         };
         named || (of_kind && reached)
     }
 
-    /// Whether it would be asked for if its file did not say that no sun reaches it.
+    /// Returns true if the surface would be requested had its file not said that no sun reaches it.
     fn leaves_to_rooms(&self, surface: &Surface) -> bool {
         let of_kind = match surface.kind {
             kind if !self.kinds.is_empty() => self.kinds.contains(&kind),
@@ -394,7 +401,7 @@ impl Wanted {
         surface.exposed == Some(false) && of_kind && !self.asks(surface)
     }
 
-    /// Whether it is one of the objects that are asked for.
+    /// Returns true if the surface's object is requested.
     fn takes_object(&self, surface: &Surface, note: &ObjectNote) -> bool {
         let by_name = self.materials.contains(&surface.material) || surface.kind == SurfaceKind::Ground;
         match self.types.as_slice() {
@@ -404,7 +411,7 @@ impl Wanted {
     }
 }
 
-/// What could be asked for.
+/// Returns the hint that lists the kinds, types and materials of the scene.
 fn choice(materials: &[Material], surfaces: &Surfaces) -> String {
     let mut count: BTreeMap<SurfaceKind, usize> = BTreeMap::new();
     surfaces.list.iter().for_each(|surface| *count.entry(surface.kind).or_default() += 1);
@@ -420,7 +427,7 @@ fn choice(materials: &[Material], surfaces: &Surfaces) -> String {
     format!("there are surfaces of {}; {types}materials are {}", kinds.join(", "), names.join(", "))
 }
 
-/// Refuses a name that is not that of a CSV file: no other file is replaced by a table.
+/// Refuses a name that does not end with `.csv`, so that a table replaces no other kind of file.
 pub fn check_name(path: &Path) -> Result<()> {
     let is_csv = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
     if is_csv || path.exists() && !path.is_file() {
@@ -435,7 +442,7 @@ pub fn save(path: &Path, covered: &PlacedReceivers, offset_m: f64) -> Result<()>
     write(path, covered, covered.free(), offset_m, false)
 }
 
-/// Writes a table of receivers, with a reason where they are buried.
+/// Writes a table of receivers; `with_reason` adds a column that says which ones are buried.
 pub fn write<'a>(
     path: &Path,
     covered: &PlacedReceivers,
@@ -468,7 +475,7 @@ fn reason(placement: Placement) -> &'static str {
     }
 }
 
-/// What was done, by kind of surface.
+/// Returns a summary of the receivers by kind of surface, for the terminal.
 pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> String {
     let [free, hidden, inside] =
         [Placement::Free, Placement::Blocked, Placement::Inside].map(|placement| covered.count(placement));
@@ -484,7 +491,7 @@ pub fn summary(covered: &PlacedReceivers, scene: &Scene) -> String {
     };
     for kind in SurfaceKind::ALL {
         let of_kind = || covered.chosen.iter().filter(|c| covered.surfaces.list[c.surface].kind == kind);
-        // An empty sum is -0.0.
+        // Adding 0.0 turns the -0.0 of an empty sum into 0.
         let area: f64 = of_kind().map(|c| covered.surfaces.list[c.surface].area_m2).sum::<f64>() + 0.0;
         let pieces = || {
             of_kind()

@@ -1,4 +1,5 @@
-//! What a user should know before results are used. In: an archive, weather, what is asked for. Out: sentences, or a refusal.
+//! Doubts that a user should know before results are used. In: an archive, weather, a request. Out:
+//! sentences, or a refusal.
 
 use std::path::Path;
 
@@ -15,7 +16,8 @@ use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::span::Span;
 use heliotile_core::weather::time::years::Years;
 
-/// Refuses a query for longwave irradiance, which conditions say nothing of.
+/// Refuses a query for longwave irradiance: conditions state no temperatures and no infrared
+/// radiation.
 pub fn no_longwave(columns: &ComponentList) -> Result<()> {
     if !columns.set().contains(Component::Longwave) {
         return Ok(());
@@ -27,28 +29,30 @@ pub fn no_longwave(columns: &ComponentList) -> Result<()> {
     })
 }
 
-/// Where effects were left out that bring little under other weather than that of this name.
+/// Returns a warning if the archive leaves out effects that are negligible under a weather other
+/// than `weather`.
 fn left_out(archive: &Archive, weather: Option<&Path>) -> Option<String> {
     let known = archive.manifest().negligible.as_ref()?;
     let other = weather.and_then(Path::file_name).is_none_or(|name| *name != *known.weather);
     other.then(|| format!("{} leaves out {known}; here they may bring more", archive.path().display()))
 }
 
-/// What is odd about an archive whatever is asked of it: it is a preview, or it leaves out effects that bring little under other weather than that
-/// of this name.
+/// Returns warnings about an archive that hold for any request: it is a preview, or it leaves out
+/// effects that are negligible under a weather other than `weather`.
 pub fn of_archive(archive: &Archive, weather: Option<&Path>) -> Vec<String> {
     preview(archive).into_iter().chain(left_out(archive, weather)).collect()
 }
 
-/// What a preview says of itself.
+/// Returns the warning that an archive is a preview, with what the preview states.
 pub fn preview(archive: &Archive) -> Option<String> {
     let known = archive.manifest().preview.as_ref()?;
     Some(format!("{} is a preview: {known}", archive.path().display()))
 }
 
-/// Of a query of an archive that states its ground by month: which mean counts, if nothing sets another.
+/// Returns a note about a query of an archive that states its ground's reflectance by month: the
+/// mean of the year counts. Returns `None` if `changes` sets another reflectance.
 pub fn mean_ground(archive: &Archive, changes: &Changes) -> Result<Option<String>> {
-    // Few archives state one; others are not opened twice.
+    // Few archives state such a ground; the site of the others is not opened a second time.
     let Some(ground) = &archive.manifest().ground else { return Ok(None) };
     let site = OpenSite::of(archive)?;
     if Changeable::of(&site, archive.manifest()).ground.is_none() {
@@ -69,7 +73,8 @@ pub fn mean_ground(archive: &Archive, changes: &Changes) -> Result<Option<String
     )))
 }
 
-/// The rows of weather that are asked for, with the dates that results give them, and a sentence if their labels are odd.
+/// Returns the requested rows of weather with the dates that results give them, and a note if these
+/// dates come from different years.
 pub fn dated_rows(
     weather: &Weather,
     file: &Path,
@@ -99,7 +104,7 @@ pub fn dated_rows(
     Ok((dated, Some(note)))
 }
 
-/// Refuses an archive of another site or coordinate system than one before it.
+/// Refuses `after` if its site or coordinate system differs from that of `before`.
 pub fn check_one_site(before: &Archive, after: &Archive) -> Result<()> {
     let [here, there] = [before, after].map(|archive| archive.manifest().place);
     if Place::is_one_site(here.as_ref(), there.as_ref()) {

@@ -1,4 +1,5 @@
-//! Factors of receivers or groups. In: archives, a grid of suns. Out: name after name, five factors for each sun.
+//! Factors of receivers or groups by position of the sun. In: archives, a grid of suns. Out: five
+//! factors for each sun, name after name.
 
 use std::path::{Path, PathBuf};
 
@@ -16,26 +17,26 @@ use heliotile_core::replay::factors::{PARTS, SunGrid};
 use heliotile_core::replay::run::ReplaySettings;
 use heliotile_core::replay::values::TileValues;
 
-/// What surroundings reflect on receivers over the sun's position, as a table.
+/// Request for a table of the light that surroundings reflect on receivers, by position of the sun.
 #[derive(Clone, Debug)]
 pub struct FactorsRequest {
     /// Table, in a format by the ending of its name; `-`: CSV on standard output.
     pub output: PathBuf,
-    /// What rows are about.
+    /// Subject of a row: a receiver or a group.
     pub by: By,
-    /// From sun to sun, degrees of azimuth: a divisor of 360.
+    /// Step between suns, degrees of azimuth: a divisor of 360.
     pub azimuth_step_deg: f64,
-    /// From sun to sun, degrees of altitude: a divisor of 90.
+    /// Step between suns, degrees of altitude: a divisor of 90.
     pub altitude_step_deg: f64,
 }
 
 impl FactorsRequest {
-    /// Refuses a table of an unknown ending, and one that would replace one of the inputs.
+    /// Refuses a table of an unknown ending, and one that would replace an input.
     pub fn check(&self, inputs: &[&Path]) -> Result<()> {
         check_table(&self.output, inputs)
     }
 
-    /// Writes the table of some receivers.
+    /// Writes the table for `receivers`.
     pub fn write(&self, receivers: &ReceiverSet, about: Provenance, resources: &Resources) -> Result<()> {
         let steps_deg = (self.azimuth_step_deg, self.altitude_step_deg);
         let rows = FactorRows::new(receivers, steps_deg, self.by, resources)?;
@@ -48,7 +49,7 @@ impl FactorsRequest {
     }
 }
 
-/// Factors of receivers, ready to be computed.
+/// Factors of receivers or groups, ready to be computed.
 pub struct FactorRows<'a> {
     receivers: &'a ReceiverSet<'a>,
     grid: SunGrid,
@@ -57,7 +58,8 @@ pub struct FactorRows<'a> {
 }
 
 impl<'a> FactorRows<'a> {
-    /// Of receivers, or of what they are parts of; steps in degrees. An error: steps that divide no circle, groups that do not fit.
+    /// Prepares the factors of receivers or of groups of them; steps in degrees. Errors: steps that
+    /// divide no circle, groups that do not fit.
     pub fn new(
         receivers: &'a ReceiverSet<'a>,
         steps_deg: (f64, f64),
@@ -79,17 +81,18 @@ impl<'a> FactorRows<'a> {
         Ok(FactorRows { receivers, grid, settings, means })
     }
 
-    /// The suns.
+    /// Returns the grid of suns.
     pub fn grid(&self) -> &SunGrid {
         &self.grid
     }
 
-    /// Number of receivers or groups.
+    /// Returns the number of receivers or groups.
     pub fn count(&self) -> u64 {
         self.means.as_ref().map_or(self.receivers.count(), |means| means.groups().names().len() as u64)
     }
 
-    /// Hands on names and their factors, sun by sun, until `each` gives false.
+    /// Computes the factors and hands each name with them, sun by sun, to `each`, until `each`
+    /// returns false.
     pub fn each(
         self,
         observer: &dyn Observer,

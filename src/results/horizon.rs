@@ -1,12 +1,14 @@
-//! What is missing below the horizon. In: the shares of the hemisphere that an archive holds. Out: a sentence, if light is lost there.
+//! Light that is missing below the horizon. In: the view shares of receivers that an archive holds.
+//! Out: a sentence, if light is lost there.
 
 use heliotile_core::archive::format::TileNumber;
 use heliotile_core::archive::{Archive, Blocks, format, tables};
 use heliotile_core::error::Result;
 
-/// Less than this is the rim of the ground and of textures.
+/// Least lost share that is reported. Smaller shares come from the rim of the ground and of
+/// textures.
 const LEAST: f64 = 0.01;
-/// Normals closer to the horizontal than this are of walls (sine of the tilt off the vertical).
+/// Largest vertical part of a wall's normal (sine of the tilt off the vertical).
 const UPRIGHT: f64 = 0.5;
 
 /// Mean shares of the hemisphere, by area, in which receivers meet nothing.
@@ -16,7 +18,7 @@ struct Lost {
     all: Mean,
 }
 
-/// By area, or plain where a receiver has none.
+/// Mean by area, or a plain mean if a receiver has no area.
 #[derive(Default)]
 struct Mean {
     by_area: f64,
@@ -27,7 +29,7 @@ struct Mean {
 }
 
 impl Mean {
-    /// An area of 0 is "not given".
+    /// Adds a value; an area of 0 means "not given".
     fn add(&mut self, value: f64, area_m2: f64) {
         self.is_whole = area_m2 > 0.0 && (self.is_whole || self.receivers == 0.0);
         self.by_area += area_m2 * value;
@@ -42,7 +44,8 @@ impl Mean {
     }
 }
 
-/// Says how much of their hemisphere walls see nothing in, or receivers where there are no walls; `None` where that is next to nothing.
+/// Returns a sentence with the share of their hemisphere in which walls, or receivers if there are
+/// no walls, see nothing; `None` if that share is below 1 %.
 pub fn black_below_horizon(archive: &Archive) -> Result<Option<String>> {
     let mut lost = Lost::default();
     archive.expect_all(format::RECEIVERS);

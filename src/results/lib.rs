@@ -1,38 +1,38 @@
-//! What archives are asked for, and what becomes of the answer. In: archives, requests. Out: tiles of irradiance with their labels, and files
-//! of results.
+//! Requests to archives, and the results they give. In: archives, requests. Out: tiles of
+//! irradiance with their labels, and files of results.
 //!
 //! # Map
 //!
 //! | room | what it holds |
 //! | --- | --- |
 //! | `request` | [`QueryRequest`], [`ReplayRequest`], [`LightChoice`]: what a user asks for |
-//! | `archives`, `receivers` | one archive or those of an atlas, and which of their receivers count |
-//! | `bands` | [`BandChoice`]: light by band, as columns beside those of all light |
-//! | `own_skies` | [`SkyFiles`]: skies and clouds of files, put into conditions |
-//! | `series` | conditions with labels, coarser periods of them |
-//! | `stream` | [`TileStream`], the one place where a replay is set up, and [`TileSink`], what takes its tiles |
-//! | `files` | [`FileRequest`]: tables, maps, charts, city models and folders of Honeybee as sinks |
-//! | `compare` | what a change of a site does to its light: [`CompareRequest`] |
-//! | `buildings`, `places`, `factors` | further questions |
-//! | `checks` | whether archives are what they say: [`AuditRequest`]; how they are made so again: [`RepairRequest`] |
-//! | [`covering`] | a scene's surfaces with receivers on them, and the table of these |
-//! | [`site_archive`] | the archive of a scene's receivers in a folder: the one that is there, or a new one |
-//! | [`pv`] | light on solar modules, their best turns |
+//! | `archives`, `receivers` | one archive or those of an atlas, and their chosen receivers |
+//! | `bands` | [`BandChoice`]: light by band, in columns that follow those of all light |
+//! | `own_skies` | [`SkyFiles`]: skies and clouds from files, put into conditions |
+//! | `series` | conditions with labels, and coarser periods of them |
+//! | `stream` | [`TileStream`], the only setup of replays; [`TileSink`] takes the tiles |
+//! | `files` | [`FileRequest`]: tables, maps, charts, city models and Honeybee folders as sinks |
+//! | `compare` | [`CompareRequest`]: the light that a change of a site adds or takes |
+//! | `buildings`, `places`, `factors` | cadastre, places of modules, factors by sun position |
+//! | `checks` | [`AuditRequest`]: accuracy of an archive; [`RepairRequest`]: repair of an archive |
+//! | [`covering`] | receivers on a scene's surfaces, and the table of these receivers |
+//! | [`site_archive`] | archive of a scene's receivers in a folder, existing or new |
+//! | [`pv`] | light on solar modules, and their best orientation |
 //! | [`run`] | from scene files to a folder of a year's results in one go |
-//! | `sky_components` | what an overcast sky gives beside open ground |
-//! | `comfort` | how warm it is for people: [`ComfortRequest`], [`ComfortSiteRequest`] |
-//! | `sunlight` | hours of possible sun, the sun in mirrors, and rules about either: [`SunlightRequest`] |
-//! | `tradeoff` | what accuracy costs on a site: [`TradeoffRequest`] |
-//! | `update` | an archive after edits of its scene: [`UpdateRequest`] |
-//! | `viewer` | the page that shows an archive, or two beside each other, as a file: [`PageRequest`], [`open_after`] |
-//! | [`horizon`], `doubts` | what a user should know before results are used |
-//! | [`outputs`] | writers: one model of columns for all tables, maps, pictures, models of others |
+//! | `sky_components` | light of an overcast sky in percent of open ground |
+//! | `comfort` | thermal comfort of people: [`ComfortRequest`], [`ComfortSiteRequest`] |
+//! | `sunlight` | [`SunlightRequest`]: hours of possible sun, glare, and rules about either |
+//! | `tradeoff` | [`TradeoffRequest`]: cost of accuracy on a site |
+//! | `update` | [`UpdateRequest`]: an archive after edits of its scene |
+//! | `viewer` | [`PageRequest`], [`open_after`]: HTML file with one archive, or two compared |
+//! | [`horizon`], `doubts` | warnings that a user should know before results are used |
+//! | [`outputs`] | writers of tables, maps, pictures and foreign formats |
 //!
 //! # What never happens
 //!
-//! - Nothing is printed and no command line is known: an [`Observer`](heliotile_core::observer::Observer) is told; errors name fields of
-//!   requests.
-//! - A file is complete, or it is not there at all.
+//! - No code here prints or knows a command line. Messages go to an
+//!   [`Observer`](heliotile_core::observer::Observer); errors name fields of requests.
+//! - No incomplete file is left: a file is complete, or it is not there at all.
 
 pub mod along;
 mod archives;

@@ -1,4 +1,5 @@
-//! The best places of modules on roofs and facades. In: a stream of a year's sums. Out: a table of points that a study of modules takes.
+//! The best places of modules on roofs and facades. In: a stream of a year's sums. Out: a table of
+//! points that a study of modules reads.
 
 use heliotile_core::named::NamedValues;
 use std::path::{Path, PathBuf};
@@ -19,7 +20,7 @@ use heliotile_core::site::north::North;
 use heliotile_core::text::counted;
 use heliotile_core::units::tilt_and_azimuth;
 
-/// Columns of the table.
+/// Returns the columns of the table.
 fn columns() -> Vec<Column> {
     let numbers = ["x", "y", "z", "tilt", "azimuth", "total_kwh_m2", "module_kwh", "sky_view"];
     let numbers = numbers.map(|name| Column::number(name, 3));
@@ -30,36 +31,37 @@ fn columns() -> Vec<Column> {
 /// Surfaces that modules go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlaceOn {
-    /// Surfaces that look up.
+    /// Surfaces that face up.
     Roofs,
-    /// Surfaces that look to the side.
+    /// Surfaces that face sideways.
     Facades,
-    /// Both of them.
+    /// Roofs and facades.
     Both,
 }
 
-/// The best places of modules.
+/// Request for the best places of modules.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlacesRequest {
     /// Table of places; `-`: standard output.
     pub output: PathBuf,
-    /// How many places, the best first.
+    /// Number of places, the best first.
     pub best: usize,
-    /// Width and height of a module, metres: the width is level, the height goes up the surface.
+    /// Width and height of a module, metres. The width is horizontal, the height goes up the
+    /// surface.
     pub module_m: [f64; 2],
-    /// Surfaces to look on.
+    /// Surfaces to search for places.
     pub on: PlaceOn,
     /// Height of places above their surface, metres.
     pub clearance_m: f64,
 }
 
-/// What was found.
+/// Counts of what a search found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlacesSummary {
-    /// Places in the table.
+    /// Number of places in the table.
     pub places: u64,
-    /// Receivers that they were chosen from.
+    /// Number of receivers that the places were chosen from.
     pub receivers: u64,
 }
 
@@ -70,12 +72,13 @@ impl Default for PlacesRequest {
 }
 
 impl PlacesRequest {
-    /// Refuses a table of an unknown ending, and one that would replace one of the inputs.
+    /// Refuses a table of an unknown ending, and one that would replace an input.
     pub fn check(&self, inputs: &[&Path]) -> Result<()> {
         check_table(&self.output, inputs)
     }
 
-    /// Writes the table from sums of a year; `place` is that of the archive or of the atlas.
+    /// Writes the table from the sums of a year; `place` is the path of the archive or of the
+    /// atlas.
     pub fn write(&self, stream: &TileStream, archives: Archives, place: &Path) -> Result<PlacesSummary> {
         let candidates = self.candidates(stream)?;
         if candidates.is_empty() {
@@ -100,7 +103,7 @@ impl PlacesRequest {
         Ok(PlacesSummary { places: best.len() as u64, receivers: candidates.len() as u64 })
     }
 
-    /// Receivers with patches on the surfaces that are asked for, and their sums.
+    /// Returns the receivers with patches on the requested surfaces, and their sums.
     fn candidates(&self, stream: &TileStream) -> Result<Vec<PlaceCandidate>> {
         let mut receivers = stream.receivers.rows::<Shown>();
         let mut candidates = Vec::new();

@@ -1,5 +1,5 @@
-//! Which receivers results are made of: of an archive, or of parts of an atlas one after the other. In: a choice. Out: the tiles to compute,
-//! and which rows of them count.
+//! Receivers that results are computed for, of one archive or of the parts of an atlas one after
+//! the other. In: a choice. Out: the tiles to compute, and the rows of these tiles that count.
 
 use std::path::Path;
 
@@ -15,22 +15,24 @@ use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 
-/// Which receivers are asked for.
+/// Choice of receivers.
 #[derive(Clone, Debug, Default)]
 pub struct ReceiverChoice {
-    /// Some of them; none: all.
+    /// Selection of receivers; `None`: all.
     pub selection: Option<Selection>,
-    /// Whether y is taken for north, whatever the place of the archive says.
+    /// True if the y axis counts as north, whatever the place of the archive says.
     pub grid_north: bool,
 }
 
 impl ReceiverChoice {
-    /// The box that receivers are chosen by, if they are: no part of an atlas beyond it is needed.
+    /// Returns the box that receivers are chosen by, if a box is. Parts of an atlas outside it need
+    /// not be read.
     pub fn within(&self) -> Option<Bounds> {
         if let Some(Selection::Bounds(bounds)) = self.selection { Some(bounds) } else { None }
     }
 
-    /// The receivers of some archives that are asked for; `folder` takes what does not fit into memory.
+    /// Returns the chosen receivers of `archives`; `folder` holds temporary files that do not fit
+    /// into memory.
     pub fn of<'a>(&self, archives: Archives<'a>, folder: &Path, memory: MemoryBudget) -> Result<ReceiverSet<'a>> {
         let site = |archive: &'a Archive| {
             let site = OpenSite::of(archive)?;
@@ -43,34 +45,35 @@ impl ReceiverChoice {
     }
 }
 
-/// Receivers of an archive or of several.
+/// Chosen receivers of one archive or of several.
 pub struct ReceiverSet<'a> {
     parts: Vec<PartReceivers<'a>>,
 }
 
-/// What is chosen of an archive.
+/// Chosen receivers of one archive.
 pub struct PartReceivers<'a> {
-    /// The archive,
+    /// Archive that holds the receivers.
     pub archive: &'a Archive,
-    /// and the same, opened.
+    /// Site of that archive, opened.
     pub site: OpenSite<'a>,
-    /// `[receiver]` of the archive; `None`: all.
+    /// `[receiver]` of the archive: true if it is chosen; `None`: all are.
     kept: Option<Vec<bool>>,
     tiles: Vec<TileReceivers>,
 }
 
-/// A tile with receivers to compute.
+/// Tile with at least one receiver to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TileReceivers {
-    /// Its number in the archive.
+    /// Number of the tile in the archive.
     pub number: u32,
-    /// Place of its first receiver in the archive, and the number of its receivers.
+    /// Index of the tile's first receiver in the archive; `count` is the number of its receivers.
     first: usize,
     count: usize,
 }
 
 impl<'a> ReceiverSet<'a> {
-    /// Those receivers of some archives for which `kept`, in their order, is true; all of them without it.
+    /// Returns the receivers of `archives` for which `kept`, in their order, is true; all of them
+    /// if it is `None`.
     pub fn new(archives: impl Iterator<Item = (&'a Archive, OpenSite<'a>)>, kept: Option<Vec<bool>>) -> Self {
         let mut kept = kept.map(Vec::into_iter);
         let part = |(archive, site): (&'a Archive, OpenSite<'a>)| {
@@ -80,12 +83,12 @@ impl<'a> ReceiverSet<'a> {
         ReceiverSet { parts: archives.map(part).collect() }
     }
 
-    /// All receivers of an archive.
+    /// Returns all receivers of an archive.
     pub fn all_of(archive: &'a Archive) -> Result<Self> {
         Ok(ReceiverSet::new(std::iter::once((archive, OpenSite::of(archive)?)), None))
     }
 
-    /// Those of the chosen receivers for which `wanted`, in their order, is true.
+    /// Returns those of the chosen receivers for which `wanted`, in their order, is true.
     #[must_use]
     pub fn some(&self, wanted: &[bool]) -> ReceiverSet<'a> {
         let mut wanted = wanted.iter();
@@ -97,37 +100,37 @@ impl<'a> ReceiverSet<'a> {
         ReceiverSet { parts: self.parts.iter().map(part).collect() }
     }
 
-    /// What is chosen of each archive.
+    /// Returns the chosen receivers of each archive.
     pub fn parts(&self) -> &[PartReceivers<'a>] {
         &self.parts
     }
 
-    /// Where true north lies, by the first archive.
+    /// Returns the direction of true north, by the first archive.
     pub fn north(&self) -> North {
         self.parts.first().map(|part| part.site.north()).unwrap_or_default()
     }
 
-    /// Number of chosen receivers.
+    /// Returns the number of chosen receivers.
     pub fn count(&self) -> u64 {
         self.parts.iter().map(PartReceivers::count).sum()
     }
 
-    /// The chosen receivers, in the order of results, with some of their layers.
+    /// Returns the chosen receivers, in the order of results, with the layers `L`.
     pub fn rows<L: Layers + 'a>(&'a self) -> impl Iterator<Item = Result<LayeredReceiver<L>>> + 'a {
         self.parts.iter().flat_map(PartReceivers::rows::<L>)
     }
 
-    /// The chosen receivers, in the order of results.
+    /// Returns the chosen receivers, in the order of results.
     pub fn receivers(&'a self) -> impl Iterator<Item = Result<Receiver>> + 'a {
         self.rows::<()>().map(|row| Ok(row?.receiver))
     }
 
-    /// Their names.
+    /// Returns the names of the chosen receivers.
     pub fn names(&'a self) -> Result<Vec<String>> {
         self.receivers().map(|receiver| Ok(receiver?.id)).collect()
     }
 
-    /// The same with their patches.
+    /// Returns the chosen receivers with their patches, in the order of results.
     pub fn shown(&'a self) -> impl Iterator<Item = Result<Receiver>> + 'a {
         self.rows::<Shown>().map(|row| row.map(|row| Receiver { patch: row.layers.patch, ..row.receiver }))
     }
@@ -148,17 +151,17 @@ impl<'a> PartReceivers<'a> {
         PartReceivers { archive, site, kept, tiles }
     }
 
-    /// What of its light may be changed.
+    /// Returns the parts of this archive's light that may be changed.
     pub fn changeable(&self) -> Changeable<'_> {
         Changeable::of(&self.site, self.archive.manifest())
     }
 
-    /// Tiles that hold a chosen receiver, in order.
+    /// Returns the tiles that hold a chosen receiver, in order.
     pub fn tiles(&self) -> &[TileReceivers] {
         &self.tiles
     }
 
-    /// Number of chosen receivers.
+    /// Returns the number of chosen receivers.
     pub fn count(&self) -> u64 {
         match &self.kept {
             Some(kept) => kept.iter().filter(|kept| **kept).count() as u64,
@@ -166,7 +169,7 @@ impl<'a> PartReceivers<'a> {
         }
     }
 
-    /// The chosen receivers, with some of their layers.
+    /// Returns the chosen receivers, with the layers `L`.
     pub fn rows<L: Layers + 'a>(&'a self) -> ArchiveReceivers<'a, L> {
         match &self.kept {
             Some(kept) => ArchiveReceivers::chosen(&self.site, self.archive, kept),
@@ -174,12 +177,12 @@ impl<'a> PartReceivers<'a> {
         }
     }
 
-    /// Whether a row of a tile is among the chosen receivers.
+    /// Returns true if a row of a tile is among the chosen receivers.
     pub fn is_chosen(&self, tile: TileReceivers, row: usize) -> bool {
         self.kept.as_ref().is_none_or(|kept| kept.get(tile.first + row) == Some(&true))
     }
 
-    /// The results of a tile that are asked for.
+    /// Returns the results of a tile, limited to the chosen receivers.
     pub fn results(&self, tile: TileReceivers, ids: Vec<String>, values: TileValues) -> TileResult {
         let Some(kept) = &self.kept else { return (ids, values) };
         let kept = kept.get(tile.first..tile.first + tile.count).unwrap_or_default();

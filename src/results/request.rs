@@ -1,5 +1,6 @@
-//! What is asked of archives: irradiance under conditions ([`QueryRequest`]) or through weather ([`ReplayRequest`]). In: the choices of a user,
-//! whichever way they come. Out: the same as one value, checked once, and the series of conditions that results are made of.
+//! Requests for irradiance under conditions ([`QueryRequest`]) or through weather
+//! ([`ReplayRequest`]). In: the choices of a user, from any front end. Out: these choices as one
+//! value, checked once, and the series of conditions that results are computed for.
 
 use std::path::{Path, PathBuf};
 
@@ -23,22 +24,22 @@ use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::span::{Moment, Span};
 use heliotile_core::weather::temperatures::Temperature;
 
-/// Which light counts, and what it is changed by.
+/// Light that counts, and changes of its reflectances and transmittances.
 #[derive(Clone, Debug)]
 pub struct LightChoice {
-    /// Columns, in the order of results; none: those that the results usually have.
+    /// Columns, in the order of results; `None`: the usual columns of the results.
     pub columns: Option<ComponentList>,
-    /// How the sky's radiance is spread.
+    /// Model of the sky's radiance distribution.
     pub sky: SkyModel,
-    /// Number of sky patches; none: what the archive was built for.
+    /// Number of sky patches; `None`: the number that the archive was built for.
     pub patches: Option<usize>,
     /// Light paths that count.
     pub paths: LightPaths,
     /// Reflectances and transmittances in place of those of the archive.
     pub changes: Changes,
-    /// A sky in place of the model's, and clouds; few requests have any.
+    /// Skies from files in place of the model's, and clouds. Boxed: few requests have any.
     pub sky_files: Box<SkyFiles>,
-    /// Bands whose columns stand behind the others; few requests have any.
+    /// Bands whose columns follow the others. Boxed: few requests have any.
     pub bands: Box<BandList>,
 }
 
@@ -51,43 +52,45 @@ impl Default for LightChoice {
 }
 
 impl LightChoice {
-    /// The columns: the six components and their total, if none are chosen; behind them those of bands.
+    /// Returns the chosen columns, or the six components and their total if none are chosen,
+    /// followed by the columns of bands.
     pub fn columns(&self) -> ComponentList {
         self.columns_or(ComponentList::all())
     }
 
-    /// The columns: `usual` ones if none are chosen; behind them those of bands.
+    /// Returns the chosen columns, or `usual` if none are chosen, followed by the columns of bands.
     pub fn columns_or(&self, usual: ComponentList) -> ComponentList {
         let columns = self.columns.clone().unwrap_or(usual);
         columns.with(&self.bands.columns, self.bands.own_names())
     }
 
-    /// The columns, if any are chosen, be it by a band.
+    /// Returns the columns if any are chosen, by name or by a band.
     pub fn chosen_columns(&self) -> Option<ComponentList> {
         (self.columns.is_some() || !self.bands.columns.is_empty()).then(|| self.columns())
     }
 
-    /// The same light with these columns and no others.
+    /// Returns this light with `columns` and no others.
     #[must_use]
     pub fn only(&self, columns: ComponentList) -> Self {
         let bands = Box::new(BandList { columns: Vec::new(), ..*self.bands.clone() });
         LightChoice { columns: Some(columns), bands, ..self.clone() }
     }
 
-    /// Files that reflectances and transmittances follow, and those of skies, clouds and bands.
+    /// Returns the files that the light depends on: schedules of reflectances and transmittances,
+    /// skies, clouds and bands.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let bands = self.bands.files.iter().map(PathBuf::as_path);
         followed_files(&self.changes.scheduled, &self.changes.transmittance).chain(self.sky_files.files()).chain(bands)
     }
 
-    /// Tells what is doubtful about archives in the bands that are asked for.
+    /// Notes doubts about archives in the requested bands.
     pub(super) fn tell_bands(&self, archives: Archives, observer: &dyn Observer) -> Result<()> {
         let doubts = self.bands.doubts(archives, self.columns().set())?;
         doubts.iter().for_each(|text| observer.note(text));
         Ok(())
     }
 
-    /// Whether results depend on the dew point of the air.
+    /// Returns true if results depend on the dew point of the air.
     fn is_by_humidity(&self) -> bool {
         self.columns().set().contains(Component::Illuminance)
     }
@@ -97,7 +100,7 @@ impl LightChoice {
     }
 }
 
-/// Irradiance under the suns and skies of a table.
+/// Request for irradiance under the suns and skies of a table.
 #[derive(Clone, Debug)]
 pub struct QueryRequest {
     /// Light that counts.
@@ -106,26 +109,27 @@ pub struct QueryRequest {
     pub conditions: PathBuf,
 }
 
-/// Irradiance through a weather file.
+/// Request for irradiance through a weather file.
 #[derive(Clone, Debug)]
 pub struct ReplayRequest {
     /// Light that counts.
     pub light: LightChoice,
     /// Weather file.
     pub weather: PathBuf,
-    /// What is known of the file that it does not state; whether its air is read follows from the columns.
+    /// Facts about the file that it does not state itself. Air is read if the columns need it,
+    /// whatever stands here.
     pub about_weather: WeatherOptions,
-    /// First and last moment that count; none: those of the file.
+    /// First and last moment that count; `None`: the first or last of the file.
     pub span: (Option<Moment>, Option<Moment>),
-    /// The year that all rows are put into; none: those of the file.
+    /// Year that all rows are put into; `None`: the years of the file.
     pub year: Option<i32>,
-    /// Positions of the sun in an interval; none: those that the archive was built for.
+    /// Positions of the sun in an interval; `None`: the number that the archive was built for.
     pub steps: Option<usize>,
-    /// What a row of results stands for.
+    /// Period of a row of results.
     pub every: Every,
-    /// Which moment of its interval a row of means is labelled with.
+    /// Moment of its interval that labels a row of means.
     pub stamp: StampedAt,
-    /// Temperatures of what longwave radiation comes from.
+    /// Temperatures of the surfaces that emit longwave radiation.
     pub temperatures: Vec<Temperature>,
 }
 
@@ -133,7 +137,7 @@ pub struct ReplayRequest {
 pub const MOST_STEPS: usize = 60;
 
 impl QueryRequest {
-    /// Refuses what conditions cannot answer, before any file is read.
+    /// Refuses columns and skies that conditions cannot give, before any file is read.
     pub fn check(&self) -> Result<()> {
         self.light.sky_files.check(self.light.sky)?;
         self.light.columns.as_ref().map_or(Ok(()), no_longwave)
@@ -141,7 +145,8 @@ impl QueryRequest {
 }
 
 impl ReplayRequest {
-    /// A replay of a weather file of which nothing else is said: a row for each of its intervals.
+    /// Returns a replay of a weather file with defaults for all else: a row for each of its
+    /// intervals.
     pub fn of(weather: impl Into<PathBuf>) -> Self {
         ReplayRequest {
             light: LightChoice::default(),
@@ -170,13 +175,14 @@ impl ReplayRequest {
         Ok(())
     }
 
-    /// Files that it reads besides archives.
+    /// Returns the files that the request reads besides archives.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let temperatures = self.temperatures.iter().filter_map(Temperature::file);
         [self.weather.as_path()].into_iter().chain(self.light.files()).chain(temperatures)
     }
 
-    /// Reads the weather; `place` is that of the scene, asked for where the file states none. Tells what is odd about the file.
+    /// Reads the weather and warns of what is odd about the file. `place` is the place of the
+    /// scene, used if the file states none.
     pub fn read_weather(&self, resources: &Resources, place: ScenePlace) -> Result<Weather> {
         let with_air = self.light.is_longwave() || self.light.is_by_humidity();
         let options = WeatherOptions { with_air, ..self.about_weather };
@@ -185,7 +191,8 @@ impl ReplayRequest {
         Ok(weather)
     }
 
-    /// The rows that count, with the dates of results; tells what is odd about these.
+    /// Returns the rows that count, with the dates of results, and reports what is odd about these
+    /// dates.
     pub fn dated(&self, weather: &Weather, observer: &dyn Observer) -> Result<DatedRows> {
         let span = Span::new(self.span.0, self.span.1)?;
         let (dated, years) = dated_rows(weather, &self.weather, &span, self.year, self.every)?;
@@ -194,8 +201,9 @@ impl ReplayRequest {
         Ok(dated)
     }
 
-    /// Tells why this weather and these columns may not fit archives: it is of elsewhere, or lights what they leave out; nothing in them is stated
-    /// by band.
+    /// Warns if this weather and these columns may not fit the archives: the weather is from far
+    /// away, the archive leaves out effects that matter under it, or no material states values by
+    /// band.
     pub fn tell_misfits(&self, archives: Archives, weather: &Weather, observer: &dyn Observer) -> Result<()> {
         let apart = archives.manifest().place.and_then(|place| far_apart(&place, weather));
         let odd = of_archive(archives.first(), Some(&self.weather));
@@ -206,7 +214,8 @@ impl ReplayRequest {
         self.light.tell_bands(archives, observer)
     }
 
-    /// Temperatures of what longwave radiation comes from, if it is asked for.
+    /// Returns the temperatures of the surfaces that emit longwave radiation, if the longwave
+    /// column is requested.
     pub(super) fn longwave(&self) -> Option<&[Temperature]> {
         self.light.is_longwave().then_some(&self.temperatures)
     }

@@ -1,4 +1,4 @@
-//! What a computation may use, and whom it tells.
+//! Resources of a computation: memory, temporary storage, access to files, and the observer.
 
 use heliotile_builder::spill::SystemTemp;
 use heliotile_core::light::scratch::ScratchSpace;
@@ -7,21 +7,22 @@ use heliotile_core::observer::{Observer, Silent};
 use heliotile_core::weather::formats::schedule_csv::ReadFile;
 use heliotile_scene::input;
 
-/// What a computation may use, and whom it tells.
+/// Memory, temporary storage, access to files, and the observer of a computation.
 #[derive(Clone, Copy)]
 pub struct Resources<'a> {
-    /// Bytes to work in.
+    /// Limit of working memory.
     pub memory: MemoryBudget,
-    /// Room for what does not fit into memory.
+    /// Temporary storage for what does not fit into memory.
     pub storage: &'a dyn ScratchSpace,
-    /// How the bytes of files are read.
+    /// Function that reads the bytes of a file.
     pub files: ReadFile<'a>,
-    /// Whom warnings and progress are told, and who may stop the work.
+    /// Receiver of warnings and progress, which may also stop the work.
     pub observer: &'a dyn Observer,
 }
 
 impl Resources<'static> {
-    /// 4 GiB, the system's folder for temporary files, and nobody to tell.
+    /// Returns 4 GiB of memory, the system's folder for temporary files, and an observer that
+    /// ignores all messages.
     pub fn usual() -> Self {
         Resources { memory: MemoryBudget::DEFAULT, storage: &SystemTemp, files: &input::read, observer: &Silent }
     }

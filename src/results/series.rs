@@ -1,5 +1,6 @@
-//! What results are made of, in order. In: conditions, or chosen rows of a weather file. Out: conditions with their labels, the bins that they
-//! add up in, what they change, and the same over longer periods.
+//! Conditions of results, in order. In: conditions, or chosen rows of a weather file. Out:
+//! conditions with their labels, the bins that they add up in, the changes over them, and the same
+//! conditions in longer periods.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,41 +31,41 @@ use heliotile_core::weather::time::bins::Bins;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_core::weather::time::years::Years;
 
-/// Conditions, and what they are called.
+/// Conditions with their labels, bins and changes.
 #[derive(Clone)]
 pub struct Series<'a> {
     /// Suns and skies.
     pub conditions: Arc<Vec<Condition>>,
-    /// What labels are, and with them the unit.
+    /// Kind of the labels, which also decides the unit.
     pub kind: Labels,
-    /// What a row stands for; none in a query.
+    /// Period of a row; `None` in a query.
     pub every: Option<Every>,
     /// Labels of the rows of a receiver.
     pub labels: RowLabels,
-    /// Which label a condition adds to.
+    /// Label that each condition adds to.
     pub bins: Bins,
-    /// What these are, in words, for pictures.
+    /// Description of the conditions in words, for pictures.
     pub called: String,
-    /// The file that they come from, for messages.
+    /// File that the conditions come from, for messages.
     pub source: PathBuf,
     reflectances: Reflectances<'a>,
     clock: Option<Clock>,
-    /// What is known of the inputs, but for how rows are labelled.
+    /// Provenance of the inputs, without the labelling of rows.
     provenance: Provenance,
 }
 
 /// Reflectances and transmittances over the conditions.
 #[derive(Clone)]
 enum Reflectances<'a> {
-    /// Those of conditions without dates.
+    /// Changes over conditions without dates.
     Undated(Changes),
-    /// Those over the chosen rows of weather.
+    /// Changes over the chosen rows of weather.
     Dated(Changes, &'a [WeatherRow], &'a [bool]),
-    /// One value a condition, of all ground.
+    /// Reflectance of all ground, one value a condition.
     Ground(&'a [f64]),
 }
 
-/// How dates of conditions become labels.
+/// Clock that turns dates of conditions into labels.
 #[derive(Clone)]
 struct Clock {
     stamps: Vec<Stamp>,
@@ -80,7 +81,7 @@ impl Clock {
 }
 
 impl<'a> Series<'a> {
-    /// Conditions of a table.
+    /// Returns a series of the conditions of a table.
     pub fn of_conditions(conditions: Vec<Condition>, changes: Changes, provenance: Provenance) -> Self {
         let labels = RowLabels::words(conditions.iter().map(|condition| condition.label.clone()).collect());
         Series {
@@ -97,7 +98,8 @@ impl<'a> Series<'a> {
         }
     }
 
-    /// Conditions under which all ground reflects a share of its own; none: what the archive states.
+    /// Returns a series in which all ground has the reflectance `ground[condition]`; `None`: the
+    /// reflectances that the archive states.
     pub fn over_ground(conditions: Vec<Condition>, ground: Option<&'a [f64]>) -> Self {
         let series = Series::of_conditions(conditions, Changes::default(), Provenance::default());
         match ground {
@@ -106,7 +108,8 @@ impl<'a> Series<'a> {
         }
     }
 
-    /// The chosen rows of weather that was read already, with its air if longwave is asked for.
+    /// Returns a series of the chosen rows of `weather`, which was read already, with its air if
+    /// longwave is requested.
     pub(super) fn of_weather(
         archive: &Archive,
         weather: &'a Weather,
@@ -152,12 +155,13 @@ impl<'a> Series<'a> {
         Ok(series.by(request.every))
     }
 
-    /// The same with what it is in words.
+    /// Returns this series with `called` as its description in words.
     pub fn called(self, called: String) -> Self {
         Series { called, ..self }
     }
 
-    /// The same conditions in rows of other periods; a query has none.
+    /// Returns the same conditions in rows of the period `every`. A query has no periods and stays
+    /// as it is.
     #[must_use]
     pub fn by(&self, every: Every) -> Self {
         let Some(clock) = &self.clock else { return self.clone() };
@@ -169,7 +173,8 @@ impl<'a> Series<'a> {
         Series { kind, bins, labels: periods.labels, every: Some(every), ..self.clone() }
     }
 
-    /// How rows of this series add up to those of the same conditions in longer periods; none where periods are the same.
+    /// Returns how rows of this series add up to those of the same conditions in `longer` periods;
+    /// `None` if the periods are equal.
     pub(super) fn coarsening(&self, longer: &Series) -> Option<Coarsening> {
         if longer.every == self.every {
             return None;
@@ -177,7 +182,7 @@ impl<'a> Series<'a> {
         let of_means = self.every == Some(Every::Hour);
         let mut of_label = vec![(0, 0.0); self.labels.len()];
         for (fine, coarse) in self.bins.of_condition.iter().zip(&longer.bins.of_condition) {
-            // Means over an interval become energy, sums stay sums.
+            // Means over an interval become energy; sums stay sums.
             let weight = if of_means { coarse.1 } else { 1.0 };
             if let Some(to) = of_label.get_mut(fine.0) {
                 *to = (coarse.0, weight);
@@ -186,7 +191,7 @@ impl<'a> Series<'a> {
         Some(Coarsening { labels: longer.labels.len(), of_label, of_means })
     }
 
-    /// What is known of the inputs, and how rows are labelled.
+    /// Returns the provenance of the inputs, with the labelling of rows.
     pub fn provenance(&self) -> Provenance {
         let Some(clock) = &self.clock else { return self.provenance.clone() };
         match self.every {
@@ -198,8 +203,9 @@ impl<'a> Series<'a> {
         }
     }
 
-    /// Schedules of reflectances and transmittances over the conditions. What an archive does not know is passed over where `elsewhere`
-    /// says that another one of the same results knows it.
+    /// Returns the schedules of reflectances and transmittances over the conditions. A name that
+    /// this archive does not know is skipped if `elsewhere` says that another archive of the same
+    /// results knows it.
     pub(super) fn schedules(
         &self,
         archive: &Archive,
@@ -236,7 +242,8 @@ impl<'a> Series<'a> {
 }
 
 impl QueryRequest {
-    /// The conditions of the table; tells what is odd about them and the archives.
+    /// Returns the conditions of the table as a series. Warns of what is odd about them and the
+    /// archives.
     pub fn series(&self, archives: Archives, about: Provenance, resources: &Resources) -> Result<Series<'static>> {
         let file = parse_conditions(&self.conditions, &(resources.files)(&self.conditions)?)?;
         let tell = |text: &String| resources.observer.warn(text);
@@ -258,7 +265,7 @@ impl QueryRequest {
 }
 
 impl ReplayRequest {
-    /// The rows of weather that count as conditions, with labels and what they change.
+    /// Returns the rows of weather that count as a series of conditions, with labels and changes.
     pub fn series<'w>(
         &self,
         archives: Archives,
@@ -272,7 +279,7 @@ impl ReplayRequest {
     }
 }
 
-/// A weather file and the days that are taken of it, in words.
+/// Returns the name of a weather file and the first and last of its chosen days, in words.
 fn called(weather: &Path, dated: &DatedRows) -> String {
     let mut days = dated.dates.iter().zip(&dated.chosen).filter_map(|(date, chosen)| chosen.then_some(date));
     let day = |date: &heliotile_core::weather::time::calendar::Date| match dated.years.matter() {
@@ -288,18 +295,18 @@ fn called(weather: &Path, dated: &DatedRows) -> String {
     }
 }
 
-/// How rows of short periods add up to those of longer ones.
+/// Map from rows of short periods to rows of longer periods.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coarsening {
     labels: usize,
-    /// `[short]`: the long period that it lies in, and what its value counts there.
+    /// `[short]`: index of the long period that contains it, and the weight of its value there.
     of_label: Vec<(usize, f64)>,
-    /// Whether the short rows are means.
+    /// True if the short rows are means.
     of_means: bool,
 }
 
 impl Coarsening {
-    /// Values over the longer periods; sums are f64.
+    /// Returns values over the longer periods; sums are kept in f64.
     pub fn of(&self, values: &TileValues, components: ComponentSet) -> TileValues {
         let mut coarse = TileValues::new(values.receivers(), self.labels);
         let mut sums = vec![0.0_f64; self.labels];

@@ -1,5 +1,6 @@
-//! The archive of a scene's receivers in a folder. In: a scene, the receivers on it, what is wanted. Out: the archive that is there, if it is
-//! what a build would give, or a new one. What is there of other inputs is kept, unless it is to be replaced.
+//! The archive of a scene's receivers in a folder. In: a scene, the receivers on it, a request.
+//! Out: the existing archive, if a build would give the same, or a new one. Files of other inputs
+//! are kept, unless the request says to replace them.
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
@@ -23,66 +24,68 @@ use heliotile_remote::places::open_archive;
 use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
 
-/// What can be done where other results are.
+/// Hint for a folder that holds other results.
 pub const KEEP_OR_REPLACE: &str = "{output} FOLDER to keep both, or {replace} to put the new ones in their place";
 
-/// What a command offers where there is something of other inputs.
+/// Hints of a command for a folder that holds files of other inputs.
 pub struct WaysOut {
-    /// Where other results are.
+    /// Hint for a folder that holds other results.
     pub results: &'static str,
-    /// Where a build of other inputs was interrupted.
+    /// Hint for a folder in which a build of other inputs was interrupted.
     pub started: &'static str,
 }
 
 impl WaysOut {
-    /// Of commands with an output of their own.
+    /// Hints of commands with an output option.
     pub const USUAL: WaysOut = WaysOut {
         results: KEEP_OR_REPLACE,
         started: "give the command that it was started with to go on with it, {replace} to discard it, or {output} FOLDER",
     };
 }
 
-/// What is wanted, and where.
+/// Request for an archive, with the paths of its files.
 pub struct TraceRequest<'a> {
     pub folder: &'a Path,
     pub receivers: &'a Path,
     pub archive: &'a Path,
     pub accuracy: &'a AccuracyRequest,
-    /// Which light paths are traced; an archive with more of them serves, too.
+    /// Light paths that are traced; an archive with more of them serves, too.
     pub effects: EffectChoice,
-    /// Whether the archive holds the scene's triangles.
+    /// True if the archive holds the scene's triangles.
     pub with_scene: bool,
-    /// Distance of receivers off their surfaces.
+    /// Distance of receivers off their surfaces, metres.
     pub offset_m: f64,
-    /// Whether what is there of other inputs goes.
+    /// True if files of other inputs are replaced.
     pub replace: bool,
     pub ways_out: WaysOut,
     pub memory: MemoryBudget,
-    /// Weather that effects are weighed under, and what of them may be left out.
+    /// Weather that effects are weighed under, and the share of light below which they may be left
+    /// out.
     pub under: Option<EffectsUnder<'a>>,
     /// Archive of the scene before it was changed.
     pub from: Option<&'a Path>,
 }
 
-/// The archive of a scene that is covered with receivers, in a folder with the table of these.
+/// Request for the archive of a scene that is covered with receivers, in a folder with the table of
+/// these receivers.
 #[derive(Clone, Debug)]
 pub struct SiteArchiveRequest {
-    /// The scene.
+    /// Scene to trace.
     pub scene: SceneRequest,
-    /// Where receivers are put.
+    /// Surfaces that get receivers, and their density.
     pub cover: CoverRequest,
-    /// How exact the archive is to be.
+    /// Accuracy of the archive.
     pub accuracy: AccuracyRequest,
-    /// Gets `receivers.csv` and `site.helio`.
+    /// Folder that gets `receivers.csv` and `site.helio`.
     pub folder: PathBuf,
-    /// Whether what is there of other inputs goes.
+    /// True if files of other inputs in the folder are replaced.
     pub replace: bool,
-    /// For all that a build holds besides the scene and its tree.
+    /// Memory for all that a build holds besides the scene and its tree.
     pub memory: MemoryBudget,
 }
 
 impl SiteArchiveRequest {
-    /// An archive of usual receivers and accuracy.
+    /// Returns a request with default receivers and accuracy.
     pub fn of(scene: SceneRequest, folder: impl Into<PathBuf>) -> Self {
         let (cover, accuracy) = (CoverRequest::default(), AccuracyRequest::default());
         SiteArchiveRequest {
@@ -95,7 +98,7 @@ impl SiteArchiveRequest {
         }
     }
 
-    /// The path of the archive: the one that is there, if it is of these inputs, or a new one.
+    /// Builds the archive, unless the existing one has the same inputs, and returns its path.
     pub fn build(&self, observer: &dyn Observer) -> Result<PathBuf> {
         let (scene, covered) = covering::cover_site(&self.scene.site()?, &self.cover, observer)?;
         let archive = self.folder.join("site.helio");
@@ -119,16 +122,17 @@ impl SiteArchiveRequest {
     }
 }
 
-/// The archive that lies in the folder.
+/// State of the archive in the folder.
 enum Found {
     Nothing,
-    /// What a build would give.
+    /// Archive that equals what a build would give.
     Same(Box<Archive>),
-    /// How it differs from that.
+    /// Differences of the archive from what a build would give, a sentence each.
     Other(Vec<String>),
 }
 
-/// The archive of these inputs: the one that is there, or a new one. What is there of other inputs is kept, unless it is to be replaced.
+/// Returns the archive of these inputs: the existing one, or a new one. Files of other inputs are
+/// kept, unless `asked.replace` is true.
 pub fn build_or_reuse(
     asked: &TraceRequest,
     scene: &Scene,
@@ -137,6 +141,8 @@ pub fn build_or_reuse(
 ) -> Result<Archive> {
     fs::create_dir_all(asked.folder).map_err(Error::io(asked.folder, "create"))?;
     let before = asked.from.map(|from| open_archive(from, Access::Read)).transpose()?;
+    // The new table waits beside the one in the folder, which is replaced only if nothing is
+    // refused.
     let planned = match covered {
         Some(covered) => Some(PlannedReceivers::write(covered, asked)?),
         None => None,
@@ -183,7 +189,7 @@ pub fn build_or_reuse(
     Archive::open_with(asked.archive, Access::Read)
 }
 
-/// The archive in the folder, beside what a build would give.
+/// Compares the archive in the folder with what a build would give.
 fn archive_of(
     asked: &TraceRequest,
     scene: &Scene,
@@ -210,7 +216,7 @@ fn archive_of(
     if archive.manifest().ground != scene.ground {
         others.push("the ground of the scene has changed since site.helio was built".to_owned());
     }
-    // The suns go by the place.
+    // Positions of the sun depend on the place.
     let same_place = match (&archive.manifest().place, &scene.place) {
         (Some(stated), Some(place)) => stated.is_same(place),
         (stated, place) => stated.is_none() && place.is_none(),
@@ -233,13 +239,13 @@ fn archive_of(
     Ok(if others.is_empty() { Found::Same(Box::new(archive)) } else { Found::Other(others) })
 }
 
-/// The refusal to replace what is in the folder.
+/// Returns the refusal to replace what is in the folder.
 fn refuse(asked: &TraceRequest, differences: &[String]) -> Error {
     let what = format!("holds results of other inputs: {}", differences.join("; "));
     Error::input(asked.folder, None, what, asked.ways_out.results)
 }
 
-/// How an archive's accuracy differs from what is asked for.
+/// Returns how an archive's accuracy differs from the requested one; `None` if it does not.
 fn other_accuracy(archive: &Archive, settings: &BuildSettings, asked: &AccuracyRequest) -> Option<String> {
     let manifest = archive.manifest();
     let accuracy = manifest.accuracy.as_ref();
@@ -269,7 +275,8 @@ fn other_accuracy(archive: &Archive, settings: &BuildSettings, asked: &AccuracyR
     Some(format!("site.helio was built with {there}, not {wanted}"))
 }
 
-/// How what an archive leaves out under some weather differs from what may be left out; one that leaves out nothing serves, too.
+/// Returns how the effects that an archive leaves out differ from those that `asked` allows; `None`
+/// if they do not. An archive that leaves out nothing serves, too.
 fn other_effects(archive: &Archive, asked: Option<EffectsUnder>) -> Option<String> {
     let there = archive.manifest().negligible.as_ref()?;
     let allowed = asked.and_then(|asked| Some((asked.weather.name(), asked.negligible_percent?)));
@@ -281,9 +288,9 @@ fn other_effects(archive: &Archive, asked: Option<EffectsUnder>) -> Option<Strin
     Some(format!("site.helio was built with {{negligible}} {}% and {}, not {now}", there.percent, there.weather))
 }
 
-/// A table of receivers that is not yet in its place.
+/// Table of receivers that is written but not yet in its place.
 struct PlannedReceivers {
-    /// It is removed with the value.
+    /// Folder of the table; dropping this value removes it.
     _beside: TempDir,
     file: PathBuf,
 }
@@ -302,7 +309,8 @@ impl PlannedReceivers {
         &self.file
     }
 
-    /// How the table that lies in the folder differs, if there is one: no difference, or one.
+    /// Compares the table with the one at `there`: no difference if none is there or they are
+    /// equal, otherwise one sentence.
     fn differences(&self, there: &Path) -> Result<Vec<String>> {
         if !there.exists() {
             return Ok(Vec::new());
@@ -329,7 +337,7 @@ impl PlannedReceivers {
         Ok(Vec::new())
     }
 
-    /// Puts the table into its place.
+    /// Moves the table to `to`.
     fn place(self, to: &Path) -> Result<()> {
         fs::rename(&self.file, to).map_err(Error::io(to, "rename to"))
     }

@@ -1,4 +1,5 @@
-//! Sky components: what receivers get of an overcast sky beside open ground. In: a site. Out: percent, tile by tile.
+//! Sky components: light of an overcast sky on receivers, relative to open ground. In: a site. Out:
+//! percent, tile by tile.
 
 use glam::DVec3;
 
@@ -9,14 +10,16 @@ use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::sky::model::{CieType, SkyModel};
 use heliotile_core::weather::conditions::Condition;
 
-/// Light of the overcast sky on open ground, of which shares are taken.
+/// Irradiance of the overcast sky on open ground, W/m2. Any value would do: results are shares of
+/// it.
 const OVERCAST_W_M2: f64 = 100.0;
 
-/// Direct light of the CIE traditional overcast sky, percent of that on open ground: of a vertical surface the vertical sky component (BRE 209).
+/// Direct light of the CIE traditional overcast sky, percent of that on open ground. On a vertical
+/// surface this is the vertical sky component (BRE 209).
 pub struct SkyComponents<'a>(Replay<'a>);
 
 impl<'a> SkyComponents<'a> {
-    /// Of a site.
+    /// Prepares the sky components of a site.
     pub fn of(site: &OpenSite<'a>) -> Result<Self> {
         let sky = [Condition::new("overcast".into(), &[], DVec3::Z, 0.0, OVERCAST_W_M2)];
         let settings = ReplaySettings {
@@ -27,7 +30,7 @@ impl<'a> SkyComponents<'a> {
         Replay::new(site, &sky, settings).map(SkyComponents)
     }
 
-    /// Of the receivers of some tiles, `[row]`, percent, one tile after the other.
+    /// Returns the percent of each receiver, `[row]`, of one tile after the other.
     pub fn tiles(&self, tiles: impl IntoIterator<Item = u32>) -> impl Iterator<Item = Result<Vec<f64>>> {
         self.0.results(tiles).map(|result| {
             let (ids, values) = result?;

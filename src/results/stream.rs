@@ -1,5 +1,6 @@
-//! Tiles of results. In: receivers, a series of conditions, the light that counts. Out: the tiles of a replay, one after the other, to whatever
-//! takes them. No other place of the program sets up a replay.
+//! Tiles of results. In: receivers, a series of conditions, the light that counts. Out: the tiles
+//! of a replay, one after the other, handed to a sink. No other module of the program sets up a
+//! replay.
 
 use std::path::Path;
 
@@ -19,26 +20,26 @@ use heliotile_core::replay::components::ComponentSet;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::replay::values::TileValues;
 
-/// Tiles of the next part that are fetched while one is computed.
+/// Number of tiles of the next archive that are fetched while the current one is computed.
 const AHEAD: usize = 64;
 
 impl LightChoice {
-    /// The number of sky patches on an archive.
+    /// Returns the number of sky patches for an archive.
     pub fn patches_of(&self, archive: &Archive) -> usize {
         self.patches.unwrap_or_else(|| archive.manifest().settings.patches())
     }
 }
 
-/// A replay of some receivers under a series, ready to be computed tile by tile.
+/// Replay of some receivers under a series, ready to be computed tile by tile.
 #[derive(Clone, Copy)]
 pub struct TileStream<'a> {
-    /// Which receivers, of which archives.
+    /// Receivers, and the archives that hold them.
     pub receivers: &'a ReceiverSet<'a>,
-    /// Which light counts.
+    /// Light that counts.
     pub light: &'a LightChoice,
     /// Suns and skies.
     pub series: &'a Series<'a>,
-    /// What the computation may use.
+    /// Resources that the computation may use.
     pub resources: Resources<'a>,
 }
 
@@ -46,38 +47,38 @@ pub struct TileStream<'a> {
 pub struct Tile<'t> {
     /// Names of the receivers.
     pub ids: &'t [String],
-    /// Their irradiance, for each label of the series.
+    /// Irradiance of the receivers, for each label of the series.
     pub values: &'t TileValues,
-    /// Of a comparison: the irradiance of the same receivers in the other archive.
+    /// Irradiance of the same receivers in the other archive; only in a comparison.
     pub after: Option<&'t TileValues>,
 }
 
 impl<'t> Tile<'t> {
-    /// The irradiance of all archives.
+    /// Returns the irradiance in each archive.
     pub fn sides(&self) -> impl Iterator<Item = &'t TileValues> + use<'t> {
         std::iter::once(self.values).chain(self.after)
     }
 }
 
-/// What takes tiles.
+/// Consumer of tiles.
 pub trait TileSink {
-    /// The components that it takes.
+    /// Returns the components that the sink needs.
     fn components(&self) -> ComponentSet;
 
-    /// Called before the first tile, once the replay is known to work.
+    /// Prepares the sink; called before the first tile, once the replay is known to work.
     fn start(&mut self) -> Result<()> {
         Ok(())
     }
 
-    /// Takes the next tile; false if no further one is wanted.
+    /// Takes the next tile; returns false if no further one is wanted.
     fn take(&mut self, tile: &Tile) -> Result<bool>;
 }
 
-/// A function as a sink.
+/// Function as a sink.
 pub struct TileFn<F> {
-    /// The components that it takes.
+    /// Components that the function needs.
     pub components: ComponentSet,
-    /// Takes a tile; false if no further one is wanted.
+    /// Function that takes a tile and returns false if no further one is wanted.
     pub take: F,
 }
 
@@ -112,15 +113,16 @@ impl TileSink for Sinks<'_> {
     }
 }
 
-/// Sinks of longer periods than those of the series, whose tiles are summed once for all of them.
+/// Sinks of longer periods than those of the series; each tile is summed once for all of them.
 pub struct CoarseSinks<'s> {
     sinks: Sinks<'s>,
-    /// None where periods are the same.
+    /// Map to the longer periods; `None` if the periods are equal.
     coarsening: Option<Coarsening>,
 }
 
 impl<'s> CoarseSinks<'s> {
-    /// Sinks of `longer` periods than those of a series, or of the same.
+    /// Returns sinks of the periods of `longer`, which are longer than those of `series` or equal
+    /// to them.
     pub fn new(sinks: Vec<&'s mut dyn TileSink>, series: &Series, longer: &Series) -> Self {
         CoarseSinks { sinks: Sinks(sinks), coarsening: series.coarsening(longer) }
     }
@@ -144,7 +146,7 @@ impl TileSink for CoarseSinks<'_> {
 }
 
 impl<'a> TileStream<'a> {
-    /// The same receivers and light under another series, such as that of longer periods.
+    /// Returns the same receivers and light under another series, such as one of longer periods.
     #[must_use]
     pub fn with_series<'b>(&self, series: &'b Series<'b>) -> TileStream<'b>
     where
@@ -153,20 +155,22 @@ impl<'a> TileStream<'a> {
         TileStream { series, ..*self }
     }
 
-    /// What results were made from; `place` is that of the archive or of the atlas.
+    /// Returns the provenance of the results; `place` is the path of the archive or of the atlas.
     pub fn about(&self, archives: Archives, place: &Path) -> Provenance {
         let about = archives.told_in(self.series.provenance(), place);
         about.with_option("patches", self.light.patches_of(archives.first()))
     }
 
-    /// Computes all tiles and hands each to a sink, until it wants no more. An observer who wants the work to stop is an error.
+    /// Computes all tiles and hands each to `sink`, until it wants no more. Fails if the observer
+    /// stops the work.
     pub fn feed(&self, sink: &mut dyn TileSink) -> Result<()> {
         let (parts, observer) = (self.receivers.parts(), self.resources.observer);
         let components = sink.components();
         let elsewhere = |name: &str| parts.len() > 1 && parts.iter().any(|part| part.changeable().knows(name));
         let (mut started, mut progress) = (false, None);
         for (number, part) in parts.iter().enumerate() {
-            // Of an atlas many parts may hold nothing of what is asked for; a sink starts after one replay is known to work.
+            // Many parts of an atlas may hold no requested receiver. A sink starts after one replay
+            // is known to work.
             if part.tiles().is_empty() && (number + 1 < parts.len() || started) {
                 continue;
             }
@@ -174,6 +178,7 @@ impl<'a> TileStream<'a> {
             if !std::mem::replace(&mut started, true) {
                 sink.start()?;
             }
+            // Reading the next part overlaps with the computation of this one.
             let next = parts.get(number + 1..).and_then(|rest| rest.iter().find(|part| !part.tiles().is_empty()));
             if let Some(next) = next {
                 let first: Vec<u32> = next.tiles().iter().take(AHEAD).map(|tile| tile.number).collect();
@@ -188,12 +193,12 @@ impl<'a> TileStream<'a> {
         Ok(())
     }
 
-    /// Computes all tiles of some components for a function, until it gives false.
+    /// Computes all tiles of `components` and hands each to `take`, until it returns false.
     pub fn each(&self, components: ComponentSet, take: impl FnMut(&Tile) -> Result<bool>) -> Result<()> {
         self.feed(&mut TileFn { components, take })
     }
 
-    /// The replay of the series on an archive, for those who ask for tiles by number.
+    /// Returns the replay of the series on an archive, for callers that ask for tiles by number.
     pub fn replay_of<'b>(
         &self,
         archive: &'b Archive,
@@ -203,7 +208,8 @@ impl<'a> TileStream<'a> {
         self.replay_beside(archive, site, components, &|_| false)
     }
 
-    /// The replay of one of several archives; `elsewhere` tells whether one of them knows a name.
+    /// Returns the replay on one of several archives; `elsewhere` says whether another of them
+    /// knows a name.
     fn replay_beside<'b>(
         &self,
         archive: &'b Archive,
@@ -222,7 +228,7 @@ impl<'a> TileStream<'a> {
         };
         let schedules = series.schedules(archive, site, elsewhere, resources)?;
         let mut bands = BandPass::all(site, components, &light.bands.own);
-        // What is to be said of schedules was said of those of all light.
+        // The observer already got all messages about schedules with those of all light.
         let quietly = Resources { observer: &Silent, ..*resources };
         for pass in &mut bands {
             pass.schedules = series.schedules(archive, &pass.site, elsewhere, &quietly)?;
@@ -233,15 +239,15 @@ impl<'a> TileStream<'a> {
 }
 
 impl ReceiverSet<'_> {
-    /// Tells an observer of receivers.
+    /// Begins a stage of progress that counts receivers.
     pub fn progress<'o>(&self, observer: &'o dyn Observer) -> Stage<'o> {
         Stage::begin(observer, "receivers", Some(self.count()))
     }
 }
 
 impl PartReceivers<'_> {
-    /// Hands on the chosen results of a replay tile by tile until `each` gives false: whether it never did. An observer who wants the work to
-    /// stop is an error.
+    /// Hands the chosen results of a replay to `each`, tile by tile, until it returns false.
+    /// Returns true if it never did. Fails if the observer stops the work.
     pub fn each_tile(
         &self,
         replay: &Replay,

@@ -1,5 +1,6 @@
-//! The page that shows an archive in a browser, or two of them, before and after a change, as one file. In: archives, weather. Out: an HTML file that
-//! holds all of them, or asks for archives that are too large for it.
+//! The page that shows one archive in a browser, or two of them before and after a change. In:
+//! archives, weather. Out: an HTML file that holds the archives, or asks for those that are too
+//! large for it.
 
 use std::path::{Path, PathBuf};
 
@@ -21,21 +22,22 @@ use heliotile_remote::places::{hold, open_archive};
 use heliotile_scene::input;
 use heliotile_scene::input::weather::read_weather_as;
 
-/// What is asked of a page.
+/// Request for a page.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PageRequest {
     /// Path or address of the archive.
     pub archive: PathBuf,
-    /// Path or address of an archive of the changed site: the page shows the first as before, this one as after, and the change.
+    /// Path or address of an archive of the changed site. The page shows the first archive as
+    /// before, this one as after, and the change.
     pub with: Option<PathBuf>,
-    /// How archives are read.
+    /// Mode in which archives are read.
     pub access: Access,
     /// Weather file whose hours and sums are shown.
     pub weather: Option<PathBuf>,
-    /// What is known of that file that it does not state.
+    /// Facts about the weather file that it does not state itself.
     pub about_weather: WeatherOptions,
-    /// The file to write.
+    /// HTML file to write.
     pub output: PathBuf,
 }
 
@@ -74,8 +76,9 @@ impl PageRequest {
     }
 }
 
-/// Opens the archive of a changed site that is shown beside another one. Errors: an archive of another place or coordinate system, and one
-/// without a receiver of the first; of an equal one `observer` is warned.
+/// Opens the archive of a changed site, to be shown beside `before`. Errors: an archive of another
+/// place or coordinate system, and one without a receiver of `before`. Warns if both archives are
+/// equal.
 pub fn open_after(before: &Archive, after: &Path, access: Access, observer: &dyn Observer) -> Result<Archive> {
     let archive = open_archive(after, access)?;
     let refuse = |what: String, hint: &str| Err(Error::input(archive.path(), None, what, hint));
@@ -93,7 +96,7 @@ pub fn open_after(before: &Archive, after: &Path, access: Access, observer: &dyn
     Ok(archive)
 }
 
-/// What all receivers of an archive are recognised by, in their order.
+/// Returns the places by which receivers of two archives are matched, in the archive's order.
 fn receiver_places(archive: &Archive) -> Result<Vec<ReceiverPlace>> {
     ReceiverSet::all_of(archive)?.receivers().map(|receiver| Ok((&receiver?).into())).collect()
 }

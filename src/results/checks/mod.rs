@@ -1,5 +1,5 @@
-//! Whether an archive is what it says, and how it is made so again. In: archives, their scenes. Out: what an independent judge finds of their
-//! errors; a damaged archive made whole.
+//! Checks and repairs of archives. In: archives, their scenes. Out: the errors of an archive
+//! measured by an independent reference path tracer; a repaired archive.
 
 mod audit;
 mod original;

@@ -1,5 +1,5 @@
-//! The scene that an archive was built from. In: an archive, the files of its scene. Out: the scene as the archive knows it, or an error that
-//! says that it is another one.
+//! The scene that an archive was built from. In: an archive, the files of its scene. Out: that
+//! scene with the archive's place, or an error if the files hold another scene.
 
 use std::path::Path;
 
@@ -11,7 +11,8 @@ use heliotile_scene::placing::frame::SiteFrame;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::{MissingGround, Site};
 
-/// The files of the scene of an archive; where they lie the archive says.
+/// Returns the site of the scene's files. Its place is stated by the archive, so options must not
+/// state one.
 pub(super) fn site_of(archive: &Path, scene: &SceneRequest) -> Result<Site> {
     let stated = SiteFrame { elevation_m: None, scale: None, up: None, ..scene.frame };
     if stated != SiteFrame::default() {
@@ -19,18 +20,19 @@ pub(super) fn site_of(archive: &Path, scene: &SceneRequest) -> Result<Site> {
         return Err(Error::input(archive, None, "keeps the place that was stated when it was built", hint));
     }
     let mut site = scene.site()?;
-    // A turn that a list of files states needs a place, which an option may have stated.
+    // A turn in a list of files needs a place, which an option may have stated at the build.
     site.frame.rotate_deg = None;
     Ok(site)
 }
 
-/// The scene of an archive, of these files.
+/// Loads the scene of an archive from its files; refuses another scene.
 pub(super) fn scene_of(archive: &Archive, site: &Site, first: &Path, observer: &dyn Observer) -> Result<Scene> {
     let expected = &archive.manifest().scene.content_hash;
     let hash = |scene: &Scene| format::hex(&scene.content_hash());
     let mut scene = load(site, observer)?;
     if hash(&scene) != *expected {
-        // It may have been built without assumed ground, or before ground was assumed.
+        // The archive may have been built without assumed ground, or by a release that assumed
+        // none.
         let plain = Site { missing_ground: MissingGround::LeaveOut, ..site.clone() };
         scene = Some(Scene::load_site(&plain)?).filter(|plain| hash(plain) == *expected).unwrap_or(scene);
     }
@@ -40,13 +42,14 @@ pub(super) fn scene_of(archive: &Archive, site: &Site, first: &Path, observer: &
         let hint = "give the scene and the materials that the archive was built from";
         return Err(Error::input(first, None, what, hint));
     }
-    // No part of the scene's content: the place may have been stated by options, the ground of months in another file.
+    // Place and ground are not part of the content hash: options may have stated the place, another
+    // file the ground by month.
     scene.place = archive.manifest().place;
     scene.ground.clone_from(&archive.manifest().ground);
     Ok(scene)
 }
 
-/// The scene, without a word on where north is: that is as the archive has it.
+/// Loads the scene without its note on the direction of north, which the archive states.
 fn load(site: &Site, observer: &dyn Observer) -> Result<Scene> {
     let mut scene = Scene::load_site(site)?;
     let north = scene.place.and_then(|place| place.note());

@@ -1,4 +1,5 @@
-//! A damaged archive made whole: what is good is kept, what is not is traced again. In: an archive, its scene. Out: an archive of the same root.
+//! Repairs a damaged archive: good blocks are kept, bad ones are traced again. In: an archive, its
+//! scene. Out: an archive of the same root.
 
 use std::path::{Path, PathBuf};
 
@@ -21,33 +22,34 @@ use heliotile_remote::places::require_file;
 use heliotile_scene::Scene;
 use heliotile_scene::request::SceneRequest;
 
-/// What is asked of a repair.
+/// Request for a repair.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RepairRequest {
-    /// The damaged archive.
+    /// Damaged archive.
     pub archive: PathBuf,
-    /// The scene that it was built from; where that lies the archive says.
+    /// Scene that the archive was built from; the archive states its place.
     pub scene: SceneRequest,
-    /// Table of the receivers that it was built from; needed where the archive's own are damaged.
+    /// Table of the receivers that the archive was built from; needed if the archive's own
+    /// receivers are damaged.
     pub receivers: Option<PathBuf>,
-    /// The archive to write; none: in place of the damaged one.
+    /// Archive to write; `None`: replaces the damaged one.
     pub output: Option<PathBuf>,
 }
 
-/// What a repair did.
+/// Result of a repair.
 #[derive(Clone, Debug)]
 pub struct RepairDone {
-    /// The whole archive.
+    /// Repaired archive.
     pub archive: PathBuf,
-    /// What was wrong; nothing if the archive was whole.
+    /// Problems that were found; empty if the archive was whole.
     pub problems: Vec<Problem>,
-    /// Rays that were traced again.
+    /// Number of rays that were traced again.
     pub rays: u64,
 }
 
 impl RepairDone {
-    /// What was done, as a line.
+    /// Returns a line of text about the repair.
     pub fn text(&self) -> String {
         let (archive, problems) = (self.archive.display(), self.problems.len() as u64);
         match problems {
@@ -61,7 +63,7 @@ impl RepairDone {
 }
 
 impl RepairRequest {
-    /// Writes the whole archive. An archive that is whole is copied, if there is an output.
+    /// Writes the repaired archive. An archive without damage is copied if `output` is given.
     pub fn write(&self, resources: &Resources) -> Result<RepairDone> {
         require_file(&self.archive, "only files are repaired")?;
         let output = self.output.as_ref().unwrap_or(&self.archive);
@@ -71,7 +73,8 @@ impl RepairRequest {
             check_archive_name(output)?;
             guard_archive(output)?;
         }
-        // A damaged block makes references to it dangle: those are no damage of their own.
+        // References to a damaged block dangle, but they are no damage of their own: they are
+        // checked only if all blocks are good.
         let mut report = archive::verify(&self.archive, Access::Read, false)?;
         if report.problems.is_empty() {
             report = archive::verify(&self.archive, Access::Read, true)?;
@@ -83,13 +86,13 @@ impl RepairRequest {
             }
             return Ok(RepairDone { archive: self.archive.clone(), problems, rays: 0 });
         }
-        // Without header, directory and manifest nothing is known of the rest.
+        // Header, directory and manifest must be good: nothing is known of the rest without them.
         let archive = Archive::open_with(&self.archive, Access::Read)?;
         complete(&archive)?;
         let scene = original::scene_of(&archive, &site, self.scene.first(), resources.observer)?;
         let workspace = Workspace { folder: folder_of(output).into(), memory: resources.memory };
         let mut receivers = self.receivers(&archive, &scene, &workspace, resources)?;
-        // Under a name of its own until it is known to be what it was.
+        // The new archive has a temporary name until its root is known to be right.
         let repaired = with_ending(output, ".repaired");
         SiteSettings::of(&archive.manifest().settings, archive.path())?;
         let settings = BuildSettings::of(&archive.manifest().settings);
@@ -116,7 +119,8 @@ impl RepairRequest {
         Ok(RepairDone { archive: output.clone(), problems, rays: done.rays.total() })
     }
 
-    /// The receivers that the archive was built from: those of the table, if there is one, or the archive's own.
+    /// Returns the receivers that the archive was built from, out of the table if there is one, or
+    /// out of the archive.
     fn receivers(
         &self,
         archive: &Archive,
@@ -140,7 +144,7 @@ impl RepairRequest {
     }
 }
 
-/// A path with something behind its name.
+/// Returns `path` with `ending` appended to its name.
 fn with_ending(path: &Path, ending: &str) -> PathBuf {
     let mut name = path.as_os_str().to_os_string();
     name.push(ending);

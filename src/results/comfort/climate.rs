@@ -1,5 +1,6 @@
-//! The climate of each hour, the same at all points. In: conditions with their air, or a weather file, and what is known of surfaces. Out: what radiates on a
-//! person, and the indices of the hour; or what the file lacks.
+//! Climate of each hour, which all points share. In: conditions with their air, or a weather file,
+//! and properties of surfaces. Out: radiation on a person and the comfort indices of the hour; or
+//! an error that names what the file lacks.
 
 use super::columns::ComfortColumns;
 use super::request::{ComfortRequest, WindChoice};
@@ -19,10 +20,10 @@ use heliotile_core::weather::formats::weather_file::ScenePlace;
 use heliotile_core::weather::temperatures::emissions;
 use heliotile_core::weather::time::calendar::Date;
 
-/// Winds of a schedule.
+/// Column of wind speeds in a schedule.
 const WIND: Column = Column { name: "wind_m_s", low: 0.0, high: 60.0 };
 
-/// Finds the climates of conditions, which have their air.
+/// Returns the climates of conditions; their air must be known.
 pub(super) fn climates(
     request: &ComfortRequest,
     conditions: &[Condition],
@@ -41,8 +42,10 @@ pub(super) fn climates(
 }
 
 impl ComfortRequest {
-    /// Refuses weather that comfort cannot be computed of, before anything is traced: a file that cannot be read, hours that lack what columns depend
-    /// on. `place` is that of the scene, asked for where the file states none. Nothing is told: what is odd is told when the archive is asked.
+    /// Refuses weather that comfort cannot be computed from, before anything is traced: a file that
+    /// cannot be read, or hours without values that columns depend on. `place` is the place of the
+    /// scene, used if the file states none. The observer gets no messages here; it gets them when
+    /// the archive is replayed.
     pub fn check_weather(&self, resources: &Resources, place: ScenePlace) -> Result<()> {
         let resources = Resources { observer: &Silent, ..*resources };
         let stream = self.stream();
@@ -63,16 +66,16 @@ impl ComfortRequest {
     }
 }
 
-/// What is known of an hour.
+/// Weather data of an hour.
 struct Hour<'w> {
     air: Air,
     emission: Option<Emission>,
-    /// Wind of a file of its own, if there is one.
+    /// Wind from a schedule, if there is one.
     wind: Option<&'w f64>,
 }
 
 impl Hour<'_> {
-    /// With the wind that is asked for.
+    /// Returns the air of the hour, with the wind that the request chooses.
     fn known_to(&self, request: &ComfortRequest) -> HourAir {
         let wind_m_s = match (&request.choice.wind, self.wind) {
             (WindChoice::Factor(factor), None) => self.air.wind_m_s.map(|wind| factor * wind),
@@ -82,13 +85,13 @@ impl Hour<'_> {
     }
 }
 
-/// Winds of a file, one a date; none where there is no file.
+/// Reads winds from the request's schedule, one a date; empty if it names none.
 fn winds(request: &ComfortRequest, dates: &[Date], resources: &Resources) -> Result<Vec<f64>> {
     let WindChoice::File(file) = &request.choice.wind else { return Ok(Vec::new()) };
     parse_schedule(file, &(resources.files)(file)?, WIND, Rows::Dated(dates))
 }
 
-/// The error of an hour that lacks something.
+/// Returns the error for an hour without a required value.
 fn refused(request: &ComfortRequest, missing: MissingAir, label: &str) -> Error {
     let hint = "fill the column in, leave such rows out with {from} and {to}, or ask for less, as with {columns} mrt; {wind} gives a wind";
     Error::input(&request.replay.weather, None, missing.in_hour(label), hint)

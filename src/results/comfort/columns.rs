@@ -1,4 +1,5 @@
-//! Columns of results about comfort. In: what is asked, the values of a place in each hour. Out: the numbers of its rows.
+//! Columns of comfort results. In: a request, the values of a point in each hour. Out: the numbers
+//! of its rows.
 
 use crate::outputs::periods::Every;
 use crate::outputs::quantities::{Measure, Quantity, ValueSource};
@@ -7,7 +8,7 @@ use heliotile_core::comfort::people::periods::PeriodSum;
 use heliotile_core::replay::components::LightMeasure;
 use heliotile_core::weather::time::bins::Bins;
 
-/// What a number of an hour is: a row of the table of all numbers.
+/// Number that is computed for each hour: an entry of the table of all numbers.
 pub(super) struct HourNumber {
     column: ComfortColumn,
     name: String,
@@ -15,15 +16,16 @@ pub(super) struct HourNumber {
     measure: Measure,
 }
 
-/// The columns of results.
+/// Columns of the results.
 pub(super) struct ComfortColumns {
-    /// `[number]`: of an hour.
+    /// Numbers of an hour, `[number]`.
     numbers: Vec<HourNumber>,
-    /// `[array]`: a number, and what rows of periods say of it; none: rows are hours.
+    /// Index of the number behind each output array, `[array]`, and the statistic over periods;
+    /// `None`: rows are hours.
     arrays: Vec<(usize, Option<PeriodSum>)>,
 }
 
-/// The numbers of a column.
+/// Returns the numbers of a column.
 fn numbers_of(column: ComfortColumn) -> Vec<HourNumber> {
     let (words, measure) = match column {
         ComfortColumn::Air => ("air temperature", Measure::Celsius),
@@ -44,10 +46,10 @@ fn numbers_of(column: ComfortColumn) -> Vec<HourNumber> {
 }
 
 impl ComfortColumns {
-    /// Of what is asked, in rows of hours or of longer periods.
+    /// Returns the requested columns, in rows of hours or of longer periods.
     pub(super) fn new(asked: &[ComfortColumn], every: Every, above_c: &[f64]) -> Self {
         let asked = if asked.is_empty() { &ComfortColumn::USUAL } else { asked };
-        // One that is named twice stands where it is named first.
+        // A column that is named twice stands where it is named first.
         let first = |(i, column): &(usize, &ComfortColumn)| asked.iter().position(|other| other == *column) == Some(*i);
         let asked = asked.iter().enumerate().filter(first).map(|(_, column)| *column);
         let numbers: Vec<HourNumber> = asked.flat_map(numbers_of).collect();
@@ -61,18 +63,18 @@ impl ComfortColumns {
         ComfortColumns { numbers, arrays }
     }
 
-    /// What is asked for, a value an hour each, in the order of numbers.
+    /// Returns the requested columns, each once, in the order of the numbers.
     pub(super) fn asked(&self) -> impl Iterator<Item = ComfortColumn> + '_ {
         let mut last = None;
         self.numbers.iter().map(|number| number.column).filter(move |column| last.replace(*column) != Some(*column))
     }
 
-    /// How many arrays a place has.
+    /// Returns the number of arrays of a point.
     pub(super) fn count(&self) -> usize {
         self.arrays.len()
     }
 
-    /// The columns as tables and maps take them.
+    /// Returns the columns as quantities for tables and maps.
     pub(super) fn quantities(&self) -> Vec<Quantity> {
         let quantity = |(array, (number, sum)): (usize, &(usize, Option<PeriodSum>))| {
             let number = self.numbers.get(*number)?;
@@ -88,7 +90,8 @@ impl ComfortColumns {
         self.arrays.iter().enumerate().filter_map(quantity).collect()
     }
 
-    /// The numbers of a place, `[array][label]`, from those of its hours, `[number][hour]`; `hours` are lengths, NaN is no value.
+    /// Returns the arrays of a point, `[array][label]`, from the numbers of its hours,
+    /// `[number][hour]`. `hours` are the lengths of the hours; NaN means no value.
     pub(super) fn rows(&self, values: &[Vec<f32>], bins: &Bins, hours: &[f64]) -> Vec<Vec<f32>> {
         let of_array = |(number, sum): &(usize, Option<PeriodSum>)| {
             let values = values.get(*number).map(Vec::as_slice).unwrap_or_default();
@@ -102,7 +105,8 @@ impl ComfortColumns {
 mod tests {
     use super::*;
 
-    /// Rows of days have three arrays of the UTCI, in this order; rows of hours have one for each of the six planes, and what is asked for is asked once.
+    /// Rows of days have three arrays of the UTCI, in this order; rows of hours have one for each
+    /// of the six planes, and a column is returned once.
     #[test]
     fn arrays() {
         let columns = ComfortColumns::new(&[ComfortColumn::Utci], Every::Day, &[26.0]);

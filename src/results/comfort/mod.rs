@@ -1,16 +1,18 @@
-//! How warm it is for a person. In: archives of points with six planes each, weather. Out: mean radiant temperature, UTCI and PET of each point by hour,
-//! or means and hours above thresholds over periods.
+//! Thermal comfort of a person. In: archives of points with six planes each, weather. Out: mean
+//! radiant temperature, UTCI and PET of each point by hour, or means and hours above thresholds
+//! over periods.
 //!
 //! | file | what it holds |
 //! | --- | --- |
-//! | `request` | what is asked: [`ComfortRequest`] |
+//! | `request` | [`ComfortRequest`], and its checks |
 //! | `columns` | the columns of results, over hours and periods |
-//! | `climate` | the air of each hour, and what a weather file lacks |
+//! | `climate` | the air of each hour, and errors for gaps in a weather file |
 //! | `persons` | the six receivers of a point, and their light |
 //! | `pass` | from a stream of tiles to files |
-//! | `points` | where points stand, and the archive of a scene with them: [`ComfortSiteRequest`] |
+//! | `points` | positions of points, and the archive of a scene with them: [`ComfortSiteRequest`] |
 //!
-//! Formulas stand in [`heliotile_core::comfort`], what becomes of people in [`heliotile_core::comfort::people`], which the page uses too. Nothing is traced here but by `points`.
+//! Formulas are in [`heliotile_core::comfort`], those of people in
+//! [`heliotile_core::comfort::people`]; the page uses them, too. Only `points` traces rays.
 
 mod climate;
 mod columns;

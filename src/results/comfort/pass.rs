@@ -1,4 +1,5 @@
-//! From tiles of light to files. In: a request, a stream of the receivers of points. Out: tables, maps and pictures, and what was found.
+//! From tiles of light to files. In: a request, a stream of the receivers of points. Out: tables,
+//! maps and pictures, and the counts of points and hours.
 
 use std::path::{Path, PathBuf};
 
@@ -26,19 +27,19 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::site::material::{Class, Material};
 use heliotile_core::text::counted;
 
-/// Points that are computed together.
+/// Number of points that are computed together.
 const POINTS_AT_ONCE: usize = 64;
 
-/// What was found.
+/// Counts of points and hours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ComfortDone {
-    /// Points.
+    /// Number of points.
     pub points: u64,
-    /// Hours of the weather that count.
+    /// Number of hours of the weather that count.
     pub hours: u64,
 }
 
-/// What all points share.
+/// Data that all points share.
 struct PointPass<'a> {
     set: &'a PersonSet,
     climates: &'a [HourClimate],
@@ -50,7 +51,7 @@ struct PointPass<'a> {
 }
 
 impl ComfortRequest {
-    /// Writes the files; `place` is that of the archive or of the atlas.
+    /// Writes the files; `place` is the path of the archive or of the atlas.
     pub fn write(
         &self,
         files: &FileRequest,
@@ -92,6 +93,7 @@ impl ComfortRequest {
         let pass = PointPass { set: &set, climates, columns: &columns, asked, model: &model, rows: &series, place };
         let mut collector = PersonCollector::new(&set);
         let mut waiting: Vec<PointLight> = Vec::new();
+        // The planes of a point may lie in several tiles, so points wait until all six are there.
         stream.each(self.components(), |tile| {
             collector.add(tile.ids, tile.values);
             waiting.extend(collector.complete());
@@ -105,7 +107,7 @@ impl ComfortRequest {
         Ok(ComfortDone { points: set.len() as u64, hours: climates.len() as u64 })
     }
 
-    /// What the files say of how they were made: every assumption.
+    /// Adds every assumption to the provenance that the files state.
     fn about(&self, about: Provenance, model: &ComfortModel, materials: &[Material]) -> Provenance {
         let choice = &self.choice;
         let emissivity = |class| choice.said_of(class, materials, |mean| mean.emissivity);
@@ -124,7 +126,7 @@ impl ComfortRequest {
             .with("person_emissivity", model.body.longwave_emissivity)
             .with("pet_clothing_clo", model.person.clothing_clo)
             .with("pet_activity_met", format!("{:.2}", model.person.activity_met));
-        // Surfaces of given temperatures absorb no light.
+        // Surfaces of given temperatures have no absorptance.
         let absorbing = absorptances.into_iter().filter(|(_, _, surfaces)| surfaces.sol_air.is_some());
         let about = absorbing.fold(about, |about, (name, class, _)| {
             about.with(name, choice.said_of(class, materials, |mean| mean.absorptance))
@@ -135,7 +137,8 @@ impl ComfortRequest {
         }
     }
 
-    /// Tells of hours in which an index has no value even where a person is as warm as the air.
+    /// Notes how many hours have no value of an index even if the mean radiant temperature equals
+    /// that of the air.
     fn tell_gaps(&self, climates: &[HourClimate], stream: &TileStream) {
         type OfHour = fn(&HourClimate) -> Option<&IndexCurve>;
         let indices: [(&str, OfHour); 2] = [("UTCI", |hour| hour.utci.as_ref()), ("PET", |hour| hour.pet.as_ref())];

@@ -1,4 +1,5 @@
-//! Persons: the six receivers of a point. In: receivers, tiles of their light. Out: points, what their planes see, the light of each.
+//! Persons: the six receivers of a point. In: receivers, tiles of their light. Out: points, the
+//! view shares of their planes, and the light of each.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -25,18 +26,18 @@ use heliotile_core::replay::reflectances::Changes;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::sky::model::SkyModel;
 
-/// The points of an archive, in the order of the receivers that look up.
+/// Points of an archive, in the order of their receivers that face up.
 pub(super) struct PersonSet {
     points: PersonPoints,
-    /// `[receiver]`
+    /// `[receiver]`: view shares of the plane.
     views: Vec<ViewShares>,
 }
 
-/// What a plane sees of materials.
+/// Surfaces that a plane sees, by material.
 struct OfPlane(SeenSurfaces);
 
 impl Layers for OfPlane {
-    /// Nothing ahead: hits are read only where materials differ.
+    /// Returns no blocks to read ahead: hits are read only if materials differ.
     fn kinds() -> Vec<BlockKind> {
         Vec::new()
     }
@@ -46,15 +47,15 @@ impl Layers for OfPlane {
     }
 }
 
-/// The light of a point.
+/// Light on the six planes of a point.
 #[derive(Default)]
 pub(super) struct PointLight {
-    /// Place of the point in the set.
+    /// Index of the point in the set.
     pub number: usize,
     pub light: PersonLight,
 }
 
-/// Light that comes tile by tile, until all planes of a point are there.
+/// Collects light tile by tile, until all planes of a point are there.
 pub(super) struct PersonCollector<'s> {
     set: &'s PersonSet,
     begun: BTreeMap<usize, (usize, PointLight)>,
@@ -62,8 +63,9 @@ pub(super) struct PersonCollector<'s> {
 }
 
 impl PersonSet {
-    /// The points of the receivers of a stream, each of which must have all six planes; which receivers look up. `choice` may say what surfaces are;
-    /// `place` is that of the archive or of the atlas.
+    /// Returns the points of a stream's receivers, and which receivers face up. Each point must
+    /// have all six planes. `choice` may state properties of surfaces; `place` is the path of the
+    /// archive or of the atlas.
     pub(super) fn of(stream: &TileStream, choice: &ComfortChoice, place: &Path) -> Result<(Self, Vec<bool>)> {
         let under_leaves = under_leaves(stream)?;
         let (mut views, mut looks_up, mut failed) = (Vec::new(), Vec::new(), None);
@@ -86,24 +88,25 @@ impl PersonSet {
         Ok((PersonSet { points, views }, looks_up))
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     pub(super) fn len(&self) -> usize {
         self.points.len()
     }
 
-    /// Name of a point.
+    /// Returns the name of a point.
     pub(super) fn name(&self, number: usize) -> &str {
         self.points.name(number)
     }
 
-    /// What the planes of a point see.
+    /// Returns the view shares of the planes of a point.
     pub(super) fn views(&self, number: usize) -> Option<SixPlanes<ViewShares>> {
         let planes = self.points.planes(number)?;
         all_of(planes.map(|receiver| self.views.get(receiver).copied()))
     }
 }
 
-/// Shares of hemispheres, weighted by the cosine, that are sky behind leaves and screens, as light passes these; empty where there are none.
+/// Returns the cosine-weighted share of sky that each receiver sees through leaves and screens, by
+/// receiver; empty if the scene has none. Light that these let through counts.
 fn under_leaves(stream: &TileStream) -> Result<HashMap<String, f64>> {
     let mut found = HashMap::new();
     if stream.receivers.parts().iter().all(|part| part.archive.entries_of(format::CANOPY).is_empty()) {
@@ -143,7 +146,7 @@ impl<'s> PersonCollector<'s> {
         }
     }
 
-    /// Points whose planes are all there, in their order, until one is not.
+    /// Returns the complete points, in their order, up to the first incomplete one.
     pub(super) fn complete(&mut self) -> Vec<PointLight> {
         let mut ready = Vec::new();
         while self

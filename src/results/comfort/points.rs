@@ -1,4 +1,5 @@
-//! Where people stand. In: a scene, a table of points or surfaces to stand on. Out: six receivers a point, and the archive of the scene with them.
+//! Points where people stand. In: a scene, a table of points or surfaces to stand on. Out: six
+//! receivers a point, and the archive of the scene with them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -34,32 +35,32 @@ use heliotile_scene::region_part::RegionPart;
 use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
 
-/// What receivers of people are called in the column `kind`.
+/// Value of the column `kind` for receivers of people.
 const PERSON: &str = "person";
 
-/// Distances between points and heights of people, metres.
+/// Allowed distances between points, metres; `HEIGHTS_M` are the allowed heights of people.
 const SPACINGS_M: [f64; 2] = [0.1, 1000.0];
 const HEIGHTS_M: [f64; 2] = [0.05, 10.0];
 
-/// The archive of a scene with people.
+/// Request for the archive of a scene with people.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ComfortSiteRequest {
-    /// The scene.
+    /// Scene with the people.
     pub scene: SceneRequest,
-    /// Table of points; none: people stand on surfaces.
+    /// Table of points; `None`: people stand on surfaces.
     pub points: Option<PathBuf>,
-    /// Kinds of surfaces or materials that people stand on.
+    /// Kinds of surfaces, or materials, that people stand on.
     pub on: Vec<String>,
     /// Distance between people on surfaces, metres.
     pub spacing_m: f64,
-    /// How high above it the middle of a person is, metres.
+    /// Height of the middle of a person above the surface, metres.
     pub height_m: f64,
-    /// How exact the archive is to be.
+    /// Accuracy of the archive.
     pub accuracy: AccuracyRequest,
-    /// Gets `receivers.csv` and `site.helio`.
+    /// Folder that gets `receivers.csv` and `site.helio`.
     pub folder: PathBuf,
-    /// Whether what is there of other inputs goes.
+    /// True if files of other inputs in the folder are replaced.
     pub replace: bool,
 }
 
@@ -69,7 +70,7 @@ impl Default for ComfortSiteRequest {
     }
 }
 
-/// A point where a person stands.
+/// Point where a person stands.
 struct Stand {
     name: String,
     position: DVec3,
@@ -77,7 +78,7 @@ struct Stand {
     patch: Patch,
 }
 
-/// The scene and its objects.
+/// Loaded scene and its objects.
 struct LoadedScene {
     scene: Scene,
     soup: Soup,
@@ -93,7 +94,7 @@ impl LoadedScene {
 }
 
 impl ComfortSiteRequest {
-    /// People on the ground, 2 m apart.
+    /// Returns a request for people on the ground, 2 m apart.
     pub fn of(scene: SceneRequest, folder: impl Into<PathBuf>) -> Self {
         ComfortSiteRequest {
             scene,
@@ -107,8 +108,9 @@ impl ComfortSiteRequest {
         }
     }
 
-    /// The path of the archive: the one that is there, if it is of these inputs, or a new one. `asked` is what it will be asked for: a wrong weather
-    /// file is refused before anything is traced or written.
+    /// Builds the archive, unless the existing one has the same inputs, and returns its path.
+    /// `asked` is the request that will be made of the archive: a wrong weather file in it is
+    /// refused before anything is traced or written.
     pub fn build(&self, asked: Option<&ComfortRequest>, resources: &Resources) -> Result<PathBuf> {
         let observer = resources.observer;
         for (field, metres, [least, most]) in
@@ -120,7 +122,8 @@ impl ComfortSiteRequest {
         }
         let site = self.scene.site()?;
         let (load, mut loaded) = (|| LoadedScene::of(&site, observer), None);
-        // Before the scene, which takes longer; one that does not state its place takes the scene's.
+        // Weather is checked before the scene is loaded, which takes longer. A weather file that
+        // states no place takes the scene's, which loads the scene.
         if let Some(asked) = asked {
             asked.check_weather(resources, &mut || Ok(loaded.insert(load()?).scene.place))?;
         }
@@ -156,7 +159,7 @@ impl ComfortSiteRequest {
         Ok(archive)
     }
 
-    /// The points of a table; one inside of things is refused.
+    /// Returns the points of a table; refuses a point inside an object.
     fn on_points(
         &self,
         table: &Path,
@@ -178,7 +181,7 @@ impl ComfortSiteRequest {
         Ok((scene, stands))
     }
 
-    /// Points above surfaces; those inside of things are left out.
+    /// Returns points above surfaces, without those inside objects.
     fn on_surfaces(
         &self,
         load: impl FnOnce() -> Result<LoadedScene>,
@@ -215,7 +218,7 @@ impl ComfortSiteRequest {
     }
 }
 
-/// Writes six receivers a point; sides look to the true quarters of the compass.
+/// Writes six receivers a point; the sides face true north, east, south and west.
 fn write_receivers(path: &Path, stands: &[Stand], north: North) -> Result<()> {
     let normals = [DVec3::Z, DVec3::NEG_Z, DVec3::Y, DVec3::X, DVec3::NEG_Y, DVec3::NEG_X];
     let part = ModelPart { kind: PERSON.to_owned(), ..ModelPart::default() };

@@ -1,4 +1,5 @@
-//! What is asked of the comfort of people. In: the choices of a user. Out: the same as one value that was checked.
+//! Request for the thermal comfort of people. In: the choices of a user. Out: these choices as one
+//! value that was checked.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -19,47 +20,51 @@ use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::site::material::{Class, Material, rounded};
 
-/// Heat transfer coefficients that surfaces can have, W/m2K.
+/// Allowed heat transfer coefficients of surfaces, W/m2K.
 const FILMS_W_M2_K: [f64; 2] = [LEAST_FILM_W_M2_K, 200.0];
 
-/// Factors of wind.
+/// Largest factor of wind.
 const MOST_WIND_FACTOR: f64 = 3.0;
 
-/// Comfort of people through a weather file.
+/// Request for the thermal comfort of people through a weather file.
 #[derive(Clone, Debug)]
 pub struct ComfortRequest {
-    /// Weather, hours that count, what a row stands for, temperatures of surfaces, reflectances that change. Its columns are not used.
+    /// Weather, hours that count, period of a row, temperatures of surfaces, changed reflectances.
+    /// Columns in it are ignored.
     pub replay: ReplayRequest,
-    /// People, surfaces and wind.
+    /// Properties of people, surfaces and wind.
     pub choice: ComfortChoice,
 }
 
-/// People, surfaces and wind.
+/// Properties of people, surfaces and wind.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ComfortChoice {
-    /// Columns, in the order of results; none: mean radiant temperature, UTCI and PET.
+    /// Columns, in the order of results; empty: mean radiant temperature, UTCI and PET.
     pub columns: Vec<ComfortColumn>,
-    /// Rows of periods say how long the UTCI is above these, degrees Celsius.
+    /// Thresholds of the UTCI, degrees Celsius; rows of periods give the hours above each.
     pub above_c: Vec<f64>,
-    /// How people hold themselves.
+    /// Posture of people.
     pub posture: Posture,
-    /// How the sun falls on a person.
+    /// Model of the direct sun on a person.
     pub sun_on: SunOnPerson,
-    /// How warm surfaces are whose temperature nobody gives.
+    /// Model of the temperatures of surfaces for which none is given.
     pub surfaces: SurfaceTemperatures,
     /// Heat transfer coefficient between surfaces and air, radiation included, W/m2K.
     pub film_w_m2_k: f64,
-    /// Longwave emissivities by class; of several the last counts; none: what the materials of the archive state, else the usual ones.
+    /// Longwave emissivities by class; the last entry of a class counts. Empty: the values that the
+    /// materials of the archive state, or else default ones.
     pub emissivity: Vec<ClassShare>,
-    /// Shares of shortwave irradiance that surfaces absorb by class; none: what the materials of the archive do not reflect.
+    /// Absorptances of shortwave irradiance by class. Empty: the share that the materials of the
+    /// archive do not reflect.
     pub absorptance: Vec<ClassShare>,
-    /// Wind.
+    /// Source of the wind.
     pub wind: WindChoice,
 }
 
 impl Default for ComfortChoice {
-    /// Standing people among surfaces of sol-air temperatures, in the wind of the weather file.
+    /// Returns standing people among surfaces of sol-air temperatures, in the wind of the weather
+    /// file.
     fn default() -> Self {
         ComfortChoice {
             columns: Vec::new(),
@@ -75,43 +80,43 @@ impl Default for ComfortChoice {
     }
 }
 
-/// How a person holds itself.
+/// Posture of a person.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Posture {
-    /// Upright.
+    /// Upright posture.
     #[default]
     Standing,
-    /// On a chair.
+    /// Posture on a chair.
     Sitting,
 }
 
-/// How warm surfaces are whose temperature nobody gives.
+/// Model of the temperatures of surfaces for which none is given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SurfaceTemperatures {
-    /// As warm as light, sky and air make a surface without storage.
+    /// Sol-air temperature: light, sky and air act on a surface without heat storage.
     #[default]
     SolAir,
-    /// As warm as the air.
+    /// Temperature of the air.
     Air,
 }
 
-/// A share of a class: `ground=0.95`.
+/// Share for a class of surfaces, written as in `ground=0.95`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct ClassShare {
-    /// Whose it is.
+    /// Class of surfaces that has this share.
     pub class: Class,
-    /// 0 to 1.
+    /// Share from 0 to 1.
     pub share: f64,
 }
 
-/// Where the wind comes from: `0.7` or the name of a file.
+/// Source of the wind, written as `0.7` or as the name of a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum WindChoice {
-    /// That of the weather file, times a factor.
+    /// Wind of the weather file, times a factor.
     Factor(f64),
-    /// That of a CSV with a column `wind_m_s`, 10 m above the ground.
+    /// Wind of a CSV with a column `wind_m_s`, 10 m above the ground.
     File(PathBuf),
 }
 
@@ -178,12 +183,14 @@ impl From<ClassShare> for String {
 }
 
 impl ComfortRequest {
-    /// What is usual of people under a weather file: a row for each of its hours.
+    /// Returns a request with default choices for people under a weather file: a row for each of
+    /// its hours.
     pub fn of(weather: impl Into<PathBuf>) -> Self {
         ComfortRequest { replay: ReplayRequest::of(weather), choice: ComfortChoice::default() }
     }
 
-    /// Refuses numbers out of range and files that cannot hold such results, before an archive is opened.
+    /// Refuses numbers out of range and files that cannot hold such results, before an archive is
+    /// opened.
     pub fn check(&self, files: &FileRequest, inputs: &[&Path]) -> Result<()> {
         self.stream().check()?;
         let choice = &self.choice;
@@ -210,7 +217,7 @@ impl ComfortRequest {
         files.check(None, None, inputs)
     }
 
-    /// Files that are read besides archives.
+    /// Returns the files that are read besides archives.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let wind = match &self.choice.wind {
             WindChoice::File(file) => Some(file.as_path()),
@@ -219,15 +226,16 @@ impl ComfortRequest {
         self.replay.files().chain(wind)
     }
 
-    /// The replay that gives the light of each hour, with the air.
+    /// Returns the replay that gives the light of each hour, with the air.
     pub fn stream(&self) -> ReplayRequest {
-        // Longwave brings the air with it.
+        // The longwave column makes the replay read the air.
         let columns = "sun_direct,total,longwave".parse();
         let light = columns.map_or_else(|_| self.replay.light.clone(), |columns| self.replay.light.only(columns));
         ReplayRequest { light, every: Every::Hour, ..self.replay.clone() }
     }
 
-    /// People and surfaces among these materials; surfaces whose temperature is given have that one.
+    /// Returns the model of people and of surfaces among these materials. Surfaces of given
+    /// temperature need no sol-air model.
     pub(super) fn model(&self, materials: &[Material]) -> ComfortModel {
         let choice = &self.choice;
         let surfaces = |class| {
@@ -247,14 +255,14 @@ impl ComfortRequest {
         }
     }
 
-    /// The components of a replay that are taken.
+    /// Returns the components of a replay that comfort needs.
     pub(super) fn components(&self) -> ComponentSet {
         ComponentSet::of(&[Component::SunDirect, Component::Total])
     }
 }
 
 impl ComfortChoice {
-    /// The body that absorbs radiation.
+    /// Returns the body that absorbs radiation.
     pub(super) fn body(&self) -> RadiantBody {
         match self.posture {
             Posture::Standing => RadiantBody::STANDING,
@@ -262,7 +270,7 @@ impl ComfortChoice {
         }
     }
 
-    /// The person of the PET.
+    /// Returns the person of the PET.
     pub(super) fn person(&self) -> PetPerson {
         let posture = match self.posture {
             Posture::Standing => PetPosture::Standing,
@@ -271,7 +279,8 @@ impl ComfortChoice {
         PetPerson { posture, ..PetPerson::VDI_3787 }
     }
 
-    /// What a plane sees of materials, with what is asked for in its place.
+    /// Returns the surfaces that a plane sees; requested emissivities and absorptances replace
+    /// those of the materials.
     pub(super) fn over(&self, seen: SeenSurfaces) -> SeenSurfaces {
         let over = |class, mean: Option<SurfaceMean>| mean.map(|mean| self.over_mean(class, mean));
         SeenSurfaces {
@@ -287,7 +296,8 @@ impl ComfortChoice {
         }
     }
 
-    /// Emissivities and absorptances of the surfaces of a class, in words: one number, or the lowest and the highest of its materials.
+    /// Returns the emissivity or absorptance of the surfaces of a class in words: one number, or
+    /// the lowest and the highest of its materials.
     pub(super) fn said_of(&self, class: Class, materials: &[Material], of: fn(&SurfaceMean) -> f64) -> String {
         let mut values: Vec<f64> =
             SurfaceMean::of_solids(class, materials).map(|mean| of(&self.over_mean(class, mean))).collect();

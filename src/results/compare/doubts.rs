@@ -1,5 +1,5 @@
-//! Whether two archives can be compared. In: what both state. Out: a refusal where they are of other places, and what a user should know
-//! before changes are believed.
+//! Checks of two archives before they are compared. In: the statements of both. Out: a refusal if
+//! they lie at different places, and warnings that a user should know before changes are believed.
 
 use std::path::Path;
 
@@ -10,10 +10,11 @@ use heliotile_builder::transfer::differences;
 use heliotile_core::error::Result;
 use heliotile_core::observer::Observer;
 
-/// What differs between the settings of archives is named up to so many times.
+/// Largest number of differing settings that a warning names.
 const NAMED: usize = 6;
 
-/// Refuses archives of another place than those before, and tells what else may change the light besides the scene.
+/// Refuses archives of another place than those before. Warns of differences other than the scene
+/// that may change the light.
 pub fn tell(
     before: Archives,
     before_place: &Path,

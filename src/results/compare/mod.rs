@@ -1,8 +1,10 @@
-//! What a change of a site does to its light. In: open archives before, the places of others after, suns and skies. Out: tables, maps and
-//! pictures of before, after and change, and a summary of who loses how much.
+//! Changes of light by a change of a site. In: open archives before, the paths of others after,
+//! suns and skies. Out: tables, maps and pictures of before, after and change, and a summary of the
+//! receivers, windows and buildings that lose light.
 //!
-//! Receivers are matched first ([`heliotile_core::opened::ReceiverMatching`]); those of both sides are replayed. Values after wait in sorted
-//! runs, which leave memory where they do not fit, until the same receivers come before.
+//! Receivers are matched first ([`heliotile_core::opened::ReceiverMatching`]); those that exist on
+//! both sides are replayed. Values after wait in sorted runs, which go to temporary files if they
+//! do not fit into memory, until the same receivers come before.
 
 mod doubts;
 mod pass;
@@ -23,10 +25,11 @@ pub use summary::{CompareSummary, VariantSummary};
 pub use tally::{LOSSES_PERCENT, LossCounts};
 pub(crate) use variant::check_memory;
 
-/// How archives differ from one before them.
+/// Request for a comparison of archives with one before them.
 #[derive(Clone, Debug)]
 pub struct CompareRequest {
-    /// Archives or atlases after, at least one. Files of results hold one; a summary has a row for each.
+    /// Paths of archives or atlases after, at least one. Files of results take exactly one; a
+    /// summary has a row for each.
     pub after: Vec<PathBuf>,
     /// Suns and skies, and the light that counts; without columns: the total.
     pub under: Illumination,
@@ -36,17 +39,17 @@ pub struct CompareRequest {
     pub unmatched: Option<PathBuf>,
 }
 
-/// Suns and skies.
+/// Source of suns and skies.
 #[derive(Clone, Debug)]
 pub enum Illumination {
-    /// The suns and skies of a weather file.
+    /// Suns and skies of a weather file.
     Weather(Box<ReplayRequest>),
-    /// The suns and skies of a table of conditions.
+    /// Suns and skies of a table of conditions.
     Conditions(QueryRequest),
 }
 
 impl Illumination {
-    /// The light that counts.
+    /// Returns the light that counts.
     pub fn light(&self) -> &LightChoice {
         match self {
             Illumination::Weather(request) => &request.light,
@@ -54,7 +57,7 @@ impl Illumination {
         }
     }
 
-    /// Files that are read besides archives.
+    /// Returns the files that are read besides archives.
     pub fn files(&self) -> Vec<&Path> {
         match self {
             Illumination::Weather(request) => request.files().collect(),
@@ -64,7 +67,8 @@ impl Illumination {
 }
 
 impl CompareRequest {
-    /// Refuses choices that exclude each other, and files that would replace an input or one another, before anything is read.
+    /// Refuses choices that exclude each other, and files that would replace an input or each
+    /// other, before anything is read.
     pub fn check(&self, files: &FileRequest, inputs: &[&Path]) -> Result<()> {
         let every = match &self.under {
             Illumination::Weather(request) => request.check().map(|()| Some(request.every))?,
@@ -97,14 +101,15 @@ impl CompareRequest {
         tables.into_iter().flatten().try_for_each(|table| check_table(table, &inputs))
     }
 
-    /// Whether rows of places are written, of the only archive after. With a summary or pictures, the standard output is not asked for by
-    /// saying nothing.
+    /// Returns true if rows of places are written, which needs exactly one archive after. If a
+    /// summary or pictures are requested, the default `-` does not count as a request for standard
+    /// output.
     pub fn has_details(&self, files: &FileRequest) -> bool {
         let is_asked = files.output != Path::new("-") || !files.plots.is_empty() || self.summary.is_none();
         self.after.len() == 1 && is_asked
     }
 
-    /// The columns that are compared.
+    /// Returns the columns that are compared.
     fn columns(&self) -> ComponentList {
         self.under.light().columns_or(ComponentList::of(Component::Total))
     }

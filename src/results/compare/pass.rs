@@ -1,5 +1,5 @@
-//! One pass over the receivers before, beside what waits of the archives after. In: a stream before, places of archives after. Out: files and a
-//! summary.
+//! One pass over the receivers before, joined with the stored values of the archives after. In: a
+//! stream before, paths of archives after. Out: files and a summary.
 
 use std::path::{Path, PathBuf};
 
@@ -21,22 +21,22 @@ use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
 
-/// The site before a change, ready to be replayed.
+/// Site before a change, ready to be replayed.
 pub struct BeforeSide<'a> {
-    /// Its chosen receivers under suns and skies.
+    /// Chosen receivers before, under suns and skies.
     pub stream: &'a TileStream<'a>,
-    /// Its archives.
+    /// Archives before.
     pub archives: Archives<'a>,
-    /// Where the archive or the atlas lies.
+    /// Path of the archive or of the atlas.
     pub place: &'a Path,
-    /// How its receivers were chosen.
+    /// Choice of the receivers before.
     pub choice: &'a ReceiverChoice,
-    /// Folder for what does not fit into memory.
+    /// Folder for temporary files that do not fit into memory.
     pub folder: &'a Path,
 }
 
 impl CompareRequest {
-    /// Writes the files and gives the summary; `open` opens the archives at a place.
+    /// Writes the files and returns the summary; `open` opens the archives at a path.
     pub fn write(
         &self,
         files: &FileRequest,
@@ -60,6 +60,7 @@ impl CompareRequest {
             memory_bytes: stream.resources.memory.length(Use::ComparedValues) / self.after.len().max(1),
         };
         let (mut variants, mut opened) = (Vec::new(), Vec::new());
+        // Archives after are replayed first: receivers before without a match need no replay then.
         for (place, name) in self.after.iter().zip(names(&self.after)) {
             let sources = open(place)?;
             doubts::tell(before.archives, before.place, sources.borrowed(), place, stream.resources.observer)?;
@@ -79,7 +80,7 @@ impl CompareRequest {
             variants: &mut variants,
         };
         if has_details {
-            // Maps show the scene that is there after the change.
+            // Maps show the scene after the change.
             let scene = opened.first().map(|sources| ReceiverSet::all_of(sources.borrowed().first())).transpose()?;
             let (called, about) = (self.called(&stream, before), about.clone());
             let told = RowsAbout { called, about, place: before.place, scene: scene.as_ref() };
@@ -101,7 +102,7 @@ impl CompareRequest {
         Ok(summary)
     }
 
-    /// What files were made of.
+    /// Returns the provenance of the files.
     fn about(&self, stream: &TileStream, before: &BeforeSide, variants: &[Variant]) -> Provenance {
         let of_each = |text: fn(&Variant) -> &str| variants.iter().map(text).collect::<Vec<_>>().join(", ");
         let names = self.after.iter().map(|place| name_of(place)).collect::<Vec<_>>().join(", ");
@@ -109,19 +110,19 @@ impl CompareRequest {
         about.with("after", names).with("after_root", of_each(|variant| &variant.root))
     }
 
-    /// What pictures show, in words.
+    /// Returns a description in words of what pictures show.
     fn called(&self, stream: &TileStream, before: &BeforeSide) -> String {
         let after = self.after.iter().map(|place| name_of(place)).collect::<Vec<_>>().join(", ");
         format!("{} to {after} under {}", name_of(before.place), stream.series.called)
     }
 }
 
-/// Sums over all of the time, or under conditions means.
+/// Returns the kind of labels of the summary: sums over all of the time, or means under conditions.
 fn sums_of(series: &Series) -> Labels {
     if series.kind == Labels::Conditions { Labels::Conditions } else { Labels::Sums }
 }
 
-/// Names of archives that tell them apart: of files, or else their paths.
+/// Returns names that tell archives apart: file names, or paths if file names are not unique.
 fn names(places: &[PathBuf]) -> Vec<String> {
     let mut names: Vec<String> = places.iter().map(|place| name_of(place)).collect();
     let mut sorted = names.clone();
@@ -133,27 +134,28 @@ fn names(places: &[PathBuf]) -> Vec<String> {
     names
 }
 
-/// The receivers before, as their tiles come, and what waits of those after.
+/// Receivers before, in the order of their tiles, and the stored values after.
 struct Pass<'p> {
-    /// Of the tiles, and their rows before.
+    /// Receivers of the tiles; `rows` are their rows before.
     receivers: Box<dyn Iterator<Item = Result<Receiver>> + 'p>,
     rows: Box<dyn Iterator<Item = u32> + 'p>,
     components: &'p ComponentList,
-    /// How labels add up to one; none where there is one already, and under conditions.
+    /// Map of all labels to one; `None` if there is only one, and under conditions.
     coarsening: Option<Coarsening>,
     folder: &'p Path,
     variants: &'p mut [Variant],
 }
 
-/// Tiles before, to which those after are put.
+/// Sink of the tiles before, which adds the values after.
 struct PassSink<'s, 'p> {
     pass: &'s mut Pass<'p>,
-    /// What takes the change by the only variant.
+    /// Sink of the change by the only variant.
     details: Option<&'s mut dyn TileSink>,
 }
 
 impl Pass<'_> {
-    /// Sums of the main component over the whole time, or its means over conditions: one a receiver.
+    /// Returns one number a receiver: the sum of the main component over the whole time, or its
+    /// mean over conditions.
     fn sums(&self, values: &TileValues) -> Vec<f64> {
         let main = self.components.main();
         let coarse = self.coarsening.as_ref().map(|to| to.of(values, ComponentSet::of(&[main])));

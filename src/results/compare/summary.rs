@@ -1,5 +1,5 @@
-//! A comparison in a few numbers. In: variants that were tallied. Out: a row for each as a table and in words, and a table of receivers that
-//! exist on one side only.
+//! Summary of a comparison. In: variants with their tallies. Out: a row for each variant as a table
+//! and in words, and a table of receivers that exist on one side only.
 
 use super::tally::{LOSSES_PERCENT, LossCounts};
 use super::variant::{SideName, Variant};
@@ -18,41 +18,42 @@ pub struct CompareSummary {
     pub before: String,
     /// Suns and skies, in words.
     pub under: String,
-    /// What is compared, in words, and its unit.
+    /// Compared quantity, in words.
     pub what: String,
     /// Unit of the means.
     pub unit: &'static str,
     /// Names of the columns of means before and after, of the change, and of the change in percent.
     pub columns: Vec<String>,
-    /// One archive after each.
+    /// Summary of each archive after.
     pub variants: Vec<VariantSummary>,
 }
 
-/// An archive in comparison with the one before.
+/// Archive after in comparison with the one before.
 #[derive(Clone, Debug)]
 pub struct VariantSummary {
-    /// Its name.
+    /// Name of the archive.
     pub name: String,
-    /// Receivers of both sides, how many of them lose how much, and how many are moved.
+    /// Number of receivers that exist on both sides, and how many of them lose light.
     pub receivers: LossCounts,
-    /// Receivers that only their names match.
+    /// Number of receivers that are matched by name only, as they moved.
     pub moved: u64,
-    /// Receivers that exist before or after only.
+    /// Number of receivers that exist only before, and only after.
     pub only: [u64; 2],
-    /// Names of the first of these.
+    /// Names of the first receivers that exist only before, and only after.
     pub named: [Vec<String>; 2],
-    /// Area of the receivers of both sides, if all have one.
+    /// Area of the receivers that exist on both sides, m2, if all have one.
     pub area_m2: Option<f64>,
     /// Means before and after, by area.
     pub means: [f64; 2],
-    /// Windows, by their surfaces.
+    /// Losses of windows; a window is a surface.
     pub windows: LossCounts,
-    /// Buildings.
+    /// Losses of buildings.
     pub buildings: LossCounts,
 }
 
 impl CompareSummary {
-    /// Of variants that were tallied; the layout is that of the change of the main component.
+    /// Returns the summary of variants after their tallies are complete; `layout` is the layout of
+    /// the main component's change.
     pub(super) fn of(before: String, under: &str, layout: &Layout, main: Component, variants: &[Variant]) -> Self {
         let summary = |variant: &Variant| {
             let (before, after) = (variant.only(SideName::Before), variant.only(SideName::After));
@@ -78,7 +79,7 @@ impl CompareSummary {
         }
     }
 
-    /// A row for each archive after.
+    /// Returns a table with a row for each archive after.
     pub fn table(&self) -> Records {
         let counts = ["receivers", "moved", "only_before", "only_after"].map(Column::count);
         let means = self.columns.iter().map(|name| {
@@ -97,7 +98,7 @@ impl CompareSummary {
         }
     }
 
-    /// The rows as lines for people.
+    /// Returns the summary as lines for people.
     pub fn text(&self) -> String {
         let paragraphs = self.variants.iter().map(|variant| variant.text(self));
         paragraphs.collect::<Vec<_>>().join("\n")
@@ -105,12 +106,12 @@ impl CompareSummary {
 }
 
 impl VariantSummary {
-    /// The change of the mean.
+    /// Returns the change of the mean.
     pub fn change(&self) -> f64 {
         self.means[1] - self.means[0]
     }
 
-    /// The change of the mean in percent; none of nothing.
+    /// Returns the change of the mean in percent; `None` if the mean before is 0.
     pub fn change_percent(&self) -> Option<f64> {
         ChangeKind::Percent.of(self.means[0], self.means[1])
     }
@@ -158,7 +159,7 @@ impl VariantSummary {
     }
 }
 
-/// Receivers that exist on one side only.
+/// Returns the table of receivers that exist on one side only.
 pub fn unmatched_table(variants: &[Variant]) -> Records {
     let texts = ["variant", "side", "receiver"].map(Column::text);
     let columns = texts.into_iter().chain(["x", "y", "z"].map(|name| Column::number(name, 3))).collect();

@@ -1,5 +1,5 @@
-//! Who loses how much. In: receivers with their sums before and after. Out: means by area, and how many receivers, windows and buildings lose
-//! more than some shares.
+//! Counts of losses. In: receivers with their sums before and after. Out: means by area, and the
+//! numbers of receivers, windows and buildings that lose more than certain shares.
 
 use std::collections::BTreeMap;
 
@@ -9,30 +9,31 @@ use heliotile_core::site::receiver::Receiver;
 /// Losses that are counted, percent.
 pub const LOSSES_PERCENT: [u32; 3] = [5, 10, 20];
 
-/// The kind of surfaces whose losses are counted apart.
+/// Kind of surfaces whose losses are counted separately.
 const WINDOW: &str = "window";
 
-/// Things of one sort, and how many of them lose more than each of [`LOSSES_PERCENT`].
+/// Number of receivers, windows or buildings, and how many of them lose more than each of
+/// [`LOSSES_PERCENT`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LossCounts {
-    /// All of them.
+    /// Number of all.
     pub all: u64,
-    /// Those that lose more.
+    /// Numbers of those that lose more than each of [`LOSSES_PERCENT`].
     pub losing: [u64; 3],
 }
 
-/// Sums before and after, being added up.
+/// Running sums before and after.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sums {
     receivers: u64,
     with_area: u64,
     area_m2: f64,
-    /// Before and after: times areas, and plain.
+    /// Sums before and after of values times areas; `plain` are sums of values.
     weighted: [f64; 2],
     plain: [f64; 2],
 }
 
-/// What is known of a comparison so far.
+/// Running counts and sums of a comparison.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     pub all: Sums,
@@ -53,7 +54,7 @@ impl Sums {
         }
     }
 
-    /// Means before and after: by area if all receivers have one, or else each counts the same.
+    /// Returns the means before and after: by area if all receivers have one, or else plain means.
     pub fn means(&self) -> [f64; 2] {
         match self.is_by_area() {
             true => self.weighted.map(|sum| sum / self.area_m2),
@@ -61,7 +62,7 @@ impl Sums {
         }
     }
 
-    /// The area of the receivers, if all have one.
+    /// Returns the area of the receivers, if all have one.
     pub fn area_m2(&self) -> Option<f64> {
         self.is_by_area().then_some(self.area_m2)
     }
@@ -88,12 +89,12 @@ impl Tally {
         }
     }
 
-    /// Windows, by the means of their receivers.
+    /// Counts windows that lose light, by the means of their receivers.
     pub fn windows(&self) -> LossCounts {
         counts(&self.windows)
     }
 
-    /// Buildings, by the means of their receivers.
+    /// Counts buildings that lose light, by the means of their receivers.
     pub fn buildings(&self) -> LossCounts {
         counts(&self.buildings)
     }
@@ -119,8 +120,9 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// A window of 1 m2 that loses all and 3 m2 that lose nothing is one window that loses 25 %; its building with a dark wall of 4 m2 loses
-    /// as much; of 3 receivers one loses, and what had nothing before loses nothing.
+    /// A window of 1 m2 that loses all and 3 m2 that lose nothing is one window that loses 25 %;
+    /// its building with a dark wall of 4 m2 loses as much; one of 3 receivers loses, and a
+    /// receiver without light before loses nothing.
     #[test]
     fn losses_are_counted_by_area() {
         let receiver = |id: &str, area: f64, kind: &str| {

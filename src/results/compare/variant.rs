@@ -1,4 +1,5 @@
-//! An archive after. In: its receivers, those before. Out: which of them are the same, and the values of these in the order before.
+//! One archive after a change. In: its receivers, those before. Out: the matched receivers, and
+//! their values in the order of the receivers before.
 
 use std::iter::Peekable;
 use std::path::Path;
@@ -16,47 +17,47 @@ use heliotile_core::replay::components::ComponentList;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
 
-/// What a receiver takes while it is matched, besides its name, bytes.
+/// Memory of a receiver during matching, bytes, without its name.
 const BYTES_OF_RECEIVER: u64 = 200;
 
-/// Receivers that a summary names.
+/// Largest number of unmatched receivers that a summary names.
 pub const NAMED: usize = 3;
 
-/// Which side of a comparison a receiver exists on.
+/// Side of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SideName {
     Before,
     After,
 }
 
-/// A receiver of one side only.
+/// Receiver that exists on one side only.
 #[derive(Clone, Debug)]
 pub struct UnmatchedReceiver {
     pub side: SideName,
     pub place: ReceiverPlace,
 }
 
-/// An archive after, matched and replayed.
+/// Archive after, matched and replayed.
 pub struct Variant {
-    /// Its name in a summary.
+    /// Name of the archive in a summary.
     pub name: String,
     pub root: String,
     pub moved: u64,
     pub unmatched: Vec<UnmatchedReceiver>,
     pub tally: Tally,
-    /// By the row before.
+    /// Values after, sorted by the row of the receiver before.
     values: Peekable<Sorted>,
 }
 
-/// Receivers before, as they are matched.
+/// Places of the receivers before, for matching.
 pub struct BeforePlaces {
     pub places: Vec<ReceiverPlace>,
-    /// Which of them are in an archive after, too.
+    /// True for each receiver that also exists in an archive after.
     pub is_matched: Vec<bool>,
 }
 
 impl BeforePlaces {
-    /// Of the chosen receivers.
+    /// Reads the places of the chosen receivers.
     pub fn of(receivers: &ReceiverSet, memory: MemoryBudget) -> Result<Self> {
         check_memory(receivers.count(), memory)?;
         let places: Vec<ReceiverPlace> = receivers.receivers().map(|one| Ok((&one?).into())).collect::<Result<_>>()?;
@@ -64,23 +65,25 @@ impl BeforePlaces {
     }
 }
 
-/// How an archive after is replayed: like the one before.
+/// Replay of archives after, with the settings of the one before.
 pub struct VariantReplay<'a> {
     pub before: TileStream<'a>,
     pub components: &'a ComponentList,
-    /// How the receivers before were chosen.
+    /// Choice of the receivers before.
     pub choice: &'a ReceiverChoice,
-    /// Folder and bytes for values that wait.
+    /// Folder and memory, bytes, for values that wait.
     pub folder: &'a Path,
     pub memory_bytes: usize,
 }
 
 impl VariantReplay<'_> {
-    /// Matches the receivers of an archive with those before, and replays those of both sides.
+    /// Matches the receivers of an archive with those before, and replays those that exist on both
+    /// sides.
     pub fn run(&self, name: String, place: &Path, archives: Archives, before: &mut BeforePlaces) -> Result<Variant> {
         let memory = self.before.resources.memory;
         let all = ReceiverChoice { selection: None, ..*self.choice }.of(archives, self.folder, memory)?;
         check_memory(all.count().saturating_add(before.places.len() as u64), memory)?;
+        // All receivers after are matched: a receiver that moved may lie outside the choice.
         let (mut places, mut is_asked) = (Vec::new(), Vec::new());
         for receiver in all.receivers() {
             let receiver = receiver?;
@@ -111,7 +114,7 @@ impl VariantReplay<'_> {
         Ok(Variant { name, root: archives.root(), moved, unmatched, tally, values: values.peekable() })
     }
 
-    /// Values of receivers by their rows before: `[component][label]`.
+    /// Replays receivers and sorts their values, `[component][label]`, by their rows before.
     fn replay(&self, receivers: &ReceiverSet, rows: &[u32]) -> Result<Sorted> {
         let mut sorter = Sorter::new(self.folder, self.memory_bytes);
         let mut rows = rows.iter();
@@ -129,7 +132,8 @@ impl VariantReplay<'_> {
 }
 
 impl Variant {
-    /// The values of some receivers by their rows before, which come in order: for which of them there are any, and these.
+    /// Returns the values of receivers by their rows before, which must come in order, and a flag
+    /// for each row that says if it has values.
     pub fn values(
         &mut self,
         rows: &[u32],
@@ -157,7 +161,7 @@ impl Variant {
         Ok((is_there, found))
     }
 
-    /// Receivers of one side only, and the names of the first.
+    /// Returns the number of receivers that exist only on `side`, and the names of the first ones.
     pub fn only(&self, side: SideName) -> (u64, Vec<String>) {
         let mut of_side = self.unmatched.iter().filter(|one| one.side == side);
         let first: Vec<String> = of_side.by_ref().take(NAMED).map(|one| one.place.id.clone()).collect();
@@ -165,7 +169,7 @@ impl Variant {
     }
 }
 
-/// An error if so many receivers cannot be matched within the memory.
+/// Fails if `receivers` receivers cannot be matched within the memory.
 pub fn check_memory(receivers: u64, memory: MemoryBudget) -> Result<()> {
     let (bytes, most) = (receivers.saturating_mul(BYTES_OF_RECEIVER), memory.share(Use::ReceiverList));
     if bytes <= most {
@@ -175,7 +179,8 @@ pub fn check_memory(receivers: u64, memory: MemoryBudget) -> Result<()> {
     Err(Error::Limit { what, value: bytes, max: most })
 }
 
-/// Whether a receiver after is one that a choice of those before means. A list of names is of the archive before only.
+/// Returns true if a choice of receivers before also selects `receiver` of an archive after. A list
+/// of names applies to the archive before only.
 fn is_meant(selection: &Selection, receiver: &Receiver) -> bool {
     let part = &receiver.part;
     match selection {

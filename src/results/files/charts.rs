@@ -1,5 +1,5 @@
-//! Pictures of results. In: names of files, a stream. Out: which picture each file is, and charts of the mean over its receivers; maps are drawn
-//! where maps are ([`super::map`]).
+//! Charts of results. In: names of files, a stream. Out: the kind of picture of each file, and
+//! charts of the mean over receivers. Maps are drawn by [`super::map`].
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -21,28 +21,30 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::site::receiver::Receiver;
 
-/// Longer series have a column of hours for each month, shorter ones for each day.
+/// Largest number of days that are columns of their own; longer series have a column for each
+/// month.
 const MOST_DAYS: usize = 62;
-/// More bars are thinner than a point.
+/// Largest number of bars: more of them would be thinner than a point.
 const MOST_BARS: usize = 800;
-/// How far a bar's colour lies from the middle of a scale around zero.
+/// Distance of a bar's colour from the middle of a scale around zero, as a share of the half scale.
 const BAR_SHARE: f32 = 0.6;
-/// Of a total that has no parts.
+/// Colour of bars that are not split into components.
 const ONE_COLOUR: [u8; 3] = [0x5b, 0x67, 0x72];
 
-/// What a picture shows.
+/// Kind of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Plot {
     Map,
-    /// Periods by component.
+    /// Bars of periods, stacked by component.
     Bars,
     /// Hours of the day by month.
     Hours,
 }
 
 impl Plot {
-    /// By the ending of a name, and by what rows stand for; none in a query.
+    /// Returns the kind of picture by the ending of a name and the period of rows; a query has no
+    /// period.
     fn of(path: &Path, every: Option<Every>) -> Result<Self> {
         let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         match (ending.as_deref(), every) {
@@ -62,7 +64,7 @@ impl Plot {
         }
     }
 
-    /// The pictures of some files; an error where one cannot be drawn of a series.
+    /// Returns the kind of each file's picture. Fails if one cannot be drawn for the series.
     pub fn all<'p>(paths: &'p [PathBuf], series: &Series) -> Result<Vec<(&'p Path, Plot)>> {
         let count = series.labels.len();
         let plot = |path: &'p PathBuf| {
@@ -87,12 +89,12 @@ impl Plot {
     }
 }
 
-/// Refuses pictures of unknown endings, and such that would replace an input or one another.
+/// Refuses pictures of unknown endings, and pictures that would replace an input or each other.
 pub fn check(plots: &[PathBuf], inputs: &[&Path], every: Option<Every>) -> Result<()> {
     for (i, path) in plots.iter().enumerate() {
         Plot::of(path, every)?;
         guard_output(path, inputs)?;
-        // A table has other endings.
+        // A table cannot have the same name: it has another ending.
         if plots.iter().take(i).any(|other| other == path) {
             let what = format!("`{}` is written twice", path.display());
             return Err(Error::argument("plot", what, "give each output a name of its own"));
@@ -101,21 +103,22 @@ pub fn check(plots: &[PathBuf], inputs: &[&Path], every: Option<Every>) -> Resul
     Ok(())
 }
 
-/// A chart of the mean by area over the receivers of a stream.
+/// Chart of the mean by area over the receivers of a stream.
 pub struct AreaChart<'a> {
     path: &'a Path,
     plot: Plot,
     series: &'a Series<'a>,
     components: ComponentList,
     means: AreaMeans,
-    /// Of a comparison: the means after.
+    /// Means after; only in a comparison.
     after: Option<AreaMeans>,
     receivers: Box<dyn Iterator<Item = Result<Receiver>> + 'a>,
 }
 
 impl<'a> AreaChart<'a> {
-    /// A chart in an SVG file: bars of days, months, years or conditions, hours of the day by month of hours. Of a comparison the chart shows
-    /// the change of what stands for all.
+    /// Returns a chart for an SVG file: bars of days, months, years or conditions, or hours of the
+    /// day by month if rows are hours. In a comparison the chart shows the change of the main
+    /// component.
     pub fn new(path: &'a Path, stream: &TileStream<'a>, question: Question) -> Result<Self> {
         let plot = Plot::of(path, stream.series.every)?;
         let components = stream.light.columns();
@@ -125,7 +128,7 @@ impl<'a> AreaChart<'a> {
         Ok(AreaChart { path, plot, series: stream.series, components, means, after, receivers })
     }
 
-    /// Writes the chart; `called` says what is shown.
+    /// Writes the chart; `called` describes its content.
     pub fn finish(self, called: &str, about: &Provenance) -> Result<()> {
         let called = format!("{called}; {}", self.means.called());
         let svg = match self.plot {
@@ -137,7 +140,7 @@ impl<'a> AreaChart<'a> {
         sink.finish().map(drop)
     }
 
-    /// The mean of what stands for all, or its change: one a label.
+    /// Returns the mean of the main component, or its change, for each label.
     fn main(&self) -> Vec<f64> {
         let of = |means: &AreaMeans| means.mean(self.components.main()).unwrap_or_default();
         let before = of(&self.means);
@@ -147,7 +150,7 @@ impl<'a> AreaChart<'a> {
         }
     }
 
-    /// The columns that the chart shows, with their words and units.
+    /// Returns the columns that the chart shows, with their words and units.
     fn layout(&self) -> Layout {
         let of = if self.after.is_some() { Layout::of_changes } else { Layout::of_components };
         of(self.series.kind, By::Receiver, &self.components)
@@ -192,7 +195,7 @@ impl AreaChart<'_> {
         Bars { title, called, unit: layout.unit_of(main).into(), labels, stacks, scale: self.scale() }
     }
 
-    /// The components that add up to the total, as far as they are asked for, or else what stands for all.
+    /// Returns the requested components that add up to the total, or else the main component alone.
     fn parts(&self, main: &Quantity) -> Vec<Stack> {
         let parts = COMPONENTS.iter().filter(|(one, ..)| self.components.as_slice().contains(one));
         let mut stacks: Vec<Stack> = parts
@@ -207,7 +210,7 @@ impl AreaChart<'_> {
         stacks
     }
 
-    /// Gains and losses, each in its colour.
+    /// Returns gains and losses, each in its colour.
     fn change(&self) -> Vec<Stack> {
         let (scale, values) = (self.scale(), self.main());
         let stack = |name: &str, share: f32, of: fn(f64) -> f64| Stack {
@@ -237,7 +240,7 @@ impl AreaChart<'_> {
                 sums.push([(0.0, 0); HOURS]);
                 labels.len() - 1
             });
-            // Rows of several hours fill them all, as far as their day goes.
+            // A row of several hours fills all of them, up to the end of its day.
             let first = (minutes / 60.0 + 1e-9) as usize;
             let hours = (stamp.hours.ceil().max(1.0) as usize).min(HOURS);
             for cell in sums.get_mut(place).into_iter().flatten().skip(first).take(hours) {
@@ -254,7 +257,7 @@ impl AreaChart<'_> {
     }
 }
 
-/// Words that begin a title.
+/// Returns `words` with a capital first letter.
 fn capital(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect()

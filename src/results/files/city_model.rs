@@ -1,4 +1,5 @@
-//! The city model that receivers were put on, with sums. In: a stream, the model. Out: the same model with sums of its objects and faces.
+//! City model that receivers were put on, with sums. In: a stream, the model. Out: that model with
+//! sums of its objects and faces.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -20,7 +21,7 @@ use heliotile_scene::input;
 
 const HINT: &str = "give the city model that the receivers were put on, as it was read then";
 
-/// Refuses what a city model cannot hold, before anything is read.
+/// Refuses requests that a city model cannot hold, before anything is read.
 pub fn check(request: &FileRequest, every: Option<Every>, model: &Path) -> Result<()> {
     let output = &request.output;
     if !is_city_model(output) || is_sequence(output) != is_sequence(model) {
@@ -43,12 +44,12 @@ fn is_sequence(path: &Path) -> bool {
     ["jsonl", "cityjsonl"].contains(&input::ending(path).as_str())
 }
 
-/// A city model that waits for sums.
+/// City model that waits for sums.
 pub struct CityModelSink<'a> {
     model: PathBuf,
     text: String,
     output: PathBuf,
-    /// The archive or the atlas, for messages.
+    /// Path of the archive or of the atlas, for messages.
     place: PathBuf,
     /// Number of receivers.
     count: u64,
@@ -57,7 +58,7 @@ pub struct CityModelSink<'a> {
 }
 
 impl<'a> CityModelSink<'a> {
-    /// Reads the model, which becomes the output with the sums of a stream.
+    /// Reads the model; `finish` writes it to `output` with the sums of the stream.
     pub fn new(stream: &TileStream<'a>, model: &Path, output: &Path, place: &Path) -> Result<Self> {
         let text = String::from_utf8(input::read(model)?).map_err(|error| {
             Error::input(model, None, format!("is no text in UTF-8: {error}"), "give a CityJSON file, or convert it")
@@ -77,7 +78,7 @@ impl<'a> CityModelSink<'a> {
         })
     }
 
-    /// Writes the model with its sums; what was done.
+    /// Writes the model with its sums and returns a line that says so.
     pub fn finish(self, about: &Provenance, observer: &dyn Observer) -> Result<String> {
         let (model, sums) = (self.model.as_path(), &self.sums);
         let Some(example) = sums.example() else {
@@ -139,7 +140,7 @@ impl TileSink for CityModelSink<'_> {
     }
 }
 
-/// The whole text, or the lines of a sequence that are not empty.
+/// Returns the whole text, or the non-empty lines of a sequence.
 fn parts(text: &str, sequence: bool) -> Vec<&str> {
     match sequence {
         true => text.lines().filter(|line| !line.trim().is_empty()).collect(),

@@ -1,4 +1,5 @@
-//! A folder of hourly results as Honeybee's recipes leave them. In: a stream of hours. Out: the folder.
+//! Folder of hourly results in the layout of Honeybee's recipes. In: a stream of hours. Out: the
+//! folder.
 
 use std::path::Path;
 
@@ -12,10 +13,10 @@ use heliotile_core::replay::components::{Component, ComponentList, ComponentSet}
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
 
-/// What the folder has places for.
+/// Components that such a folder can hold.
 const COMPONENTS: [Component; 2] = [Component::Total, Component::SunDirect];
 
-/// Refuses what such a folder cannot hold.
+/// Refuses requests that such a folder cannot hold.
 pub fn check(columns: Option<&ComponentList>, every: Option<Every>, folder: &Path) -> Result<()> {
     if every != Some(Every::Hour) {
         let hint = "leave {every} out: sums are made from the folder's hours";
@@ -29,7 +30,7 @@ pub fn check(columns: Option<&ComponentList>, every: Option<Every>, folder: &Pat
     ResultsFolder::check(folder)
 }
 
-/// Writes the folder; what was done.
+/// Writes the folder and returns a line that says so.
 pub fn write(stream: &TileStream, by: By, folder: &Path, about: Provenance) -> Result<String> {
     let series = stream.series;
     let hours = LitHours::of(&series.conditions)

@@ -1,5 +1,5 @@
-//! Results as a map. In: a stream, groups of its receivers. Out: a map that waits for values; nothing is computed before it is known that it can
-//! be drawn.
+//! Maps of results. In: a stream, groups of its receivers. Out: a map that waits for values. A map
+//! that cannot be drawn is refused before anything is computed.
 
 use std::path::Path;
 
@@ -19,30 +19,30 @@ use heliotile_core::memory::Use;
 use heliotile_core::observer::Observer;
 use heliotile_core::opened::OpenSite;
 
-/// GeoJSON with more polygons is slow wherever it is read.
+/// Number of polygons beyond which most programs read GeoJSON slowly.
 const MANY_POLYGONS: u64 = 10_000;
 
-/// A map that is to be started.
+/// Map that is about to be started.
 pub struct MapStart<'a> {
     pub path: &'a Path,
     pub format: MapFormat,
-    /// How many maps share the memory for them.
+    /// Number of maps that share the memory.
     pub share: usize,
-    /// Its columns and the labels of their values.
+    /// Columns of the map and labels of its values.
     pub rows: &'a ResultRows,
-    /// What the values are of, in words.
+    /// Description of the values in words.
     pub called: &'a str,
-    /// What they were made from.
+    /// Provenance of the values.
     pub about: &'a Provenance,
-    /// Whose scene is drawn around.
+    /// Receivers whose scene is drawn around the map.
     pub scene: &'a ReceiverSet<'a>,
-    /// What is drawn, or what is a part of it.
+    /// Receivers that are drawn, or that belong to the drawn groups.
     pub receivers: &'a ReceiverSet<'a>,
 }
 
 impl<'a> MapStart<'a> {
-    /// Starts the map of groups, or of receivers where there are none; receivers that cannot be drawn are an error. `place` is that of the
-    /// archive or of the atlas.
+    /// Starts the map of `groups`, or of receivers if `None`. Fails if receivers have no shape to
+    /// draw. `place` is the path of the archive or of the atlas.
     pub fn start(self, resources: &Resources<'a>, groups: Option<&Groups>, place: &Path) -> Result<MapWriter<'a>> {
         let request = self.request(resources)?;
         let (receivers, memory) = (self.receivers, resources.memory);
@@ -65,7 +65,7 @@ impl<'a> MapStart<'a> {
         MapWriter::create(request, shapes)
     }
 
-    /// Starts a map of other places.
+    /// Starts a map of other shapes.
     pub fn with_shapes(self, shapes: PlaceShapes<'a>, resources: &Resources<'a>) -> Result<MapWriter<'a>> {
         MapWriter::create(self.request(resources)?, shapes)
     }
@@ -74,7 +74,7 @@ impl<'a> MapStart<'a> {
         let [first, others @ ..] = self.receivers.parts() else {
             return Err(Error::argument("receivers", "there is nothing to draw", "choose some receivers"));
         };
-        // Parts of an atlas show their neighbours, too.
+        // The parts of an atlas show their neighbours, so no surroundings are drawn around several.
         let shows = self.format.shows_surroundings() && others.is_empty();
         let around = self.scene.parts().first().filter(|_| shows);
         let request = MapRequest {
@@ -98,21 +98,21 @@ impl<'a> MapStart<'a> {
     }
 }
 
-/// The system of an archive's coordinates.
+/// Returns the coordinate system of an archive.
 pub fn crs_of(archive: &Archive) -> MapCrs {
     let manifest = archive.manifest();
     let [low, high] = manifest.scene.bounds_m.map(DVec3::from);
     MapCrs::of(manifest.place.as_ref(), 0.5 * (low + high))
 }
 
-/// The triangles that an archive shows, if it shows any.
+/// Returns the triangles of an archive's scene, if it holds any.
 pub fn surroundings<'a>(archive: &Archive, site: &OpenSite<'a>) -> Option<Surroundings<'a>> {
     let chunks = archive.entries_of(format::SCENE).len() as u32;
     let origin = DVec3::from(archive.manifest().scene.origin_m);
     (chunks > 0).then(|| Surroundings { site: site.clone(), chunks, origin })
 }
 
-/// Warns of a GeoJSON file that is too large for what reads such files.
+/// Warns of a GeoJSON file that is too large for most programs.
 pub fn say_large(path: &Path, stats: &MapStats, observer: &dyn Observer) {
     let MapStats { facts, bytes } = stats;
     let is_geojson = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("geojson"));

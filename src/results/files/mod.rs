@@ -1,5 +1,5 @@
-//! Files that results of a query or a replay are written to. In: names of files, a stream of tiles. Out: tables, maps, charts, a city model, a
-//! folder of Honeybee; all of them in one pass over the tiles.
+//! Result files of a query or a replay. In: names of files, a stream of tiles. Out: tables, maps,
+//! charts, a city model, a Honeybee folder; all in one pass over the tiles.
 
 mod charts;
 mod city_model;
@@ -30,21 +30,22 @@ pub use map::{crs_of, surroundings};
 pub use results::{MapFile, Question, ResultRows, ResultSink, RowsAbout};
 pub(crate) use results::{RowFiles, groups_of, write_rows};
 
-/// Where results go.
+/// Files that results are written to.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FileRequest {
-    /// Table or map, in a format by the ending of its name; `-`: CSV on standard output, and nothing if there are plots.
+    /// Table or map, in a format by the ending of its name; `-`: CSV on standard output, or nothing
+    /// if there are plots.
     pub output: PathBuf,
-    /// What rows are about.
+    /// Subject of a row: a receiver or a group.
     pub by: By,
-    /// Whether Parquet is written as a map.
+    /// True if Parquet is written as a map.
     pub geo: bool,
     /// Pictures: maps (.png) and charts (.svg).
     pub plots: Vec<PathBuf>,
-    /// City model that the receivers were put on; the output is the same with sums.
+    /// City model that the receivers were put on; the output is that model with sums.
     pub model: Option<PathBuf>,
-    /// Folder of Honeybee's results, in place of the output.
+    /// Folder in Honeybee's layout, in place of the output.
     pub honeybee: Option<PathBuf>,
 }
 
@@ -55,13 +56,14 @@ impl Default for FileRequest {
 }
 
 impl FileRequest {
-    /// A table or a map of receivers.
+    /// Returns a request for a table or a map of receivers.
     pub fn of(output: impl Into<PathBuf>) -> Self {
         let (output, by) = (output.into(), By::Receiver);
         FileRequest { output, by, geo: false, plots: Vec::new(), model: None, honeybee: None }
     }
 
-    /// Refuses files that cannot hold such results, and files that would replace one of the inputs, before anything is read.
+    /// Refuses files that cannot hold such results, and files that would replace an input, before
+    /// anything is read.
     pub fn check(&self, columns: Option<&ComponentList>, every: Option<Every>, inputs: &[&Path]) -> Result<()> {
         let inputs: Vec<&Path> = inputs.iter().copied().chain(self.model.as_deref()).collect();
         if self.output != Path::new("-") {
@@ -79,13 +81,14 @@ impl FileRequest {
         }
     }
 
-    /// Whether a table is asked for. With pictures, the standard output is not asked for by saying nothing.
+    /// Returns true if a table is requested. If there are pictures, the default `-` does not count
+    /// as a request for standard output.
     pub(crate) fn wants_table(&self) -> Result<bool> {
         let is_table = matches!(ResultFormat::of(&self.output, self.geo)?, ResultFormat::Table(_));
         Ok(is_table && (self.plots.is_empty() || self.output != Path::new("-")))
     }
 
-    /// The maps that are asked for: the output if it is one, and those of the pictures that are `drawn` as maps.
+    /// Returns the requested maps: the output if it is one, and the pictures in `drawn`.
     pub(crate) fn maps<'p>(&self, drawn: impl Iterator<Item = &'p Path>) -> Result<Vec<MapFile>> {
         let output = match ResultFormat::of(&self.output, self.geo)? {
             ResultFormat::Map(format) => Some(MapFile { path: self.output.clone(), format }),
@@ -95,7 +98,8 @@ impl FileRequest {
         Ok(output.into_iter().chain(drawn.map(picture)).collect())
     }
 
-    /// Writes the results of a stream; `place` is that of the archive or of the atlas. What was done, where that is worth a sentence.
+    /// Writes the results of a stream and returns a line about some kinds of files. `place` is the
+    /// path of the archive or of the atlas.
     pub fn write(&self, stream: &TileStream, archives: Archives, place: &Path) -> Result<Option<String>> {
         let about = stream.about(archives, place);
         match (&self.model, &self.honeybee) {
@@ -114,7 +118,7 @@ impl FileRequest {
     }
 }
 
-/// Name of a file, in words.
+/// Returns the name of a file for texts.
 pub fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }

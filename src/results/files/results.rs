@@ -1,5 +1,5 @@
-//! Results of a stream as tables and maps of receivers or of groups of them. In: a stream, what rows are about. Out: files, in one pass over the
-//! tiles.
+//! Tables and maps of receivers or of groups of them. In: a stream, the subject of rows. Out:
+//! files, in one pass over the tiles.
 
 use std::path::{Path, PathBuf};
 
@@ -25,28 +25,28 @@ use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::{ComponentList, ComponentSet};
 use heliotile_core::replay::values::TileValues;
 
-/// What the columns of results say.
+/// Subject of the columns of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Question {
-    /// What places get.
+    /// Irradiance of places.
     Irradiance,
-    /// What places get before and after, and how that changes.
+    /// Irradiance before and after, and its change.
     Change,
 }
 
-/// What files of rows say of themselves.
+/// Metadata of files of rows.
 pub struct RowsAbout<'a> {
-    /// What the values are of, in words, for pictures.
+    /// Description of the values in words, for pictures.
     pub called: String,
-    /// What they were made from.
+    /// Provenance of the values.
     pub about: Provenance,
-    /// Where the archive or the atlas lies.
+    /// Path of the archive or of the atlas.
     pub place: &'a Path,
-    /// Whose scene maps show around; none: that of the receivers.
+    /// Receivers whose scene maps show; `None`: the receivers of the rows.
     pub scene: Option<&'a ReceiverSet<'a>>,
 }
 
-/// The rows of a file: which columns they have, and how many of them each place has.
+/// Columns of a file, and the labels of the rows of each place.
 pub struct ResultRows {
     layout: Layout,
     labels: RowLabels,
@@ -56,31 +56,32 @@ pub struct ResultRows {
 /// Files of the same rows, being written.
 pub struct RowFiles<'a> {
     rows: &'a ResultRows,
-    /// Of groups, where rows are about them.
+    /// Groups that rows are about; `None`: receivers.
     groups: Option<Groups>,
-    /// A table that begins with the first row.
+    /// Table that is created when the first row can be computed.
     table: Option<TableStart<'a>>,
     writers: Vec<(PathBuf, ResultWriter<'a>)>,
 }
 
-/// Files of results of a replay or of two of them, being written.
+/// Result files of one replay, or of two that are compared, being written.
 pub struct ResultSink<'a> {
     components: ComponentList,
-    /// Of groups: their means in each archive, in the order of [`Tile::sides`].
+    /// Means of groups in each archive, in the order of [`Tile::sides`]; empty if rows are about
+    /// receivers.
     means: Vec<GroupMeans>,
     files: RowFiles<'a>,
 }
 
-/// A map to write.
+/// Map to write.
 #[derive(Clone, Debug)]
 pub struct MapFile {
-    /// Its name.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Its format.
+    /// Format of the map.
     pub format: MapFormat,
 }
 
-/// A table that is to be written.
+/// Table to write.
 struct TableStart<'a> {
     path: PathBuf,
     names: Box<dyn Fn() -> Result<Vec<String>> + 'a>,
@@ -89,7 +90,8 @@ struct TableStart<'a> {
 }
 
 impl ResultRows {
-    /// Rows of a stream about receivers or groups of them, and these groups; `place` is that of the archive or of the atlas.
+    /// Returns the rows of a stream about receivers or groups, and these groups; `place` is the
+    /// path of the archive or of the atlas.
     pub fn new(stream: &TileStream, question: Question, by: By, place: &Path) -> Result<(Self, Option<Groups>)> {
         let (series, components) = (stream.series, stream.light.columns());
         let mut layout = match question {
@@ -103,29 +105,29 @@ impl ResultRows {
         Ok((ResultRows::of(layout, series.labels.clone(), series.every), groups))
     }
 
-    /// Rows of these columns and labels.
+    /// Returns rows of these columns and labels.
     pub fn of(layout: Layout, labels: RowLabels, every: Option<Every>) -> Self {
         ResultRows { layout, labels, every }
     }
 
-    /// The columns.
+    /// Returns the columns.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// Labels of the rows of a place.
+    /// Returns the labels of the rows of a place.
     pub fn labels(&self) -> &RowLabels {
         &self.labels
     }
 
-    /// What a label stands for; none in a query.
+    /// Returns the period of a row; `None` in a query.
     pub fn every(&self) -> Option<Every> {
         self.every
     }
 }
 
-/// The groups of receivers that rows are about, facing by true north; none where they are about receivers. `place` is that of the archive or of
-/// the atlas.
+/// Returns the groups of receivers that rows are about, with facings by true north; `None` if rows
+/// are about receivers. `place` is the path of the archive or of the atlas.
 pub fn groups_of(receivers: &ReceiverSet, by: By, place: &Path) -> Result<Option<Groups>> {
     match by {
         By::Receiver => Ok(None),
@@ -134,12 +136,13 @@ pub fn groups_of(receivers: &ReceiverSet, by: By, place: &Path) -> Result<Option
 }
 
 impl<'a> RowFiles<'a> {
-    /// No file yet, of rows about groups, or about receivers where there are none.
+    /// Returns a set of files that is still empty; rows are about `groups`, or about receivers if
+    /// `None`.
     pub fn new(rows: &'a ResultRows, groups: Option<Groups>) -> Self {
         RowFiles { rows, groups, table: None, writers: Vec::new() }
     }
 
-    /// Also writes a table, which begins with the first row.
+    /// Adds a table, which is created by `start`.
     pub fn with_table(mut self, path: &Path, receivers: &'a ReceiverSet<'a>, about: &Provenance) -> Self {
         let groups = self.groups.as_ref().map(|groups| groups.names().to_vec());
         let count = groups.as_ref().map_or(receivers.count(), |groups| groups.len() as u64);
@@ -149,7 +152,7 @@ impl<'a> RowFiles<'a> {
         self
     }
 
-    /// Also writes maps, which share the memory for them.
+    /// Adds maps, which share the memory for maps.
     pub fn with_maps(
         mut self,
         maps: &'a [MapFile],
@@ -168,7 +171,8 @@ impl<'a> RowFiles<'a> {
         Ok(self)
     }
 
-    /// Starts the table: what it is made of is known to work.
+    /// Creates the table. It is called once the replay is known to work, so a failed replay leaves
+    /// no table.
     pub fn start(&mut self) -> Result<()> {
         if let Some(TableStart { path, names, count, about }) = self.table.take() {
             let places = Places { count, names: &*names };
@@ -178,12 +182,12 @@ impl<'a> RowFiles<'a> {
         Ok(())
     }
 
-    /// Hands the values of some places to all files; `extents` are those of groups.
+    /// Hands the values of some places to all files; `extents` are the extents of groups.
     pub fn write(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
         self.writers.iter_mut().try_for_each(|(_, to)| to.write_tile(names, values, extents))
     }
 
-    /// Whether a reader has gone away.
+    /// Returns true if the reader of a file, such as a pipe, has gone away.
     pub fn is_closed(&self) -> bool {
         self.writers.iter().any(|(_, to)| to.is_closed())
     }
@@ -200,7 +204,7 @@ impl<'a> RowFiles<'a> {
 }
 
 impl<'a> ResultSink<'a> {
-    /// A sink of rows that no file takes yet.
+    /// Returns a sink of rows without any file yet.
     pub fn new(rows: &'a ResultRows, groups: Option<Groups>, question: Question, stream: &TileStream) -> Result<Self> {
         let memory = stream.resources.memory;
         let (sides, memory) = match question {
@@ -214,19 +218,19 @@ impl<'a> ResultSink<'a> {
         Ok(ResultSink { components, means, files: RowFiles::new(rows, groups) })
     }
 
-    /// Also writes a table, which begins once the replay is known to work.
+    /// Adds a table, which is created once the replay is known to work.
     pub fn with_table(mut self, path: &Path, stream: &TileStream<'a>, about: &Provenance) -> Self {
         self.files = self.files.with_table(path, stream.receivers, about);
         self
     }
 
-    /// Also writes maps, which share the memory for them.
+    /// Adds maps, which share the memory for maps.
     pub fn with_maps(mut self, maps: &'a [MapFile], stream: &TileStream<'a>, told: &'a RowsAbout<'a>) -> Result<Self> {
         self.files = self.files.with_maps(maps, stream.receivers, told, &stream.resources)?;
         Ok(self)
     }
 
-    /// Hands the values of some places in all archives to all files.
+    /// Hands the values of some places in each archive to all files.
     fn write(&mut self, names: &[String], sides: &[&TileValues], extents: &[Extent]) -> Result<()> {
         self.files.write(names, &PlaceValues::of(sides, self.components.as_slice()), extents)
     }
@@ -237,7 +241,7 @@ impl<'a> ResultSink<'a> {
         let mut sides: Vec<_> = means.iter().map(GroupMeans::tiles).collect();
         while let Some(tiles) = sides.iter_mut().map(Iterator::next).collect::<Option<Vec<_>>>() {
             let values: Vec<&TileValues> = tiles.iter().map(|(_, values, _)| values).collect();
-            // An archive or two always have a first one.
+            // There is a first side: this loop runs for groups only, with one archive or two.
             let Some((names, _, extents)) = tiles.first() else { break };
             self.write(names, &values, extents)?;
         }
@@ -263,7 +267,7 @@ impl TileSink for ResultSink<'_> {
     }
 }
 
-/// Writes the files of a request, of what `feed` hands on.
+/// Writes the files of a request from the tiles that `feed` hands on.
 pub fn write_rows<'s>(
     request: &'s FileRequest,
     question: Question,

@@ -1,4 +1,5 @@
-//! Sums over a whole weather file, a row for each receiver. In: receivers, their sums in kWh/m2. Out: a table with places.
+//! Sums over a whole weather file, a row for each receiver. In: receivers, their sums in kWh/m2.
+//! Out: a table with the positions of the receivers.
 
 use std::path::Path;
 
@@ -12,24 +13,25 @@ use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::units::tilt_and_azimuth;
 
-/// A receiver and its sums, kWh/m2: the six components and their total.
+/// Receiver with its sums over a weather file.
 #[derive(Clone, Debug)]
 pub struct AnnualRow {
-    /// The receiver.
+    /// Receiver of the row.
     pub receiver: Receiver,
-    /// By component.
+    /// Sums by component, kWh/m2: the six components and their total.
     pub kwh_m2: [f32; 7],
 }
 
-/// A table of sums being written.
+/// Table of sums being written.
 pub struct AnnualTable {
     table: RowWriter,
     north: North,
 }
 
 impl AnnualTable {
-    /// Starts `receiver,x,y,z,nx,ny,nz,area,surface`, what the receiver stands for, its tilt and azimuth (from true north), and the sums, of
-    /// so many rows; and beside them what they are.
+    /// Starts a table of `count` rows, and a file beside it that describes its columns. Columns:
+    /// `receiver,x,y,z,nx,ny,nz,area,surface`, the part of the model that the receiver stands for,
+    /// its tilt and azimuth (from true north), and the sums.
     pub fn create(path: &Path, count: u64, north: North, provenance: &Provenance) -> Result<Self> {
         let columns = columns_of_receivers()
             .into_iter()
@@ -53,7 +55,7 @@ impl AnnualTable {
         self.table.row(cells)
     }
 
-    /// Completes the table; only now does its file appear.
+    /// Completes the table; its file appears only now.
     pub fn finish(self) -> Result<()> {
         self.table.finish().map(drop)
     }

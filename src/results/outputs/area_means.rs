@@ -1,15 +1,16 @@
-//! What receivers get in the mean, by area. In: receivers and their values, tile by tile. Out: a series for each component. Sums are f64 and added
-//! in the archive's order, whatever the number of threads.
+//! Means over receivers, by area. In: receivers and their values, tile by tile. Out: a series for
+//! each component. Sums are f64 and are added in the archive's order, whatever the number of
+//! threads.
 
 use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
 
-/// Means over receivers, being added up.
+/// Running sums for means over receivers.
 #[derive(Clone, Debug)]
 pub struct AreaMeans {
     components: Vec<Component>,
-    /// `[component][label]`: sums times areas, and plain ones.
+    /// `[component][label]`: sums of values times areas; `plain` are sums of values.
     weighted: Vec<Vec<f64>>,
     plain: Vec<Vec<f64>>,
     receivers: u64,
@@ -18,14 +19,14 @@ pub struct AreaMeans {
 }
 
 impl AreaMeans {
-    /// Of so many labels.
+    /// Returns zero sums for `labels` labels.
     pub fn new(components: &[Component], labels: usize) -> Self {
         let zeros = vec![vec![0.0; labels]; components.len()];
         let (weighted, plain) = (zeros.clone(), zeros);
         AreaMeans { components: components.to_vec(), weighted, plain, receivers: 0, with_area: 0, area_m2: 0.0 }
     }
 
-    /// Adds a receiver: a row of a tile.
+    /// Adds the receiver in row `row` of a tile.
     pub fn add(&mut self, receiver: &Receiver, values: &TileValues, row: usize) {
         let area_m2 = receiver.area.unwrap_or_default();
         self.receivers += 1;
@@ -40,7 +41,8 @@ impl AreaMeans {
         }
     }
 
-    /// The mean of a component, one a label: by area if all receivers have one, or else each counts the same.
+    /// Returns the mean of a component for each label: by area if all receivers have one, or else a
+    /// plain mean.
     pub fn mean(&self, component: Component) -> Option<Vec<f64>> {
         let place = self.components.iter().position(|one| *one == component)?;
         let (sums, whole) = match self.is_by_area() {
@@ -54,7 +56,7 @@ impl AreaMeans {
         self.with_area == self.receivers && self.area_m2 > 0.0
     }
 
-    /// What the mean is over, in words.
+    /// Returns a description in words of what the mean is over.
     pub fn called(&self) -> String {
         let receivers = heliotile_core::text::counted(self.receivers, "receiver");
         match self.is_by_area() {
@@ -69,7 +71,8 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// Totals of 1 and 4 on 1 and 3 m2 are 3.25, and 2.5 once a receiver without area makes the third with 2.5: areas no longer count.
+    /// Totals of 1 and 4 on 1 and 3 m2 have the mean 3.25. With a third receiver of 2.5 without
+    /// area the mean is 2.5: areas no longer count.
     #[test]
     fn by_area_or_plain() {
         let receiver = |area| Receiver { area, ..Receiver::new("r".into(), DVec3::ZERO, DVec3::Z) };

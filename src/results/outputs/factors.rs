@@ -1,5 +1,5 @@
-//! Factors over positions of the sun as a table. In: factors of receivers or groups, one after the other. Out: a table of any format, a row
-//! for each sun.
+//! Factors over positions of the sun as a table. In: factors of receivers or groups, one after the
+//! other. Out: a table of any format, a row for each sun.
 
 use std::path::Path;
 
@@ -11,19 +11,21 @@ use super::tables::writer::TableWriter;
 use heliotile_core::error::Result;
 use heliotile_core::replay::factors::{FACTORS, SunGrid};
 
-/// Rows that are in memory at a time, unless a single place has more.
+/// Number of rows that are in memory at a time, unless a single receiver or group has more.
 const ROWS_AT_ONCE: usize = 1 << 16;
 
-/// A table being written.
+/// Table of factors being written.
 pub struct FactorTable {
     table: TableWriter,
-    /// Names of the places that are not yet written, and their factors, `[factor][place][sun]`.
+    /// Names of the receivers or groups that are not yet written; `factors` are their factors,
+    /// `[factor][place][sun]`.
     names: Vec<String>,
     factors: [Vec<Option<f64>>; FACTORS.len()],
 }
 
 impl FactorTable {
-    /// Starts a table of so many places, named by a column `place`: `receiver`, `surface` and the like.
+    /// Starts a table of `count` receivers or groups; `place` is the name of their column, such as
+    /// `receiver` or `surface`.
     pub fn create(path: &Path, place: &str, grid: &SunGrid, count: u64, about: &Provenance) -> Result<Self> {
         let (azimuths, altitudes) = grid.suns().unzip();
         let mut columns = vec![
@@ -45,12 +47,12 @@ impl FactorTable {
         if self.factors[0].len() < ROWS_AT_ONCE { Ok(()) } else { self.flush() }
     }
 
-    /// Whether the reader of the output has gone away.
+    /// Returns true if the reader of the output has gone away.
     pub fn is_closed(&self) -> bool {
         self.table.is_closed()
     }
 
-    /// Completes the table; only now does its file appear.
+    /// Completes the table; its file appears only now.
     pub fn finish(mut self) -> Result<u64> {
         self.flush()?;
         Ok(self.table.finish()?.bytes)

@@ -1,5 +1,7 @@
-//! Means over receivers that belong together (a surface, an object, a building, a kind), weighted by area. In: receivers, then their
-//! values tile by tile. Out: a table's tiles of such groups, in the order of their names. Sums are f64 and added in the archive's order, whatever the number of threads.
+//! Means over groups of receivers (a surface, an object, a building, a kind), weighted by area. In:
+//! receivers, then their values tile by tile. Out: tiles of a table with these groups, in the order
+//! of their names. Sums are f64 and are added in the archive's order, whatever the number of
+//! threads.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,57 +17,59 @@ use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 
-/// Groups that become one tile of a table.
+/// Number of groups that become one tile of a table.
 const GROUPS_AT_ONCE: usize = 64;
 
-/// The mean of unit normals is as long as this where they spread by about 25 degrees: on terrain, but not on all walls of a house.
+/// Least length of the mean of unit normals of surfaces that face one way. The mean has this length
+/// if normals spread by about 25 degrees: on terrain, but not on all walls of a house.
 pub const ONE_WAY: f64 = 0.9;
 
-/// Receivers that a message names.
+/// Largest number of receivers that a message names.
 const NAMED: usize = 3;
 
-/// Which group each receiver counts to, and how much.
+/// Groups of receivers, with the group and the weight of each receiver.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Groups {
-    /// Sorted.
+    /// Names of the groups, sorted.
     names: Vec<String>,
-    /// `[receiver]`: place in `names`.
+    /// `[receiver]`: index into `names`.
     places: Vec<u32>,
-    /// `[receiver]`: its share of the area of its group.
+    /// `[receiver]`: share of the area of its group.
     shares: Vec<f64>,
-    /// `[group]`
+    /// `[group]`: area and direction.
     extents: Vec<Extent>,
-    /// The archive of the receivers, for messages.
+    /// Archive of the receivers, for messages.
     file: PathBuf,
 }
 
-/// How large a group is and where it looks.
+/// Area and direction of a group.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extent {
-    /// `None` where no receiver has an area.
+    /// Area in m2; `None` if no receiver has an area.
     pub area_m2: Option<f64>,
-    /// Mean of the normals by area, of unit length; zero where they cancel.
+    /// Mean of the normals by area, of unit length; zero if they cancel.
     pub normal: DVec3,
-    /// Length of the mean before: 1 where all look the same way.
+    /// Length of the mean before it is normalised: 1 if all receivers face the same way.
     pub agreement: f64,
 }
 
-/// What is known of a group while receivers are read.
+/// Running sums of a group while receivers are read.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
     number: u32,
     receivers: u64,
-    /// Receivers with an area, and the sum of these.
+    /// Number of receivers with an area; `area_m2` is the sum of their areas.
     with_area: u64,
     area_m2: f64,
-    /// Sums of normals: by area, and without regard to it.
+    /// Sum of normals times areas; `plain` is the sum of normals.
     weighted: DVec3,
     plain: DVec3,
 }
 
 impl Groups {
-    /// From the receivers of `file`, in the order in which their values will come; `by` is not [`By::Receiver`]. Every receiver must
-    /// belong to a group. Where no receiver of a group has an area all count the same; where some have, all must.
+    /// Groups the receivers of `file`, which must come in the same order as their values; `by` is
+    /// not [`By::Receiver`]. Every receiver must belong to a group. If no receiver of a group has
+    /// an area, all have equal weight; if some have one, all must.
     pub fn new(receivers: impl Iterator<Item = Result<Receiver>>, by: By, file: &Path) -> Result<Self> {
         let mut found: BTreeMap<String, Found> = BTreeMap::new();
         let (mut places, mut areas) = (Vec::new(), Vec::new());
@@ -105,7 +109,7 @@ impl Groups {
             let hint = "build with an area for each receiver of a group, or for none: they count the same then";
             return Err(Error::input(file, None, what, hint));
         }
-        // Numbers in order of appearance become places in the order of names.
+        // Groups were numbered by first appearance; results list them by name.
         let mut by_number = vec![(0, 0.0, false); found.len()];
         for (place, surface) in found.values().enumerate() {
             let equal = surface.with_area == 0;
@@ -137,29 +141,30 @@ impl Groups {
         &self.names
     }
 
-    /// Place among the names of the group that a receiver belongs to.
+    /// Returns the index of the group that a receiver belongs to.
     pub fn place_of(&self, receiver: usize) -> Result<u32> {
         self.places.get(receiver).copied().ok_or_else(|| self.missing(receiver))
     }
 
-    /// Share of the area of its group that a receiver stands for.
+    /// Returns the share of its group's area that a receiver stands for.
     pub fn share_of(&self, receiver: usize) -> Result<f64> {
         self.shares.get(receiver).copied().ok_or_else(|| self.missing(receiver))
     }
 
-    /// How large each is, and where it looks.
+    /// Returns the area and direction of each group.
     pub fn extents(&self) -> &[Extent] {
         &self.extents
     }
 
-    /// The error of a receiver that the groups were not made of.
+    /// Returns the error for a receiver that the groups do not contain.
     fn missing(&self, receiver: usize) -> Error {
         let what = format!("hold {} receivers, and none of number {receiver}", self.places.len());
         Error::defect(&self.file, "receivers", "groups", what)
     }
 
-    /// What a table says of them besides: areas and sums where all have an area (sums, if they are an energy), and where
-    /// surfaces look, if all of them are surfaces and no mere names of several.
+    /// Returns the further columns that a table of the groups has. Areas need an area for each
+    /// group, sums an energy as well. Directions need surfaces that each face one way, not names
+    /// shared by several surfaces.
     pub fn facts(&self, by: By, has_energy: bool) -> Vec<Fact> {
         let has_areas = !self.extents.is_empty() && self.extents.iter().all(|extent| extent.area_m2.is_some());
         let has_sides =
@@ -173,14 +178,14 @@ impl Groups {
         facts.into_iter().filter_map(|(fact, is_known)| is_known.then_some(fact)).collect()
     }
 
-    /// The same, of which directions are given by true north.
+    /// Returns the groups with directions by true north.
     pub fn facing(mut self, north: North) -> Self {
         self.extents.iter_mut().for_each(|extent| extent.normal = north.to_true(extent.normal));
         self
     }
 }
 
-/// The group that a receiver belongs to.
+/// Returns the name of the group that a receiver belongs to.
 fn name_of(receiver: &Receiver, by: By) -> Option<String> {
     let part = &receiver.part;
     let name = match by {
@@ -194,19 +199,19 @@ fn name_of(receiver: &Receiver, by: By) -> Option<String> {
     (!name.is_empty()).then(|| name.clone())
 }
 
-/// Means of groups, being added up.
+/// Running means of groups.
 #[derive(Clone, Debug)]
 pub struct GroupMeans {
     groups: Groups,
     labels: usize,
-    /// Components that are asked for, with their sums: `[group][label]`.
+    /// Requested components with their sums, `[group][label]`.
     sums: Vec<(Component, Vec<f64>)>,
-    /// Receivers that were added.
+    /// Number of receivers that were added.
     done: usize,
 }
 
 impl GroupMeans {
-    /// Zeros; an error if they take more than `memory_bytes`.
+    /// Returns zero sums; fails if they take more than `memory_bytes`.
     pub fn new(groups: Groups, components: &[Component], labels: usize, memory_bytes: u64) -> Result<Self> {
         let cells = groups.names.len().saturating_mul(labels);
         let bytes = (cells as u64).saturating_mul(8 * components.len() as u64);
@@ -229,7 +234,7 @@ impl GroupMeans {
         &self.groups
     }
 
-    /// Adds the next receivers; more of them than the groups hold are a defect.
+    /// Adds the next receivers; more receivers than the groups contain are a defect.
     pub fn add(&mut self, values: &TileValues) -> Result<()> {
         let range = self.done..self.done + values.receivers();
         let Groups { places, shares, .. } = &self.groups;
@@ -238,7 +243,7 @@ impl GroupMeans {
         };
         self.done = range.end;
         let labels = self.labels;
-        // One component a thread: each sum is added in the order of receivers.
+        // Each thread adds one component, so each sum is added in the order of receivers.
         self.sums.par_iter_mut().for_each(|(component, sums)| {
             for (row, (place, share)) in places.iter().zip(shares).enumerate() {
                 let first = *place as usize * labels;
@@ -250,7 +255,8 @@ impl GroupMeans {
         Ok(())
     }
 
-    /// The means: names and extents of some groups and their values, all other components zero.
+    /// Returns the means, tile by tile: names, values and extents of some groups. Components that
+    /// were not requested are zero.
     pub fn tiles(&self) -> impl Iterator<Item = (Vec<String>, TileValues, &[Extent])> + '_ {
         self.groups.names.chunks(GROUPS_AT_ONCE).enumerate().map(move |(i, names)| {
             let mut values = TileValues::new(names.len(), self.labels);
@@ -283,8 +289,9 @@ mod tests {
         Groups::new(all, By::Surface, Path::new("site.helio"))
     }
 
-    /// Totals of 1 and 4 on areas of 1 and 3 m2 are 3.25; 2 and 5 without areas are 3.5; surfaces come by name, 2 tiles of
-    /// receivers as 1 of surfaces, a component that is not asked for stays 0, and a fifth receiver is a defect.
+    /// Totals of 1 and 4 on areas of 1 and 3 m2 have the mean 3.25; 2 and 5 without areas have 3.5.
+    /// Surfaces come by name, 2 tiles of receivers become 1 tile of surfaces, a component that is
+    /// not requested stays 0, and a fifth receiver is a defect.
     #[test]
     fn weighted_means() {
         let surfaces = surfaces(&[("wall", 1.0), ("lawn", 0.0), ("wall", 3.0), ("lawn", 0.0)]).expect("surfaces");
@@ -326,8 +333,8 @@ mod tests {
         assert_eq!(all, (0..130).rev().map(|i| i as f32).collect::<Vec<_>>());
     }
 
-    /// Receivers without a surface are counted and 3 named, a surface with some areas is named with 1 of 2, and sums of 5
-    /// bytes too many are refused with their size.
+    /// Receivers without a surface are counted and 3 of them named, a surface with some areas is
+    /// named with 1 of 2, and sums of 5 bytes too many are refused with their size.
     #[test]
     fn refusals() {
         let text = surfaces(&[("", 0.0); 5]).expect_err("no surfaces").to_string();

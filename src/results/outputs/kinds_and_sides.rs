@@ -1,4 +1,5 @@
-//! Sums over a weather file by kind of surface and by the side that it looks to. In: receivers and their sums. Out: a table as text.
+//! Sums over a weather file by kind of surface and by orientation. In: receivers and their sums.
+//! Out: a table as text.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,20 +9,21 @@ use heliotile_core::replay::components::Component;
 use heliotile_core::site::north::North;
 use heliotile_core::units::tilt_and_azimuth;
 
-/// Surfaces tilted by less than this have no side, degrees: flat roofs are laid with 1 to 3, pitched ones begin at about 15.
+/// Least tilt of a surface with a compass side, degrees: flat roofs have a slope of 1 to 3, pitched
+/// ones begin at about 15.
 const FLAT_BELOW_DEG: f64 = 10.0;
 
 const SIDES: [&str; 4] = ["north", "east", "south", "west"];
 const NO_SIDES: [&str; 2] = ["flat", "underneath"];
 
-/// What rows say that belong together.
+/// Running sums of rows with the same kind or side.
 #[derive(Default)]
 struct Group {
     receivers: usize,
-    /// Receivers that have an area.
+    /// Number of receivers that have an area.
     with_area: usize,
     area_m2: f64,
-    /// By component: sums of kWh, and of kWh/m2 without regard to areas.
+    /// Sums of kWh by component; `plain` are sums of kWh/m2 without regard to areas.
     weighted: [f64; 7],
     plain: [f64; 7],
 }
@@ -38,7 +40,7 @@ impl Group {
         }
     }
 
-    /// Mean by area; plain where a receiver has none.
+    /// Returns the sum of the components' means: by area, or plain if a receiver has no area.
     fn mean(&self, components: &[Component]) -> f64 {
         let (sums, whole) = match self.has_area() {
             true => (&self.weighted, self.area_m2),
@@ -52,14 +54,14 @@ impl Group {
     }
 }
 
-/// Sums by kind of surface and by side, being added up.
+/// Running sums by kind of surface and by side.
 pub struct KindsAndSides {
     kinds: BTreeMap<String, (Group, BTreeMap<&'static str, Group>)>,
     north: North,
 }
 
 impl KindsAndSides {
-    /// Of nothing yet; sides go by true north.
+    /// Returns empty sums; sides are by true north.
     pub fn new(north: North) -> Self {
         KindsAndSides { kinds: BTreeMap::new(), north }
     }
@@ -72,7 +74,7 @@ impl KindsAndSides {
         sides.entry(side(tilt, azimuth)).or_default().add(row);
     }
 
-    /// The table, with a line that says what is meant by its sides if it has any.
+    /// Returns the table, with a line that defines the sides if it has any.
     pub fn table(&self) -> String {
         let kinds = &self.kinds;
         let mut out = format!(
@@ -90,7 +92,7 @@ impl KindsAndSides {
         let mut sided = false;
         for (name, (all, sides)) in kinds {
             line(&mut out, name, all);
-            // That all are flat says nothing more.
+            // A row for "all are flat" would repeat the row of the kind.
             let tells = |(side, group): &(&&str, &Group)| group.receivers < all.receivers || !NO_SIDES.contains(side);
             for (side, group) in sides.iter().filter(tells) {
                 sided = true;
@@ -126,7 +128,7 @@ fn line(out: &mut String, name: &str, group: &Group) {
     );
 }
 
-/// What a receiver stands for; where nobody says, what it looks at.
+/// Returns the kind of a receiver; if its model states none, the direction that it faces.
 fn kind(row: &AnnualRow, tilt_deg: f64) -> String {
     match row.receiver.part.kind.as_str() {
         "" if tilt_deg < 60.0 => "looking up".to_owned(),
@@ -136,7 +138,7 @@ fn kind(row: &AnnualRow, tilt_deg: f64) -> String {
     }
 }
 
-/// `flat`, `underneath`, or the quarter of the horizon that a surface looks to; azimuths are from 0 to 360.
+/// Returns `flat`, `underneath`, or the compass side that a surface faces; azimuths are 0 to 360.
 pub fn side(tilt_deg: f64, azimuth_deg: f64) -> &'static str {
     if tilt_deg < FLAT_BELOW_DEG {
         return NO_SIDES[0];
@@ -144,7 +146,7 @@ pub fn side(tilt_deg: f64, azimuth_deg: f64) -> &'static str {
     if tilt_deg > 180.0 - FLAT_BELOW_DEG {
         return NO_SIDES[1];
     }
-    // Azimuths are below 360.
+    // Azimuths are below 360, so the quarter is at most 4, which is north again.
     let quarter = ((azimuth_deg + 45.0) / 90.0) as usize % SIDES.len();
     SIDES.get(quarter).copied().unwrap_or_default()
 }
@@ -171,7 +173,8 @@ mod tests {
         sums.table()
     }
 
-    /// A roof of 30 degrees to the south is not flat, one of 5 is: 1000 on 10 m2 and 700 on 20 m2 are 800 in the mean and 24 MWh.
+    /// A roof of 30 degrees facing south is not flat, one of 5 is: 1000 on 10 m2 and 700 on 20 m2
+    /// have the mean 800 and sum to 24 MWh.
     #[test]
     fn pitched_roofs_have_sides() {
         let text = by_kind_and_side(
@@ -195,7 +198,8 @@ mod tests {
         assert!(!by_kind_and_side(&[row("roof", 5.0, 0.0, None, 700.0)], North::default()).contains("roof, "));
     }
 
-    /// Receivers without areas have a plain mean, 550 of 500 and 600, and neither area nor MWh; what looks up is called so.
+    /// Receivers without areas have a plain mean, 550 of 500 and 600, and neither area nor MWh; the
+    /// kind of a receiver that faces up is "looking up".
     #[test]
     fn no_area_no_energy() {
         let text =
@@ -205,7 +209,7 @@ mod tests {
         assert_eq!(cells, ["looking", "up", "2", "-", "0.0", "0.0", "0.0", "0.0", "550.0", "-"], "{text}");
     }
 
-    /// Azimuths at the borders of quarters belong to the next side: 8 of 8.
+    /// An azimuth at the border of two sides belongs to the next side: 8 of 8.
     #[test]
     fn quarters() {
         for (azimuth, expected) in [

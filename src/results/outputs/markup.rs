@@ -1,6 +1,6 @@
-//! Words in XML and HTML. In: a text. Out: the same where it cannot be taken for markup.
+//! Text for XML and HTML. In: a text. Out: the text with its markup characters escaped.
 
-/// Text inside an element of XML or HTML.
+/// Escapes a text for the inside of an element of XML or HTML.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -1,8 +1,9 @@
-//! Outputs: one model of rows for all tables, as CSV, Parquet, Arrow or arrays of NumPy; the layers of a receiver as pictures; curves.
+//! Outputs: one model of rows for all tables, as CSV, Parquet, Arrow or NumPy arrays; pictures of a
+//! receiver's layers; curves.
 //!
-//! In: receivers, labels (conditions, hours or periods) and f32 values of each pair, one a column; maps of a receiver. Out: a file,
-//! complete or not there at all, or CSV on the standard output. Never: physics, other than means held for hours becoming energy
-//! sums.
+//! In: receivers, labels (conditions, hours or periods) and f32 values of each pair, one a column;
+//! maps of a receiver. Out: a file, complete or not there at all, or CSV on standard output. Never:
+//! physics, except the conversion of means over hours to sums of energy.
 
 pub mod annual;
 pub mod area_means;

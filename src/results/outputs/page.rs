@@ -1,5 +1,5 @@
-//! A report for people. In: a title, words, pictures, tables. Out: a folder with one HTML file that needs no other, and with the tables and pictures
-//! as files.
+//! Report for people. In: a title, words, pictures, tables. Out: a folder with the tables and
+//! pictures as files, and an HTML file that shows all of them and needs no other file.
 
 use super::markup::escaped;
 use std::path::{Path, PathBuf};
@@ -9,38 +9,38 @@ use super::sink::write_texts;
 use super::tables::{column::Column, csvw};
 use heliotile_core::error::{Error, Result};
 
-/// The page that shows everything.
+/// Name of the page that shows everything.
 const PAGE: &str = "index.html";
 
 /// Width and height of a picture, pixels.
 pub const PICTURE_PX: (u32, u32) = (760, 460);
 
-/// What a folder tells a person.
+/// Contents of a report.
 pub struct ReportFolder {
     /// Title of the page.
     pub title: String,
-    /// What a person should know, as HTML.
+    /// Summary for people, as HTML.
     pub words: String,
     /// Table for the terminal and the page.
     pub table: String,
     /// Tables for programs.
     pub csv: Vec<CsvTable>,
-    /// SVG by the names of its files.
+    /// Pictures as SVG, by file name.
     pub pictures: Vec<(&'static str, String)>,
 }
 
-/// A table for programs.
+/// Table for programs.
 pub struct CsvTable {
     /// Name of its file.
     pub name: &'static str,
-    /// Its header and rows.
+    /// Header and rows of the table.
     pub text: String,
-    /// Columns that hold no numbers.
+    /// Names of columns that hold text, not numbers.
     pub labels: &'static [&'static str],
 }
 
 impl CsvTable {
-    /// What its columns are, for the file beside it.
+    /// Returns the description of the columns, for the metadata file beside the table.
     fn described(&self, about: &Provenance) -> String {
         let header = self.text.lines().next().unwrap_or_default().split(',');
         let column = |name: &str| match self.labels.contains(&name) {
@@ -52,7 +52,8 @@ impl CsvTable {
 }
 
 impl ReportFolder {
-    /// Writes the folder, and gives the path of its page; `about` is what files say of how they were made.
+    /// Writes the folder and returns the path of its page; `about` is the provenance that files
+    /// state.
     pub fn write(mut self, folder: &Path, about: &Provenance) -> Result<PathBuf> {
         std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
         self.pictures.iter_mut().for_each(|(_, svg)| *svg = about.in_svg(svg));
@@ -67,7 +68,7 @@ impl ReportFolder {
         Ok(folder.join(PAGE))
     }
 
-    /// The page.
+    /// Returns the page as HTML.
     fn page(&self) -> String {
         let drawn: String = self.pictures.iter().map(|(_, svg)| format!("<figure>{svg}</figure>\n")).collect();
         let (title, words, table) = (escaped(&self.title), &self.words, escaped(&self.table));

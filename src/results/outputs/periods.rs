@@ -1,4 +1,5 @@
-//! Periods that hourly results are summed over. In: when each condition was. Out: which period it belongs to.
+//! Periods that hourly results are summed over. In: the moment of each condition. Out: the period
+//! that it belongs to.
 
 use heliotile_core::named::NamedValues;
 use std::collections::HashMap;
@@ -12,47 +13,49 @@ use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_core::weather::time::years::Years;
 
-/// What a row of a replay's results stands for.
+/// Period of a row of a replay's results.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Every {
-    /// One row per interval of the weather file: means, W/m2
+    /// Interval of the weather file, one row each: means, W/m2.
     #[default]
     Hour,
-    /// Sums, kWh/m2, as the three below
+    /// Day: sums, kWh/m2, as for the periods below.
     Day,
-    /// ... over a month of a year, or of typical years
+    /// Month of a year, or of typical years: sums, kWh/m2.
     Month,
-    /// ... over a calendar year
+    /// Calendar year: sums, kWh/m2.
     Year,
-    /// One sum over all that is taken of the file
+    /// All of the chosen time: one sum, kWh/m2.
     Total,
 }
 
-/// How moments are told.
+/// Clock and convention of labels for moments.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClockReading {
-    /// Of the weather file's clock.
+    /// Offset of the weather file's clock from UTC.
     pub offset: UtcOffset,
-    /// Which moment of its interval a row of means is labelled with: 06:00, 06:30 or 07:00 for 06:00 to 07:00; the end of a day's last hour is
-    /// 00:00 of the next day.
+    /// Moment of its interval that labels a row of means: 06:00, 06:30 or 07:00 for 06:00 to 07:00.
+    /// The end of a day's last hour is 00:00 of the next day.
     pub at: StampedAt,
 }
 
-/// The periods of a series, in order of first appearance.
+/// Periods of a series, in order of first appearance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Periods {
     pub labels: RowLabels,
-    /// `[condition]`: place in `labels`.
+    /// `[condition]`: index into `labels`.
     pub index_of_condition: Vec<usize>,
-    /// `[condition]`: length of its interval. A sum in kWh/m2 is the sum over conditions of mean W/m2 x hours / 1000.
+    /// `[condition]`: length of its interval, hours. A sum in kWh/m2 is the sum over conditions of
+    /// mean W/m2 x hours / 1000.
     pub hours: Vec<f64>,
 }
 
 impl Periods {
-    /// Groups conditions. In a typical year days are labelled `MM-DD`, months `MM`, the year `year`: words; where the years matter
-    /// they are named, `YYYY-MM-DD`, `YYYY-MM`, `YYYY`, and the labels are instants too: the starts of the periods. `total` is one period,
-    /// and a word. Single conditions are always instants.
+    /// Groups conditions by period. In a typical year labels are words: days `MM-DD`, months `MM`,
+    /// the year `year`. If years matter, labels name them, `YYYY-MM-DD`, `YYYY-MM`, `YYYY`, and are
+    /// instants, too: the starts of the periods. `total` is one period, labelled by a word.
+    /// Intervals are always instants.
     pub fn new(every: Every, years: Years, stamps: &[Stamp], clock: ClockReading) -> Self {
         let mut place_of: HashMap<(i32, u32, u32), usize> = HashMap::new();
         let (mut starts, mut index_of_condition) = (Vec::new(), Vec::with_capacity(stamps.len()));
@@ -61,7 +64,7 @@ impl Periods {
             let year = if years.matter() { year } else { 0 };
             let next = starts.len();
             let place = match every {
-                // Rows stay rows, also where a label repeats.
+                // Each interval keeps its row, even if labels repeat.
                 Every::Hour => next,
                 Every::Day => *place_of.entry((year, month, day)).or_insert(next),
                 Every::Month => *place_of.entry((year, month, 1)).or_insert(next),
@@ -93,7 +96,7 @@ impl Periods {
         Periods { labels, index_of_condition, hours: stamps.iter().map(|stamp| stamp.hours).collect() }
     }
 
-    /// Sums of energy, kWh/m2, from means over the conditions, W/m2.
+    /// Returns the bins that turn means over the conditions, W/m2, into sums of energy, kWh/m2.
     pub fn bins(&self) -> Bins {
         let places = self.index_of_condition.iter().zip(&self.hours);
         Bins {
@@ -119,7 +122,7 @@ heliotile_core::serde_by_name!(Every);
 mod tests {
     use super::*;
 
-    /// The last hours of some days.
+    /// Returns the last hours of some days.
     fn series(days: &[(i32, u32, u32)]) -> Vec<Stamp> {
         let stamp = |&(y, m, d): &(i32, u32, u32)| Stamp {
             date: Date::new(y, m, d).expect("a date"),
@@ -137,8 +140,9 @@ mod tests {
         Periods::new(every, Years::of(stamps.iter().map(|stamp| stamp.date)), stamps, in_zone(1.0, StampedAt::Start))
     }
 
-    /// The last hour of 31 December from 23:00 on is 23:00, 23:30 and 00:00 of the new year by its start, middle and end; a quarter of an hour
-    /// has its middle at 07:30 min; sums keep the start of their period.
+    /// The label of the last hour of 31 December is 23:00, 23:30 or 00:00 of the new year by its
+    /// start, middle or end; the middle of a quarter of an hour is at 07:30 min; sums keep the
+    /// start of their period.
     #[test]
     fn stamps() {
         let last = series(&[(2019, 12, 31)]);
@@ -160,8 +164,8 @@ mod tests {
         assert_eq!(labels.text, ["2019-12-31T00:07:30-03:30"]);
     }
 
-    /// Two days of one year give 2 days, 2 months, 1 year and 1 total, the first three with the year in the label; days are
-    /// instants at local midnight.
+    /// Two days of one year give 2 days, 2 months, 1 year and 1 total, the first three with the
+    /// year in the label; days are instants at local midnight.
     #[test]
     fn one_year() {
         let s = series(&[(2019, 1, 31), (2019, 1, 31), (2019, 2, 1)]);
@@ -187,7 +191,8 @@ mod tests {
         assert_eq!(periods(Every::Hour, &s).labels.text, ["2007-01-01T23:00+01:00", "2004-02-01T23:00+01:00"]);
     }
 
-    /// One month of a typical year is labelled as in the whole year: `01`, not with the year it comes from.
+    /// One month of a typical year is labelled as in the whole year: `01`, without the year that it
+    /// comes from.
     #[test]
     fn part_of_typical_year() {
         let s = series(&[(2007, 1, 1), (2007, 1, 2)]);

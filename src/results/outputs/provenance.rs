@@ -1,6 +1,6 @@
-//! What a file was made of. In: the command line, the archive, the weather. Out: keys and values that every format writes: metadata of
-//! Parquet and Arrow, comments of PLY, text of PNG, an element of SVG, JSON. No time of day and no name of a machine: equal inputs
-//! give equal bytes.
+//! Provenance of a file. In: the command line, the archive, the weather. Out: keys and values that
+//! every format writes: metadata of Parquet and Arrow, comments of PLY, text of PNG, an element of
+//! SVG, JSON. There is no time of day and no name of a machine: equal inputs give equal bytes.
 
 use std::path::Path;
 
@@ -12,58 +12,59 @@ use heliotile_core::text::without_secrets;
 use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
-/// What a file was made of: names and values, in order.
+/// Provenance of a file: names and values, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     entries: Vec<(&'static str, String)>,
-    /// Options that change values, as they were resolved.
+    /// Options that change values, with their resolved values.
     options: Map<String, Value>,
 }
 
-/// Of all names.
+/// Prefix of all names.
 const PREFIX: &str = "heliotile.";
 
 impl Provenance {
-    /// Of a command line: what was typed, and what it stands for.
+    /// Returns the provenance of a command line: its text, and its options with resolved values.
     pub fn new(command: String, options: Map<String, Value>) -> Self {
         let version = env!("CARGO_PKG_VERSION").to_string();
         Provenance { entries: vec![("version", version), ("command", command)], options }
     }
 
-    /// One more value.
+    /// Adds a value.
     pub fn with(mut self, name: &'static str, value: impl ToString) -> Self {
         self.entries.push((name, value.to_string()));
         self
     }
 
-    /// An option whose value follows from the inputs.
+    /// Adds an option whose value follows from the inputs.
     pub fn with_option(mut self, name: &str, value: impl Into<Value>) -> Self {
         self.options.insert(name.to_string(), value.into());
         self
     }
 
-    /// The archive's file name, and the root that `info` prints.
+    /// Adds the archive's file name and its root, as `info` prints it.
     pub fn with_archive(self, path: &Path, archive: &Archive) -> Self {
         self.with("archive", file_name(path)).with("archive_root", format::hex(&archive.root()))
     }
 
-    /// The atlas' name, and one root for those of its parts, in their order.
+    /// Adds the atlas's name, and one root made of the roots of its parts, in their order.
     pub fn with_parts(self, path: &Path, roots: &[[u8; 32]]) -> Self {
         let root = Provenance::root_of_parts(roots);
         self.with("atlas", file_name(path)).with("parts", roots.len()).with("parts_root", root)
     }
 
-    /// One root for those of the parts of an atlas, in their order.
+    /// Returns one root made of the roots of an atlas's parts, in their order.
     pub fn root_of_parts(roots: &[[u8; 32]]) -> String {
         blake3::hash(roots.as_flattened()).to_hex().to_string()
     }
 
-    /// The weather's file name, place and clock; the option `shift` is how far its time stamps were moved, also where that was found.
+    /// Adds the weather's file name, place and clock. If the option `shift` is set, its value
+    /// becomes the shift of the time stamps that was applied, in case it was found from the file.
     pub fn with_weather(mut self, path: &Path, weather: &Weather) -> Self {
         if let Some(shift) = self.options.get_mut("shift") {
             *shift = format!("{}min", weather.moved_min).into();
         }
-        // Names are filled up with blanks in some files.
+        // Some files pad names with blanks.
         let place = weather.place.split_whitespace().collect::<Vec<_>>().join(" ");
         self.with("weather", file_name(path))
             .with("weather_place", place)
@@ -72,21 +73,22 @@ impl Provenance {
             .with("utc_offset", UtcOffset::of_hours(weather.site.zone_hours))
     }
 
-    /// Names, with their prefix, and values.
+    /// Returns the names, with their prefix, and the values.
     pub fn entries(&self) -> Vec<(String, String)> {
         let options = (!self.options.is_empty()).then(|| ("options", Value::Object(self.options.clone()).to_string()));
         let all = self.entries.iter().cloned().chain(options);
         all.map(|(name, value)| (format!("{PREFIX}{name}"), value)).collect()
     }
 
-    /// The same in ASCII without control characters, for formats that have nothing else: `\u{e9}` for an e with an accent.
+    /// Returns the entries in ASCII without control characters, for formats that allow nothing
+    /// else: `\u{e9}` for an e with an accent.
     pub fn ascii(&self) -> Vec<(String, String)> {
         let plain = |c: char| if (' '..='~').contains(&c) { c.to_string() } else { c.escape_unicode().to_string() };
         let text = |text: String| text.chars().map(plain).collect();
         self.entries().into_iter().map(|(name, value)| (name, text(value))).collect()
     }
 
-    /// As one JSON object, whose options are an object too.
+    /// Returns the entries as one JSON object; the options in it are an object, too.
     pub fn json(&self) -> Value {
         let text = |(name, value): &(&str, String)| (format!("{PREFIX}{name}"), Value::String(value.clone()));
         let mut all: Map<String, Value> = self.entries.iter().map(text).collect();
@@ -96,7 +98,7 @@ impl Provenance {
         Value::Object(all)
     }
 
-    /// A picture with this as its element `metadata`.
+    /// Returns a picture with this provenance in an element `metadata`.
     pub fn in_svg(&self, svg: &str) -> String {
         match svg.split_once('>') {
             Some((head, rest)) => {
@@ -118,13 +120,14 @@ fn file_name(path: &Path) -> String {
 pub(crate) mod tests {
     use super::*;
 
-    /// One of a site with an accent, a sign of XML and a line end.
+    /// Returns an example with an accent, a markup character and a line end.
     pub fn example() -> Provenance {
         let options = [("every".to_string(), Value::from("hour"))].into_iter().collect();
         Provenance::new("heliotile replay été.helio".into(), options).with("weather", "a<b>\n.epw")
     }
 
-    /// Four entries have the prefix and the options last; in ASCII they have no accents and no line ends; as JSON the options are an object.
+    /// Four entries have the prefix, with the options last; in ASCII they have no accents and no
+    /// line ends; in JSON the options are an object.
     #[test]
     fn entries() {
         let all = example().with_option("steps", 6).entries();
@@ -138,7 +141,7 @@ pub(crate) mod tests {
         assert!(Provenance::default().entries().is_empty());
     }
 
-    /// A picture gets one element behind its first tag, with 2 of its signs escaped.
+    /// A picture gets one element after its first tag, with 2 of its characters escaped.
     #[test]
     fn in_a_picture() {
         let svg = example().in_svg("<svg width=\"1\">\n<path/></svg>\n");

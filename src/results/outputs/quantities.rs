@@ -1,75 +1,78 @@
-//! Numbers that places have in results. In: arrays of values, such as the components of a replay. Out: what each column of a table, a map or a
-//! picture holds: an array as it is, or what follows from two of them.
+//! Numbers that places have in results. In: arrays of values, such as the components of a replay.
+//! Out: the content of each column of a table, a map or a picture: an array as it is, or a number
+//! computed from two arrays.
 //!
-//! A further question to archives is a further list of [`Quantity`]; tables, maps and pictures know nothing of components.
+//! Each kind of query has its own list of [`Quantity`]; tables, maps and pictures do not depend on
+//! components.
 
 use crate::outputs::pictures::colours::label;
 use heliotile_core::replay::components::{Component, ComponentList, LightMeasure};
 use heliotile_core::replay::values::TileValues;
 
-/// A number that each place has for each label.
+/// Number that each place has for each label.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Quantity {
-    /// Name of its column, but for the ending that says the unit: `sun_direct`, `change_total`.
+    /// Name of its column without the ending that states the unit: `sun_direct`, `change_total`.
     pub name: String,
-    /// The number in words, for pictures: `sun, direct`.
+    /// Description in words, for pictures: `sun, direct`.
     pub words: String,
-    /// Where its values come from.
+    /// Source of its values.
     pub source: ValueSource,
-    /// What they measure.
+    /// Measure of its values.
     pub measure: Measure,
 }
 
-/// What a quantity measures: its unit, and how tables show it.
+/// Measure of a quantity: its unit, and its form in tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// Light, in its unit for the labels.
+    /// Light, in the unit for the labels.
     Light(LightMeasure),
-    /// A share.
+    /// Percentage.
     Percent,
-    /// A time.
+    /// Duration in minutes.
     Minutes,
     /// Minutes after midnight; tables show a reading of the clock.
     Clock,
-    /// A temperature.
+    /// Temperature, degrees Celsius.
     Celsius,
-    /// A time.
+    /// Duration in hours.
     Hours,
-    /// A number whose unit another value says.
+    /// Number whose unit another value states.
     Number,
-    /// Whether a rule is met: a [`Verdict`] as a number; tables show its name.
+    /// Result of a rule: a [`Verdict`] as a number; tables show its name.
     Verdict,
 }
 
-/// What a rule says of a place.
+/// Result of a rule at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// The rule is broken.
+    /// Rule is broken.
     Broken,
-    /// The value is as near to the threshold as it is uncertain.
+    /// Distance of the value from the threshold is within its uncertainty.
     Close,
-    /// The rule is met.
+    /// Rule is met.
     Met,
 }
 
 impl Verdict {
-    /// All of them with their names, and the numbers that stand for them in maps.
+    /// All verdicts with their names, and the numbers that stand for them in maps.
     const ALL: [(Verdict, &'static str, f32); 3] =
         [(Verdict::Broken, "broken", 0.0), (Verdict::Close, "close", 0.5), (Verdict::Met, "met", 1.0)];
 
-    /// As a number.
+    /// Returns the number that stands for the verdict.
     pub fn number(self) -> f32 {
         Verdict::ALL.iter().find(|(verdict, ..)| *verdict == self).map_or(f32::NAN, |(.., number)| *number)
     }
 
-    /// The name of a number's verdict; empty where there is none.
+    /// Returns the name of a number's verdict; empty if there is none.
     fn name_of(number: f32) -> &'static str {
         Verdict::ALL.iter().find(|(.., other)| *other == number).map_or("", |(_, name, _)| name)
     }
 }
 
 impl Measure {
-    /// What tables show of a value, where that is a text; an empty one where there is no value.
+    /// Returns the text that tables show for a value of this measure; `None` if tables show the
+    /// number. The text is empty if there is no value.
     pub fn text(self, value: f32) -> Option<String> {
         match self {
             Measure::Clock if value.is_finite() => {
@@ -83,45 +86,45 @@ impl Measure {
     }
 }
 
-/// Where the values of a quantity come from: arrays of [`PlaceValues`] by their numbers.
+/// Source of a quantity's values: arrays of [`PlaceValues`] by their numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ValueSource {
-    /// An array as it is.
+    /// Array as it is.
     Array(usize),
-    /// How an array differs from another.
+    /// Change from an array to another.
     Change { kind: ChangeKind, from: usize, to: usize },
 }
 
-/// How a number changes.
+/// Form of a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChangeKind {
-    /// The new number less the old one.
+    /// New number minus the old one.
     Difference,
-    /// The difference in percent of the old number.
+    /// Difference in percent of the old number.
     Percent,
 }
 
-/// Ending of the columns of shares in percent.
+/// Ending of the names of columns in percent.
 const PERCENT: &str = "_percent";
 
-/// What the names of change columns begin with, before the name of the component.
+/// Prefixes of the names of change columns, before the name of the component.
 const BEFORE: &str = "before";
 const AFTER: &str = "after";
 const CHANGE: &str = "change";
 
-/// Which unit the names of light end with.
+/// Unit that the names of light columns end with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightEnding {
-    /// None.
+    /// Name without a unit.
     Bare,
-    /// That of means.
+    /// Unit of means.
     Means,
-    /// That of sums.
+    /// Unit of sums.
     Sums,
 }
 
 impl LightEnding {
-    /// The ending.
+    /// Returns the ending for a measure of light.
     pub fn of(self, measure: LightMeasure) -> &'static str {
         match (self, measure) {
             (LightEnding::Bare, _) => "",
@@ -134,7 +137,7 @@ impl LightEnding {
 }
 
 impl Quantity {
-    /// Name of its column, where that of light has an ending that says the unit.
+    /// Returns the name of the column; `of_light` selects the ending of a light column.
     pub fn with_ending(&self, of_light: LightEnding) -> String {
         let ending = match self.measure {
             Measure::Light(measure) => of_light.of(measure),
@@ -144,7 +147,7 @@ impl Quantity {
         format!("{}{ending}", self.name)
     }
 
-    /// Components of a replay, whose arrays come in the same order.
+    /// Returns the quantities of a replay's components; the arrays must come in the same order.
     pub fn of_components(components: &ComponentList) -> Vec<Quantity> {
         let quantity = |(number, component): (usize, &Component)| Quantity {
             name: components.name_of(*component).to_owned(),
@@ -155,7 +158,8 @@ impl Quantity {
         components.as_slice().iter().enumerate().map(quantity).collect()
     }
 
-    /// Before, after, change and change in percent of each component; first the arrays of all components before come, then those after.
+    /// Returns before, after, change and change in percent of each component. The arrays of all
+    /// components before must come first, then those after.
     pub fn of_changes(components: &ComponentList) -> Vec<Quantity> {
         let count = components.as_slice().len();
         let of_component = |(from, component): (usize, &Component)| {
@@ -178,7 +182,7 @@ impl Quantity {
     }
 }
 
-/// A component in words.
+/// Returns the words for a component.
 fn words_of(components: &ComponentList, component: Component) -> String {
     match Component::OWN.contains(&component) {
         true => components.name_of(component).replace('_', " "),
@@ -187,7 +191,7 @@ fn words_of(components: &ComponentList, component: Component) -> String {
 }
 
 impl ValueSource {
-    /// The value, from those of all arrays; none where there is none.
+    /// Returns the value, computed from arrays; `None` if there is none.
     pub fn of(self, array: impl Fn(usize) -> f64) -> Option<f64> {
         match self {
             ValueSource::Array(number) => Some(array(number)),
@@ -195,14 +199,14 @@ impl ValueSource {
         }
     }
 
-    /// Whether the value is a share in percent.
+    /// Returns true if the value is a percentage.
     pub fn is_percent(self) -> bool {
         matches!(self, ValueSource::Change { kind: ChangeKind::Percent, .. })
     }
 }
 
 impl ChangeKind {
-    /// The change from one number to another; there are no percent of 0.
+    /// Returns the change from one number to another; `None` for percent of 0.
     pub fn of(self, from: f64, to: f64) -> Option<f64> {
         match self {
             ChangeKind::Difference => Some(to - from),
@@ -221,7 +225,8 @@ pub struct PlaceValues<'v> {
 }
 
 impl<'v> PlaceValues<'v> {
-    /// The components of one archive, or first those of one and then those of another; all have as many receivers and labels as the first.
+    /// Returns the components of one archive, or of one and then of another. All must have as many
+    /// receivers and labels as the first.
     pub fn of(sides: &[&'v TileValues], components: &[Component]) -> Self {
         let (places, labels) = sides.first().map_or((0, 0), |first| (first.receivers(), first.labels()));
         let of_side = |side: &&'v TileValues| {
@@ -231,32 +236,33 @@ impl<'v> PlaceValues<'v> {
         PlaceValues { places, labels, arrays: sides.iter().flat_map(of_side).collect() }
     }
 
-    /// Arrays of so many places and labels, `[place][label]`, row-major.
+    /// Returns the values of `places` places and `labels` labels from arrays `[place][label]`,
+    /// row-major.
     pub fn of_arrays(places: usize, labels: usize, arrays: &'v [Vec<f32>]) -> Self {
         PlaceValues { places, labels, arrays: arrays.iter().map(Vec::as_slice).collect() }
     }
 
-    /// Number of places, the second axis.
+    /// Returns the number of places, the second axis.
     pub fn places(&self) -> usize {
         self.places
     }
 
-    /// Number of labels, the third axis.
+    /// Returns the number of labels, the third axis.
     pub fn labels(&self) -> usize {
         self.labels
     }
 
-    /// `[place][label]` of an array.
+    /// Returns the array `number`, `[place][label]`.
     pub fn array(&self, number: usize) -> &'v [f32] {
         self.arrays.get(number).copied().unwrap_or_default()
     }
 
-    /// `[label]` of an array at a place.
+    /// Returns the values `[label]` of an array at a place.
     pub fn row(&self, number: usize, place: usize) -> &'v [f32] {
         self.array(number).get(place * self.labels..(place + 1) * self.labels).unwrap_or_default()
     }
 
-    /// The value of a source at a place for a label; NaN where there is none.
+    /// Returns the value of a source at a place for a label; NaN if there is none.
     pub fn value(&self, source: ValueSource, place: usize, label: usize) -> f32 {
         if let ValueSource::Array(number) = source {
             return self.row(number, place).get(label).copied().unwrap_or_default();
@@ -265,7 +271,7 @@ impl<'v> PlaceValues<'v> {
         source.of(array).map_or(f32::NAN, |value| value as f32)
     }
 
-    /// The value of a source at a place, of the sums over all labels.
+    /// Returns the value of a source at a place, computed from the sums over all labels.
     pub fn value_of_sums(&self, source: ValueSource, place: usize) -> f64 {
         let sum = |number: usize| self.row(number, place).iter().map(|value| f64::from(*value)).sum::<f64>();
         source.of(sum).unwrap_or(f64::NAN)

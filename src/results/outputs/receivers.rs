@@ -1,5 +1,6 @@
-//! Receivers as the table that builds read. In: points on surfaces. Out: `receiver,x,y,z,nx,ny,nz,area,surface`, what they stand for in
-//! their model, their patch and, for those that are left out, a reason.
+//! Table of receivers that builds read. In: points on surfaces. Out:
+//! `receiver,x,y,z,nx,ny,nz,area,surface`, the part of the model that they stand for, their patch
+//! and, for those that are left out, a reason.
 
 use std::path::Path;
 
@@ -12,27 +13,27 @@ use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
 use heliotile_scene::covering::receivers::PATCH;
 
-/// One row.
+/// Row of the table.
 pub struct ReceiverRow<'a> {
     pub name: &'a str,
-    /// Input coordinates, metres, written to 0.1 mm.
+    /// Position in input coordinates, metres, written to 0.1 mm.
     pub position: DVec3,
     pub normal: DVec3,
-    /// None of a point.
+    /// Area in m2; `None` for a point.
     pub area_m2: Option<f64>,
     pub surface: &'a str,
     pub part: ModelPart,
-    /// The part of the surface that it stands for.
+    /// Part of the surface that the receiver stands for.
     pub patch: Patch,
-    /// Why it gets no light.
+    /// Reason why the receiver gets no light.
     pub reason: Option<&'a str>,
 }
 
-/// Decimals of places and areas, and of normals.
+/// Decimals of positions and areas; `NORMAL_DECIMALS` are those of normals.
 const DECIMALS: usize = 4;
 const NORMAL_DECIMALS: usize = 6;
 
-/// `receiver,x,y,z,nx,ny,nz,area,surface` and what a receiver stands for in its model.
+/// Returns the columns `receiver,x,y,z,nx,ny,nz,area,surface` and those of the part of the model.
 pub fn columns_of_receivers() -> Vec<Column> {
     let mut columns = vec![Column::text("receiver")];
     columns.extend(["x", "y", "z"].map(|name| Column::number(name, DECIMALS)));
@@ -42,19 +43,20 @@ pub fn columns_of_receivers() -> Vec<Column> {
     columns
 }
 
-/// A table that is being written.
+/// Table of receivers being written.
 pub struct ReceiverTable {
     table: RowWriter,
     with_reason: bool,
 }
 
 impl ReceiverTable {
-    /// Starts a table; `-` is the standard output. Nothing stands beside it: it is an input, which has no provenance.
+    /// Starts a table; `-` is the standard output. No metadata file is written beside it: the table
+    /// is an input without provenance.
     pub fn create(path: &Path, with_reason: bool) -> Result<Self> {
         let mut columns = columns_of_receivers();
         columns.push(Column::text(PATCH));
         columns.extend(with_reason.then(|| Column::text("reason")));
-        // CSV, which is all that is read again, does not ask how many there are.
+        // The table is CSV, the only format that is read back, and CSV needs no row count.
         Ok(ReceiverTable { table: RowWriter::create(path, columns, 0, None)?, with_reason })
     }
 
@@ -70,13 +72,13 @@ impl ReceiverTable {
         self.table.row(cells)
     }
 
-    /// Completes the table; only now does its file appear.
+    /// Completes the table; its file appears only now.
     pub fn finish(self) -> Result<()> {
         self.table.finish().map(drop)
     }
 }
 
-/// A number rounded to parts of one, never -0.
+/// Returns `number` rounded to a multiple of 1 / `parts`, never -0.
 fn rounded(number: f64, parts: f64) -> f64 {
     (number * parts).round() / parts + 0.0
 }

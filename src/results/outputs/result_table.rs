@@ -1,4 +1,5 @@
-//! Results as a table. In: arrays of values of some places, and how large groups are. Out: rows in any format of tables.
+//! Table of results. In: arrays of values of some places, and the extents of groups. Out: rows in
+//! any format of tables.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -15,22 +16,23 @@ use crate::outputs::tables::writer::{Stats, TableWriter};
 use heliotile_core::error::Result;
 use heliotile_core::units::tilt_and_azimuth;
 
-/// A table of results being written.
+/// Table of results being written.
 pub struct ResultTable {
     table: TableWriter,
     rows: TableRows,
     labels: usize,
 }
 
-/// What rows hold.
+/// Columns of the rows, and how their values are rounded.
 struct TableRows {
     layout: Layout,
-    /// Digits of arrays in a format of text: changes are those of the numbers that it shows, so that they add up as these do.
+    /// Digits of arrays in a text format. Changes are computed from the rounded numbers, so that
+    /// the printed numbers add up.
     rounding: Option<Digits>,
 }
 
 impl ResultTable {
-    /// Starts a table in the format that the name says.
+    /// Starts a table in the format given by the ending of its name.
     pub fn create(
         path: &Path,
         layout: &Layout,
@@ -43,8 +45,9 @@ impl ResultTable {
         Ok(ResultTable { table, rows: TableRows { layout: layout.clone(), rounding }, labels: labels.len() })
     }
 
-    /// Appends the rows of some places; a shape other than names x labels is an error, nothing is written then.
-    /// `extents` are those of groups, as many as rows have names; none for receivers.
+    /// Appends the rows of some places. Values of another shape than names x labels are an error,
+    /// and nothing is written then. `extents` has one entry for each group; it is empty for
+    /// receivers.
     pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
         let (came, expected) = ((values.places(), values.labels()), (names.len(), self.labels));
         if came != expected {
@@ -55,19 +58,19 @@ impl ResultTable {
         self.table.write(&self.rows.batch(names, values, extents))
     }
 
-    /// Whether the reader of the output has gone away: the caller may stop.
+    /// Returns true if the reader of the output has gone away: the caller may stop.
     pub fn is_closed(&self) -> bool {
         self.table.is_closed()
     }
 
-    /// Completes the table; only now does its file appear.
+    /// Completes the table; its file appears only now.
     pub fn finish(self) -> Result<Stats> {
         self.table.finish()
     }
 }
 
 impl TableRows {
-    /// The rows of some receivers, or of groups: `extents` are those of groups.
+    /// Returns the rows of some receivers, or of groups with their `extents`.
     fn batch<'v>(&self, names: &'v [String], values: &PlaceValues<'v>, extents: &[Extent]) -> Batch<'v> {
         let quantities = self.layout.quantities.iter().map(|quantity| self.column(quantity, values));
         let facts = self.layout.facts.iter().map(|fact| self.fact(*fact, values, extents));
@@ -99,7 +102,8 @@ impl TableRows {
         }
     }
 
-    /// What a fact is at each row. One that holds for the whole of the time stands in each row of its group.
+    /// Returns a fact at each row; a fact that does not depend on the label is repeated in all rows
+    /// of its group.
     fn fact(&self, fact: Fact, values: &PlaceValues, extents: &[Extent]) -> Values<'static> {
         let labels = values.labels();
         let of_group: fn(&Extent) -> f64 = match fact {
@@ -113,7 +117,7 @@ impl TableRows {
         Values::Floats(all.collect())
     }
 
-    /// What all of a group gets.
+    /// Returns the sum of each group: its mean times its area.
     fn sums(&self, values: &PlaceValues, extents: &[Extent]) -> Values<'static> {
         let main = self.layout.main_quantity().source;
         let of_group = |(place, extent): (usize, &Extent)| {
@@ -124,7 +128,8 @@ impl TableRows {
     }
 }
 
-/// How a number changes; of numbers as a format of text shows them the difference is exact to their last digit.
+/// Returns the change from `pair[0]` to `pair[1]`. With `rounding` the difference of the printed
+/// numbers is exact to their last digit.
 fn change(kind: ChangeKind, pair: [f32; 2], rounding: Option<Digits>) -> Option<f64> {
     let pair = pair.map(f64::from);
     let Some(digits) = rounding else { return kind.of(pair[0], pair[1]) };
@@ -137,7 +142,7 @@ fn change(kind: ChangeKind, pair: [f32; 2], rounding: Option<Digits>) -> Option<
     })
 }
 
-/// The number that is shown with so many decimals, or with all of them; no -0.
+/// Returns the number as printed with `count` decimals, or unchanged for `None`; never -0.
 fn at_decimals(value: f64, count: Option<usize>) -> f64 {
     0.0 + count.and_then(|count| format!("{value:.count$}").parse().ok()).unwrap_or(value)
 }
@@ -154,7 +159,8 @@ mod tests {
     use heliotile_core::replay::components::{Component, ComponentList};
     use heliotile_core::replay::values::TileValues;
 
-    /// Two surfaces of 10 and 4 m2 with totals of 800 and 500 kWh/m2 sum to 8000 and 2000 kWh; the second looks south at 30 degrees.
+    /// Two surfaces of 10 and 4 m2 with totals of 800 and 500 kWh/m2 sum to 8000 and 2000 kWh; the
+    /// second faces south at 30 degrees.
     #[test]
     fn facts() {
         let components: ComponentList = "total".parse().expect("a name");
@@ -178,8 +184,8 @@ mod tests {
         assert_eq!(layout.units(), ["kWh/m2", "m2", "deg", "deg", "kWh"]);
     }
 
-    /// Changes are differences of the numbers that text shows, to their last digit, and those of all digits elsewhere; percent of nothing is
-    /// no number: 7 pairs.
+    /// Changes in text are differences of the printed numbers, exact to their last digit, and
+    /// elsewhere differences of all digits; percent of zero is no number: 7 pairs.
     #[test]
     fn changes_add_up_as_text() {
         let of = |pair: [f32; 2], digits| change(ChangeKind::Difference, pair, Some(digits)).expect("a number");

@@ -1,4 +1,5 @@
-//! Results in a format by the ending of their name: a table or a map. In: values of places. Out: a file, whole or not there.
+//! Results as a table or a map, by the ending of the file name. In: values of places. Out: a file,
+//! complete or not there.
 
 use std::path::Path;
 
@@ -9,7 +10,7 @@ use crate::outputs::shapes::writer::{MapFormat, MapStats, MapWriter};
 use crate::outputs::tables::format::Format;
 use heliotile_core::error::{Error, Result};
 
-/// The file format of results.
+/// File format of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ResultFormat {
@@ -18,7 +19,7 @@ pub enum ResultFormat {
 }
 
 impl ResultFormat {
-    /// By the ending of a name; `geo` makes Parquet a map.
+    /// Returns the format by the ending of a name; `geo` makes Parquet a map.
     pub fn of(path: &Path, geo: bool) -> Result<Self> {
         let ending = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         let map = MapFormat::ENDINGS.iter().find(|(name, _)| ending.as_deref() == Some(name));
@@ -54,7 +55,8 @@ pub enum ResultWriter<'a> {
 }
 
 impl ResultWriter<'_> {
-    /// Appends the rows of some places; `extents` are those of groups, none for receivers.
+    /// Appends the rows of some places; `extents` has one entry for each group and is empty for
+    /// receivers.
     pub fn write_tile(&mut self, names: &[String], values: &PlaceValues, extents: &[Extent]) -> Result<()> {
         match self {
             ResultWriter::Table(table) => table.write_tile(names, values, extents),
@@ -62,12 +64,12 @@ impl ResultWriter<'_> {
         }
     }
 
-    /// Whether the reader of the output has gone away: the caller may stop.
+    /// Returns true if the reader of the output has gone away: the caller may stop.
     pub fn is_closed(&self) -> bool {
         matches!(self, ResultWriter::Table(table) if table.is_closed())
     }
 
-    /// Completes the file; only now does it appear. What a map holds.
+    /// Completes the file, which appears only now. Returns the statistics of a map.
     pub fn finish(self) -> Result<Option<MapStats>> {
         match self {
             ResultWriter::Table(table) => table.finish().map(|_| None),

@@ -1,4 +1,5 @@
-//! Where a table goes: the standard output, or a file that appears under its name only when it is complete.
+//! Sink of a table: the standard output, or a file that appears under its name only when it is
+//! complete.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Stdout, Write};
@@ -6,24 +7,24 @@ use std::path::{Path, PathBuf};
 
 use heliotile_core::error::{Error, Result};
 
-/// A byte sink of a table.
+/// Byte sink of a table.
 pub struct Sink {
     target: Target,
     bytes: u64,
 }
 
 enum Target {
-    /// `None` once the reader has gone: what follows is dropped.
+    /// Standard output; `None` once the reader has gone, after which bytes are dropped.
     Stdout(Option<Stdout>),
     File {
         path: PathBuf,
         partial: PathBuf,
-        /// `None` once finished.
+        /// Open file; `None` once finished.
         file: Option<BufWriter<File>>,
     },
 }
 
-/// Writes texts, by name, into a folder that is there: all of them get their names once all are written.
+/// Writes texts, by name, into an existing folder; files get their names once all are written.
 pub fn write_texts<N: AsRef<str>>(folder: &Path, texts: &[(N, String)]) -> Result<()> {
     let mut sinks = Vec::new();
     for (name, text) in texts {
@@ -35,7 +36,7 @@ pub fn write_texts<N: AsRef<str>>(folder: &Path, texts: &[(N, String)]) -> Resul
     sinks.into_iter().try_for_each(|sink| sink.finish().map(|_| ()))
 }
 
-/// Writes a file of some bytes, whole or not at all.
+/// Writes `bytes` to a file, whole or not at all.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
     let mut sink = Sink::file(path)?;
     sink.write_all(bytes).map_err(Error::io(path, "write to"))?;
@@ -47,7 +48,8 @@ impl Sink {
         Sink { target: Target::Stdout(Some(io::stdout())), bytes: 0 }
     }
 
-    /// Opens `NAME.partial` beside `path`; it gets its name at [`Sink::finish`] and is removed if that is never reached.
+    /// Opens `NAME.partial` beside `path`. [`Sink::finish`] renames it; a sink that is dropped
+    /// before removes it.
     pub fn file(path: &Path) -> Result<Self> {
         let mut name = path.as_os_str().to_os_string();
         name.push(".partial");
@@ -63,7 +65,7 @@ impl Sink {
         })
     }
 
-    /// Name for messages.
+    /// Returns the name for messages.
     pub fn path(&self) -> &Path {
         match &self.target {
             Target::Stdout(_) => Path::new("standard output"),
@@ -71,7 +73,7 @@ impl Sink {
         }
     }
 
-    /// The file that it becomes; none for the standard output.
+    /// Returns the final path of the file; `None` for the standard output.
     pub fn file_path(&self) -> Option<&Path> {
         match &self.target {
             Target::Stdout(_) => None,
@@ -79,12 +81,14 @@ impl Sink {
         }
     }
 
-    /// Whether the reader of the output has gone away (`heliotile ... | head`): further rows need not be made.
+    /// Returns true if the reader of the output has gone away (`heliotile ... | head`): further
+    /// rows need not be made.
     pub fn is_closed(&self) -> bool {
         matches!(self.target, Target::Stdout(None))
     }
 
-    /// Makes the table visible: flushed, on disk, renamed.
+    /// Makes the file visible, flushed, synced to disk and renamed, and returns the number of
+    /// bytes.
     pub fn finish(mut self) -> Result<u64> {
         let (path, partial) = match &mut self.target {
             Target::Stdout(_) => {
@@ -111,7 +115,7 @@ impl Sink {
         Ok(self.bytes)
     }
 
-    /// A closed pipe is not an error: the reader has seen enough.
+    /// Turns a closed pipe into success with `otherwise`: the reader has seen enough.
     fn pipe<T>(&mut self, result: io::Result<T>, otherwise: T) -> io::Result<T> {
         match (&mut self.target, result) {
             (Target::Stdout(out), Err(e)) if e.kind() == io::ErrorKind::BrokenPipe => {
@@ -150,7 +154,7 @@ impl Drop for Sink {
         if let Target::File { partial, file, .. } = &mut self.target
             && let Some(file) = file.take()
         {
-            // What is buffered is not worth writing.
+            // Buffered bytes are discarded: the file is removed anyway.
             let _ = file.into_parts();
             let _ = std::fs::remove_file(partial);
         }
@@ -161,7 +165,8 @@ impl Drop for Sink {
 mod tests {
     use super::*;
 
-    /// Before `finish` the file does not exist; a sink that is dropped leaves nothing (0 files); a finished one leaves 1 file.
+    /// The file does not exist before `finish`; a dropped sink leaves nothing (0 files); a finished
+    /// one leaves 1 file.
     #[test]
     fn nothing_half_written() {
         let folder = tempfile::tempdir().expect("a folder");
@@ -178,7 +183,7 @@ mod tests {
         assert_eq!((count(), std::fs::read(&path).expect("read").len()), (1, 5));
     }
 
-    /// A folder that does not exist is an error that names the file.
+    /// A missing folder is an error that names the file.
     #[test]
     fn no_such_folder() {
         let text = Sink::file(Path::new("/no/such/t.csv")).err().map(|e| e.to_string());

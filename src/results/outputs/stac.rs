@@ -1,5 +1,6 @@
-//! A static catalogue of an atlas in STAC 1.1 (SpatioTemporal Asset Catalog), with its extensions `projection` and `file`. In: archives of
-//! parts, where they lie. Out: an item for each and a collection of all, whose links are relative: the folder may be copied anywhere.
+//! Static catalogue of an atlas in STAC 1.1 (SpatioTemporal Asset Catalog), with its extensions
+//! `projection` and `file`. In: archives of parts, and the paths of their files. Out: an item for
+//! each and a collection of all, with relative links: the folder may be copied anywhere.
 
 use std::time::SystemTime;
 
@@ -12,47 +13,48 @@ const VERSION: &str = "1.1.0";
 const OF_FILES: &str = "https://stac-extensions.github.io/file/v2.1.0/schema.json";
 const OF_PROJECTIONS: &str = "https://stac-extensions.github.io/projection/v2.0.0/schema.json";
 
-/// An archive is a file of this media type.
+/// Media type of an archive.
 const ARCHIVE: &str = "application/vnd.heliotile";
 
-/// Name of the file of the collection.
+/// File name of the collection.
 pub const COLLECTION: &str = "collection.json";
 
-/// Name of the pictures of items and of the collection.
+/// File name of the pictures of items and of the collection.
 pub const THUMBNAIL: &str = "thumbnail.png";
 
-/// Name of the page beside the collection.
+/// File name of the page beside the collection.
 pub const VIEWER: &str = "view.html";
 
-/// Points of a footprint along each side: straight lines of a plane system are bent on the globe.
+/// Points along each side of a footprint: straight lines of a projected system are curved in
+/// longitude and latitude.
 const STEPS: usize = 4;
 
-/// The archive of a part.
+/// STAC item: the archive of a part.
 pub struct StacItem {
-    /// Name of the part, and of its collection.
+    /// Name of the part; `collection` is the name of its collection.
     pub id: String,
     pub collection: String,
-    /// Lowest and highest corner of what is built, scene coordinates, metres.
+    /// Lowest corner of the built area, scene coordinates, metres; `high` is the highest.
     pub low: DVec2,
     pub high: DVec2,
     pub written: SystemTime,
-    /// What else is said of it, by keys with their prefix.
+    /// Further properties, by keys with their prefix.
     pub properties: Map<String, Value>,
     /// Files beside the item.
     pub assets: Vec<StacAsset>,
 }
 
-/// What is said of a collection besides its items.
+/// STAC collection without its items.
 pub struct StacCollection<'a> {
     pub id: &'a str,
     pub title: &'a str,
-    /// SPDX name.
+    /// SPDX name of the licence.
     pub license: &'a str,
-    /// Files beside it.
+    /// Files beside the collection.
     pub assets: Vec<StacAsset>,
 }
 
-/// A file of an item or of a collection.
+/// File of an item or of a collection.
 pub struct StacAsset {
     pub key: &'static str,
     pub href: String,
@@ -65,7 +67,7 @@ pub struct StacAsset {
 }
 
 impl StacAsset {
-    /// The archive itself.
+    /// Returns the asset of the archive itself.
     pub fn archive(name: &str, bytes: u64, checksum: blake3::Hash) -> Self {
         StacAsset {
             key: "archive",
@@ -78,7 +80,8 @@ impl StacAsset {
         }
     }
 
-    /// A picture of a clear year, beside; the brightest colour is so many kWh/m2.
+    /// Returns the asset of the thumbnail, a picture of a clear year; its brightest colour stands
+    /// for `top_kwh_m2`.
     pub fn thumbnail(png: &[u8], top_kwh_m2: f64) -> Self {
         StacAsset {
             key: "thumbnail",
@@ -98,14 +101,15 @@ impl StacAsset {
             "title": self.title,
             "roles": [self.role],
             "file:size": self.bytes,
-            // As a multihash: BLAKE3, 32 bytes.
+            // Multihash: `1e` is BLAKE3, `20` is 32 bytes.
             "file:checksum": format!("1e20{}", self.checksum.to_hex()),
         })
     }
 }
 
 impl StacItem {
-    /// The item, two folders below its collection and the page that shows it.
+    /// Returns the item as JSON. It lies two folders below its collection and the page that shows
+    /// it.
     pub fn json(&self, crs: &MapCrs) -> Value {
         let footprint = footprint(self.low, self.high, crs);
         let mut properties = self.properties.clone();
@@ -139,7 +143,7 @@ impl StacItem {
     }
 }
 
-/// The collection of all items: their names with the places of their files.
+/// Returns the collection of all items; each item comes with the path of its file.
 pub fn collection(about: &StacCollection, items: &[(StacItem, String)], crs: &MapCrs) -> Value {
     let rings = items.iter().filter_map(|(item, _)| footprint(item.low, item.high, crs));
     let all: Vec<[f64; 2]> = rings.flatten().collect();
@@ -166,7 +170,7 @@ pub fn collection(about: &StacCollection, items: &[(StacItem, String)], crs: &Ma
     })
 }
 
-/// The same for people, who look at it through a web server.
+/// Returns the link to the page for people, which needs a web server.
 fn page_link(href: &str) -> Value {
     json!({ "rel": "alternate", "href": href, "type": "text/html", "title": "Look at it: any sun and sky" })
 }
@@ -175,7 +179,8 @@ fn assets(files: &[StacAsset]) -> Map<String, Value> {
     files.iter().map(|asset| (asset.key.to_owned(), asset.json())).collect()
 }
 
-/// Ring of a rectangle, counter-clockwise, longitudes and latitudes; `None` without a coordinate system.
+/// Returns the ring of a rectangle, counter-clockwise, longitudes and latitudes; `None` without a
+/// coordinate system.
 fn footprint(low: DVec2, high: DVec2, crs: &MapCrs) -> Option<Vec<[f64; 2]>> {
     let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y), low];
     let mut ring = Vec::with_capacity(4 * STEPS + 1);
@@ -189,12 +194,12 @@ fn footprint(low: DVec2, high: DVec2, crs: &MapCrs) -> Option<Vec<[f64; 2]>> {
     ring.into_iter().map(degrees).collect()
 }
 
-/// A ten-millionth of a degree is a centimetre.
+/// Rounds to a ten-millionth of a degree, about a centimetre.
 fn rounded(degrees: f64) -> f64 {
     (degrees * 1e7).round() / 1e7
 }
 
-/// West, south, east, north.
+/// Returns the bounding box: west, south, east, north.
 fn around(points: &[[f64; 2]]) -> [f64; 4] {
     points.iter().fold([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY], |[w, s, e, n], [x, y]| {
         [w.min(*x), s.min(*y), e.max(*x), n.max(*y)]

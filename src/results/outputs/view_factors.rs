@@ -1,5 +1,6 @@
-//! View factors of receivers as a table: what each one's hemisphere is filled with, and how much of an overcast sky it sees. In: the shares that
-//! the build stored, sky components. Out: a table of any format.
+//! View factors of receivers as a table: the shares of each hemisphere by what is seen, and the
+//! vertical sky component. In: the shares that the build stored, sky components. Out: a table of
+//! any format.
 
 use std::path::Path;
 
@@ -8,10 +9,11 @@ use super::tables::column::Column;
 use super::tables::rows::{Cell, RowWriter};
 use heliotile_core::error::Result;
 
-/// The columns of shares, which sum to 1.
+/// Columns of shares, which sum to 1.
 const SHARES: [&str; 4] = ["sky_view", "ground_view", "obstruction_view", "nothing_view"];
 
-/// Light of the CIE traditional overcast sky in percent of that on open ground, and whether no sky is seen.
+/// Columns of the direct light of the CIE traditional overcast sky, percent of that on open ground,
+/// and of the flag that no sky is seen.
 const SKY: [&str; 2] = ["vsc_percent", "no_sky"];
 
 /// Decimals of percent in CSV.
@@ -20,13 +22,13 @@ const PERCENT_DECIMALS: usize = 3;
 /// Decimals of the shares in CSV.
 const DECIMALS: usize = 7;
 
-/// A table being written.
+/// Table of view factors being written.
 pub struct ViewFactorTable {
     table: RowWriter,
 }
 
 impl ViewFactorTable {
-    /// Starts a table of so many receivers.
+    /// Starts a table of `count` receivers.
     pub fn create(path: &Path, count: u64, about: &Provenance) -> Result<Self> {
         let shares = SHARES.map(|name| Column::number(name, DECIMALS));
         let sky = [Column::number(SKY[0], PERCENT_DECIMALS), Column::count(SKY[1])];
@@ -34,8 +36,9 @@ impl ViewFactorTable {
         Ok(ViewFactorTable { table: RowWriter::create(path, columns, count, Some(about))? })
     }
 
-    /// One row; `views`: cosine-weighted shares of sky, ground and obstructions. What is left meets nothing: below the horizon
-    /// where the scene ends. `vsc_percent`: direct light of the CIE traditional overcast sky, percent of that on open ground.
+    /// Appends a row. `views` are the cosine-weighted shares of sky, ground and obstructions; the
+    /// remaining share meets nothing, below the horizon beyond the edge of the scene. `vsc_percent`
+    /// is the direct light of the CIE traditional overcast sky, percent of that on open ground.
     pub fn row(&mut self, receiver: &str, views: [f32; 3], vsc_percent: f64) -> Result<()> {
         let [sky, ground, obstruction] = views.map(f64::from);
         let nothing = (1.0 - sky - ground - obstruction).max(0.0);
@@ -44,12 +47,12 @@ impl ViewFactorTable {
         self.table.row(std::iter::once(receiver.into()).chain(shares).chain([vsc_percent.into(), no_sky]))
     }
 
-    /// Whether the reader of the output has gone away.
+    /// Returns true if the reader of the output has gone away.
     pub fn is_closed(&self) -> bool {
         self.table.is_closed()
     }
 
-    /// Completes the table; only now does its file appear, and before it the one that says what it holds.
+    /// Completes the table; its file appears only now, after its metadata file.
     pub fn finish(self) -> Result<u64> {
         self.table.finish()
     }

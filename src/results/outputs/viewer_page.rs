@@ -1,5 +1,5 @@
-//! The page that shows archives, with what it is to show put inside. In: files' names and bytes, or addresses. Out: one HTML file that
-//! needs no other.
+//! The page that shows archives, with data embedded. In: files' names and bytes, or addresses. Out:
+//! one HTML file that needs no other.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -16,29 +16,29 @@ use heliotile_core::archive::ReadAt;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::options::{TimeShift, WeatherOptions};
 
-/// As `src/viewer/build` makes it.
+/// HTML of the page, as `src/viewer/build` makes it.
 const PAGE: &str = include_str!("../../viewer/page.html");
-/// Where data go.
+/// Marker in the page that is replaced by the data of the first picture.
 const MARKER: &str = "<!-- heliotile: data -->";
-/// Where data go that the first picture does not need, behind the script.
+/// Marker behind the script that is replaced by data that the first picture does not need.
 const LATER: &str = "<!-- heliotile: later -->";
 
-/// More bytes of archives do not go into a page: browsers take seconds to read them.
+/// Largest number of bytes of archives in a page: with more, browsers take seconds to read them.
 pub const MOST_BYTES: u64 = 50_000_000;
 
-/// What goes into a page.
+/// Page with the data that goes into it.
 #[derive(Default)]
 pub struct ViewerPage {
     scripts: String,
     later: String,
     options: serde_json::Map<String, Value>,
     holds_archive: bool,
-    /// Bytes of archives that are inside.
+    /// Number of bytes of archives that are embedded.
     held: u64,
 }
 
 impl ViewerPage {
-    /// An archive, if it is small enough.
+    /// Embeds an archive, if it is small enough.
     pub fn with_archive(mut self, path: &Path, archive: &dyn ReadAt) -> Result<Self> {
         self.holds_archive = match self.block("archive", path, archive)? {
             Some(block) => {
@@ -50,7 +50,8 @@ impl ViewerPage {
         Ok(self)
     }
 
-    /// Another archive beside it, after a change, if the first is inside and both together are small enough.
+    /// Embeds another archive, after a change, if the first is embedded and both together are small
+    /// enough.
     pub fn with_after(mut self, path: &Path, archive: &dyn ReadAt) -> Result<Self> {
         if self.holds_archive
             && let Some(block) = self.block("after", path, archive)?
@@ -60,7 +61,8 @@ impl ViewerPage {
         Ok(self)
     }
 
-    /// An archive that is small enough, besides those that are inside.
+    /// Returns the script element of an archive, or `None` if it does not fit beside those that are
+    /// embedded.
     fn block(&mut self, id: &str, path: &Path, archive: &dyn ReadAt) -> Result<Option<String>> {
         let all = self.held.saturating_add(archive.length());
         let Some(length) = usize::try_from(archive.length()).ok().filter(|_| all <= MOST_BYTES) else {
@@ -71,20 +73,21 @@ impl ViewerPage {
         Ok(Some(script(id, &name_of(path), "", &bytes)))
     }
 
-    /// A weather file's bytes, unpacked.
+    /// Embeds a weather file, given by its unpacked bytes.
     pub fn with_weather(mut self, path: &Path, bytes: &[u8]) -> Result<Self> {
         let packed = packed(bytes).map_err(Error::io(path, "pack"))?;
         self.scripts.push_str(&script("weather", &name_of(path), " data-packed=\"gzip\"", &packed));
         Ok(self)
     }
 
-    /// Something that the page is told: `archive`, `after` and `weather`, addresses that it reads from.
+    /// Sets an option of the page. The options `archive`, `after` and `weather` are addresses that
+    /// it reads from.
     pub fn with_option(mut self, name: &str, value: impl Into<Value>) -> Self {
         self.options.insert(name.into(), value.into());
         self
     }
 
-    /// How the weather's clock is read, where it is not as the file says.
+    /// Sets how the weather's clock is read, where this differs from the file's own statement.
     pub fn with_clock(self, options: &WeatherOptions) -> Self {
         let shift = match options.shift {
             shift if shift == TimeShift::default() => None,
@@ -102,12 +105,12 @@ impl ViewerPage {
         self.with_option("clock", clock)
     }
 
-    /// Whether the archive went in.
+    /// Returns true if the archive is embedded.
     pub fn holds_archive(&self) -> bool {
         self.holds_archive
     }
 
-    /// Whether the archive after went in.
+    /// Returns true if the archive after is embedded.
     pub fn holds_after(&self) -> bool {
         !self.later.is_empty()
     }
@@ -119,17 +122,17 @@ impl ViewerPage {
         sink.finish().map(|_| ())
     }
 
-    /// The page.
+    /// Returns the page as HTML.
     pub fn html(&self) -> String {
-        // No text ends a script.
+        // `<` is replaced, so that no text can end the script element.
         let options = Value::Object(self.options.clone()).to_string().replace('<', "\\u003c");
         let data = format!("<script type=\"application/json\" id=\"options\">{options}</script>\n{}", self.scripts);
-        // The data hold no marker: text in them has no `<` of its own.
+        // The data contain no marker: text in them contains no `<`.
         PAGE.replacen(MARKER, &data, 1).replacen(LATER, &self.later, 1)
     }
 }
 
-/// Bytes that the page takes by their id.
+/// Returns a script element whose bytes the page finds by `id`.
 fn script(id: &str, name: &str, more: &str, bytes: &[u8]) -> String {
     let name = escaped(name).replace('"', "&quot;");
     let mut text = format!("<script type=\"application/octet-stream\" id=\"{id}\" data-name=\"{name}\"{more}>");
@@ -138,7 +141,7 @@ fn script(id: &str, name: &str, more: &str, bytes: &[u8]) -> String {
     text
 }
 
-/// Bytes as browsers unpack them themselves.
+/// Compresses bytes with gzip, which browsers unpack themselves.
 pub fn packed(bytes: &[u8]) -> io::Result<Vec<u8>> {
     let mut packed = GzEncoder::new(Vec::new(), Compression::best());
     packed.write_all(bytes)?;
@@ -153,7 +156,8 @@ fn name_of(path: &Path) -> String {
 mod tests {
     use super::*;
 
-    /// The page has one place for data and one for data of later, and names with `<`, `>` and quotes cannot leave theirs: one script of each kind is in it.
+    /// The page has one marker for data and one for later data. Names with `<`, `>` and quotes
+    /// cannot break out of their attribute: one script of each kind is in the page.
     #[test]
     fn names_stay_in_their_place() {
         assert_eq!([MARKER, LATER].map(|marker| PAGE.matches(marker).count()), [1, 1]);
@@ -166,7 +170,8 @@ mod tests {
         assert!(html.contains(&BASE64_STANDARD.encode(b"not an archive")));
     }
 
-    /// Two archives of 30 MB do not fit together, and none goes in beside one that stays outside; small ones stand behind the script: 1 of 3.
+    /// Two archives of 30 MB do not fit together, and none is embedded beside one that is too
+    /// large; the second of two small ones stands behind the script: 1 of 3.
     #[test]
     fn two_archives_fit_together_or_not() {
         let page = |sizes: [usize; 2]| {

@@ -1,7 +1,9 @@
-//! Pictures of Radiance. In: the bytes of a file of the format RGBE, run-length encoded or flat. Out: one radiance a pixel.
+//! Radiance pictures. In: the bytes of a file of the format RGBE, run-length encoded or flat. Out:
+//! one radiance a pixel.
 //!
-//! The format is that of Ward, "Real pixels", Graphics Gems II, 1991, with the newer run lengths by component that `rpict` and `pfilt` write:
-//! lines of 8 to 32767 pixels begin with 2, 2 and their length.
+//! The format is by Ward, "Real pixels", Graphics Gems II, 1991, with the newer run lengths by
+//! component that `rpict` and `pfilt` write: lines of 8 to 32767 pixels begin with 2, 2 and their
+//! length.
 
 use std::path::Path;
 
@@ -12,10 +14,10 @@ use heliotile_core::text::excerpt;
 
 const FORMAT: &str = "32-bit_rle_rgbe";
 
-/// Bytes of a header at most.
+/// Largest length of a header, bytes.
 const HEAD: usize = 1 << 16;
 
-/// Lines of a header, and where it ends.
+/// Lines of a header, and the bytes behind it.
 struct Head<'b> {
     lines: Vec<String>,
     body: &'b [u8],
@@ -46,7 +48,7 @@ fn split_line(bytes: &[u8]) -> Option<(String, &[u8])> {
     Some((line, bytes.get(end + 1..)?))
 }
 
-/// Whether bytes are a picture of Radiance, and not a matrix.
+/// Returns true if bytes are a Radiance picture, and not a matrix.
 pub(super) fn is_hdr(bytes: &[u8]) -> bool {
     let is_picture = |head: Head| head.values("FORMAT").any(|format| format.starts_with("32-bit_rle"));
     bytes.starts_with(b"#?") && Head::of(bytes).is_some_and(is_picture)
@@ -79,7 +81,8 @@ pub(super) fn read_hdr(path: &Path, bytes: &[u8]) -> Result<Pixels> {
     Ok(Pixels { width, height, levels, are_coded: false })
 }
 
-/// Of mantissas and an exponent: (m + 0.5) x 2^(e - 136), and 0 where the exponent is.
+/// Returns the radiance of mantissas and an exponent: (m + 0.5) x 2^(e - 136), and 0 if the
+/// exponent is 0.
 fn radiance([red, green, blue, exponent]: [u8; 4]) -> f64 {
     if exponent == 0 {
         return 0.0;
@@ -88,7 +91,7 @@ fn radiance([red, green, blue, exponent]: [u8; 4]) -> f64 {
     luminance([red, green, blue].map(|mantissa| (f64::from(mantissa) + 0.5) * scale))
 }
 
-/// One line of pixels, and the bytes behind it.
+/// Returns one line of pixels, and the bytes behind it.
 fn scanline(bytes: &[u8], width: usize) -> Option<(Vec<[u8; 4]>, &[u8])> {
     let (start, rest) = bytes.split_first_chunk::<4>()?;
     let [2, 2, high, low] = *start else { return flat(bytes, width) };
@@ -123,7 +126,8 @@ fn scanline(bytes: &[u8], width: usize) -> Option<(Vec<[u8; 4]>, &[u8])> {
     Some((pixels, rest))
 }
 
-/// Pixels as they are; runs of the oldest files, which repeat a pixel after three ones, are not read.
+/// Returns uncompressed pixels. Runs of the oldest files, which repeat a pixel after three ones,
+/// are not supported.
 fn flat(bytes: &[u8], width: usize) -> Option<(Vec<[u8; 4]>, &[u8])> {
     let (line, behind) = bytes.split_at_checked(4 * width)?;
     let (pixels, _) = line.as_chunks::<4>();
@@ -139,7 +143,8 @@ mod tests {
         [format!("#?RADIANCE\nFORMAT={FORMAT}\n{more}\n{size}\n").as_bytes(), body].concat()
     }
 
-    /// Mantissa 127 with exponent 137 is 255, flat and as runs, and 51 with an exposure of 5; exponent 0 is black.
+    /// Mantissa 127 with exponent 137 is 255, flat and as runs, and 51 with an exposure of 5;
+    /// exponent 0 is black.
     #[test]
     fn radiances() {
         let first = |bytes: &[u8]| read_hdr(Path::new("a.hdr"), bytes).expect("a picture").levels;
@@ -152,7 +157,8 @@ mod tests {
         assert!(is_hdr(&file("", "", &[])) && !is_hdr(b"#?RADIANCE\nFORMAT=float\n\n"));
     }
 
-    /// Five broken pictures are errors: another format, a size from below, too few bytes, a run beyond the line, a side of 9000.
+    /// Five broken pictures are errors: another format, a size from below, too few bytes, a run
+    /// beyond the line, a side of 9000.
     #[test]
     fn broken() {
         for bytes in [

@@ -1,8 +1,9 @@
-//! Pictures of the sky. In: the bytes of a PNG, a Radiance picture (.hdr, .pic) or an OpenEXR file. Out: one checked number a pixel, as a
-//! [`DomeImage`].
+//! Pictures of the sky. In: the bytes of a PNG, a Radiance picture (.hdr, .pic) or an OpenEXR file.
+//! Out: one checked number a pixel, as a [`DomeImage`].
 //!
-//! Red, green and blue become one number by the weights of Radiance's luminance. Levels of a PNG are coded as sRGB, unless its chunk gAMA says
-//! another exponent; those of a cloud picture are shares as they are. Radiance pictures are divided by their EXPOSURE.
+//! Red, green and blue become one number with the weights of Radiance's luminance. Levels of a PNG
+//! are encoded as sRGB, unless its chunk gAMA states another exponent; levels of a cloud picture
+//! are shares without encoding. Radiance pictures are divided by their EXPOSURE.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -14,41 +15,41 @@ use heliotile_core::dome::formats::{PatchQuantity, luminance};
 use heliotile_core::dome::image::DomeImage;
 use heliotile_core::error::{Error, Result};
 
-/// Largest side of a picture.
+/// Largest side of a picture, pixels.
 const MAX_SIDE: usize = 8192;
 
-/// What the levels of a picture are.
+/// Meaning of the levels of a picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Levels {
-    /// Radiances.
+    /// Radiances of a sky.
     Radiances {
-        /// W/m2/sr of level 1; none: levels are radiances.
+        /// Radiance of level 1, W/m2/sr; `None`: levels are radiances.
         white_w_m2_sr: Option<f64>,
-        /// Whether only their ratios count.
+        /// True if only ratios of levels count.
         are_relative: bool,
     },
-    /// Shares of light that come through, 0 to 1.
+    /// Transmittances of clouds, 0 to 1.
     Shares,
 }
 
-/// The pixels of a picture, one number each.
+/// Pixels of a picture, one number each.
 pub(super) struct Pixels {
     pub width: usize,
     pub height: usize,
-    /// `[row][column]`, from the top left.
+    /// Levels, `[row][column]`, from the top left.
     pub levels: Vec<f64>,
-    /// Whether levels are those of a display, from 0 to 1.
+    /// True if levels come from a display encoding, from 0 to 1.
     pub are_coded: bool,
 }
 
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 const EXR: &[u8] = b"\x76\x2f\x31\x01";
 
-/// First bytes of pictures that are not read.
+/// First bytes of pictures in formats that are not supported.
 const OTHERS: [(&[u8], &str); 5] =
     [(b"\xff\xd8\xff", "JPEG"), (b"II*\0", "TIFF"), (b"MM\0*", "TIFF"), (b"GIF8", "GIF"), (b"BM", "BMP")];
 
-/// Whether bytes are a picture; one of a kind that is not read is an error.
+/// Returns true if bytes are a picture; fails for a picture in a format that is not supported.
 pub(super) fn is_picture(path: &Path, bytes: &[u8]) -> Result<bool> {
     if let Some((_, kind)) = OTHERS.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return Err(Error::input(
@@ -61,7 +62,7 @@ pub(super) fn is_picture(path: &Path, bytes: &[u8]) -> Result<bool> {
     Ok(bytes.starts_with(PNG) || bytes.starts_with(EXR) || hdr::is_hdr(bytes))
 }
 
-/// Reads a picture whose top has an azimuth.
+/// Reads a picture; `top_azimuth_deg` is the azimuth of its top.
 pub(super) fn read_image(path: &Path, bytes: &[u8], levels: Levels, top_azimuth_deg: f64) -> Result<DomeImage> {
     let pixels = match bytes {
         bytes if bytes.starts_with(PNG) => png(path, bytes, levels)?,
@@ -127,7 +128,7 @@ fn png(path: &Path, bytes: &[u8], levels: Levels) -> Result<Pixels> {
     let linear = |coded: f64| match (levels, exponent) {
         (Levels::Shares, _) => coded,
         (_, Some(exponent)) => coded.powf(1.0 / exponent),
-        // IEC 61966-2-1:1999, equations 5 and 6.
+        // Formula: IEC 61966-2-1:1999, equations 5 and 6.
         (_, None) if coded <= 0.04045 => coded / 12.92,
         (_, None) => ((coded + 0.055) / 1.055).powf(2.4),
     };
@@ -135,7 +136,7 @@ fn png(path: &Path, bytes: &[u8], levels: Levels) -> Result<Pixels> {
     let level = |pixel: &[u8]| {
         let mut samples = pixel.chunks(size).map(|bytes| linear(sample(bytes)));
         let first = samples.next().unwrap_or_default();
-        // One sample, or with one of opacity, is grey.
+        // Pixels with one sample, or with one and an opacity, are grey.
         match (frame.color_type.samples(), samples.next(), samples.next()) {
             (3.., Some(green), Some(blue)) => luminance([first, green, blue]),
             _ => first,
@@ -199,7 +200,8 @@ mod tests {
         Ok(image.at(glam::DVec3::Z))
     }
 
-    /// Grey 188 of a PNG is 0.5029 as sRGB, 0.7373 with a gAMA of 1 and as a cloud; pure green is 0.67; white is what is stated.
+    /// Grey 188 of a PNG is 0.5029 as sRGB, 0.7373 with a gAMA of 1 and as a cloud; pure green is
+    /// 0.67; white is the stated radiance.
     #[test]
     fn levels_of_png() {
         let grey = png_of(png::ColorType::Grayscale, 1, 1, &[188], None);
@@ -213,7 +215,8 @@ mod tests {
         is(level(&png_of(png::ColorType::Grayscale, 1, 1, &[255], None), white), 40.0);
     }
 
-    /// Radiances of an EXR file are its floats; NaN and a negative one are refused with the pixel, and a file of one channel counts.
+    /// Radiances of an EXR file are its floats; NaN and a negative one are refused with the pixel
+    /// named.
     #[test]
     fn levels_of_exr() {
         let file = |level: f32| {
@@ -230,7 +233,8 @@ mod tests {
         }
     }
 
-    /// Six pictures are refused: not square, black, a PNG whose levels count as radiances, half a PNG, half an EXR file, a JPEG.
+    /// Six pictures are refused: not square, black, a PNG whose levels count as radiances, half a
+    /// PNG, half an EXR file, a JPEG.
     #[test]
     fn refusals() {
         let given = Levels::Radiances { white_w_m2_sr: None, are_relative: false };

@@ -1,5 +1,6 @@
-//! Skies and clouds that a user brings. In: names of files, how their light counts, the conditions of a series. Out: the same conditions under
-//! these skies and behind these clouds, and what is doubtful about the files.
+//! Skies and clouds from files of the user. In: names of files, the scaling of their light, the
+//! conditions of a series. Out: the conditions under these skies and behind these clouds, and
+//! warnings about the files.
 
 mod hdr;
 mod images;
@@ -16,17 +17,17 @@ use heliotile_core::weather::conditions::Condition;
 
 use images::{Levels, is_picture, read_image};
 
-/// A model of the sky, or a file of radiances.
+/// Model of the sky, or a file of radiances.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SkyChoice {
-    /// By its name.
+    /// Sky model, by its name.
     Model(SkyModel),
-    /// A table, a matrix of Radiance or a photograph.
+    /// Table, Radiance matrix or photograph.
     File(PathBuf),
 }
 
 impl SkyChoice {
-    /// What it can be, for help.
+    /// Returns the help text that says which values are possible.
     pub fn described() -> String {
         let model = SkyModel::described();
         format!(
@@ -35,7 +36,7 @@ impl SkyChoice {
         )
     }
 
-    /// The model that conditions are read with, and the file.
+    /// Returns the model that conditions are read with, and the file.
     pub fn parts(self) -> (SkyModel, Option<PathBuf>) {
         match self {
             SkyChoice::Model(model) => (model, None),
@@ -56,41 +57,43 @@ impl FromStr for SkyChoice {
     }
 }
 
-/// Files of skies and clouds, and how they count.
+/// Files of skies and clouds, and how their light is scaled.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SkyFiles {
     /// Radiances in place of a model's.
     pub sky: Option<PathBuf>,
-    /// What they add up to; none: photographs to DHI, tables and matrices to what they are.
+    /// Scale of the radiances; `None`: photographs are scaled to DHI, tables and matrices are not
+    /// scaled.
     pub scale: Option<SkyScale>,
-    /// Radiance of level 1 of a photograph, W/m2/sr; none: its levels are radiances, which those of a PNG are not.
+    /// Radiance of level 1 of a photograph, W/m2/sr; `None`: its levels are radiances, which those
+    /// of a PNG cannot be.
     pub white_w_m2_sr: Option<f64>,
-    /// Transmittances before the sky and the sun.
+    /// Transmittances of clouds in front of the sky and the sun.
     pub clouds: Option<PathBuf>,
-    /// Azimuth of the top of photographs, degrees clockwise from true north; none: north.
+    /// Azimuth of the top of photographs, degrees clockwise from true north; `None`: north.
     pub image_top_deg: Option<f64>,
 }
 
-/// Where conditions stand in the file that they come from.
+/// Positions of conditions in the file that they come from.
 pub(super) struct ConditionRows {
-    /// `[condition]`
+    /// `[condition]`: row of the file.
     pub places: Vec<usize>,
-    /// Rows of the file.
+    /// Number of rows of the file.
     pub count: usize,
-    /// What the file is.
+    /// Kind of the file, in words.
     pub file: &'static str,
 }
 
-/// Between these the light of a file's skies counts as that of DHI.
+/// Ratios to DHI at which the light of a file's skies causes no warning.
 const FAIR: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 
 impl SkyFiles {
-    /// The files.
+    /// Returns the files.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         [&self.sky, &self.clouds].into_iter().flatten().map(PathBuf::as_path)
     }
 
-    /// Refuses choices that nothing follows from, before any file is read.
+    /// Refuses choices without effect, before any file is read.
     pub(super) fn check(&self, model: SkyModel) -> Result<()> {
         let of_sky = [("sky_scale", self.scale.is_some()), ("sky_white", self.white_w_m2_sr.is_some())];
         if let Some((name, _)) = of_sky.into_iter().find(|(_, given)| *given && self.sky.is_none()) {
@@ -110,7 +113,8 @@ impl SkyFiles {
         Ok(())
     }
 
-    /// Conditions under the sky and behind the clouds; tells what is odd about the files.
+    /// Returns the conditions under the sky and behind the clouds; warns of what is odd about the
+    /// files.
     pub(super) fn over(
         &self,
         conditions: Vec<Condition>,
@@ -176,7 +180,7 @@ impl SkyFiles {
     }
 }
 
-/// What a sky was read from.
+/// Kind of the file that a sky was read from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum SourceKind {
     Table,
@@ -193,7 +197,7 @@ impl SourceKind {
     }
 }
 
-/// Conditions with what a row of a file does to them; those without a row stay as they are.
+/// Applies a row of a file to each condition; conditions without a row stay as they are.
 fn each_row(
     conditions: Vec<Condition>,
     rows: Vec<Option<usize>>,
@@ -223,7 +227,7 @@ fn matched(
     file.matched(path, to)
 }
 
-/// What a user should know of a sky beside DHI of its conditions.
+/// Returns warnings about a sky, from its light relative to the DHI of its conditions.
 fn doubts(path: &Path, kind: SourceKind, scale: SkyScale, balance: &SkyBalance) -> Vec<String> {
     let (file, mut found) = (path.display(), Vec::new());
     if kind != SourceKind::Photograph && balance.holds_sun() {
@@ -259,7 +263,8 @@ fn doubts(path: &Path, kind: SourceKind, scale: SkyScale, balance: &SkyBalance) 
 mod tests {
     use super::*;
 
-    /// Names are models, names with a dot or a slash are files, and a word that is neither is refused with the names.
+    /// Names are models, names with a dot or a slash are files, and a word that is neither is
+    /// refused with the names listed.
     #[test]
     fn models_and_files() {
         let read = |text: &str| text.parse::<SkyChoice>();
@@ -270,7 +275,8 @@ mod tests {
         assert!(read("perez2").expect_err("neither").to_string().contains("perez1990"));
     }
 
-    /// Four choices that nothing follows from are refused: a scale, a white and a top without a file, clouds before `perez1990`.
+    /// Four choices without effect are refused: a scale, a white and a top without a file, clouds
+    /// in front of `perez1990`.
     #[test]
     fn choices_without_use() {
         let none = SkyFiles::default();

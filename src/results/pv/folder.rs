@@ -1,5 +1,5 @@
-//! The folder of `pv`: which files it holds, and what may be put there. In: a request, what was found. Out: names, and a refusal where
-//! results of other inputs would be lost.
+//! Folder of `pv`: the files it holds, and checks before they are written. In: a request, the
+//! results. Out: names, and a refusal if results of other inputs would be lost.
 
 use std::path::{Path, PathBuf};
 
@@ -21,20 +21,20 @@ pub struct PvFolder {
     pub archive: PathBuf,
     pub points: PathBuf,
     pub months: PathBuf,
-    /// Of receivers on the ground, if there are any: a row each, and their months.
+    /// Tables of receivers on the ground, if there are any: a row each, and their months.
     pub ground: Option<[PathBuf; 2]>,
     pub hours: PathBuf,
     pub horizon_table: PathBuf,
-    /// With a list for each point.
+    /// Folder with a list for each point.
     pub horizons: PathBuf,
     pub search: PathBuf,
     pub best: PathBuf,
-    /// With a picture for each point.
+    /// Folder with a picture for each point.
     pub turns: PathBuf,
 }
 
 impl PvFolder {
-    /// `has_ground` says whether there are receivers on the ground.
+    /// Returns the files of a request; `has_ground` is true if there are receivers on the ground.
     pub fn of(request: &PvRequest, has_ground: bool) -> Self {
         let folder = request.folder.clone();
         let file = |name: &str| folder.join(name);
@@ -53,17 +53,17 @@ impl PvFolder {
         }
     }
 
-    /// The horizon of a point, in the folder.
+    /// Returns the path of a point's horizon, relative to the folder.
     pub fn list_of(point: &str) -> String {
         format!("horizon/{}", horizon::file_of(point))
     }
 
-    /// The picture of a point's turns, in the folder.
+    /// Returns the path of the picture of a point's orientations, relative to the folder.
     pub fn picture_of(point: &str) -> String {
         format!("turns/{point}.svg")
     }
 
-    /// Tables that are written.
+    /// Returns the tables that are written.
     fn tables(&self, request: &PvRequest) -> Vec<&Path> {
         let mut tables: Vec<&Path> = vec![&self.points, &self.months];
         tables.extend(self.ground.iter().flatten().map(PathBuf::as_path));
@@ -96,7 +96,7 @@ impl PvFolder {
         guard_archive(&self.archive)
     }
 
-    /// Refuses to replace results through other weather, before any work.
+    /// Refuses to replace results of other weather, before any work.
     pub fn check_weather(&self, weather: &Weather, request: &PvRequest) -> Result<()> {
         if request.replace {
             return Ok(());
@@ -104,12 +104,13 @@ impl PvFolder {
         MadeFrom::check(&self.folder, weather, self.tables(request).into_iter().map(Path::to_owned))
     }
 
-    /// Makes the folder one of this archive and weather, so that results can be written there.
+    /// Records that the folder belongs to this archive and weather, so that results can be written
+    /// there.
     pub fn claim(&self, archive: &Archive, weather: &Weather, request: &PvRequest, spots: &Spots) -> Result<()> {
         let in_folder = |path: &Path| path.strip_prefix(&self.folder).ok().map(|name| name.display().to_string());
         let mut names: Vec<String> =
             self.tables(request).iter().flat_map(|table| files_of(table)).filter_map(|file| in_folder(&file)).collect();
-        // By hand: names have the same form on all systems.
+        // Names are built by hand, so that they have the same form on all systems.
         for point in spots.list.iter().map(|spot| &spot.name) {
             names.extend(request.points.is_some().then(|| PvFolder::list_of(point)));
             names.extend(request.search.then(|| PvFolder::picture_of(point)));
@@ -118,7 +119,7 @@ impl PvFolder {
         now.claim(&self.folder, request.replace)
     }
 
-    /// Names of the tables, seen from the folder.
+    /// Returns the names of the tables, relative to the folder.
     pub fn names(&self, request: &PvRequest) -> Vec<String> {
         let name = |file: &Path| file.strip_prefix(&self.folder).unwrap_or(file).display().to_string();
         self.tables(request).into_iter().map(name).collect()

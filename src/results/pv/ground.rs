@@ -1,5 +1,5 @@
-//! Receivers on the ground among rows of modules. In: rows with their modules, the scene without them. Out: places that lie free, a little
-//! above what is there.
+//! Receivers on the ground among rows of modules. In: rows with their modules, the scene without
+//! them. Out: free places, a little above the surface.
 
 use std::path::Path;
 
@@ -12,19 +12,20 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 use heliotile_scene::pv::ground::{GroundGrid, GroundPlace};
 
-/// More of them are a slip of metres and millimetres.
+/// Largest number of places: more are a mix-up of metres and millimetres.
 const MOST_PLACES: f64 = 1e6;
 
-/// A receiver on the ground, which looks straight up.
+/// Receiver on the ground, which faces straight up.
 #[derive(Clone, Debug)]
 pub struct GroundSpot {
-    /// Name of the rows that it lies among.
+    /// Name of the rows of modules around it.
     pub rows: String,
     pub place: GroundPlace,
 }
 
 impl GroundSpot {
-    /// The places of all rows that ask for some; `file` is that of the rows, for messages.
+    /// Returns the places of all rows that request some; `file` is the file of the rows, for
+    /// messages.
     pub fn among(file: &Path, laid: &LaidRows, siting: &Siting, observer: &dyn Observer) -> Result<Vec<Self>> {
         let (mut all, mut wanted) = (Vec::new(), 0.0);
         for field in laid.fields() {

@@ -1,4 +1,5 @@
-//! The light of a weather file on an archive. In: an archive, weather. Out: sums by month and hours of its receivers, as core replays them.
+//! Light of a weather file on an archive. In: an archive, weather. Out: sums by month and hours of
+//! its receivers, replayed by the engine.
 
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
@@ -23,45 +24,46 @@ use heliotile_core::weather::options::StampedAt;
 use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::years::Years;
 
-/// Weather, and the rows that results have.
+/// Weather, the rows that count, and their replay.
 pub struct Light<'a> {
     weather: &'a Weather,
     request: ReplayRequest,
     dated: &'a DatedRows,
     resources: Resources<'a>,
-    /// Hours by the number of positions of the sun in each: those of the last number, since the sun costs more than the light.
+    /// Hours for the last number of sun positions in each. They are kept, as computing the sun
+    /// costs more than computing the light.
     kept: RefCell<Option<(usize, Rc<Series<'a>>)>>,
 }
 
-/// The replay of a study.
+/// Returns the replay of a study.
 fn replay_of(request: &PvRequest) -> ReplayRequest {
     let light = LightChoice { sky: request.sky, ..LightChoice::default() };
     ReplayRequest { light, year: request.year, stamp: request.stamp, ..ReplayRequest::of(&request.weather) }
 }
 
-/// The rows of weather that count; warns of days that a year does not have.
+/// Returns the rows of weather that count; warns of days that a year does not have.
 pub fn rows_of(request: &PvRequest, weather: &Weather, observer: &dyn Observer) -> Result<DatedRows> {
-    // What is to be said of years is a note in the end.
+    // With `Every::Total` there is no note about years; `notes` gives it at the end.
     ReplayRequest { every: Every::Total, ..replay_of(request) }.dated(weather, observer)
 }
 
 impl<'a> Light<'a> {
-    /// Of the rows of weather that count.
+    /// Prepares the replay of the rows of weather that count.
     pub fn new(request: &PvRequest, weather: &'a Weather, dated: &'a DatedRows, resources: Resources<'a>) -> Self {
         Light { weather, request: replay_of(request), dated, resources, kept: RefCell::default() }
     }
 
-    /// Whom long work tells.
+    /// Returns the observer of long work.
     pub fn observer(&self) -> &dyn Observer {
         self.resources.observer
     }
 
-    /// Positions of the sun in an interval.
+    /// Returns the number of sun positions in an interval.
     pub fn steps(&self, archive: &Archive) -> usize {
         self.weather.steps_of(archive.manifest().settings.steps())
     }
 
-    /// Which moment of its interval a row is labelled with.
+    /// Returns the moment of its interval that labels a row.
     pub fn stamp(&self) -> StampedAt {
         self.request.stamp
     }
@@ -70,24 +72,24 @@ impl<'a> Light<'a> {
         60.0 * self.weather.interval_hours
     }
 
-    /// What readers of times may want to know.
+    /// Returns notes for readers of times.
     pub fn notes(&self, request: &PvRequest) -> Vec<String> {
         let typical = self.dated.years == Years::Typical && request.hourly;
         let text = "months of the weather file come from different years, and hours have these years; {year} puts them into one";
         typical.then(|| text.to_owned()).into_iter().collect()
     }
 
-    /// Labels of the months.
+    /// Returns the labels of the months.
     pub fn month_labels(&self, archive: &Archive) -> Result<Vec<String>> {
         Ok(self.hours(archive)?.by(Every::Month).labels.text)
     }
 
-    /// Labels of the hours.
+    /// Returns the labels of the hours.
     pub fn hour_labels(&self, archive: &Archive) -> Result<RowLabels> {
         Ok(self.hours(archive)?.labels.clone())
     }
 
-    /// Days that have rows, of all months and of each.
+    /// Returns the numbers of days that have rows, of all months and of each.
     pub fn days(&self, archive: &Archive) -> Result<DayCounts> {
         let hours = self.hours(archive)?;
         let (days, months) = (hours.by(Every::Day), hours.by(Every::Month));
@@ -98,25 +100,27 @@ impl<'a> Light<'a> {
         Ok(DayCounts { all: days.labels.len(), of_month: seen.iter().map(HashSet::len).collect() })
     }
 
-    /// Tells what is doubtful about an archive in the light that plants live on.
+    /// Notes doubts about an archive in the band of photosynthetically active radiation.
     pub fn tell_par(&self, archive: &Archive) -> Result<()> {
         let light = LightChoice { bands: Box::new(BandList::of(&[Band::Par])), ..LightChoice::default() };
         light.tell_bands(Archives::one(archive), self.resources.observer)
     }
 
-    /// Sums of every receiver by month and component, kWh/m2.
+    /// Returns the sums of every receiver by month and component, kWh/m2.
     pub fn monthly(&self, archive: &Archive) -> Result<HashMap<String, MonthlySums>> {
         let found = self.by_month(archive, ComponentSet::ALL, PARTS, |_| true)?;
         Ok(found.into_iter().map(|(id, months)| (id, MonthlySums(months))).collect())
     }
 
-    /// What plants live on by month, of some receivers.
+    /// Returns the photosynthetically active radiation by month of the receivers for which `wanted`
+    /// is true.
     pub fn monthly_par(&self, archive: &Archive, wanted: impl Fn(&str) -> bool) -> Result<HashMap<String, PlantLight>> {
         let found = self.by_month(archive, ComponentSet::of(&PAR), PAR, wanted)?;
         Ok(found.into_iter().map(|(id, months)| (id, PlantLight(months))).collect())
     }
 
-    /// Sums of some receivers, `[month][column]`, of columns that are among some components.
+    /// Returns sums, `[month][column]`, of the receivers for which `wanted` is true; `columns` must
+    /// be among `components`.
     fn by_month<const N: usize>(
         &self,
         archive: &Archive,
@@ -136,7 +140,7 @@ impl<'a> Light<'a> {
         Ok(found)
     }
 
-    /// Totals of every receiver over all hours, kWh/m2.
+    /// Returns the totals of every receiver over all hours, kWh/m2.
     pub fn totals(&self, archive: &Archive) -> Result<HashMap<String, f64>> {
         let mut found = HashMap::new();
         self.replayed(archive, Every::Total, ComponentSet::of(&[Component::Total]), |tile| {
@@ -149,7 +153,7 @@ impl<'a> Light<'a> {
         Ok(found)
     }
 
-    /// Hours of every receiver, one after the other.
+    /// Calls `each` with the hours of every receiver, one after the other.
     pub fn hourly(&self, archive: &Archive, mut each: impl FnMut(&str, SideHours) -> Result<()>) -> Result<()> {
         self.replayed(archive, Every::Hour, ComponentSet::ALL, |tile| {
             let mut rows = tile.ids.iter().enumerate();
@@ -157,7 +161,7 @@ impl<'a> Light<'a> {
         })
     }
 
-    /// Suns and skies of the rows that count.
+    /// Returns the suns and skies of the rows that count.
     fn hours(&self, archive: &Archive) -> Result<Rc<Series<'a>>> {
         let steps = self.steps(archive);
         let mut kept = self.kept.borrow_mut();
@@ -171,7 +175,7 @@ impl<'a> Light<'a> {
         Ok(series)
     }
 
-    /// What a replay may use; it tells nobody, as there are many.
+    /// Returns the resources of a replay, without an observer: there are many replays.
     fn quietly(&self) -> Resources<'a> {
         Resources { observer: &Silent, ..self.resources }
     }

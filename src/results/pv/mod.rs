@@ -1,5 +1,6 @@
-//! Light on solar modules and on the ground among them. In: a scene, weather, places. Out: a folder with sums, hours, shading losses, horizons
-//! and, if they are asked for, the best turns. What light does stands in core; what becomes of it in a module is pvlib's.
+//! Light on solar modules and on the ground among them. In: a scene, weather, places. Out: a folder
+//! with sums, hours, shading losses, horizons and, if requested, the best orientations. The engine
+//! computes light up to the module; electrical models are left to pvlib.
 
 mod folder;
 mod ground;
@@ -48,67 +49,67 @@ use spots::Spots;
 
 pub(crate) use spots::placed;
 
-/// What is asked of a study of modules.
+/// Request for a study of modules.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PvRequest {
-    /// The scene.
+    /// Scene around the modules.
     pub scene: SceneRequest,
     /// Weather file.
     pub weather: PathBuf,
-    /// What is known of that file that it does not state.
+    /// Facts about the weather file that it does not state itself.
     pub about_weather: WeatherOptions,
-    /// Table of points,
+    /// Table of points; exactly one of `points` and `rows` must be given.
     pub points: Option<PathBuf>,
-    /// or rows of modules.
+    /// File of rows of modules.
     pub rows: Option<PathBuf>,
-    /// Share of the light on the rear that counts beside the front.
+    /// Bifaciality: share of the light on the rear that counts beside the front.
     pub bifaciality: f64,
-    /// Folder of all that is written.
+    /// Folder of all files that are written.
     pub folder: PathBuf,
-    /// Whether the best turns are searched.
+    /// True if the best orientations are searched.
     pub search: bool,
     /// Tilts that a search may choose, degrees.
     pub tilts_deg: [f64; 2],
     /// Azimuths that a search may choose, degrees clockwise from true north.
     pub azimuths_deg: [f64; 2],
-    /// How the sky's radiance is spread.
+    /// Model of the sky's radiance distribution.
     pub sky: SkyModel,
-    /// Ending of the table of hours.
+    /// Ending of the name of the table of hours.
     pub format: String,
-    /// Whether hours are written.
+    /// True if hours are written.
     pub hourly: bool,
-    /// Which moment of its interval a row of hours is labelled with.
+    /// Moment of its interval that labels a row of hours.
     pub stamp: StampedAt,
-    /// The year that all rows are put into.
+    /// Year that all rows are put into; `None`: the years of the file.
     pub year: Option<i32>,
-    /// How exact the archive is to be.
+    /// Accuracy of the archive.
     pub accuracy: AccuracyRequest,
-    /// Whether what the folder holds of other inputs goes.
+    /// True if results of other inputs in the folder are replaced.
     pub replace: bool,
 }
 
-/// What a study did.
+/// Result of a study.
 #[derive(Clone, Debug)]
 pub struct PvDone {
-    /// Where everything is.
+    /// Folder with all files.
     pub folder: PathBuf,
-    /// The archive.
+    /// Path of the archive.
     pub archive: PathBuf,
-    /// Names of the tables, seen from the folder.
+    /// Names of the tables, relative to the folder.
     pub files: Vec<String>,
-    /// Sums of sides and the best turns, as a text.
+    /// Sums of sides and the best orientations, as a text.
     pub table: String,
 }
 
-/// What is to be placed.
+/// Points or rows of modules of a study.
 enum Wanted {
     Points(Vec<PvPoint>),
     Rows(Vec<RowsOfModules>),
 }
 
 impl Wanted {
-    /// Whether receivers on the ground are asked for.
+    /// Returns true if receivers on the ground are requested.
     fn has_ground(&self) -> bool {
         matches!(self, Wanted::Rows(all) if all.iter().any(|rows| rows.ground_step_m.is_some()))
     }
@@ -123,7 +124,7 @@ impl Default for PvRequest {
 }
 
 impl PvRequest {
-    /// Writes the folder; `about` is what results say of how they were made.
+    /// Writes the folder; `about` is the provenance that results state.
     pub fn write(&self, about: Provenance, resources: &Resources) -> Result<PvDone> {
         run(self, about, resources)
     }
@@ -135,7 +136,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
     let wanted = request.wanted(observer)?;
     let files = PvFolder::of(request, wanted.has_ground());
     files.guard(&site, request)?;
-    // Before the scene, which takes longer: a wrong weather file is found at once.
+    // Weather is read before the scene, which takes longer: a wrong weather file fails at once.
     let mut loaded = None;
     let mut place = || Ok(loaded.insert(load(&site, &wanted, observer)?).0.place);
     let weather = read_weather_as(&request.weather, &request.about_weather, &mut place)?;
@@ -172,7 +173,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
         false => Vec::new(),
     };
     spots.turn_unturned(&searched);
-    // Modules are a part of what is traced.
+    // Modules shade and reflect, so they are part of the traced scene.
     let with_modules = match &laid {
         Some(laid) => {
             laid.add_to(&mut site, beside.path())?;
@@ -230,7 +231,7 @@ fn run(request: &PvRequest, about: Provenance, resources: &Resources) -> Result<
 }
 
 impl PvRequest {
-    /// A study of the modules of a table of points.
+    /// Returns a study of the modules of a table of points.
     pub fn of(
         scene: SceneRequest,
         weather: impl Into<PathBuf>,
@@ -258,17 +259,17 @@ impl PvRequest {
         }
     }
 
-    /// The table of points, for messages.
+    /// Returns the table of points, for messages.
     fn points_file(&self) -> &Path {
         self.points.as_deref().unwrap_or(Path::new(""))
     }
 
-    /// The file of rows.
+    /// Returns the file of rows.
     fn rows_file(&self) -> &Path {
         self.rows.as_deref().unwrap_or(Path::new(""))
     }
 
-    /// What a search may choose.
+    /// Returns the orientations that a search may choose.
     fn limits(&self) -> OrientationLimits {
         OrientationLimits { tilts_deg: self.tilts_deg, azimuths_deg: self.azimuths_deg }
     }
@@ -288,7 +289,7 @@ impl PvRequest {
     }
 }
 
-/// The scene, with what its triangles are parts of where rows ask for surfaces.
+/// Loads the scene; its objects are loaded only for rows, which may name surfaces.
 fn load(site: &Site, wanted: &Wanted, observer: &dyn Observer) -> Result<(Scene, Soup)> {
     let loaded = match wanted {
         Wanted::Points(_) => (Scene::load_site(site)?, Soup::default()),

@@ -1,5 +1,5 @@
-//! Rows of modules in a scene. In: `rows.toml`, the scene without them. Out: where each module stands, and the modules as a file of the scene,
-//! so that they shade and light one another.
+//! Rows of modules in a scene. In: `rows.toml`, the scene without them. Out: the position of each
+//! module, and the modules as a file of the scene, so that they shade and light one another.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -21,9 +21,9 @@ use heliotile_scene::site::{Part, Site};
 pub const GEOMETRY: &str = "modules.obj";
 pub const MATERIALS: &str = "modules.toml";
 
-/// More of them are a slip of metres and millimetres.
+/// Largest number of modules: more are a mix-up of metres and millimetres.
 const MOST_MODULES: usize = 1_000_000;
-/// Places that are looked at for rows: those of some 10 km2.
+/// Largest number of positions that are tried for rows: those of some 10 km2.
 const MOST_PLACES: f64 = 1e9;
 
 /// Rows with their modules.
@@ -31,12 +31,12 @@ pub struct LaidRows {
     fields: Vec<Field>,
 }
 
-/// Modules of one kind on their area.
+/// Rows of one kind of module on their area.
 pub struct Field {
     pub rows: RowsOfModules,
     pub modules: Vec<Module>,
     pub outline: Outline,
-    /// Of the fronts, in the scene's axes.
+    /// Normal of the fronts, in the scene's axes.
     pub normal: DVec3,
 }
 
@@ -93,12 +93,12 @@ impl LaidRows {
         Ok(LaidRows { fields })
     }
 
-    /// All fields, in the order of the file.
+    /// Returns all fields, in the order of the file.
     pub fn fields(&self) -> &[Field] {
         &self.fields
     }
 
-    /// All modules, with the turn and the receivers of their kind.
+    /// Returns all modules, with the orientation and the number of receivers of their rows.
     pub fn modules(&self) -> impl Iterator<Item = (&Module, Orientation, usize)> {
         self.fields
             .iter()
@@ -110,13 +110,13 @@ impl LaidRows {
         let (geometry, materials) = self.texts();
         write_texts(folder, &[(GEOMETRY, geometry), (MATERIALS, materials)])?;
         let (geometry, materials): (PathBuf, PathBuf) = (folder.join(GEOMETRY), folder.join(MATERIALS));
-        // Metres of the scene, whatever is said of its other files.
+        // The modules are in metres of the scene, whatever applies to its other files.
         let part = Part::plain(&geometry, Some(&materials));
         site.parts.push(Part { scale: Some(1.0), elevation_m: Some(0.0), ..part });
         Ok(())
     }
 
-    /// OBJ and the reflectances of its materials.
+    /// Returns the OBJ file and the file of its materials' reflectances.
     fn texts(&self) -> (String, String) {
         let (mut obj, mut toml, mut corner) = (String::new(), String::new(), 0);
         for Field { rows, modules, .. } in &self.fields {

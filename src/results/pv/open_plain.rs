@@ -1,5 +1,6 @@
-//! What a surface would get with nothing around it. In: turns, the ground below, how an archive is replayed. Out: sums on an endless plain of
-//! that ground with an open horizon, traced as the site is, with its settings.
+//! Light on a surface with nothing around it. In: orientations, the ground below, the replay of an
+//! archive. Out: sums on an endless plain of that ground with an open horizon, traced as the site
+//! is, with its settings.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -18,13 +19,14 @@ use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 use heliotile_scene::Scene;
 
-/// Half the side of the plain, metres: its rim is 0.003 degrees below the horizon of what stands 1 m above it.
+/// Half the side of the plain, metres. Seen from 1 m above it, its rim is 0.003 degrees below the
+/// horizon.
 const HALF_M: f64 = 20_000.0;
 
-/// A turn above a ground: the bits of the normal.
+/// Orientation above a ground: index of the material, and the bits of the normal.
 type Key = (Option<u16>, [u64; 3]);
 
-/// Sums on open plains, of whatever a replay gives.
+/// Sums on open plains, of the type that a replay gives.
 pub struct OpenPlain<'a, T> {
     scene: &'a Scene,
     settings: BuildSettings,
@@ -37,13 +39,14 @@ fn key(ground: Option<u16>, turn: Orientation) -> Key {
 }
 
 impl<'a, T: Clone + Default> OpenPlain<'a, T> {
-    /// With the settings of the site's archive; temporary files go into a folder.
+    /// Prepares plains with the settings of the site's archive; `folder` holds temporary files.
     pub fn new(scene: &'a Scene, archive: &Archive, folder: &'a Path) -> Self {
         let settings = BuildSettings::of(&archive.manifest().settings);
         OpenPlain { scene, settings, folder, known: HashMap::new() }
     }
 
-    /// Traces turns above their grounds and replays them, which gives sums by receiver; above no ground the plain is black.
+    /// Traces orientations above their grounds and keeps the sums that `replayed` returns by
+    /// receiver. Without a ground the plain is black.
     pub fn learn(
         &mut self,
         wanted: impl Iterator<Item = (Option<u16>, Orientation)>,
@@ -75,18 +78,18 @@ impl<'a, T: Clone + Default> OpenPlain<'a, T> {
         Ok(())
     }
 
-    /// Sums of a turn that was learnt.
+    /// Returns the sums of an orientation that [`OpenPlain::learn`] traced.
     pub fn sums(&self, ground: Option<u16>, turn: Orientation) -> T {
         self.known.get(&key(ground, turn)).cloned().unwrap_or_default()
     }
 
-    /// An endless plain of a material at the place of the scene.
+    /// Returns an endless plain of a material at the place of the scene.
     pub fn plain(&self, ground: Option<u16>) -> Result<Scene> {
         plain(self.scene, ground)
     }
 }
 
-/// An endless plain of a scene's ground at the scene's place.
+/// Returns an endless plain of a scene's ground at the scene's place.
 pub fn plain(scene: &Scene, ground: Option<u16>) -> Result<Scene> {
     let stated = ground.and_then(|ground| scene.materials.get(usize::from(ground))).cloned();
     let material = stated.unwrap_or_else(|| Material::matt("ground", 0.0, Class::Ground));

@@ -1,4 +1,5 @@
-//! Results of `pv`. In: an archive of its receivers, weather. Out: the tables, lists and pictures of the folder.
+//! Results of `pv`. In: an archive of its receivers, weather. Out: the tables, lists and pictures
+//! of the folder.
 
 use std::collections::{HashMap, HashSet};
 use std::fs;
@@ -26,17 +27,17 @@ use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::site::north::North;
 use heliotile_scene::Scene;
 
-/// Heights of a horizon.
+/// Number of directions of a horizon.
 const HORIZON_DIRECTIONS: usize = 360;
 
-/// What a replay and the archive say of a receiver.
+/// Results of a replay, and the sky view of a receiver.
 struct OfReceiver {
     months: MonthlySums,
-    /// Share of its hemisphere that is sky, by the cosine.
+    /// Cosine-weighted share of its hemisphere that is sky.
     sky_view: f64,
 }
 
-/// What results are made of.
+/// Inputs of the results.
 pub struct Results<'a, 'l> {
     pub request: &'a PvRequest,
     pub files: &'a PvFolder,
@@ -48,7 +49,8 @@ pub struct Results<'a, 'l> {
 }
 
 impl Results<'_, '_> {
-    /// Writes sums, hours and horizons; gives the sums of sides and of the ground. `scene` is the one without modules.
+    /// Writes sums, hours and horizons, and returns the sums of sides and of the ground. `scene` is
+    /// the one without modules.
     pub fn write(&self, scene: &Scene, siting: &Siting, north: North) -> Result<(Vec<SideSums>, SumsOnGround)> {
         let (files, about) = (self.files, self.about);
         let has_horizons = self.request.points.is_some();
@@ -77,7 +79,7 @@ impl Results<'_, '_> {
         Ok((sides, ground))
     }
 
-    /// Writes what a search found.
+    /// Writes the results of a search.
     pub fn write_search(&self, searched: &[PointSearch]) -> Result<()> {
         let (files, about) = (self.files, self.about);
         write_all(&files.search, searched, about)?;
@@ -88,7 +90,7 @@ impl Results<'_, '_> {
         })
     }
 
-    /// The horizon of every point, from true north.
+    /// Returns the horizon of every point, from true north.
     fn horizons(&self, siting: &Siting, north: North) -> Vec<PointHorizon> {
         let of = |spot: &Spot| PointHorizon {
             point: spot.name.clone(),
@@ -97,7 +99,7 @@ impl Results<'_, '_> {
         self.spots.list.iter().map(of).collect()
     }
 
-    /// Sums and sky views of all receivers, by name.
+    /// Returns sums and sky views of all receivers, by name.
     fn of_receivers(&self) -> Result<HashMap<String, OfReceiver>> {
         let months = self.light.monthly(self.archive)?;
         let mut all: HashMap<String, OfReceiver> =
@@ -111,7 +113,7 @@ impl Results<'_, '_> {
         Ok(all)
     }
 
-    /// Sums of every side, beside those of an open plain.
+    /// Returns the sums of every side, with those on an open plain.
     fn sums(
         &self,
         scene: &Scene,
@@ -154,7 +156,8 @@ impl Results<'_, '_> {
         Ok(self.spots.list.iter().flat_map(of_spot).collect())
     }
 
-    /// Sums of every place on the ground, beside what plants live on at an open plain.
+    /// Returns the sums of every place on the ground, with the photosynthetically active radiation
+    /// on an open plain.
     fn sums_on_ground(&self, scene: &Scene, of_receiver: &HashMap<String, OfReceiver>) -> Result<SumsOnGround> {
         if self.ground.is_empty() {
             return Ok(SumsOnGround::default());
@@ -162,7 +165,8 @@ impl Results<'_, '_> {
         let names: HashSet<&str> = self.ground.iter().map(|spot| spot.place.name.as_str()).collect();
         let mut par = self.light.monthly_par(self.archive, |id| names.contains(id))?;
         let mut plain: OpenPlain<PlantLight> = OpenPlain::new(scene, self.archive, &self.files.folder);
-        // What looks straight up sees nothing of the plain, whatever that is made of.
+        // A horizontal receiver that faces up sees nothing of the plain, so its material does not
+        // matter.
         let wanted = std::iter::once((None, Orientation::FLAT));
         plain.learn(wanted, |archive| self.light.monthly_par(archive, |_| true), self.light.observer())?;
         let of_spot = |spot: &GroundSpot| {
@@ -186,7 +190,8 @@ impl Results<'_, '_> {
         Ok(SumsOnGround { places, days: self.light.days(self.archive)? })
     }
 
-    /// Hours of every point and module. Kept in memory are modules of which some receivers are still to come: their tiles are neighbours.
+    /// Writes the hours of every point and module. Memory holds only modules of which some
+    /// receivers are still to come, which are few: their receivers lie in neighbouring tiles.
     fn write_hours(&self) -> Result<()> {
         let light = self.light;
         let labels = light.hour_labels(self.archive)?;

@@ -1,5 +1,6 @@
-//! The best turn of every point. In: places, a scene. Out: what fans of turns get there over the year, with all reflections, first coarse over
-//! all that is allowed, then fine around the best; receivers of one place share what they see. The peak is that of a fit.
+//! Search for the best orientation of every point. In: places, a scene. Out: sums over the year of
+//! fans of orientations, with all reflections, first coarse over the allowed range, then fine
+//! around the best. Receivers of one place share what they see. The peak is that of a fit.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -24,29 +25,30 @@ use heliotile_core::orientation::fan::{Orientation, OrientationLimits, Ring, aro
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 
-/// Between turns of the first fan, degrees.
+/// Step between orientations of the first fan, degrees.
 const COARSE_DEG: f64 = 10.0;
-/// The second fan: its radius in degrees, and its circles.
+/// Radius of the second fan in degrees; `FINE_CIRCLES` is the number of its circles.
 const FINE_DEG: f64 = 14.0;
 const FINE_CIRCLES: usize = 4;
-/// Peaks of the first fan which lose no more than this beside its best one are looked at more closely, too, percent.
+/// Largest loss of a peak of the first fan against the best one, percent, for which a second fan is
+/// traced as well.
 const NEAR_PERCENT: f64 = 1.0;
-/// Of these at most so many.
+/// Largest number of such peaks.
 const MOST_PEAKS: usize = 3;
 
-/// What is asked of a place.
+/// Orientations to trace at a place.
 struct Asked {
     place: DVec3,
     turns: Vec<Orientation>,
 }
 
-/// Searches the best turns of all spots.
+/// Searches the best orientations of all spots.
 pub fn run(request: &PvRequest, light: &Light, prepared: &PreparedScene, spots: &Spots) -> Result<Vec<PointSearch>> {
     let (limits, settings) = (request.limits(), request.accuracy.settings()?);
     let within = |turn: &Orientation| limits.allow(*turn);
     let tried = Fans { settings: &settings, folder: &request.folder, light };
     let mut searched = tried.search(prepared, &spots.list, &limits)?;
-    // The same on open plains, one a ground.
+    // The search is repeated on open plains, one a ground.
     let mut grounds: Vec<Option<u16>> = spots.list.iter().map(|spot| spot.ground).collect();
     grounds.sort_unstable();
     grounds.dedup();
@@ -67,7 +69,7 @@ pub fn run(request: &PvRequest, light: &Light, prepared: &PreparedScene, spots: 
     Ok(searched)
 }
 
-/// How fans are traced.
+/// Settings and resources for tracing fans.
 struct Fans<'a, 'l> {
     settings: &'a BuildSettings,
     folder: &'a Path,
@@ -97,7 +99,7 @@ impl Fans<'_, '_> {
         Ok(all.map(|((spot, coarse), (peaks, fine))| joined(spot, &rings, limits, coarse, peaks, fine)).collect())
     }
 
-    /// Totals of all turns at all places, in their order.
+    /// Returns the totals of all orientations at all places, in their order.
     fn totals(&self, prepared: &PreparedScene, asked: &[Asked]) -> Result<Vec<Vec<OrientationValue>>> {
         let north = North::of(prepared.scene.place.as_ref());
         let id = |place: usize, turn: usize| format!("{place}/{turn}");
@@ -121,7 +123,8 @@ impl Fans<'_, '_> {
     }
 }
 
-/// What two fans of a place say together. `fine` is flat, the given turn if there is one, and a fan around each peak of the coarse one.
+/// Returns the result of both fans of a place. `fine` is flat, the given orientation if there is
+/// one, and a fan around each peak of the coarse one.
 fn joined(
     spot: &Spot,
     rings: &[Ring],
@@ -136,7 +139,7 @@ fn joined(
     let size = fans.len() / peaks.len().max(1);
     let allowed = |found: &&OrientationValue| limits.allow(found.turn);
     let fitted = peaks.iter().zip(fans.chunks(size.max(1))).filter_map(|(peak, fan)| {
-        // Turns of the first fan that lie near count, too.
+        // Orientations of the first fan near the peak count in the fit, too.
         let near = |found: &&OrientationValue| {
             let off = found.turn.normal().angle_between(peak.normal()).to_degrees();
             (1e-6..FINE_DEG).contains(&off)
@@ -163,7 +166,7 @@ fn joined(
     }
 }
 
-/// The best turns of a fan that are better than those around them.
+/// Returns the best orientations of a fan that are better than those around them.
 fn peaks_of(found: &[OrientationValue]) -> Vec<Orientation> {
     let mut sorted: Vec<&OrientationValue> = found.iter().collect();
     sorted.sort_by(|a, b| b.value.total_cmp(&a.value));
@@ -179,7 +182,7 @@ fn peaks_of(found: &[OrientationValue]) -> Vec<Orientation> {
     peaks
 }
 
-/// An archive that goes with the value.
+/// Temporary archive; dropping this value removes it.
 pub struct TracedAside {
     archive: Archive,
     _folder: TempDir,
@@ -191,7 +194,7 @@ impl TracedAside {
     }
 }
 
-/// Traces receivers of a scene into an archive of no name.
+/// Traces receivers of a scene into a temporary archive.
 pub fn trace_aside(
     prepared: &PreparedScene,
     receivers: &[Receiver],

@@ -1,5 +1,6 @@
-//! Where modules stand. In: a table of points or modules of rows, a scene that is asked. Out: places with their sides, each checked to lie
-//! where light can come to, and the table of receivers that is traced.
+//! Positions of modules and points. In: a table of points or modules of rows, a scene. Out: places
+//! with their sides, each checked to lie where light can reach it, and the table of receivers that
+//! is traced.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -17,41 +18,42 @@ use heliotile_core::site::north::North;
 use heliotile_scene::pv::layout::Module;
 use heliotile_scene::pv::points::{PointHeight, PvPoint};
 
-/// Receivers of modules and of the ground lie so far off them, metres.
+/// Distance of receivers of modules and of the ground off their surfaces, metres.
 pub const OFF_M: f64 = 0.005;
 
-/// A place of a module.
+/// Place of a module or a point.
 #[derive(Clone, Debug)]
 pub struct Spot {
     pub name: String,
-    /// Input coordinates, metres.
+    /// Position in input coordinates, metres.
     pub position: DVec3,
-    /// How the front is turned, by true north; nothing before a search has found it.
+    /// Orientation of the front, by true north, as the table states it; `None` if it is left to a
+    /// search.
     pub given: Option<Orientation>,
-    /// What a search found, where nothing was given.
+    /// Orientation that a search found, if none was stated.
     found: Option<Orientation>,
     /// Material of the ground below.
     pub ground: Option<u16>,
-    /// One of a point, front and rear of a module.
+    /// Sides: one of a point, front and rear of a module.
     pub sides: Vec<SpotSide>,
 }
 
-/// A side, whose light is the mean of its receivers'.
+/// Side of a place; its light is the mean of its receivers'.
 #[derive(Clone, Debug)]
 pub struct SpotSide {
-    /// `front`, `rear`, or nothing.
+    /// `front`, `rear`, or empty.
     pub name: &'static str,
     pub receivers: Vec<(String, DVec3)>,
 }
 
 impl Spot {
-    /// A point that nobody has turned.
+    /// Returns a point without an orientation.
     pub fn at(name: &str, position: DVec3, ground: Option<u16>) -> Self {
         let side = SpotSide { name: "", receivers: vec![(name.to_owned(), position)] };
         Spot { name: name.to_owned(), position, given: None, found: None, ground, sides: vec![side] }
     }
 
-    /// A module with its two sides; the turn is that of its front.
+    /// Returns a module with its two sides; `turn` is the orientation of its front.
     fn of_module(module: &Module, turn: Orientation, samples: usize, ground: Option<u16>) -> Self {
         let side = |name: &'static str| {
             let points = module.points(name == "rear", samples, OFF_M).into_iter().enumerate();
@@ -63,12 +65,12 @@ impl Spot {
         Spot { name, position: module.middle(), given: Some(turn), found: None, ground, sides }
     }
 
-    /// How its front is turned; flat as long as nobody knows.
+    /// Returns the orientation of the front, which is flat while unknown.
     pub fn turn(&self) -> Orientation {
         self.given.or(self.found).unwrap_or(Orientation::FLAT)
     }
 
-    /// How a side is turned.
+    /// Returns the orientation of a side.
     pub fn turn_of(&self, side: &SpotSide) -> Orientation {
         match side.name {
             "rear" => Orientation::of(-self.turn().normal()),
@@ -77,11 +79,11 @@ impl Spot {
     }
 }
 
-/// All of them.
+/// All places of a study.
 #[derive(Debug)]
 pub struct Spots {
     pub list: Vec<Spot>,
-    /// Place in the list, and the side, by the name of a receiver.
+    /// Index into `list`, and index of the side, by the name of a receiver.
     of_receiver: HashMap<String, (usize, usize)>,
 }
 
@@ -96,39 +98,39 @@ impl Spots {
         Spots { list, of_receiver }
     }
 
-    /// The points of a table in a scene.
+    /// Returns the points of a table in a scene.
     pub fn of_points(table: &Path, points: &[PvPoint], siting: &Siting) -> Result<Self> {
         let list = points.iter().map(|point| placed(table, point, siting)).collect::<Result<Vec<Spot>>>()?;
         Ok(Spots::new(list))
     }
 
-    /// Modules of rows, each kind with its turn and the receivers on each side.
+    /// Returns the modules of rows, each with its orientation and its number of receivers a side.
     pub fn of_modules<'m>(modules: impl Iterator<Item = (&'m Module, Orientation, usize)>, siting: &Siting) -> Self {
         let ground = |module: &Module| siting.ground_below(module.middle()).map(|ground| ground.material);
         let spot = |(module, turn, samples)| Spot::of_module(module, turn, samples, ground(module));
         Spots::new(modules.map(spot).collect())
     }
 
-    /// Place in the list and side of a receiver.
+    /// Returns the index in the list and the side of a receiver.
     pub fn of_receiver(&self, id: &str) -> Option<(usize, usize)> {
         self.of_receiver.get(id).copied()
     }
 
-    /// Gives those that have no turn the best one.
+    /// Sets the best orientation of places that have none.
     pub fn turn_unturned(&mut self, searched: &[PointSearch]) {
         for (spot, search) in self.list.iter_mut().zip(searched) {
             spot.found = Some(search.best.turn);
         }
     }
 
-    /// Writes the receivers and those on the ground into a folder that they do not stay in; gives the file.
+    /// Writes the receivers, and those on the ground, into a temporary folder and returns the file.
     pub fn write_receivers(&self, ground: &[GroundSpot], folder: &Path, north: North) -> Result<PathBuf> {
         let file = folder.join("receivers.csv");
         let mut sink = Sink::file(&file)?;
         let mut write = || -> std::io::Result<()> {
             writeln!(sink, "receiver,x,y,z,nx,ny,nz")?;
             let mut row = |id: &str, p: DVec3, n: DVec3| {
-                // Names are quoted, whatever they hold.
+                // Names are always quoted, so that any characters are safe.
                 let name = id.replace('"', "\"\"");
                 writeln!(sink, "\"{name}\",{},{},{},{},{},{}", p.x, p.y, p.z, n.x, n.y, n.z)
             };
@@ -148,7 +150,7 @@ impl Spots {
     }
 }
 
-/// A point with its height; refused inside of things.
+/// Returns a point with its height; refuses a point inside an object or below the ground.
 pub fn placed(table: &Path, point: &PvPoint, siting: &Siting) -> Result<Spot> {
     let refuse = |what: String, hint: &str| Err(Error::input(table, point.line, what, hint));
     let name = &point.name;

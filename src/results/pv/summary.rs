@@ -1,4 +1,4 @@
-//! What `pv` found, as a table for people.
+//! Summary of `pv` as a table for people.
 
 use std::path::Path;
 
@@ -6,10 +6,11 @@ use crate::outputs::pv::ground::{GroundSums, SumsOnGround};
 use crate::outputs::pv::search::PointSearch;
 use crate::outputs::pv::sums::SideSums;
 
-/// Rows at most: the rest stands in the files.
+/// Largest number of rows; the rest is in the files.
 const MOST_ROWS: usize = 20;
 
-/// Sums of sides, means and extremes on the ground if it has receivers, and the best turns if there was a search.
+/// Returns the sums of sides, means and extremes on the ground if it has receivers, and the best
+/// orientations if there was a search.
 pub fn table(sides: &[SideSums], searched: &[PointSearch], ground: &SumsOnGround, weather: &Path) -> String {
     let mut out = format!(
         "\nIrradiation through {}, kWh/m2:\n{:<20}{:>6}{:>7}{:>8}{:>9}{:>10}{:>10}{:>8}{:>9}\n",
@@ -63,7 +64,7 @@ pub fn table(sides: &[SideSums], searched: &[PointSearch], ground: &SumsOnGround
     out + &rest(searched.len())
 }
 
-/// A line for the ground of each rows.
+/// Returns a line for the ground of each set of rows.
 fn on_ground(ground: &SumsOnGround) -> String {
     if ground.places.is_empty() {
         return String::new();
@@ -75,7 +76,7 @@ fn on_ground(ground: &SumsOnGround) -> String {
     for places in ground.places.chunk_by(|a, b| a.rows == b.rows) {
         let mean = |value: &dyn Fn(&GroundSums) -> f64| places.iter().map(value).sum::<f64>() / places.len() as f64;
         let shares: Vec<f64> = places.iter().filter_map(GroundSums::par_of_open_percent).collect();
-        // On an open plain without light there is no share.
+        // An open plain without light gives no shares.
         let of_shares = |value: f64| if shares.is_empty() { "-".to_owned() } else { format!("{value:.1}") };
         out += &format!(
             "{:<20}{:>7}{:>10.1}{:>14.2}{:>21}{:>8}{:>8}\n",

@@ -1,5 +1,6 @@
-//! The folder of a run: which files it holds, and what may be put there. In: a request, what was found. Out: names, and a refusal
-//! where results of another scene, spacing, accuracy or weather would be lost.
+//! Folder of a run: the files it holds, and checks before they are written. In: a request, the
+//! results. Out: names, and a refusal if results of another scene, spacing, accuracy or weather
+//! would be lost.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,22 +23,22 @@ pub struct RunFiles {
     pub folder: PathBuf,
     pub receivers: PathBuf,
     pub archive: PathBuf,
-    /// The weather's own folder, with what follows.
+    /// Folder of the weather's results, which holds the files below.
     pub results: PathBuf,
     pub table: PathBuf,
     pub map: PathBuf,
-    /// The same from above and from the side.
+    /// Map as a picture, from above and from the side.
     pub picture: PathBuf,
-    /// Bars of the months.
+    /// Chart with bars of the months.
     pub chart: PathBuf,
-    /// The scene's city model with sums.
+    /// City model of the scene with sums.
     pub city_model: PathBuf,
-    /// Shows the archive in a browser, under this weather.
+    /// Page that shows the archive in a browser, under this weather.
     pub page: PathBuf,
 }
 
 impl RunFiles {
-    /// Names, by those of the scene and the weather.
+    /// Returns the files of a request, named after the scene and the weather.
     pub fn of(request: &RunRequest, site: &Site) -> RunFiles {
         let folder = request.folder.clone().unwrap_or_else(|| folder_beside(request.scene.first(), "sun"));
         let results = folder.join(weather_name(&request.weather));
@@ -55,7 +56,7 @@ impl RunFiles {
         }
     }
 
-    /// The table of a period.
+    /// Returns the path of the table of a period.
     pub fn periods(&self, every: Every, request: &RunRequest) -> PathBuf {
         let stem = match every {
             Every::Hour => "hours",
@@ -67,7 +68,7 @@ impl RunFiles {
         self.table_of(stem, request)
     }
 
-    /// The table of rules of sunlight.
+    /// Returns the path of the table of sunlight rules.
     pub fn rules(&self, request: &RunRequest) -> PathBuf {
         self.table_of("rules", request)
     }
@@ -77,7 +78,7 @@ impl RunFiles {
         self.results.join(format!("{stem}{by}.{}", request.format))
     }
 
-    /// A further map.
+    /// Returns the path of a further map.
     pub fn further_map(&self, map: RunMap) -> PathBuf {
         match map {
             RunMap::Map(format) => self.map.with_extension(format.ending()),
@@ -85,7 +86,7 @@ impl RunFiles {
         }
     }
 
-    /// All that is written into the weather's folder.
+    /// Returns all files that are written into the weather's folder.
     fn written(&self, request: &RunRequest) -> Vec<PathBuf> {
         let periods = request.every.iter().map(|every| self.periods(*every, request));
         let maps = request.maps.iter().map(|format| self.further_map(*format));
@@ -94,7 +95,7 @@ impl RunFiles {
         always.into_iter().cloned().chain(maps).chain(periods).chain(rules).collect()
     }
 
-    /// The same with what is said of them beside them.
+    /// Returns all files that are written into the weather's folder, with their metadata files.
     fn written_and_beside(&self, request: &RunRequest) -> Vec<PathBuf> {
         self.written(request).iter().flat_map(|file| files_of(file)).collect()
     }
@@ -120,7 +121,7 @@ impl RunFiles {
         Ok(())
     }
 
-    /// Refuses to replace results through other weather, before any work.
+    /// Refuses to replace results of other weather, before any work.
     pub fn check_weather(&self, weather: &Weather, request: &RunRequest) -> Result<()> {
         if request.replace {
             return Ok(());
@@ -128,7 +129,8 @@ impl RunFiles {
         MadeFrom::check(&self.results, weather, self.written(request))
     }
 
-    /// Makes the weather's folder one of this archive and weather, so that results can be written there.
+    /// Records that the weather's folder belongs to this archive and weather, so that results can
+    /// be written there.
     pub fn claim(
         &self,
         archive: &Archive,
@@ -153,7 +155,8 @@ impl RunFiles {
         Ok(())
     }
 
-    /// Folders of other weather whose results come from an archive that is no longer there.
+    /// Returns the folders of other weather whose results come from an archive that is no longer
+    /// there.
     fn stale(&self, now: &MadeFrom) -> Vec<String> {
         let folders = fs::read_dir(&self.folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
         let old = |folder: &PathBuf| MadeFrom::read(folder).ok().flatten().is_some_and(|made| !made.is_of_archive(now));
@@ -165,7 +168,7 @@ impl RunFiles {
         stale
     }
 
-    /// Names of all that was written, seen from the folder.
+    /// Returns the names of all files that were written, relative to the folder.
     pub fn names(&self, request: &RunRequest) -> Vec<String> {
         let name = |file: &PathBuf| file.strip_prefix(&self.folder).unwrap_or(file).display().to_string();
         let table = request.receivers.is_none().then(|| "receivers.csv".to_owned());
@@ -174,7 +177,7 @@ impl RunFiles {
     }
 }
 
-/// `town.city.json` gives `town.sun`, beside nothing: in the folder that one works in.
+/// Returns the folder of a scene in the working directory: `town.city.json` gives `town.sun`.
 pub fn folder_beside(scene: &Path, ending: &str) -> PathBuf {
     let whole = fs::canonicalize(scene).unwrap_or_else(|_| scene.to_owned());
     let name = whole.file_name().unwrap_or_default().to_string_lossy();
@@ -182,7 +185,8 @@ pub fn folder_beside(scene: &Path, ending: &str) -> PathBuf {
     PathBuf::from(format!("{stem}.{ending}"))
 }
 
-/// `golden_tmy3.epw` gives `golden_tmy3`; points inside a name stay.
+/// Returns the name of a weather file without its ending: `golden_tmy3.epw` gives `golden_tmy3`.
+/// Other points in the name stay.
 fn weather_name(weather: &Path) -> PathBuf {
     let packed = weather.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz"));
     let plain = if packed { weather.with_extension("") } else { weather.to_owned() };

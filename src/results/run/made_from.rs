@@ -1,4 +1,5 @@
-//! What results were made from. In: an archive, weather. Out: a small file beside the results, by which a later run knows them.
+//! Record of the inputs of results. In: an archive, weather. Out: a small file beside the results,
+//! which later runs read.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -13,21 +14,21 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::series::Weather;
 use heliotile_core::weather::time::sun::Interval;
 
-/// Its name.
+/// Name of the file.
 const FILE: &str = "made-from.json";
 
-/// Folders of results inside the folder.
+/// Subfolders that may hold results.
 const INSIDE: [&str; 2] = ["horizon", "turns"];
 
-/// A longer one is none of ours.
+/// Largest size of the file, bytes: heliotile writes no larger one.
 const MOST_BYTES: u64 = 64 << 20;
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-/// What results were made from.
+/// Inputs that results were made from, and the names of the results.
 pub struct MadeFrom {
-    /// The file, as it was named.
+    /// Weather file, as the request named it.
     weather: String,
-    /// Hash of all that was read from it.
+    /// Hash of all data read from the weather file.
     weather_hash: String,
     archive_root: String,
     /// Names of results, in the folder or in one of [`INSIDE`].
@@ -45,7 +46,7 @@ impl MadeFrom {
         }
     }
 
-    /// What a folder says of itself; `None` if it says nothing.
+    /// Reads the record of a folder; `None` if it has none.
     pub fn read(folder: &Path) -> Result<Option<Self>> {
         let path = folder.join(FILE);
         match fs::metadata(&path) {
@@ -65,7 +66,8 @@ impl MadeFrom {
         read.map(Some)
     }
 
-    /// Refuses a folder that holds results of other weather, or some of the files that will be `written` and nothing that says of what.
+    /// Refuses a folder with results of other weather, or with some of the files that will be
+    /// `written` but without a record.
     pub fn check(folder: &Path, weather: &Weather, written: impl IntoIterator<Item = PathBuf>) -> Result<()> {
         match MadeFrom::read(folder)? {
             Some(earlier) if earlier.weather_hash == hash(weather) => Ok(()),
@@ -85,7 +87,8 @@ impl MadeFrom {
         }
     }
 
-    /// Says so in a folder, whose files of other archives or weather are removed if they may be replaced, and refused if not.
+    /// Writes the record into a folder. If the folder's results are of another archive or other
+    /// weather, they are removed if `replace` is true, or else refused.
     pub fn claim(&mut self, folder: &Path, replace: bool) -> Result<()> {
         if let Some(earlier) = MadeFrom::read(folder)? {
             if earlier.is_same(self) {
@@ -108,14 +111,14 @@ impl MadeFrom {
         self.weather_hash == other.weather_hash && self.is_of_archive(other)
     }
 
-    /// Files that an earlier run made from the same stay.
+    /// Keeps the names of files that an earlier run made from the same inputs.
     fn keep_files_of(&mut self, earlier: &MadeFrom) {
         self.files.extend(earlier.files.iter().cloned());
         self.files.sort();
         self.files.dedup();
     }
 
-    /// Removes the results of an earlier run; what else lies there stays.
+    /// Removes the results of an earlier run; other files stay.
     fn remove_files(&self, folder: &Path) -> Result<()> {
         for path in self.files.iter().filter_map(|name| path_of(folder, name)) {
             match fs::remove_file(&path) {
@@ -133,7 +136,8 @@ impl MadeFrom {
     }
 }
 
-/// Where a result lies; `None` for a name that this program does not write: with another folder in it, or through a link.
+/// Returns the path of a result; `None` for a name that heliotile does not write: in another
+/// subfolder, or through a link.
 fn path_of(folder: &Path, name: &str) -> Option<PathBuf> {
     let (inside, file) = match name.split_once('/') {
         Some((inside, file)) if INSIDE.contains(&inside) => (folder.join(inside), file),
@@ -144,7 +148,8 @@ fn path_of(folder: &Path, name: &str) -> Option<PathBuf> {
     (is_ours && Path::new(file).file_name() == Some(file.as_ref())).then(|| inside.join(file))
 }
 
-/// BLAKE3 of the place, and of what results depend on in each row: all numbers to the bit, NaN where one is missing.
+/// Returns a BLAKE3 hash of the place, and of the numbers of each row that results depend on: all
+/// to the bit, NaN for a missing one.
 fn hash(weather: &Weather) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut add = |numbers: &[f64]| {
@@ -167,7 +172,8 @@ fn hash(weather: &Weather) -> String {
 mod tests {
     use super::*;
 
-    /// Of 9 names, the 3 that this program writes are removed; what `..`, other folders, links and the empty name lead to stays, 5 of 5 files.
+    /// The 3 of 9 names that heliotile writes are removed; the files reached by `..`, other
+    /// folders, links and the empty name stay, 5 of 5 files.
     #[test]
     fn only_our_files_are_removed() {
         let outer = tempfile::tempdir().expect("a folder");

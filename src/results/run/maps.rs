@@ -1,4 +1,5 @@
-//! Which maps a run may write. In: its arguments, the scene. Out: a refusal before any work, the city model that takes sums.
+//! Maps that a run may write. In: its arguments, the scene. Out: a refusal before any work, and the
+//! city model that gets sums.
 
 use std::path::Path;
 
@@ -12,13 +13,13 @@ use heliotile_core::site::place::Place;
 use heliotile_scene::input;
 use heliotile_scene::site::Site;
 
-/// A map beside `annual.ply`.
+/// Map in addition to `annual.ply`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum RunMap {
-    /// A map of polygons.
+    /// Map of polygons.
     Map(MapFormat),
-    /// The city model of the scene, with sums.
+    /// City model of the scene, with sums.
     CityModel,
 }
 
@@ -41,7 +42,7 @@ pub fn check(maps: &[RunMap], place: Option<&Place>) -> Result<()> {
     formats(maps).try_for_each(|format| format.check(&crs, "map"))
 }
 
-/// Formats of the further maps.
+/// Returns the formats of the further maps.
 pub fn formats(maps: &[RunMap]) -> impl Iterator<Item = MapFormat> {
     maps.iter().filter_map(|map| match map {
         RunMap::Map(format) => Some(*format),
@@ -49,7 +50,7 @@ pub fn formats(maps: &[RunMap]) -> impl Iterator<Item = MapFormat> {
     })
 }
 
-/// The city model of a scene, which sums can be written into.
+/// Returns the city model of a scene that sums can be written into.
 pub fn city_model_of(site: &Site) -> Result<&Path> {
     let refuse = |what: &str, hint: &str| Err(Error::argument("map", what, hint));
     match city_models(site).as_slice() {
@@ -69,16 +70,16 @@ pub fn city_model_of(site: &Site) -> Result<&Path> {
     }
 }
 
-/// What every city model holds.
+/// Bytes that every city model contains.
 const CITY_JSON: &[u8] = b"\"CityJSON";
 
-/// Files that may be city models, by their names.
+/// Returns the files that may be city models, by their names.
 fn city_models(site: &Site) -> Vec<&Path> {
     let files = site.parts.iter().map(|part| part.file.as_path());
     files.filter(|file| ["json", "jsonl", "cityjson", "cityjsonl"].contains(&input::ending(file).as_str())).collect()
 }
 
-/// Whether the city model of a scene is a sequence of features.
+/// Returns true if the city model of a scene is a sequence of features.
 pub fn is_sequence(site: &Site) -> bool {
     city_models(site).first().is_some_and(|file| ["jsonl", "cityjsonl"].contains(&input::ending(file).as_str()))
 }

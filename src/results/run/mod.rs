@@ -1,5 +1,5 @@
-//! From scene files to a year's sun in one go. In: a scene, weather. Out: a folder with receivers, the archive, sums and a map. What is there
-//! already and still fits is not traced again.
+//! Run from scene files to a year's sun. In: a scene, weather. Out: a folder with receivers, the
+//! archive, sums and a map. An existing archive that still fits is not traced again.
 
 mod folder;
 pub mod made_from;
@@ -43,56 +43,57 @@ use results::RunResults;
 
 pub use maps::RunMap;
 
-/// What is asked of a run.
+/// Request for a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RunRequest {
-    /// The scene.
+    /// Scene to trace.
     pub scene: SceneRequest,
     /// Weather file.
     pub weather: PathBuf,
-    /// What is known of that file that it does not state.
+    /// Facts about the weather file that it does not state itself.
     pub about_weather: WeatherOptions,
-    /// Folder of all that is written; none: the name of the first scene file, with .sun.
+    /// Folder of all files that are written; `None`: the name of the first scene file, with .sun.
     pub folder: Option<PathBuf>,
-    /// Where receivers are put,
+    /// Surfaces that get receivers, if `receivers` is `None`.
     pub cover: CoverRequest,
-    /// or a table of them.
+    /// Table of receivers, in place of `cover`.
     pub receivers: Option<PathBuf>,
-    /// How exact the archive is to be.
+    /// Accuracy of the archive.
     pub accuracy: AccuracyRequest,
-    /// Light paths that bring no more than this of the sum over the weather are left out, percent.
+    /// Largest share of the sum over the weather, percent, that a light path may bring to be left
+    /// out; `None`: no path is left out.
     pub negligible_percent: Option<f64>,
-    /// Whether the archive holds the scene's triangles.
+    /// True if the archive holds the scene's triangles.
     pub with_scene: bool,
     /// Archive of the scene before it was changed: only what the change can alter is traced.
     pub from: Option<PathBuf>,
-    /// Tables of these periods, too.
+    /// Periods of additional tables.
     pub every: Vec<Every>,
-    /// Rules of sunlight, by name or as files of TOML: a table of what they say, too.
+    /// Rules of sunlight, by name or as TOML files, for an additional table of their results.
     pub rules: Vec<String>,
-    /// What rows of these tables are about.
+    /// Subject of the rows of the additional tables.
     pub by: By,
-    /// Which moment of its interval a row of hours is labelled with.
+    /// Moment of its interval that labels a row of hours.
     pub stamp: StampedAt,
-    /// The year that rows of tables are put into.
+    /// Year that rows of tables are put into; `None`: the years of the file.
     pub year: Option<i32>,
-    /// Ending of these tables.
+    /// Ending of the additional tables.
     pub format: String,
-    /// Maps besides annual.ply.
+    /// Maps in addition to annual.ply.
     pub maps: Vec<RunMap>,
-    /// Whether what the folder holds of other inputs goes.
+    /// True if results of other inputs in the folder are replaced.
     pub replace: bool,
 }
 
-/// What a run did.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct RunDone {
-    /// Where everything is.
+    /// Folder with all files.
     pub folder: PathBuf,
-    /// The archive.
+    /// Path of the archive.
     pub archive: PathBuf,
-    /// Names of all files, seen from the folder.
+    /// Names of all files, relative to the folder.
     pub files: Vec<String>,
     /// Sums by kind of surface and side, as a text.
     pub table: String,
@@ -105,7 +106,7 @@ impl Default for RunRequest {
 }
 
 impl RunRequest {
-    /// A run of usual receivers and accuracy: annual sums and a map.
+    /// Returns a run with default receivers and accuracy: annual sums and a map.
     pub fn of(scene: SceneRequest, weather: impl Into<PathBuf>) -> Self {
         RunRequest {
             scene,
@@ -129,7 +130,7 @@ impl RunRequest {
         }
     }
 
-    /// Writes the folder; `about` is what results say of how they were made.
+    /// Writes the folder; `about` is the provenance that results state.
     pub fn write(&self, about: Provenance, resources: &Resources) -> Result<RunDone> {
         let site = self.scene.site()?;
         let files = RunFiles::of(self, &site);
@@ -155,7 +156,7 @@ impl RunRequest {
         Ok(RunDone { files: files.names(self), folder: files.folder, archive: files.archive, table })
     }
 
-    /// What rules are asked, if any are.
+    /// Returns the request for rules of sunlight, if there are rules.
     fn sunlight(&self) -> Option<SunlightRequest> {
         (!self.rules.is_empty()).then(|| SunlightRequest {
             rules: self.rules.clone(),
@@ -165,7 +166,8 @@ impl RunRequest {
         })
     }
 
-    /// The archive of the scene, and the weather. What tracing needed is gone afterwards.
+    /// Builds or opens the archive of the scene, and reads the weather. The scene is dropped
+    /// afterwards, which frees its memory.
     fn archive(&self, site: &Site, files: &RunFiles, resources: &Resources) -> Result<(Archive, Weather)> {
         let observer = resources.observer;
         let load = || match self.receivers {
@@ -176,7 +178,7 @@ impl RunRequest {
             }
             None => cover_site(site, &self.cover, observer).map(|(scene, covered)| (scene, Some(covered))),
         };
-        // Before the scene, which takes longer: a wrong weather file is found at once.
+        // Weather is read before the scene, which takes longer: a wrong weather file fails at once.
         let mut loaded = None;
         let mut place = || Ok(loaded.insert(load()?).0.place);
         let weather = read_weather_as(&self.weather, &self.about_weather, &mut place)?;
@@ -209,7 +211,8 @@ impl RunRequest {
         Ok((archive, weather))
     }
 
-    /// Writes the page that shows the archive under this weather; a large one it reads from beside it.
+    /// Writes the page that shows the archive under this weather. The page reads a large archive
+    /// from its file.
     fn write_page(&self, files: &RunFiles) -> Result<()> {
         let page = ViewerPage::default()
             .with_archive(&files.archive, hold(&files.archive)?.as_ref())?

@@ -1,5 +1,6 @@
-//! What a run writes of its archive under weather: annual sums as a table and maps, the chart of the months, tables of other periods, the city
-//! model with sums. In: the archive, weather. Out: these files, in one pass over the receivers.
+//! Result files of a run: annual sums as a table and maps, the chart of the months, tables of other
+//! periods, the city model with sums. In: the archive, weather. Out: these files, in one pass over
+//! the receivers.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -21,29 +22,29 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_core::weather::dated::DatedRows;
 use heliotile_core::weather::series::Weather;
 
-/// What results are made of.
+/// Inputs of the results.
 pub struct RunResults<'a> {
     pub request: &'a RunRequest,
     pub files: &'a RunFiles,
-    /// The city model of the scene, if sums are to be written into it.
+    /// City model of the scene, if sums are to be written into it.
     pub city_model: Option<&'a Path>,
     pub archive: &'a Archive,
     pub weather: &'a Weather,
-    /// The command that they are made by.
+    /// Provenance, with the command of the run.
     pub about: Provenance,
 }
 
-/// Which files a pass over the receivers writes.
+/// Files that a pass over the receivers writes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Which {
     All,
     /// Annual sums and their maps.
     Annual,
-    /// Those whose rows are put into a year.
+    /// Files whose rows are put into a year.
     OfPeriods,
 }
 
-/// Sums of receivers on their way into the table and the means of kinds and sides.
+/// Sink that writes annual sums into the table and adds them up by kind and side.
 struct AnnualSums<'a> {
     receivers: Box<dyn Iterator<Item = Result<Receiver>> + 'a>,
     table: AnnualTable,
@@ -67,13 +68,14 @@ impl TileSink for AnnualSums<'_> {
 }
 
 impl RunResults<'_> {
-    /// Writes all files; the sums by kind of surface and side, as a text.
+    /// Writes all files and returns the sums by kind of surface and side, as a text.
     pub fn write(&self, resources: &Resources) -> Result<String> {
         let asked = self.request;
         let tables = asked.every.iter().min().copied();
         let finest = tables.unwrap_or(Every::Month).min(Every::Month);
         let request = ReplayRequest { stamp: asked.stamp, every: finest, ..ReplayRequest::of(&asked.weather) };
-        // Annual sums are over the whole file; only rows of tables are put into a year, and only tables need a note on years.
+        // Annual sums cover the whole file. Only rows of tables are put into a year, and only
+        // tables need a note on years.
         let totals = ReplayRequest { every: Every::Total, ..request.clone() };
         let all_rows = totals.dated(self.weather, resources.observer)?;
         let of_tables = ReplayRequest { every: tables.unwrap_or(Every::Total), year: asked.year, ..request.clone() };
@@ -92,6 +94,7 @@ impl RunResults<'_> {
         let series = request.series(archives, self.weather, rows, self.about.clone(), resources)?;
         let (receivers, light) = (ReceiverSet::all_of(archive)?, LightChoice::default());
         let stream = TileStream { receivers: &receivers, light: &light, series: &series, resources: *resources };
+        // All periods are summed from one replay of the finest one, so receivers are replayed once.
         let table_periods: &[Every] = if with_periods { &asked.every } else { &[] };
         let periods: BTreeSet<Every> = [Every::Total, Every::Month].iter().chain(table_periods).copied().collect();
         let by_period: BTreeMap<Every, Series> = periods.iter().map(|every| (*every, series.by(*every))).collect();
@@ -154,7 +157,7 @@ impl RunResults<'_> {
         Ok(sums.kinds.table())
     }
 
-    /// The map, the picture and the further maps.
+    /// Returns the map, the picture and the further maps.
     fn maps(&self) -> Vec<MapFile> {
         let file = |path: &Path, format| MapFile { path: path.to_owned(), format };
         let usual = [file(&self.files.map, MapFormat::Ply), file(&self.files.picture, MapFormat::Png)];

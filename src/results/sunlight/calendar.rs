@@ -1,4 +1,5 @@
-//! Days that are asked for. In: text as `03-21`, `2026-03-21`, `02-19..10-21` or `year`. Out: dates in order.
+//! Days of a request. In: text such as `03-21`, `2026-03-21`, `02-19..10-21` or `year`. Out: dates
+//! in order.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use heliotile_core::weather::span::Moment;
 use heliotile_core::weather::time::calendar::Date;
 
-/// A day, or all days from one to another.
+/// Day, or all days from one to another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct DaySpan {
@@ -16,10 +17,10 @@ pub struct DaySpan {
     last: Moment,
 }
 
-/// What is written for all days of a year.
+/// Text for all days of a year.
 const YEAR: &str = "year";
 
-/// More days than anyone asks for: a hundred years.
+/// Largest number of days: a hundred years.
 const MOST_DAYS: i32 = 36_525;
 
 impl FromStr for DaySpan {
@@ -67,7 +68,8 @@ impl fmt::Display for DaySpan {
 }
 
 impl DaySpan {
-    /// Its days in order, those without a year in this one; over the new year, into the next.
+    /// Returns the days in order. Days without a year are in `year`, and over the new year in the
+    /// next one.
     pub fn days(&self, year: i32) -> Vec<Date> {
         let Some((first, last)) = self.first.day_in(year).zip(self.last.day_in(year)) else { return Vec::new() };
         let is_over_new_year = last.day_number() < first.day_number() && !self.first.has_year();
@@ -79,7 +81,7 @@ impl DaySpan {
         }
     }
 
-    /// Whether it says of which year its days are.
+    /// Returns true if the days name their year.
     pub fn has_year(&self) -> bool {
         self.first.has_year()
     }
@@ -89,7 +91,8 @@ impl DaySpan {
 mod tests {
     use super::*;
 
-    /// A day, the 245 of the Dutch rule, 121 days over the new year and a leap year of 366; four texts that are no days are refused.
+    /// Spans are a day, the 245 of the Dutch rule, 121 days over the new year and a leap year of
+    /// 366; five texts that are no days are refused.
     #[test]
     fn spans() {
         let days = |text: &str, year| text.parse::<DaySpan>().expect("days").days(year);

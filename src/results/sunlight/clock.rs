@@ -1,5 +1,5 @@
-//! Clocks that rules and results are told by. In: an offset from UTC, or the name of a zone. Out: standard time, and how far the legal clock is
-//! ahead of it on a day.
+//! Clocks of rules and results. In: an offset from UTC, or the name of a zone. Out: standard time,
+//! and the lead of the legal clock over it on a day.
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,13 +12,13 @@ use heliotile_core::weather::options::parse_zone;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
-/// A clock.
+/// Clock of a place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub enum ClockZone {
-    /// Always so far ahead of UTC.
+    /// Fixed offset from UTC.
     Fixed(UtcOffset),
-    /// The legal time of a zone of the tz database, such as `Europe/Amsterdam`.
+    /// Legal time of a zone of the tz database, such as `Europe/Amsterdam`.
     Named(TimeZone),
 }
 
@@ -62,29 +62,29 @@ impl fmt::Display for ClockZone {
 }
 
 impl ClockZone {
-    /// The zone of a longitude: whole hours, as ships keep them.
+    /// Returns the zone of a longitude in whole hours, as ships keep them.
     pub fn of_longitude(longitude_deg: f64) -> Self {
         ClockZone::Fixed(UtcOffset::of_hours((longitude_deg / 15.0).round()))
     }
 
-    /// Standard time in a year: the earlier of the clocks of January and July.
+    /// Returns the standard time in a year: the earlier of the clocks of January and July.
     pub fn standard(&self, year: i32) -> UtcOffset {
         let at = |month| Date::new(year, month, 1).map(|date| self.minutes_on(date));
         let minutes = at(1).into_iter().chain(at(7)).min().unwrap_or_default();
         UtcOffset::of_hours(f64::from(minutes) / 60.0)
     }
 
-    /// Minutes that the legal clock is ahead of standard time at noon of a day.
+    /// Returns the minutes that the legal clock is ahead of standard time at noon of a day.
     pub fn ahead_min(&self, date: Date) -> f64 {
         f64::from(self.minutes_on(date) - self.standard(date.year).minutes())
     }
 
-    /// Minutes ahead of UTC at noon of a day.
+    /// Returns the minutes ahead of UTC at noon of a day.
     fn minutes_on(&self, date: Date) -> i32 {
         match self {
             ClockZone::Fixed(offset) => offset.minutes(),
             ClockZone::Named(zone) => {
-                // Dates of the years 1 to 2999 are timestamps.
+                // All dates of the years 1 to 2999 are valid timestamps.
                 let noon = Timestamp::from_second(i64::from(date.day_number()) * DAY_S + DAY_S / 2).unwrap_or_default();
                 zone.to_offset(noon).seconds() / 60
             }
@@ -96,8 +96,9 @@ impl ClockZone {
 mod tests {
     use super::*;
 
-    /// Amsterdam keeps +01:00 and is an hour ahead of it in June; Sydney +10:00, and ahead in December; Dublin, whose winter is the exception
-    /// by law, +00:00; 5.5 hours east the clock never changes. A town is no zone.
+    /// Amsterdam has +01:00 and is an hour ahead of it in June; Sydney has +10:00 and is ahead in
+    /// December; Dublin, whose winter is the exception by law, has +00:00; 5.5 hours east the clock
+    /// never changes. A town is no zone.
     #[test]
     fn standard_and_legal_time() {
         for (text, standard, june, december) in [

@@ -1,4 +1,5 @@
-//! Columns of results about the sun on days. In: what is asked, answers of a place. Out: the numbers of its rows.
+//! Columns of results about the sun on days. In: a request, answers of a place. Out: the numbers of
+//! its rows.
 
 use super::clock::ClockZone;
 use super::days::DayPlan;
@@ -9,54 +10,65 @@ use crate::outputs::tables::layout::{By, Labels, Layout};
 use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::sunlight::{Spells, Strongest, SunSeen};
 
-/// Numbers of a row.
+/// Number of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Number {
-    /// Minutes of sun: of a day, or their sum; of groups the mean by area.
+    /// Minutes of sun of a day, or their sum; for groups the mean by area.
     Sun,
-    /// Of groups: minutes in which enough of the area is lit at a time.
+    /// Minutes in which enough of a group's area is lit at the same time.
     Lit,
-    /// Mean and least day; of the sun in mirrors the day with the most.
+    /// Mean of the days' minutes.
     Mean,
+    /// Least minutes of a day.
     Least,
+    /// Most minutes of a day, for glare.
     Most,
-    /// The longest spell; of groups with enough of the area lit.
+    /// Longest spell; for groups with enough of the area lit.
     Longest,
-    /// When the first spell starts, when the last ends.
+    /// Start of the first spell.
     First,
+    /// End of the last spell.
     Last,
-    /// How far the minutes may be off.
+    /// Uncertainty of the minutes.
     Uncertain,
-    /// Minutes before, and how many of them are lost; or come, of the sun in mirrors.
+    /// Minutes before a change.
     Before,
+    /// Minutes that are lost by a change, or added for glare.
     Lost,
-    /// How strong the sun in mirrors is, and how near to the sun itself.
+    /// Greatest irradiance of the sun in mirrors.
     Irradiance,
+    /// Angle between the sun and its image.
     Deflection,
-    /// Value of a rule, the least or the most that meets it, how far the value may be off, what it says.
+    /// Value of a rule.
     Value,
+    /// Least value that meets the rule.
     AtLeast,
+    /// Greatest value that meets the rule.
     AtMost,
+    /// Uncertainty of the value.
     ValueUncertain,
+    /// Result of the rule.
     Verdict,
-    /// Value and verdict before.
+    /// Value of a rule before a change.
     ValueBefore,
+    /// Result of the rule before a change.
     VerdictBefore,
 }
 
-/// The columns of what is asked.
+/// Columns of the results of a request.
 pub struct DayColumns<'a> {
-    /// What is asked.
+    /// Dates or rules of the request.
     pub asked: &'a Asked,
     zone: &'a ClockZone,
     plan: &'a DayPlan,
-    /// Whether days are of the sun in mirrors.
+    /// True if the minutes are of glare, the sun in mirrors.
     is_glare: bool,
     numbers: Vec<Number>,
 }
 
 impl<'a> DayColumns<'a> {
-    /// Of what is asked; of groups, with what there was before, of the sun in mirrors.
+    /// Returns the columns of a request. `is_of_groups`, `has_before` and `is_glare` say if rows
+    /// are about groups, if there are values before a change, and if minutes are of glare.
     pub fn of(asked: &'a Asked, plan: &'a DayPlan, is_of_groups: bool, has_before: bool, is_glare: bool) -> Self {
         use Number::{
             AtLeast, AtMost, Before, Deflection, First, Irradiance, Last, Least, Lit, Longest, Lost, Mean, Most, Sun,
@@ -87,12 +99,12 @@ impl<'a> DayColumns<'a> {
         DayColumns { asked, zone: &plan.zone, plan, is_glare, numbers }
     }
 
-    /// How many arrays a place has.
+    /// Returns the number of arrays of a place.
     pub fn count(&self) -> usize {
         self.numbers.len()
     }
 
-    /// Labels of the rows of a place.
+    /// Returns the labels of the rows of a place.
     pub fn labels(&self) -> RowLabels {
         match self.asked {
             Asked::Dates(rows) => rows.labels.clone(),
@@ -100,7 +112,7 @@ impl<'a> DayColumns<'a> {
         }
     }
 
-    /// The columns as tables and maps take them.
+    /// Returns the layout for tables and maps.
     pub fn layout(&self, by: By) -> Layout {
         let labels = if matches!(self.asked, Asked::Dates(_)) { Labels::Dates } else { Labels::Rules };
         let is_time = match self.asked {
@@ -109,7 +121,7 @@ impl<'a> DayColumns<'a> {
         };
         let quantity = |(array, number): (usize, &Number)| {
             let (name, words, measure) = number.described(self.is_glare);
-            // Percent and minutes have no unit together.
+            // A table of rules in percent and in minutes has no common unit.
             let is_of_rule = matches!(self.asked, Asked::Rules(_));
             let measure = if measure == Measure::Number && is_time && is_of_rule { Measure::Minutes } else { measure };
             Quantity { name: name.into(), words: words.into(), source: ValueSource::Array(array), measure }
@@ -117,7 +129,7 @@ impl<'a> DayColumns<'a> {
         Layout::of_quantities(labels, by, self.numbers.iter().enumerate().map(quantity).collect())
     }
 
-    /// The numbers of a place: `[number][label]`.
+    /// Returns the numbers of a place: `[number][label]`.
     pub fn values(&self, items: &[Option<AnswerItem>]) -> Vec<Vec<f32>> {
         match self.asked {
             Asked::Dates(rows) => {
@@ -163,7 +175,7 @@ impl<'a> DayColumns<'a> {
         let ahead_min = ahead_min.map_or(0.0, |date| self.zone.ahead_min(*date));
         match number {
             Number::Sun => minutes(|item| item.value.value).fold(0.0, |sum, minutes| sum + minutes),
-            // A place that was not there before has none.
+            // A place that did not exist before has no minutes before.
             Number::Before => minutes(|item| item.before.map_or(f64::NAN, |before| before.value)).sum(),
             Number::Lost => {
                 let sign = if self.is_glare { -1.0 } else { 1.0 };
@@ -185,7 +197,7 @@ impl<'a> DayColumns<'a> {
 }
 
 impl Number {
-    /// Name of its column, what it is in words, what it measures.
+    /// Returns the name of the column, the description in words, and the measure.
     fn described(self, is_glare: bool) -> (&'static str, &'static str, Measure) {
         match self {
             Number::Sun if is_glare => ("glare_minutes", "sun in mirrors", Measure::Minutes),
@@ -219,7 +231,7 @@ impl Number {
     }
 }
 
-/// What is seen of a place on the days of a row.
+/// Answers of a place on the days of a row.
 struct DayItems<'i> {
     dates: Vec<usize>,
     items: &'i [Option<AnswerItem>],

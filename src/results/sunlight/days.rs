@@ -1,4 +1,5 @@
-//! Days and hours that count. In: dates, a place, rules, weather. Out: for each rule its days, and when on these the sun counts.
+//! Days and hours that count. In: dates, a place, rules, weather. Out: for each rule its days, and
+//! the spells in which the sun counts.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -17,58 +18,58 @@ use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
-/// Direct normal irradiance from which on the sun shines, W/m2 (World Meteorological Organization, "Guide to instruments and methods of
-/// observation", WMO-No. 8, sunshine duration).
+/// Least direct normal irradiance of sunshine, W/m2 (World Meteorological Organization, "Guide to
+/// instruments and methods of observation", WMO-No. 8, sunshine duration).
 const SUNSHINE_DNI_W_M2: f64 = 120.0;
 
-/// Minutes of a day, and of the half of it.
+/// Minutes of a day; `NOON_MIN` is half of it.
 const DAY_MIN: f64 = 1440.0;
 const NOON_MIN: f64 = 720.0;
 
-/// The days that are looked at.
+/// Days to compute.
 pub struct DayPlan {
-    /// Where, with the standard time of the clock.
+    /// Location, with the standard time of the clock.
     pub site: Location,
-    /// The clock that results are told by.
+    /// Clock of the results.
     pub zone: ClockZone,
-    /// The year of days that name none.
+    /// Year of days that name none.
     year: i32,
-    /// In order, each once.
+    /// Dates in order, each once.
     pub dates: Vec<Date>,
-    /// Whether results name the year of a day.
+    /// True if results name the year of a day.
     pub names_years: bool,
 }
 
-/// The sun on these days in the axes of a site, and its ways through the site's textures.
+/// Sun on these days in the axes of a site, and its paths through the site's textures.
 pub struct SunDays {
-    /// `[date]`
+    /// `[date]`: the sun.
     pub days: Vec<SunDay>,
-    /// `[date]`
+    /// `[date]`: its path through textures.
     pub passes: Vec<SunPasses>,
 }
 
-/// A rule with its days.
+/// Rule with its days.
 pub struct PlannedRule {
-    /// The rule.
+    /// Rule of sunlight.
     pub rule: Rule,
-    /// Its days: places in [`DayPlan::dates`], and when on them the sun counts.
+    /// Days of the rule, and the spells on them in which the sun counts.
     pub days: Vec<RuleDay>,
     /// Minutes that count on open ground, for shares of them.
     pub open_min: f64,
 }
 
-/// A day of a rule.
+/// Day of a rule.
 pub struct RuleDay {
-    /// Place in [`DayPlan::dates`].
+    /// Index into [`DayPlan::dates`].
     pub number: usize,
-    /// When the sun counts.
+    /// Spells in which the sun counts.
     pub counts: Spells,
 }
 
-/// Stretches of a day in which the sun shines, by month and day.
+/// Sunny spells of a day, by month and day.
 pub struct SunnyHours(BTreeMap<MonthDay, Spells>);
 
-/// A day of any year.
+/// Day of any year.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct MonthDay {
     month: u32,
@@ -82,7 +83,7 @@ impl From<Date> for MonthDay {
 }
 
 impl DayPlan {
-    /// The days of some spans, and of others; those without a year are in this one.
+    /// Returns a plan of the days of all spans; those without a year are in `year`.
     pub fn new(site: Location, zone: ClockZone, year: i32, spans: &[&[DaySpan]]) -> Self {
         let mut dates: Vec<Date> = spans.iter().copied().flatten().flat_map(|span| span.days(year)).collect();
         dates.sort_by_key(|date| date.day_number());
@@ -91,12 +92,12 @@ impl DayPlan {
         DayPlan { site, zone, year, dates, names_years }
     }
 
-    /// A day as results name it.
+    /// Returns the label of a day in results.
     pub fn label(&self, Date { year, month, day }: Date) -> String {
         if self.names_years { format!("{year:04}-{month:02}-{day:02}") } else { format!("{month:02}-{day:02}") }
     }
 
-    /// Places of the days of some spans, in order, each once.
+    /// Returns the indices of the days of some spans, in order, each once.
     pub fn numbers(&self, spans: &[DaySpan]) -> Vec<usize> {
         let wanted: Vec<i32> =
             spans.iter().flat_map(|span| span.days(self.year)).map(|date| date.day_number()).collect();
@@ -104,13 +105,14 @@ impl DayPlan {
         (0..).zip(&self.dates).filter_map(|(number, date)| is_wanted(date).then_some(number)).collect()
     }
 
-    /// The sun on these days, and its ways through textures.
+    /// Returns the sun on these days, and its paths through textures.
     pub fn suns(&self, north: North, sides: TextureSides) -> SunDays {
         let days: Vec<SunDay> = self.dates.par_iter().map(|date| SunDay::of(&self.site, *date, north)).collect();
         SunDays { passes: days.par_iter().map(|day| day.passes(sides)).collect(), days }
     }
 
-    /// Rules with their days. An error: a rule without days where none are asked for, one that counts sunny hours without weather.
+    /// Returns the rules with their days. Errors: a rule without days if none are requested, and a
+    /// rule that counts sunny hours without weather.
     pub fn rules(
         &self,
         rules: Vec<Rule>,
@@ -164,7 +166,7 @@ impl DayPlan {
         rules.into_iter().map(planned).collect()
     }
 
-    /// Hours of a clock as stretches of standard time.
+    /// Converts hours of a rule's clock to a spell of standard time.
     fn standard(&self, hours: ClockHours, sun: &SunDay) -> Spells {
         let later_min = match hours.clock {
             RuleClock::Standard => 0.0,
@@ -175,21 +177,23 @@ impl DayPlan {
     }
 }
 
-/// When the sun passes the meridian, minutes of standard time; `sun` goes by true north.
+/// Returns the moment at which the sun passes the meridian, minutes of standard time; `sun` must be
+/// by true north.
 fn solar_noon_min(sun: &SunDay) -> f64 {
     let afternoon = sun.when(|direction| -direction.x);
     afternoon.iter().map(|spell| spell.start_min).find(|start| *start > 0.0).unwrap_or(NOON_MIN)
 }
 
 impl SunnyHours {
-    /// Of weather, told by a clock so far ahead of UTC: stretches with direct irradiance of at least 120 W/m2, sunshine as the World Meteorological
-    /// Organization counts it.
+    /// Returns the sunny spells of weather, by a clock with this offset from UTC. A spell has
+    /// direct irradiance of at least 120 W/m2, the World Meteorological Organization's definition
+    /// of sunshine.
     pub fn of(weather: &Weather, offset: UtcOffset) -> Self {
         let later_min = f64::from(offset.minutes()) - 60.0 * weather.site.zone_hours;
         let mut found: BTreeMap<MonthDay, Spells> = BTreeMap::new();
         let mut add = |date: Date, start_min: f64, end_min: f64| {
             let spells = found.entry(date.into()).or_default();
-            // The last rows of a year may lie in its first day by another clock.
+            // By another clock, the last rows of a year may lie in its first day.
             *spells = spells.and(&Spells::one(start_min, end_min));
         };
         for row in weather.rows.iter().filter(|row| row.dni_w_m2 >= SUNSHINE_DNI_W_M2) {
@@ -207,7 +211,8 @@ impl SunnyHours {
         self.0.get(&date.into()).cloned().unwrap_or_default()
     }
 
-    /// Refuses weather that lacks days of rules that count its hours: hours that are not there are no hours without sun.
+    /// Refuses weather that lacks days of rules that count its hours, as missing hours would count
+    /// as hours without sun.
     pub fn check(weather: &Weather, plan: &DayPlan, rules: &[PlannedRule], file: &Path) -> Result<()> {
         let held: BTreeSet<MonthDay> = weather.rows.iter().map(|row| row.interval.date.into()).collect();
         let of_weather = rules.iter().filter(|planned| planned.rule.measure == RuleMeasure::ProbablePercent);
@@ -237,8 +242,10 @@ mod tests {
         DayPlan::new(site, zone, 2017, &[&spans])
     }
 
-    /// Hours from 8 to 16 of true solar time are symmetric about the moment at which the sun is highest: on 20 January at 5 degrees east that is
-    /// 12:51 of a clock one hour ahead of UTC (40 minutes of longitude, 11 of the equation of time). From 9 to 15 of summer time are 8 to 14.
+    /// Hours from 8 to 16 of true solar time are symmetric about the moment at which the sun is
+    /// highest. On 20 January at 5 degrees east that is 12:51 of a clock one hour ahead of UTC (40
+    /// minutes of longitude, 11 of the equation of time). 9 to 15 of summer time is 8 to 14 of
+    /// standard time.
     #[test]
     fn clocks_of_rules() {
         let plan = plan("Europe/Amsterdam", 5.0);
@@ -253,7 +260,8 @@ mod tests {
         assert_eq!(plan.standard(ClockHours { clock: RuleClock::Standard, ..hours }, &june), Spells::one(540.0, 900.0));
     }
 
-    /// A rule of probable hours without weather, and one without dates where none are asked for, are refused; with dates it is planned.
+    /// A rule of probable hours is refused without weather, and a rule without dates if none are
+    /// requested; with dates it is planned.
     #[test]
     fn what_rules_need() {
         let plan = plan("+01:00", 5.0);

@@ -1,4 +1,5 @@
-//! Minutes that hang on an edge within a texel. In: what a texture says of a day, rays of the scene. Out: the same with moments found by rays.
+//! Exact moments of the sun at edges within a texel. In: the spells that a texture gives for a day,
+//! rays of the scene. Out: spells whose uncertain parts are decided by rays.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -16,10 +17,11 @@ pub const EDGE_STEP_MIN: f64 = 0.1;
 /// Minutes between rays towards mirrors.
 pub const MIRROR_STEP_MIN: f64 = 0.25;
 
-/// Halvings of these: moments are found to a quarter of a second.
+/// Number of bisections of these steps: moments are found to a quarter of a second.
 const BISECTIONS: usize = 6;
 
-/// The scene that an archive was traced of, ready to be asked. An error: the archive does not hold it, or is a preview.
+/// Returns the scene that an archive was traced from. Fails if the archive does not hold it, or is
+/// a preview.
 pub fn scene_of(archive: &Archive) -> Result<Scene> {
     if !archive.has(format::SCENE, TileNumber::FIRST) {
         let what = "the archive does not hold its scene, so no ray can be cast";
@@ -34,7 +36,8 @@ pub fn scene_of(archive: &Archive) -> Result<Scene> {
     Scene::from_objects(&triangles, held.materials, &held.objects, None)
 }
 
-/// What is seen of the sun on a day, where the texture does not say by rays so many minutes apart: `sees` tells which of some suns a receiver sees.
+/// Returns the spells in which the sun is seen on a day. Where the texture is uncertain, rays are
+/// cast `step_min` minutes apart; `sees` returns which of some suns a receiver sees.
 pub fn refined(seen: &SunSeen, day: &SunDay, step_min: f64, sees: impl Fn(&[DVec3]) -> Vec<bool>) -> SunSeen {
     let mut by_rays = Spells::default();
     for doubt in seen.possible.without(&seen.sure).iter() {

@@ -1,4 +1,5 @@
-//! What places had before a change. In: answers of the site before, places of both sites. Out: values by the names of places after.
+//! Values of places before a change. In: answers of the site before, places of both sites. Out:
+//! values by the names of places after.
 
 use std::collections::HashMap;
 
@@ -12,26 +13,27 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::memory::Use;
 use heliotile_core::opened::{ReceiverMatching, ReceiverPlace};
 
-/// Bytes of a value, and of what names it.
+/// Memory of a value, bytes.
 const BYTES_OF_VALUE: u64 = size_of::<Option<RuleValue>>() as u64;
 
-/// Values before.
+/// Values of places before a change.
 #[derive(Default)]
 pub struct FormerValues {
-    /// By the name of the place after: one a date, or one a rule.
+    /// Values by the name of the place after: one a date, or one a rule.
     values: HashMap<String, Vec<Option<RuleValue>>>,
 }
 
-/// Names after of what was there before: that of the same receiver, or of a group the same name.
+/// Names after a change for places before: the name of the same receiver, or the same name of a
+/// group.
 pub enum NamesAfter {
-    /// Of receivers.
+    /// Names of matched receivers after, by their names before.
     Matched(HashMap<String, String>),
-    /// Of groups.
+    /// Groups, which keep their names.
     Same,
 }
 
 impl NamesAfter {
-    /// Of receivers that are the same on both sides. An error: none is.
+    /// Matches the receivers of both sides. Fails if no receiver exists on both.
     pub fn of(before: &SunlightSite, after: &ReceiverSet, resources: &Resources) -> Result<Self> {
         check_memory(before.receivers.count().saturating_add(after.count()), resources.memory)?;
         let places = |set: &ReceiverSet| -> Result<Vec<ReceiverPlace>> {
@@ -59,7 +61,8 @@ impl NamesAfter {
 }
 
 impl FormerValues {
-    /// Room for the values of so many places with so many items. An error: they do not fit into memory.
+    /// Returns room for the values of `places` places with `items` items each. Fails if they do not
+    /// fit into memory.
     pub fn with_room(places: u64, items: u64, resources: &Resources) -> Result<Self> {
         let bytes = places.saturating_mul(items).saturating_mul(BYTES_OF_VALUE);
         let most = resources.memory.share(Use::ReceiverList);
@@ -72,7 +75,7 @@ impl FormerValues {
         Ok(FormerValues::default())
     }
 
-    /// The values of the next place before.
+    /// Adds the values of the next place before.
     pub fn add(&mut self, answer: &PlaceAnswer, names: &NamesAfter) {
         if let Some(name) = names.of_place(&answer.name) {
             let values = answer.items.iter().map(|item| item.as_ref().map(|item| item.value));

@@ -1,5 +1,6 @@
-//! The sun in mirrors, spell by spell. In: what receivers see on days, the panes of the scene. Out: a table of spells, panes with the minutes that
-//! they cause, a calendar.
+//! Glare: the sun in mirrors, spell by spell. In: the spells that receivers see on days, the panes
+//! of the scene. Out: a table of spells, panes with the minutes of glare that they cause, a
+//! calendar.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -38,17 +39,19 @@ use heliotile_core::text::counted;
 use heliotile_core::units::tilt_and_azimuth;
 use heliotile_core::weather::time::calendar::Date;
 
-/// Which suns in mirrors are looked for, and files of them besides the rows of places.
+/// Angles of glare that counts, and files of glare besides the rows of places.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GlareChoice {
-    /// Those count that are seen at least so far from the sun itself, degrees; rules have an angle of their own.
+    /// Least angle between the sun and its image, degrees, at which the image counts. Rules have an
+    /// angle of their own.
     pub least_deflection_deg: f64,
-    /// Those count that are seen within so much of the direction in which a receiver looks, degrees; likewise.
+    /// Largest angle between the image and the direction in which a receiver faces, degrees, at
+    /// which it counts. Rules have an angle of their own.
     pub view_angle_deg: f64,
-    /// Table with a row for each spell of sun.
+    /// Table with a row for each spell of glare.
     pub spells: Option<PathBuf>,
-    /// Table or map with a row for each pane: the minutes that it causes.
+    /// Table or map with a row for each pane and the minutes of glare that it causes.
     pub panes: Option<PathBuf>,
 }
 
@@ -79,54 +82,54 @@ impl GlareChoice {
         self.files().try_for_each(|path| guard_output(path, inputs))
     }
 
-    /// Files that are written.
+    /// Returns the files that are written.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.spells.as_deref().into_iter().chain(self.panes.as_deref())
     }
 
-    /// Which suns count.
+    /// Returns the angles of glare that counts.
     pub fn angles(&self) -> GlareAngles {
         GlareAngles { least_deflection_deg: self.least_deflection_deg, view_angle_deg: self.view_angle_deg }
     }
 }
 
-/// A spell of sun from one pane.
+/// Spell of glare from one pane.
 #[derive(Clone, Debug)]
 pub struct GlareSpell {
     date: Date,
-    /// When.
+    /// Beginning and end of the spell.
     pub spell: Spell,
-    /// How far its length may be off.
+    /// Uncertainty of the spell's length, minutes.
     uncertain_min: f64,
-    /// What is seen first in the direction of the sun; none where rays meet no mirror there.
+    /// Pane that is seen first in the direction of the image; `None` if rays meet no mirror there.
     pane: Option<Arc<Pane>>,
-    /// How many mirrors the light comes by.
+    /// Number of mirrors on the path of the light.
     mirrors: usize,
     strongest: Strongest,
-    /// In the middle of the spell, by true north.
+    /// Direction of the sun in the middle of the spell, by true north.
     sun: DVec3,
 }
 
-/// Minutes between rays that tell which pane it is.
+/// Minutes between rays that identify the pane.
 const PANE_STEP_MIN: f64 = 1.0;
 
-/// Halvings of that: changes from pane to pane are found to two seconds.
+/// Number of bisections of these steps: changes from pane to pane are found to two seconds.
 const BISECTIONS: usize = 5;
 
-/// Directions around one that are looked in for a pane.
+/// Number of directions around the image in which a pane is looked for.
 const AROUND: usize = 8;
 
-/// Names the panes of spells by rays of the scene.
+/// Finder of the panes of spells, by rays of the scene.
 pub struct SpellTeller<'a> {
     pub panes: &'a ScenePanes,
     pub observer: MirrorObserver<'a>,
     pub north: North,
-    /// Width of a texel of the sky texture.
+    /// Width of a texel of the sky texture, radians.
     pub texel_rad: f64,
 }
 
 impl SpellTeller<'_> {
-    /// The spells of a chain on a day, cut where one pane takes over from another.
+    /// Returns the spells of a chain of mirrors on a day, cut at changes from one pane to another.
     pub fn spells(&self, mirror: &MirrorSpells, day: &SunDay) -> Vec<GlareSpell> {
         let mut found = Vec::new();
         for spell in mirror.seen.seen.iter() {
@@ -142,7 +145,7 @@ impl SpellTeller<'_> {
         found
     }
 
-    /// A spell by panes.
+    /// Returns the parts of a spell, each with its pane.
     fn cut(&self, mirror: &MirrorSpells, day: &SunDay, spell: Spell) -> Vec<(Spell, Option<Arc<Pane>>)> {
         let steps = (spell.minutes() / PANE_STEP_MIN).ceil().max(1.0) as usize;
         let middle = |step: usize| spell.start_min + spell.minutes() * (step as f64 + 0.5) / steps as f64;
@@ -152,7 +155,7 @@ impl SpellTeller<'_> {
             triangles.map(|triangle| self.panes.of_triangle(triangle?)).collect::<Vec<Option<&Arc<Pane>>>>()
         };
         let moments: Vec<f64> = (0..steps).map(middle).collect();
-        // Within a texel of an edge a ray may pass by the pane.
+        // A ray within a texel of an edge may miss the pane.
         let known: Vec<(f64, &Arc<Pane>)> =
             moments.iter().zip(pane_at(&moments)).filter_map(|(at, pane)| Some((*at, pane?))).collect();
         let (mut parts, mut start_min) = (Vec::new(), spell.start_min);
@@ -179,7 +182,7 @@ impl SpellTeller<'_> {
         parts
     }
 
-    /// The pane that is seen within two texels of a direction.
+    /// Returns a pane that is seen within two texels of a direction.
     fn near(&self, image: DVec3) -> Option<Arc<Pane>> {
         let (u, v) = image.any_orthonormal_pair();
         let around = |i: usize| {
@@ -192,7 +195,8 @@ impl SpellTeller<'_> {
     }
 }
 
-/// How far the length of a spell may be off: by what of it is in doubt, or by what is possible around it and not seen.
+/// Returns the uncertainty of a spell's length, minutes: its doubtful part, or the possible but
+/// unseen time around it, whichever is longer.
 fn uncertain_min(mirror: &MirrorSpells, spell: Spell) -> f64 {
     let own = Spells::one(spell.start_min, spell.end_min);
     let in_doubt = spell.minutes() - mirror.seen.sure.within(&own).minutes();
@@ -208,19 +212,19 @@ fn uncertain_min(mirror: &MirrorSpells, spell: Spell) -> f64 {
 pub struct SpellRecord {
     /// Names of receivers.
     names: Vec<String>,
-    /// `(number of the receiver, spell)`, in the order of receivers and days.
+    /// Spells as `(index of the receiver, spell)`, in the order of receivers and days.
     spells: Vec<(u32, GlareSpell)>,
     most: u64,
 }
 
 impl SpellRecord {
-    /// None so far.
+    /// Returns an empty record.
     pub fn new(resources: &Resources) -> Self {
         let most = resources.memory.share(Use::ReceiverList) / size_of::<(u32, GlareSpell)>() as u64;
         SpellRecord { names: Vec::new(), spells: Vec::new(), most }
     }
 
-    /// Adds those of the next receiver. An error: there is no room for them.
+    /// Adds the spells of the next receiver. Fails if memory has no room for them.
     pub fn add(&mut self, name: &str, spells: Vec<GlareSpell>) -> Result<()> {
         if spells.is_empty() {
             return Ok(());
@@ -271,7 +275,8 @@ impl SpellRecord {
         table.finish().map(drop)
     }
 
-    /// The calendar: on each day the spells of each pane, of all receivers together.
+    /// Returns the calendar, which has the spells of each pane on each day, of all receivers
+    /// together.
     pub fn calendar(&self, plan: &DayPlan, called: String) -> Calendar {
         let mut minutes: BTreeMap<&str, f64> = BTreeMap::new();
         let mut by_day: BTreeMap<i32, BTreeMap<&str, Vec<Spell>>> = BTreeMap::new();
@@ -281,6 +286,7 @@ impl SpellRecord {
             by_day.entry(spell.date.day_number()).or_default().entry(pane).or_default().push(spell.spell);
         }
         let mut order: Vec<(&str, f64)> = minutes.into_iter().collect();
+        // Panes with the most minutes come first, as only the first ones have colours of their own.
         order.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(b.0)));
         let series: Vec<String> = order.iter().map(|(pane, _)| (*pane).to_owned()).collect();
         let day = |date: &Date| {
@@ -305,7 +311,8 @@ impl SpellRecord {
         Calendar { title, called, series, days: plan.dates.iter().map(day).collect() }
     }
 
-    /// Minutes that a pane causes, summed over receivers, and how many of these see it. A minute in which it does so by several chains counts once.
+    /// Returns for each pane the minutes it causes, summed over receivers, and the number of
+    /// receivers. Minutes that a receiver gets by several chains from one pane count once.
     fn of_panes(&self) -> BTreeMap<&str, PaneSum> {
         let mut sums: BTreeMap<&str, PaneSum> = BTreeMap::new();
         for of_receiver in self.spells.chunk_by(|a, b| a.0 == b.0) {
@@ -330,16 +337,16 @@ impl SpellRecord {
     }
 }
 
-/// What a pane does.
+/// Sums of the glare from a pane.
 #[derive(Default)]
 struct PaneSum {
     minutes: f64,
     receivers: u32,
-    /// Minutes at the receiver that gets most of them.
+    /// Minutes at the receiver with most of them.
     most: f64,
 }
 
-/// All days as one label.
+/// Returns one label for all days.
 fn label_of(plan: &DayPlan) -> String {
     let (Some(first), Some(last)) = (plan.dates.first(), plan.dates.last()) else { return String::new() };
     let lasts = last.day_number() - first.day_number() + 1;
@@ -350,7 +357,7 @@ fn label_of(plan: &DayPlan) -> String {
     }
 }
 
-/// A file of panes.
+/// File of panes.
 pub struct PaneFile<'a> {
     pub path: &'a Path,
     pub receivers: &'a ReceiverSet<'a>,
@@ -367,7 +374,7 @@ impl PaneFile<'_> {
         }
     }
 
-    /// Writes it.
+    /// Writes the file.
     pub fn write(&self, record: &SpellRecord, panes: &PaneList, plan: &DayPlan, resources: &Resources) -> Result<()> {
         let columns = [
             ("glare_minutes", "sun that it throws at receivers, sum over these", Measure::Minutes),
@@ -435,7 +442,7 @@ pub fn write_calendar(calendar: &Calendar, path: &Path, about: &Provenance) -> R
     sink.finish().map(drop)
 }
 
-/// A reading of the clock to the second.
+/// Formats a reading of the clock to the second.
 fn seconds_clock(minutes: f64) -> String {
     let seconds = (60.0 * minutes).round() as i64;
     format!(

@@ -1,5 +1,5 @@
-//! Answers of surfaces, windows and other groups. In: answers of receivers, their groups and shares of the area. Out: an answer a group, in the
-//! order of their names.
+//! Answers of surfaces, windows and other groups. In: answers of receivers, their groups and shares
+//! of the area. Out: an answer for each group, in the order of names.
 
 use std::path::Path;
 
@@ -19,24 +19,24 @@ pub struct GroupAnswers<'a> {
     groups: &'a Groups,
     sorter: Sorter,
     folder: &'a Path,
-    /// Receivers that came.
+    /// Number of receivers that were added.
     count: usize,
 }
 
-/// A part of a group.
+/// Receiver of a group, with its share of the group.
 struct GroupPart {
-    /// Of the area of the group.
+    /// Share of the area of the group.
     share: f64,
     answer: PlaceAnswer,
 }
 
 impl<'a> GroupAnswers<'a> {
-    /// None so far; what does not fit into memory goes to a folder.
+    /// Returns an empty collection; `folder` holds what does not fit into memory.
     pub fn new(groups: &'a Groups, folder: &'a Path, memory_bytes: usize) -> Self {
         GroupAnswers { groups, sorter: Sorter::new(folder, memory_bytes), folder, count: 0 }
     }
 
-    /// The answer of the next receiver.
+    /// Adds the answer of the next receiver.
     pub fn push(&mut self, answer: &PlaceAnswer) -> Result<()> {
         let (group, share) = (self.groups.place_of(self.count)?, self.groups.share_of(self.count)?);
         self.count += 1;
@@ -49,7 +49,7 @@ impl<'a> GroupAnswers<'a> {
         self.sorter.push(&group.to_be_bytes(), &bytes)
     }
 
-    /// Hands on the answers of groups, in order, until `take` gives false.
+    /// Hands the answers of groups to `take`, in order, until it returns false.
     pub fn each(self, asked: &Asked, lit_share: f64, mut take: impl FnMut(PlaceAnswer) -> Result<bool>) -> Result<()> {
         let GroupAnswers { groups, sorter, folder, .. } = self;
         let mut sorted = sorter.finish()?.peekable();
@@ -71,7 +71,7 @@ impl<'a> GroupAnswers<'a> {
     }
 }
 
-/// The middle of a group by area.
+/// Returns the middle of a group, by area.
 fn middle(parts: &[GroupPart]) -> DVec3 {
     parts.iter().map(|part| part.share * part.answer.position).sum()
 }
@@ -115,7 +115,8 @@ fn items_of(parts: &[GroupPart], asked: &Asked, lit_share: f64) -> Vec<Option<An
     (0..count).map(of_item).collect()
 }
 
-/// When enough of a group is lit at a time.
+/// Returns the spells of a day in which at least the share `least` of a group is lit at the same
+/// time.
 fn covered(day: usize, about: &[(&GroupPart, &AnswerItem)], shares: &[f64], least: f64) -> SunSeen {
     let of = |set: fn(&SunSeen) -> &Spells| {
         let sets = about.iter().zip(shares).filter_map(|((_, item), share)| Some((set(item.days.get(day)?), *share)));
@@ -124,7 +125,8 @@ fn covered(day: usize, about: &[(&GroupPart, &AnswerItem)], shares: &[f64], leas
     SunSeen { seen: of(|day| &day.seen), sure: of(|day| &day.sure), possible: of(|day| &day.possible) }
 }
 
-/// The item of the receiver that stands nearest to the middle of those that are asked; of equal ones the first.
+/// Returns the item of the receiver nearest to the middle of those with an item; of equally near
+/// ones, the first.
 fn nearest_to_middle<'p>(about: &[(&GroupPart, &'p AnswerItem)], shares: &[f64]) -> Option<&'p AnswerItem> {
     let middle: DVec3 = about.iter().zip(shares).map(|((part, _), share)| *share * part.answer.position).sum();
     let distance = |part: &GroupPart| part.answer.position.distance_squared(middle);
@@ -135,7 +137,8 @@ fn put(bytes: &mut Vec<u8>, value: f64) {
     bytes.extend(value.to_le_bytes());
 }
 
-/// An item: how many days it has, its value, their spells; no days and no number where there is none.
+/// Writes an item: its number of days, its value and the spells of its days. A missing item is
+/// written as NaN.
 fn put_item(bytes: &mut Vec<u8>, item: Option<&AnswerItem>) {
     let Some(AnswerItem { value, days, strongest, .. }) = item else { return put(bytes, f64::NAN) };
     put(bytes, days.len() as f64);
@@ -147,7 +150,7 @@ fn put_item(bytes: &mut Vec<u8>, item: Option<&AnswerItem>) {
     }
 }
 
-/// Inverse of what is pushed; none of bytes that are no such record.
+/// Reads a part from the bytes that were pushed; `None` for bytes that are no such record.
 fn part_of(bytes: &[u8]) -> Option<GroupPart> {
     let (values, rest) = bytes.as_chunks::<8>();
     let mut values = values.iter().map(|bytes| f64::from_le_bytes(*bytes));
@@ -182,7 +185,7 @@ fn part_of(bytes: &[u8]) -> Option<GroupPart> {
     })
 }
 
-/// Refuses rules about the middle of what has none.
+/// Refuses rules about the middle of a group that has none.
 pub fn check_middles(asked: &Asked, by: By) -> Result<()> {
     let Asked::Rules(rules) = asked else { return Ok(()) };
     if matches!(by, By::Receiver | By::Surface | By::Window) {

@@ -1,40 +1,41 @@
-//! What a rule measures of spells of sun. In: a rule with its days, the sun that is seen on them. Out: a value, how far it may be off, a verdict.
+//! Values of rules. In: a rule with its days, the sun that is seen on them. Out: a value, its
+//! uncertainty, a verdict.
 
 use super::days::PlannedRule;
 use super::rule::{DaysTogether, Rule, RuleMeasure, Threshold};
 use crate::outputs::quantities::Verdict;
 use heliotile_core::sunlight::{Spells, SunSeen};
 
-/// A value with the least and the most that it may be.
+/// Value of a rule, with its bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RuleValue {
-    /// Minutes, or percent.
+    /// Value: minutes, or percent.
     pub value: f64,
-    /// Of what is sure.
+    /// Lower bound, from spells that are sure.
     pub low: f64,
-    /// Of what is possible.
+    /// Upper bound, from spells that are possible.
     pub high: f64,
 }
 
-/// Values nearer to a threshold than this are on it: minutes are sums of rounded numbers.
+/// Largest distance from a threshold that counts as equal: minutes are sums of rounded numbers.
 const ON_IT: f64 = 1e-6;
 
 impl RuleValue {
-    /// A value without a doubt.
+    /// Returns a value without uncertainty.
     pub fn certain(value: f64) -> Self {
         RuleValue { value, low: value, high: value }
     }
 
-    /// How far the value may be off.
+    /// Returns the uncertainty of the value.
     pub fn uncertain(&self) -> f64 {
         (self.value - self.low).max(self.high - self.value).max(0.0)
     }
 
-    /// What a rule makes of it, and of what it was before a change.
+    /// Returns the verdict of a rule on the value, given the value before a change.
     pub fn judged(&self, rule: &Rule, before: Option<&RuleValue>) -> Verdict {
         let verdict = self.verdict(rule.threshold);
         match (rule.former_share, before) {
-            // Less than what was asked for before may be enough now, too.
+            // A value below the threshold may be enough if the value before was low, too.
             (Some(share), Some(before)) if verdict != Verdict::Met => {
                 let of_former = RuleValue {
                     value: self.value - share * before.value,
@@ -50,9 +51,9 @@ impl RuleValue {
         }
     }
 
-    /// What the threshold makes of it.
+    /// Returns the verdict of a threshold on the value.
     pub fn verdict(&self, threshold: Threshold) -> Verdict {
-        // Whether the worst and the best that it may be are good enough.
+        // True for the worst and for the best possible value if it meets the threshold.
         let (worst, best) = match threshold {
             Threshold::AtLeast(least) => (self.low >= least - ON_IT, self.high >= least - ON_IT),
             Threshold::AtMost(most) => (self.high <= most + ON_IT, self.low <= most + ON_IT),
@@ -64,11 +65,12 @@ impl RuleValue {
         }
     }
 
-    /// The value that is reached, or not exceeded, on this share of an area: of parts with their values, whose shares add up to 1.
+    /// Returns the value that is reached, or not exceeded, on a share of an area. `parts` have
+    /// shares that add up to 1, and values.
     pub fn reached_on(share: f64, threshold: Threshold, parts: &[(f64, RuleValue)]) -> Self {
         let reached = |of: fn(&RuleValue) -> f64| {
             let mut sorted: Vec<(f64, f64)> = parts.iter().map(|(share, value)| (of(value), *share)).collect();
-            // The best parts first.
+            // The best parts come first.
             sorted.sort_by(|a, b| match threshold {
                 Threshold::AtLeast(_) => b.0.total_cmp(&a.0),
                 Threshold::AtMost(_) => a.0.total_cmp(&b.0),
@@ -89,7 +91,7 @@ impl RuleValue {
 }
 
 impl PlannedRule {
-    /// The value of what is seen on the rule's days, `[day of the rule]`, when the sun counts.
+    /// Returns the value of the sun that is seen while it counts, `[day of the rule]`.
     pub fn value(&self, seen: &[SunSeen]) -> RuleValue {
         let of = |set: fn(&SunSeen) -> &Spells| {
             let minutes: Vec<f64> = seen.iter().map(|day| self.minutes(set(day))).collect();
@@ -98,7 +100,7 @@ impl PlannedRule {
         RuleValue { value: of(|day| &day.seen), low: of(|day| &day.sure), high: of(|day| &day.possible) }
     }
 
-    /// Minutes of a day that the rule counts.
+    /// Returns the minutes of a day that the rule counts.
     fn minutes(&self, spells: &Spells) -> f64 {
         match (self.rule.measure, self.rule.least_spell_min) {
             (RuleMeasure::LongestSpell, _) => spells.longest_min(),
@@ -128,9 +130,10 @@ impl PlannedRule {
 mod tests {
     use super::*;
 
-    /// 120 minutes that may be 119 to 121 are close to a threshold of 120, meet one of 119 and break one of 121.5; they are close to at most 119,
-    /// meet at most 121 and break at most 118. A half of an area reaches what its better parts of 30 and 20 % do, a tenth of it the best part's
-    /// value; six tenths of it do not exceed the middle value.
+    /// 120 minutes that may be 119 to 121 are close to a threshold of 120, meet one of 119 and
+    /// break one of 121.5; they are close to at most 119, meet at most 121 and break at most 118.
+    /// Half of an area reaches the lower value of its better parts of 30 and 20 %, a tenth of it
+    /// the value of the best part; six tenths of it do not exceed the middle value.
     #[test]
     fn verdicts_and_areas() {
         let value = RuleValue { value: 120.0, low: 119.0, high: 121.0 };

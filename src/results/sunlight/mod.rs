@@ -1,8 +1,9 @@
-//! Hours of possible sun, and the rules that ask for them. In: archives, dates, rules. Out: tables, maps and pictures of minutes by day or period,
-//! or of what each rule says of each place.
+//! Hours of possible sun, and rules about them. In: archives, dates, rules. Out: tables, maps and
+//! pictures of minutes by day or period, or of the verdict of each rule on each place.
 //!
-//! Nothing is replayed: the path of the sun is followed through the sky textures ([`heliotile_core::sunlight`]). Clouds are left out of account
-//! unless a rule counts probable hours. Leaves and screens take nothing.
+//! Nothing is replayed: the path of the sun is followed through the sky textures
+//! ([`heliotile_core::sunlight`]). Clouds are ignored unless a rule counts probable hours. Leaves
+//! and screens block nothing.
 
 mod calendar;
 mod clock;

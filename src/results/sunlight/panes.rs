@@ -1,5 +1,5 @@
-//! Panes: the surfaces of a scene that reflect like mirrors. In: the scene in an archive. Out: panes with names and outlines, and which of them is
-//! seen in a direction.
+//! Panes: the surfaces of a scene that reflect like mirrors. In: the scene in an archive. Out:
+//! panes with names and outlines, and the pane of each triangle.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,27 +13,27 @@ use heliotile_scene::Scene;
 use heliotile_scene::covering::surfaces::{Surface, Surfaces};
 use heliotile_scene::load::Soup;
 
-/// What a scene without objects is called.
+/// Name of the object in a scene without objects.
 const SCENE: &str = "scene";
 
-/// A surface that reflects like a mirror.
+/// Surface that reflects like a mirror.
 #[derive(Clone, Debug)]
 pub struct Pane {
-    /// Name of its object, with a number behind it where that has several.
+    /// Name of its object, with a number behind it if the object has several panes.
     pub name: String,
-    /// What it is made of.
+    /// Name of its material.
     pub material: String,
     surface: Surface,
 }
 
-/// The panes of a scene.
+/// Panes of a scene.
 pub struct ScenePanes {
     panes: Vec<Arc<Pane>>,
-    /// By triangle of the mesh.
+    /// Index into `panes`, by triangle of the mesh.
     of_triangle: BTreeMap<usize, usize>,
 }
 
-/// The panes of all archives that are asked, by name.
+/// Panes of all archives of a request, by name.
 #[derive(Default)]
 pub struct PaneList(Mutex<BTreeMap<String, Arc<Pane>>>);
 
@@ -46,7 +46,8 @@ impl ScenePanes {
         for of_object in list.chunk_by(|a, b| a.object == b.object) {
             for (number, surface) in (1..).zip(of_object) {
                 let object = objects.get(surface.object).map_or("", |(name, _)| name.as_str());
-                // Kinds that a model states are not in archives, so these are not the names of surfaces.
+                // Archives do not hold the kinds that a model states, so these names differ from
+                // those of surfaces.
                 let name = match of_object {
                     [_] => object.to_owned(),
                     _ => format!("{object}/pane{number}"),
@@ -59,14 +60,14 @@ impl ScenePanes {
         ScenePanes { panes, of_triangle }
     }
 
-    /// The pane that a triangle of the mesh is a part of.
+    /// Returns the pane that a triangle of the mesh belongs to.
     pub fn of_triangle(&self, triangle: usize) -> Option<&Arc<Pane>> {
         self.panes.get(*self.of_triangle.get(&triangle)?)
     }
 }
 
 impl PaneList {
-    /// Adds those of a scene; of equal names the first one counts.
+    /// Adds the panes of a scene; of panes with equal names the first one counts.
     pub fn add(&self, scene: &ScenePanes) {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         for pane in &scene.panes {
@@ -74,14 +75,14 @@ impl PaneList {
         }
     }
 
-    /// All of them in the order of their names.
+    /// Returns all panes, in the order of names.
     pub fn all(&self) -> Vec<Arc<Pane>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).values().cloned().collect()
     }
 }
 
 impl Pane {
-    /// As what is drawn of a receiver that stands for all of it.
+    /// Returns a receiver that stands for all of the pane, for drawing.
     pub fn drawn(&self) -> Receiver {
         let Surface { triangles, area_m2, normal, .. } = &self.surface;
         let corners = triangles.len() * 3;
@@ -95,7 +96,7 @@ fn material_of(scene: &Scene, number: u16) -> Option<&Material> {
     scene.materials.get(usize::from(number))
 }
 
-/// The mirrors of a scene, a face for each triangle.
+/// Returns the mirrors of a scene, with a face for each triangle.
 fn soup_of(scene: &Scene) -> Soup {
     let (mesh, objects) = (&scene.mesh, &scene.objects);
     let mut soup = Soup::default();

@@ -1,4 +1,5 @@
-//! From answers to files. In: a request, the receivers of open archives. Out: tables, maps and pictures, and what was found.
+//! From answers to files. In: a request, the receivers of open archives. Out: tables, maps and
+//! pictures, and the counts of the results.
 
 use std::path::{Path, PathBuf};
 
@@ -26,30 +27,30 @@ use heliotile_core::memory::Use;
 use heliotile_core::opened::OpenSite;
 use heliotile_core::text::counted;
 
-/// Places whose rows are written together.
+/// Number of places whose rows are written together.
 const PLACES_AT_ONCE: usize = 256;
 
-/// The sun moves so far in a minute at most, degrees.
+/// Largest movement of the sun in a minute, degrees.
 const DEGREES_A_MINUTE: f64 = 0.25;
 
 /// Kind of the surfaces of windows.
 const WINDOW: &str = "window";
 
-/// Open archives of a site, and the receivers that are asked.
+/// Open archives of a site, and the receivers of the request.
 #[derive(Clone, Copy)]
 pub struct SunlightSite<'a> {
-    /// The archives.
+    /// Archives of the site.
     pub archives: Archives<'a>,
-    /// The receivers.
+    /// Receivers of the request.
     pub receivers: &'a ReceiverSet<'a>,
-    /// Where the archive or the atlas lies.
+    /// Path of the archive or of the atlas.
     pub place: &'a Path,
-    /// Folder for what does not fit into memory.
+    /// Folder for temporary files that do not fit into memory.
     pub folder: &'a Path,
 }
 
 impl SunlightRequest {
-    /// Writes the files; `before` is the site before a change, where one is asked for.
+    /// Writes the files; `before` is the site before a change, if one is requested.
     pub fn write(
         &self,
         files: &FileRequest,
@@ -143,7 +144,8 @@ impl SunlightRequest {
         Ok(SunlightDone { places, days: plan.dates.len() as u64, rules })
     }
 
-    /// Hands on the answers of receivers, or of their groups; `keep` sees those of receivers first.
+    /// Hands the answers of receivers, or of their groups, to `take`; `keep` gets those of
+    /// receivers first.
     fn each(
         &self,
         questions: &PlaceQuestions,
@@ -167,7 +169,7 @@ impl SunlightRequest {
         answers.each(questions.asked, self.lit_share, take)
     }
 
-    /// The values of the site before, by the names of places after.
+    /// Returns the values of the site before, by the names of places after.
     fn former(
         &self,
         by: By,
@@ -194,7 +196,7 @@ impl SunlightRequest {
         Ok(former)
     }
 
-    /// What is looked at, for pictures.
+    /// Returns a description of the results in words, for pictures.
     fn called(&self, columns: &DayColumns, place: &Path) -> String {
         let first = columns.labels().text.into_iter().next().unwrap_or_default();
         match self.rules.is_empty() {
@@ -204,7 +206,8 @@ impl SunlightRequest {
         }
     }
 
-    /// Refuses the question of the sun in mirrors where nothing has any, now or before; rules are met there, which is said.
+    /// Refuses a request for glare if the scene has no mirrors, now or before. If only rules ask
+    /// for it, they are met, and a note says so.
     fn check_mirrors(
         &self,
         asked: &Asked,
@@ -235,7 +238,7 @@ impl SunlightRequest {
         Err(Error::input(path, None, what, hint))
     }
 
-    /// Tells what a user should know of archives.
+    /// Warns of properties of archives that a user should know.
     fn tell(&self, archives: Archives, resources: &Resources) {
         let observer = resources.observer;
         archives.iter().filter_map(preview).for_each(|text| observer.warn(&text));
@@ -256,7 +259,7 @@ impl SunlightRequest {
     }
 }
 
-/// The receivers of windows, where rows are about these.
+/// Returns the receivers of windows, if rows are about windows.
 fn windows_of<'a>(site: &SunlightSite<'a>, by: By) -> Result<Option<ReceiverSet<'a>>> {
     if by != By::Window {
         return Ok(None);
@@ -275,9 +278,9 @@ struct RowBatch<'a> {
     columns: &'a DayColumns<'a>,
     extents: Option<&'a [Extent]>,
     names: Vec<String>,
-    /// `[number][place][label]`
+    /// Values of the rows, `[number][place][label]`.
     arrays: Vec<Vec<f32>>,
-    /// Places that were added.
+    /// Number of places that were added.
     places: u64,
     counts: Vec<RuleCount>,
 }
@@ -293,7 +296,7 @@ impl<'a> RowBatch<'a> {
         RowBatch { columns, extents: groups.map(Groups::extents), names: Vec::new(), arrays, places: 0, counts }
     }
 
-    /// Adds a place; false once nobody reads any more.
+    /// Adds a place; returns false if the reader of the output has gone away.
     fn add(&mut self, answer: PlaceAnswer, files: &mut RowFiles) -> Result<bool> {
         for (array, values) in self.arrays.iter_mut().zip(self.columns.values(&answer.items)) {
             array.extend(values);

@@ -1,4 +1,5 @@
-//! What each receiver sees of the sun. In: receivers, days, what is asked. Out: an answer a receiver, in order.
+//! Sun on receivers, direct and by mirrors. In: receivers, days, a request. Out: an answer for each
+//! receiver, in order.
 
 use std::collections::HashMap;
 
@@ -26,9 +27,9 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_core::sunlight::{GlareAngles, MirrorSpells, SeenSky, Spells, Strongest, SunSeen, TileMirrors, in_any};
 use heliotile_core::units::tilt_and_azimuth;
 
-/// What rows are.
+/// Subject of the rows of a request.
 pub enum Asked {
-    /// Days, or periods of them.
+    /// Days, or periods of days.
     Dates(DateRows),
     /// Rules.
     Rules(Vec<PlannedRule>),
@@ -36,82 +37,82 @@ pub enum Asked {
 
 /// Rows of days.
 pub struct DateRows {
-    /// Their labels.
+    /// Labels of the rows.
     pub labels: RowLabels,
-    /// `[date]`: its label.
+    /// `[date]`: index of its label.
     pub label_of_date: Vec<usize>,
-    /// Whether each is of one day.
+    /// True if each row is of one day.
     pub is_by_day: bool,
 }
 
-/// What a receiver or a group sees.
+/// Answer of a receiver or a group.
 #[derive(Clone, Debug)]
 pub struct PlaceAnswer {
     /// Name of the receiver, or of the group.
     pub name: String,
-    /// Where the receiver stands.
+    /// Position of the receiver, or the middle of the group.
     pub position: DVec3,
-    /// One a date, or one a rule; none of a rule that is not about it.
+    /// Items, one a date or one a rule; `None` for a rule that does not apply to the place.
     pub items: Vec<Option<AnswerItem>>,
-    /// Spells of sun in mirrors, where these are asked for; none of groups.
+    /// Spells of glare, if requested; empty for groups.
     pub spells: Vec<GlareSpell>,
 }
 
-/// What is seen on a date, or by a rule.
+/// Result for a date or a rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnswerItem {
     /// Minutes of the date, or the value of the rule.
     pub value: RuleValue,
-    /// What is seen on the date, or on each day of the rule; none where only the value counts.
+    /// Spells on the date, or on each day of the rule; empty if only the value is needed.
     pub days: Vec<SunSeen>,
-    /// How strong the sun in mirrors is, on dates on which it is seen.
+    /// Strongest image of the sun, on dates with glare.
     pub strongest: Option<Strongest>,
-    /// The value before a change, where there was one.
+    /// Value before a change, if there was one.
     pub before: Option<RuleValue>,
 }
 
-/// Receivers that are asked, and how.
+/// Receivers and the computation that is requested for them.
 #[derive(Clone, Copy)]
 pub struct PlaceQuestions<'a> {
-    /// Which receivers.
+    /// Receivers to compute.
     pub receivers: &'a ReceiverSet<'a>,
-    /// Days.
+    /// Days to compute.
     pub plan: &'a DayPlan,
-    /// What of them.
+    /// Subject of the rows: dates or rules.
     pub asked: &'a Asked,
-    /// The sun counts from this height on, degrees; rules have heights of their own.
+    /// Least altitude of the sun, degrees, at which it counts. Rules have altitudes of their own.
     pub least_altitude_deg: f64,
-    /// Of rows of days: the sun in mirrors that counts, in place of the sun itself.
+    /// Angles of glare that counts, if rows of days are about glare instead of the sun itself.
     pub glare: Option<GlareAngles>,
-    /// Where panes are told, if spells of sun in mirrors are asked for.
+    /// Collector of the panes, if spells of glare are requested.
     pub panes: Option<&'a PaneList>,
-    /// Whether edges within texels are found by rays.
+    /// True if edges within texels are decided by rays.
     pub exact: bool,
-    /// Whether groups will need the spells of rules that count parts of an area at a time.
+    /// True if groups will need spells, for rules about parts of an area at the same time.
     pub is_of_groups: bool,
 }
 
-/// Surfaces that lean less than this have no side, degrees: roofs that are nearly flat, and ceilings.
+/// Tilt below which surfaces have no side, degrees: roofs that are nearly flat, and ceilings.
 const LEVEL_DEG: f64 = 5.0;
 
-/// When surfaces of a normal see the sun's side: by the bits of the normal.
+/// Spells in which surfaces of a normal face the sun, by the bits of the normal.
 type Fronts = HashMap<[u64; 3], Vec<Spells>>;
 
-/// What a part of the receivers is asked with.
+/// Inputs for the receivers of one archive.
 struct PartQuestions<'p> {
     all: &'p PlaceQuestions<'p>,
     part: &'p PartReceivers<'p>,
     suns: SunDays,
-    /// `[date]`: when the sun stands high enough, where a height is asked for.
+    /// `[date]`: spells with the sun high enough, if an altitude is requested.
     high: Option<Vec<Spells>>,
     sky: Option<SkyComponents<'p>>,
-    /// Where the sun itself is asked for.
+    /// True if the sun itself is needed.
     wants_sun: bool,
     rays: Option<Siting<'p>>,
     mirrors: Option<PartMirrors<'p>>,
 }
 
-/// The mirrors of a part.
+/// Mirrors of one archive.
 struct PartMirrors<'p> {
     table: MirrorTable,
     rays: Option<PartRays<'p>>,
@@ -120,28 +121,28 @@ struct PartMirrors<'p> {
 /// Rays by way of mirrors.
 struct PartRays<'p> {
     rays: MirrorRays<'p>,
-    /// `[number in the archive]`: the scene's number of a mirror.
+    /// `[number in the archive]`: number of the mirror in the scene.
     numbers: Vec<u16>,
-    /// Where spells are told.
+    /// Panes, if spells are requested.
     panes: Option<ScenePanes>,
 }
 
-/// What a receiver sees: `[date]`, none of what is not asked for.
+/// Spells that a receiver sees, `[date]`; empty for what is not requested.
 struct ReceiverSees<'m> {
     sun: Vec<SunSeen>,
-    /// By chain.
+    /// Spells by chain of mirrors.
     mirrors: Vec<Vec<MirrorSpells<'m>>>,
 }
 
 impl AnswerItem {
-    /// Only the value counts.
+    /// Returns an item with a value only.
     pub fn of(value: RuleValue) -> Self {
         AnswerItem { value, days: Vec::new(), strongest: None, before: None }
     }
 }
 
 impl PlaceQuestions<'_> {
-    /// Hands on the answers of all receivers in order, until `take` gives false.
+    /// Hands the answers of all receivers to `take`, in order, until it returns false.
     pub fn each(&self, resources: &Resources, mut take: impl FnMut(PlaceAnswer) -> Result<bool>) -> Result<()> {
         let progress = self.receivers.progress(resources.observer);
         for part in self.receivers.parts().iter().filter(|part| !part.tiles().is_empty()) {
@@ -179,7 +180,7 @@ impl PlaceQuestions<'_> {
         Ok(())
     }
 
-    /// Items of an answer.
+    /// Returns the number of items of an answer.
     pub fn items(&self) -> usize {
         match self.asked {
             Asked::Dates(_) => self.plan.dates.len(),
@@ -187,7 +188,7 @@ impl PlaceQuestions<'_> {
         }
     }
 
-    /// Whether the sun in mirrors is asked for, or the sun itself.
+    /// Returns true if the sun in mirrors is needed, or the sun itself if `in_mirrors` is false.
     fn wants(&self, in_mirrors: bool) -> bool {
         match self.asked {
             Asked::Dates(_) => self.glare.is_some() == in_mirrors,
@@ -197,7 +198,7 @@ impl PlaceQuestions<'_> {
         }
     }
 
-    /// The mirrors of a part, with its scene where rays are cast.
+    /// Returns the mirrors of one archive, with its scene if rays are cast.
     fn mirrors<'p>(&self, part: &PartReceivers, prepared: Option<&'p PreparedScene<'p>>) -> Result<PartMirrors<'p>> {
         let table = MirrorTable::of(&part.site);
         let rays = match prepared {
@@ -226,7 +227,7 @@ impl PlaceQuestions<'_> {
 }
 
 impl PartQuestions<'_> {
-    /// Tiles whose bits fit into memory together.
+    /// Returns the number of tiles whose bitmaps fit into memory together.
     fn tiles_at_once(&self, resources: &Resources) -> usize {
         let fine = self.part.site.settings().sky_fine as u64;
         let rows = self.part.tiles().iter().map(|tile| self.part.site.tile_rows(tile.number)).max().unwrap_or(1);
@@ -252,6 +253,8 @@ impl PartQuestions<'_> {
             let sun = match skies.get(row) {
                 None => Vec::new(),
                 Some(sky) => {
+                    // Many receivers share a normal, so the spells in front of it are computed
+                    // once.
                     let front = fronts.entry(receiver.normal.to_array().map(f64::to_bits)).or_insert_with(|| {
                         let days = self.suns.days.iter();
                         days.map(|day| day.before(receiver.normal, 0.0).within(&day.up)).collect()
@@ -268,7 +271,7 @@ impl PartQuestions<'_> {
         Ok(answers)
     }
 
-    /// What a receiver sees of the sun itself.
+    /// Returns the spells in which a receiver sees the sun itself.
     fn sun(&self, receiver: &Receiver, mut sky: SeenSky, front: &[Spells]) -> Vec<SunSeen> {
         let rays = self.rays.as_ref().map(|siting| siting.sun_rays(receiver.position, receiver.normal));
         let days = self.suns.passes.iter().zip(&self.suns.days).zip(front);
@@ -282,7 +285,7 @@ impl PartQuestions<'_> {
         days.map(of_day).collect()
     }
 
-    /// What it sees of the sun in mirrors.
+    /// Returns the spells in which a receiver sees the sun in mirrors.
     fn mirrored<'m>(&self, receiver: &Receiver, mirrors: &'m TileMirrors, row: usize) -> Vec<Vec<MirrorSpells<'m>>> {
         let mut suns = mirrors.of_receiver(row, receiver.normal);
         let rays = self.mirrors.as_ref().and_then(|mirrors| mirrors.rays.as_ref()).filter(|_| self.all.exact);
@@ -301,7 +304,7 @@ impl PartQuestions<'_> {
         days.map(of_day).collect()
     }
 
-    /// The spells of sun in mirrors, where they are told.
+    /// Returns the spells of glare, if they are requested.
     fn spells(&self, receiver: &Receiver, sees: &ReceiverSees) -> Vec<GlareSpell> {
         let rays = self.mirrors.as_ref().and_then(|mirrors| mirrors.rays.as_ref());
         let Some((of, panes)) = rays.and_then(|of| of.panes.as_ref().map(|panes| (of, panes))) else {
@@ -321,7 +324,7 @@ impl PartQuestions<'_> {
         all
     }
 
-    /// What is seen while the sun stands high enough.
+    /// Returns the part of the spells in which the sun is high enough.
     fn high(&self, number: usize, seen: SunSeen) -> SunSeen {
         match self.high.as_ref().and_then(|high| high.get(number)) {
             Some(high) => seen.within(high),

@@ -1,4 +1,5 @@
-//! What is asked of sunlight. In: the choices of a user. Out: the same as one value that was checked; a plan of days and rules.
+//! Request for hours of sun. In: the choices of a user. Out: these choices as one value that was
+//! checked; a plan of days and rules.
 
 use std::path::{Path, PathBuf};
 
@@ -25,66 +26,68 @@ use heliotile_core::weather::time::sun::Location;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 use heliotile_core::weather::time::years::Years;
 
-/// Minutes of possible sun on days, or what rules say of them.
+/// Request for minutes of possible sun on days, or for the verdicts of rules.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SunlightRequest {
-    /// Days: as `03-21`, `2026-03-21`, `02-19..10-21` or `year`. With rules: those of rules that have none of their own.
+    /// Days, written as `03-21`, `2026-03-21`, `02-19..10-21` or `year`. With rules: the days of
+    /// rules that have none of their own.
     pub dates: Vec<DaySpan>,
-    /// The year of days that name none.
+    /// Year of days that name none.
     pub year: i32,
-    /// What a row stands for, without rules: a day, or all days of a month, a year or all of them.
+    /// Period of a row, without rules: a day, or all days of a month, of a year, or all of them.
     pub every: Every,
     /// Names of shipped rules, or files of rules.
     pub rules: Vec<String>,
-    /// Archive or atlas before a change, whose values stand beside.
+    /// Archive or atlas before a change, whose values are listed beside those after.
     pub before: Option<PathBuf>,
-    /// Clock that hours are told by; none: that of the weather, or whole hours by the longitude.
+    /// Clock of the results; `None`: the clock of the weather, or whole hours by the longitude.
     pub zone: Option<ClockZone>,
-    /// The sun counts from this height on, degrees.
+    /// Least altitude of the sun, degrees, at which it counts.
     pub least_altitude_deg: f64,
-    /// Of groups without rules: a moment counts when this share of the area is lit; 0: any of it.
+    /// Share of the area of a group that must be lit for a moment to count, without rules; 0: any
+    /// of it.
     pub lit_share: f64,
-    /// The sun in mirrors, in place of the sun itself.
+    /// Glare, in place of the sun itself.
     pub glare: Option<GlareChoice>,
-    /// Whether moments that hang on an edge within a texel are found by rays of the scene in the archive.
+    /// True if moments at an edge within a texel are decided by rays of the scene in the archive.
     pub exact: bool,
     /// Weather file whose sunny hours count, for rules of probable hours.
     pub weather: Option<PathBuf>,
-    /// What is known of the weather file that it does not state.
+    /// Facts about the weather file that it does not state itself.
     pub about_weather: WeatherOptions,
 }
 
-/// What was found.
+/// Counts of the results.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SunlightDone {
-    /// Receivers or groups.
+    /// Number of receivers or groups.
     pub places: u64,
-    /// Days that were looked at.
+    /// Number of days.
     pub days: u64,
-    /// What each rule says.
+    /// Counts of each rule's verdicts.
     pub rules: Vec<RuleCount>,
 }
 
-/// Places by what a rule says of them.
+/// Numbers of places by the verdict of a rule.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RuleCount {
     /// Name of the rule.
     pub rule: String,
-    /// Places that meet it.
+    /// Number of places that meet it.
     pub met: u64,
-    /// Places that break it.
+    /// Number of places that break it.
     pub broken: u64,
-    /// Places whose value is as near to the threshold as it is uncertain.
+    /// Number of places whose distance from the threshold is within their uncertainty.
     pub close: u64,
-    /// Places that it is not about.
+    /// Number of places to which it does not apply.
     pub not_asked: u64,
-    /// Places that break it and did not before.
+    /// Number of places that break it and did not before.
     pub newly_broken: u64,
 }
 
 impl SunlightDone {
-    /// What was found, in lines.
+    /// Returns the counts, in lines of text.
     pub fn text(&self) -> String {
         let (places, days) = (counted(self.places, "place"), counted(self.days, "day"));
         let rule = |count: &RuleCount| {
@@ -103,7 +106,7 @@ impl SunlightDone {
     }
 }
 
-/// Whether two names are of one file, as far as names tell.
+/// Returns true if two paths name the same file; links are not resolved.
 fn is_same_name(a: &Path, b: &Path) -> bool {
     let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     whole(a) == whole(b)
@@ -129,8 +132,8 @@ impl Default for SunlightRequest {
 }
 
 impl SunlightRequest {
-    /// Refuses numbers out of range, choices that exclude each other, rules that are none, and files that cannot hold such results, before an
-    /// archive is opened.
+    /// Refuses numbers out of range, choices that exclude each other, unknown rules, and files that
+    /// cannot hold such results, before an archive is opened.
     pub fn check(&self, files: &FileRequest, inputs: &[&Path]) -> Result<()> {
         if self.dates.is_empty() && self.rules.is_empty() {
             let hint = "give {dates} 03-21, or {rule} with a name such as tno-light";
@@ -187,19 +190,20 @@ impl SunlightRequest {
         files.check(None, None, &inputs)
     }
 
-    /// The pictures that are calendars.
+    /// Returns the pictures that are calendars.
     pub(super) fn calendars<'f>(&self, files: &'f FileRequest) -> impl Iterator<Item = &'f Path> {
         let is_calendar = |plot: &&Path| plot.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
         files.plots.iter().map(PathBuf::as_path).filter(is_calendar)
     }
 
-    /// Files that are read besides archives.
+    /// Returns the files that are read besides archives.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let own = self.rules.iter().filter(|name| name.ends_with(".toml")).map(Path::new);
         own.chain(self.weather.as_deref()).chain(self.before.as_deref())
     }
 
-    /// Days, rules and labels of rows; reads rules and weather, and tells what is odd about these.
+    /// Returns the days, and rules or labels of rows. Reads rules and weather, and warns of what is
+    /// odd about them.
     pub(super) fn plan(&self, archives: Archives, resources: &Resources) -> Result<(DayPlan, Asked)> {
         let rules = read_rules(&self.rules)?;
         let place = archives.manifest().place;
@@ -238,7 +242,7 @@ impl SunlightRequest {
         let offset_h = f64::from(offset.minutes()) / 60.0;
         let site = Location::new(place.latitude_deg, place.longitude_deg, offset_h, 0.0);
         let site = site.map_err(|what| Error::input(archives.first().path(), None, what, "state another place"))?;
-        // Days that are asked for are those of rules that have none.
+        // Requested days are used only by rules without days of their own.
         let are_used = rules.is_empty() || rules.iter().any(|rule| rule.needs_days() && rule.dates.is_empty());
         let asked = are_used.then_some(self.dates.as_slice());
         let spans: Vec<&[DaySpan]> = rules.iter().map(|rule| rule.dates.as_slice()).chain(asked).collect();
@@ -258,7 +262,7 @@ impl SunlightRequest {
         Ok((plan, Asked::Rules(rules)))
     }
 
-    /// The rows of days.
+    /// Returns the rows of days.
     fn rows(&self, plan: &DayPlan) -> DateRows {
         let years = if plan.names_years { Years::Several } else { Years::Typical };
         let stamps: Vec<Stamp> =

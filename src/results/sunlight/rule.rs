@@ -1,5 +1,5 @@
-//! A rule of sunlight or of the sun in mirrors: which days and hours count, what of a place has to be lit, and for how long. In: tables of TOML.
-//! Out: rules whose numbers are in range.
+//! Rule of sunlight or glare: the days and hours that count, the part of a place that must be lit,
+//! and the time. In: tables of TOML. Out: rules whose numbers are in range.
 
 use std::fmt;
 
@@ -10,126 +10,127 @@ use heliotile_core::named::NamedValues;
 use heliotile_core::serde_by_name;
 use heliotile_core::sunlight::GlareAngles;
 
-/// A rule.
+/// Rule of sunlight or glare.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "StatedRule")]
 pub struct Rule {
     /// Name in results.
     pub name: String,
-    /// What it asks for, in words.
+    /// Requirement in words.
     pub title: String,
-    /// Where that is written.
+    /// Source of the requirement.
     pub source: String,
-    /// What of it could not be confirmed.
+    /// Parts of the rule that could not be confirmed; empty if all were.
     pub unconfirmed: String,
-    /// Days that count; none: those that are asked for.
+    /// Days that count; empty: the days of the request.
     pub dates: Vec<DaySpan>,
-    /// How the days become one number.
+    /// Way in which the days become one number.
     pub days: DaysTogether,
-    /// What is measured.
+    /// Measure of the rule.
     pub measure: RuleMeasure,
-    /// Which values meet the rule.
+    /// Threshold that values must meet.
     pub threshold: Threshold,
-    /// Hours of the clock that count, minutes after midnight.
+    /// Hours of the clock that count; `None`: all.
     pub hours: Option<ClockHours>,
-    /// The sun counts from this height on, degrees.
+    /// Least altitude of the sun, degrees, at which it counts.
     pub least_altitude_deg: f64,
-    /// Shorter spells do not count, minutes.
+    /// Least length of a spell that counts, minutes.
     pub least_spell_min: f64,
-    /// The sun counts from this angle to the surface on, degrees.
+    /// Least angle between the sun and the surface, degrees, at which it counts.
     pub least_angle_deg: f64,
-    /// Of the sun in mirrors: which of it counts.
+    /// Angles of glare that counts, for rules of glare.
     pub angles: GlareAngles,
-    /// Kinds of surfaces that it is about; none: all.
+    /// Kinds of surfaces that the rule applies to; empty: all.
     pub kinds: Vec<String>,
-    /// Surfaces that face from one azimuth clockwise to another, degrees from true north; none: all.
+    /// Range of azimuths, clockwise from one to the other, degrees from true north, of surfaces
+    /// that the rule applies to; `None`: all.
     pub facing_deg: Option<[f64; 2]>,
-    /// What of a surface has to be lit.
+    /// Part of a surface that must be lit.
     pub part: LitPart,
-    /// Beside an archive before a change: a value below the threshold is no fault if it is at least this share of what it was.
+    /// Share of the value before a change that is enough even if the value is below the threshold.
     pub former_share: Option<f64>,
 }
 
-/// Which values meet a rule: minutes, or percent.
+/// Threshold of a rule: minutes, or percent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Threshold {
-    /// This one, or more.
+    /// Least value that meets the rule.
     AtLeast(f64),
-    /// This one, or less.
+    /// Greatest value that meets the rule.
     AtMost(f64),
 }
 
 /// Hours of a day.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClockHours {
-    /// Minutes after midnight.
+    /// Beginning, minutes after midnight.
     pub from_min: f64,
-    /// Minutes after midnight, later.
+    /// End, minutes after midnight.
     pub to_min: f64,
-    /// Which clock tells them.
+    /// Clock of the hours.
     pub clock: RuleClock,
 }
 
-/// What of a surface, or of another group of receivers, has to be lit.
+/// Part of a surface, or of another group of receivers, that must be lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LitPart {
-    /// The receiver that is nearest to its middle.
+    /// Receiver that is nearest to the middle.
     Middle,
-    /// This share of its area at a time: a moment counts when so much is lit.
+    /// Share of the area that must be lit at the same time.
     AtATime(f64),
-    /// This share of its area, each place for so long, be it at other times.
+    /// Share of the area of which each part must be lit for the required time, at any times.
     InTurn(f64),
 }
 
-/// How the days of a rule become one number.
+/// Way in which the days of a rule become one number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DaysTogether {
-    /// The least of them: each day has to meet the rule.
+    /// Worst of the days: each day must meet the rule.
     #[default]
     Each,
-    /// The most of them: one day has to.
+    /// Best of the days: one day must meet the rule.
     Any,
-    /// Their mean.
+    /// Mean of the days.
     Mean,
-    /// Their sum.
+    /// Sum of the days.
     Sum,
 }
 
-/// What a rule measures.
+/// Measure of a rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RuleMeasure {
     /// Minutes of sun.
     #[default]
     Minutes,
-    /// The longest spell, minutes.
+    /// Longest spell, minutes.
     LongestSpell,
     /// Hours in which the sun shines by the weather file, percent of all such hours on open ground.
     ProbablePercent,
     /// Vertical sky component, percent.
     VscPercent,
-    /// Minutes in which mirrors throw the sun at a place.
+    /// Minutes of glare: mirrors reflect the sun to the place.
     GlareMinutes,
 }
 
-/// Which clock tells hours.
+/// Clock of the hours of a rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RuleClock {
-    /// The zone's standard time.
+    /// Standard time of the zone.
     #[default]
     Standard,
-    /// Its legal time, which may be summer time.
+    /// Legal time of the zone, which may be summer time.
     Legal,
     /// True solar time: the sun is highest at 12.
     Solar,
 }
 
 impl RuleMeasure {
-    /// Whether values are percent, not minutes.
+    /// Returns true if values are percent, not minutes.
     pub fn is_percent(self) -> bool {
         matches!(self, RuleMeasure::ProbablePercent | RuleMeasure::VscPercent)
     }
 
-    /// Whether the sun in mirrors is measured, not the sun.
+    /// Returns true if the measure is of the sun in mirrors, not of the sun itself.
     pub fn is_of_mirrors(self) -> bool {
         self == RuleMeasure::GlareMinutes
     }
@@ -164,7 +165,7 @@ impl NamedValues for RuleClock {
 
 serde_by_name!(DaysTogether, RuleMeasure, RuleClock);
 
-/// A reading of the clock, as `09:30`.
+/// Reading of the clock, written as `09:30`.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(try_from = "String")]
 struct ClockTime(f64);
@@ -183,7 +184,7 @@ impl TryFrom<String> for ClockTime {
     }
 }
 
-/// A rule as a file states it.
+/// Rule as a file states it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StatedRule {
@@ -222,7 +223,7 @@ struct StatedRule {
     former_share: Option<f64>,
 }
 
-/// The longest name of a rule: columns of maps begin with it.
+/// Longest name of a rule: names of columns of maps begin with it.
 const MOST_LETTERS: usize = 40;
 
 impl TryFrom<StatedRule> for Rule {
@@ -322,12 +323,14 @@ impl TryFrom<StatedRule> for Rule {
 }
 
 impl Rule {
-    /// Whether it asks for days of sun, be they its own or those that are asked for.
+    /// Returns true if the rule needs days of sun, its own or those of the request.
     pub fn needs_days(&self) -> bool {
         self.measure != RuleMeasure::VscPercent
     }
 
-    /// Whether it is about surfaces of a kind that look to an azimuth; none is known where receivers have no kind, and roofs look nowhere.
+    /// Returns true if the rule applies to surfaces of a kind that face an azimuth. A receiver
+    /// without a kind passes any list of kinds; a level roof has no azimuth and passes no range of
+    /// azimuths.
     pub fn is_about(&self, kind: &str, azimuth_deg: Option<f64>) -> bool {
         let is_kind = self.kinds.is_empty() || kind.is_empty() || self.kinds.iter().any(|one| one == kind);
         let faces = |[from, to]: [f64; 2], azimuth: f64| match from <= to {

@@ -1,4 +1,4 @@
-//! Rules in files. In: the name of a shipped file, or the path of one of the user's. Out: rules.
+//! Rules in files. In: the name of a shipped file, or the path of a user's file. Out: rules.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_scene::input;
 use heliotile_scene::line_of_offset;
 
-/// The rules that come with the program: the name of a file, and its text.
+/// Files of rules that come with the program: their names and texts.
 const SHIPPED: [(&str, &str); 11] = [
     ("bre-apsh", include_str!("rules/bre-apsh.toml")),
     ("bre-ground", include_str!("rules/bre-ground.toml")),
@@ -24,28 +24,28 @@ const SHIPPED: [(&str, &str); 11] = [
     ("tno-strict", include_str!("rules/tno-strict.toml")),
 ];
 
-/// What a file of rules may hold.
+/// Hint that says what a file of rules may hold.
 const KEYS: &str = "give tables [[rule]] with a name, dates, at_least, and what else the shipped ones have ({command:rules} shows them)";
 
-/// A file of rules.
+/// Contents of a file of rules.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RuleFile {
     rule: Vec<Rule>,
 }
 
-/// A file of rules that comes with the program.
+/// File of rules that comes with the program.
 #[derive(Clone, Debug)]
 pub struct ShippedRules {
-    /// Its name, as requests give it.
+    /// Name of the file in requests.
     pub name: &'static str,
-    /// Its text, TOML.
+    /// Text of the file, TOML.
     pub text: &'static str,
-    /// Its rules.
+    /// Rules of the file.
     pub rules: Vec<Rule>,
 }
 
-/// The files that come with the program, by name.
+/// Returns the files that come with the program, by name.
 pub fn shipped_rules() -> Result<Vec<ShippedRules>> {
     let file = |(name, text): (&'static str, &'static str)| {
         Ok(ShippedRules { name, text, rules: rules_of(Path::new(name), text)? })
@@ -53,7 +53,7 @@ pub fn shipped_rules() -> Result<Vec<ShippedRules>> {
     SHIPPED.into_iter().map(file).collect()
 }
 
-/// The rules of files, by the names of shipped ones or by paths that end with .toml.
+/// Reads the rules of files, given by the names of shipped ones or by paths that end with .toml.
 pub fn read_rules(names: &[String]) -> Result<Vec<Rule>> {
     let mut all: Vec<Rule> = Vec::new();
     for name in names {
@@ -95,7 +95,8 @@ fn rules_of(path: &Path, text: &str) -> Result<Vec<Rule>> {
 mod tests {
     use super::*;
 
-    /// Each of the 11 shipped files is read, each of its rules says what it asks for and where that is written, and their names differ.
+    /// Each of the 11 shipped files can be read, each of its rules states its requirement and
+    /// source, and their names differ.
     #[test]
     fn shipped_rules_are_read() {
         let names: Vec<String> = SHIPPED.iter().map(|(name, _)| (*name).to_owned()).collect();
@@ -104,7 +105,7 @@ mod tests {
         assert!(rules.iter().all(|rule| !rule.title.is_empty() && !rule.source.is_empty()));
     }
 
-    /// Thirteen wrong rules are refused with their line, each by what is wrong in it.
+    /// Thirteen wrong rules are refused with their line and a message that names the mistake.
     #[test]
     fn wrong_rules() {
         for (lines, says) in [

@@ -1,4 +1,5 @@
-//! The ladder of settings, climbed. In: a bench. Out: errors, seconds and bytes of every rung.
+//! Ladder of settings. In: a bench for trials. Out: errors, seconds and bytes of every step of the
+//! ladder.
 
 use std::collections::BTreeMap;
 
@@ -21,12 +22,12 @@ use heliotile_core::opened::OpenSite;
 use heliotile_core::replay::run::{Replay, ReplaySettings};
 use heliotile_core::weather::time::bins::Bins;
 
-/// One rung and what it is worth.
+/// Step of the ladder: settings with their cost and accuracy.
 #[derive(Clone, Debug, Serialize)]
 pub struct LadderStep {
-    /// Name of the quality, or what it is made of.
+    /// Name of the quality, or a list of the levels it is made of.
     pub name: String,
-    /// Settings by their names.
+    /// Settings of the step; serialised by their names.
     #[serde(serialize_with = "by_name")]
     pub settings: BuildSettings,
     /// RMSE of hourly totals, percent of their mean.
@@ -43,11 +44,11 @@ pub struct LadderStep {
     pub compress_s: f64,
     /// CPU seconds to replay a year of hours into sums.
     pub replay_s: f64,
-    /// Rays that were traced.
+    /// Number of rays that were traced.
     pub rays: u64,
-    /// Length of the archive.
+    /// Length of the archive, bytes.
     pub bytes: u64,
-    /// Whether no other rung is both faster and better.
+    /// True if no other step is both faster and better.
     pub frontier: bool,
 }
 
@@ -74,27 +75,27 @@ impl LadderStep {
         }
     }
 
-    /// CPU seconds of all of it.
+    /// Returns the CPU seconds of tracing, compressing and replaying.
     pub fn seconds(&self) -> f64 {
         self.trace_s + self.compress_s + self.replay_s
     }
 }
 
-/// What all rungs are worth.
+/// Ladder of settings, measured on a site.
 #[derive(Clone, Debug, Serialize)]
 pub struct LadderTable {
-    /// From coarse to fine.
+    /// Steps from coarse to fine.
     pub steps: Vec<LadderStep>,
-    /// Receivers that they were tried on.
+    /// Number of receivers that they were tried on.
     pub receivers: usize,
-    /// Mean of hourly totals.
+    /// Mean of hourly totals, W/m2.
     pub mean_w_m2: f64,
 }
 
-/// The judge looks as closely as at settings chosen for so many percent.
+/// Target error, percent, for which the number of paths of the reference path tracer is chosen.
 const JUDGED_PERCENT: f64 = 0.5;
 
-/// The named rungs and some between them.
+/// Returns the named qualities and some steps between them.
 fn rungs() -> Vec<(String, Rungs)> {
     let named = |quality: Quality| (quality.name().to_string(), Rungs::of(quality));
     let between = |sky, seen, bounced, patches| {
@@ -113,7 +114,7 @@ fn rungs() -> Vec<(String, Rungs)> {
 }
 
 impl LadderTable {
-    /// Tries all rungs on a bench.
+    /// Tries all steps on a bench.
     pub(super) fn climb(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> Result<Self> {
         let rungs = rungs();
         let progress = Stage::begin(bench.observer, "ladder", Some(rungs.len() as u64 + 1));
@@ -136,8 +137,8 @@ impl LadderTable {
         Ok(LadderTable { steps, receivers: bench.receivers.len(), mean_w_m2: judged.mean_w_m2() })
     }
 
-    /// The rung of the frontier that lies farthest below the line from its first to its last one, both axes logarithmic: where another
-    /// second starts to buy less.
+    /// Returns the step of the frontier that lies farthest below the line from its first to its
+    /// last one, both axes logarithmic. Beyond it, another second gains less.
     pub fn knee(&self) -> Option<&LadderStep> {
         let frontier: Vec<&LadderStep> =
             self.steps.iter().filter(|s| s.frontier && s.error_percent > 0.0 && s.seconds() > 0.0).collect();
@@ -150,7 +151,7 @@ impl LadderTable {
         frontier.iter().copied().max_by(|a, b| below(a).total_cmp(&below(b)))
     }
 
-    /// For the terminal.
+    /// Returns the ladder as a table for the terminal.
     pub fn table(&self) -> String {
         let mut out = format!(
             "{:<28}{:>8}{:>8}{:>8}{:>10}{:>10}{:>9}{:>11}{:>10}\n",
@@ -179,7 +180,7 @@ impl LadderTable {
     }
 }
 
-/// CPU seconds to compress the blocks of an archive anew.
+/// Returns the CPU seconds to compress the blocks of an archive again.
 fn compression_s(trial: &Trial) -> Result<f64> {
     let archive = Archive::open_with(&trial.archive, Access::Read)?;
     let mut seconds = 0.0;
@@ -192,7 +193,8 @@ fn compression_s(trial: &Trial) -> Result<f64> {
     Ok(seconds)
 }
 
-/// CPU seconds to replay a year of hours into sums, with the sun positions and patches that belong to the rung.
+/// Returns the CPU seconds to replay a year of hours into sums, with the sun positions and patches
+/// of the step.
 fn replay_s(bench: &Bench, trial: &Trial, suns: &ErrorConditions) -> Result<f64> {
     let conditions = suns.year(usize::from(trial.settings.steps));
     let started = ProcessTime::now();

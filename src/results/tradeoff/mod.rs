@@ -1,5 +1,5 @@
-//! What accuracy costs on the user's own site. In: a scene, receivers. Out: a folder with the ladder of settings as a table, as pictures, and as a page
-//! for people.
+//! Cost of accuracy on the user's own site. In: a scene, receivers. Out: a folder with the ladder
+//! of settings as a table, as pictures, and as a page for people.
 
 mod ladder;
 mod report;
@@ -27,49 +27,50 @@ use heliotile_scene::request::SceneRequest;
 pub use ladder::{LadderStep, LadderTable};
 pub use sources::SettingPoint;
 
-/// What is asked of a trade-off.
+/// Request for a trade-off.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TradeoffRequest {
-    /// The scene.
+    /// Scene to trace.
     pub scene: SceneRequest,
     /// Table of receivers.
     pub receivers: PathBuf,
-    /// Folder of all that is written.
+    /// Folder of all files that are written.
     pub folder: PathBuf,
-    /// Receivers that settings are tried on, spread over the site.
+    /// Number of receivers that settings are tried on, spread over the site.
     pub sample: u16,
-    /// Weather file that errors are estimated under and replays are timed with; none: suns from all sides.
+    /// Weather file that errors are estimated under and replays are timed with; `None`: suns from
+    /// all sides.
     pub weather: Option<PathBuf>,
-    /// What is known of that file that it does not state.
+    /// Facts about the weather file that it does not state itself.
     pub about_weather: WeatherOptions,
-    /// Whether each setting is tried alone, too.
+    /// True if each setting is also tried alone.
     pub sources: bool,
     /// Light paths to trace.
     pub effects: EffectChoice,
 }
 
-/// What settings cost and bring.
+/// Result of a trade-off.
 #[derive(Clone, Debug, Serialize)]
 pub struct TradeoffDone {
-    /// The page that shows all of it.
+    /// Page that shows all results.
     pub page: PathBuf,
-    /// What was found as text.
+    /// Results as text.
     pub table: String,
-    /// Rungs of the accuracy ladder and some between them.
+    /// Ladder of settings: the named qualities and some steps between them.
     pub ladder: LadderTable,
-    /// Each setting alone, if that was asked for.
+    /// Points of each setting alone, if requested.
     pub sources: Option<Vec<SettingPoint>>,
 }
 
-/// What was looked at.
+/// Summary of the site for the report.
 struct SiteSummary<'a> {
     scene: &'a Path,
     receivers: usize,
     sample: usize,
-    /// What errors were estimated under.
+    /// Suns and skies that errors were estimated under.
     weather: &'a str,
-    /// Whose words are used.
+    /// Observer, whose words texts use.
     observer: &'a dyn Observer,
 }
 
@@ -89,10 +90,10 @@ impl Default for TradeoffRequest {
 }
 
 impl TradeoffRequest {
-    /// Numbers of receivers that settings may be tried on.
+    /// Allowed numbers of receivers that settings are tried on.
     pub const SAMPLES: std::ops::RangeInclusive<i64> = 1..=4096;
 
-    /// Refuses a sample that is not in range, before any file is read.
+    /// Refuses a sample out of range, before any file is read.
     pub fn check(&self) -> Result<()> {
         if Self::SAMPLES.contains(&self.sample.into()) {
             return Ok(());
@@ -101,8 +102,8 @@ impl TradeoffRequest {
         Err(Error::argument("sample", format!("is {}", self.sample), hint))
     }
 
-    /// Tries the settings and writes the folder; `about` is what files say of how they were made. A table is told through `tell` as soon as it
-    /// is known.
+    /// Tries the settings and writes the folder; `about` is the provenance that files state. Each
+    /// table is passed to `tell` as soon as it is known.
     pub fn write(
         &self,
         about: Provenance,
@@ -121,7 +122,7 @@ impl TradeoffRequest {
         let mut build = Build { scene: &prepared, receivers: &mut receivers, workspace: &beside, observer };
         let left_out = build.forecast(&BuildSettings::default(), self.effects, None)?.left_out;
         let some: Vec<Receiver> = sample(&mut receivers, self.sample.into())?.into_iter().map(|some| some.1).collect();
-        // Not before the inputs are known to be good.
+        // The folder is created only after the inputs are known to be good.
         std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
         let trials = tempfile::Builder::new().prefix("trials").tempdir_in(folder);
         let trials = trials.map_err(Error::io(folder, "make a folder in"))?;

@@ -1,4 +1,5 @@
-//! What a trade-off tells people and programs. In: what was measured. Out: a folder with tables, pictures, a page for people.
+//! Report of a trade-off for people and programs. In: the measurements. Out: a folder with tables,
+//! pictures, and a page for people.
 
 use super::SiteSummary;
 use super::ladder::{LadderStep, LadderTable};
@@ -9,10 +10,10 @@ use crate::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use heliotile_core::archive::settings::SETTINGS;
 use heliotile_core::replay::components::Component;
 
-/// Columns that hold no numbers.
+/// Names of columns that hold text, not numbers.
 const LABELS: &[&str] = &["rung", "setting", "against", "frontier"];
 
-/// All files.
+/// Returns the report with all of its files.
 pub(super) fn folder(site: &SiteSummary, ladder: &LadderTable, sources: Option<&[SettingPoint]>) -> ReportFolder {
     let time = picture(ladder, "Error against time", "CPU seconds a receiver: build and a year's replay", |step| {
         step.seconds() / ladder.receivers as f64
@@ -31,7 +32,7 @@ pub(super) fn folder(site: &SiteSummary, ladder: &LadderTable, sources: Option<&
 }
 
 fn picture(ladder: &LadderTable, title: &str, x: &str, at: impl Fn(&LadderStep) -> f64) -> String {
-    // Rungs that some other one beats in time stand apart.
+    // Steps that another one beats in time and error are a series of their own.
     let some = |frontier: bool| {
         let mut steps: Vec<&LadderStep> = ladder.steps.iter().filter(|s| s.frontier == frontier).collect();
         steps.sort_by(|a, b| at(a).total_cmp(&at(b)));
@@ -86,7 +87,7 @@ fn ladder_csv(ladder: &LadderTable) -> String {
     );
     for step in &ladder.steps {
         let number = |number: f64| format!("{number:.4}");
-        // The cell of a component that is not known is empty.
+        // The cell of an unknown component is empty.
         let of = |part: Component| step.components_percent.get(part.name()).map_or(String::new(), |v| number(*v));
         let errors = [step.error_percent, step.bias_percent, step.yearly_percent].map(number);
         let seconds = [step.trace_s, step.compress_s, step.replay_s].map(number);
@@ -112,7 +113,7 @@ fn sources_csv(points: &[SettingPoint]) -> String {
     out
 }
 
-/// What a person should know, in words.
+/// Returns the summary of the report in words, as HTML.
 fn words(site: &SiteSummary, ladder: &LadderTable) -> String {
     let watts = |step: &LadderStep| step.error_percent / 100.0 * ladder.mean_w_m2;
     let named = |name: &str| ladder.steps.iter().find(|step| step.name == name);

@@ -1,4 +1,5 @@
-//! Each source of error alone. In: a bench. Out: how fast its error falls when its setting is made finer, all others staying as they are.
+//! Each source of error alone. In: a bench for trials. Out: the rate at which its error falls when
+//! its setting is refined while all others stay.
 
 use serde::Serialize;
 
@@ -11,14 +12,14 @@ use heliotile_builder::settings::{Effects, Quality, Share};
 use heliotile_core::error::Result;
 use heliotile_core::observer::Stage;
 
-/// A setting at one value. Errors are those of its source in hourly values.
+/// Setting at one value. Errors are those of its source in hourly values.
 #[derive(Clone, Debug, Serialize)]
 pub struct SettingPoint {
     /// Name of the setting.
     pub setting: &'static str,
-    /// Its value.
+    /// Value of the setting.
     pub value: f64,
-    /// What it is compared with.
+    /// Finest setting that it is compared with, in words.
     pub truth: String,
     /// RMSE, percent of the mean total.
     pub rmse_percent: f64,
@@ -26,22 +27,24 @@ pub struct SettingPoint {
     pub mean_absolute_percent: f64,
     /// Mean difference, percent of the mean total.
     pub bias_percent: f64,
-    /// How often the mean absolute error halves when the setting becomes twice as fine; none at the first value.
+    /// Order of convergence: the number of times that the mean absolute error halves when the
+    /// setting becomes twice as fine; `None` at the first value.
     pub order: Option<f64>,
-    /// Rays that were traced.
+    /// Number of rays that were traced.
     pub rays: u64,
     /// CPU seconds to build.
     pub build_s: f64,
 }
 
-/// A setting that is varied.
+/// Setting that is varied.
 struct Row {
     setting: &'static str,
     source: ErrorSource,
     truth: &'static str,
     values: &'static [f64],
     set: fn(&mut BuildSettings, f64),
-    /// What the values are compared with: made from the settings of the row.
+    /// Function that makes the finest settings, which the values are compared with, from the base
+    /// settings.
     finest: fn(&mut BuildSettings),
 }
 
@@ -59,7 +62,7 @@ const ROWS: [Row; 5] = [
         source: ErrorSource::Seen,
         truth: "128, cells of the same size",
         values: &[8.0, 16.0, 32.0, 64.0],
-        // Cells keep their size: it is counted in texels of the hit texture.
+        // Cells keep their size, which is counted in texels of the hit texture.
         set: |s, v| (s.hit, s.cell_factor) = (v as usize, v / 8.0),
         finest: |s| (s.hit, s.cell_factor) = (128, 16.0),
     },
@@ -89,11 +92,12 @@ const ROWS: [Row; 5] = [
     },
 ];
 
-/// Sun positions of an hour against one a minute.
+/// Numbers of sun positions in an hour that are compared with `MOST_STEPS`, one a minute.
 const STEPS: [usize; 6] = [1, 2, 4, 6, 12, 30];
 const MOST_STEPS: usize = 60;
 
-/// All settings, one after the other, at the quality `fine` otherwise. Sun positions need a weather file.
+/// Varies each setting alone, at the quality `fine` otherwise. Numbers of sun positions need a
+/// weather file.
 pub(super) fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorConditions) -> Result<Vec<SettingPoint>> {
     let base = BuildSettings { left_out, ..Rungs::of(Quality::Fine).settings() };
     let progress = Stage::begin(bench.observer, "settings", None);
@@ -106,7 +110,7 @@ pub(super) fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorCondition
     let mean = fine.light.mean();
     for row in &ROWS {
         let of_sky = row.source == ErrorSource::Sky;
-        // What is seen directly needs no cells.
+        // Light that is seen directly needs no cells.
         let base = if of_sky { BuildSettings { left_out: Effects::ALL, ..base } } else { base };
         let mut finest = base;
         (row.finest)(&mut finest);
@@ -147,7 +151,7 @@ pub(super) fn each_alone(bench: &Bench, left_out: Effects, suns: &ErrorCondition
     Ok(points)
 }
 
-/// A point; `mean` in W/m2.
+/// Returns a point; `mean` in W/m2.
 fn point(
     setting: &'static str,
     value: f64,
@@ -172,7 +176,7 @@ fn point(
     }
 }
 
-/// Fills the orders of neighbouring values; `falling` where small values are the fine ones.
+/// Fills in the orders of neighbouring values; `falling` is true if small values are the fine ones.
 fn orders(points: &mut [SettingPoint], falling: bool) {
     for i in 1..points.len() {
         let ratio = points[i].value / points[i - 1].value;
@@ -182,7 +186,7 @@ fn orders(points: &mut [SettingPoint], falling: bool) {
     }
 }
 
-/// For the terminal.
+/// Returns the points as a table for the terminal.
 pub(super) fn table(points: &[SettingPoint]) -> String {
     let mut out = format!(
         "\n{:<13}{:>7}{:>10}{:>13}{:>9}{:>8}  against\n",
@@ -204,7 +208,8 @@ pub(super) fn table(points: &[SettingPoint]) -> String {
 mod tests {
     use super::*;
 
-    /// Mean absolute errors 4, 2, 0.5 at sides 8, 16, 32 fall with the orders 1 and 2; at cell sizes 4, 2, 1 too; an error of 0 has none.
+    /// Mean absolute errors 4, 2, 0.5 at sides 8, 16, 32 fall with the orders 1 and 2; at cell
+    /// sizes 4, 2, 1 as well; an error of 0 has no order.
     #[test]
     fn orders_of_convergence() {
         let of = |values: [f64; 3], errors: [f64; 3], falling: bool| -> Vec<Option<f64>> {

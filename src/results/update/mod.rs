@@ -1,5 +1,6 @@
-//! An archive after some edits of its scene. In: an archive that holds its scene, edits by the names of objects, files that are added. Out: the
-//! archive of the edited scene, traced only where an edit can be seen.
+//! Update of an archive after edits of its scene. In: an archive that holds its scene, edits by the
+//! names of objects, files that are added. Out: the archive of the edited scene; only light that
+//! the edits can alter is traced.
 
 mod receivers;
 
@@ -35,49 +36,51 @@ use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
 use receivers::{SceneStates, UpdatedReceivers, cover, usual_spacing};
 
-/// What is asked of an update.
+/// Request for an update.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct UpdateRequest {
-    /// The archive before the edits: a path or an address.
+    /// Archive before the edits: a path or an address.
     pub before: PathBuf,
-    /// The archive to write.
+    /// Archive to write.
     pub output: PathBuf,
-    /// What becomes of its objects.
+    /// Edits of the scene's objects.
     pub edits: SceneEdits,
-    /// Scene files that are added, in the coordinates of the scene; their materials may also be given to objects.
+    /// Scene files that are added, in the coordinates of the scene; their materials may also be
+    /// given to objects.
     pub add: SceneRequest,
-    /// Where receivers are put on what is new or has another shape.
+    /// Surfaces that get receivers, on new objects and on objects with another shape.
     pub cover: CoverRequest,
-    /// How many they are; none: as far apart as those of the archive.
+    /// Density of the new receivers; `None`: spacing as in the archive.
     pub density: Option<Density>,
-    /// Keep what the edits can alter by less than so many percent; the archive is a preview then.
+    /// Largest change, percent, that an edit may cause without a new trace. With it the archive is
+    /// a preview.
     pub preview_percent: Option<f64>,
-    /// Whether an interrupted update of other edits that lies there goes.
+    /// True if an interrupted update of other edits in the same place is discarded.
     pub fresh: bool,
 }
 
-/// What an update did.
+/// Result of an update.
 #[derive(Clone, Debug)]
 pub struct UpdateDone {
-    /// The new archive.
+    /// New archive.
     pub archive: PathBuf,
-    /// Receivers of the archive before that stand where they stood.
+    /// Number of receivers that stay where they were.
     pub kept: usize,
-    /// Those that moved with their object.
+    /// Number of receivers that moved with their object.
     pub moved: usize,
-    /// Those that went with their object, or with the shape that it had.
+    /// Number of receivers that were removed with their object, or with its old shape.
     pub gone: usize,
-    /// Names of those that are inside something or covered now, and are left out.
+    /// Names of receivers that are now inside an object or covered, and are left out.
     pub buried: Vec<String>,
-    /// Receivers on what is new.
+    /// Number of receivers on new surfaces.
     pub new: usize,
-    /// What the build did.
+    /// Report of the build.
     pub report: BuildReport,
 }
 
 impl UpdateDone {
-    /// What became of the receivers, as a line.
+    /// Returns a line of text about the receivers.
     pub fn text(&self) -> String {
         let moved = if self.moved > 0 { format!(", {} moved", self.moved) } else { String::new() };
         format!(
@@ -92,7 +95,8 @@ impl UpdateDone {
 }
 
 impl UpdateRequest {
-    /// Writes the archive of the edited scene; it has the bytes of a build from nothing of the same triangles and receivers.
+    /// Writes the archive of the edited scene. Its bytes are those of a build from scratch with the
+    /// same triangles and receivers.
     pub fn write(&self, resources: &Resources) -> Result<UpdateDone> {
         let observer = resources.observer;
         if self.edits.is_empty() && self.add.files.is_empty() {
@@ -121,7 +125,7 @@ impl UpdateRequest {
         Ok(UpdateDone { archive: self.output.clone(), kept, moved, gone, buried, new, report })
     }
 
-    /// The receivers that stay, and those on what is new or has another shape.
+    /// Returns the receivers that stay, and those on new objects or objects with another shape.
     fn receivers(
         &self,
         states: &SceneStates,
@@ -152,12 +156,12 @@ impl UpdateRequest {
         Ok(after)
     }
 
-    /// The files that are added; no ground is assumed below them.
+    /// Returns the files that are added; no ground is assumed below them.
     fn added_site(&self) -> Result<Site> {
         SceneRequest { no_ground: true, ..self.add.clone() }.site()
     }
 
-    /// Adds the files, and gives their triangles.
+    /// Adds the files and returns their triangles.
     fn add_files(
         &self,
         edited: &mut EditedScene,
@@ -183,7 +187,7 @@ impl UpdateRequest {
         Ok(soup)
     }
 
-    /// The scene after the edits, where the archive before lies.
+    /// Returns the scene after the edits, at the place of the archive before.
     fn edited_scene(&self, edited: &EditedScene, held: &TracedScene, before: &Archive) -> Result<Scene> {
         let manifest = before.manifest();
         let mut scene = edited.scene(held)?;
@@ -230,6 +234,6 @@ impl UpdateRequest {
     }
 }
 
-/// What can be done where an update with other edits was interrupted.
+/// Hint for an interrupted update with other edits.
 const OTHER_EDITS: &str =
     "give the edits that it was started with to go on with it, {fresh} to discard it, or another {output}";

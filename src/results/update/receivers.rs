@@ -1,5 +1,6 @@
-//! Receivers after edits of the scene. In: those that an archive has, what became of the objects that they stand on. Out: those that stay, moved
-//! with their objects where these moved, and new ones on what is new or has another shape.
+//! Receivers after edits of the scene. In: the receivers of an archive, the edits of the objects
+//! that they stand on. Out: the receivers that stay, moved with their objects, and new ones on new
+//! objects or objects with another shape.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -23,44 +24,46 @@ use heliotile_scene::edit::{EditedScene, Fate};
 use heliotile_scene::load::Soup;
 use heliotile_scene::mesh::{Mesh, bounds};
 
-/// The receivers of an edited scene, and how many are of what sort.
+/// Receivers of an edited scene, with counts by what became of them.
 #[derive(Default)]
 pub struct UpdatedReceivers {
-    /// All of them.
+    /// All receivers.
     pub receivers: Vec<Receiver>,
-    /// How many stand where they stood.
+    /// Number of receivers that stay where they were.
     pub kept: usize,
-    /// How many moved with their object.
+    /// Number of receivers that moved with their object.
     pub moved: usize,
-    /// How many went with their object, or with the shape that it had.
+    /// Number of receivers that were removed with their object, or with its old shape.
     pub gone: usize,
-    /// Names of those that no light comes to any more.
+    /// Names of receivers that no longer get light.
     pub buried: Vec<String>,
-    /// How many are new.
+    /// Number of new receivers.
     pub new: usize,
 }
 
-/// A scene before and after edits.
+/// Scene before and after edits.
 pub struct SceneStates<'a> {
-    /// As the archive holds it.
+    /// Scene before, as the archive holds it.
     pub held: &'a TracedScene,
-    /// What was edited.
+    /// Edited scene, with the edits of each object.
     pub edited: &'a EditedScene,
-    /// As it is now.
+    /// Scene after the edits.
     pub scene: &'a Scene,
 }
 
-/// A receiver of which nobody says the object stands on what is this near behind it, metres.
+/// Largest distance of the surface behind a receiver, metres, at which a receiver without a named
+/// object counts as standing on it.
 const NEAR_M: f64 = 0.1;
 
-/// What is this near in front of a receiver covers it, metres; what it stands on may be nearer.
+/// Distance in front of a receiver, metres, within which a surface covers it. The surface it stands
+/// on may be nearer.
 const CONTACT_M: f64 = 0.02;
 
-/// Distances between receivers of an archive that states no areas, metres.
+/// Spacing of receivers, metres, for an archive without areas.
 const USUAL_SPACING_M: f64 = 2.0;
 
 impl SceneStates<'_> {
-    /// Receivers of the archive that still get light, where they are now.
+    /// Returns the receivers of the archive that still get light, at their new positions.
     pub fn stay(&self, receivers: Vec<Receiver>) -> Result<UpdatedReceivers> {
         let owners = Owners::of(self);
         let mut found = UpdatedReceivers::default();
@@ -87,7 +90,7 @@ impl SceneStates<'_> {
         Ok(found)
     }
 
-    /// Takes out what no light comes to since the edits; `before` are the places where the receivers stood.
+    /// Removes receivers that get no light since the edits; `before` are their positions before.
     fn leave_out_buried(&self, before: &[Viewpoint], found: &mut UpdatedReceivers) -> Result<()> {
         let now: Vec<Viewpoint> = found.receivers.iter().map(viewpoint).collect();
         let is_free = free(&now, self.scene);
@@ -97,7 +100,7 @@ impl SceneStates<'_> {
         let in_doubt: Vec<usize> = (0..now.len()).filter(|&i| is_free.get(i) == Some(&false)).collect();
         let then: Vec<Viewpoint> = in_doubt.iter().filter_map(|&i| before.get(i)).copied().collect();
         let old = EditedScene::of(self.held).scene(self.held)?;
-        // What had no light before keeps its place in the archive.
+        // Receivers without light before the edits stay in the archive.
         let was_free = free(&then, &old);
         let buried: BTreeSet<usize> = in_doubt.iter().zip(was_free).filter(|(_, was)| *was).map(|(i, _)| *i).collect();
         let moved = |i: usize| before.get(i).zip(now.get(i)).is_some_and(|(a, b)| a.position != b.position);
@@ -113,7 +116,7 @@ impl SceneStates<'_> {
         Ok(())
     }
 
-    /// Triangles of the objects that have another shape.
+    /// Returns the triangles of the objects that have another shape.
     pub fn reshaped(&self) -> Soup {
         let mut soup = Soup::default();
         let EditedScene { triangles, of_triangle, objects, materials, .. } = self.edited;
@@ -132,14 +135,15 @@ impl SceneStates<'_> {
         soup
     }
 
-    /// Rows of materials of some names in the scene.
+    /// Returns the indices in the scene of materials with these names.
     pub fn numbers<'n>(&self, names: impl Iterator<Item = &'n str>) -> Vec<u16> {
         let row = |name: &str| self.scene.materials.iter().position(|material| material.name == name);
         names.map(|name| row(name).map_or(u16::MAX, |row| row as u16)).collect()
     }
 }
 
-/// Receivers on triangles of a scene, as a table of receivers would have them; none where the request asks for none of these surfaces.
+/// Returns receivers on triangles of a scene, rounded as in a table of receivers; empty if the
+/// request covers none of these surfaces.
 pub fn cover(
     request: &UpdateRequest,
     density: Density,
@@ -163,7 +167,8 @@ pub fn cover(
     read_receivers(&table)
 }
 
-/// About how far apart receivers stand: the side of the mean square that they stand for, rounded up to a twentieth of its power of ten.
+/// Returns the approximate spacing of receivers: the side of the mean square that they stand for,
+/// rounded up to a multiple of half its power of ten.
 pub fn usual_spacing(receivers: &[Receiver]) -> Density {
     let areas: Vec<f64> = receivers.iter().filter_map(|receiver| receiver.area).collect();
     if areas.is_empty() {
@@ -174,7 +179,7 @@ pub fn usual_spacing(receivers: &[Receiver]) -> Density {
     Density::Spacing((side / step).ceil() * step)
 }
 
-/// A place to 0.1 mm, as tables of receivers have it.
+/// Rounds a position to 0.1 mm, as tables of receivers do.
 fn as_tables_hold(place: DVec3) -> DVec3 {
     (place * 1e4).round() / 1e4
 }
@@ -183,7 +188,7 @@ fn viewpoint(receiver: &Receiver) -> Viewpoint {
     Viewpoint { position: receiver.position, normal: receiver.normal }
 }
 
-/// Which of some receivers get light.
+/// Returns true for each receiver that gets light.
 fn free(views: &[Viewpoint], scene: &Scene) -> Vec<bool> {
     let (tracer, _) = Canopies::split(scene);
     let offset = |view: &Viewpoint| behind(view, &tracer).map_or(CONTACT_M, |(metres, _)| metres.min(CONTACT_M));
@@ -191,19 +196,20 @@ fn free(views: &[Viewpoint], scene: &Scene) -> Vec<bool> {
     views.par_iter().map(is_free).collect()
 }
 
-/// How far behind a receiver the first triangle is, metres, and which one.
+/// Returns the distance of the first triangle behind a receiver, metres, and its index.
 fn behind(view: &Viewpoint, tracer: &Tracer) -> Option<(f64, u32)> {
     let origin = tracer.grid().relative(view.position).as_vec3().into();
     let hit = tracer.closest(Ray { origin, direction: (-view.normal).as_vec3().into() })?;
     Some((f64::from(hit.t), hit.triangle))
 }
 
-/// Objects that receivers stand on.
+/// Finder of the objects that receivers stand on.
 struct Owners<'a> {
     edited: &'a EditedScene,
-    /// Objects by what surfaces and tables call them.
+    /// Indices of objects by the names that surfaces and tables use.
     by_name: HashMap<&'a str, u32>,
-    /// Triangles of objects that do not stand as they stood, with the object of each; `None` without any.
+    /// Triangles of objects that do not stay where they were, with the index of each one's object;
+    /// `None` if there are none.
     near: Option<(Tracer, Vec<u32>)>,
 }
 
@@ -228,7 +234,8 @@ impl<'a> Owners<'a> {
         Owners { edited, by_name, near }
     }
 
-    /// What became of what a receiver stands on: by the name of its surface or object, else by what is behind it.
+    /// Returns what the edits did to the object that a receiver stands on, found by the name of its
+    /// surface or object, or else by the surface behind it.
     fn fate(&self, receiver: &Receiver) -> Fate {
         let Some((tracer, objects)) = &self.near else { return Fate::Stands };
         let surface = receiver.surface.as_deref().unwrap_or_default();

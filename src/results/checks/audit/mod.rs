@@ -1,4 +1,6 @@
-//! Whether an archive is as exact as it says. In: an archive, its scene, weather or conditions. Out: a report of what an independent judge finds.
+//! Audit: measures whether an archive is as accurate as it states. In: an archive, its scene,
+//! weather or conditions. Out: a report of the differences from an independent reference path
+//! tracer.
 
 mod report;
 mod texts;
@@ -27,47 +29,49 @@ use heliotile_scene::request::SceneRequest;
 
 pub use report::{AuditReport, ComponentErrors, HourKindErrors, SkyViewErrors, Verdict, WorstPair};
 
-/// Receivers that are looked at, if neither their number nor a time is given.
+/// Number of receivers that are checked, if neither their number nor a time is given.
 const SAMPLES: u32 = 256;
 
-/// Hours that each of them is looked at in, and how many conditions of a table are few enough to take all.
+/// Number of hours in which each receiver is checked; a table of up to `FEW` conditions is checked
+/// whole.
 const HOURS: usize = 8;
 const FEW: usize = 64;
 
-/// What is asked of an audit.
+/// Request for an audit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct AuditRequest {
     /// Path or address of the archive.
     pub archive: PathBuf,
-    /// The scene that it was built from; where that lies the archive says.
+    /// Scene that the archive was built from; the archive states its place.
     pub scene: SceneRequest,
     /// Weather file whose hours count; without it and without `conditions`: suns from all sides.
     pub weather: Option<PathBuf>,
-    /// What is known of the weather file that it does not state.
+    /// Facts about the weather file that it does not state itself.
     pub about_weather: WeatherOptions,
     /// Table of suns and skies, in place of weather.
     pub conditions: Option<PathBuf>,
-    /// Receivers at most; none: 256, or as many as the time allows.
+    /// Largest number of receivers; `None`: 256, or as many as the time allows.
     pub samples: Option<u32>,
-    /// Hours of each receiver at most; none: 8, or all of a table of up to 64 conditions.
+    /// Largest number of hours of each receiver; `None`: 8, or all of a table of up to 64
+    /// conditions.
     pub hours: Option<u32>,
     /// Seconds after which no further receiver is begun.
     pub seconds: Option<f64>,
-    /// Paths of light that the judge follows from each receiver.
+    /// Number of light paths that the reference path tracer follows from each receiver.
     pub paths: u32,
-    /// Another number takes other receivers, hours and paths.
+    /// Seed of the random choice of receivers, hours and paths.
     pub seed: u64,
-    /// How the sky's radiance is spread.
+    /// Model of the sky's radiance distribution.
     pub sky: SkyModel,
 }
 
-/// Suns and skies that the archive and the judge are compared under.
+/// Suns and skies under which the archive and the reference path tracer are compared.
 struct AuditConditions {
     all: Vec<Condition>,
-    /// Name of their file, or what they are in words.
+    /// Name of the file of the conditions, or their description in words.
     name: String,
-    /// How many of them a receiver is looked at under.
+    /// Number of conditions under which each receiver is checked.
     hours: usize,
 }
 
@@ -90,10 +94,11 @@ impl Default for AuditRequest {
 }
 
 impl AuditRequest {
-    /// Numbers of paths that the judge may follow.
+    /// Allowed numbers of paths of the reference path tracer.
     pub const PATHS: RangeInclusive<i64> = 16..=1 << 24;
 
-    /// Refuses numbers that are not in range and choices that exclude each other, before any file is read.
+    /// Refuses numbers that are out of range and choices that exclude each other, before any file
+    /// is read.
     pub fn check(&self) -> Result<()> {
         if !Self::PATHS.contains(&self.paths.into()) {
             let hint = format!("give a number from {} to {}", Self::PATHS.start(), Self::PATHS.end());
@@ -113,7 +118,7 @@ impl AuditRequest {
         Ok(())
     }
 
-    /// Compares the archive with the judge.
+    /// Compares the archive with the reference path tracer.
     pub fn run(&self, resources: &Resources) -> Result<AuditReport> {
         self.check()?;
         let observer = resources.observer;
@@ -144,7 +149,7 @@ impl AuditRequest {
         Ok(AuditReport::new(&archive, audited, conditions.all, conditions.name, observer))
     }
 
-    /// Reads weather or conditions; tells what is doubtful in them.
+    /// Reads weather or conditions, and warns of doubtful values.
     fn conditions(&self, place: Option<Place>, resources: &Resources) -> Result<AuditConditions> {
         let Some(path) = &self.conditions else {
             let suns = ErrorConditions::read(self.weather.as_deref(), &self.about_weather, place, resources.observer)?;
@@ -158,7 +163,7 @@ impl AuditRequest {
     }
 }
 
-/// Whether a clock can count so many seconds.
+/// Returns true if `seconds` is a duration above 0 and below 1e9 s.
 pub fn is_time(seconds: f64) -> bool {
     seconds.is_finite() && seconds > 0.0 && seconds < 1e9
 }

@@ -1,5 +1,5 @@
-//! What an audit found. In: pairs of results and judgements, what the archive states of its error. Out: errors by component, by sky view and by
-//! kind of hours, and the verdict.
+//! Report of an audit. In: pairs of results and reference values, the error that the archive
+//! states. Out: errors by component, by sky view and by kind of hours, and the verdict.
 
 use std::path::PathBuf;
 
@@ -16,45 +16,46 @@ use heliotile_core::observer::Observer;
 use heliotile_core::replay::components::Component;
 use heliotile_core::weather::conditions::Condition;
 
-/// What is stated is an estimate: it is refuted by more than this factor.
+/// Factor by which a found error must exceed the stated one to refute it, as the stated error is an
+/// estimate.
 const STATED_WITHIN: f64 = 1.5;
 
-/// What came out.
+/// Verdict of an audit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The archive states no error.
     NothingStated,
-    /// The error that was found may be what is stated.
+    /// The error that was found does not contradict the stated one.
     Holds,
-    /// The error that was found is larger.
+    /// The error that was found is larger than the stated one.
     Refuted,
 }
 
-/// All that was found.
+/// Report of an audit.
 #[derive(Serialize)]
 pub struct AuditReport {
-    /// The archive.
+    /// Path of the archive.
     pub archive: PathBuf,
-    /// The file of weather or conditions, or what suns and skies are in words.
+    /// File of weather or conditions, or the suns and skies in words.
     pub weather: String,
-    /// Number of receivers that were looked at.
+    /// Number of receivers that were checked.
     pub receivers: usize,
-    /// Number of their hours, all receivers together.
+    /// Number of hours that were checked, all receivers together.
     pub hours: usize,
-    /// Mean of the totals that the judge found.
+    /// Mean of the reference path tracer's totals, W/m2.
     pub mean_w_m2: f64,
-    /// Whether what the archive states of its error may be right.
+    /// Verdict on the error that the archive states.
     pub verdict: Verdict,
-    /// The verdict in words.
+    /// Verdict in words.
     pub sentence: String,
-    /// What the archive states of the RMSE of the totals in these hours, percent of their mean.
+    /// Stated RMSE of the totals in these hours, percent of their mean.
     pub stated_percent: Option<f64>,
-    /// The six components and the total.
+    /// Errors of the six components and of the total.
     pub components: Vec<ComponentErrors>,
-    /// Groups of receivers that see about as much of the sky.
+    /// Errors of groups of receivers with similar sky view.
     pub sky_views: Vec<SkyViewErrors>,
-    /// Hours in which errors of reflected light show.
+    /// Errors by kind of hours, in which errors of reflected light show.
     pub hour_kinds: Vec<HourKindErrors>,
     #[serde(skip)]
     pub(super) audited: Audited,
@@ -65,43 +66,43 @@ pub struct AuditReport {
 /// Errors of a component or of the total, each with its interval of 95 %.
 #[derive(Clone, Debug, Serialize)]
 pub struct ComponentErrors {
-    /// Name of its column.
+    /// Name of the component's column.
     pub component: &'static str,
-    /// Mean difference, above 0 if the archive's results are too large.
+    /// Mean difference, W/m2, above 0 if the archive's results are too large.
     pub bias_w_m2: Known,
-    /// Root of the mean squared difference.
+    /// Root of the mean squared difference, W/m2.
     pub rmse_w_m2: Known,
-    /// The bias in percent of the mean total.
+    /// Bias in percent of the mean total.
     pub bias_percent: Known,
-    /// The RMSE in percent of the mean total.
+    /// RMSE in percent of the mean total.
     pub rmse_percent: Known,
-    /// The hour of a receiver that is farthest off, the judge's noise aside.
+    /// Hour of a receiver with the largest difference beyond the reference path tracer's noise.
     pub worst: Option<WorstPair>,
 }
 
-/// An hour of a receiver.
+/// Hour of a receiver, with its difference.
 #[derive(Clone, Debug, Serialize)]
 pub struct WorstPair {
     /// Name of the receiver.
     pub receiver: String,
     /// Label of the condition.
     pub condition: String,
-    /// What the archive gives less what the judge found.
+    /// Result of the archive minus the reference value, W/m2.
     pub off_w_m2: f64,
-    /// What the judge found.
+    /// Reference value, W/m2.
     pub judged_w_m2: f64,
-    /// Standard error of what the judge found.
+    /// Standard error of the reference value, W/m2.
     pub standard_error_w_m2: f64,
 }
 
-/// Errors of the totals of receivers that see about as much of the sky.
+/// Errors of the totals of receivers with similar sky view.
 #[derive(Clone, Debug, Serialize)]
 pub struct SkyViewErrors {
     /// Smallest, mean and largest share of their hemispheres that is sky.
     pub sky_view: [f64; 3],
-    /// Mean of the totals that the judge found.
+    /// Mean of the reference path tracer's totals, W/m2.
     pub mean_w_m2: f64,
-    /// RMSE of the totals.
+    /// RMSE of the totals, W/m2.
     pub rmse_w_m2: Known,
 }
 
@@ -112,11 +113,11 @@ pub struct HourKindErrors {
     pub kind: &'static str,
     /// Share of all hours of all receivers.
     pub share: f64,
-    /// Mean of the totals that the judge found.
+    /// Mean of the reference path tracer's totals, W/m2.
     pub mean_w_m2: f64,
-    /// RMSE of the totals.
+    /// RMSE of the totals, W/m2.
     pub rmse_w_m2: Known,
-    /// What the archive states of that RMSE, percent of the mean of these hours.
+    /// Stated RMSE of these hours, percent of their mean.
     pub stated_percent: Option<f64>,
 }
 
@@ -128,7 +129,8 @@ impl HourKindErrors {
         HourKindErrors { kind, share: found.share, mean_w_m2, rmse_w_m2: found.rmse_w_m2, stated_percent }
     }
 
-    /// Whether the error is larger than what is stated.
+    /// Returns true if the lower end of the error's interval exceeds the stated error by more than
+    /// the factor [`STATED_WITHIN`].
     fn is_refuted(&self) -> bool {
         let low = percent(self.rmse_w_m2.low, self.mean_w_m2);
         self.stated_percent.is_some_and(|stated| low > STATED_WITHIN * stated)
@@ -180,12 +182,12 @@ impl AuditReport {
         report
     }
 
-    /// Errors of the total.
+    /// Returns the errors of the total.
     pub fn total(&self) -> &ComponentErrors {
         &self.components[PARTS - 1]
     }
 
-    /// Fills the verdict, and its sentence in the words of whoever is told.
+    /// Sets the verdict, and its sentence in the observer's words.
     fn judge(&mut self, observer: &dyn Observer) {
         let refuted: Vec<&str> = self.hour_kinds.iter().filter(|of| of.is_refuted()).map(|of| of.kind).collect();
         let is_exceeded = |stated: f64| self.total().rmse_percent.low > STATED_WITHIN * stated;
@@ -211,7 +213,7 @@ impl AuditReport {
     }
 }
 
-/// A number in percent of a mean.
+/// Returns a number in percent of a mean.
 pub(super) fn in_percent(known: Known, mean_w_m2: f64) -> Known {
     known.times(if mean_w_m2 > 0.0 { 100.0 / mean_w_m2 } else { 0.0 })
 }

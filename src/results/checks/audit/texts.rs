@@ -1,4 +1,5 @@
-//! What an audit tells people and programs. In: a report. Out: a table as text, a table of all pairs, pictures, a folder of these.
+//! Output of an audit for people and programs. In: a report. Out: a table as text, a table of all
+//! pairs, pictures, and a folder of these.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -16,7 +17,7 @@ use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
 
 impl AuditReport {
-    /// For the terminal.
+    /// Returns the report as text for the terminal.
     pub fn text(&self) -> String {
         let mut out = format!(
             "{}: {} receivers, {} hours of {} in all, mean total {:.1} W/m2\n\
@@ -72,7 +73,8 @@ impl AuditReport {
         out
     }
 
-    /// Writes audit.csv, pictures and a page into a folder, and gives the path of the page; `about` is what files say of how they were made.
+    /// Writes audit.csv, pictures and a page into a folder, and returns the path of the page;
+    /// `about` is the provenance that files state.
     pub fn write(&self, folder: &Path, about: Provenance) -> Result<PathBuf> {
         let report = ReportFolder {
             title: format!("Audit of {}", self.archive.display()),
@@ -84,7 +86,7 @@ impl AuditReport {
         report.write(folder, &about.with("weather", &self.weather))
     }
 
-    /// What a person should know, in words.
+    /// Returns the summary of the report in words, as HTML.
     fn words(&self) -> String {
         let total = self.total();
         let percent = total.rmse_percent;
@@ -103,7 +105,7 @@ impl AuditReport {
         )
     }
 
-    /// Every pair with its results and what the judge found, as CSV.
+    /// Returns every pair with its results and the reference values, as CSV.
     pub fn csv(&self) -> String {
         let mut out = String::from("receiver,condition,sky_view");
         for part in Component::ALL {
@@ -158,7 +160,7 @@ impl AuditReport {
     }
 }
 
-/// How far off a result is, in words.
+/// Returns the largest difference of a component in words.
 fn worst(pair: &WorstPair) -> String {
     let WorstPair { receiver, condition, off_w_m2, judged_w_m2, standard_error_w_m2 } = pair;
     match *off_w_m2 == 0.0 {

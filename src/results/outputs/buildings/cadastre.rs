@@ -1,5 +1,7 @@
-//! Buildings and their roof faces, being added up. In: all receivers once, for what they belong to; then again with their sums. Out: what
-//! tables tell of them. Kept are 8 bytes a receiver, numbers of each building and face, and patches of faces that are not complete.
+//! Running sums of buildings and their roof faces. In: all receivers once, for the building and
+//! face they belong to; then again with their sums. Out: the numbers of the tables. Memory holds 8
+//! bytes a receiver, the numbers of each building and face, and patches of faces that are not
+//! complete.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -14,23 +16,23 @@ use heliotile_core::site::receiver::Receiver;
 use heliotile_core::text::counted;
 use heliotile_core::units::tilt_and_azimuth;
 
-/// Names that a message holds at most.
+/// Largest number of receivers that a message names.
 const NAMED: usize = 3;
 
 /// Orientations, in the order of columns.
 pub const SIDES: [&str; 5] = ["flat", "north", "east", "south", "west"];
 
-/// A building.
+/// Sums of a building.
 #[derive(Clone, Debug, Default)]
 pub struct BuildingSums {
     pub roof: Lit,
-    /// `[side]` of [`SIDES`], kWh.
+    /// Sums by side, in the order of [`SIDES`], kWh.
     pub roof_sides: [f64; 5],
     pub facade: Lit,
     pub facade_sides: [f64; 5],
 }
 
-/// Where the sum of a receiver goes.
+/// Building or face that the sum of a receiver is added to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Target {
     Face(u32),
@@ -38,23 +40,23 @@ enum Target {
     Nowhere,
 }
 
-/// The buildings of a site.
+/// Buildings of a site and their roof faces.
 pub struct Cadastre {
     pub usable: Usable,
     north: North,
-    /// Sorted by name.
+    /// Names of buildings, sorted.
     pub names: Vec<String>,
-    /// `[building]`
+    /// `[building]`: sums.
     pub buildings: Vec<BuildingSums>,
     pub faces: Vec<RoofFace>,
-    /// `[receiver]`
+    /// `[receiver]`: building or face that it counts to.
     targets: Vec<Target>,
     done: usize,
-    /// The highest sum of a receiver on a roof, kWh/m2.
+    /// Highest sum of a receiver on a roof, kWh/m2.
     pub best_kwh_m2: f64,
 }
 
-/// Receivers that cannot be counted.
+/// Receivers without a required property, for an error message.
 #[derive(Default)]
 struct Lacking {
     count: u64,
@@ -81,7 +83,7 @@ impl Lacking {
 }
 
 impl Cadastre {
-    /// From the receivers of `file`, in the order in which their sums will come.
+    /// Reads the receivers of `file`, which must come in the same order as their sums.
     pub fn new(
         receivers: impl Iterator<Item = Result<Receiver>>,
         usable: Usable,
@@ -141,7 +143,7 @@ impl Cadastre {
             let hint = "cover roofs too, with {on} roof,wall or without {on}";
             return Err(Error::input(file, None, what, hint));
         }
-        // Numbers in order of appearance become places in the order of names.
+        // Buildings were numbered by first appearance; results list them by name.
         let mut places = vec![0; numbers.len()];
         for (place, number) in (0..).zip(numbers.values()) {
             places[*number as usize] = place;
@@ -169,7 +171,8 @@ impl Cadastre {
             Target::Facade(building) => {
                 let sums = &mut self.buildings[building as usize];
                 sums.facade.add(lit);
-                // Leaning walls have a side too.
+                // Any facade counts to a compass side, even a leaning wall: its tilt is taken as 90
+                // degrees.
                 sums.facade_sides[place_of(side(90.0, azimuth))] += lit.kwh;
             }
             Target::Face(number) => {
@@ -184,18 +187,18 @@ impl Cadastre {
         }
     }
 
-    /// Tilt and azimuth of a face, degrees, the latter from true north.
+    /// Returns tilt and azimuth of a face, degrees, the latter from true north.
     pub fn direction(&self, face: &RoofFace) -> (f64, f64) {
         tilt_and_azimuth(self.north.to_true(face.normal()))
     }
 
-    /// Faces whose patches are not known and that count as one region.
+    /// Returns the number of faces that count as one region because patches are unknown.
     pub fn vague(&self) -> usize {
         self.faces.iter().filter(|face| face.is_vague).count()
     }
 }
 
-/// What looks down is as flat as what looks up.
+/// Returns the index of a side in [`SIDES`]; surfaces that face down count as flat.
 fn place_of(side: &str) -> usize {
     SIDES.iter().position(|name| *name == side).unwrap_or_default()
 }

@@ -1,21 +1,22 @@
-//! A roof face while its receivers come. In: receivers and their sums. Out: its area, sum and direction, and the regions of it that get more
-//! than a threshold; the patches that these are made of are dropped once the face is complete.
+//! Roof face that receives its receivers one by one. In: receivers and their sums. Out: its area,
+//! sum and direction, and its regions above a threshold. Patches are dropped once the face is
+//! complete.
 
 use glam::DVec3;
 
 use super::regions::regions;
 use heliotile_core::site::patch::Patch;
 
-/// What counts as usable.
+/// Criteria of a usable region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Usable {
-    /// A receiver gets this at least.
+    /// Least irradiation of a receiver, kWh/m2.
     pub threshold_kwh_m2: f64,
-    /// A region has this area at least.
+    /// Least area of a region, m2.
     pub least_m2: f64,
 }
 
-/// Area, and the sum that falls on it.
+/// Area in m2, and the sum in kWh that falls on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lit {
     pub area_m2: f64,
@@ -28,40 +29,40 @@ impl Lit {
         self.kwh += other.kwh;
     }
 
-    /// `None` without area.
+    /// Returns the mean irradiation, kWh/m2; `None` without area.
     pub fn kwh_m2(&self) -> Option<f64> {
         (self.area_m2 > 0.0).then(|| self.kwh / self.area_m2)
     }
 }
 
-/// A roof face.
+/// Roof face with its sums.
 #[derive(Clone, Debug, Default)]
 pub struct RoofFace {
-    /// Number of its building.
+    /// Index of its building.
     pub building: u32,
     pub name: String,
-    /// All that belong to it.
+    /// Number of all receivers on the face.
     pub receivers: u32,
     seen: u32,
     pub all: Lit,
-    /// Of receivers above the threshold.
+    /// Area and sum of receivers above the threshold.
     pub above: Lit,
-    /// Of regions that are large enough.
+    /// Area and sum of regions that are large enough.
     pub usable: Lit,
     pub regions: u32,
-    /// The region that gets the most, if it is large enough.
+    /// Region with the largest sum, if it is large enough.
     pub best: Lit,
-    /// The largest region of any size.
+    /// Area of the largest region of any size.
     pub largest_m2: f64,
-    /// Sums by area.
+    /// Sum of normals times areas; `sky` is the sum of sky views times areas.
     normal: DVec3,
     sky: f64,
     pending: Vec<Pending>,
-    /// Whether a patch above the threshold is not known: the face then counts as one region.
+    /// True if a patch above the threshold is unknown: the face then counts as one region.
     pub is_vague: bool,
 }
 
-/// A receiver above the threshold.
+/// Receiver above the threshold, kept until the face is complete.
 #[derive(Clone, Debug)]
 struct Pending {
     place: DVec3,
@@ -69,7 +70,7 @@ struct Pending {
     lit: Lit,
 }
 
-/// A receiver on a face, with its sum.
+/// Receiver on a face, with its sum.
 pub struct OnRoof {
     pub place: DVec3,
     pub normal: DVec3,
@@ -80,7 +81,7 @@ pub struct OnRoof {
 }
 
 impl RoofFace {
-    /// One of a building that no receiver is known of yet.
+    /// Returns a face of a building without receivers.
     pub fn new(building: u32, name: String) -> Self {
         RoofFace { building, name, ..RoofFace::default() }
     }
@@ -123,12 +124,12 @@ impl RoofFace {
         }
     }
 
-    /// Mean by area, of unit length.
+    /// Returns the mean of the normals by area, of unit length.
     pub fn normal(&self) -> DVec3 {
         self.normal.normalize_or_zero()
     }
 
-    /// Share of sky, mean by area.
+    /// Returns the mean sky view by area.
     pub fn sky_view(&self) -> Option<f64> {
         (self.all.area_m2 > 0.0).then(|| self.sky / self.all.area_m2)
     }
@@ -138,8 +139,8 @@ impl RoofFace {
 mod tests {
     use super::*;
 
-    /// Of 6 squares in a row, 1 m2 each, the third is dark: regions of 2 and 3 m2, of which at least 2.5 m2 leaves one; without
-    /// patches all 5 m2 are one region.
+    /// In a row of 6 squares of 1 m2 the third is dark: the regions have 2 and 3 m2, and a least
+    /// area of 2.5 m2 leaves one. Without patches all 5 m2 are one region.
     #[test]
     fn a_row() {
         let usable = Usable { threshold_kwh_m2: 900.0, least_m2: 2.5 };

@@ -1,5 +1,6 @@
-//! What solar cadastres publish. In: receivers with their sums of a year, patches and views of the sky. Out: a row a building, and a row a
-//! roof face: areas, sums by orientation, and how much of a roof gets more than a threshold in one piece.
+//! Solar cadastre. In: receivers with their sums of a year, patches and sky views. Out: a row a
+//! building and a row a roof face: areas, sums by orientation, and the area of connected regions
+//! above a threshold.
 
 mod cadastre;
 mod face;

@@ -1,21 +1,22 @@
-//! Which part of which building a receiver stands for. In: its kind, normal and names. Out: roof, facade or neither.
+//! Building part of a receiver. In: its kind, normal and names. Out: roof, facade or neither.
 
 use heliotile_core::site::receiver::Receiver;
 
-/// Up to this tilt what nobody calls anything is a roof, up to 180 degrees less a facade: as surfaces without semantics are told apart.
+/// Cosine of the tilt that separates roofs from facades if no kind is stated: 60 degrees, and 120
+/// at the lower end. Surfaces without semantics are classified alike.
 const ROOF_BELOW_Z: f64 = 0.5;
 
-/// What a receiver stands for.
+/// Building part that a receiver stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Envelope {
     Roof,
     Facade,
-    /// Ground, undersides, shades, windows in roofs, and words that nobody knows here.
+    /// Ground, undersides, shades, windows in roofs, and unknown kinds.
     Neither,
 }
 
 impl Envelope {
-    /// By its kind; by its tilt where nobody says one.
+    /// Classifies a receiver by its kind, or by its tilt if no kind is stated.
     pub fn of(receiver: &Receiver) -> Self {
         let up = receiver.normal.z;
         let upright = up.abs() <= ROOF_BELOW_Z;
@@ -29,13 +30,14 @@ impl Envelope {
     }
 }
 
-/// The building that a receiver belongs to; its object where nobody names one.
+/// Returns the building that a receiver belongs to, or its object if no building is stated.
 pub fn building_of(receiver: &Receiver) -> Option<&str> {
     let part = &receiver.part;
     [&part.building, &part.object].into_iter().find(|name| !name.is_empty()).map(String::as_str)
 }
 
-/// The face that a receiver lies on, in the words of its table: its surface, the face of its file, or its object.
+/// Returns the face that a receiver lies on, named as in its table: its surface, the face of its
+/// file, or its object.
 pub fn face_of(receiver: &Receiver) -> &str {
     let part = &receiver.part;
     let names = [receiver.surface.as_deref().unwrap_or_default(), &part.face, &part.object];
@@ -47,7 +49,7 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// Kinds decide, then tilt; windows count where they stand upright: 8 of 8.
+    /// The kind decides, then the tilt; windows count if they are upright: 8 of 8.
     #[test]
     fn kinds_then_tilt() {
         for (kind, up, expected) in [

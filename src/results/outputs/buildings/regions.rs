@@ -1,25 +1,28 @@
-//! Pieces of a face that touch. In: patches around their receivers. Out: which of them hang together by their edges.
+//! Regions of a face. In: patches around receivers. Out: groups of patches that are connected by
+//! their edges.
 
 use glam::{DVec2, DVec3};
 
 use heliotile_core::hemisphere::Frame;
 use heliotile_core::site::patch::Patch;
 
-/// Edges this near are one, mm: corners are rounded to whole mm on both sides, and those within 1 mm of a straight edge are left out.
+/// Largest distance of edges that touch, mm: corners are rounded to whole mm on both sides, and
+/// corners within 1 mm of a straight edge are left out.
 const TOUCH_MM: f64 = 3.0;
 
-/// Patches that share less of an edge only meet at a corner, mm.
+/// Least length of a shared edge, mm; patches that share less only meet at a corner.
 const SHARED_MM: f64 = 20.0;
 
-/// Outlines in the plane of a face, mm.
+/// Outlines of a patch in the plane of a face, mm.
 struct Outline {
     polygons: Vec<Vec<DVec2>>,
     low: DVec2,
     high: DVec2,
 }
 
-/// `[patch]`: the number of the region that it belongs to, counted from 0 in order of first patches. Of patches with their receivers'
-/// places, metres, on a face that looks along a unit normal.
+/// Returns the index of the region of each patch, `[patch]`, counted from 0 in the order of first
+/// patches. Each patch comes with its receiver's position, metres; `normal` is the unit normal of
+/// the face.
 pub fn regions(normal: DVec3, patches: &[(DVec3, &Patch)]) -> Vec<usize> {
     let origin = patches.first().map_or(DVec3::ZERO, |(place, _)| *place);
     let outlines: Vec<Outline> =
@@ -29,12 +32,13 @@ pub fn regions(normal: DVec3, patches: &[(DVec3, &Patch)]) -> Vec<usize> {
     order.sort_by(|a, b| outlines[*a].low.x.total_cmp(&outlines[*b].low.x));
     for (i, a) in order.iter().enumerate() {
         let own = &outlines[*a];
-        // Those behind begin farther along x: beyond the end of this one none touches it.
+        // Patches are sorted by their lowest x: once one begins beyond the end of this one, no
+        // further one touches it.
         let near = order[i + 1..].iter().take_while(|b| outlines[**b].low.x <= own.high.x + TOUCH_MM);
         for b in near {
             let (roots, other) = ([*a, *b].map(|i| root(&mut parents, i)), &outlines[*b]);
             if roots[0] != roots[1] && own.is_near(other) && own.touches(other) {
-                // The earlier one is the root.
+                // The smaller index becomes the root.
                 parents[roots[0].max(roots[1])] = roots[0].min(roots[1]);
             }
         }
@@ -51,7 +55,7 @@ pub fn regions(normal: DVec3, patches: &[(DVec3, &Patch)]) -> Vec<usize> {
     (0..patches.len()).map(number).collect()
 }
 
-/// The root of a tree, whose paths become shorter on the way.
+/// Returns the root of a tree in a union-find forest, and shortens paths on the way.
 fn root(parents: &mut [usize], mut i: usize) -> usize {
     while parents[i] != i {
         parents[i] = parents[parents[i]];
@@ -74,7 +78,7 @@ impl Outline {
         Outline { polygons, low, high }
     }
 
-    /// Whether boxes around the two touch.
+    /// Returns true if the bounding boxes of both touch.
     fn is_near(&self, other: &Outline) -> bool {
         let gap = (other.low - self.high).max(self.low - other.high);
         gap.cmple(DVec2::splat(TOUCH_MM)).all()
@@ -92,7 +96,7 @@ impl Outline {
     }
 }
 
-/// Whether two edges run along each other for more than a corner.
+/// Returns true if two edges run along each other for more than a corner.
 fn share([p, q]: [DVec2; 2], [r, s]: [DVec2; 2]) -> bool {
     let length = (q - p).length();
     let along = (q - p) / length;
@@ -113,8 +117,9 @@ mod tests {
         Patch::square(DVec3::Z, 1.0)
     }
 
-    /// Squares side by side are one region, those that meet at a corner or lie 10 mm apart are not, and a square that two smaller ones lie
-    /// beside is one with both: 4 of 4, on level and on steep faces.
+    /// Squares side by side are one region. Squares that meet at a corner or lie 10 mm apart are
+    /// not. A square beside two half-shifted ones is one region with both: 4 of 4, on level and on
+    /// steep faces.
     #[test]
     fn edges_join() {
         let flat = square();

@@ -7,7 +7,7 @@ use super::face::{Lit, RoofFace};
 use crate::outputs::tables::column::Column;
 use crate::outputs::tables::rows::{Cell, Records};
 
-/// A row a building, by name.
+/// Returns a row for each building, by name.
 pub fn building_rows(cadastre: &Cadastre) -> Records {
     let mut columns = vec![Column::text("building"), Column::count("roof_faces")];
     columns.extend(numbers(["roof_area_m2", "roof_kwh", "roof_kwh_m2", "above_threshold_m2", "usable_area_m2"]));
@@ -28,7 +28,7 @@ pub fn building_rows(cadastre: &Cadastre) -> Records {
             })
         };
         let (above, usable) = (sum(|face| face.above), sum(|face| face.usable));
-        // Of equal ones the first by name.
+        // Of faces with equal sums, the first by name counts.
         let better = |a: &&&RoofFace, b: &&&RoofFace| a.best.kwh.total_cmp(&b.best.kwh).then(b.name.cmp(&a.name));
         let best = faces.iter().filter(|face| face.best.kwh > 0.0).max_by(better);
         let mut row = vec![Cell::Text(name.clone()), Cell::Count(faces.len() as u64)];
@@ -46,7 +46,7 @@ pub fn building_rows(cadastre: &Cadastre) -> Records {
     Records { columns, rows }
 }
 
-/// A row a roof face, by building and name.
+/// Returns a row for each roof face, by building and name.
 pub fn face_rows(cadastre: &Cadastre) -> Records {
     let mut columns = vec![Column::text("building"), Column::text("face"), Column::count("receivers")];
     columns.extend(numbers(["area_m2", "tilt_deg", "azimuth_deg", "total_kwh_m2", "total_kwh", "share_of_best"]));
@@ -82,12 +82,12 @@ pub fn face_rows(cadastre: &Cadastre) -> Records {
     Records { columns, rows: faces.into_iter().map(row).collect() }
 }
 
-/// Columns of numbers, with three decimals in CSV.
+/// Returns columns of numbers, with three decimals in CSV.
 fn numbers(names: impl IntoIterator<Item = impl Into<String>>) -> impl Iterator<Item = Column> {
     names.into_iter().map(|name| Column::number(name, 3))
 }
 
-/// Mean beside the brightest receiver of all roofs.
+/// Returns the mean as a share of the brightest receiver of all roofs.
 fn share(cadastre: &Cadastre, lit: Lit) -> Option<f64> {
     lit.kwh_m2().map(|mean| mean / cadastre.best_kwh_m2).filter(|share| share.is_finite())
 }

@@ -1,5 +1,5 @@
-//! JSON objects and lists of which most stays as it is. In: text. Out: keys in their order, with the text of their values; or the texts of a
-//! list.
+//! JSON objects and lists that are mostly copied unchanged. In: text. Out: keys in their order,
+//! with the text of their values; or the texts of a list.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -8,22 +8,22 @@ use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde_json::value::RawValue;
 
-/// The members of an object, in the order of the file.
+/// Members of an object, in the order of the file.
 #[derive(Debug, Default)]
 pub(super) struct Fields<'a>(pub Vec<(String, &'a RawValue)>);
 
-/// An object, or the values of a list; `null` is an empty one.
+/// Parses an object, or the values of a list; `null` is an empty one.
 pub(super) fn parsed<'a, T: Deserialize<'a> + Default>(value: &'a RawValue) -> serde_json::Result<T> {
     serde_json::from_str::<Option<T>>(value.get()).map(Option::unwrap_or_default)
 }
 
 impl<'a> Fields<'a> {
-    /// The value of a key.
+    /// Returns the value of a key.
     pub fn get(&self, key: &str) -> Option<&'a RawValue> {
         self.0.iter().find(|(name, _)| name == key).map(|(_, value)| *value)
     }
 
-    /// A text that a key has.
+    /// Returns the value of a key if it is a string.
     pub fn text(&self, key: &str) -> Option<String> {
         self.get(key).and_then(|value| serde_json::from_str(value.get()).ok())
     }
@@ -51,7 +51,7 @@ impl<'de: 'a, 'a> Deserialize<'de> for Fields<'a> {
     }
 }
 
-/// An object being written.
+/// JSON object being written.
 pub(super) struct Members<'w, W: Write> {
     out: &'w mut W,
     first: bool,
@@ -63,7 +63,7 @@ impl<'w, W: Write> Members<'w, W> {
         Ok(Members { out, first: true })
     }
 
-    /// The key of the next member; its value is to be written next.
+    /// Writes the key of the next member; its value must be written next.
     pub fn key(&mut self, key: &str) -> io::Result<&mut W> {
         if !std::mem::take(&mut self.first) {
             self.out.write_all(b",")?;
@@ -86,7 +86,8 @@ impl<'w, W: Write> Members<'w, W> {
 mod tests {
     use super::*;
 
-    /// An object of 3 members is written again with the order of its keys and its numbers as they were, `1.50` and `2e0`; null is empty.
+    /// An object of 3 members is written again with its keys in order and its numbers unchanged,
+    /// `1.50` and `2e0`; null is an empty object.
     #[test]
     fn as_it_was() {
         let text = r#"{"b":1.50,"a\n":{"x": 2e0},"c":null}"#;

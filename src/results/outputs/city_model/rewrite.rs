@@ -1,5 +1,6 @@
-//! The text of a city model, with additions. In: a CityJSON object or one line of a sequence; sums. Out: the same text, in which only objects
-//! that get something are written anew: their attributes, those of their semantic surfaces and the theme of their geometries.
+//! Rewrites the text of a city model with additions. In: a CityJSON object or one line of a
+//! sequence; sums. Out: the text, in which only objects with sums are written anew: their
+//! attributes, the attributes of their semantic surfaces, and the theme of their geometries.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -13,10 +14,10 @@ use super::sums::{Means, ModelSums, ObjectSums, PREFIX};
 use super::theme::Theme;
 use heliotile_scene::semantics::{FaceNote, FaceSource, SourceFace};
 
-/// What went wrong.
+/// Error of a rewrite.
 #[derive(Debug)]
 pub enum RewriteError {
-    /// The text is no city model.
+    /// Text that is no city model.
     Model(String),
     Write(io::Error),
 }
@@ -35,21 +36,22 @@ impl From<io::Error> for RewriteError {
 
 type Result<T> = std::result::Result<T, RewriteError>;
 
-/// How many objects and faces of the sums are those of the model.
+/// Numbers of objects and faces of the sums that the model contains.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fitting {
     pub objects: usize,
     pub faces: usize,
 }
 
-/// Writes city models with sums.
+/// Writer of city models with sums.
 pub struct CityModelWriter<'s> {
     sums: &'s ModelSums,
     theme: Theme,
     fitting: Fitting,
 }
 
-/// Places in the boundaries of a geometry, with how many faces stand there: `[solid][shell]`, of which some geometries have fewer.
+/// Boundaries of a geometry, reduced to the number of faces: `[solid][shell]`, where some
+/// geometries have fewer levels.
 enum Faces {
     Surfaces(Vec<IgnoredAny>),
     Shells(Vec<Vec<IgnoredAny>>),
@@ -61,12 +63,13 @@ impl<'s> CityModelWriter<'s> {
         CityModelWriter { sums, theme: Theme::up_to(sums.largest()), fitting: Fitting::default() }
     }
 
-    /// What was found so far.
+    /// Returns the numbers of objects and faces that were found so far.
     pub fn fitting(&self) -> Fitting {
         self.fitting
     }
 
-    /// Writes a CityJSON object, or a line of a sequence; `about` is the provenance that a header bears.
+    /// Writes a CityJSON object, or a line of a sequence. `about` is the provenance for the header;
+    /// lines after it have none.
     pub fn write(&mut self, text: &str, about: Option<&Value>, out: &mut impl Write) -> Result<()> {
         let root: Fields = serde_json::from_str(text)?;
         let kind = root.text("type").unwrap_or_default();
@@ -74,7 +77,8 @@ impl<'s> CityModelWriter<'s> {
         if kind != wanted {
             return Err(RewriteError::Model(format!("its `type` is `{kind}`, not {wanted}")));
         }
-        // Versions 1.0 and 2.0 let metadata say more, 1.1 lets only the object itself.
+        // Versions 1.0 and 2.0 allow further members in the metadata; 1.1 allows them only in the
+        // root object.
         let version = root.text("version").unwrap_or_default();
         let (in_metadata, about) = (!version.starts_with("1.1"), about.map(Value::to_string));
         let objects: Fields = root.get("CityObjects").map_or(Ok(Fields::default()), parsed)?;
@@ -87,7 +91,7 @@ impl<'s> CityModelWriter<'s> {
         let (mut has_appearance, mut has_metadata) = (false, false);
         for (key, value) in &root.0 {
             let out = match key.as_str() {
-                // What an earlier run wrote.
+                // An earlier run wrote this member; it is replaced.
                 "heliotile" if about.is_some() => continue,
                 _ => members.key(key)?,
             };
@@ -126,7 +130,7 @@ impl<'s> CityModelWriter<'s> {
         Ok(with_member(appearance, "materials", &list, out)?)
     }
 
-    /// Objects; `first` is the number of the first class's material.
+    /// Writes all city objects; `first` is the index of the material of the first class.
     fn objects(&mut self, objects: &Fields, first: usize, out: &mut impl Write) -> Result<()> {
         let sums = self.sums;
         let mut members = Members::begin(out)?;
@@ -172,7 +176,7 @@ impl<'s> CityModelWriter<'s> {
         Ok(members.end()?)
     }
 
-    /// An object with what it gets; what an earlier run wrote goes.
+    /// Writes an object with the attributes of `means`; attributes of an earlier run are removed.
     fn attributed(&self, fields: &Fields, means: &Means, out: &mut impl Write) -> Result<()> {
         let mut members = Members::begin(out)?;
         for (key, value) in fields.0.iter().filter(|(key, _)| !key.starts_with(PREFIX)) {
@@ -184,7 +188,8 @@ impl<'s> CityModelWriter<'s> {
         Ok(members.end()?)
     }
 
-    /// A geometry: attributes of semantic surfaces, and a material for each face that gets something.
+    /// Writes a geometry with attributes of semantic surfaces, and a material for each face that
+    /// has sums.
     fn shape(
         &mut self,
         text: &RawValue,
@@ -197,7 +202,7 @@ impl<'s> CityModelWriter<'s> {
         let kind = shape.text("type").unwrap_or_default();
         let places = shape.get("boundaries").map_or(Ok(None), |boundaries| Faces::of(&kind, boundaries))?;
         let places = places.map(|places| places.paths()).unwrap_or_default();
-        // `[face]` of those that get something.
+        // Paths of the faces that have sums.
         let mut lit: BTreeMap<Vec<u32>, &Means> = BTreeMap::new();
         for path in places.iter() {
             if let Some(means) = known.faces.get(&name_of(number, path)) {
@@ -258,13 +263,14 @@ impl<'s> CityModelWriter<'s> {
         Ok(members.end()?)
     }
 
-    /// The theme of a geometry: numbers of materials, as deep as its boundaries without rings.
+    /// Returns the theme of a geometry: indices of materials, nested as its boundaries are without
+    /// rings.
     fn material(&self, places: &[Vec<u32>], lit: &BTreeMap<Vec<u32>, &Means>, first: usize) -> String {
         let mut values = Value::Array(Vec::new());
         for path in places {
             let class =
                 lit.get(path).map(|means| first as u64 + u64::from(self.theme.class_of(self.sums.total(means))));
-            // Paths come in order, so that each list only grows at its end.
+            // Paths come in order, so each list only grows at its end.
             let mut list = &mut values;
             for place in path.iter().take(path.len().saturating_sub(1)) {
                 let Value::Array(items) = list else { break };
@@ -282,7 +288,7 @@ impl<'s> CityModelWriter<'s> {
 }
 
 impl Faces {
-    /// Of the boundaries of a geometry; none where it has no faces of its own.
+    /// Reads the boundaries of a geometry; `None` if it has no faces of its own.
     fn of(kind: &str, boundaries: &RawValue) -> Result<Option<Faces>> {
         Ok(match kind {
             "MultiSurface" | "CompositeSurface" => Some(Faces::Surfaces(parsed(boundaries)?)),
@@ -292,7 +298,7 @@ impl Faces {
         })
     }
 
-    /// Where each face stands, in order.
+    /// Returns the path of each face in the boundaries, in order.
     fn paths(&self) -> Vec<Vec<u32>> {
         let numbers = |list: &[IgnoredAny]| 0..list.len() as u32;
         match self {
@@ -311,7 +317,7 @@ impl Faces {
     }
 }
 
-/// What receivers on a face call it.
+/// Returns the name that receivers have for a face.
 fn name_of(geometry: usize, place: &[u32]) -> String {
     let mut path = [0; 3];
     path.iter_mut().zip(place).for_each(|(to, from)| *to = *from);
@@ -319,7 +325,7 @@ fn name_of(geometry: usize, place: &[u32]) -> String {
     SourceFace { note: FaceNote { source, ..FaceNote::default() }, ..SourceFace::default() }.name("")
 }
 
-/// Without the materials of an earlier run, which stand last.
+/// Returns the materials without those of an earlier run, which stand last.
 fn foreign<'l, 'a>(materials: &'l [&'a RawValue]) -> &'l [&'a RawValue] {
     let own = |material: &&&RawValue| {
         parsed::<Fields>(material)
@@ -331,7 +337,7 @@ fn foreign<'l, 'a>(materials: &'l [&'a RawValue]) -> &'l [&'a RawValue] {
     materials.get(..materials.len() - count).unwrap_or_default()
 }
 
-/// Writes an object with one member more, or in the place of one of its name.
+/// Writes an object with one member added, or replaced if its key exists.
 fn with_member(fields: &Fields, key: &str, value: &str, out: &mut impl Write) -> io::Result<()> {
     let mut members = Members::begin(out)?;
     let mut is_there = false;
@@ -354,7 +360,7 @@ mod tests {
     use heliotile_core::replay::values::TileValues;
     use heliotile_core::site::receiver::Receiver;
 
-    /// Sums of 1,000 kWh/m2 on 2 m2 of some faces of objects.
+    /// Returns sums of 1,000 kWh/m2 on 2 m2 for each of these faces of objects.
     fn sums(faces: &[(&str, &str)]) -> ModelSums {
         let mut sums = ModelSums::new(&ComponentList::of(Component::Total), &[]);
         let mut values = TileValues::new(1, 1);
@@ -374,9 +380,10 @@ mod tests {
         (String::from_utf8(out).expect("text"), writer.fitting())
     }
 
-    /// Faces of solids of solids and of plain surfaces get the class of 1,000 behind the 1 material that is there, all others none; semantic
-    /// surfaces that values name get their sums, where values are null none; attributes that are null become some; an object without sums
-    /// stays as it is, spaces and all; of version 1.1 provenance stands at the top.
+    /// Faces of composite solids and of plain surfaces get the class of 1,000 behind the 1 existing
+    /// material; faces without sums get none. Semantic surfaces named by values get their sums,
+    /// null values get none. Null attributes become attributes. An object without sums stays as it
+    /// is, spaces included. Version 1.1 has its provenance in the root object.
     #[test]
     fn depths() {
         let sums = sums(&[
@@ -404,13 +411,13 @@ mod tests {
             (&model["heliotile"], model["appearance"]["materials"].as_array().map(Vec::len)),
             (&"here".into(), Some(21))
         );
-        // A second time nothing is added again.
+        // A second run adds nothing.
         assert_eq!(written(&sums, &out).0, out);
         let (newer, _) = written(&sums, &text.replace("\"1.1\"", "\"2.0\""));
         assert!(newer.contains(r#""metadata":{"title":"t","heliotile":"here"}"#), "{newer}");
     }
 
-    /// What is no city model is refused with what it is, 4 of 4.
+    /// Texts that are no city model are refused with a message that says what they are, 4 of 4.
     #[test]
     fn no_models() {
         let sums = sums(&[("a", "geometry[0].boundaries[0]")]);

@@ -1,5 +1,6 @@
-//! What objects and faces of a city model get. In: receivers with their sums, kWh/m2. Out: means by area of each object, with all its parts,
-//! and of each face, as attributes. Kept are numbers of each object and face, not of receivers.
+//! Sums of objects and faces of a city model. In: receivers with their sums, kWh/m2. Out: means by
+//! area of each object, with all its parts, and of each face, as attributes. Memory holds numbers
+//! of each object and face, not of receivers.
 
 use std::collections::HashMap;
 
@@ -7,16 +8,16 @@ use heliotile_core::replay::components::{Component, ComponentList, SUM_SUFFIX};
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
 
-/// Of all attributes that are added.
+/// Prefix of all attributes that are added.
 pub(super) const PREFIX: &str = "heliotile_";
 
-/// Means of receivers that belong together, being added up.
+/// Running means of the receivers of an object or face.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Means {
     receivers: u64,
     with_area: u64,
     area_m2: f64,
-    /// `[quantity]`: sums by area, and without regard to it.
+    /// Sums by quantity, `[quantity]`, of values times areas; `plain` are sums of values.
     weighted: Vec<f64>,
     plain: Vec<f64>,
 }
@@ -35,7 +36,7 @@ impl Means {
         }
     }
 
-    /// The two as one.
+    /// Adds the sums of another mean.
     pub fn join(&mut self, other: &Means) {
         self.receivers += other.receivers;
         self.with_area += other.with_area;
@@ -46,12 +47,12 @@ impl Means {
         }
     }
 
-    /// Area of all receivers; `None` if one has none.
+    /// Returns the area of all receivers; `None` if one has none.
     fn area_m2(&self) -> Option<f64> {
         (self.with_area == self.receivers && self.area_m2 > 0.0).then_some(self.area_m2)
     }
 
-    /// By area; plain where a receiver has none.
+    /// Returns the mean by area, or a plain mean if a receiver has no area.
     pub fn mean(&self, quantity: usize) -> f64 {
         match self.area_m2() {
             Some(area_m2) => self.weighted.get(quantity).copied().unwrap_or_default() / area_m2,
@@ -60,32 +61,33 @@ impl Means {
     }
 }
 
-/// A city object, and its faces by the names that receivers give them.
+/// City object, and its faces by the names that receivers have for them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ObjectSums {
-    /// Of the object with all that are parts of it.
+    /// Means of the object with all its parts.
     pub all: Means,
     pub faces: HashMap<String, Means>,
 }
 
-/// What all objects and faces get.
+/// Sums of all objects and faces.
 #[derive(Clone, Debug)]
 pub struct ModelSums {
-    /// Those that are asked for; behind them the total if it is not.
+    /// Requested components; the total follows them if it was not requested.
     components: Vec<Component>,
-    /// Keys of those that are asked for.
+    /// Keys of the requested components.
     names: Vec<String>,
-    /// Endings of keys of single periods; none if there is one period only.
+    /// Endings of the keys of single periods; empty if there is one period only.
     periods: Vec<String>,
     objects: HashMap<String, ObjectSums>,
-    /// Receivers of no object.
+    /// Number of receivers without an object.
     homeless: u64,
-    /// One receiver's quantities.
+    /// Quantities of one receiver.
     values: Vec<f64>,
 }
 
 impl ModelSums {
-    /// Zeros, for components and the labels of periods that totals are told by besides, all or none of those that values come in.
+    /// Returns zero sums. `labels` are the periods of which totals are written as well; they must
+    /// be all periods of the values, or none.
     pub fn new(asked: &ComponentList, labels: &[String]) -> Self {
         let name = |component: &Component| {
             format!("{PREFIX}{}{}", asked.name_of(*component), component.measure().sum_suffix())
@@ -102,12 +104,12 @@ impl ModelSums {
         ModelSums { components, names, periods, objects, homeless: 0, values }
     }
 
-    /// All that must be computed.
+    /// Returns the components that must be computed.
     pub fn components(&self) -> &[Component] {
         &self.components
     }
 
-    /// Adds a receiver, which is the one of a row of a tile's values.
+    /// Adds the receiver in row `row` of a tile's values.
     pub fn add(&mut self, receiver: &Receiver, values: &TileValues, row: usize) {
         let part = &receiver.part;
         if part.object.is_empty() {
@@ -129,22 +131,22 @@ impl ModelSums {
         }
     }
 
-    /// Receivers that are on no object.
+    /// Returns the number of receivers on no object.
     pub fn homeless(&self) -> u64 {
         self.homeless
     }
 
-    /// Objects that receivers are on or that are the wholes of such.
+    /// Returns the number of objects with receivers, on themselves or on their parts.
     pub fn object_count(&self) -> usize {
         self.objects.len()
     }
 
-    /// Faces that receivers are on.
+    /// Returns the number of faces with receivers.
     pub fn face_count(&self) -> usize {
         self.objects.values().map(|object| object.faces.len()).sum()
     }
 
-    /// The first of the objects by name.
+    /// Returns the first object by name.
     pub fn example(&self) -> Option<&str> {
         self.objects.keys().map(String::as_str).min()
     }
@@ -153,19 +155,19 @@ impl ModelSums {
         self.objects.get(id)
     }
 
-    /// Total of all periods, kWh/m2.
+    /// Returns the total of all periods, kWh/m2.
     pub(super) fn total(&self, means: &Means) -> f64 {
         let place = self.components.iter().position(|component| *component == Component::Total);
         means.mean(place.unwrap_or_default())
     }
 
-    /// The brightest face, kWh/m2.
+    /// Returns the total of the brightest face, kWh/m2.
     pub(super) fn largest(&self) -> f64 {
         let faces = self.objects.values().flat_map(|object| object.faces.values());
         faces.map(|face| self.total(face)).fold(0.0, f64::max)
     }
 
-    /// Keys and numbers, each as JSON has it.
+    /// Returns the keys and numbers of attributes, each as JSON text.
     pub(super) fn attributes(&self, means: &Means) -> Vec<(String, String)> {
         let number = |value: f64| format!("{value:.3}");
         let asked = self.names.iter().enumerate();
@@ -182,7 +184,7 @@ impl ModelSums {
     }
 }
 
-/// The entry of a key, which is copied only where it is new.
+/// Returns the entry of a key, which is copied only if it is new.
 fn entry<'m, T: Default>(map: &'m mut HashMap<String, T>, key: &str) -> &'m mut T {
     if !map.contains_key(key) {
         map.insert(key.to_owned(), T::default());

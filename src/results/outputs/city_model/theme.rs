@@ -1,48 +1,49 @@
-//! Colours of a city model. In: the largest sum of a face. Out: classes of equal width with a colour each, as materials of CityJSON.
+//! Colours of a city model. In: the largest sum of a face. Out: classes of equal width with a
+//! colour each, as materials of CityJSON.
 
 use serde_json::{Value, json};
 
 use crate::outputs::pictures::colours::inferno;
 
-/// More classes than this are not told apart.
+/// Largest number of classes that can be told apart.
 const MOST_CLASSES: f64 = 20.0;
 
-/// Names of materials begin and end so.
+/// Beginning and end of the names of materials.
 const NAME: [&str; 2] = ["irradiation ", " kWh/m2"];
 
 /// Classes of irradiation, from 0 to the largest sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Theme {
-    /// Width of a class.
+    /// Width of a class, kWh/m2.
     width_kwh_m2: f64,
     classes: u32,
 }
 
 impl Theme {
-    /// Its name in geometries.
+    /// Name of the theme in geometries.
     pub const NAME: &'static str = "irradiation";
 
-    /// Of at most 20 classes of 1, 2 or 5 times a power of ten.
+    /// Returns at most 20 classes; their width is 1, 2 or 5 times a power of ten.
     pub fn up_to(largest_kwh_m2: f64) -> Self {
         let least = (largest_kwh_m2 / MOST_CLASSES).max(1e-6);
         let power = 10_f64.powf(least.log10().floor());
         let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= least * (1.0 - 1e-12));
         let width_kwh_m2 = factor.unwrap_or(10.0) * power;
-        // At most 20 and a bit.
+        // Rounding may make this a little more than 20.
         let classes = ((largest_kwh_m2 / width_kwh_m2).ceil() as u32).max(1);
         Theme { width_kwh_m2, classes }
     }
 
-    /// The class of a sum, counted from 0; a sum on a border belongs to the class above it.
+    /// Returns the class of a sum, counted from 0; a sum on a border belongs to the class above it.
     pub fn class_of(&self, kwh_m2: f64) -> u32 {
-        // `as` saturates.
+        // The cast `as` saturates at 0 and at the largest number.
         ((kwh_m2 / self.width_kwh_m2) as u32).min(self.classes - 1)
     }
 
-    /// A material for each class.
+    /// Returns a material for each class.
     pub fn materials(&self) -> Vec<Value> {
         let [before, behind] = NAME;
-        // Widths below 1 are told with their decimals.
+        // Widths below 1 are written with their decimals.
         let border = |class: u32| format!("{}", (f64::from(class) * self.width_kwh_m2 * 1e6).round() / 1e6);
         let colour = |class: u32| {
             let share = (f64::from(class) + 0.5) / f64::from(self.classes);
@@ -57,7 +58,7 @@ impl Theme {
         (0..self.classes).map(material).collect()
     }
 
-    /// Whether a material is one of a theme like this.
+    /// Returns true if `name` is the name of a material of such a theme.
     pub fn has_made(name: &str) -> bool {
         let [before, behind] = NAME;
         name.starts_with(before) && name.ends_with(behind)
@@ -68,8 +69,8 @@ impl Theme {
 mod tests {
     use super::*;
 
-    /// Up to 1,650 there are 17 classes of 100, up to 1,000 20 of 50, for all that is dark 1; a sum of 100 is in the second, the largest in the
-    /// last; the names know themselves.
+    /// A largest sum of 1,650 gives 17 classes of 100, 1,000 gives 20 of 50, and 0 gives 1. A sum
+    /// of 100 is in the second class, the largest in the last. Names of materials are recognised.
     #[test]
     fn classes() {
         for (largest, width, classes) in [(1650.0, 100.0, 17), (1000.0, 50.0, 20), (0.3, 0.02, 15), (999.0, 50.0, 20)] {

@@ -1,7 +1,8 @@
-//! A folder of results being written. In: grids, hours, values tile by tile. Out: the folder, which appears under its name when it is complete.
+//! Folder of results being written. In: grids, hours, values tile by tile. Out: the folder, which
+//! appears under its name when it is complete.
 //!
-//! Receivers of a grid come scattered over tiles: each array has its whole size from the start, and rows are written where they belong. A
-//! tile's rows are all that is in memory.
+//! Receivers of a grid are scattered over tiles. Each array therefore has its whole size from the
+//! start, and rows are written at their offsets. Memory holds the rows of one tile.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
@@ -19,24 +20,25 @@ use heliotile_core::replay::components::Component;
 use heliotile_core::replay::values::TileValues;
 use heliotile_core::site::receiver::Receiver;
 
-/// Where results of windows that never change stand; there are no others here.
+/// Name of the folder for results of static apertures, windows that never change; this writer has
+/// no others.
 const STATIC: &str = "__static_apertures__";
 
-/// Arrays that the reader asks for by name.
+/// Arrays, by the names of the reader.
 const ARRAYS: [(Component, &str); 2] = [(Component::Total, "total"), (Component::SunDirect, "direct")];
 
-/// A folder of results.
+/// Folder of results being written.
 pub struct ResultsFolder {
     path: PathBuf,
     partial: PathBuf,
     grids: Grids,
     hours: LitHours,
     arrays: Vec<(Component, PathBuf)>,
-    /// `[grid]`: rows that were written.
+    /// `[grid]`: number of rows that were written.
     rows: Vec<u32>,
-    /// Receivers that were written.
+    /// Number of receivers that were written.
     done: usize,
-    /// Which receiver is where in a grid.
+    /// Table of the grid and row of each receiver.
     table: Option<BufWriter<File>>,
     finished: bool,
 }
@@ -60,7 +62,7 @@ impl ResultsFolder {
         }
     }
 
-    /// Makes the arrays, for those of `total` and `sun_direct` that are among the components.
+    /// Creates the arrays of `total` and `sun_direct`, if they are among the components.
     pub fn create(
         path: &Path,
         grids: Grids,
@@ -93,6 +95,7 @@ impl ResultsFolder {
         fs::create_dir_all(partial.join("grids"))?;
         for (_, folder) in &self.arrays {
             fs::create_dir_all(folder)?;
+            // Arrays get their whole size now: a grid's receivers come scattered over tiles.
             for grid in &self.grids.list {
                 let header = npy_header("<f4", &[grid.count.into(), hours as u64]);
                 let mut file = File::create(array_of(folder, &grid.identifier))?;
@@ -111,7 +114,7 @@ impl ResultsFolder {
             .all
             .iter()
             .map(|hour| match self.hours.timestep {
-                // The reader wants whole numbers here, as whole numbers.
+                // The reader needs integers here, not floats.
                 1 => json!(*hour as u32),
                 _ => json!(hour),
             })
@@ -181,13 +184,13 @@ impl ResultsFolder {
         Ok(())
     }
 
-    /// Completes the folder; only now does it appear.
+    /// Completes the folder, which appears only now, and returns the number of grids.
     pub fn finish(mut self) -> Result<usize> {
         if let Some(mut table) = self.table.take() {
             table.flush().map_err(Error::io(&self.partial, "write into"))?;
         }
         if self.path.exists() {
-            // It was empty.
+            // `check` made sure that it is empty.
             fs::remove_dir(&self.path).map_err(Error::io(&self.path, "replace"))?;
         }
         fs::rename(&self.partial, &self.path).map_err(Error::io(&self.path, "rename to"))?;

@@ -1,5 +1,5 @@
-//! Which grid a receiver belongs to. In: receivers. Out: grids with names that files can bear, and a grid and a row for each receiver: 4
-//! bytes each.
+//! Sensor grids of receivers. In: receivers. Out: grids with names that are valid for files, and a
+//! grid for each receiver: 4 bytes each.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,31 +7,32 @@ use crate::outputs::tables::layout::By;
 use heliotile_core::error::Result;
 use heliotile_core::site::receiver::Receiver;
 
-/// A sensor grid.
+/// Sensor grid.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SensorGrid {
-    /// Name of the files, unique whatever the case of its letters.
+    /// Name of the grid's files, unique even if case is ignored.
     pub identifier: String,
-    /// As the archive has it.
+    /// Name of the grid in the archive.
     pub name: String,
     pub count: u32,
 }
 
-/// The grids of a site.
+/// Sensor grids of a site.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Grids {
-    /// Sorted by name.
+    /// Grids, sorted by name.
     pub list: Vec<SensorGrid>,
-    /// `[receiver]`: its grid.
+    /// `[receiver]`: index of its grid.
     pub of_receiver: Vec<u32>,
 }
 
-/// Characters of an identifier at most: names of files end at 255 bytes.
+/// Largest number of characters of an identifier: file names are limited to 255 bytes.
 const MOST: usize = 100;
 
 impl Grids {
-    /// From the receivers in the order in which their values will come. A receiver without what is asked for is in a grid `site`; with
-    /// [`By::Receiver`] a grid is an object: a room, a part of a building.
+    /// Groups receivers, which must come in the same order as their values. A receiver without the
+    /// name selected by `by` is in a grid `site`. With [`By::Receiver`] a grid is an object: a
+    /// room, a part of a building.
     pub fn of(receivers: impl Iterator<Item = Result<Receiver>>, by: By) -> Result<Self> {
         let mut found: BTreeMap<String, (u32, u32)> = BTreeMap::new();
         let mut numbers = Vec::new();
@@ -64,11 +65,11 @@ impl Grids {
     }
 }
 
-/// A name of letters, digits, `_`, `-` and points that no other grid has.
+/// Returns a unique name of letters, digits, `_`, `-` and points.
 fn identifier(name: &str, taken: &mut BTreeSet<String>) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || "_-.".contains(c) { c } else { '_' };
     let plain: String = name.chars().map(letter).take(MOST).collect();
-    // A name of points alone is a folder.
+    // A name of points alone would be a folder.
     let plain = if plain.chars().all(|c| c == '.') { format!("_{plain}") } else { plain };
     let mut tried = plain.clone();
     let mut number = 2;
@@ -84,7 +85,8 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// Five receivers are in 4 grids in the order of names; what files cannot bear becomes `_`, two names that differ in case get different files.
+    /// Five receivers are in 4 grids in the order of names; characters that are invalid in file
+    /// names become `_`, and two names that differ in case get different files.
     #[test]
     fn names() {
         let receivers = ["b/c", "Hall", "hall", "b/c", ""].map(|object| {

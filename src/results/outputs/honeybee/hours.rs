@@ -1,27 +1,29 @@
-//! Hours as Honeybee counts them. In: conditions of a replay. Out: hours since the year began of those with light, and the time step.
+//! Hours of a year as Honeybee counts them. In: conditions of a replay. Out: hours since the year
+//! began of those with light, and the time step.
 
 use heliotile_core::weather::conditions::Condition;
 use heliotile_core::weather::time::calendar::Date;
 
-/// Steps an hour that ladybug's analysis periods have.
+/// Steps an hour that ladybug's analysis periods allow.
 const STEPS: [u32; 12] = [1, 2, 3, 4, 5, 6, 10, 12, 15, 20, 30, 60];
 
-/// Any year without a leap day: these files know of none.
+/// Year without a leap day: Honeybee's files have none.
 const PLAIN_YEAR: i32 = 2017;
 
-/// The hours of a study, and which of them have light.
+/// Hours of a study, and which of them have light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LitHours {
-    /// Steps an hour.
+    /// Number of steps an hour.
     pub timestep: u32,
     /// `[condition]`: start of the interval, hours since 1 January, 0:00.
     pub all: Vec<f64>,
-    /// Places in `all` of those with light of sun or sky.
+    /// Indices into `all` of the hours with light of sun or sky.
     pub lit: Vec<usize>,
 }
 
 impl LitHours {
-    /// Of conditions in order; an error says what Honeybee has no word for, and what to do.
+    /// Returns the hours of conditions, which must be in order. An error names what Honeybee cannot
+    /// hold, and what to do.
     pub fn of(conditions: &[Condition]) -> Result<Self, (String, &'static str)> {
         let stamps = || conditions.iter().filter_map(|condition| condition.stamp);
         let hours = stamps().map(|stamp| stamp.hours).next().unwrap_or(1.0);
@@ -56,7 +58,7 @@ impl LitHours {
         Ok(LitHours { timestep, all, lit })
     }
 
-    /// The lit hours as the file of them has it: a number a line.
+    /// Returns the text of `sun-up-hours.txt`: the lit hours, a number a line.
     pub fn text(&self) -> String {
         self.lit.iter().filter_map(|place| self.all.get(*place)).map(|hour| format!("{hour}\n")).collect()
     }
@@ -77,7 +79,8 @@ mod tests {
         Condition { stamp, ..Condition::new("c".into(), &[], DVec3::X, 0.0, dhi) }
     }
 
-    /// The hour from 6:00 of 1 March is hour 1,422, of a leap year too; quarters are 0.25 apart; of 3 hours 2 have light.
+    /// The hour from 6:00 of 1 March is hour 1,422, in a leap year, too; quarters are 0.25 apart; 2
+    /// of 3 hours have light.
     #[test]
     fn hours_of_the_year() {
         for year in [2016, 2017] {

@@ -1,9 +1,10 @@
-//! Hourly results as Honeybee's recipes leave them. In: receivers in grids, values tile by tile. Out: a folder that honeybee-radiance-postprocess
-//! and Pollination read.
+//! Hourly results in the layout of Honeybee's recipes. In: receivers in grids, values tile by tile.
+//! Out: a folder that honeybee-radiance-postprocess and Pollination read.
 //!
-//! Written from their reader (honeybee-radiance-postprocess 0.5.25, `results/results.py`), whose names the files bear:
-//! `grids_info.json`, `study_info.json`, `sun-up-hours.txt` and `__static_apertures__/default/total/GRID.npy`, W/m2, f32,
-//! `[receiver][hour with light]`; `direct` beside `total` is the sun alone.
+//! The layout follows the reader (honeybee-radiance-postprocess 0.5.25, `results/results.py`) and
+//! its names: `grids_info.json`, `study_info.json`, `sun-up-hours.txt` and
+//! `__static_apertures__/default/total/GRID.npy`, W/m2, f32, `[receiver][hour with light]`;
+//! `direct` beside `total` is the sun alone.
 
 mod folder;
 mod grids;

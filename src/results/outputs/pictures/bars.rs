@@ -1,40 +1,40 @@
-//! Bars that are stacked: sums of periods by component, or how these change. In: names, values. Out: SVG, a rectangle for each value above zero,
-//! and below it where there are losses.
+//! Stacked bars: sums of periods by component, or their changes. In: names, values. Out: SVG, a
+//! rectangle for each value above zero, and below zero for losses.
 
 use super::canvas::{Rgb, Side};
 use super::colours::ColourScale;
 use super::scale::words;
 use super::svg::{Axis, BLACK, Frame, LETTERS, SWATCH, Svg, wide};
 
-/// A picture of bars.
+/// Picture of bars.
 pub struct Bars {
     pub title: String,
-    /// Below the title.
+    /// Line below the title.
     pub called: String,
     pub unit: String,
-    /// One a bar.
+    /// Label of each bar.
     pub labels: Vec<String>,
-    /// From zero up and down.
+    /// Parts of the bars, stacked from zero up and down.
     pub stacks: Vec<Stack>,
-    /// Whether bars stand on both sides of zero.
+    /// Colour scale, which says if bars stand on both sides of zero.
     pub scale: ColourScale,
 }
 
-/// A part of all bars.
+/// Part of all bars.
 pub struct Stack {
     pub name: String,
     pub colour: Rgb,
-    /// One a bar; what is below zero has no height on a scale from zero.
+    /// Value for each bar; values below zero have no height on a scale from zero.
     pub values: Vec<f64>,
 }
 
-/// Of the page, pixels.
+/// Size of the page, pixels.
 const SIZE: (f64, f64) = (900.0, 500.0);
-/// Where bars stand.
+/// Frame of the bars.
 const FRAME: Frame = Frame { left: 72.0, right: 880.0, top: 92.0, bottom: 452.0 };
 
 impl Bars {
-    /// The picture.
+    /// Returns the picture as SVG.
     pub fn svg(&self) -> String {
         let count = self.labels.len().max(1) as f64;
         let side = |bar: usize, is_up: bool| {
@@ -74,7 +74,7 @@ impl Bars {
         page.finish()
     }
 
-    /// The unit, and names of the parts that are there, in a row above the bars.
+    /// Draws the unit, and the names of the visible parts, in a row above the bars.
     fn legend(&self, page: &mut Svg) {
         let y = FRAME.top - 18.0;
         page.text(&self.unit, (16.0, y), LETTERS, Side::Left, BLACK);
@@ -88,7 +88,7 @@ impl Bars {
         }
     }
 
-    /// Of a bar of a stack; what is no number has none.
+    /// Returns the height of a part of a bar; a value that is no number has none.
     fn height(&self, stack: &Stack, bar: usize) -> f64 {
         let height = stack.values.get(bar).copied().filter(|value| value.is_finite()).unwrap_or_default();
         if self.scale == ColourScale::FromZero { height.max(0.0) } else { height }
@@ -99,8 +99,8 @@ impl Bars {
 mod tests {
     use super::*;
 
-    /// Of 2 stacks of 3 bars, one value below zero and one no number, 4 rectangles stand above each other, as high as their values to
-    /// 0.1 %; names with `<` are text in 6 of 6 places.
+    /// With 2 stacks of 3 bars, one value below zero and one that is no number, 4 rectangles are
+    /// stacked, as high as their values to 0.1 %; names with `<` are escaped in 6 of 6 places.
     #[test]
     fn heights() {
         let bad = "a<script>";
@@ -119,7 +119,7 @@ mod tests {
             let rest = line.split_once(&format!(" {name}=\"")).expect("an attribute").1;
             rest.split('"').next().and_then(|n| n.parse().ok()).expect("a number")
         };
-        // Before those of the legend.
+        // The rectangles of the bars come before those of the legend.
         let rects: Vec<&str> =
             svg.lines().filter(|line| line.starts_with("<rect") && line.contains("#010203")).collect();
         assert_eq!(rects.len(), 4 + 2);
@@ -131,7 +131,8 @@ mod tests {
         assert_eq!(number(rects[0], "y"), number(rects[1], "y") + number(rects[1], "height"));
     }
 
-    /// A gain of 40 stands above the line of zero and a loss of 10 hangs below it, on an axis from -40 to 40: 180 and 45 pixels.
+    /// A gain of 40 stands above the zero line and a loss of 10 hangs below it, on an axis from -40
+    /// to 40: 180 and 45 pixels.
     #[test]
     fn losses_hang_below() {
         let stack = |values: [f64; 2], colour| Stack { name: String::new(), colour, values: values.into() };

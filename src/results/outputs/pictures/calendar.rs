@@ -1,4 +1,5 @@
-//! Spells of a year by day and clock. In: spells of some series on days. Out: SVG: days from left to right, hours upwards, a colour for each series.
+//! Spells of a year by day and time of day. In: spells of some series on days. Out: SVG: days from
+//! left to right, hours upwards, a colour for each series.
 
 use super::canvas::{Rgb, Side};
 use super::plot::COLOURS;
@@ -6,58 +7,59 @@ use super::svg::{Axis, BLACK, Frame, LETTERS, SWATCH, Svg};
 use heliotile_core::sunlight::Spell;
 use heliotile_core::weather::time::calendar::Date;
 
-/// A picture of spells.
+/// Picture of spells.
 pub struct Calendar {
     pub title: String,
-    /// Below the title.
+    /// Line below the title.
     pub called: String,
-    /// Names in the order of colours; those beyond the last colour share one.
+    /// Names in the order of colours; series beyond the last colour share one.
     pub series: Vec<String>,
-    /// From left to right.
+    /// Days from left to right.
     pub days: Vec<CalendarDay>,
 }
 
-/// A day.
+/// Day of a picture of spells.
 pub struct CalendarDay {
     pub date: Date,
-    /// When the sun is up, by the clock.
+    /// Spells with the sun up, by the clock.
     pub up: Vec<Spell>,
-    /// Drawn from the last to the first, so that the first series lies on top.
+    /// Spells of the series. They are drawn from the last to the first, so that the first series
+    /// lies on top.
     pub spells: Vec<CalendarSpell>,
 }
 
-/// A spell of a series.
+/// Spell of a series.
 pub struct CalendarSpell {
     /// Index into `series`.
     pub series: usize,
-    /// By the clock.
+    /// Spell by the clock.
     pub spell: Spell,
 }
 
-/// Of the page, pixels.
+/// Size of the page, pixels.
 const SIZE: (f64, f64) = (900.0, 560.0);
 const FRAME: Frame = Frame { left: 72.0, right: 880.0, top: 70.0, bottom: 460.0 };
-/// Where the legend begins.
+/// Position at which the legend begins.
 const LEGEND: (f64, f64) = (72.0, 506.0);
-/// Of the night, and of series beyond the last colour.
+/// Colour of the night; `OTHERS` is the colour of series beyond the last colour.
 const NIGHT: Rgb = [225, 230, 234];
 const OTHERS: Rgb = [128, 128, 128];
-/// What series beyond the last colour are called.
+/// Name in the legend of series beyond the last colour.
 const OTHERS_NAME: &str = "others";
-/// What stands for light without a name.
+/// Name in the legend of a series without a name.
 const UNKNOWN: &str = "unknown";
 
-/// Bars reach so far into the next one, pixels: no white lines in between.
+/// Overlap of a bar with the next one, pixels: it avoids white lines in between.
 const OVERLAP: f64 = 0.4;
 
 const DAY_MIN: f64 = 1440.0;
 const HOUR_MIN: f64 = 60.0;
 
 impl Calendar {
-    /// The picture.
+    /// Returns the picture as SVG.
     pub fn svg(&self) -> String {
         let x = |day: usize| day as f64 / self.days.len().max(1) as f64;
-        // Whole hours from the first sunrise to the last sunset.
+        // The axis has whole hours from the first sunrise to the last sunset.
         let up = || self.days.iter().flat_map(|day| &day.up);
         let first = up().map(|spell| spell.start_min).fold(DAY_MIN, f64::min);
         let last = up().map(|spell| spell.end_min).fold(0.0, f64::max);
@@ -97,7 +99,7 @@ impl Calendar {
         page.finish()
     }
 
-    /// First days of months, or all days where there are few.
+    /// Returns the marks of the time axis: first days of months, or all days if there are few.
     fn marks(&self) -> Vec<(f64, String)> {
         let count = self.days.len().max(1) as f64;
         let has_months = self.days.iter().filter(|day| day.date.day == 1).count() > 1;
@@ -116,8 +118,9 @@ fn colour_of(series: usize) -> Rgb {
 mod tests {
     use super::*;
 
-    /// Two days with the sun up from 6 to 18 and a spell of either of two series from 12 to 13: the night, two bars of white, two of colours and
-    /// two in the legend; a bar is a twelfth of the frame high and half as wide as it.
+    /// Two days have the sun up from 6 to 18 and a spell of one of two series from 12 to 13 each.
+    /// The picture has the night, two white bars, two coloured bars and two in the legend; a
+    /// coloured bar is a twelfth of the frame high and half as wide as it.
     #[test]
     fn bars_of_spells() {
         let spell = |start_min: f64, end_min: f64| Spell { start_min, end_min };

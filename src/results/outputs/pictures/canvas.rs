@@ -1,4 +1,5 @@
-//! A picture that lines and words are drawn on. In: shapes, in points of a page. Out: PNG bytes, its lines smooth.
+//! Bitmap that lines and words are drawn on. In: shapes, in points of a page. Out: PNG bytes with
+//! smooth lines.
 
 use std::convert::Infallible;
 
@@ -12,19 +13,19 @@ use rayon::prelude::*;
 
 use heliotile_core::error::{Error, Result};
 
-/// Red, green, blue.
+/// Colour as red, green and blue.
 pub type Rgb = [u8; 3];
 
-/// Pixels of the drawing a side of a pixel of the picture.
+/// Pixels of the drawing along a side of a pixel of the picture.
 pub const FINE: usize = 3;
 
-/// A page of some points, top left (0, 0), x to the right and y down.
+/// Page of a size in points; (0, 0) is the top left corner, x is to the right and y down.
 pub struct Canvas {
     width: usize,
     height: usize,
-    /// `[row][column]` of fine pixels.
+    /// Fine pixels, `[row][column]`.
     pixels: Vec<Rgb>,
-    /// Words are drawn last: their letters are made of pixels and would only blur.
+    /// Words, which are drawn last at the final size: bitmap letters would only blur.
     words: Vec<Word>,
 }
 
@@ -36,11 +37,11 @@ struct Word {
     side: Side,
 }
 
-/// Where a word stands beside its point.
+/// Alignment of a word at its point.
 pub use embedded_graphics::text::Alignment as Side;
 
 impl Canvas {
-    /// Paints every fine pixel by the position of its centre.
+    /// Returns a page in which `paint` colours every fine pixel by the position of its centre.
     pub fn painted(width: usize, height: usize, paint: impl Fn(f64, f64) -> Rgb + Sync) -> Self {
         let columns = width * FINE;
         let at = |i: usize| (i as f64 + 0.5) / FINE as f64;
@@ -49,12 +50,12 @@ impl Canvas {
         Canvas { width, height, pixels, words: Vec::new() }
     }
 
-    /// The fine pixels.
+    /// Returns the fine pixels as a target of drawing.
     fn target(&mut self) -> Target<'_> {
         Target { width: self.width * FINE, height: self.height * FINE, pixels: &mut self.pixels }
     }
 
-    /// Colours one fine pixel, if there is one.
+    /// Colours one fine pixel, if it exists.
     pub fn dab(&mut self, column: usize, row: usize, colour: Rgb) {
         let columns = self.width * FINE;
         if let Some(pixel) = self.pixels.get_mut(row * columns + column).filter(|_| column < columns) {
@@ -62,7 +63,7 @@ impl Canvas {
         }
     }
 
-    /// A line through some points, `thick` points wide.
+    /// Draws a line through points, `thick` points wide.
     pub fn line(&mut self, points: &[(f64, f64)], thick: f64, colour: Rgb) {
         let points: Vec<Point> = points.iter().map(|&p| fine(p)).collect();
         let style = stroke(thick, colour);
@@ -70,38 +71,39 @@ impl Canvas {
         let _ = Polyline::new(&points).into_styled(style).draw(&mut self.target());
     }
 
-    /// A circle, not filled.
+    /// Draws a circle without filling.
     pub fn ring(&mut self, centre: (f64, f64), radius: f64, thick: f64, colour: Rgb) {
         let style = stroke(thick, colour);
         let diameter = (2.0 * radius * FINE as f64).round() as u32;
         let _ = Circle::with_center(fine(centre), diameter).into_styled(style).draw(&mut self.target());
     }
 
-    /// A filled circle.
+    /// Draws a filled circle.
     pub fn dot(&mut self, centre: (f64, f64), radius: f64, colour: Rgb) {
         let diameter = (2.0 * radius * FINE as f64).round() as u32;
         let style = PrimitiveStyle::with_fill(rgb(colour));
         let _ = Circle::with_center(fine(centre), diameter).into_styled(style).draw(&mut self.target());
     }
 
-    /// A filled square of some points a side, its top left corner given.
+    /// Draws a filled square; `corner` is its top left corner and `side` its length in points.
     pub fn square(&mut self, corner: (f64, f64), side: f64, colour: Rgb) {
         let size = Size::new_equal((side * FINE as f64).round() as u32);
         let style = PrimitiveStyle::with_fill(rgb(colour));
         let _ = Rectangle::new(fine(corner), size).into_styled(style).draw(&mut self.target());
     }
 
-    /// A word in the middle of a height; letters that Latin-1 lacks become question marks.
+    /// Draws a word that is centred vertically at `at`; characters outside Latin-1 become question
+    /// marks.
     pub fn word(&mut self, text: &str, at: (f64, f64), side: Side, colour: Rgb) {
         self.words.push(Word { text: text.to_string(), at, colour, large: false, side });
     }
 
-    /// The same in large letters.
+    /// Draws a word in large letters.
     pub fn headline(&mut self, text: &str, at: (f64, f64), side: Side, colour: Rgb) {
         self.words.push(Word { text: text.to_string(), at, colour, large: true, side });
     }
 
-    /// The picture as PNG, with texts by their names.
+    /// Returns the picture as PNG, with texts by their names.
     pub fn png(self, texts: Vec<(String, String)>) -> Result<Vec<u8>> {
         let mut pixels = self.means();
         let mut page = Target { width: self.width, height: self.height, pixels: &mut pixels };
@@ -121,7 +123,7 @@ impl Canvas {
         let mut encoder = png::Encoder::new(&mut bytes, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
-        // Flat areas pack better as they are.
+        // Flat areas compress better without a filter.
         encoder.set_filter(png::Filter::NoFilter);
         for (name, text) in texts {
             encoder.add_text_chunk(name, text).map_err(refuse)?;
@@ -132,7 +134,7 @@ impl Canvas {
         Ok(bytes)
     }
 
-    /// Means of the fine pixels of each pixel.
+    /// Returns the mean of the fine pixels of each pixel.
     fn means(&self) -> Vec<Rgb> {
         let pixel = |i: usize| {
             let (column, row) = (i % self.width * FINE, i / self.width * FINE);
@@ -155,13 +157,13 @@ fn rgb([r, g, b]: Rgb) -> Rgb888 {
     Rgb888::new(r, g, b)
 }
 
-/// A point of the page in fine pixels.
+/// Converts a point of the page to fine pixels.
 fn fine(at: (f64, f64)) -> Point {
     let (x, y) = at;
     Point::new((x * FINE as f64).round() as i32, (y * FINE as f64).round() as i32)
 }
 
-/// Pixels that shapes and words are drawn on, where they lie within the picture.
+/// Pixels that shapes and words are drawn on, clipped to the picture.
 struct Target<'a> {
     width: usize,
     height: usize,

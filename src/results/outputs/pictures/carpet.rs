@@ -1,34 +1,35 @@
-//! Hours of the day by month or day, as a carpet of colours. In: a value for each hour of each column. Out: SVG in the page's colours.
+//! Hours of the day by month or day, as a heat map. In: a value for each hour of each column. Out:
+//! SVG in the page's colours.
 
 use super::canvas::Side;
 use super::colours::{ColourScale, STEPS};
 use super::scale::words;
 use super::svg::{Axis, BLACK, Frame, LETTERS, Svg};
 
-/// Hours of a day.
+/// Number of hours in a day.
 pub const HOURS: usize = 24;
 
-/// A picture of hours.
+/// Picture of hours.
 pub struct Carpet {
     pub title: String,
-    /// Below the title.
+    /// Line below the title.
     pub called: String,
-    /// One a column.
+    /// Label of each column.
     pub labels: Vec<String>,
-    /// `[column][hour of the day]`; hours that nobody knows stay white.
+    /// `[column][hour of the day]`; unknown hours stay white.
     pub columns: Vec<[Option<f64>; HOURS]>,
-    /// How values become colours.
+    /// Colour scale of the values.
     pub scale: ColourScale,
 }
 
-/// Of the page, pixels.
+/// Size of the page, pixels.
 const SIZE: (f64, f64) = (900.0, 540.0);
-/// Where hours stand.
+/// Frame of the hours.
 const FRAME: Frame = Frame { left: 72.0, right: 880.0, top: 70.0, bottom: 430.0 };
 const LEGEND: Frame = Frame { left: 72.0, right: 584.0, top: 478.0, bottom: 494.0 };
 
 impl Carpet {
-    /// The picture.
+    /// Returns the picture as SVG.
     pub fn svg(&self) -> String {
         let values = self.columns.iter().flatten().flatten().copied().filter(|value| value.is_finite());
         let ends = self.scale.ticks(values.map(|value| self.scale.reach(value as f32).into()).fold(0.0, f64::max));
@@ -71,8 +72,8 @@ mod tests {
     use super::super::colours::viridis;
     use super::*;
 
-    /// Of 2 columns, 3 hours known, 3 rectangles stand beside those of the page and of 256 steps, in the colours of 0, a half and all of
-    /// the scale's end, 500.
+    /// With 2 columns and 3 known hours, 3 rectangles stand beside the page's and the legend's 256,
+    /// in the colours of 0, a half and all of the scale's end, 500.
     #[test]
     fn colours_of_hours() {
         let mut columns = vec![[None; HOURS]; 2];

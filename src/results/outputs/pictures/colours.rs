@@ -6,23 +6,24 @@ use super::canvas::Rgb;
 use super::scale::round_steps;
 use heliotile_core::replay::components::Component;
 
-/// Colours of the map `viridis`.
+/// Number of colours of the map `viridis`.
 pub const STEPS: usize = 256;
 
-/// Where the page has its maps from: one definition for both.
+/// Source files of the page's colour maps: one definition for both.
 const PAGE: [&str; 2] =
     [include_str!("../../../viewer/source/colour/viridis.ts"), include_str!("../../../viewer/source/colour/puor.ts")];
 
 static VIRIDIS: LazyLock<Vec<Rgb>> = LazyLock::new(|| stops(PAGE[0]));
 
-/// The map `PuOr` of 11 classes of ColorBrewer (C. Brewer, M. Harrower, Pennsylvania State University 2002, Apache-style licence), which
-/// colour-blind people read, too: from violet over near white to orange.
+/// Map `PuOr` of 11 classes of ColorBrewer (C. Brewer, M. Harrower, Pennsylvania State University
+/// 2002, Apache-style licence), from violet over near white to orange. Colour-blind people can read
+/// it, too.
 static PUOR: LazyLock<Vec<[f32; 3]>> =
     LazyLock::new(|| stops(PAGE[1]).iter().map(|stop| stop.map(f32::from)).collect());
 
-/// The colours of a map of the page.
+/// Returns the colours of a map in a source file of the page.
 fn stops(file: &str) -> Vec<Rgb> {
-    // The only quoted words of the file that are digits throughout.
+    // Colours are the only quoted words of the file that consist of hexadecimal digits.
     let rows = file.split('"').filter(|row| row.len() >= 6 && row.bytes().all(|digit| digit.is_ascii_hexdigit()));
     let digits: String = rows.collect();
     let colour = |six: &[u8; 6]| {
@@ -32,17 +33,20 @@ fn stops(file: &str) -> Vec<Rgb> {
     digits.as_bytes().as_chunks().0.iter().map(colour).collect()
 }
 
-/// Number of the colour of a share from 0 to 1 in the map `viridis`, as the page takes it.
+/// Returns the index of the colour of a share from 0 to 1 in the map `viridis`, rounded as in the
+/// page.
 pub fn viridis_step(share: f32) -> u8 {
     (share.clamp(0.0, 1.0) * (STEPS - 1) as f32).round() as u8
 }
 
-/// One of the 256 colours of the map `viridis` (van der Walt, Smith and Firing 2015), from dark blue to yellow.
+/// Returns one of the 256 colours of the map `viridis` (van der Walt, Smith and Firing 2015), from
+/// dark blue to yellow.
 pub fn viridis(step: u8) -> Rgb {
     VIRIDIS.get(usize::from(step)).copied().unwrap_or_default()
 }
 
-/// The components that add up to the total, in the order that they are stacked, in the page's colours and words.
+/// Components that add up to the total, in the order of stacking, with the page's colours and
+/// words.
 pub const COMPONENTS: [(Component, Rgb, &str); 6] = [
     (Component::SunDirect, [0xe6, 0x9f, 0x00], "sun, direct"),
     (Component::SkyDirect, [0x56, 0xb4, 0xe9], "sky, direct"),
@@ -52,14 +56,15 @@ pub const COMPONENTS: [(Component, Rgb, &str); 6] = [
     (Component::SkySpecular, [0x00, 0x9e, 0x73], "sky, mirrored"),
 ];
 
-/// Six stops of the map `inferno` (Smith and van der Walt 2015), from black to pale yellow, linear between them.
+/// Returns a colour of six stops of the map `inferno` (Smith and van der Walt 2015), from black to
+/// pale yellow, linear between them.
 pub fn inferno(share: f32) -> Rgb {
     const STOPS: [[f32; 3]; 6] =
         [[0., 0., 4.], [66., 10., 104.], [147., 38., 103.], [221., 81., 58.], [252., 165., 10.], [252., 255., 164.]];
     between(&STOPS, share)
 }
 
-/// The colour at a share from 0 to 1 of the way along stops, linear between them.
+/// Returns the colour at a share from 0 to 1 of the way along `stops`, linear between them.
 fn between(stops: &[[f32; 3]], share: f32) -> Rgb {
     let place = share.clamp(0.0, 1.0) * (stops.len() - 1) as f32;
     let low = (place as usize).min(stops.len() - 2);
@@ -68,27 +73,27 @@ fn between(stops: &[[f32; 3]], share: f32) -> Rgb {
     [0, 1, 2].map(|i| (a[i] + (b[i] - a[i]) * part).round() as u8)
 }
 
-/// How numbers become colours.
+/// Mapping of numbers to colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColourScale {
-    /// From zero to the largest number.
+    /// Scale from zero to the largest number.
     FromZero,
-    /// As far below zero as above it: losses are violet, gains orange.
+    /// Scale as far below zero as above it: losses are violet, gains orange.
     AroundZero,
 }
 
 impl ColourScale {
-    /// How far from zero a number needs the scale to reach.
+    /// Returns the distance from zero that the scale must cover to show a number.
     pub fn reach(self, value: f32) -> f32 {
         if self == ColourScale::AroundZero { value.abs() } else { value }
     }
 
-    /// The least number of a scale whose largest is this.
+    /// Returns the lowest number of a scale whose largest is `largest`.
     pub fn least(self, largest: f64) -> f64 {
         if self == ColourScale::AroundZero { -largest } else { 0.0 }
     }
 
-    /// The colour of a share of the largest number on surfaces in space: -1 to 1 around zero.
+    /// Returns the colour on surfaces in 3D of a share of the largest number: -1 to 1 around zero.
     pub fn on_surfaces(self, share: f32) -> Rgb {
         match self {
             ColourScale::FromZero => inferno(share),
@@ -96,7 +101,8 @@ impl ColourScale {
         }
     }
 
-    /// The colour of a share of the largest number on paper, as the page takes it: -1 to 1 around zero.
+    /// Returns the colour in charts, as in the page, of a share of the largest number: -1 to 1
+    /// around zero.
     pub fn on_paper(self, share: f32) -> Rgb {
         match self {
             ColourScale::FromZero => viridis(viridis_step(share)),
@@ -104,7 +110,7 @@ impl ColourScale {
         }
     }
 
-    /// One of [`STEPS`] colours of a legend, from the least number to the largest.
+    /// Returns one of [`STEPS`] colours of a legend, from the lowest number to the largest.
     pub fn of_legend(self, step: usize) -> Rgb {
         match self {
             ColourScale::FromZero => viridis(step as u8),
@@ -112,22 +118,23 @@ impl ColourScale {
         }
     }
 
-    /// Name of the map of colours on surfaces.
+    /// Returns the name of the colour map on surfaces.
     pub fn name_on_surfaces(self) -> &'static str {
         if self == ColourScale::AroundZero { "PuOr" } else { "inferno" }
     }
 
-    /// Name of the map of colours on paper.
+    /// Returns the name of the colour map in charts.
     pub fn name_on_paper(self) -> &'static str {
         if self == ColourScale::AroundZero { "PuOr" } else { "viridis" }
     }
 
-    /// What the ends of a legend say.
+    /// Returns the words at the ends of a legend.
     pub fn ends(self) -> Option<[&'static str; 2]> {
         (self == ColourScale::AroundZero).then_some(["loss", "gain"])
     }
 
-    /// Round numbers of a legend, from the least to the largest, which hold a number of this size.
+    /// Returns round numbers for a legend, from the lowest to the largest, that enclose a number of
+    /// this size.
     pub fn ticks(self, largest: f64) -> Vec<f64> {
         match self {
             ColourScale::FromZero => round_steps(largest, 5),
@@ -139,7 +146,7 @@ impl ColourScale {
     }
 }
 
-/// A component in words.
+/// Returns the words for a component.
 pub fn label(component: Component) -> String {
     let found = COMPONENTS.iter().find(|(one, ..)| *one == component);
     found.map_or_else(|| component.name().replace('_', " "), |(.., words)| (*words).to_owned())
@@ -149,14 +156,14 @@ pub fn label(component: Component) -> String {
 mod tests {
     use super::*;
 
-    /// 0 is dark, 1 is pale, and what is no number is no panic: 3 of 3.
+    /// The map is dark at 0 and pale at 1, and NaN does not panic: 3 of 3.
     #[test]
     fn ends() {
         assert_eq!((inferno(0.0), inferno(1.0), inferno(f32::NAN)[0] < 255), ([0, 0, 4], [252, 255, 164], true));
     }
 
-    /// Around zero equal losses and gains are as far from the middle, violet and orange; ticks are round on both sides, and what is no
-    /// number is no panic: 6 of 6.
+    /// Around zero, equal losses and gains are equally far from the middle, violet and orange.
+    /// Ticks are round on both sides, and NaN does not panic: 6 of 6.
     #[test]
     fn losses_and_gains() {
         let scale = ColourScale::AroundZero;
@@ -166,7 +173,8 @@ mod tests {
         assert!(scale.on_paper(f32::NAN)[0] < 255 && scale.reach(-3.0) == 3.0);
     }
 
-    /// The page's map has 256 colours, of which 0, 128 and 255 are those of matplotlib; 254 of them differ.
+    /// The page's map has 256 colours, of which 0, 128 and 255 equal matplotlib's; 254 of them are
+    /// distinct.
     #[test]
     fn the_map_of_the_page() {
         assert_eq!(VIRIDIS.len(), STEPS);

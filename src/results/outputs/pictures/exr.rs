@@ -1,8 +1,10 @@
-//! Maps of a receiver as an OpenEXR file: one part a map, one channel each, f32, losslessly compressed (ZIP).
+//! Maps of a receiver as an OpenEXR file: one part a map, with a channel for each quantity, f32,
+//! losslessly compressed (ZIP).
 //!
-//! The first line of a part is the top of its texture (v = side - 1: north, or up the surface), as viewers show it. What
-//! everything means stands in the attribute `heliotile` of each part, as JSON: one attribute, for the crate writes several in
-//! the order of a hash map, and here equal inputs give equal bytes.
+//! The first line of a part is the top of its texture (v = side - 1: north, or up the surface), as
+//! viewers show it. The attribute `heliotile` of each part explains everything as JSON. It is one
+//! attribute because the `exr` crate writes several in the order of a hash map, and equal inputs
+//! must give equal bytes.
 
 use std::io::Cursor;
 
@@ -14,18 +16,18 @@ use serde_json::{Map as Object, Value, json};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::maps::{Channel, Map};
 
-/// Name of the attribute that says what a part holds.
+/// Name of the attribute that describes the contents of a part.
 pub const ATTRIBUTE: &str = "heliotile";
 
-/// How a texel is found from a direction.
+/// Description of the mapping from a direction to a texel.
 const MAPPING: &str =
     "Shirley-Chiu square, texels of equal solid angle (schema/layers.md); the first line is v = side - 1";
-/// What channels and `weight_sr` are for.
+/// Description of the use of channels and `weight_sr`.
 const RULE: &str = "sum over texels of a channel named like a column of results x weight_sr = that column, W/m2";
 
-/// The bytes of an EXR file of some maps; `about` stands in all of them.
+/// Returns the bytes of an EXR file of `maps`; `about` is written into all parts.
 pub fn exr(maps: &[Map], about: &Object<String, Value>) -> Result<Vec<u8>> {
-    // The display window is one for the whole file.
+    // The display window is shared by the whole file.
     let widest = maps.iter().map(|map| map.side).max().unwrap_or(1);
     let attributes = ImageAttributes::new(IntegerBounds::from_dimensions(Vec2(widest, widest)));
     let layers: Vec<_> = maps.iter().map(|map| layer(map, about)).collect();
@@ -58,7 +60,7 @@ fn layer(map: &Map, about: &Object<String, Value>) -> Layer<AnyChannels<FlatSamp
     Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels.collect()))
 }
 
-/// Values line by line, the last row first.
+/// Returns the values line by line, the last row first.
 fn upright(channel: &Channel, side: usize) -> Vec<f32> {
     channel.values.chunks(side).rev().flatten().copied().collect()
 }

@@ -1,8 +1,10 @@
-//! What a receiver sees of the world's upper hemisphere, drawn for people: sky, what hides it, the paths of the sun.
+//! Fisheye picture of the upper hemisphere that a receiver sees: sky, obstructions, and the paths
+//! of the sun.
 //!
-//! Equidistant: the distance from the middle is the angle from the zenith, so rings of altitude are evenly spaced. The site's y is up and
-//! x is right, N stands where true north is, as on a map that the picture is laid on and as on printed sun-path diagrams; who looks up has east at
-//! the left hand.
+//! The projection is equidistant: the distance from the middle is the angle from the zenith, so
+//! rings of altitude are evenly spaced. The site's y is up and x is right, and N stands at true
+//! north. This matches a map under the picture and printed sun-path diagrams; somebody who looks up
+//! sees east on the left.
 
 use glam::DVec3;
 
@@ -15,23 +17,23 @@ use heliotile_core::site::north::North;
 use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::time::sun_path::{MONTHS, SunPath};
 
-/// Width and height of the picture.
+/// Width and height of the picture, pixels.
 pub const SIZE: (usize, usize) = (900, 980);
-/// Where the zenith is, and how far the horizon is from it.
+/// Position of the zenith; `RADIUS` is the distance of the horizon from it.
 const CENTRE: (f64, f64) = (450.0, 500.0);
 const RADIUS: f64 = 390.0;
 
-/// Open sky.
+/// Colour of open sky.
 pub const SKY: Rgb = [198, 225, 247];
-/// Sky through leaves or screens.
+/// Colour of sky through leaves or screens.
 pub const CANOPY: Rgb = [176, 208, 164];
-/// Surfaces of class obstruction.
+/// Colour of surfaces of class obstruction.
 pub const OBSTRUCTION: Rgb = [172, 170, 178];
-/// Surfaces of class ground.
+/// Colour of surfaces of class ground.
 pub const GROUND: Rgb = [196, 172, 132];
-/// What reflects like a mirror, whatever its class.
+/// Colour of mirrors of any class.
 pub const MIRROR: Rgb = [126, 158, 186];
-/// Sky and anything else behind the receiver's own surface.
+/// Colour of directions behind the receiver's own surface.
 pub const BEHIND: Rgb = [236, 234, 228];
 const PAPER: Rgb = [255, 255, 255];
 const GRID: Rgb = [140, 150, 162];
@@ -41,23 +43,23 @@ const HIDDEN: Rgb = [120, 96, 90];
 const HOUR: Rgb = [228, 126, 10];
 const SUN: Rgb = [255, 220, 0];
 
-/// Letters of the receiver's name that fit.
+/// Largest number of characters of the receiver's name that fit.
 const NAME: usize = 60;
 
-/// What is drawn over the view.
+/// Drawings over the view.
 #[derive(Default)]
 pub struct Overlay {
-    /// Paths of the sun on [`MONTHS`], and what the place and its clock are called.
+    /// Paths of the sun on [`MONTHS`], and the names of the place and its clock.
     pub path: Option<(SunPath, String)>,
-    /// How long the sun is seen, in words.
+    /// Hours of visible sun, in words.
     pub sun_hours: Vec<String>,
-    /// One sun.
+    /// Direction of a single sun.
     pub sun: Option<DVec3>,
-    /// Where true north lies in the view's axes; paths and sun go by it.
+    /// True north in the view's axes, for paths and sun.
     pub north: North,
 }
 
-/// The picture as PNG.
+/// Returns the picture as PNG.
 pub fn fisheye(view: &ReceiverView, overlay: &Overlay, provenance: &Provenance) -> Result<Vec<u8>> {
     let disc = SkyDisc::of(view);
     let at = |x: f64, y: f64| SkyDisc::direction_at((x - CENTRE.0) / RADIUS, (CENTRE.1 - y) / RADIUS);
@@ -76,13 +78,13 @@ pub fn fisheye(view: &ReceiverView, overlay: &Overlay, provenance: &Provenance) 
     canvas.png(provenance.ascii())
 }
 
-/// Where a direction above the horizon is drawn: x to the right, y down.
+/// Returns the position in the picture of a direction above the horizon: x to the right, y down.
 pub fn place_of(direction: DVec3) -> (f64, f64) {
     let (x, y) = SkyDisc::place_of(direction);
     (CENTRE.0 + RADIUS * x, CENTRE.1 - RADIUS * y)
 }
 
-/// The colour of what is seen.
+/// Returns the colour of a kind of surface or sky.
 pub(super) fn colour_of(seen: Seen) -> Rgb {
     match seen {
         Seen::Sky => SKY,
@@ -94,7 +96,7 @@ pub(super) fn colour_of(seen: Seen) -> Rgb {
     }
 }
 
-/// Altitude rings every 15 degrees, azimuth rays every 30, from true north.
+/// Draws altitude rings every 15 degrees and azimuth rays every 30, from true north.
 fn draw_grid(canvas: &mut Canvas, north: North) {
     for altitude in [15.0, 30.0, 45.0, 60.0, 75.0] {
         canvas.ring(CENTRE, RADIUS * (1.0 - altitude / 90.0), 0.7, GRID);
@@ -117,7 +119,7 @@ fn draw_grid(canvas: &mut Canvas, north: North) {
     canvas.ring(CENTRE, RADIUS, 1.3, INK);
 }
 
-/// Thick where the sun is seen, thin and grey where it is hidden.
+/// Draws paths of the sun, thick if the sun is visible, thin and grey if it is hidden.
 fn draw_path(canvas: &mut Canvas, disc: &SkyDisc, path: &SunPath, north: North) {
     let turned = |lines: &[Vec<DVec3>]| -> Vec<Vec<DVec3>> {
         lines.iter().map(|line| line.iter().map(|&sun| north.to_axes(sun)).collect()).collect()
@@ -127,7 +129,7 @@ fn draw_path(canvas: &mut Canvas, disc: &SkyDisc, path: &SunPath, north: North) 
     let is_seen = |sun: &DVec3| matches!(disc.seen(*sun), Seen::Sky | Seen::Canopy);
     for day in &days {
         day.chunk_by(|a, b| is_seen(a) == is_seen(b)).fold(None, |before: Option<DVec3>, run| {
-            // Runs touch.
+            // Each run begins at the last point of the one before, so that there are no gaps.
             let line: Vec<DVec3> = before.into_iter().chain(run.iter().copied()).collect();
             let (thick, colour) = if run.first().is_some_and(is_seen) { (1.8, DAY) } else { (0.8, HIDDEN) };
             draw_sky_line(canvas, &line, thick, colour);
@@ -135,7 +137,8 @@ fn draw_path(canvas: &mut Canvas, disc: &SkyDisc, path: &SunPath, north: North) 
         });
     }
     for (hour, points) in hours.iter().enumerate() {
-        // The loop's highest point is by the summer solstice: there it is named, a little further in.
+        // The highest point of an hour's loop is near the summer solstice; the hour's name stands
+        // there, moved towards the middle.
         if let Some(top) = points.iter().copied().max_by(|a, b| a.z.total_cmp(&b.z)).filter(|top| top.z > 0.05) {
             let (x, y) = place_of(top);
             let inwards = 13.0 / (CENTRE.0 - x).hypot(CENTRE.1 - y).max(13.0);
@@ -144,7 +147,7 @@ fn draw_path(canvas: &mut Canvas, disc: &SkyDisc, path: &SunPath, north: North) 
         }
     }
     for (day, (_, _, name)) in days.iter().zip(MONTHS) {
-        // Beside the sun that is about to set.
+        // The name stands beside the sun shortly before it sets.
         if let Some(two) = day.windows(2).rev().find(|two| two[0].z >= NAMED_Z && two[1].z < NAMED_Z) {
             let (x, y) = place_of(two[0]);
             canvas.word(name, (x + 9.0, y - 9.0), Side::Left, DAY);
@@ -155,7 +158,7 @@ fn draw_path(canvas: &mut Canvas, disc: &SkyDisc, path: &SunPath, north: North) 
 /// Sine of the altitude at which days are named.
 const NAMED_Z: f64 = 0.1;
 
-/// Draws what of a line lies above the horizon.
+/// Draws the part of a line above the horizon.
 fn draw_sky_line(canvas: &mut Canvas, line: &[DVec3], thick: f64, colour: Rgb) {
     let mut run: Vec<(f64, f64)> = Vec::new();
     for two in line.windows(2) {

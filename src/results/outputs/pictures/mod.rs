@@ -1,4 +1,5 @@
-//! Pictures: what a receiver sees, as images; curves. In: maps of a receiver, series of numbers. Out: bytes of EXR, PNG and SVG files.
+//! Pictures: the view of a receiver as images; curves. In: maps of a receiver, series of numbers.
+//! Out: bytes of EXR, PNG and SVG files.
 
 pub mod bars;
 pub mod calendar;

@@ -1,8 +1,9 @@
-//! The light that a receiver gets, apart by its ways: six fisheyes side by side in one scale. In: a receiver and its maps of a light. Out:
-//! a PNG.
+//! The light on a receiver by light path: six fisheyes side by side in one scale. In: a receiver
+//! and its maps under one sky. Out: a PNG.
 //!
-//! Each picture is what a camera with an equidistant lens sees that lies on the surface and looks away from it: the distance from the
-//! middle is the angle from the normal, up is up the surface; level receivers look up and have north on top.
+//! Each picture is the view of a camera with an equidistant lens that lies on the surface and looks
+//! away from it. The distance from the middle is the angle from the normal; up is up the surface.
+//! Level receivers look up and have north on top.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -22,16 +23,16 @@ use heliotile_core::units::direction_from_degrees;
 
 const PAPER: Rgb = [255, 255, 255];
 const INK: Rgb = [30, 30, 40];
-/// Letters on the colours of radiances.
+/// Colour of letters on top of radiances.
 const INSIDE: Rgb = [150, 220, 230];
 const SUN: Rgb = [90, 220, 255];
 
-/// A picture is so wide and high, and its circle has this radius.
+/// Width and height of a picture; `RADIUS` is the radius of its circle.
 const CELL: (f64, f64) = (340.0, 384.0);
 const RADIUS: f64 = 150.0;
-/// Where the middle of a circle lies in its cell.
+/// Middle of a circle in its cell.
 const MIDDLE: (f64, f64) = (170.0, 208.0);
-/// Above and below the six.
+/// Space above the six pictures; `FOOT` is the space below.
 const HEAD: f64 = 60.0;
 const FOOT: f64 = 70.0;
 
@@ -39,19 +40,19 @@ const FOOT: f64 = 70.0;
 const DARKEST: f64 = 0.1;
 const BRIGHTEST: f64 = 1000.0;
 
-/// A sun that is seen.
+/// Sun of the panel.
 pub struct PanelSun {
-    /// By the site's axes.
+    /// Direction in the site's axes.
     pub direction: DVec3,
-    /// How the light is called: sun and sky in words.
+    /// Description of sun and sky in words.
     pub called: String,
 }
 
-/// The six pictures.
+/// Titles of the six pictures.
 const TITLES: [&str; 6] =
     ["what is seen", "sky, direct", "sun, diffuse", "sun and sky in mirrors", "sky, diffuse", "all together"];
 
-/// The ways of light of a direction, W/(m2 sr): sky direct, sun diffuse, sky in mirrors, sky diffuse.
+/// Radiances by light path, W/(m2 sr): sky direct, sun diffuse, sky in mirrors, sky diffuse.
 struct Radiances<'v> {
     view: &'v ReceiverView,
     maps: &'v [Map],
@@ -72,7 +73,7 @@ impl Radiances<'_> {
         self.channel(map, channel).and_then(texel).map_or(0.0, f64::from)
     }
 
-    /// Of a direction in front of the surface.
+    /// Returns the four radiances of a direction in front of the surface.
     fn of(&self, direction: DVec3) -> [f64; 4] {
         let sky = if direction.z > 0.0 { self.at("sky", "sky_direct", direction) } else { 0.0 };
         if sky > 0.0 {
@@ -89,7 +90,7 @@ impl Radiances<'_> {
         [0.0, on_texel("sun_diffuse"), mirrored.unwrap_or(0.0), on_texel("sky_diffuse")]
     }
 
-    /// What all texels of a channel send, W/m2.
+    /// Returns the irradiance from all texels of a channel, W/m2.
     fn sum(&self, map: &str, channel: &str) -> f64 {
         let (Some((_, values)), Some((_, weights))) = (self.channel(map, channel), self.channel(map, "weight_sr"))
         else {
@@ -99,7 +100,7 @@ impl Radiances<'_> {
     }
 }
 
-/// The panel as PNG. `maps` are those of a light.
+/// Returns the panel as PNG. `maps` are the receiver's maps under one sun and sky.
 pub fn panel(view: &ReceiverView, maps: &[Map], sun: &PanelSun, north: North, about: &Provenance) -> Result<Vec<u8>> {
     let frame = Frame::of(view.receiver.normal);
     let (radiances, disc) = (Radiances { view, maps, frame }, SkyDisc::of(view));
@@ -173,7 +174,8 @@ fn total(radiances: &Radiances) -> f64 {
     all.into_iter().map(of).sum()
 }
 
-/// Where suns are seen in a picture: straight with the sky, and in mirrors.
+/// Returns the positions of visible suns in a picture: direct in the picture of the sky, and
+/// mirrored in that of mirrors.
 fn suns(radiances: &Radiances, sun: DVec3, picture: usize) -> Vec<(f64, f64)> {
     let view = radiances.view;
     let mut found = Vec::new();
@@ -186,12 +188,12 @@ fn suns(radiances: &Radiances, sun: DVec3, picture: usize) -> Vec<(f64, f64)> {
     found.into_iter().map(|direction| place_at(&radiances.frame, direction)).collect()
 }
 
-/// Cosine of a direction on the surface.
+/// Returns the cosine of the angle between a direction and the surface's normal.
 fn frame_share(frame: &Frame, direction: DVec3) -> f64 {
     frame.to_local(direction).z
 }
 
-/// Where a direction is drawn beside the middle of a picture: x to the right, y down.
+/// Returns the position of a direction relative to the middle of a picture: x to the right, y down.
 fn place_at(frame: &Frame, direction: DVec3) -> (f64, f64) {
     let local = frame.to_local(direction);
     let across = local.x.hypot(local.y);
@@ -200,7 +202,8 @@ fn place_at(frame: &Frame, direction: DVec3) -> (f64, f64) {
     (-local.x * scale, -local.y * scale)
 }
 
-/// The direction that is drawn there; `None` behind the surface.
+/// Returns the direction at a position relative to the middle of a picture; `None` outside the
+/// circle.
 fn direction_at(frame: &Frame, at: (f64, f64)) -> Option<DVec3> {
     let (x, y) = at;
     let r = x.hypot(y);
@@ -210,7 +213,7 @@ fn direction_at(frame: &Frame, at: (f64, f64)) -> Option<DVec3> {
 }
 
 fn colour(radiance: f64) -> Rgb {
-    // A logarithm of 0 is below every scale.
+    // The logarithm of 0 is below any scale.
     let share = (radiance / DARKEST).ln() / (BRIGHTEST / DARKEST).ln();
     inferno(share as f32)
 }
@@ -247,7 +250,8 @@ fn draw_words(canvas: &mut Canvas, view: &ReceiverView, sun: &PanelSun, width: f
 mod tests {
     use super::*;
 
-    /// Places of 300 directions before a wall lead back to them; up is up, and who looks south has east at the left: 2 of 2.
+    /// The positions of 300 directions in front of a wall lead back to the directions; up is up,
+    /// and a view to the south has east on the left: 2 of 2.
     #[test]
     fn as_a_camera() {
         let south = Frame::of(-DVec3::Y);

@@ -1,35 +1,36 @@
-//! A picture of numbers: lines and marks over two axes. In: series of points. Out: SVG.
+//! Chart: lines and marks over two axes. In: series of points. Out: SVG.
 
 use super::canvas::{Rgb, Side};
 use super::scale::Scale;
 use super::svg::{self, At, BLACK, Frame, LETTERS, SWATCH, Svg, wide};
 
-/// A picture to be drawn.
+/// Chart to be drawn.
 pub struct Plot {
     pub title: String,
     pub x: Axis,
     pub y: Axis,
-    /// The first is drawn first, below the others.
+    /// Series; the first is drawn first, below the others.
     pub series: Vec<Series>,
 }
 
-/// An axis; its range follows from the points.
+/// Axis of a chart; its range follows from the points.
 pub struct Axis {
     pub label: String,
     pub log: bool,
 }
 
-/// Points that belong together. Those that an axis cannot hold are left out: not finite, or not positive on a logarithmic one.
+/// Series of points. Points that an axis cannot hold are left out: not finite, or not positive on a
+/// logarithmic axis.
 pub struct Series {
-    /// For the legend; nameless series have no line there.
+    /// Name in the legend; nameless series have no entry there.
     pub name: String,
     pub points: Vec<(f64, f64)>,
-    /// Text beside each point, in their order; may be shorter than the points, or empty.
+    /// Text beside each point, in the order of points; may be shorter than the points, or empty.
     pub labels: Vec<String>,
     pub style: Style,
 }
 
-/// How a series is drawn.
+/// Style of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
     Line,
@@ -37,25 +38,26 @@ pub enum Style {
     Both,
 }
 
-/// Of the series in turn. Okabe and Ito, "Color Universal Design", 2008, which colour-blind people tell apart, without its yellow,
-/// which white swallows.
+/// Colours of the series in turn, by Okabe and Ito, "Color Universal Design", 2008, which
+/// colour-blind people can tell apart. Their yellow is left out: it is invisible on white.
 pub const COLOURS: [Rgb; 7] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], BLACK, [204, 121, 167], [230, 159, 0], [86, 180, 233]];
-/// Of lines within decades.
+/// Colour of lines within decades.
 const MINOR: Rgb = [240, 243, 245];
 
-/// A mark's radius, pixels.
+/// Radius of a mark, pixels.
 const MARK: f64 = 4.0;
 
-/// Ticks that an axis has at most.
+/// Largest number of ticks of an axis.
 const TICKS: usize = 8;
 
-/// Smaller pictures have no room for their axes.
+/// Smallest size of a picture, pixels: smaller ones have no room for axes. `MOST` is the largest
+/// width or height.
 const LEAST: (u32, u32) = (240, 160);
 const MOST: u32 = 20_000;
 
 impl Plot {
-    /// The picture, of a width and a height in pixels.
+    /// Returns the picture as SVG; `width` and `height` in pixels.
     pub fn svg(&self, width: u32, height: u32) -> String {
         let [width, height] = [width.clamp(LEAST.0, MOST), height.clamp(LEAST.1, MOST)].map(f64::from);
         let held = |point: &&(f64, f64)| Scale::holds(point.0, self.x.log) && Scale::holds(point.1, self.y.log);
@@ -83,7 +85,7 @@ impl Plot {
         page.text(&self.x.label, (frame.at(0.5, 0.0).0, height - 16.0), LETTERS, Side::Center, BLACK);
         page.text_up(&self.y.label, (18.0, frame.at(0.0, 0.5).1), frame.bottom - frame.top + 16.0);
 
-        // Words beside points, from their left to their right end.
+        // Words beside points so far, each as the positions of its left and right end.
         let mut beside = Vec::new();
         for (series, colour) in coloured() {
             let labels = series.labels.iter().map(String::as_str).chain(std::iter::repeat(""));
@@ -102,24 +104,24 @@ impl Plot {
 }
 
 impl Series {
-    /// Points without words beside them.
+    /// Returns a series without words beside its points.
     pub fn new(name: &str, points: Vec<(f64, f64)>, style: Style) -> Self {
         Series { name: name.into(), points, labels: Vec::new(), style }
     }
 
-    /// Line and marks, or those of the legend.
+    /// Draws the line and the marks, in the chart or in the legend.
     fn draw(&self, page: &mut Svg, path: &[At], marks: &[At], colour: Rgb) {
         if self.style != Style::Marks && path.len() > 1 {
             page.line(path, 2.0, colour);
         }
-        // A line of one point would not be seen.
+        // A line of one point would be invisible, so it gets a mark.
         if self.style != Style::Line || path.len() == 1 {
             marks.iter().for_each(|at| page.circle(*at, MARK, colour));
         }
     }
 }
 
-/// Where words of a width stand beside a point: within the frame and off other words if that can be.
+/// Returns the position of words beside a point: within the frame and off other words if possible.
 fn room(at: At, width: f64, frame: &Frame, others: &[[At; 2]]) -> (Side, [At; 2]) {
     let ends = |side, down| {
         let (left, y) = (if side == Side::Left { at.0 + 6.0 } else { at.0 - 6.0 - width }, at.1 + down);
@@ -154,8 +156,8 @@ mod tests {
 
     const FIVE: [(f64, f64); 5] = [(1.0, 2.0), (f64::NAN, 3.0), (3.0, f64::INFINITY), (-4.0, 5.0), (10.0, 0.0)];
 
-    /// Of five points, a linear picture holds the three finite ones and a logarithmic one the single positive one: so many marks,
-    /// and one more in the legend.
+    /// A linear chart of five points holds the three finite ones and a logarithmic chart the single
+    /// positive one: as many marks, and one more in the legend.
     #[test]
     fn bad_points_are_dropped() {
         for (log, kept) in [(false, 3), (true, 1)] {
@@ -164,7 +166,7 @@ mod tests {
         }
     }
 
-    /// Two calls give equal bytes, 640 x 400 as asked, closed once and without references.
+    /// Two calls give equal bytes, 640 x 400 as requested, closed once and without references.
     #[test]
     fn equal_bytes() {
         let three = || vec![series(&FIVE, Style::Both), series(&FIVE, Style::Marks), series(&FIVE, Style::Line)];
@@ -175,7 +177,8 @@ mod tests {
         assert!(!svg.contains("href") && !svg.contains(" id="));
     }
 
-    /// No series, one without points and one of a single point are pictures with 0, 0 and 1 marks, in every style and down to 0 x 0.
+    /// Charts without series, with an empty series and with a single point have 0, 0 and 1 marks,
+    /// in every style and down to a size of 0 x 0.
     #[test]
     fn few_points() {
         for style in [Style::Line, Style::Both, Style::Marks] {
@@ -188,7 +191,8 @@ mod tests {
         assert_eq!(count(&plot(Vec::new(), false).svg(300, 200), "circle"), 0);
     }
 
-    /// Words are escaped: of 5 places with `<&>`, none is there as it was, and signs that XML forbids are blanks.
+    /// Words are escaped: in 5 places with `<&>` none is unescaped, and characters that XML forbids
+    /// become blanks.
     #[test]
     fn words_are_escaped() {
         let bad = "a<b>&\"c\u{1}";

@@ -1,14 +1,16 @@
-//! An axis of a picture. In: the values along it. Out: a range that holds them all, round ticks, and where a value stands.
+//! Axis of a chart. In: the values along it. Out: a range that holds them all, round ticks, and the
+//! position of a value.
 
-/// Differences of larger numbers overflow, and parts of smaller ones vanish.
+/// Largest absolute value on an axis: differences of larger numbers overflow. Below `SMALLEST`
+/// fractions vanish.
 const LARGEST: f64 = 1e300;
 const SMALLEST: f64 = 1e-300;
 
-/// Logarithmic ticks within a decade, the most first.
+/// Logarithmic ticks within a decade, the densest first.
 const WITHIN: [&[f64]; 3] = [&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], &[1.0, 2.0, 5.0], &[1.0]];
 
-/// Round steps from 0 to a round number that is not below a length: at most `most` of them, each 1, 2, 2.5 or 5 times a power of ten. A length
-/// that is no positive number counts as 1.
+/// Returns round steps from 0 to a round number that is at least `length`: at most `most` steps,
+/// each 1, 2, 2.5 or 5 times a power of ten. A length that is no positive number counts as 1.
 pub fn round_steps(length: f64, most: usize) -> Vec<f64> {
     let length = if (SMALLEST..=LARGEST).contains(&length) { length } else { 1.0 };
     let step = round_step(length, most);
@@ -16,7 +18,7 @@ pub fn round_steps(length: f64, most: usize) -> Vec<f64> {
     (0..=count).map(|i| tidy(step * i as f64)).collect()
 }
 
-/// The smallest round number of which a length has at most `most`.
+/// Returns the smallest round number that fits into `length` at most `most` times.
 fn round_step(length: f64, most: usize) -> f64 {
     let least = length / most.max(1) as f64;
     let power = 10_f64.powf(least.log10().floor());
@@ -24,17 +26,18 @@ fn round_step(length: f64, most: usize) -> f64 {
     steps.into_iter().find(|step| *step >= least * (1.0 - 1e-9)).unwrap_or(10.0 * power)
 }
 
-/// A number by few figures: 3 times 0.1 is not 0.30000000000000004.
+/// Removes rounding noise: 3 times 0.1 becomes 0.3, not 0.30000000000000004.
 fn tidy(value: f64) -> f64 {
     format!("{value:.8e}").parse().unwrap_or(value)
 }
 
-/// A tick in plain figures: 0.1, 1, 10; powers of ten only where these would be long.
+/// Returns a tick as plain digits, such as 0.1, 1 or 10; in powers of ten only if plain digits were
+/// long.
 pub fn words(tick: f64) -> String {
     if tick == 0.0 || (1e-6..1e9).contains(&tick.abs()) { tick.to_string() } else { format!("{tick:e}") }
 }
 
-/// An axis from `low` to `high`: values, or their decimal logarithms.
+/// Axis from `low` to `high`: values, or their decimal logarithms.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
     low: f64,
@@ -43,12 +46,12 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// Whether an axis can hold a value.
+    /// Returns true if an axis can hold a value.
     pub fn holds(value: f64, log: bool) -> bool {
         value.abs() <= LARGEST && (value >= SMALLEST || !log)
     }
 
-    /// The axis of values that it [holds](Scale::holds); of none, 0 to 1 or 1 to 10.
+    /// Returns the axis of values that it [holds](Scale::holds); without values, 0 to 1 or 1 to 10.
     pub fn of(values: impl Iterator<Item = f64>, log: bool) -> Self {
         let along = values.map(|v| if log { v.log10() } else { v });
         let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
@@ -56,12 +59,12 @@ impl Scale {
         let (low, high) = if low > high {
             (0.0, 1.0)
         } else if spread <= (1e-7 * size).max(SMALLEST) {
-            // One value stands in the middle.
+            // A single value is placed in the middle.
             let around = if log { 0.3 } else { size * 0.1 };
             let around = if around > SMALLEST { around } else { 1.0 };
             (low - around, high + around)
         } else if !log && low >= 0.0 && low <= spread {
-            // An axis that nearly begins at 0 does.
+            // An axis that begins close to 0 begins at 0.
             (0.0, high + 0.05 * spread)
         } else {
             (low - 0.05 * spread, high + 0.05 * spread)
@@ -69,13 +72,13 @@ impl Scale {
         Scale { low, high, log }
     }
 
-    /// Share of the axis below a value.
+    /// Returns the share of the axis below a value.
     pub fn share(&self, value: f64) -> f64 {
         let along = if self.log { value.log10() } else { value };
         (along - self.low) / (self.high - self.low)
     }
 
-    /// At most so many round values, rising: where they stand on the axis, and their words.
+    /// Returns at most `most` round values, rising: their positions on the axis, and their words.
     pub fn ticks(&self, most: usize) -> Vec<(f64, String)> {
         let sets = WITHIN.into_iter().map(|within| self.decades(1, within));
         let sparse = (2..).map(|step| self.decades(step, WITHIN[2]));
@@ -85,14 +88,14 @@ impl Scale {
         ticks.into_iter().map(|tick| (self.share(tick), words(tick))).collect()
     }
 
-    /// Where lines without words stand: within decades.
+    /// Returns the positions of lines without words, within decades.
     pub fn minor_ticks(&self) -> Vec<f64> {
         let few = self.log && self.high - self.low < 7.0;
         let ticks = if few { self.decades(1, WITHIN[0]) } else { Vec::new() };
         ticks.into_iter().map(|tick| self.share(tick)).collect()
     }
 
-    /// Multiples of every power of ten that `step` divides.
+    /// Returns the multiples `within` of every power of ten whose exponent is divisible by `step`.
     fn decades(&self, step: i32, within: &[f64]) -> Vec<f64> {
         let powers = (self.low.floor() as i32..=self.high.ceil() as i32).filter(|power| power % step == 0);
         let all = powers.flat_map(|power| within.iter().map(move |m| tidy(m * 10_f64.powi(power))));
@@ -115,8 +118,8 @@ mod tests {
         Scale::of(values.iter().copied(), log).ticks(most).into_iter().map(|(_, words)| words).collect()
     }
 
-    /// Ticks of 7 ranges are plain and round: decades of a logarithmic axis, 1-2-5 of a short one, linear steps within a decade, 9 figures
-    /// of a narrow one.
+    /// Ticks of 7 ranges are plain and round: decades of a logarithmic axis, 1-2-5 of a short one,
+    /// linear steps within a decade, 9 digits of a narrow one.
     #[test]
     fn round_ticks() {
         assert_eq!(words(&[0.02, 150.0], true, 6), ["0.1", "1", "10", "100"]);
@@ -128,7 +131,8 @@ mod tests {
         assert_eq!(words(&[7.0, 7.0], false, 4), ["6.5", "7", "7.5"]);
     }
 
-    /// Steps to 5 lengths end at or above them, and 0, NaN, infinity and 5e-324 count as 1.
+    /// Steps to 5 lengths end at or above them; 0, a negative number, NaN, infinity and 5e-324
+    /// count as 1.
     #[test]
     fn round_tops() {
         assert_eq!(round_steps(1876.0, 5), [0.0, 500.0, 1000.0, 1500.0, 2000.0]);
@@ -141,7 +145,8 @@ mod tests {
         }
     }
 
-    /// No values, one, and ranges from 5e-324 to 1e300 give 1 to 8 ticks, and each value and tick stands between 0 and 1.
+    /// Axes without values, with one value, and with ranges from 5e-324 to 1e300 have 1 to 8 ticks,
+    /// and each value and tick lies between 0 and 1.
     #[test]
     fn any_values() {
         let sets: [&[f64]; 8] = [

@@ -1,25 +1,27 @@
-//! A picture in SVG. In: shapes and words, in pixels, x to the right and y down. Out: a text that stands alone as a file and may stand inside
-//! an HTML page, as it has no ids and refers to nothing. Equal drawings give equal bytes.
+//! Picture in SVG. In: shapes and words, in pixels, x to the right and y down. Out: a text that is
+//! a file of its own or part of an HTML page, as it has no ids and refers to nothing. Equal
+//! drawings give equal bytes.
 
 use super::canvas::{Rgb, Side};
 use crate::outputs::markup::escaped;
 
-/// A place on a page, pixels.
+/// Position on a page, pixels.
 pub type At = (f64, f64);
 
-/// Letters of titles and of all other words, pixels.
+/// Size of the letters of titles, pixels; `LETTERS` is the size of all other words.
 const TITLE: f64 = 17.0;
 pub const LETTERS: f64 = 14.0;
-/// How far lines of a grid reach out of their frame, and words from it.
+/// Distance that grid lines reach out of their frame, and the unit of the gap to their words,
+/// pixels.
 const MARK: f64 = 4.0;
-/// Width of what stands for a name in a legend.
+/// Width of a swatch in a legend, pixels.
 pub const SWATCH: f64 = 18.0;
 
 pub const BLACK: Rgb = [0; 3];
 pub const WHITE: Rgb = [255; 3];
 pub const GRID: Rgb = [225, 230, 234];
 
-/// A part of a page, pixels: where values stand, or the colours of a legend.
+/// Rectangle on a page, pixels, for the values of a chart or the colours of a legend.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     pub left: f64,
@@ -29,27 +31,27 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The place at a share of the way to the right and at a share of the way up.
+    /// Returns the position at a share of the way to the right and a share of the way up.
     pub fn at(&self, across: f64, up: f64) -> At {
         (self.left + (self.right - self.left) * across, self.bottom - (self.bottom - self.top) * up)
     }
 }
 
-/// The side of a frame that an axis stands at.
+/// Side of a frame at which an axis stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     Below,
     Left,
 }
 
-/// A page that is drawn on.
+/// Page that is drawn on.
 pub struct Svg {
     size: At,
     text: String,
 }
 
 impl Svg {
-    /// A white page.
+    /// Returns a white page.
     pub fn new(width: f64, height: f64) -> Self {
         let size = format!("width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\"");
         let text = format!("<svg {size} xmlns=\"http://www.w3.org/2000/svg\" font-family=\"sans-serif\">\n");
@@ -58,7 +60,7 @@ impl Svg {
         page
     }
 
-    /// The picture.
+    /// Returns the picture as SVG.
     pub fn finish(self) -> String {
         self.text + "</svg>\n"
     }
@@ -68,7 +70,7 @@ impl Svg {
         self.text.push('\n');
     }
 
-    /// A line through points.
+    /// Draws a line through points.
     pub fn line(&mut self, points: &[At], thick: f64, colour: Rgb) {
         let (points, colour) = (path(points), hex(colour));
         self.add(&format!(
@@ -76,25 +78,26 @@ impl Svg {
         ));
     }
 
-    /// A filled polygon.
+    /// Draws a filled polygon.
     pub fn polygon(&mut self, corners: &[At], fill: Rgb) {
         self.add(&format!("<polygon fill=\"{}\" points=\"{}\"/>", hex(fill), path(corners)));
     }
 
-    /// A filled rectangle between two corners, top left and bottom right.
+    /// Draws a filled rectangle between two corners, top left and bottom right.
     pub fn rectangle(&mut self, [(left, top), (right, bottom)]: [At; 2], fill: Rgb) {
         let [x, y, width, height] = [left, top, right - left, bottom - top].map(number);
         let fill = hex(fill);
         self.add(&format!("<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" fill=\"{fill}\"/>"));
     }
 
-    /// A filled circle.
+    /// Draws a filled circle.
     pub fn circle(&mut self, centre: At, radius: f64, fill: Rgb) {
         let (x, y, fill) = (number(centre.0), number(centre.1), hex(fill));
         self.add(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{fill}\"/>"));
     }
 
-    /// Words with the middle of their height at a place; `side` tells which part of them stands there. What would leave the page is smaller.
+    /// Draws words that are vertically centred at a position; `side` says which part of them stands
+    /// there. Words that would leave the page are drawn smaller.
     pub fn text(&mut self, words: &str, at: At, size: f64, side: Side, colour: Rgb) {
         let (x, y) = at;
         let room = match side {
@@ -105,7 +108,8 @@ impl Svg {
         self.write(words, &format!("x=\"{}\"", number(x)), y, size.min(room / wide(words)), side, colour);
     }
 
-    /// Black words that run upwards, with their middle at a place, smaller where they are longer than `room`.
+    /// Draws black words that run upwards, centred at a position, smaller if they are longer than
+    /// `room`.
     pub fn text_up(&mut self, words: &str, at: At, room: f64) {
         let size = LETTERS.min(room / wide(words));
         let turned = format!("transform=\"translate({} {}) rotate(-90)\"", number(at.0), number(at.1));
@@ -116,7 +120,7 @@ impl Svg {
         if words.is_empty() {
             return;
         }
-        // What XML cannot hold is a blank.
+        // Characters that XML cannot hold become blanks.
         let held = |c: char| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c };
         let words = escaped(&words.chars().map(held).collect::<String>());
         let anchor = match side {
@@ -124,7 +128,7 @@ impl Svg {
             Side::Center => "middle",
             Side::Right => "end",
         };
-        // Half of a capital letter's height.
+        // Offset of the baseline: half of a capital letter's height.
         let [y, size] = [y + 0.36 * size, size.max(1.0)].map(number);
         let colour = hex(colour);
         self.add(&format!(
@@ -132,14 +136,14 @@ impl Svg {
         ));
     }
 
-    /// A title and what stands below it.
+    /// Draws a title and the line below it.
     pub fn heading(&mut self, title: &str, called: &str) {
         self.text(title, (16.0, 22.0), TITLE, Side::Left, BLACK);
         self.text(called, (16.0, 45.0), LETTERS, Side::Left, BLACK);
     }
 
-    /// The words of an axis, each at its share of the way along the frame, as far as they have room beside each other. With a grid, each has a
-    /// line through the frame.
+    /// Draws the words of an axis, each at its share of the way along the frame, and leaves out
+    /// those without room. With a grid, each tick has a line through the frame.
     pub fn axis(&mut self, frame: &Frame, axis: Axis, ticks: &[(f64, String)], has_grid: bool) {
         let mut last_end = f64::NEG_INFINITY;
         for (share, words) in ticks {
@@ -161,7 +165,8 @@ impl Svg {
         }
     }
 
-    /// Names from a place on, in as many rows as they need; where their swatches begin.
+    /// Draws names from a position on, in as many rows as they need, and returns the positions of
+    /// their swatches.
     pub fn legend(&mut self, from: At, names: &[&str]) -> Vec<At> {
         let (mut x, mut y) = from;
         let mut place = |name: &&str| {
@@ -176,7 +181,7 @@ impl Svg {
         names.iter().map(&mut place).collect()
     }
 
-    /// Colours from left to right, of equal widths.
+    /// Draws colours from left to right, of equal widths.
     pub fn colours(&mut self, frame: &Frame, count: usize, colour: impl Fn(usize) -> Rgb) {
         let share = |step: usize| step as f64 / count as f64;
         for step in 0..count {
@@ -185,7 +190,8 @@ impl Svg {
     }
 }
 
-/// About how wide words are, in heights of their letters, in a wide font.
+/// Returns the approximate width of words in a wide font, as a multiple of the size of their
+/// letters.
 pub fn wide(words: &str) -> f64 {
     let letter = |letter: char| match letter {
         ' ' | '!'..='/' | ':' | ';' | 'f' | 'i' | 'j' | 'l' | 'r' | 't' if letter != '%' => 0.41,
@@ -195,10 +201,10 @@ pub fn wide(words: &str) -> f64 {
     words.chars().map(letter).sum()
 }
 
-/// A coordinate as it is written, to a hundredth of a pixel; what is no number is 0.
+/// Formats a coordinate to a hundredth of a pixel; NaN and infinity become 0.
 fn number(value: f64) -> String {
     let value = if value.is_finite() { value } else { 0.0 };
-    // No -0.
+    // Adding 0.0 turns -0 into 0.
     ((100.0 * value).round() / 100.0 + 0.0).to_string()
 }
 

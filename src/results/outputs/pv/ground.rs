@@ -1,5 +1,6 @@
-//! Sums on the ground among rows of modules: a row a receiver, and a row a month. In: sums by month of all light and of what plants live on, the
-//! same on an open plain. Out: `ground.csv`, `ground_months.csv`.
+//! Sums on the ground among rows of modules: a row a receiver, and a row a month. In: sums by month
+//! of all light and of photosynthetically active radiation (PAR), and the PAR of an open plain.
+//! Out: `ground.csv`, `ground_months.csv`.
 
 use std::path::Path;
 
@@ -12,7 +13,7 @@ use crate::outputs::tables::rows::{Cell, Records};
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
 
-/// What plants live on: energy, photons.
+/// Components of photosynthetically active radiation: energy, photons.
 pub const PAR: [Component; 2] = [Component::TotalPar, Component::Ppfd];
 
 /// Sums of [`PAR`], kWh/m2 and mol/m2: `[month][column]`.
@@ -20,60 +21,60 @@ pub const PAR: [Component; 2] = [Component::TotalPar, Component::Ppfd];
 pub struct PlantLight(pub Vec<[f64; PAR.len()]>);
 
 impl PlantLight {
-    /// Of all months.
+    /// Returns the sums of all months.
     fn all(&self) -> [f64; PAR.len()] {
         std::array::from_fn(|column| self.0.iter().filter_map(|month| month.get(column)).sum())
     }
 }
 
-/// Days that have rows of weather.
+/// Numbers of days that have rows of weather.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DayCounts {
-    /// Of all months.
+    /// Number of days of all months.
     pub all: usize,
-    /// `[month]`.
+    /// `[month]`: number of days.
     pub of_month: Vec<usize>,
 }
 
-/// A place on the ground.
+/// Position on the ground, with its sums.
 #[derive(Clone, Debug)]
 pub struct GroundSums {
     pub receiver: String,
-    /// Name of the rows that it lies among.
+    /// Name of the rows of modules around it.
     pub rows: String,
-    /// Input coordinates, metres.
+    /// Position in input coordinates, metres.
     pub position: DVec3,
-    /// Behind the lower edge of a row, in plan, from 0 to the pitch, metres.
+    /// Distance behind the lower edge of a row, in plan, from 0 to the pitch, metres.
     pub behind_m: f64,
     pub months: MonthlySums,
     pub par: PlantLight,
-    /// What it would get on an open plain.
+    /// Sums that it would have on an open plain.
     pub open: PlantLight,
-    /// Share of its hemisphere that is sky, by the cosine.
+    /// Cosine-weighted share of its hemisphere that is sky.
     pub sky_view: f64,
 }
 
-/// All places.
+/// All positions on the ground, with their sums.
 #[derive(Clone, Debug, Default)]
 pub struct SumsOnGround {
-    /// In the order of the rows.
+    /// Positions in the order of rows of the tables.
     pub places: Vec<GroundSums>,
     pub days: DayCounts,
 }
 
 impl GroundSums {
-    /// PAR beside that of an open plain, percent; none where that has no light.
+    /// Returns the PAR in percent of that of an open plain; `None` if that has no light.
     pub fn par_of_open_percent(&self) -> Option<f64> {
         percent(self.par.all(), self.open.all())
     }
 
-    /// Photons a day, mol/m2, as the mean over days.
+    /// Returns the photons a day, mol/m2, as a mean over days.
     pub fn daily_photons(&self, days: &DayCounts) -> Option<f64> {
         daily(self.par.all(), days.all)
     }
 }
 
-/// Writes `ground.csv`: sums over all that was replayed.
+/// Writes `ground.csv`: sums over the whole replay.
 pub fn write_ground(path: &Path, ground: &SumsOnGround, about: &Provenance) -> Result<()> {
     let mut columns = vec![Column::text("receiver")];
     columns.extend(["x", "y", "z", "behind_m"].map(|name| Column::number(name, 4)));
@@ -97,7 +98,7 @@ pub fn write_ground(path: &Path, ground: &SumsOnGround, about: &Provenance) -> R
     Records { columns, rows }.write(path, about).map(drop)
 }
 
-/// Writes `ground_months.csv`: `labels` names the months.
+/// Writes `ground_months.csv`; `labels` are the names of the months.
 pub fn write_ground_months(path: &Path, ground: &SumsOnGround, labels: &[String], about: &Provenance) -> Result<()> {
     let mut columns = vec![Column::text("receiver"), Column::text("month"), Column::number("total_kwh_m2", DECIMALS)];
     columns.extend(columns_of_par());
@@ -116,7 +117,7 @@ pub fn write_ground_months(path: &Path, ground: &SumsOnGround, labels: &[String]
     Records { columns, rows }.write(path, about).map(drop)
 }
 
-/// Energy, photons, and photons a day: the daily light integral.
+/// Returns the columns of energy, photons, and photons a day: the daily light integral.
 fn columns_of_par() -> impl Iterator<Item = Column> {
     let names = PAR.map(|column| format!("{}{}", column.name(), column.measure().sum_suffix()));
     names.into_iter().chain(["dli_mol_m2_d".to_owned()]).map(|name| Column::number(name, DECIMALS))

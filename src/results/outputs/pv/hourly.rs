@@ -1,8 +1,9 @@
-//! Hours in pvlib's names. In: light on one side of a point or on both, hour by hour. Out: a table of any format, point after
-//! point.
+//! Hourly irradiance in pvlib's names. In: light on one side of a point or on both, hour by hour.
+//! Out: a table of any format, point after point.
 //!
-//! One side: the columns of pvlib's `get_total_irradiance`. Two sides: those of `pvlib.bifacial.infinite_sheds.get_irradiance`, whose
-//! `poa_global` is the front and the rear times the bifaciality.
+//! One side has the columns of pvlib's `get_total_irradiance`. Two sides have those of
+//! `pvlib.bifacial.infinite_sheds.get_irradiance`, whose `poa_global` is the front plus the rear
+//! times the bifaciality.
 
 use std::path::Path;
 
@@ -15,10 +16,10 @@ use crate::outputs::tables::writer::TableWriter;
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::Component;
 
-/// Columns of points.
+/// Columns of points with one side.
 pub const ONE_SIDE: [&str; 5] = ["poa_global", "poa_direct", "poa_diffuse", "poa_sky_diffuse", "poa_ground_diffuse"];
 
-/// Columns of modules with a rear.
+/// Columns of modules with a rear side.
 pub const TWO_SIDES: [&str; 11] = [
     "poa_global",
     "poa_front",
@@ -39,16 +40,16 @@ const UNIT: &str = "W/m2";
 /// Light on one side, `[hour]`, W/m2.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SideHours {
-    /// The sun, straight and by mirrors.
+    /// Light of the sun, direct and by mirrors.
     pub direct: Vec<f32>,
-    /// The sky, straight and by mirrors.
+    /// Light of the sky, direct and by mirrors.
     pub sky: Vec<f32>,
-    /// What ground and surroundings reflect diffusely.
+    /// Light that ground and surroundings reflect diffusely.
     pub reflected: Vec<f32>,
 }
 
 impl SideHours {
-    /// Of irradiances by component, `[hour]`, W/m2.
+    /// Returns the light of irradiances by component, `[hour]`, W/m2.
     pub fn of<'v>(component: impl Fn(Component) -> &'v [f32]) -> Self {
         let both = |a: Component, b: Component| component(a).iter().zip(component(b)).map(|(a, b)| a + b).collect();
         SideHours {
@@ -58,7 +59,7 @@ impl SideHours {
         }
     }
 
-    /// Adds a share of others, hour by hour.
+    /// Adds `share` times the light of another side, hour by hour.
     pub fn add(&mut self, other: &SideHours, share: f32) {
         let pairs = [(&mut self.direct, &other.direct), (&mut self.sky, &other.sky)];
         for (sum, more) in pairs.into_iter().chain([(&mut self.reflected, &other.reflected)]) {
@@ -67,19 +68,19 @@ impl SideHours {
         }
     }
 
-    /// Total, direct, diffuse, and its two parts.
+    /// Returns total, direct, diffuse, and the two parts of diffuse.
     fn columns(&self) -> [Vec<f32>; 5] {
         let diffuse: Vec<f32> = self.sky.iter().zip(&self.reflected).map(|(a, b)| a + b).collect();
         let global = self.direct.iter().zip(&diffuse).map(|(a, b)| a + b).collect();
         [global, self.direct.clone(), diffuse, self.sky.clone(), self.reflected.clone()]
     }
 
-    /// Of a point with one side, in the order of [`ONE_SIDE`].
+    /// Returns the columns of a point with one side, in the order of [`ONE_SIDE`].
     pub fn one_side(&self) -> Vec<Vec<f32>> {
         self.columns().into()
     }
 
-    /// Of a module with a rear, in the order of `TWO_SIDES`.
+    /// Returns the columns of a module with a rear side, in the order of `TWO_SIDES`.
     pub fn with_rear(&self, rear: &SideHours, bifaciality: f32) -> Vec<Vec<f32>> {
         let (front, back) = (self.columns(), rear.columns());
         let global = front[0].iter().zip(&back[0]).map(|(front, back)| front + bifaciality * back).collect();
@@ -87,13 +88,13 @@ impl SideHours {
     }
 }
 
-/// A table of hours being written.
+/// Table of hours being written.
 pub struct HourlyTable {
     table: TableWriter,
 }
 
 impl HourlyTable {
-    /// Begins a table of so many points; the ending of the path says its format.
+    /// Starts a table of `points` points, in the format given by the ending of the path.
     pub fn create(path: &Path, columns: &[&str], labels: &RowLabels, points: u64, about: &Provenance) -> Result<Self> {
         let mut all = vec![Column::of_steps("time", Kind::Text, labels), Column::of_places("point", Kind::Text)];
         all.extend(columns.iter().map(|name| Column::float(*name, Digits::Decimals(3)).with_unit(UNIT)));
@@ -108,7 +109,7 @@ impl HourlyTable {
         self.table.write(&Batch { places: 1, values: std::iter::once(names).chain(columns).collect() })
     }
 
-    /// Makes the table visible.
+    /// Completes the table; its file appears only now.
     pub fn finish(self) -> Result<()> {
         self.table.finish().map(drop)
     }

@@ -1,5 +1,6 @@
-//! Outputs of `pv`: sums a point and side, months, sums on the ground, hours in the names of pvlib, horizons as PVGIS has them, turns that were
-//! tried. In: values in kWh/m2 or W/m2. Out: files, each complete or not there.
+//! Outputs of `pv`: sums a point and side, months, sums on the ground, hours in the names of pvlib,
+//! horizons in PVGIS's format, and the orientations that a search tried. In: values in kWh/m2 or
+//! W/m2. Out: files, each complete or not there.
 
 pub mod ground;
 pub mod horizon;

@@ -1,6 +1,8 @@
-//! Places for modules on surfaces. In: receivers with their patches and sums. Out: the best ones on which a module fits beside those before.
+//! Places for modules on surfaces. In: receivers with their patches and sums. Out: the best places
+//! on which a module fits beside those before.
 //!
-//! A module lies in the plane of its surface with its middle on a receiver, one side level. It fits where the patches of that plane carry it.
+//! A module lies in the plane of its surface with its middle on a receiver and one side horizontal.
+//! It fits if the patches of that plane lie below all of it.
 
 use std::collections::HashMap;
 
@@ -9,47 +11,49 @@ use glam::{DVec2, DVec3};
 use heliotile_core::hemisphere::Frame;
 use heliotile_core::site::patch::Patch;
 
-/// A receiver that a module may stand on.
+/// Receiver that the middle of a module may lie on.
 #[derive(Clone, Debug)]
 pub struct PlaceCandidate {
-    /// Input coordinates, metres.
+    /// Position in input coordinates, metres.
     pub position: DVec3,
-    /// Unit length.
+    /// Normal of unit length.
     pub normal: DVec3,
-    /// The part of the surface that it stands for.
+    /// Part of the surface that the receiver stands for.
     pub patch: Patch,
-    /// Sum of the year.
+    /// Sum of the year, kWh/m2.
     pub kwh_m2: f64,
-    /// Share of the hemisphere that sees sky, by cosine.
+    /// Cosine-weighted share of the hemisphere that is sky.
     pub sky_view: f64,
     pub receiver: String,
     pub face: String,
     pub building: String,
 }
 
-/// Faces of a building whose normals and distances differ by no more lie in one plane.
+/// Least cosine between the normals of faces of a building that lie in one plane; `SAME_PLANE_M` is
+/// their largest distance.
 const SAME_PLANE_COS: f64 = 0.999_8;
 const SAME_PLANE_M: f64 = 0.05;
-/// Distance of the points of a module that patches have to carry, metres: narrower gaps are not seen.
+/// Distance of the points of a module that must lie on patches, metres: narrower gaps may be
+/// missed.
 const PROBED_M: f64 = 0.2;
-/// Patches are rounded to mm, so neighbours may leave gaps, metres.
+/// Width of gaps between neighbouring patches that are ignored, metres: patches are rounded to mm.
 const GAP_M: f64 = 0.003;
-/// Side of the squares by which patches are found, metres.
+/// Side of the squares of the spatial index of patches, metres.
 const SQUARE_M: f64 = 2.0;
 
-/// What lies in one plane.
+/// Plane with its patches and modules.
 struct Plane {
     frame: Frame,
     origin: DVec3,
-    /// Convex polygons in it.
+    /// Convex polygons of the patches, in the plane.
     polygons: Vec<Vec<DVec2>>,
-    /// By squares: the polygons that reach into them.
+    /// Indices of the polygons that reach into each square.
     squares: HashMap<[i64; 2], Vec<u32>>,
-    /// Middles of modules that stand there.
+    /// Middles of modules that are placed there.
     taken: Vec<DVec2>,
 }
 
-/// The `count` best places of modules of `size` m, width and height, the best first.
+/// Returns the `count` best places of modules of `size` m, width and height, the best first.
 pub fn best_places(candidates: &[PlaceCandidate], size: [f64; 2], count: usize) -> Vec<usize> {
     let (mut planes, of_candidate) = planes(candidates);
     let mut order: Vec<usize> = (0..candidates.len()).collect();
@@ -72,7 +76,7 @@ pub fn best_places(candidates: &[PlaceCandidate], size: [f64; 2], count: usize) 
     found
 }
 
-/// Planes of all candidates, and which each lies in.
+/// Returns the planes of all candidates, and the index of each candidate's plane.
 fn planes(candidates: &[PlaceCandidate]) -> (Vec<Plane>, Vec<usize>) {
     let mut planes: Vec<Plane> = Vec::new();
     let mut of_face: HashMap<(&str, &str), Vec<usize>> = HashMap::new();
@@ -91,7 +95,7 @@ fn planes(candidates: &[PlaceCandidate]) -> (Vec<Plane>, Vec<usize>) {
     (planes, of_candidate)
 }
 
-/// The square that a place lies in.
+/// Returns the square that a point lies in.
 fn square_of(place: DVec2) -> [i64; 2] {
     (place / SQUARE_M).floor().to_array().map(|square| square as i64)
 }
@@ -122,7 +126,7 @@ impl Plane {
         }
     }
 
-    /// Whether patches lie below all of a module.
+    /// Returns true if patches lie below all of a module.
     fn carries(&self, middle: DVec2, size: DVec2) -> bool {
         let steps = (size / PROBED_M).ceil().max(DVec2::ONE);
         let (columns, rows) = (steps.x as usize, steps.y as usize);
@@ -139,7 +143,7 @@ impl Plane {
     }
 }
 
-/// Whether a point lies in a convex polygon that turns anticlockwise, or within the gap around it.
+/// Returns true if a point lies in a convex anticlockwise polygon, or within the gap around it.
 fn holds_point(polygon: &[DVec2], p: DVec2) -> bool {
     let next = polygon.iter().cycle().skip(1);
     polygon.iter().zip(next).all(|(a, b)| {
@@ -152,7 +156,8 @@ fn holds_point(polygon: &[DVec2], p: DVec2) -> bool {
 mod tests {
     use super::*;
 
-    /// A roof of `columns` x 4 squares of 1 m on a slope of 30 degrees to the south, the brighter the further east.
+    /// Returns a roof of `columns` x 4 squares of 1 m on a slope of 30 degrees to the south,
+    /// brighter towards the east.
     fn roof(columns: usize) -> Vec<PlaceCandidate> {
         let normal = DVec3::new(0.0, -0.5, 0.75_f64.sqrt());
         let Frame { u, v, .. } = Frame::of(normal);
@@ -169,8 +174,9 @@ mod tests {
         (0..columns).flat_map(|column| (0..4).map(move |row| (column, row))).map(|(c, r)| candidate(c, r)).collect()
     }
 
-    /// On 6 x 4 m modules of 1 x 2 m stand with their middles on the two rows between, one above the other not at all: 6, each in a column
-    /// of its own, the brightest first; of 3 x 3 m two have room, of 7 x 1 m none, and no two places of 1.5 x 1.5 m overlap.
+    /// On 6 x 4 m, 6 modules of 1 x 2 m fit, with their middles on the two inner rows and the
+    /// brightest first; none fits above another. Two modules of 3 x 3 m fit, none of 7 x 1 m, and
+    /// no two places of 1.5 x 1.5 m overlap.
     #[test]
     fn modules_fit() {
         let all = roof(6);
@@ -191,8 +197,8 @@ mod tests {
         }
     }
 
-    /// Receivers without patches carry nothing, and a gap of 0.3 m between patches is one: 4 places reach over both sides of the column in
-    /// the middle without it, none with it.
+    /// Receivers without patches carry no module. 4 places reach over both sides of the middle
+    /// column; with a gap of 0.3 m between patches there is none.
     #[test]
     fn gaps_are_gaps() {
         let mut all = roof(3);

@@ -1,5 +1,6 @@
-//! A point's year over all turns, as a picture. In: what the turns of a fan get. Out: SVG: flat in the middle, steeper outwards, north on
-//! top and east on the right, as on a compass.
+//! A point's yearly sums over all orientations, as a picture. In: the sums of a fan of
+//! orientations. Out: SVG: flat in the middle, steeper outwards, north on top and east on the
+//! right, as on a compass.
 
 use std::f64::consts::TAU;
 
@@ -10,16 +11,16 @@ use crate::outputs::pictures::svg::{At, BLACK, Frame, Svg, WHITE};
 use crate::outputs::provenance::Provenance;
 use heliotile_core::orientation::fan::Orientation;
 
-/// Of the picture, pixels.
+/// Side of the square picture, pixels; `BELOW` is the height of the captions below.
 const SIDE: f64 = 520.0;
 const BELOW: f64 = 70.0;
-/// Of the disc.
+/// Radius of the disc; `MIDDLE` is its middle.
 const RADIUS: f64 = 200.0;
 const MIDDLE: (f64, f64) = (260.0, 262.0);
-/// Losses from here on have the darkest colour, percent.
+/// Largest loss with a colour of its own, percent: larger losses have the darkest colour, too.
 const MOST_LOSS: f64 = 50.0;
 
-/// The picture of a search.
+/// Returns the picture of a search as SVG.
 pub fn svg(search: &PointSearch, about: &Provenance) -> String {
     let mut page = Svg::new(SIDE, SIDE + BELOW);
     let tilts: Vec<f64> = search.rings.iter().map(|(ring, _)| ring.tilt_deg).collect();
@@ -55,7 +56,7 @@ pub fn svg(search: &PointSearch, about: &Provenance) -> String {
     about.in_svg(&page.finish())
 }
 
-/// Half the way to the neighbours, degrees.
+/// Returns half the angle to the nearest neighbour, degrees.
 fn half_width(azimuths: &[f64], i: usize) -> f64 {
     let own = azimuths[i];
     let gaps = azimuths.iter().filter(|other| **other != own).map(|other| {
@@ -66,7 +67,7 @@ fn half_width(azimuths: &[f64], i: usize) -> f64 {
     if gap == 360.0 { 5.0 } else { 0.5 * gap }
 }
 
-/// Best turn and losses in words, and the scale.
+/// Draws the best orientation and losses in words, and the scale.
 fn captions(page: &mut Svg, search: &PointSearch, most_loss: f64) {
     let turn = search.best.turn;
     let mut line = |y: f64, words: &str, size: f64| page.text(words, (16.0, y), size, Side::Left, BLACK);
@@ -84,7 +85,7 @@ fn captions(page: &mut Svg, search: &PointSearch, most_loss: f64) {
     page.colours(&scale, 100, |step| colour(1.0 - step as f64 / 99.0));
 }
 
-/// A place of the disc: share of its radius, azimuth in degrees.
+/// Returns the position on the disc at a share of its radius and an azimuth in degrees.
 fn at(share: f64, azimuth_deg: f64) -> At {
     let (sin, cos) = (azimuth_deg / 360.0 * TAU).sin_cos();
     (MIDDLE.0 + RADIUS * share * sin, MIDDLE.1 - RADIUS * share * cos)

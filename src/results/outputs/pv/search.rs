@@ -1,4 +1,5 @@
-//! What a search of turns found. In: turns of points and what they get. Out: `search.csv`, all of them, and `best.csv`, a row a point.
+//! Results of a search of orientations. In: orientations of points and their sums. Out:
+//! `search.csv` with all of them, and `best.csv`, a row a point.
 
 use std::path::Path;
 
@@ -9,32 +10,32 @@ use heliotile_core::error::Result;
 use heliotile_core::orientation::best::OrientationValue;
 use heliotile_core::orientation::fan::Ring;
 
-/// All that was found for a point, kWh/m2.
+/// Results of a search for a point, kWh/m2.
 #[derive(Clone, Debug)]
 pub struct PointSearch {
     pub point: String,
-    /// Of the first fan, ring by ring, each turn with its sum.
+    /// Rings of the first fan, each with the sum of each orientation.
     pub rings: Vec<(Ring, Vec<f64>)>,
-    /// Of the second fan, those that are allowed.
+    /// Allowed orientations of the second fan.
     pub fine: Vec<OrientationValue>,
     pub best: OrientationValue,
-    /// Standard deviation of single turns off the fit that the best one is the peak of, percent.
+    /// Standard deviation of single orientations from the fit whose peak is the best one, percent.
     pub scatter_percent: f64,
-    /// What looks straight up gets.
+    /// Sum of a horizontal surface that faces up.
     pub flat: OrientationValue,
-    /// What the turn of the table of points gets, if it has one.
+    /// Sum of the orientation in the table of points, if it has one.
     pub given: Option<OrientationValue>,
-    /// What the point gets at best on an open plain.
+    /// Best orientation of the point on an open plain, with its sum.
     pub open_best: OrientationValue,
 }
 
 impl PointSearch {
-    /// What a turn of a value loses beside the best, percent; 0 where no turn gets any light.
+    /// Returns the loss of a sum against the best one, percent; 0 if no orientation gets any light.
     pub fn loss_percent(&self, value: f64) -> f64 {
         if self.best.value > 0.0 { 100.0 * (1.0 - value / self.best.value) } else { 0.0 }
     }
 
-    /// All that was tried, each with its kind.
+    /// Returns all orientations that were tried, each with its kind.
     fn rows(&self) -> impl Iterator<Item = (&'static str, OrientationValue)> + '_ {
         let coarse = self.rings.iter().flat_map(|(ring, values)| {
             ring.turns().zip(values).map(|(turn, value)| ("coarse", OrientationValue { turn, value: *value }))
@@ -45,11 +46,12 @@ impl PointSearch {
     }
 }
 
-/// Decimals of sums, losses and turns that were tried, and of turns that were found.
+/// Decimals of sums, losses and orientations that were tried; `TURN_DECIMALS` are those of the best
+/// orientations.
 const DECIMALS: usize = 3;
 const TURN_DECIMALS: usize = 2;
 
-/// Writes every turn that was tried.
+/// Writes every orientation that was tried.
 pub fn write_all(path: &Path, points: &[PointSearch], about: &Provenance) -> Result<()> {
     let numbers =
         ["tilt_deg", "azimuth_deg", "total_kwh_m2", "loss_percent"].map(|name| Column::number(name, DECIMALS));
@@ -64,7 +66,8 @@ pub fn write_all(path: &Path, points: &[PointSearch], about: &Provenance) -> Res
     Records { columns, rows }.write(path, about).map(drop)
 }
 
-/// Writes the best turn of each point, what others lose, and what is best on an open plain.
+/// Writes the best orientation of each point, losses of other orientations, and the best
+/// orientation on an open plain.
 pub fn write_best(path: &Path, points: &[PointSearch], about: &Provenance) -> Result<()> {
     let turn = |name: &str| Column::number(name, TURN_DECIMALS);
     let sum = |name: &str| Column::number(name, DECIMALS);
@@ -88,7 +91,7 @@ pub fn write_best(path: &Path, points: &[PointSearch], about: &Provenance) -> Re
     Records { columns, rows }.write(path, about).map(drop)
 }
 
-/// The row of a point.
+/// Returns the row of a point.
 fn best_row(search: &PointSearch) -> Vec<Cell> {
     let (best, flat, open, given) = (&search.best, &search.flat, &search.open_best, search.given.as_ref());
     vec![

@@ -1,4 +1,5 @@
-//! Sums on points: a row a point and side, and a row a month. In: sums by month and component. Out: `points.csv`, `months.csv`.
+//! Sums on points: a row a point and side, and a row a month. In: sums by month and component. Out:
+//! `points.csv`, `months.csv`.
 
 use std::path::Path;
 
@@ -11,7 +12,7 @@ use heliotile_core::error::Result;
 use heliotile_core::orientation::fan::Orientation;
 use heliotile_core::replay::components::{Component, SUM_SUFFIX};
 
-/// The components that add up to a total, which is the last.
+/// Components that add up to the total, which is the last of all.
 pub const PARTS: [Component; 6] = {
     let [parts @ .., _] = Component::ALL;
     parts
@@ -22,22 +23,22 @@ pub const PARTS: [Component; 6] = {
 pub struct MonthlySums(pub Vec<[f64; PARTS.len()]>);
 
 impl MonthlySums {
-    /// Of all months, by part.
+    /// Returns the sums of all months, by part.
     pub fn parts(&self) -> [f64; PARTS.len()] {
         std::array::from_fn(|part| self.0.iter().map(|month| month[part]).sum())
     }
 
-    /// Of all parts, month by month.
+    /// Returns the sums of all parts, month by month.
     pub fn totals(&self) -> impl Iterator<Item = f64> + '_ {
         self.0.iter().map(total)
     }
 
-    /// Of all months and parts.
+    /// Returns the sum of all months and parts.
     pub fn total(&self) -> f64 {
         self.totals().sum()
     }
 
-    /// Adds a share of others, month by month.
+    /// Adds `share` times the sums of `other`, month by month.
     pub fn add(&mut self, other: &MonthlySums, share: f64) {
         self.0.resize(other.0.len().max(self.0.len()), [0.0; PARTS.len()]);
         for (month, more) in self.0.iter_mut().zip(&other.0) {
@@ -50,35 +51,37 @@ fn total(month: &[f64; PARTS.len()]) -> f64 {
     month.iter().sum()
 }
 
-/// One side of a module, or a point that has only one.
+/// Side of a module, or a point with one side only, with its sums.
 #[derive(Clone, Debug)]
 pub struct SideSums {
     pub point: String,
-    /// `front` or `rear`; nothing for points.
+    /// `front` or `rear`; empty for points.
     pub side: &'static str,
-    /// Input coordinates, metres.
+    /// Position in input coordinates, metres.
     pub position: DVec3,
-    /// By true north.
+    /// Orientation by true north.
     pub turn: Orientation,
     pub months: MonthlySums,
-    /// What it would get on an open plain.
+    /// Sums that it would have on an open plain.
     pub open: MonthlySums,
-    /// Share of its hemisphere that is sky, by the cosine.
+    /// Cosine-weighted share of its hemisphere that is sky.
     pub sky_view: f64,
-    /// File of its horizon, if there is one.
+    /// Name of the file of its horizon; empty if there is none.
     pub horizon: String,
-    /// On front sides that have a rear: what that adds, percent.
+    /// Gain by the rear, percent: the light on the rear times the bifaciality, relative to the
+    /// light on the front; only on front sides that have a rear.
     pub bifacial_gain_percent: Option<f64>,
 }
 
 impl SideSums {
-    /// What is lost to all that stands around, percent of what an open plain would give; less than nothing where more is reflected.
+    /// Returns the loss to all surroundings, percent of the sum on an open plain; negative if the
+    /// surroundings reflect more than they hide.
     pub fn loss_percent(&self) -> Option<f64> {
         loss_percent(self.months.total(), self.open.total())
     }
 }
 
-/// Writes `points.csv`: sums over all that was replayed.
+/// Writes `points.csv`: sums over the whole replay.
 pub fn write_points(path: &Path, sides: &[SideSums], about: &Provenance) -> Result<()> {
     let is_bifacial = sides.iter().any(|side| side.bifacial_gain_percent.is_some());
     let mut columns = vec![Column::text("point"), Column::text("side")];
@@ -101,7 +104,7 @@ pub fn write_points(path: &Path, sides: &[SideSums], about: &Provenance) -> Resu
     Records { columns, rows }.write(path, about).map(drop)
 }
 
-/// Writes `months.csv`: `labels` names the months.
+/// Writes `months.csv`; `labels` are the names of the months.
 pub fn write_months(path: &Path, sides: &[SideSums], labels: &[String], about: &Provenance) -> Result<()> {
     let mut columns = vec![Column::text("point"), Column::text("side"), Column::text("month")];
     columns.extend(columns_of_sums());
@@ -121,18 +124,19 @@ pub fn write_months(path: &Path, sides: &[SideSums], labels: &[String], about: &
 /// Decimals of sums and percentages in CSV.
 pub const DECIMALS: usize = 3;
 
-/// Names of sums by part.
+/// Returns the names of sums by part.
 pub fn columns_of_parts() -> impl Iterator<Item = String> {
     PARTS.map(|part| format!("{}{SUM_SUFFIX}", part.name())).into_iter()
 }
 
-/// Sums by part, their total, that of an open plain, and what is lost beside it.
+/// Returns the columns of sums by part, their total, the total on an open plain, and the loss
+/// against it.
 fn columns_of_sums() -> impl Iterator<Item = Column> {
     let others = ["total_kwh_m2", "open_kwh_m2", "shading_loss_percent"].map(str::to_owned);
     columns_of_parts().chain(others).map(|name| Column::number(name, DECIMALS))
 }
 
-/// What is lost of what an open plain would give, percent.
+/// Returns the loss against the sum on an open plain, percent.
 fn loss_percent(sum: f64, open: f64) -> Option<f64> {
     (open > 0.0).then(|| 100.0 * (1.0 - sum / open))
 }

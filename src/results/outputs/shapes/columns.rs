@@ -1,4 +1,5 @@
-//! The columns of a map. In: the layout of a table, its labels. Out: names and units, wide: one row a place, and a tile's values in that order.
+//! Columns of a map. In: the layout of a table, its labels. Out: names and units of a wide table
+//! with one row a place, and the values of a tile in that order.
 
 use super::row::MapRow;
 use super::stated::{StatedColumns, TextKind};
@@ -12,49 +13,52 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::site::receiver::Receiver;
 use heliotile_core::units::tilt_and_azimuth;
 
-/// Value columns at most: programs of GIS become slow before files end.
+/// Largest number of value columns: GIS programs become slow long before file formats reach their
+/// limits.
 const MOST_COLUMNS: usize = 256;
 
-/// Numbers that stand before the values: area, tilt and azimuth.
+/// Number of columns before the values: area, tilt and azimuth.
 pub const FACTS: usize = 3;
 
-/// How labels become columns.
+/// Arrangement of labels in columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wide {
     /// One label: a column for each quantity.
     One,
-    /// Each quantity of the sums of all labels, then the main one by label.
+    /// Each quantity of the sums of all labels, then the main quantity by label.
     Sums,
     /// Each quantity of each label.
     Each,
-    /// None: values stand elsewhere.
+    /// No value columns: values are written elsewhere.
     None,
 }
 
 /// Columns of a map.
 #[derive(Clone, Debug)]
 pub struct MapColumns {
-    /// Names: of the place, of what it is a part of, then of what the model states.
+    /// Names of text columns: the place, the parts of the model it belongs to, then the attributes
+    /// that the model states.
     pub texts: Vec<String>,
-    /// `[column of texts]`: what its values are.
+    /// `[column of texts]`: type of its values.
     pub kinds: Vec<TextKind>,
-    /// Names and units.
+    /// Names and units of number columns.
     pub numbers: Vec<(String, &'static str)>,
-    /// The number that gives colours.
+    /// Index of the number column that gives colours.
     pub colour: usize,
-    /// Which colours it gives.
+    /// Colour scale of that column.
     pub scale: ColourScale,
     quantities: Vec<Quantity>,
-    /// Place of the quantity that stands for all.
+    /// Index of the main quantity.
     main: usize,
     wide: Wide,
     by: By,
-    /// Whether the last number is the main one times the area.
+    /// True if the last number is the main one times the area.
     has_sum: bool,
 }
 
 impl MapColumns {
-    /// Of a table's layout; `every` is none for a query. Hours and days are refused, and so are too many columns.
+    /// Returns the columns of a table's layout; `every` is `None` for a query. Several hours or
+    /// days are refused, and so are too many columns.
     pub fn of(layout: &Layout, labels: &RowLabels, every: Option<Every>) -> Result<Self> {
         let quantities = layout.quantities.as_slice();
         let wide = match (every, labels.len()) {
@@ -104,7 +108,7 @@ impl MapColumns {
         Ok(MapColumns { numbers, colour: FACTS + layout.main, wide, has_sum, ..MapColumns::of_places(layout) })
     }
 
-    /// Without values, which are written for each label apart.
+    /// Returns the columns without values, which are written separately for each label.
     pub fn of_places(layout: &Layout) -> Self {
         MapColumns {
             kinds: texts(layout.by).iter().map(|_| TextKind::Text).collect(),
@@ -123,7 +127,7 @@ impl MapColumns {
         }
     }
 
-    /// Adds columns of what the model states of objects.
+    /// Adds columns of the attributes that the model states for objects.
     pub fn stating(mut self, stated: &StatedColumns) -> Self {
         for (name, kind) in &stated.columns {
             self.texts.push(name.clone());
@@ -132,17 +136,18 @@ impl MapColumns {
         self
     }
 
-    /// Names of all columns.
+    /// Returns the names of all columns.
     pub fn names(&self) -> Vec<String> {
         self.texts.iter().cloned().chain(self.numbers.iter().map(|(name, _)| name.clone())).collect()
     }
 
-    /// The quantity that stands for all, in words.
+    /// Returns the words for the main quantity.
     pub fn main_words(&self) -> &str {
         self.quantities.get(self.main).map_or("", |main| &main.words)
     }
 
-    /// A row without polygons: what the receivers of a place have in common, its extent, and its values in a tile.
+    /// Returns a row without polygons, from the properties that the receivers of a place share, its
+    /// extent, and its values in a tile.
     pub fn row(
         &self,
         name: &str,
@@ -187,7 +192,7 @@ impl MapColumns {
     }
 }
 
-/// Which unit the names of light end with.
+/// Returns the kind of ending of the names of light columns.
 pub fn ending(layout: &Layout) -> LightEnding {
     match layout.labels {
         Labels::Sums => LightEnding::Sums,
@@ -195,7 +200,7 @@ pub fn ending(layout: &Layout) -> LightEnding {
     }
 }
 
-/// What a place may be a part of, in the order of columns.
+/// Parts of the model that a place may belong to, in the order of columns.
 const OTHERS: [By; 4] = [By::Surface, By::Object, By::Building, By::Kind];
 
 fn texts(by: By) -> Vec<String> {
@@ -209,7 +214,8 @@ fn facts() -> impl Iterator<Item = (String, &'static str)> {
         .map(|(name, unit)| (name.to_owned(), unit))
 }
 
-/// Months without their year, where that is one; with underscores.
+/// Returns the names of months without their year if that keeps them distinct, or else with
+/// underscores.
 fn months(labels: &[String]) -> Vec<String> {
     let short = |label: &String| label.rsplit('-').next().unwrap_or_default().to_owned();
     let mut all: Vec<String> = labels.iter().map(short).collect();

@@ -1,5 +1,5 @@
-//! The coordinate system of a map. In: the place of an archive. Out: coordinates in the system's own unit, or degrees on WGS 84, and its
-//! definition as PROJJSON.
+//! Coordinate reference system of a map. In: the place of an archive. Out: coordinates in the
+//! system's own unit, or degrees on WGS 84, and its definition as PROJJSON.
 
 use glam::DVec3;
 use serde_json::Value;
@@ -7,10 +7,11 @@ use serde_json::Value;
 use heliotile_core::site::place::Place;
 use heliotile_scene::reference::PlaneSystem;
 
-/// Definitions of plane systems, a line each: number in the EPSG register, tab, PROJJSON; made by `tools/crs-definitions`.
+/// Definitions of projected systems, a line each: number in the EPSG register, tab, PROJJSON; made
+/// by `tools/crs-definitions`.
 const DEFINITIONS: &[u8] = include_bytes!("plane-systems.tsv.zst");
 
-/// Coordinates of a scene in a reference system.
+/// Coordinate reference system of a scene.
 pub struct MapCrs {
     epsg: Option<u32>,
     /// Metres a unit of the system.
@@ -19,8 +20,8 @@ pub struct MapCrs {
 }
 
 impl MapCrs {
-    /// The system of a place. Scenes are in metres: where a system is in feet, coordinates are divided by them if the place then lies nearer to
-    /// where the archive says that it is.
+    /// Returns the system of a place. Scenes are in metres. If the system is in feet, coordinates
+    /// are converted to feet if that brings the scene nearer to the place that the archive states.
     pub fn of(place: Option<&Place>, middle: DVec3) -> Self {
         let epsg = place.and_then(|place| place.epsg);
         let system = epsg.and_then(|epsg| PlaneSystem::of(epsg).ok());
@@ -38,29 +39,29 @@ impl MapCrs {
         MapCrs { epsg, unit_m, system }
     }
 
-    /// Its number in the EPSG register, if it is known.
+    /// Returns the system's number in the EPSG register, if it is known.
     pub fn epsg(&self) -> Option<u32> {
         self.epsg
     }
 
-    /// Coordinates of a point: x and y in the system's unit, height in metres.
+    /// Returns the coordinates of a point: x and y in the system's unit, height in metres.
     pub fn coordinates(&self, point: DVec3) -> [f64; 3] {
         [point.x / self.unit_m, point.y / self.unit_m, point.z]
     }
 
-    /// Whether points have a latitude and a longitude.
+    /// Returns true if points can be converted to latitude and longitude.
     pub fn has_degrees(&self) -> bool {
         self.system.is_some()
     }
 
-    /// Longitude and latitude on WGS 84, degrees, and the scene's height in metres.
+    /// Returns longitude and latitude on WGS 84, degrees, and the scene's height in metres.
     pub fn degrees(&self, point: DVec3) -> Option<[f64; 3]> {
         let [x, y, height] = self.coordinates(point);
         let (latitude, longitude) = self.system.as_ref()?.degrees(x, y)?;
         Some([longitude, latitude, height])
     }
 
-    /// The definition, as GeoParquet states it.
+    /// Returns the definition as PROJJSON, which GeoParquet states.
     pub fn projjson(&self) -> Option<Value> {
         let text = String::from_utf8(zstd::decode_all(DEFINITIONS).ok()?).ok()?;
         let number = format!("{}\t", self.epsg?);
@@ -77,8 +78,9 @@ mod tests {
         Place { latitude_deg, longitude_deg, convergence_deg: 0.0, epsg: Some(epsg) }
     }
 
-    /// A point of The Hague in RD New keeps its metres and has the latitude that PROJ gives within 1e-7 degrees; in New York's feet it is
-    /// divided by 1200/3937; both definitions name their number.
+    /// A point of The Hague in RD New keeps its metres and has the latitude that PROJ gives within
+    /// 1e-7 degrees. In New York's feet coordinates are divided by 1200/3937. Both definitions
+    /// contain their number.
     #[test]
     fn systems() {
         let point = DVec3::new(80_474.8, 455_194.3, 7.0);

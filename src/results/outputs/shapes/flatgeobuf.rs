@@ -1,4 +1,5 @@
-//! A map as FlatGeobuf, with its spatial index: what QGIS opens at once. In: rows. Out: one file, rows in the order of the index.
+//! Maps as FlatGeobuf with its spatial index, which QGIS opens quickly. In: rows. Out: one file,
+//! rows in the order of the index.
 
 use std::path::Path;
 
@@ -15,11 +16,11 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use heliotile_core::error::{Error, Result};
 
-/// Polygons of a row, as the library walks through them.
+/// Polygons of a row, as a geometry that the library reads.
 struct Shape<'a> {
     row: &'a MapRow,
     crs: &'a MapCrs,
-    /// All rows are multipolygons if one has more than one polygon.
+    /// True if rows are multipolygons: all are if one row has more than one polygon.
     multi: bool,
 }
 
@@ -47,7 +48,7 @@ impl GeozeroGeometry for Shape<'_> {
     }
 }
 
-/// Writes the file. In memory stand some 60 bytes a row, for the index.
+/// Writes the file. Memory holds some 60 bytes a row, for the index.
 pub fn write(sink: Sink, rows: &mut MapRows, columns: &MapColumns, crs: &MapCrs, about: &Provenance) -> Result<u64> {
     let path = sink.path().to_owned();
     let multi = rows.facts.polygons > rows.facts.rows;

@@ -1,4 +1,5 @@
-//! A map as GeoJSON (RFC 7946): longitude and latitude on WGS 84, for small maps in browsers. In: rows. Out: one file, a row a line.
+//! Maps as GeoJSON (RFC 7946): longitude and latitude on WGS 84, for small maps in browsers. In:
+//! rows. Out: one file, a row a line.
 
 use std::io::{self, Write};
 
@@ -12,13 +13,13 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use heliotile_core::error::{Error, Result};
 
-/// Decimals of degrees: a millimetre is 1e-8.
+/// Steps of a degree to which coordinates are rounded: a millimetre is about 1e-8 degrees.
 const DEGREES: f64 = 1e9;
 
-/// Decimals of heights, metres.
+/// Steps of a metre to which heights are rounded.
 const HEIGHTS: f64 = 1e3;
 
-/// Writes the file; an error if a point has no latitude.
+/// Writes the file; fails if a point has no latitude.
 pub fn write(
     mut sink: Sink,
     rows: &mut MapRows,
@@ -48,7 +49,7 @@ fn feature(row: &MapRow, columns: &MapColumns, crs: &MapCrs) -> Option<Value> {
     let texts = columns.texts.iter().zip(&columns.kinds).zip(&row.texts);
     let texts = texts.map(|((name, kind), text)| (name.clone(), kind.json(text)));
     let numbers = columns.numbers.iter().zip(&row.numbers);
-    // As few digits as a 32-bit number needs; what is not finite is null in JSON.
+    // Numbers have as few digits as a 32-bit float needs; NaN and infinity become null.
     let short = |number: &f32| number.to_string().parse::<f64>().map_or(Value::Null, |number| json!(number));
     let numbers = numbers.map(|((name, _), number)| (name.clone(), short(number)));
     let properties: Map<String, Value> = texts.chain(numbers).collect();
@@ -60,7 +61,7 @@ fn feature(row: &MapRow, columns: &MapColumns, crs: &MapCrs) -> Option<Value> {
     Some(json!({"type": "Feature", "properties": properties, "geometry": geometry}))
 }
 
-/// Closed rings.
+/// Returns the closed rings of a polygon.
 fn rings(polygon: &MapPolygon, crs: &MapCrs) -> Option<Value> {
     let rounded = |value: f64, steps: f64| (value * steps).round() / steps;
     let point = |corner: &glam::DVec3| {

@@ -1,5 +1,6 @@
-//! A map as GeoParquet 1.1: what geopandas, DuckDB and GDAL read. In: rows. Out: one file; polygons as WKB (OGC 06-103r4), their boxes beside
-//! them, and the key `geo` that says what they are.
+//! Maps as GeoParquet 1.1, which geopandas, DuckDB and GDAL read. In: rows. Out: one file; polygons
+//! as WKB (OGC 06-103r4), a column with their bounding boxes, and the key `geo` that describes
+//! both.
 
 use std::sync::Arc;
 
@@ -24,16 +25,16 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use heliotile_core::error::{Error, Result};
 
-/// Rows that are in memory at a time, and those of a row group.
+/// Rows that are in memory at a time; `GROUP_ROWS` are those of a row group.
 const ROWS_AT_ONCE: usize = 4096;
 const GROUP_ROWS: usize = 32_768;
 
-/// Names of the geometry and of its box.
+/// Name of the geometry column; `BOX` is the column of bounding boxes.
 const GEOMETRY: &str = "geometry";
 const BOX: &str = "bbox";
 const CORNERS: [&str; 4] = ["xmin", "ymin", "xmax", "ymax"];
 
-/// WKB of a polygon and a multipolygon with heights.
+/// WKB type of a polygon with heights; `MULTIPOLYGON_Z` is that of a multipolygon.
 const POLYGON_Z: u32 = 1003;
 const MULTIPOLYGON_Z: u32 = 1006;
 
@@ -46,7 +47,7 @@ struct Batch {
     rows: usize,
 }
 
-/// A column of texts, or of what they stand for.
+/// Column of texts, or of typed values that texts stand for.
 enum TextColumn {
     Text(StringBuilder),
     Whole(Int64Builder),
@@ -155,7 +156,7 @@ pub fn write(sink: Sink, rows: &mut MapRows, columns: &MapColumns, crs: &MapCrs,
     writer.into_inner().map_err(failed)?.finish()
 }
 
-/// The key `geo` (GeoParquet 1.1.0).
+/// Returns the value of the key `geo` (GeoParquet 1.1.0).
 fn geo(rows: &MapRows, crs: &MapCrs) -> String {
     let [low, high] = rows.facts.bounds.map(|corner| crs.coordinates(corner));
     let types = match rows.facts.polygons > rows.facts.rows {
@@ -198,7 +199,7 @@ fn schema(columns: &MapColumns, about: &Provenance) -> Schema {
     Schema::new_with_metadata(fields, about.entries().into_iter().collect::<Metadata>())
 }
 
-/// Little-endian; a single polygon is no multipolygon.
+/// Returns the little-endian WKB of a row: a polygon if it has exactly one, or else a multipolygon.
 fn wkb(row: &MapRow, crs: &MapCrs) -> Vec<u8> {
     let mut bytes = Vec::new();
     let head = |bytes: &mut Vec<u8>, kind: u32, count: usize| {

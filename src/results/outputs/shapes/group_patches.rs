@@ -1,5 +1,6 @@
-//! The patches of groups of receivers. In: receivers in the archive's order, each with its group. Out: group by group, in the order of their
-//! names, what its receivers have in common and the outlines of their patches. Memory holds one group; what waits may lie in a file.
+//! Patches of groups of receivers. In: receivers in the archive's order, each with its group. Out:
+//! group by group, in the order of names, the properties that its receivers share and the outlines
+//! of their patches. Memory holds one group; the others may wait in a temporary file.
 
 use std::iter::Peekable;
 use std::path::Path;
@@ -13,11 +14,11 @@ use heliotile_core::site::model_part::ModelPart;
 use heliotile_core::site::patch::Patch;
 use heliotile_core::site::receiver::Receiver;
 
-/// Receivers that a message names.
+/// Largest number of receivers that a message names.
 const NAMED: usize = 3;
 
-/// The polygons of a receiver, in scene coordinates: its patch, or else a square of its area; `None` if it has neither, or they have no
-/// size in mm.
+/// Returns the polygons of a receiver, in scene coordinates: its patch, or else a square of its
+/// area. Returns `None` if it has neither, or if they vanish in the rounding to mm.
 pub fn polygons(receiver: &Receiver) -> Option<Vec<MapPolygon>> {
     let square = || receiver.area.map(|area| Patch::square(receiver.normal, area));
     let patch = if receiver.patch.is_empty() { square()? } else { receiver.patch.clone() };
@@ -27,7 +28,7 @@ pub fn polygons(receiver: &Receiver) -> Option<Vec<MapPolygon>> {
     (!polygons.is_empty()).then_some(polygons)
 }
 
-/// Receivers that cannot be drawn, being counted.
+/// Count of receivers that cannot be drawn, with the names of the first ones.
 #[derive(Default)]
 pub struct Shapeless {
     count: u64,
@@ -42,7 +43,7 @@ impl Shapeless {
         }
     }
 
-    /// An error if any of the receivers of a file cannot be drawn.
+    /// Fails if any of the receivers of a file cannot be drawn.
     pub fn refuse(receivers: impl Iterator<Item = Result<Receiver>>, file: &Path) -> Result<()> {
         let mut shapeless = Shapeless::default();
         for receiver in receivers {
@@ -54,7 +55,7 @@ impl Shapeless {
         shapeless.check(file)
     }
 
-    /// An error if there are any.
+    /// Fails if there are any.
     fn check(&self, file: &Path) -> Result<()> {
         if self.count == 0 {
             return Ok(());
@@ -67,7 +68,7 @@ impl Shapeless {
     }
 }
 
-/// Patches being collected.
+/// Collector of patches by group.
 pub struct PatchSorter {
     sorter: Sorter,
     shapeless: Shapeless,
@@ -78,7 +79,7 @@ impl PatchSorter {
         PatchSorter { sorter: Sorter::new(folder, memory_bytes), shapeless: Shapeless::default() }
     }
 
-    /// The next receiver, with the place of its group among the sorted names.
+    /// Adds the next receiver; `group` is the index of its group among the sorted names.
     pub fn push(&mut self, group: u32, receiver: Receiver) -> Result<()> {
         let Some(polygons) = polygons(&receiver) else {
             self.shapeless.add(receiver);
@@ -90,7 +91,7 @@ impl PatchSorter {
         self.sorter.push(&group.to_be_bytes(), &MapRow { texts, numbers: normal, polygons }.bytes())
     }
 
-    /// All of them; an error if some cannot be drawn.
+    /// Returns all patches by group; fails if some receivers cannot be drawn.
     pub fn finish(self, file: &Path) -> Result<GroupPatches> {
         self.shapeless.check(file)?;
         Ok(GroupPatches { sorted: self.sorter.finish()?.peekable(), next: 0 })
@@ -104,7 +105,8 @@ pub struct GroupPatches {
 }
 
 impl GroupPatches {
-    /// The next group: a receiver that has what all of them have in common, and outlines.
+    /// Returns the next group: a receiver with the properties that all of its receivers share, and
+    /// outlines.
     pub fn next_group(&mut self) -> Result<(Receiver, Vec<MapPolygon>)> {
         let key = self.next.to_be_bytes();
         self.next += 1;

@@ -1,8 +1,10 @@
-//! Results on a map: polygons of receivers, surfaces, objects or buildings with their values, as files of GIS, BIM and ParaView.
+//! Maps of results: polygons of receivers, surfaces, objects or buildings with their values, as
+//! files for GIS, BIM and ParaView.
 //!
-//! In: places with the parts of surfaces that they stand for, and tiles of values as tables take them. Out: a file, complete or not there at
-//! all. Rows wait in sorted runs, which leave memory where they do not fit; each format then reads them as often as it likes.
-//! Never: sums other than those of months, colours other than those of pictures.
+//! In: places with the parts of surfaces that they stand for, and tiles of values. Out: a file,
+//! complete or not there at all. Rows wait in sorted runs, which go to temporary files if they do
+//! not fit into memory; each format reads them as often as it needs. Never: sums other than those
+//! of months, colours other than those of pictures.
 
 pub mod columns;
 mod crs;

@@ -1,5 +1,6 @@
-//! One outline for the patches of a face. In: polygons of neighbouring receivers, rounded to mm. Out: for each plane one polygon a piece of
-//! it, holes and all; where surfaces are curved, the polygons as they were.
+//! Joins the patches of a face to outlines. In: polygons of neighbouring receivers, rounded to mm.
+//! Out: polygons, one for each connected piece of a plane, with holes. Polygons of curved surfaces
+//! stay as they are.
 
 use glam::DVec3;
 use i_overlay::mesh::float::outline::offset::OutlineOffset;
@@ -8,33 +9,37 @@ use i_overlay::mesh::float::style::{LineJoin, OutlineStyle};
 use super::row::MapPolygon;
 use heliotile_core::hemisphere::Frame;
 
-/// A piece of a patch, with the normal of its receiver.
+/// Polygon of a patch, with the normal of its receiver.
 #[derive(Clone, Debug)]
 pub struct Piece {
     pub ring: Vec<DVec3>,
     pub normal: DVec3,
 }
 
-/// Corners are rounded to mm around their receivers, so that neighbours gape or overlap by up to sqrt(3) mm, and fine corners are taken
-/// away: gaps of twice this are closed, metres.
+/// Distance by which polygons are grown and shrunk, metres, so that gaps of up to twice this are
+/// closed. Corners are rounded to mm around their receivers and fine corners are removed, so
+/// neighbours have gaps or overlaps of up to sqrt(3) mm.
 const CLOSED_M: f64 = 0.002_5;
 
-/// Corners nearer than this to the line through their neighbours go, metres.
+/// Corners nearer than this to the line through their neighbours are removed, metres.
 const STRAIGHT_M: f64 = 0.002;
 
-/// Two corners become the one where the lines beside them meet, if that is nearer than this to both, metres; all of it is taken if the area of
-/// the ring changes by less than this share.
+/// Largest distance, metres, at which two corners are replaced by the intersection of the lines
+/// beside them. All replacements are kept only if the area of the ring changes by less than
+/// `FEWER_SHARE`.
 const NEAR_M: f64 = 0.005;
 const FEWER_SHARE: f64 = 1e-4;
 
-/// Pieces in one plane: their normals differ by less (1 degree), and their corners lie this near to it, metres.
+/// Largest difference of the normals of pieces in one plane (1 degree); `SAME_PLANE_M` is the
+/// largest distance of corners from the plane, metres.
 const SAME_WAY: f64 = 0.017_45;
 const SAME_PLANE_M: f64 = 0.01;
 
-/// A surface of more planes is curved.
+/// Largest number of planes; a surface with more is curved.
 const MOST_PLANES: usize = 512;
 
-/// An outline stands for its pieces if their areas differ by less than this share of the larger one, or by what rounding of its rim explains.
+/// Largest difference in area between an outline and its pieces, as a share of the pieces' area.
+/// The rounding of its rim may explain more: `RIM_M` times its length.
 const AREA_SHARE: f64 = 0.001;
 const RIM_M: f64 = 0.001;
 
@@ -67,7 +72,8 @@ impl Plane {
         ring.iter().map(corner).collect()
     }
 
-    /// Grown, melted into one, shrunk again: what gapes less than that is closed.
+    /// Returns the outlines of the pieces: grown, united and shrunk again, which closes narrow
+    /// gaps. Returns `None` if the area changes too much.
     fn outlines(&self) -> Option<Vec<MapPolygon>> {
         let flat: Vec<Vec<Ring>> = self.pieces.iter().map(|piece| vec![self.flat(&piece.ring)]).collect();
         let pieces_m2: f64 = flat.iter().flatten().map(area_m2).sum();
@@ -87,7 +93,7 @@ impl Plane {
     }
 }
 
-/// Outlines of the pieces of a surface, an object or a building.
+/// Returns the outlines of the pieces of a surface, an object or a building.
 pub fn outlines(pieces: Vec<Piece>) -> Vec<MapPolygon> {
     let mut planes: Vec<Plane> = Vec::new();
     let mut loose = Vec::new();
@@ -116,7 +122,7 @@ pub fn outlines(pieces: Vec<Piece>) -> Vec<MapPolygon> {
     found
 }
 
-/// Anticlockwise positive.
+/// Returns the signed area, positive if anticlockwise.
 fn area_m2(ring: &Ring) -> f64 {
     let following = ring.iter().cycle().skip(1);
     ring.iter().zip(following).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>() / 2.0
@@ -127,12 +133,12 @@ fn length_m(ring: &Ring) -> f64 {
     ring.iter().zip(following).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1])).sum()
 }
 
-/// Slits between patches are no holes.
+/// Returns true if a ring is more than a slit between patches.
 fn is_wide(ring: &Ring) -> bool {
     ring.len() > 2 && area_m2(ring).abs() > CLOSED_M * length_m(ring)
 }
 
-/// Without corners that only rounding made, also where it made several in place of one.
+/// Removes corners that come from rounding, even if rounding made several out of one.
 fn with_few_corners(ring: &Ring) -> Ring {
     let straight = straightened(ring);
     let fewer = straightened(&sharpened(&straight));
@@ -140,7 +146,7 @@ fn with_few_corners(ring: &Ring) -> Ring {
     if change_m2 <= FEWER_SHARE * area_m2(&straight).abs() { fewer } else { straight }
 }
 
-/// Without edges of a few mm between two lines that meet beside them.
+/// Replaces edges of a few mm by the intersection of the lines beside them.
 fn sharpened(ring: &Ring) -> Ring {
     let mut ring = ring.clone();
     let mut i = 0;
@@ -153,7 +159,7 @@ fn sharpened(ring: &Ring) -> Ring {
             Some(corner) => {
                 ring[i] = corner;
                 ring.remove((i + 1) % count);
-                // The ring is another one now.
+                // The search starts again, as the ring has changed.
                 i = 0;
             }
             None => i += 1,
@@ -162,7 +168,7 @@ fn sharpened(ring: &Ring) -> Ring {
     ring
 }
 
-/// Where the lines through two edges meet; `None` if they are parallel.
+/// Returns the intersection of the lines through two edges; `None` if they are parallel.
 fn meeting([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
     let (u, v) = ([b[0] - a[0], b[1] - a[1]], [d[0] - c[0], d[1] - c[1]]);
     let across = u[0] * v[1] - u[1] * v[0];
@@ -170,7 +176,7 @@ fn meeting([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
     share.is_finite().then(|| [a[0] + share * u[0], a[1] + share * u[1]])
 }
 
-/// Without corners that lie in line.
+/// Removes corners on a straight line.
 fn straightened(ring: &Ring) -> Ring {
     let mut ring = ring.clone();
     let mut i = 0;
@@ -194,8 +200,8 @@ mod tests {
 
     const ORIGIN: DVec3 = DVec3::new(78_593.650_9, 457_825.906, 14.317);
 
-    /// Squares of a metre around their middles, corners rounded to mm, in a plane tilted by 40 degrees; those for which `there` is false are
-    /// left out.
+    /// Returns squares of a metre, with corners rounded to mm around their middles, in a plane
+    /// tilted by 40 degrees; squares for which `there` is false are left out.
     fn roof(side: i32, there: impl Fn(i32, i32) -> bool) -> Vec<Piece> {
         let normal = DVec3::new(0.4, -0.5, 0.8).normalize();
         let frame = Frame::of(normal);
@@ -216,8 +222,9 @@ mod tests {
         polygons.iter().map(MapPolygon::area_m2).sum()
     }
 
-    /// 100 squares that gape and overlap by a mm are one outline of 4 corners, not 400, within 5 mm of the square's, and 100 m2 within 0.1 %, which faces
-    /// as they do; without four in the middle it has one hole of 4 m2.
+    /// 100 squares with gaps and overlaps of a mm become one outline of 4 corners instead of 400,
+    /// within 5 mm of the true square, of 100 m2 within 0.1 % and with the same normal. Without
+    /// four squares in the middle it has one hole of 4 m2.
     #[test]
     fn squares_melt() {
         let whole = outlines(roof(10, |_, _| true));
@@ -235,8 +242,9 @@ mod tests {
         assert!((total_m2(&holed) - 96.0).abs() < 0.096, "{}", total_m2(&holed));
     }
 
-    /// Of a square of 2 m whose corner is cut by 3 mm, the corner is whole again, within 0.1 mm; an octagon of 1 cm keeps its 8 corners, as its
-    /// area would change, and so does a step of 4 mm in an edge, whose lines do not meet.
+    /// A square of 2 m with a corner cut by 3 mm gets its corner back within 0.1 mm. An octagon of
+    /// 1 cm keeps its 8 corners, as its area would change. A step of 4 mm in an edge stays, too, as
+    /// its lines do not meet.
     #[test]
     fn true_corners_stay() {
         let cut = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.997], [1.997, 2.0], [0.0, 2.0]];
@@ -251,7 +259,8 @@ mod tests {
         assert_eq!(with_few_corners(&step).len(), 6);
     }
 
-    /// Two faces of a ridge are two outlines, two pieces of a roof likewise, and 900 pieces of a bowl stay 900 polygons of the same area.
+    /// Two faces of a ridge are two outlines, two separate pieces of a roof are two, and 900 pieces
+    /// of a bowl stay 900 polygons of the same area.
     #[test]
     fn planes_stay_apart() {
         let mut ridge = roof(4, |_, _| true);

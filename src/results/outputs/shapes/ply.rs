@@ -1,5 +1,5 @@
-//! A map as a PLY file: triangles or points with a value and a colour at each corner, for MeshLab, CloudCompare and Blender. In: rows. Out: one
-//! binary file, 64-bit coordinates of the scene.
+//! Maps as a PLY file: triangles or points with a value and a colour at each corner, for MeshLab,
+//! CloudCompare and Blender. In: rows. Out: one binary file, 64-bit coordinates of the scene.
 
 use std::io::{self, Write};
 
@@ -10,12 +10,15 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use heliotile_core::error::{Error, Result};
 
-/// Writes the file: the value of the column that gives colours, in the colours of maps. Triangles share no corner.
+/// Writes the file with the value of the colour column, in the colours of maps. Triangles share no
+/// corner.
 pub fn write(mut sink: Sink, rows: &mut MapRows, columns: &MapColumns, about: &Provenance) -> Result<u64> {
     let path = sink.path().to_owned();
     let failed = |error: io::Error| Error::io(&path, "write to")(error);
     let largest = rows.facts.largest.max(0.0);
     let (mut faces, mut points) = (0_u64, 0_u64);
+    // The header states counts, so rows are read once to count, once for vertices and once for
+    // faces.
     rows.each(|row| {
         for polygon in &row.polygons {
             match polygon.triangles().len() {
@@ -94,8 +97,8 @@ mod tests {
     use glam::DVec3;
     use heliotile_core::replay::components::{Component, ComponentList};
 
-    /// A wall with a window has 8 triangles and a place without an extent is a point: 25 vertices of 31 bytes, 8 faces of 13; 5 comments are
-    /// single lines.
+    /// A wall with a window has 8 triangles, and a place without an extent is a point: 25 vertices
+    /// of 31 bytes, 8 faces of 13; 5 comments are single lines.
     #[test]
     fn triangles_and_points() {
         let folder = tempfile::tempdir().expect("a folder");

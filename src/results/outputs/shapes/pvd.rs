@@ -1,5 +1,6 @@
-//! A map through time for ParaView: a grid of VTK for each label, and a `.pvd` file that names them. In: rows, tiles of values. Out: the
-//! files, in a folder of the same name beside it; the `.pvd` comes last, so what it names is complete.
+//! Maps through time for ParaView: a VTK grid for each label, and a `.pvd` file that lists them.
+//! In: rows, tiles of values. Out: the files, in a folder of the same name beside the `.pvd`. The
+//! `.pvd` is written last, so the files it lists are complete.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,17 +16,18 @@ use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::light::scratch::{Scratch, ScratchSpace};
 
-/// Files of a series at most, and their bytes: each holds the whole geometry.
+/// Largest number of files of a series; `MOST_BYTES` are their largest total bytes. Each file holds
+/// the whole geometry.
 const MOST_FILES: u64 = 10_000;
 const MOST_BYTES: u64 = 16 << 30;
 
-/// Values of some labels that are in memory at a time, bytes.
+/// Memory for the values of labels that are read together, bytes.
 const AT_ONCE: u64 = 64 << 20;
 
 /// Values that wait for the geometry.
 pub struct Series {
     scratch: Box<dyn Scratch>,
-    /// Where each tile's values begin, and how many places it has: `[label][source][place]`.
+    /// Offset of each tile's values, `[label][source][place]`, and its number of places.
     tiles: Vec<(u64, u64)>,
     length: u64,
     labels: RowLabels,
@@ -44,7 +46,7 @@ impl Series {
         Ok(Series { scratch: storage.scratch()?, tiles: Vec::new(), length: 0, labels: labels.clone(), sources, names })
     }
 
-    /// The values of the next places.
+    /// Adds the values of the next places.
     pub fn add(&mut self, values: &PlaceValues) -> Result<()> {
         let mut bytes = Vec::new();
         for label in 0..values.labels() {
@@ -58,7 +60,7 @@ impl Series {
         Ok(())
     }
 
-    /// `[label][source][place]` of some labels.
+    /// Reads the values of some labels, `[label][source][place]`.
     fn read(&self, first: u64, count: u64) -> Result<Vec<Vec<Vec<f32>>>> {
         let sources = self.sources.len() as u64;
         let mut found = vec![vec![Vec::new(); self.sources.len()]; count as usize];
@@ -74,7 +76,8 @@ impl Series {
         Ok(found)
     }
 
-    /// Hours from the first label, or the labels' numbers where these are no times that grow.
+    /// Returns hours since the first label, or the indices of labels if these are no increasing
+    /// times.
     fn times(&self) -> Vec<f64> {
         let count = 0..self.labels.len();
         match &self.labels.instants {
@@ -87,12 +90,12 @@ impl Series {
     }
 }
 
-/// Folder of the grids: the name without its ending.
+/// Returns the folder of the grids: the name without its ending.
 fn folder_of(path: &Path) -> PathBuf {
     path.with_extension("")
 }
 
-/// Writes the files; their bytes.
+/// Writes the files and returns the number of their bytes.
 pub fn write(
     path: &Path,
     rows: &mut MapRows,
@@ -104,6 +107,7 @@ pub fn write(
     let of_cells = 17 + 4 * (1 + columns.numbers.len() + series.names.len()) as u64;
     let each = 24 * facts.corners + 8 * facts.cell_corners + of_cells * facts.cells;
     let labels = series.labels.len() as u64;
+    // Each file repeats the geometry, so the total size is checked before anything is written.
     if each * labels > MOST_BYTES {
         let what = format!(
             "bytes of a time series of {labels} files (take fewer with {{from}} and {{to}}, a longer {{every}}, {{by}} building or {{receivers}})"

@@ -1,4 +1,5 @@
-//! A row of a map: what a place is, its numbers and its polygons. In: the same. Out: bytes that wait in a run, and the same again.
+//! Rows of a map: texts, numbers and polygons of a place. In: a row. Out: bytes for a sorted run;
+//! and a row from such bytes.
 
 use std::io;
 use std::path::Path;
@@ -8,41 +9,43 @@ use glam::DVec3;
 
 use heliotile_core::error::{Error, Result};
 
-/// Corners that lie this far to the wrong side count as in line, metres: they are rounded to mm.
+/// Largest distance to the wrong side at which a corner counts as in line, metres: corners are
+/// rounded to mm.
 const LEFT_M: f64 = 0.001;
 
-/// A place on the map.
+/// Row of a map: a place.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapRow {
-    /// In the order of the map's columns; an empty text is one that nobody knows.
+    /// Texts in the order of the map's columns; empty if unknown.
     pub texts: Vec<String>,
-    /// Likewise; NaN where there is none.
+    /// Numbers in the order of the map's columns; NaN if there is none.
     pub numbers: Vec<f32>,
     pub polygons: Vec<MapPolygon>,
 }
 
-/// A plane polygon: its outline, anticlockwise as seen from in front, and its holes, clockwise. Scene coordinates, metres; rings are not
-/// closed by a repeated corner.
+/// Plane polygon: its outline, anticlockwise as seen from the front, and its holes, clockwise.
+/// Corners are in scene coordinates, metres; rings do not repeat their first corner.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapPolygon {
     pub rings: Vec<Vec<DVec3>>,
 }
 
 impl MapPolygon {
-    /// A place without an extent.
+    /// Returns a place without an extent.
     pub fn point(at: DVec3) -> Self {
         MapPolygon { rings: vec![vec![at]] }
     }
 
-    /// All corners, ring by ring.
+    /// Returns all corners, ring by ring.
     pub fn corners(&self) -> impl Iterator<Item = &DVec3> {
         self.rings.iter().flatten()
     }
 
-    /// Twice its area times its normal (Newell; Tampieri, Graphics Gems III, 1992); holes turn the other way and count negative.
+    /// Returns twice the area times the normal (Newell; Tampieri, Graphics Gems III, 1992); holes
+    /// have the opposite winding and count negative.
     fn across(&self) -> DVec3 {
         let of_ring = |ring: &Vec<DVec3>| -> DVec3 {
-            // Relative to a corner: coordinates of maps are large.
+            // Coordinates are taken relative to a corner, as those of maps are large.
             let first = ring.first().copied().unwrap_or_default();
             let following = ring.iter().cycle().skip(1);
             ring.iter().zip(following).map(|(a, b)| (*a - first).cross(*b - first)).sum()
@@ -50,17 +53,17 @@ impl MapPolygon {
         self.rings.iter().map(of_ring).sum()
     }
 
-    /// Unit normal; zero without area.
+    /// Returns the unit normal; zero without area.
     pub fn normal(&self) -> DVec3 {
         self.across().normalize_or_zero()
     }
 
-    /// m2.
+    /// Returns the area, m2.
     pub fn area_m2(&self) -> f64 {
         self.across().length() / 2.0
     }
 
-    /// Triangles of the same area and winding: numbers of corners, as [`MapPolygon::corners`] counts them.
+    /// Returns triangles of the same area and winding, as indices into [`MapPolygon::corners`].
     pub fn triangles(&self) -> Vec<[u32; 3]> {
         let corners: Vec<DVec3> = self.corners().copied().collect();
         if corners.len() == 3 {
@@ -89,7 +92,7 @@ impl MapPolygon {
         triangles
     }
 
-    /// Whether it has one ring, which turns to the left at each corner.
+    /// Returns true if the polygon has one ring, which turns left at each corner.
     fn is_convex(&self) -> bool {
         let [ring] = self.rings.as_slice() else { return false };
         let (normal, count) = (self.normal(), ring.len());
@@ -100,7 +103,8 @@ impl MapPolygon {
         })
     }
 
-    /// Convex cells: the polygon itself, or triangles. VTK takes polygons for fans from their first corner where it integrates over them.
+    /// Returns convex cells: the polygon itself if it is convex, or else triangles. VTK integrates
+    /// over polygons as fans from their first corner, which is right for convex ones only.
     pub fn cells(&self) -> Vec<Vec<u32>> {
         match self.rings.as_slice() {
             [only] if self.is_convex() => vec![(0..only.len() as u32).collect()],
@@ -110,7 +114,7 @@ impl MapPolygon {
 }
 
 impl MapRow {
-    /// As bytes.
+    /// Returns the row as bytes.
     pub fn bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         let length = |bytes: &mut Vec<u8>, length: usize| bytes.extend((length as u32).to_le_bytes());
@@ -132,7 +136,7 @@ impl MapRow {
         bytes
     }
 
-    /// Of the bytes that it gave; others are an error.
+    /// Reads a row from the bytes that [`MapRow::bytes`] gave; other bytes are an error.
     pub fn of_bytes(bytes: &[u8]) -> Result<MapRow> {
         Cursor(bytes).row().ok_or_else(|| {
             let damaged = io::Error::new(io::ErrorKind::InvalidData, "a row is not as it was written");
@@ -141,7 +145,7 @@ impl MapRow {
     }
 }
 
-/// What is left of a row's bytes.
+/// Remaining bytes of a row.
 struct Cursor<'a>(&'a [u8]);
 
 impl Cursor<'_> {
@@ -199,7 +203,8 @@ impl Cursor<'_> {
 pub(super) mod tests {
     use super::*;
 
-    /// A wall of 4 m x 3 m with a window of 1 m x 1 m, 85 km from the origin, that looks south.
+    /// Returns a wall of 4 m x 3 m with a window of 1 m x 1 m, 85 km from the origin, that faces
+    /// south.
     pub fn wall() -> MapPolygon {
         let at = |x: f64, z: f64| DVec3::new(85_000.0 + x, 446_000.0, 10.0 + z);
         let outline = vec![at(0.0, 0.0), at(4.0, 0.0), at(4.0, 3.0), at(0.0, 3.0)];
@@ -207,7 +212,8 @@ pub(super) mod tests {
         MapPolygon { rings: vec![outline, window] }
     }
 
-    /// A wall of 12 m2 with a window of 1 m2 has 11 m2, looks south, and its 8 triangles have the same area and winding.
+    /// A wall of 12 m2 with a window of 1 m2 has 11 m2 and faces south, and its 8 triangles have
+    /// the same area and winding.
     #[test]
     fn holes_are_cut() {
         let wall = wall();
@@ -223,7 +229,7 @@ pub(super) mod tests {
         assert!((triangles.iter().map(across).sum::<DVec3>().length() - 11.0).abs() < 1e-9);
     }
 
-    /// A square is one cell, an L of 6 corners is 4 triangles.
+    /// A square is one cell; an L of 6 corners is 4 triangles.
     #[test]
     fn cells_are_convex() {
         let polygon = |corners: &[(f64, f64)]| MapPolygon {
@@ -234,7 +240,8 @@ pub(super) mod tests {
         assert_eq!((square.cells().len(), corner.cells().len()), (1, 4));
     }
 
-    /// A row comes back from its bytes; of all 300 and more ways to cut them short none is read.
+    /// A row is read back from its bytes; none of the more than 300 truncations of the bytes can be
+    /// read.
     #[test]
     fn rows_come_back() {
         let row = MapRow {

@@ -1,4 +1,5 @@
-//! Rows of a map that wait until all are there. In: rows one by one. Out: the same, as often as wanted, and what a header says of all.
+//! Rows of a map that are stored until all are known. In: rows one by one. Out: the rows, as often
+//! as needed, and the facts of all that a header states.
 
 use std::path::Path;
 
@@ -10,25 +11,26 @@ use crate::outputs::pictures::colours::ColourScale;
 use heliotile_builder::spill::{Sorted, Sorter};
 use heliotile_core::error::Result;
 
-/// What is known of all rows.
+/// Facts about all rows.
 #[derive(Clone, Copy, Debug)]
 pub struct MapFacts {
     pub rows: u64,
     pub polygons: u64,
-    /// Corners of all polygons.
+    /// Number of corners of all polygons.
     pub corners: u64,
-    /// Convex cells, and what they are made of: polygons, or their triangles.
+    /// Number of convex cells, which are polygons or their triangles; `cell_corners` is the number
+    /// of their corners.
     pub cells: u64,
     pub cell_corners: u64,
-    /// Triangles, if all is cut.
+    /// Number of triangles if all polygons are cut.
     pub triangles: u64,
     /// Lowest and highest corner, metres.
     pub bounds: [DVec3; 2],
-    /// Of the column that gives colours, on either side of zero where its scale has two.
+    /// Largest number of the colour column; the largest absolute number if its scale has two sides.
     pub largest: f32,
 }
 
-/// Rows being collected.
+/// Collector of rows.
 pub struct RowSpool {
     sorter: Sorter,
     colour: usize,
@@ -37,7 +39,8 @@ pub struct RowSpool {
 }
 
 impl RowSpool {
-    /// Rows of some columns; `folder` takes what does not fit into `memory_bytes`.
+    /// Returns a collector of rows with these columns; `folder` holds what does not fit into
+    /// `memory_bytes`.
     pub fn new(folder: &Path, memory_bytes: usize, columns: &MapColumns) -> Self {
         let bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let facts = MapFacts {
@@ -59,7 +62,8 @@ impl RowSpool {
             let cells = polygon.cells();
             facts.polygons += 1;
             facts.corners += polygon.corners().count() as u64;
-            // Counted, not calculated: ear clipping finds fewer where corners lie in line.
+            // Triangles are counted, not computed from corners: ear clipping finds fewer if corners
+            // lie on a line.
             facts.triangles += polygon.triangles().len() as u64;
             facts.cells += cells.len() as u64;
             facts.cell_corners += cells.iter().map(|cell| cell.len() as u64).sum::<u64>();
@@ -86,7 +90,7 @@ pub struct MapRows {
 }
 
 impl MapRows {
-    /// Goes through all of them in order.
+    /// Calls `take` for all rows, in order.
     pub fn each(&mut self, mut take: impl FnMut(&MapRow) -> Result<()>) -> Result<()> {
         self.rows.rewind()?;
         for record in self.rows.by_ref() {

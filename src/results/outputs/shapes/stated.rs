@@ -1,4 +1,5 @@
-//! What the model states of objects, beside results. In: the objects that archives hold. Out: columns, and their values for an object or a building.
+//! Attributes that the model states for objects, as columns beside results. In: the objects that
+//! archives hold. Out: columns, and their values for an object or a building.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -9,33 +10,36 @@ use heliotile_core::error::Result;
 use heliotile_core::site::model_part::ModelPart;
 use serde_json::{Map, Value};
 
-/// Columns at most: of models with more kinds of attributes those that most objects have.
+/// Largest number of columns: in models with more kinds of attributes, those of most objects are
+/// kept.
 const MOST_COLUMNS: usize = 64;
-/// Attributes of fewer objects than this share are no columns.
+/// Least share of objects that must have an attribute for it to become a column.
 const LEAST_SHARE: f64 = 0.01;
 
-/// What the values of a column of texts are.
+/// Type of the values of a column of texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TextKind {
     Text,
-    /// Whole numbers of 64 bits.
+    /// Integers of 64 bits.
     Whole,
     Number,
     Truth,
 }
 
-/// Attributes of all objects.
+/// Columns of the attributes of all objects, and their values.
 #[derive(Clone, Debug, Default)]
 pub struct StatedColumns {
-    /// Names and kinds.
+    /// Names and types of the columns.
     pub columns: Vec<(String, TextKind)>,
-    /// Texts in the order of the columns, by object, and by building as far as its objects agree.
+    /// Texts in the order of the columns, by object. `of_building` holds those by building; texts
+    /// on which its objects differ are empty.
     of_object: HashMap<String, Vec<String>>,
     of_building: HashMap<String, Vec<String>>,
 }
 
 impl StatedColumns {
-    /// Of the objects of some archives. `taken` are names that columns have already.
+    /// Reads the attributes of the objects of some archives. `taken` are names that other columns
+    /// have already.
     pub fn of<'a>(archives: impl Iterator<Item = &'a Archive>, taken: &[String]) -> Result<Self> {
         let mut objects: BTreeMap<String, (String, Map<String, Value>)> = BTreeMap::new();
         for archive in archives {
@@ -89,7 +93,8 @@ impl StatedColumns {
         all
     }
 
-    /// Texts of what receivers stand for, one a column; empty where nothing is stated.
+    /// Returns the texts of an object or building that receivers stand for, one a column; empty if
+    /// nothing is stated.
     pub fn row(&self, part: &ModelPart) -> impl Iterator<Item = String> {
         let of_object = self.of_object.get(&part.object).filter(|_| !part.object.is_empty());
         let of_building = || self.of_building.get(&part.building).filter(|_| !part.building.is_empty());
@@ -99,7 +104,7 @@ impl StatedColumns {
 }
 
 impl TextKind {
-    /// A text as its kind has it, for JSON; nothing for an empty one.
+    /// Returns a text as a JSON value of this type; null for an empty text.
     pub fn json(self, text: &str) -> Value {
         match self {
             _ if text.is_empty() => Value::Null,
@@ -118,7 +123,7 @@ fn kind_of(value: &Value) -> TextKind {
     }
 }
 
-/// What holds values of two kinds.
+/// Returns the type that can hold values of both types.
 fn joined(a: TextKind, b: TextKind) -> TextKind {
     match [a, b] {
         [a, b] if a == b => a,
@@ -139,7 +144,8 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    /// Of two parts of a building and a house, a building has what both parts agree on; numbers stay numbers, and a column `kind` gets another name.
+    /// A building with two parts has the values on which both parts agree; numbers stay numbers,
+    /// and a column `kind` gets another name.
     #[test]
     fn parts_agree() {
         let object =

@@ -1,5 +1,5 @@
-//! A map as an unstructured grid of VTK: what ParaView and PyVista read. In: rows. Out: one XML file with its arrays as they are in memory
-//! behind it (`appended`, `raw`), 64-bit coordinates of the scene.
+//! Maps as an unstructured grid of VTK, which ParaView and PyVista read. In: rows. Out: one XML
+//! file with raw binary arrays appended (`appended`, `raw`), 64-bit coordinates of the scene.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -11,11 +11,11 @@ use crate::outputs::provenance::Provenance;
 use crate::outputs::sink::Sink;
 use heliotile_core::error::{Error, Result};
 
-/// VTK's numbers of cells.
+/// VTK's type numbers of cells.
 const TRIANGLE: u8 = 5;
 const POLYGON: u8 = 7;
 
-/// Arrays of a file: their elements in XML, and how many bytes lie before the next.
+/// Arrays of a file: their XML elements, and the offset of the next one in bytes.
 #[derive(Default)]
 struct Arrays {
     cells: String,
@@ -23,7 +23,7 @@ struct Arrays {
 }
 
 impl Arrays {
-    /// An element for so many bytes of data.
+    /// Returns an element for an array of `bytes` bytes.
     fn element(&mut self, kind: &str, name: &str, more: &str, bytes: u64) -> String {
         let offset = self.offset;
         self.offset += 8 + bytes;
@@ -32,14 +32,14 @@ impl Arrays {
     }
 }
 
-/// One moment of a time series: names of values, and `[name][row]`.
+/// Moment of a time series: names of values, and the values `[name][row]`.
 pub struct Step<'a> {
     pub label: &'a str,
     pub names: &'a [String],
     pub values: Vec<Vec<f32>>,
 }
 
-/// Writes the file. Of a time series each step has its own values besides what columns say.
+/// Writes the file. Each step of a time series has its own values besides those of the columns.
 pub fn write(
     sink: Sink,
     rows: &mut MapRows,
@@ -50,6 +50,7 @@ pub fn write(
     let path = sink.path().to_owned();
     let mut sink = sink;
     let MapFacts { corners, cells, cell_corners, .. } = rows.facts;
+    // The XML states the offset of each array, so the lengths of texts are counted first.
     let mut lengths = vec![0_u64; columns.texts.len()];
     rows.each(|row| {
         let cells = cells_of(row);
@@ -85,7 +86,7 @@ pub fn write(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
          header_type=\"UInt64\">\n<UnstructuredGrid>\n",
     );
-    // Writing to a text cannot fail.
+    // Writing to a string cannot fail.
     let _ = write!(
         head,
         "<FieldData>\n{fields}</FieldData>\n<Piece NumberOfPoints=\"{corners}\" NumberOfCells=\"{cells}\">\n\
@@ -132,7 +133,7 @@ pub fn write(
         }
         Ok(())
     })?;
-    // The same for all cells of a place.
+    // Writes an array in which all cells of a place have the same value.
     let mut repeated = |bytes: u64, value: &dyn Fn(usize, &MapRow) -> Vec<u8>| -> Result<()> {
         out.array(bytes).map_err(failed)?;
         let mut number = 0;
@@ -156,12 +157,12 @@ pub fn write(
     sink.finish()
 }
 
-/// A text as VTK has it: with a zero behind, and none inside.
+/// Returns a text in VTK's form: with a zero byte at the end and none inside.
 fn ended(text: &str) -> Vec<u8> {
     text.bytes().filter(|byte| *byte != 0).chain([0]).collect()
 }
 
-/// Cells of a row.
+/// Returns the number of cells of a row.
 fn cells_of(row: &MapRow) -> u64 {
     row.polygons.iter().map(|polygon| polygon.cells().len() as u64).sum()
 }
@@ -179,7 +180,7 @@ impl Out<'_> {
         self.bytes(text.as_bytes())
     }
 
-    /// The length in front of an array.
+    /// Writes the length in front of an array.
     fn array(&mut self, bytes: u64) -> io::Result<()> {
         self.bytes(&bytes.to_le_bytes())
     }

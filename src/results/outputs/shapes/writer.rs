@@ -1,4 +1,5 @@
-//! A map in a format by the ending of its name. In: places with their shapes and values. Out: a file, whole or not there.
+//! Maps in a format by the ending of the file name. In: places with their shapes and values. Out: a
+//! file, complete or not there.
 
 use std::path::{Path, PathBuf};
 
@@ -25,28 +26,29 @@ use heliotile_core::light::scratch::ScratchSpace;
 use heliotile_core::site::north::North;
 use heliotile_core::site::receiver::Receiver;
 
-/// The file format of a map.
+/// File format of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MapFormat {
-    /// glTF 2.0, binary.
+    /// Binary glTF 2.0.
     Glb,
     FlatGeobuf,
     GeoJson,
-    /// Triangles and points with colours.
+    /// PLY: triangles and points with colours.
     Ply,
-    /// VTK's unstructured grid.
+    /// Unstructured grid of VTK.
     Vtu,
-    /// A time series of these.
+    /// Time series of VTK grids.
     Pvd,
-    /// `.parquet`, where it is asked for.
+    /// GeoParquet, `.parquet`, if requested.
     GeoParquet,
-    /// A picture, of `--plot`.
+    /// Picture, by `--plot`.
     Png,
 }
 
 impl MapFormat {
-    /// Endings of names; that of GeoParquet is one of tables, too, and pictures are no results to go on with.
+    /// Formats by ending. GeoParquet is missing, as its ending is also that of a table, and so are
+    /// pictures, which are no data to process further.
     pub const ENDINGS: [(&'static str, MapFormat); 6] = [
         (MapFormat::Glb.ending(), MapFormat::Glb),
         (MapFormat::FlatGeobuf.ending(), MapFormat::FlatGeobuf),
@@ -56,7 +58,8 @@ impl MapFormat {
         (MapFormat::Pvd.ending(), MapFormat::Pvd),
     ];
 
-    /// Refuses coordinates that the format cannot have; `field` names the file.
+    /// Refuses coordinates that the format cannot have; `field` is the name of the request's field
+    /// with the file.
     pub fn check(self, crs: &MapCrs, field: &str) -> Result<()> {
         if self != MapFormat::GeoJson || crs.has_degrees() {
             return Ok(());
@@ -71,22 +74,22 @@ impl MapFormat {
         Err(Error::argument(field, what, hint))
     }
 
-    /// Whether the scene is drawn around.
+    /// Returns true if the format draws the scene around the map.
     pub fn shows_surroundings(self) -> bool {
         matches!(self, MapFormat::Glb | MapFormat::Png)
     }
 
-    /// Whether it holds names and numbers beside shapes.
+    /// Returns true if the format holds names and numbers beside shapes.
     fn has_columns(self) -> bool {
         !matches!(self, MapFormat::Ply | MapFormat::Png)
     }
 
-    /// Whether it has marks for places without an extent.
+    /// Returns true if the format has marks for places without an extent.
     pub fn shows_points(self) -> bool {
         matches!(self, MapFormat::Png | MapFormat::Ply)
     }
 
-    /// The ending of files.
+    /// Returns the ending of files.
     pub const fn ending(self) -> &'static str {
         match self {
             MapFormat::Glb => "glb",
@@ -101,30 +104,30 @@ impl MapFormat {
     }
 }
 
-/// What places look like, in the order in which their values come.
+/// Shapes of places, in the order of their values.
 pub enum PlaceShapes<'a> {
     /// Receivers with their patches.
     Receivers(Box<dyn Iterator<Item = Result<Receiver>> + 'a>),
     Groups(Box<GroupPatches>),
 }
 
-/// What a map is made of besides places and values.
+/// Contents and resources of a map, without shapes and values.
 pub struct MapRequest<'a> {
     pub path: &'a Path,
     pub format: MapFormat,
     pub layout: &'a Layout,
     pub labels: &'a RowLabels,
-    /// None for a query.
+    /// Period of a row; `None` for a query.
     pub every: Option<Every>,
     pub crs: MapCrs,
-    /// Normals are turned to it, and pictures.
+    /// North by which normals and pictures are turned.
     pub north: North,
-    /// What the values are of, in words, for pictures.
+    /// Description of the values in words, for pictures.
     pub called: String,
-    /// Only some formats draw it.
+    /// Scene around the map, which only some formats draw.
     pub around: Option<Surroundings<'a>>,
     pub about: Provenance,
-    /// For what does not fit into memory.
+    /// Folder for temporary files that do not fit into memory.
     pub folder: PathBuf,
     pub storage: &'a dyn ScratchSpace,
     pub memory_bytes: usize,
@@ -133,7 +136,7 @@ pub struct MapRequest<'a> {
 }
 
 impl MapRequest<'_> {
-    /// The columns; an error where the map cannot be written, before any work.
+    /// Returns the columns, or an error if the map cannot be written, before any work is done.
     pub fn columns(&self) -> Result<MapColumns> {
         self.format.check(&self.crs, "output")?;
         match self.format {
@@ -143,14 +146,14 @@ impl MapRequest<'_> {
     }
 }
 
-/// What was written.
+/// Statistics of a map that was written.
 #[derive(Clone, Copy, Debug)]
 pub struct MapStats {
     pub facts: MapFacts,
     pub bytes: u64,
 }
 
-/// A map being written.
+/// Map being written.
 pub struct MapWriter<'a> {
     request: MapRequest<'a>,
     shapes: PlaceShapes<'a>,
@@ -161,7 +164,7 @@ pub struct MapWriter<'a> {
 }
 
 impl<'a> MapWriter<'a> {
-    /// Starts a map; errors as of [`MapRequest::columns`].
+    /// Starts a map; has the errors of [`MapRequest::columns`].
     pub fn create(request: MapRequest<'a>, shapes: PlaceShapes<'a>) -> Result<Self> {
         let columns = request.columns()?;
         let archives = request.archives.iter().copied().filter(|_| request.format.has_columns());
@@ -208,7 +211,7 @@ impl<'a> MapWriter<'a> {
         self.series.as_mut().map_or(Ok(()), |series| series.add(values))
     }
 
-    /// Completes the map; only now does its file appear.
+    /// Completes the map; its file appears only now.
     pub fn finish(self) -> Result<MapStats> {
         let MapWriter { request, columns, rows, series, .. } = self;
         let mut rows: MapRows = rows.finish()?;

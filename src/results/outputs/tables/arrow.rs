@@ -1,6 +1,7 @@
-//! Tables as Arrow IPC files: one record batch a batch, times as timestamps with their zone, categories as dictionaries, values as their columns
-//! say, the unit in the metadata of each field, provenance in that of the schema. `.arrow` is plain, so that it can be mapped;
-//! `.feather` is compressed.
+//! Tables as Arrow IPC files: one record batch for each batch of rows, times as timestamps with
+//! their zone, categories as dictionaries, values of each column's type. The metadata of a field
+//! state its unit, those of the schema the provenance. `.arrow` is uncompressed, so that it can be
+//! memory-mapped; `.feather` is compressed.
 //!
 //! A file holds one dictionary a column, so all categories must be known before the first row.
 
@@ -26,10 +27,10 @@ use heliotile_core::error::{Error, Result};
 
 type ArrowResult<T> = std::result::Result<T, ArrowError>;
 
-/// Of zstd: higher levels take longer for little on floats.
+/// Level of zstd: higher levels take longer and gain little on floats.
 const LEVEL: i32 = 1;
 
-/// The schema of a table: its columns with their units, and provenance.
+/// Returns the schema of a table: its columns with their units, and provenance.
 pub(super) fn schema(columns: &TableColumns, provenance: &Provenance) -> Schema {
     let fields: Vec<Field> = columns.all().iter().map(field).collect();
     Schema::new_with_metadata(fields, provenance.entries().into_iter().collect::<Metadata>())
@@ -53,14 +54,16 @@ fn field(column: &Column) -> Field {
 pub struct ArrowRows {
     schema: Arc<Schema>,
     columns: Arc<TableColumns>,
-    /// Of places that are categories.
+    /// Names of places, if they are categories.
     names: Arc<StringArray>,
-    /// `[column]` along steps: its values again and again, for as many places as any batch had; none of other columns.
+    /// `[column]`: values of a column along steps, repeated for the largest number of places of any
+    /// batch; `None` for other columns.
     of_steps: Vec<Option<ArrayRef>>,
 }
 
 impl ArrowRows {
-    /// Of all names of places in order, if they are categories. An error: more labels or names than a dictionary has numbers.
+    /// Prepares the batches; `names` are all names of places in order, if they are categories.
+    /// Errors: more labels or names than a dictionary can number.
     pub fn new(columns: Arc<TableColumns>, names: &[String], provenance: &Provenance) -> Result<Self> {
         for (what, count) in
             [("rows of a place in an Arrow file", columns.rows_of_place()), ("names in an Arrow file", names.len())]
@@ -77,12 +80,13 @@ impl ArrowRows {
         })
     }
 
-    /// What batches hold.
+    /// Returns the schema of the batches.
     pub fn schema(&self) -> &Arc<Schema> {
         &self.schema
     }
 
-    /// The rows of `count` places from number `first` on; `values` are the columns that are neither along steps nor categories of places.
+    /// Returns the rows of `count` places from index `first` on. `values` are the columns that are
+    /// neither along steps nor categories of places.
     pub fn batch(
         &mut self,
         first: usize,
@@ -102,7 +106,7 @@ impl ArrowRows {
         RecordBatch::try_new(Arc::clone(&self.schema), all)
     }
 
-    /// The values of a column along steps, for `count` places or more.
+    /// Returns the values of a column along steps, for at least `count` places.
     fn steps(&mut self, i: usize, column: &Column, values: &StepValues, count: usize) -> ArrowResult<ArrayRef> {
         let rows = count * self.columns.rows_of_place();
         match self.of_steps.get(i) {
@@ -117,7 +121,7 @@ impl ArrowRows {
         }
     }
 
-    /// Names of places, each in all of its rows.
+    /// Returns the names of places, each in all of its rows.
     fn categories(&self, first: usize, count: usize) -> ArrowResult<ArrayRef> {
         let first = first as i32;
         let steps = self.columns.rows_of_place();
@@ -127,7 +131,7 @@ impl ArrowRows {
     }
 }
 
-/// The values of a column along steps, for `count` places.
+/// Returns the values of a column along steps, for `count` places.
 fn repeated(column: &Column, values: &StepValues, count: usize) -> ArrowResult<ArrayRef> {
     Ok(match (values, column.instants(), column.kind) {
         (_, Some(instants), _) => {
@@ -149,18 +153,18 @@ fn repeated(column: &Column, values: &StepValues, count: usize) -> ArrowResult<A
     })
 }
 
-/// How bytes of a file stand.
+/// Compression of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Packing {
     Plain,
     Zstd,
 }
 
-/// An Arrow file being written.
+/// Arrow file being written.
 pub struct ArrowTable {
     writer: FileWriter<Sink>,
     rows: ArrowRows,
-    /// Places that were written.
+    /// Number of places that were written.
     done: usize,
     path: PathBuf,
 }
@@ -179,14 +183,14 @@ impl ArrowTable {
         Ok(ArrowTable { writer, rows, done: 0, path })
     }
 
-    /// Whether the next places are those that were announced.
+    /// Returns true if the next places are those that were announced.
     fn knows(&self, names: &[String]) -> bool {
         self.done + names.len() <= self.rows.names.len()
             && names.iter().enumerate().all(|(i, name)| self.rows.names.value(self.done + i) == name)
     }
 }
 
-/// Begins a file.
+/// Starts a file.
 fn start(sink: Sink, schema: &Schema, packing: Packing) -> ArrowResult<FileWriter<Sink>> {
     let options = match packing {
         Packing::Plain => IpcWriteOptions::default(),
@@ -226,13 +230,13 @@ impl FormatWriter for ArrowTable {
     }
 
     fn finish(mut self: Box<Self>) -> Result<u64> {
-        // Writes the footer.
+        // `finish` writes the footer.
         self.writer.finish().map_err(|error| failed(&self.path, error))?;
         self.writer.into_inner().map_err(|error| failed(&self.path, error))?.finish()
     }
 }
 
-/// Values of rows.
+/// Returns the values of rows as an array.
 fn array_of(kind: Kind, values: &Values) -> ArrayRef {
     match (kind, values) {
         (Kind::Number(_), Values::Numbers(numbers)) => Arc::new(Float64Array::from_iter(numbers.iter().copied())),

@@ -1,4 +1,5 @@
-//! Rows of a table, some places at a time, column by column. In: values. Out: what every format appends.
+//! Rows of a table, some places at a time, column by column. In: values. Out: a batch that every
+//! format can append.
 
 use std::borrow::Cow;
 
@@ -16,13 +17,13 @@ pub struct Batch<'v> {
 pub enum Values<'v> {
     Texts(Cow<'v, [String]>),
     Counts(Vec<u64>),
-    /// Also of columns of 32 bits, which keep an empty cell as NaN.
+    /// Numbers of 64 bits, or of 32-bit columns, which keep an empty cell as NaN.
     Numbers(Vec<Option<f64>>),
     Floats(Cow<'v, [f32]>),
 }
 
 impl Values<'_> {
-    /// Number of values.
+    /// Returns the number of values.
     pub fn count(&self) -> usize {
         match self {
             Values::Texts(texts) => texts.len(),
@@ -32,7 +33,7 @@ impl Values<'_> {
         }
     }
 
-    /// Texts; none of numbers.
+    /// Returns the texts; empty for numbers.
     pub fn texts(&self) -> &[String] {
         match self {
             Values::Texts(texts) => texts,
@@ -40,7 +41,7 @@ impl Values<'_> {
         }
     }
 
-    /// As 32-bit numbers; an empty cell is NaN, text has none.
+    /// Returns the values as 32-bit numbers; NaN for an empty cell, nothing for texts.
     pub fn floats(&self) -> Cow<'_, [f32]> {
         match self {
             Values::Floats(floats) => Cow::Borrowed(floats),
@@ -63,7 +64,7 @@ impl Values<'_> {
 }
 
 impl Batch<'_> {
-    /// What does not fit the columns of a table, if anything.
+    /// Returns a message if the values do not fit the columns of a table.
     pub fn misfit(&self, columns: &TableColumns) -> Option<String> {
         let expected = columns.in_batches().count();
         if self.values.len() != expected {

@@ -1,11 +1,13 @@
-//! Columns of a table. In: names, kinds of values. Out: what every format writes before the first row.
+//! Columns of a table. In: names, types of values. Out: the header that every format writes before
+//! the first row.
 //!
-//! Rows come place by place: receivers, groups, points or whatever a row is about. Where the table has steps, such as hours or positions of
-//! the sun, each place has a row for each of them, and the columns that tell the steps are the same for all places.
+//! Rows come place by place; a place is a receiver, a group or a point. A table may have steps,
+//! such as hours or positions of the sun. Each place then has a row for each step, and the columns
+//! of the steps are the same for all places.
 
 use crate::outputs::tables::row_labels::{Instants, RowLabels};
 
-/// A column.
+/// Column of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     pub name: String,
@@ -14,37 +16,38 @@ pub struct Column {
     pub along: Along,
 }
 
-/// What the values of a column are, and how they stand in files.
+/// Type of the values of a column, and their form in files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Text,
-    /// Text that comes again and again. All of it is known before the first row: some formats keep it as a dictionary.
+    /// Text with few distinct values, all known before the first row: some formats keep it as a
+    /// dictionary.
     Category,
     Count,
-    /// 64 bits; a cell may be empty.
+    /// Number of 64 bits; a cell may be empty.
     Number(Digits),
-    /// 32 bits; no cell is empty.
+    /// Number of 32 bits; no cell is empty.
     Float(Digits),
 }
 
-/// Digits of a number in formats of text.
+/// Digits of a number in text formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Digits {
-    /// So many decimals.
+    /// Fixed number of decimals.
     Decimals(usize),
     /// Three decimals; zero is `0`.
     Thousandths,
     /// Six significant digits in plain notation down to 1e-9; zero is `0`.
     Six,
-    /// As few as tell the number from all others.
+    /// Fewest digits that distinguish the number from all others.
     Fewest,
 }
 
-/// Decimals of [`Digits::Six`] at most.
+/// Largest number of decimals of [`Digits::Six`].
 const MOST_DECIMALS: f64 = 14.0;
 
 impl Digits {
-    /// Decimals of a number in formats of text; none where there are as many as it takes.
+    /// Returns the decimals of a number in text formats; `None` if it has as many as it needs.
     pub fn decimals(self, value: f64) -> Option<usize> {
         match self {
             Digits::Decimals(count) => Some(count),
@@ -56,18 +59,18 @@ impl Digits {
     }
 }
 
-/// What the values of a column change with.
+/// Dimension along which the values of a column change.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Along {
-    /// Each row has a value of its own.
+    /// Rows: each row has a value of its own.
     Rows,
-    /// Each place has one text, which stands in all of its rows.
+    /// Places: each place has one text, which stands in all of its rows.
     Places,
-    /// Each step has one, the same for all places: it is known before the first row.
+    /// Steps: each step has one value for all places, known before the first row.
     Steps(StepValues),
 }
 
-/// The values of a column along the steps.
+/// Values of a column along the steps.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StepValues {
     /// Times, or text.
@@ -80,27 +83,28 @@ impl Column {
         Column { name: name.into(), unit, kind, along: Along::Rows }
     }
 
-    /// A text of each row.
+    /// Returns a column with a text in each row.
     pub fn text(name: impl Into<String>) -> Self {
         Column::new(name, None, Kind::Text)
     }
 
-    /// A whole number of each row, with the unit that its name says.
+    /// Returns a column with an integer in each row; the unit follows from its name.
     pub fn count(name: impl Into<String>) -> Self {
         Column::counted(name.into(), Kind::Count)
     }
 
-    /// A number of each row, which may be missing, with the unit that its name says.
+    /// Returns a column with a number in each row, which may be missing; the unit follows from its
+    /// name.
     pub fn number(name: impl Into<String>, decimals: usize) -> Self {
         Column::number_as(name, Digits::Decimals(decimals))
     }
 
-    /// A number of each row with the digits that are asked for, and with the unit that its name says.
+    /// Returns a column with a number of these digits in each row; the unit follows from its name.
     pub fn number_as(name: impl Into<String>, digits: Digits) -> Self {
         Column::counted(name.into(), Kind::Number(digits))
     }
 
-    /// A number of 32 bits of each row, with the unit that its name says.
+    /// Returns a column with a number of 32 bits in each row; the unit follows from its name.
     pub fn float(name: impl Into<String>, digits: Digits) -> Self {
         Column::counted(name.into(), Kind::Float(digits))
     }
@@ -110,28 +114,29 @@ impl Column {
         Column::new(name, unit, kind)
     }
 
-    /// Names of places; `kind` is text or categories.
+    /// Returns the column of the names of places; `kind` is text or categories.
     pub fn of_places(name: impl Into<String>, kind: Kind) -> Self {
         Column { along: Along::Places, ..Column::new(name, None, kind) }
     }
 
-    /// Labels of steps; `kind`, text or categories, holds for those that are no times.
+    /// Returns a column of the labels of steps; `kind`, text or categories, applies to labels that
+    /// are no times.
     pub fn of_steps(name: impl Into<String>, kind: Kind, labels: &RowLabels) -> Self {
         Column { along: Along::Steps(StepValues::Labels(labels.clone())), ..Column::new(name, None, kind) }
     }
 
-    /// Numbers of 32 bits that tell the steps, with the unit that the name says.
+    /// Returns a column of 32-bit numbers that identify the steps; the unit follows from its name.
     pub fn number_of_steps(name: impl Into<String>, numbers: Vec<f64>) -> Self {
         let column = Column::counted(name.into(), Kind::Float(Digits::Fewest));
         Column { along: Along::Steps(StepValues::Numbers(numbers)), ..column }
     }
 
-    /// The column with a unit that its name does not say.
+    /// Returns the column with a unit that does not follow from its name.
     pub fn with_unit(self, unit: &'static str) -> Self {
         Column { unit: Some(unit), ..self }
     }
 
-    /// Labels of steps.
+    /// Returns the labels of steps.
     pub fn labels(&self) -> Option<&RowLabels> {
         match &self.along {
             Along::Steps(StepValues::Labels(labels)) => Some(labels),
@@ -139,28 +144,28 @@ impl Column {
         }
     }
 
-    /// Labels of steps as instants, if they are times.
+    /// Returns the labels of steps as instants, if they are times.
     pub fn instants(&self) -> Option<&Instants> {
         self.labels().and_then(|labels| labels.instants.as_ref())
     }
 
-    /// Whether the values come with the steps.
+    /// Returns true if the values belong to steps.
     pub fn is_of_steps(&self) -> bool {
         matches!(self.along, Along::Steps(_))
     }
 
-    /// Whether the values are texts, not times.
+    /// Returns true if the values are texts, not times.
     pub fn is_text(&self) -> bool {
         matches!(self.kind, Kind::Text | Kind::Category) && self.instants().is_none()
     }
 
-    /// Whether each row has a number of its own.
+    /// Returns true if each row has a number of its own.
     pub fn is_value(&self) -> bool {
         self.along == Along::Rows && !self.is_text()
     }
 }
 
-/// The columns of a table.
+/// Columns of a table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TableColumns {
     all: Vec<Column>,
@@ -168,7 +173,8 @@ pub struct TableColumns {
 }
 
 impl TableColumns {
-    /// Columns in the order of the file. Those along steps have as many values as the first of them.
+    /// Returns columns in the order of the file. All columns along steps must have as many values
+    /// as the first of them.
     pub fn new(all: Vec<Column>) -> Self {
         let steps = all.iter().find_map(|column| match &column.along {
             Along::Steps(StepValues::Labels(labels)) => Some(labels.len()),
@@ -178,33 +184,33 @@ impl TableColumns {
         TableColumns { all, steps }
     }
 
-    /// The columns in order.
+    /// Returns the columns in order.
     pub fn all(&self) -> &[Column] {
         &self.all
     }
 
-    /// Rows of a place.
+    /// Returns the number of rows of a place.
     pub fn rows_of_place(&self) -> usize {
         self.steps.unwrap_or(1)
     }
 
-    /// Whether places have steps, be it a single one.
+    /// Returns true if places have steps, even a single one.
     pub fn has_steps(&self) -> bool {
         self.steps.is_some()
     }
 
-    /// Columns whose values come in batches: all but those along steps.
+    /// Returns the columns whose values come in batches: all but those along steps.
     pub fn in_batches(&self) -> impl Iterator<Item = &Column> + '_ {
         self.all.iter().filter(|column| !column.is_of_steps())
     }
 
-    /// The column that names the places: the first one of text along places or rows.
+    /// Returns the column of the names of places: the first text column along places or rows.
     pub fn of_places(&self) -> Option<&Column> {
         self.in_batches().find(|column| column.is_text())
     }
 }
 
-/// Units by the ending of a column's name, or by the whole of it; longer endings first.
+/// Units by the ending of a column's name, or by the whole name; longer endings first.
 const UNITS: [(&str, &str); 16] = [
     ("_minutes", "min"),
     ("_kwh_m2", "kWh/m2"),
@@ -224,10 +230,10 @@ const UNITS: [(&str, &str); 16] = [
     ("receivers", "1"),
 ];
 
-/// Places in metres, and normals.
+/// Units of columns with positions in metres, and with normals.
 const PLACES: [(&str, &str); 6] = [("x", "m"), ("y", "m"), ("z", "m"), ("nx", "1"), ("ny", "1"), ("nz", "1")];
 
-/// The unit that a column's name says.
+/// Returns the unit that follows from a column's name.
 fn unit_of(name: &str) -> Option<&'static str> {
     let place = PLACES.iter().find(|(place, _)| *place == name);
     place.or_else(|| UNITS.iter().find(|(ending, _)| name.ends_with(ending))).map(|(_, unit)| *unit)
@@ -237,7 +243,7 @@ fn unit_of(name: &str) -> Option<&'static str> {
 mod tests {
     use super::*;
 
-    /// Twelve names of columns get their units.
+    /// Twelve names of columns give their units.
     #[test]
     fn units_by_name() {
         for (name, unit) in [
@@ -258,7 +264,8 @@ mod tests {
         }
     }
 
-    /// A table of 3 positions of the sun has 3 rows a place and one column in its batches that names them; one without steps has 1 row.
+    /// A table of 3 positions of the sun has 3 rows a place and one column of names in its batches;
+    /// a table without steps has 1 row a place.
     #[test]
     fn steps() {
         let suns = Column::number_of_steps("sun_altitude_deg", vec![0.0, 45.0, 90.0]);

@@ -1,7 +1,9 @@
-//! Tables as CSV (RFC 4180, LF line ends), the one place where cells are quoted. What the columns are stands beside a file (see
-//! [`crate::outputs::tables::csvw`]), not beside the standard output.
+//! Tables as CSV (RFC 4180, LF line ends). All quoting of cells happens here. A metadata file
+//! beside the table describes its columns (see [`crate::outputs::tables::csvw`]); on standard
+//! output there is none.
 //!
-//! Rows are formatted in parallel, some places at a time; what all places have in common is formatted once.
+//! Rows are formatted in parallel, some places at a time; cells that all places share are formatted
+//! once.
 
 use std::io::Write;
 use std::ops::Range;
@@ -18,41 +20,42 @@ use crate::outputs::tables::format::{FormatWriter, TableRequest};
 use crate::outputs::tables::writer::failed;
 use heliotile_core::error::Result;
 
-/// Rows of a task, unless a single place has more of them, and tasks between two writes: this bounds the memory of text to a few 10 MB.
+/// Rows of a task, unless a single place has more of them. `TASKS_AT_ONCE` is the number of tasks
+/// between two writes. Both limit the memory of text to a few 10 MB.
 const ROWS_OF_TASK: usize = 1024;
 const TASKS_AT_ONCE: usize = 16;
 
-/// A CSV table being written.
+/// CSV table being written.
 pub struct CsvTable {
     sink: Sink,
     columns: Arc<TableColumns>,
-    /// `[column][step]`: cells of columns along steps, ready; nothing of others.
+    /// `[column][step]`: formatted cells of columns along steps; empty for other columns.
     of_steps: Vec<Vec<String>>,
-    /// `[task]`: texts, whose memory is taken again.
+    /// `[task]`: buffers of text, which are reused.
     texts: Vec<Vec<u8>>,
     about: Option<Provenance>,
 }
 
-/// A column of a batch, or some that are written alike.
+/// Column of a batch, or neighbouring columns with one number format.
 enum BatchColumn<'a> {
-    /// `[step]`, the same for all places.
+    /// Cells by `[step]`, for all places.
     Steps(&'a [String]),
-    /// `[place]`
+    /// Names by `[place]`.
     Names(&'a [String]),
-    /// `[column][place][step]`, columns beside each other.
+    /// Values of neighbouring columns, `[column][place][step]`.
     Floats(Vec<&'a [f32]>, Digits),
     Rows(&'a Values<'a>, Digits),
 }
 
-/// The cells of a place in a column, or in some that are written alike.
+/// Cells of a place in a column, or in neighbouring columns with one number format.
 enum PlaceCells<'a> {
-    /// `[step]`, ready.
+    /// Formatted cells, `[step]`.
     Steps(&'a [String]),
-    /// Text that stands in all rows, ready to be written.
+    /// Formatted text that stands in all rows.
     Name(String),
-    /// `[column][step]`, and how a number is written.
+    /// Values by `[column][step]`, and the function that formats a number.
     Floats(Vec<&'a [f32]>, fn(&mut Vec<u8>, f64)),
-    /// The first of its rows among those of the column.
+    /// Values of all rows, and the index of the place's first row.
     Rows(&'a Values<'a>, usize, Digits),
 }
 
@@ -67,7 +70,7 @@ impl CsvTable {
         Ok(CsvTable { sink, columns, of_steps, texts, about: request.about.cloned() })
     }
 
-    /// What the columns of a batch hold.
+    /// Returns the columns of a batch.
     fn columns_of<'a>(&'a self, batch: &'a Batch) -> Vec<BatchColumn<'a>> {
         let mut values = batch.values.iter();
         let mut columns = Vec::with_capacity(self.columns.all().len());
@@ -87,14 +90,14 @@ impl CsvTable {
         columns
     }
 
-    /// Writes some places into memory.
+    /// Formats the rows of some places into a buffer.
     fn put(&self, text: &mut Vec<u8>, columns: &[BatchColumn], places: &Range<usize>) {
         let steps = self.columns.rows_of_place();
         for place in places.clone() {
             let columns: Vec<PlaceCells> = columns.iter().map(|column| column.at(place, steps)).collect();
             for step in 0..steps {
                 columns.iter().for_each(|cells| cells.push(text, step));
-                // In place of the last comma.
+                // The line end replaces the last comma.
                 text.pop();
                 text.push(b'\n');
             }
@@ -103,7 +106,7 @@ impl CsvTable {
 }
 
 impl<'a> BatchColumn<'a> {
-    /// Of a column that is not along steps.
+    /// Returns the values of a column that is not along steps.
     fn of(column: &Column, values: &'a Values) -> Self {
         match (values, digits_of(column.kind)) {
             (Values::Texts(names), _) if column.along == Along::Places => BatchColumn::Names(names),
@@ -114,7 +117,7 @@ impl<'a> BatchColumn<'a> {
         }
     }
 
-    /// Its cells at a place.
+    /// Returns the cells of a place.
     fn at(&self, place: usize, steps: usize) -> PlaceCells<'a> {
         let first = place * steps;
         match self {
@@ -133,7 +136,7 @@ impl<'a> BatchColumn<'a> {
 }
 
 impl PlaceCells<'_> {
-    /// Writes the cells of a step, each with a comma behind it.
+    /// Writes the cells of a step, each followed by a comma.
     fn push(&self, text: &mut Vec<u8>, step: usize) {
         match self {
             PlaceCells::Steps(cells) => push_text(text, cells.get(step)),
@@ -179,7 +182,7 @@ impl FormatWriter for CsvTable {
     }
 
     fn finish(self: Box<Self>) -> Result<u64> {
-        // The table last: where it is, so is what is said of it.
+        // The table is completed last: if it exists, so does its metadata file.
         let beside = match (self.sink.file_path(), &self.about) {
             (Some(path), Some(about)) => csvw::write(path, self.columns.all(), about)?,
             _ => 0,
@@ -188,7 +191,7 @@ impl FormatWriter for CsvTable {
     }
 }
 
-/// Cells of a column along steps; nothing of others.
+/// Returns the formatted cells of a column along steps; empty for other columns.
 fn cells_of_steps(column: &Column) -> Vec<String> {
     match &column.along {
         Along::Steps(StepValues::Labels(labels)) => labels.text.iter().map(|label| quoted(label)).collect(),
@@ -204,7 +207,7 @@ fn cells_of_steps(column: &Column) -> Vec<String> {
     }
 }
 
-/// Digits of the numbers of a kind.
+/// Returns the digits of the numbers of a kind.
 fn digits_of(kind: Kind) -> Digits {
     match kind {
         Kind::Number(digits) | Kind::Float(digits) => digits,
@@ -216,7 +219,7 @@ fn push_text(text: &mut Vec<u8>, cell: Option<&String>) {
     text.extend_from_slice(cell.map_or(&[][..], |cell| cell.as_bytes()));
 }
 
-/// The cell of a row.
+/// Writes the cell of a row.
 fn push_value(text: &mut Vec<u8>, values: &Values, row: usize, digits: Digits) {
     match values {
         Values::Floats(floats) => {
@@ -241,19 +244,19 @@ fn push_number(text: &mut Vec<u8>, value: f64, digits: Digits) {
     }
 }
 
-/// A cell, quoted if it holds a comma, a quote or a line end.
+/// Returns a cell, quoted if it contains a comma, a quote or a line end.
 pub fn quoted(cell: &str) -> String {
     if cell.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_string() }
 }
 
-/// Fixed three decimals.
+/// Writes a number with three decimals.
 fn three_decimals(text: &mut Vec<u8>, value: f64) {
     if value == 0.0 {
         text.push(b'0');
         return;
     }
     let thousandths = (value * 1000.0).round();
-    // Beyond 2^53 thousandths, or not a number: rare, so the slow way.
+    // Values beyond 2^53 thousandths and NaN are rare, so they may take the slow way.
     if thousandths.is_nan() || thousandths.abs() >= 9e15 {
         // Writing into memory cannot fail.
         let _ = write!(text, "{value:.3}");
@@ -280,7 +283,7 @@ fn three_decimals(text: &mut Vec<u8>, value: f64) {
     text.extend(digits.iter().take(count).rev());
 }
 
-/// Six significant digits, in plain notation down to 1e-9.
+/// Writes a number with six significant digits, in plain notation down to 1e-9.
 fn six_digits(text: &mut Vec<u8>, value: f64) {
     if value == 0.0 {
         text.push(b'0');
@@ -300,8 +303,8 @@ mod tests {
         String::from_utf8(text).expect("ASCII")
     }
 
-    /// The fast formatting equals Rust's own `{:.3}` of the f64 value, ties aside, for 20,000 values from 1e-6 to 1e6 of both
-    /// signs, and special values have their own text.
+    /// For 20,000 values from 1e-6 to 1e6 of both signs, the fast formatting equals Rust's `{:.3}`
+    /// of the f64 value, except for ties; special values have their own text.
     #[test]
     fn fast_numbers() {
         for i in 0..20_000_u32 {

@@ -1,8 +1,10 @@
-//! What a CSV file holds, in `NAME.csv-metadata.json` beside it. In: its columns and provenance. Out: JSON as programs for CSV on the Web
-//! look for it.
+//! Metadata of a CSV file, in `NAME.csv-metadata.json` beside it. In: its columns and provenance.
+//! Out: JSON where programs for CSV on the Web look for it.
 //!
-//! Format: W3C recommendation "Metadata Vocabulary for Tabular Data", 2015. It has no word for units: they stand as `schema:unitText`, and
-//! provenance as a list of `schema:additionalProperty`, both words of schema.org, whose prefix it knows.
+//! Format: W3C recommendation "Metadata Vocabulary for Tabular Data", 2015. It has no term for
+//! units, which are written as `schema:unitText`, nor for provenance, which is a list of
+//! `schema:additionalProperty`. Both terms are from schema.org, whose prefix the vocabulary
+//! defines.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -15,7 +17,7 @@ use crate::outputs::tables::column::{Column, Kind};
 use crate::outputs::tables::row_labels::{Instants, Precision};
 use heliotile_core::error::{Error, Result};
 
-/// What is said of a column.
+/// Returns the description of a column.
 fn described(column: &Column) -> Value {
     let datatype = match (column.instants(), column.kind) {
         (Some(instants), _) => datatype_of(instants),
@@ -29,7 +31,7 @@ fn described(column: &Column) -> Value {
     said
 }
 
-/// The type of times, by what their text says.
+/// Returns the data type of times, by the precision of their text.
 fn datatype_of(instants: &Instants) -> Value {
     match instants.precision {
         Precision::Year => json!("gYear"),
@@ -40,14 +42,14 @@ fn datatype_of(instants: &Instants) -> Value {
     }
 }
 
-/// The file beside a CSV file.
+/// Returns the path of the metadata file beside a CSV file.
 pub fn beside(csv: &Path) -> PathBuf {
     let mut name = csv.as_os_str().to_os_string();
     name.push("-metadata.json");
     PathBuf::from(name)
 }
 
-/// Writes the file beside a CSV file; gives its size in bytes.
+/// Writes the metadata file beside a CSV file and returns its size in bytes.
 pub fn write(csv: &Path, columns: &[Column], provenance: &Provenance) -> Result<u64> {
     let path = beside(csv);
     let mut sink = Sink::file(&path)?;
@@ -56,7 +58,7 @@ pub fn write(csv: &Path, columns: &[Column], provenance: &Provenance) -> Result<
     sink.finish()
 }
 
-/// What stands in the file beside the CSV file of a name.
+/// Returns the contents of the metadata file of a CSV file with this name.
 pub fn text(name: &str, columns: &[Column], provenance: &Provenance) -> String {
     let property = |(name, value): &(String, String)| json!({"@type": "schema:PropertyValue", "schema:name": name, "schema:value": value});
     let table = json!({
@@ -68,7 +70,8 @@ pub fn text(name: &str, columns: &[Column], provenance: &Provenance) -> String {
     format!("{table:#}\n")
 }
 
-/// A file name as a relative URL: what RFC 3986 does not allow there is percent-encoded.
+/// Returns a file name as a relative URL, with characters that RFC 3986 does not allow
+/// percent-encoded.
 fn url(name: &str) -> String {
     let letter = |byte: u8| match byte {
         b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => char::from(byte).to_string(),
@@ -86,8 +89,8 @@ mod tests {
     use heliotile_core::weather::time::calendar::Date;
     use heliotile_core::weather::time::utc_offset::UtcOffset;
 
-    /// The file of a table of hours names it, the format of its times, the unit of its one value, and 4 properties; without instants labels
-    /// are strings.
+    /// The metadata file of a table of hours has the table's name, the format of its times, the
+    /// unit of its one value, and 4 properties. Labels without instants are strings.
     #[test]
     fn results() {
         let layout = Layout::of_components(Labels::Times, By::Receiver, &"total".parse().expect("a name"));

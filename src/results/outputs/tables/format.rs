@@ -1,4 +1,5 @@
-//! Formats of tables, and the ending of a name for each: this list is the only one. In: a name. Out: its format, and a writer of it.
+//! Formats of tables, in the only list of formats and endings. In: a name. Out: its format, and a
+//! writer of it.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,41 +16,42 @@ use crate::outputs::tables::npz::NpzTable;
 use crate::outputs::tables::parquet::ParquetTable;
 use heliotile_core::error::{Error, Result};
 
-/// What each format does.
+/// Writer of a table in one format.
 pub trait FormatWriter {
-    /// Appends rows that fit the columns; there is at least one.
+    /// Appends rows that fit the columns; the batch has at least one row.
     fn write(&mut self, batch: &Batch) -> Result<()>;
 
-    /// Whether the reader of the output has gone away.
+    /// Returns true if the reader of the output has gone away.
     fn is_closed(&self) -> bool {
         false
     }
 
-    /// Completes the table and gives its size in bytes.
+    /// Completes the table and returns its size in bytes.
     fn finish(self: Box<Self>) -> Result<u64>;
 }
 
-/// What is known of a table before its first row.
+/// Table to start: path, columns, places and provenance.
 pub struct TableRequest<'a> {
-    /// `-` is CSV on the standard output.
+    /// Path of the file; `-` is CSV on standard output.
     pub path: &'a Path,
     pub columns: Arc<TableColumns>,
     pub places: Places<'a>,
-    /// What it was made of. CSV without it has no file beside it.
+    /// Provenance of the table. CSV without it has no metadata file.
     pub about: Option<&'a Provenance>,
 }
 
-/// Places that rows will come for.
+/// Places of a table's rows.
 #[derive(Clone, Copy)]
 pub struct Places<'a> {
-    /// Only some formats need it: those whose files begin with their size.
+    /// Number of places. Only formats whose files begin with their size need it.
     pub count: u64,
-    /// Their names in order. Only some formats ask, of tables whose places are categories.
+    /// Function that returns the names of places in order. Only some formats call it, for tables
+    /// whose places are categories.
     pub names: &'a dyn Fn() -> Result<Vec<String>>,
 }
 
 impl Places<'_> {
-    /// So many places, which are no categories.
+    /// Returns `count` places that are no categories.
     pub fn counted(count: u64) -> Self {
         Places { count, names: &no_names }
     }
@@ -59,22 +61,22 @@ fn no_names() -> Result<Vec<String>> {
     Ok(Vec::new())
 }
 
-/// The file format of a table.
+/// File format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
     Csv,
     Parquet,
-    /// Arrow IPC, plain.
+    /// Arrow IPC without compression.
     Arrow,
-    /// Arrow IPC, compressed.
+    /// Arrow IPC with compression.
     Feather,
     Npy,
     Npz,
 }
 
 impl Format {
-    /// Endings of names, and what a user should know of each.
+    /// Endings of names, a remark for users about each, and the format.
     pub const ENDINGS: [(&'static str, &'static str, Format); 6] = [
         ("csv", "with .csv-metadata.json beside it, which says what its columns are", Format::Csv),
         ("parquet", "", Format::Parquet),
@@ -84,7 +86,8 @@ impl Format {
         ("npz", "", Format::Npz),
     ];
 
-    /// The format of a name: `-` is CSV on the standard output, otherwise the ending says it. An error: another ending.
+    /// Returns the format of a name: `-` is CSV on standard output, otherwise the ending decides.
+    /// Fails for an unknown ending.
     pub fn of(path: &Path) -> Result<Self> {
         Format::known(path).ok_or_else(|| Error::Unsupported {
             what: "ending of the output file".into(),
@@ -93,7 +96,7 @@ impl Format {
         })
     }
 
-    /// The format of a name, if its ending is one of a table.
+    /// Returns the format of a name, if its ending is that of a table.
     pub fn known(path: &Path) -> Option<Self> {
         if path == Path::new("-") {
             return Some(Format::Csv);
@@ -102,7 +105,7 @@ impl Format {
         Format::ENDINGS.iter().find(|(name, ..)| *name == ending).map(|(.., format)| *format)
     }
 
-    /// All endings in words.
+    /// Returns all endings in words.
     pub fn listed() -> String {
         let all: Vec<String> = Format::ENDINGS.iter().map(|(ending, ..)| format!(".{ending}")).collect();
         let text = all.join(", ");
@@ -110,7 +113,7 @@ impl Format {
         format!("{text} (or - for CSV on the standard output)")
     }
 
-    /// All endings with what a user should know of each, for help texts.
+    /// Returns all endings with remarks for users, for help texts.
     pub fn described() -> String {
         let one = |(ending, remark, _): &(&str, &str, Format)| match *remark {
             "" => format!(".{ending}"),
@@ -120,7 +123,7 @@ impl Format {
         format!("{}, or - for CSV on standard output", all.join(", "))
     }
 
-    /// The file beside a table that says what is in it, if the format has one.
+    /// Returns the path of the metadata file beside a table, if the format has one.
     fn beside(self, path: &Path) -> Option<PathBuf> {
         match self {
             Format::Npy => Some(NpyTable::axes_of(path)),
@@ -144,7 +147,7 @@ impl Format {
     }
 }
 
-/// The files that a table of this name consists of.
+/// Returns the files that a table of this name consists of.
 pub fn files_of(path: &Path) -> Vec<PathBuf> {
     let beside = Format::known(path).and_then(|format| format.beside(path));
     [Some(path.to_path_buf()), beside].into_iter().flatten().collect()

@@ -1,4 +1,4 @@
-//! Tests of the formats that other programs read: what is written comes back bit for bit.
+//! Tests of the formats that other programs read: written values are read back bit for bit.
 
 use std::fs::File;
 use std::io::Read;
@@ -25,14 +25,14 @@ use heliotile_core::replay::values::TileValues;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
-/// Hours from 2019-03-01 on in a zone.
+/// Returns hours from 2019-03-01 on in a time zone.
 fn hours(count: u32, zone_hours: f64) -> RowLabels {
     let date = Date::new(2019, 3, 1).expect("a date");
     let moments: Vec<_> = (0..count).map(|hour| (date, f64::from(60 * hour))).collect();
     RowLabels::moments(&moments, UtcOffset::of_hours(zone_hours), Precision::Minute)
 }
 
-/// 2 receivers x 24 hours of +01:00 in a file of a kind.
+/// Writes a file with 2 receivers x 24 hours of a time zone.
 fn written_hours(folder: &tempfile::TempDir, name: &str, zone_hours: f64) -> PathBuf {
     let path = folder.path().join(name);
     let layout = Layout { labels: Labels::Times, ..layout() };
@@ -49,20 +49,20 @@ fn written_hours(folder: &tempfile::TempDir, name: &str, zone_hours: f64) -> Pat
 const FIRST_US: i64 = 1_551_394_800_000_000;
 const HOUR_US: i64 = 3_600_000_000;
 
-/// The times of two receivers, one after the other.
+/// Returns the times of two receivers, one after the other.
 fn expected_us() -> Vec<i64> {
     (0..48).map(|row| FIRST_US + row % 24 * HOUR_US).collect()
 }
 
-/// Provenance stands in the metadata of a schema: the 4 entries, with the options as JSON.
+/// Checks that the metadata of a schema have the 4 entries of provenance, with the options as JSON.
 fn check_provenance(metadata: &Metadata) {
     assert_eq!(metadata.iter().filter(|(name, _)| name.starts_with("heliotile.")).count(), 4);
     assert_eq!(metadata.get("heliotile.options").map(String::as_str), Some(r#"{"every":"hour"}"#));
     assert_eq!(metadata.get("heliotile.command").map(String::as_str), Some("heliotile replay été.helio"));
 }
 
-/// Hours in Arrow files are timestamps in microseconds with their zone, `+01:00` or, at half hours, the name of one; 48 values count from
-/// midnight of that zone, and the schema has the provenance.
+/// Hours in Arrow files are timestamps in microseconds with their zone, `+01:00` or, at half hours,
+/// the name of one; 48 values count from midnight of that zone, and the schema has the provenance.
 #[test]
 fn arrow_times() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -81,8 +81,9 @@ fn arrow_times() {
     }
 }
 
-/// Hours in Parquet are 64-bit microseconds of UTC with the logical type of instants, coded as differences: 48 values. The Arrow schema
-/// beside them knows the zone, and both hold the provenance.
+/// Hours in Parquet are 64-bit microseconds of UTC with the logical type of instants, encoded as
+/// differences: 48 values. The Arrow schema in the metadata has the zone, and both hold the
+/// provenance.
 #[test]
 fn parquet_times() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -104,8 +105,9 @@ fn parquet_times() {
     check_provenance(schema.metadata());
 }
 
-/// Hours of an `.npz` file are readings of the local clock in seconds, the first of 24 is midnight of 1 March 2019, beside how far it is
-/// ahead of UTC: 60 minutes. Its provenance is JSON, and so is that of the axes of an `.npy` file, whose times have the offset.
+/// Hours of an `.npz` file are readings of the local clock in seconds; the first of 24 is midnight
+/// of 1 March 2019. An array beside them has the clock's offset from UTC: 60 minutes. Provenance is
+/// JSON, as in the axes of an `.npy` file, whose times have the offset.
 #[test]
 fn numpy_times() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -139,7 +141,8 @@ fn numpy_times() {
     assert_eq!((&axes["time"][6], &axes["provenance"]), (&serde_json::json!("2019-03-01T06:00+01:00"), &provenance));
 }
 
-/// A CSV file of hours has its times with their offset, and beside it a file that names it and its 4 columns; nothing else is in the folder.
+/// A CSV file of hours has times with their offset, and a metadata file beside it with its name and
+/// its 4 columns; nothing else is in the folder.
 #[test]
 fn csv_times() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -153,17 +156,17 @@ fn csv_times() {
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 2);
 }
 
-/// Two columns, the last one first.
+/// Returns a layout of two columns in the order total, sky_direct.
 fn layout() -> Layout {
     Layout::of_components(Labels::Sums, By::Surface, &"total,sky_direct".parse().expect("names"))
 }
 
-/// The columns of one tile.
+/// Returns the columns of one tile.
 fn two_of(values: &TileValues) -> PlaceValues<'_> {
     PlaceValues::of(&[values], &[Component::Total, Component::SkyDirect])
 }
 
-/// 2 + 1 receivers x 48 labels in a file of a kind.
+/// Writes a file of 2 + 1 receivers x 48 labels.
 fn written(folder: &tempfile::TempDir, name: &str) -> PathBuf {
     let path = folder.path().join(name);
     let receivers = names("été ", 3);
@@ -174,7 +177,8 @@ fn written(folder: &tempfile::TempDir, name: &str) -> PathBuf {
     path
 }
 
-/// Both strings are dictionaries, both values f32 with their unit in the field: 2 and 2 fields.
+/// Checks that both text columns are dictionaries and both value columns f32 with their unit in the
+/// field: 2 and 2 fields.
 fn check(schema: &Schema) {
     let text =
         |i: usize| matches!(schema.field(i).data_type(), DataType::Dictionary(_, values) if **values == DataType::Utf8);
@@ -186,7 +190,8 @@ fn check(schema: &Schema) {
     }
 }
 
-/// Plain and compressed Arrow files give the 144 rows in 2 batches, their names from one dictionary each.
+/// Plain and compressed Arrow files have the 144 rows in 2 batches, with names from one dictionary
+/// a column.
 #[test]
 fn arrow_round_trip() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -211,8 +216,8 @@ fn arrow_round_trip() {
     }
 }
 
-/// Parquet's metadata hold the Arrow schema: 2 dictionaries and 2 values with units; each of the 2 row groups has a
-/// Bloom filter of its names.
+/// Parquet's metadata hold the Arrow schema with 2 dictionaries and 2 values with units; each of
+/// the 2 row groups has a Bloom filter of its names.
 #[test]
 fn parquet_holds_the_arrow_schema() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -223,7 +228,7 @@ fn parquet_holds_the_arrow_schema() {
     check(&parquet_to_arrow_schema(metadata.schema_descr(), metadata.key_value_metadata()).expect("a schema"));
 }
 
-/// Values of an array of 3 x 48 x 2: `[surface][label][column]`.
+/// Checks the values of an array of 3 x 48 x 2: `[surface][label][column]`.
 fn check_values(array: &[u8]) {
     let head = b"\x93NUMPY\x01\x00\x76\x00{'descr': '<f4', 'fortran_order': False, 'shape': (3, 48, 2), }";
     assert!(array.starts_with(head) && array.len() == 128 + 3 * 48 * 2 * 4);
@@ -234,7 +239,8 @@ fn check_values(array: &[u8]) {
     }
 }
 
-/// An `.npy` file holds the 288 values, the file beside it the names of its 3 axes; nothing else is left in the folder.
+/// An `.npy` file holds the 288 values, the file beside it the names of its 3 axes; nothing else is
+/// left in the folder.
 #[test]
 fn npy_and_axes() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -250,8 +256,8 @@ fn npy_and_axes() {
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 2);
 }
 
-/// An `.npz` file holds the same array and 4 of strings in UTF-32; a table with a receiver too few is refused and leaves no
-/// file.
+/// An `.npz` file holds the array of values and 4 arrays of strings in UTF-32; a table that lacks
+/// one receiver is refused and leaves no file.
 #[test]
 fn npz_round_trip() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,5 @@
-//! The columns of a table: a label, a receiver, and the quantities that are asked for, with their unit.
+//! Layout of a table of results: a label, a receiver or group, and the requested quantities, with
+//! their units.
 
 use crate::outputs::quantities::{ChangeKind, LightEnding, Measure, Quantity, ValueSource};
 use crate::outputs::tables::column::{Column, Digits, Kind, TableColumns};
@@ -6,44 +7,47 @@ use crate::outputs::tables::row_labels::RowLabels;
 use heliotile_core::named::NamedValues;
 use heliotile_core::replay::components::{Component, ComponentList, LightMeasure};
 
-/// What the labels of a table are, and with them the unit.
+/// Kind of the labels of a table, which also decides the unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Labels {
-    /// `condition`, means in W/m2.
+    /// Labels `condition`, means in W/m2.
     Conditions,
-    /// `time`, means in W/m2.
+    /// Labels `time`, means in W/m2.
     Times,
-    /// `time` (a period), sums in kWh/m2.
+    /// Labels `time` (a period), sums in kWh/m2.
     Sums,
-    /// `date`, a day or a period: what is no light.
+    /// Labels `date`, a day or a period, for values that are no light.
     Dates,
-    /// `rule`, and what it says.
+    /// Labels `rule`, for results of rules.
     Rules,
 }
 
-/// What the rows of a table are about.
+/// Subject of the rows of a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum By {
-    /// One row for each receiver
+    /// Receiver: one row for each.
     #[default]
     Receiver,
-    /// One for each surface: the mean of its receivers, weighted by their areas, or plain if none has an area
+    /// Surface: one row for each, with the mean of its receivers, weighted by their areas, or plain
+    /// if none has an area.
     Surface,
-    /// One for each surface that is a window, as for surfaces
+    /// Window: one row for each surface that is a window, as for surfaces.
     Window,
-    /// One for each object, as for surfaces: city objects, zones and shades of a model of a building
+    /// Object: one row for each, as for surfaces. Objects are city objects, and zones and shades of
+    /// a building model.
     Object,
-    /// One for each building: what the objects of a city model are parts of
+    /// Building: one row for each. A building is what objects of a city model are parts of.
     Building,
-    /// One for each kind of surface: roof, wall, window, ground, floor, shade
+    /// Kind of surface: one row for each of roof, wall, window, ground, floor, shade.
     Kind,
-    /// One for each surface that reflects like a mirror: no group of receivers, and nothing that is asked for
+    /// Pane: one row for each surface that reflects like a mirror. Panes are no groups of
+    /// receivers, and no request can name them.
     Pane,
 }
 
 impl By {
-    /// Name of the column that says it, in results and in tables of receivers.
+    /// Returns the name of the subject's column, in results and in tables of receivers.
     pub fn name(self) -> &'static str {
         match self {
             By::Receiver => "receiver",
@@ -57,54 +61,55 @@ impl By {
     }
 }
 
-/// What a group of receivers is besides the irradiance that it gets.
+/// Property of a group of receivers that has a column besides the quantities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Fact {
     /// Area of its receivers.
     Area,
-    /// Where it looks in the mean: 0 up, 90 to the side.
+    /// Tilt of its mean normal: 0 up, 90 to the side.
     Tilt,
-    /// ... clockwise from true north.
+    /// Azimuth of its mean normal, clockwise from true north.
     Azimuth,
-    /// What all of it gets: the main quantity x area.
+    /// Sum over the group: the main quantity x area.
     Sum,
 }
 
-/// The columns of a table.
+/// Columns of a table of results.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
-    /// What the first column is.
+    /// Kind of the labels in the first column.
     pub labels: Labels,
-    /// What the second is.
+    /// Subject of the second column.
     pub by: By,
-    /// The value columns, at least one,
+    /// Quantities of the value columns, at least one.
     pub quantities: Vec<Quantity>,
-    /// and which of them stands for all: it gives colours, and sums.
+    /// Index of the main quantity, which gives colours and sums.
     pub main: usize,
-    /// Whether the main one times an area is an energy that is worth a column: that of the total is.
+    /// True if the main quantity times an area is an energy with a column of its own, as it is for
+    /// the total.
     pub has_energy: bool,
-    /// Of groups; behind the quantities.
+    /// Properties of groups, in columns after the quantities.
     pub facts: Vec<Fact>,
 }
 
 impl Layout {
-    /// The components of a replay.
+    /// Returns the layout of the components of a replay.
     pub fn of_components(labels: Labels, by: By, components: &ComponentList) -> Self {
         Layout::new(labels, by, components, Quantity::of_components(components))
     }
 
-    /// What the components of a replay are before and after, and how they change.
+    /// Returns the layout of the components of a replay before and after, and their changes.
     pub fn of_changes(labels: Labels, by: By, components: &ComponentList) -> Self {
         Layout::new(labels, by, components, Quantity::of_changes(components))
     }
 
-    /// Quantities that are no light, of which the first stands for all.
+    /// Returns the layout of quantities that are no light; the first is the main one.
     pub fn of_quantities(labels: Labels, by: By, quantities: Vec<Quantity>) -> Self {
         Layout { labels, by, quantities, main: 0, has_energy: false, facts: Vec::new() }
     }
 
-    /// Quantities that follow from components, the same number of each of these.
+    /// Returns the layout of quantities that follow from components, equally many from each.
     fn new(labels: Labels, by: By, components: &ComponentList, quantities: Vec<Quantity>) -> Self {
         let of_each = quantities.len() / components.as_slice().len().max(1);
         let first = of_each * components.main_place();
@@ -114,7 +119,7 @@ impl Layout {
         Layout { labels, by, quantities, main, has_energy: components.main() == Component::Total, facts: Vec::new() }
     }
 
-    /// Name of the first column.
+    /// Returns the name of the first column.
     pub fn label(&self) -> &'static str {
         match self.labels {
             Labels::Conditions => "condition",
@@ -124,12 +129,12 @@ impl Layout {
         }
     }
 
-    /// Name of the second column.
+    /// Returns the name of the second column.
     pub fn place(&self) -> &'static str {
         self.by.name()
     }
 
-    /// The columns of a table whose rows have these labels.
+    /// Returns the columns of a table whose rows have these labels.
     pub fn columns(&self, labels: &RowLabels) -> TableColumns {
         let label = Column::of_steps(self.label(), Kind::Category, labels);
         let place = Column::of_places(self.place(), Kind::Category);
@@ -148,7 +153,7 @@ impl Layout {
         TableColumns::new([label, place].into_iter().chain(quantities).chain(facts).collect())
     }
 
-    /// Digits of irradiance in formats of text.
+    /// Returns the digits of irradiance in text formats.
     pub fn digits_of_irradiance(&self) -> Digits {
         match self.labels {
             Labels::Sums => Digits::Six,
@@ -165,23 +170,23 @@ impl Layout {
         }
     }
 
-    /// Ending of the names of light.
+    /// Returns the kind of ending of the names of light columns.
     fn ending(&self) -> LightEnding {
         if self.labels == Labels::Sums { LightEnding::Sums } else { LightEnding::Bare }
     }
 
-    /// Names of the value columns.
+    /// Returns the names of the value columns.
     pub fn values(&self) -> Vec<String> {
         let quantities = self.quantities.iter().map(|quantity| quantity.with_ending(self.ending()));
         quantities.chain(self.facts.iter().map(|fact| self.fact(*fact).0)).collect()
     }
 
-    /// Names of all columns.
+    /// Returns the names of all columns.
     pub fn names(&self) -> Vec<String> {
         [self.label().to_string(), self.place().to_string()].into_iter().chain(self.values()).collect()
     }
 
-    /// Name and unit of a fact.
+    /// Returns the name and unit of a fact.
     fn fact(&self, fact: Fact) -> (String, &'static str) {
         match fact {
             Fact::Area => ("area_m2".into(), "m2"),
@@ -191,7 +196,7 @@ impl Layout {
         }
     }
 
-    /// Name and unit of the main quantity x area.
+    /// Returns the name and unit of the main quantity x area.
     pub fn energy(&self) -> (String, &'static str) {
         let name = &self.main_quantity().name;
         match self.labels {
@@ -200,18 +205,18 @@ impl Layout {
         }
     }
 
-    /// Units of the value columns, in the order of [`Layout::values`].
+    /// Returns the units of the value columns, in the order of [`Layout::values`].
     pub fn units(&self) -> Vec<&'static str> {
         let quantities = self.quantities.iter().map(|quantity| self.unit_of(quantity));
         quantities.chain(self.facts.iter().map(|fact| self.fact(*fact).1)).collect()
     }
 
-    /// The quantity that stands for all.
+    /// Returns the main quantity.
     pub fn main_quantity(&self) -> &Quantity {
         &self.quantities[self.main]
     }
 
-    /// Unit of a quantity.
+    /// Returns the unit of a quantity.
     pub fn unit_of(&self, quantity: &Quantity) -> &'static str {
         match quantity.measure {
             Measure::Light(measure) => self.unit_of_light(measure),
@@ -223,7 +228,7 @@ impl Layout {
         }
     }
 
-    /// Unit of irradiance.
+    /// Returns the unit of irradiance.
     pub fn unit(&self) -> &'static str {
         self.unit_of_light(LightMeasure::Irradiance)
     }
@@ -261,7 +266,8 @@ heliotile_core::serde_by_name!(By);
 mod tests {
     use super::*;
 
-    /// All columns of a query are the 9 of the contract; two columns of sums come in the order asked, with their unit's ending.
+    /// A query with all columns has the 9 of the contract; two columns of sums come in the
+    /// requested order, with their unit's ending.
     #[test]
     fn names() {
         let all = Layout::of_components(Labels::Conditions, By::Receiver, &ComponentList::all());
@@ -274,7 +280,8 @@ mod tests {
         assert_eq!((two.unit(), two.energy()), ("kWh/m2", ("total_kwh".to_owned(), "kWh")));
     }
 
-    /// A comparison has four columns a component, with its unit or in percent; the change of the total stands for all of them.
+    /// A comparison has four columns a component, in its unit or in percent; the change of the
+    /// total is the main one.
     #[test]
     fn changes() {
         let layout = Layout::of_changes(Labels::Sums, By::Receiver, &"sky_direct,total".parse().expect("names"));

@@ -1,9 +1,11 @@
-//! Tables of the program, all of them: one model of columns and rows, one writer a format.
+//! Tables, all of the program's: one model of columns and rows, one writer a format.
 //!
-//! In: columns ([`mod@column`]), then batches of their values ([`batch`]), or rows one by one ([`rows`]). Out: a file in the format that its name
-//! ends with ([`mod@format`]), complete or not there at all, or CSV on the standard output. Never: what the values mean.
+//! In: columns ([`mod@column`]), then batches of their values ([`batch`]), or rows one by one
+//! ([`rows`]). Out: a file in the format of its name's ending ([`mod@format`]), complete or not
+//! there at all, or CSV on standard output. Never: the meaning of values.
 //!
-//! A further format is a file with a [`format::FormatWriter`] and its lines in `format.rs`; every table can then be written in it.
+//! A new format needs a file with a [`format::FormatWriter`] and its lines in `format.rs`; every
+//! table can then be written in it.
 
 mod arrow;
 pub mod batch;

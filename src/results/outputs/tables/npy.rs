@@ -1,5 +1,5 @@
-//! Tables as an array of NumPy (see [`crate::outputs::tables::numpy`]). What the places of an axis mean stands in `NAME.axes.json` beside
-//! `NAME.npy`.
+//! Tables as an array of NumPy (see [`crate::outputs::tables::numpy`]). The file `NAME.axes.json`
+//! beside `NAME.npy` names the entries of its axes.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,12 +14,12 @@ use crate::outputs::tables::numpy::{NumpyArray, Units};
 use crate::outputs::tables::writer::failed;
 use heliotile_core::error::Result;
 
-/// An array and its axes being written.
+/// Array and its axes being written.
 pub struct NpyTable {
     array: NumpyArray,
     values: Sink,
     axes: Sink,
-    /// Whether a name was written.
+    /// True if a name was written.
     has_names: bool,
     /// `[column]`: further texts of the rows, written last.
     further: Vec<Vec<String>>,
@@ -50,7 +50,7 @@ impl NpyTable {
         Ok(NpyTable { array, values, axes, has_names: false, further })
     }
 
-    /// The file beside an array that says what is where in it.
+    /// Returns the path of the file beside an array that describes its axes.
     pub fn axes_of(path: &Path) -> PathBuf {
         path.with_extension("axes.json")
     }
@@ -75,13 +75,13 @@ impl FormatWriter for NpyTable {
             end += &format!(",\n{}: {}", json!(column.name), json!(texts));
         }
         write(&mut self.axes, (end + "}\n").as_bytes())?;
-        // The array last: where it is, so are its axes.
+        // The array is completed last: if it exists, so do its axes.
         let axes = self.axes.finish()?;
         Ok(axes + self.values.finish()?)
     }
 }
 
-/// What tells the steps in a column.
+/// Returns the values of a column along steps.
 fn steps(column: &Column) -> Value {
     match &column.along {
         Along::Steps(StepValues::Labels(labels)) => json!(labels.text),

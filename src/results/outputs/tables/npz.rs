@@ -1,9 +1,10 @@
-//! Tables as `.npz`, which `numpy.load` reads: a zip archive, not compressed, of the array `values` (see [`crate::outputs::tables::numpy`]), an
-//! array for each column of text and of steps, and `column`, the names of the last axis. The lone strings `unit` (one for each column where
-//! they differ) and `provenance` (JSON) are beside them.
+//! Tables as `.npz`, which `numpy.load` reads: an uncompressed zip archive. It contains the array
+//! `values` (see [`crate::outputs::tables::numpy`]), an array for each column of text and of steps,
+//! and `column`, the names of the last axis. It also contains the scalar strings `unit` (or an
+//! array, one for each column, if they differ) and `provenance` (JSON).
 //!
-//! NumPy's times have no zone. Those of `time` are readings of the local clock, so that days are days; `utc_offset`, a lone
-//! time difference, is how far that clock is ahead of UTC.
+//! NumPy's times have no zone. The values of `time` are readings of the local clock, so that days
+//! are days; the scalar `utc_offset`, a time difference, is the clock's offset from UTC.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -20,7 +21,7 @@ use crate::outputs::tables::numpy::{COLUMN_AXIS, NumpyArray, Units, header};
 use crate::outputs::tables::writer::failed;
 use heliotile_core::error::Result;
 
-/// An archive of arrays being written.
+/// Archive of arrays being written.
 pub struct NpzTable {
     zip: ZipWriter<StreamWriter<Sink>>,
     array: NumpyArray,
@@ -41,7 +42,7 @@ impl NpzTable {
         Ok(NpzTable { zip, array, texts, about: request.about.cloned().unwrap_or_default(), path })
     }
 
-    /// Writes all arrays behind the values.
+    /// Writes all arrays that follow the values.
     fn end(&mut self) -> io::Result<()> {
         let zip = &mut self.zip;
         let texts: Vec<(&Column, &Vec<String>)> = self.array.texts().zip(&self.texts).collect();
@@ -74,13 +75,13 @@ impl FormatWriter for NpzTable {
     }
 }
 
-/// Begins an array; without a date, so that equal results are equal files.
+/// Begins an array, without a date, so that equal results give equal files.
 fn start(zip: &mut ZipWriter<StreamWriter<Sink>>, name: &str) -> io::Result<()> {
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
     Ok(zip.start_file(format!("{name}.npy"), options)?)
 }
 
-/// What tells the steps in a column.
+/// Writes the values of a column along steps.
 fn steps(zip: &mut ZipWriter<StreamWriter<Sink>>, column: &Column) -> io::Result<()> {
     match (&column.along, column.instants()) {
         (_, Some(instants)) => {
@@ -103,7 +104,7 @@ fn steps(zip: &mut ZipWriter<StreamWriter<Sink>>, column: &Column) -> io::Result
     }
 }
 
-/// An array of 8 bytes a value.
+/// Writes an array with 8 bytes a value.
 fn array(
     zip: &mut ZipWriter<StreamWriter<Sink>>,
     name: &str,
@@ -115,17 +116,17 @@ fn array(
     zip.write_all(&values.flatten().collect::<Vec<u8>>())
 }
 
-/// A lone string, without a shape.
+/// Writes a scalar string, whose shape is empty.
 fn string(zip: &mut ZipWriter<StreamWriter<Sink>>, name: &str, text: &str) -> io::Result<()> {
     letters(zip, name, &[text], &[])
 }
 
-/// An array of strings.
+/// Writes an array of strings.
 fn strings(zip: &mut ZipWriter<StreamWriter<Sink>>, name: &str, all: &[String]) -> io::Result<()> {
     letters(zip, name, all, &[all.len() as u64])
 }
 
-/// Strings in UTF-32 of the length of the longest, zeros behind.
+/// Writes strings in UTF-32, padded with zeros to the length of the longest.
 fn letters(
     zip: &mut ZipWriter<StreamWriter<Sink>>,
     name: &str,

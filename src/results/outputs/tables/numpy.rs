@@ -1,7 +1,9 @@
-//! Tables as NumPy has them: the numbers of all rows in one array, `[place][step][column]` or, of tables without steps, `[place][column]`, C
-//! order; what the places of its axes mean stands beside it. In: columns, batches. Out: shapes, bytes.
+//! Tables as NumPy arrays: the numbers of all rows in one array, `[place][step][column]` or, in
+//! tables without steps, `[place][column]`, C order. The entries of the axes are described
+//! separately. In: columns, batches. Out: shapes, bytes.
 //!
-//! Numbers have 32 bits if all of their columns do, otherwise 64, in which counts are exact up to 2^53. An empty cell is NaN.
+//! Numbers have 32 bits if all of their columns do, otherwise 64, in which counts are exact up to
+//! 2^53. An empty cell is NaN.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -14,26 +16,28 @@ use super::column::{Column, Kind, TableColumns};
 use super::writer::rows_defect;
 use heliotile_core::error::Error;
 
-/// Values begin at a multiple of this, as NumPy writes them, so that they can be mapped.
+/// Alignment of the values, as NumPy writes them, so that they can be memory-mapped.
 const ALIGNMENT: usize = 64;
 
-/// What the axis of columns is called.
+/// Name of the axis of columns.
 pub(super) const COLUMN_AXIS: &str = "column";
 
-/// What the axis of steps is called where several columns tell them, and that of places without a name.
+/// Name of the axis of steps if several columns describe them; `PLACE_AXIS` is the name of the axis
+/// of places if no column names them.
 const STEP_AXIS: &str = "step";
 const PLACE_AXIS: &str = "row";
 
-/// What stands before the values of an array; `kind` as NumPy's `dtype.str`.
+/// Returns the header of an array; `kind` is NumPy's `dtype.str`.
 ///
-/// Format: NumPy enhancement proposal 1 (Kern 2007), version 1.0: magic, length of the header, a Python dictionary, values.
+/// Format: NumPy enhancement proposal 1 (Kern 2007), version 1.0: magic, length of the header, a
+/// Python dictionary, values.
 pub fn header(kind: &str, shape: &[u64]) -> Vec<u8> {
     let sizes = match shape {
         [one] => format!("{one},"),
         more => more.iter().map(u64::to_string).collect::<Vec<_>>().join(", "),
     };
     let mut text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({sizes}), }}");
-    // Ten bytes before the text, a line end behind it.
+    // Ten bytes stand before the text, and a line end behind it.
     let length = (10 + text.len() + 1).next_multiple_of(ALIGNMENT);
     text.extend(std::iter::repeat_n(' ', length - 11 - text.len()));
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
@@ -45,16 +49,16 @@ pub fn header(kind: &str, shape: &[u64]) -> Vec<u8> {
 
 /// Units of the value columns.
 pub(super) enum Units {
-    /// All have this one.
+    /// Unit of all columns.
     One(String),
-    /// Each has its own; nothing where there is none.
+    /// Unit of each column; empty if it has none.
     Each(Vec<String>),
 }
 
-/// A table as an array.
+/// Table as an array.
 pub(super) struct NumpyArray {
     columns: Arc<TableColumns>,
-    /// Places that will come, and those that came.
+    /// Number of announced places; `done` is the number of those that were written.
     announced: u64,
     done: u64,
     has_floats_only: bool,
@@ -67,17 +71,17 @@ impl NumpyArray {
         NumpyArray { columns: Arc::clone(columns), announced, done: 0, has_floats_only }
     }
 
-    /// Columns of texts along places or rows.
+    /// Returns the columns of texts along places or rows.
     pub fn texts(&self) -> impl Iterator<Item = &Column> {
         self.columns.in_batches().filter(|column| column.is_text())
     }
 
-    /// Columns along steps.
+    /// Returns the columns along steps.
     pub fn steps(&self) -> impl Iterator<Item = &Column> {
         self.columns.all().iter().filter(|column| column.is_of_steps())
     }
 
-    /// Names of the columns of numbers.
+    /// Returns the names of the columns of numbers.
     pub fn values(&self) -> Vec<String> {
         self.value_columns().map(|column| column.name.clone()).collect()
     }
@@ -86,7 +90,7 @@ impl NumpyArray {
         self.columns.all().iter().filter(|column| column.is_value())
     }
 
-    /// Names of the axes.
+    /// Returns the names of the axes.
     pub fn axes(&self) -> Vec<&str> {
         let place = self.columns.of_places().map_or(PLACE_AXIS, |column| column.name.as_str());
         let mut steps = self.steps().map(|column| column.name.as_str());
@@ -97,7 +101,7 @@ impl NumpyArray {
         [Some(place), step, Some(COLUMN_AXIS)].into_iter().flatten().collect()
     }
 
-    /// Units of the value columns.
+    /// Returns the units of the value columns.
     pub fn units(&self) -> Units {
         let all: Vec<String> = self.value_columns().map(|column| column.unit.unwrap_or_default().to_owned()).collect();
         match all.as_slice() {
@@ -106,7 +110,7 @@ impl NumpyArray {
         }
     }
 
-    /// What stands before the values.
+    /// Returns the header of the array.
     pub fn header(&self) -> Vec<u8> {
         let steps = self.columns.has_steps().then(|| self.columns.rows_of_place() as u64);
         let columns = self.value_columns().count() as u64;
@@ -114,7 +118,7 @@ impl NumpyArray {
         header(if self.has_floats_only { "<f4" } else { "<f8" }, &shape)
     }
 
-    /// The values of a batch as they stand in the array.
+    /// Returns the values of a batch in the order of the array.
     pub fn bytes(&mut self, batch: &Batch) -> Vec<u8> {
         self.done += batch.places as u64;
         let pairs = self.columns.in_batches().zip(&batch.values).filter(|(column, _)| column.is_value());
@@ -128,7 +132,7 @@ impl NumpyArray {
         interleaved(&columns, batch.places, steps, f64::to_le_bytes)
     }
 
-    /// The error of a table that got fewer or more places than its shape says, if it did.
+    /// Fails if the table got fewer or more places than its shape states.
     pub fn check(&self, path: &Path) -> Result<(), Error> {
         if self.done == self.announced {
             return Ok(());
@@ -137,7 +141,7 @@ impl NumpyArray {
     }
 }
 
-/// Columns, `[column][place][step]`, as bytes in the order `[place][step][column]`.
+/// Converts columns, `[column][place][step]`, to bytes in the order `[place][step][column]`.
 fn interleaved<T: Copy + Default + Sync, const N: usize>(
     columns: &[Cow<[T]>],
     places: usize,
@@ -161,7 +165,7 @@ where
     bytes
 }
 
-/// Numbers of 64 bits; an empty cell is NaN, text has none.
+/// Returns the values as numbers of 64 bits; NaN for an empty cell, nothing for texts.
 fn doubles(values: &Values) -> Vec<f64> {
     match values {
         Values::Floats(floats) => floats.iter().map(|value| f64::from(*value)).collect(),
@@ -175,7 +179,8 @@ fn doubles(values: &Values) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// A header is what NumPy 2.4 writes for the same array: 128 bytes, of which 118 follow the length.
+    /// A header equals the one NumPy 2.4 writes for the same array: 128 bytes, of which 118 follow
+    /// the length.
     #[test]
     fn header_is_numpys() {
         let bytes = header("<f4", &[3, 2, 7]);
@@ -185,7 +190,8 @@ mod tests {
         assert_eq!(header("<U9", &[1]).len() % 64, 0);
     }
 
-    /// A record of a count and a missing number is a row of 64 bits, 2 and NaN; its text is its axis.
+    /// A record of a count and a missing number is a row of 64 bits, 2 and NaN; its text column
+    /// names the first axis.
     #[test]
     fn records_have_64_bits() {
         let columns = vec![Column::text("face"), Column::count("regions"), Column::number("area_m2", 3)];

@@ -1,9 +1,11 @@
-//! Tables as Parquet: one row group a batch, zstd level 1, times as differences of microseconds of UTC, text as dictionary-encoded strings,
-//! numbers with their bytes split. The Arrow schema stands in the metadata: readers make categories of those strings that are, know the
-//! zone of the times and the unit of a field; provenance stands beside it.
+//! Tables as Parquet: one row group a batch, zstd level 1, times as differences of microseconds of
+//! UTC, text as dictionary-encoded strings, numbers with their bytes split. The metadata contain
+//! the Arrow schema, from which readers get categories, the zone of the times and the units of
+//! fields. They contain the provenance, too.
 //!
-//! Columns of a batch are encoded in parallel, each into memory, then appended in order. A column along steps is the same in every batch with
-//! as many places, so its bytes are kept and appended again.
+//! Columns of a batch are encoded in parallel, each into memory, then appended in order. A column
+//! along steps is the same in every batch with as many places, so its bytes are kept and appended
+//! again.
 
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -32,60 +34,63 @@ use heliotile_core::error::Result;
 
 type ParquetResult<T> = std::result::Result<T, ParquetError>;
 
-/// Dictionaries up to this size stay dictionaries: labels of a year of minutes are 10 MB.
+/// Largest size of a dictionary: labels of a year of minutes take 10 MB.
 const DICTIONARY_BYTES: usize = 32 << 20;
 
-/// Names of tiles are neighbours in space, not in the alphabet, so least and greatest do not tell readers which tile holds one;
-/// a Bloom filter of 80 bytes does.
+/// Number of distinct names for which Bloom filters are sized. Names of a tile are neighbours in
+/// space, not in the alphabet, so minimum and maximum do not tell readers which tile contains a
+/// name; a Bloom filter of 80 bytes does.
 const NAMES_OF_TILE: u64 = 64;
 
-/// Rows of a place whose name is handed over at a time.
+/// Number of rows of a place for which the name is handed over at a time.
 const NAMES_AT_ONCE: usize = 512;
 
-/// Rows of a data page: a reader skips by page, so not too many; each has a header, so not too few.
+/// Rows of a data page. Readers skip by page, so pages must not be too large; each has a header, so
+/// not too small. `PAGE_BYTES` is the limit of bytes.
 const PAGE_ROWS: usize = 1 << 17;
 const PAGE_BYTES: usize = 1 << 20;
 
-/// Splitting the bytes of the floats costs 0.2 s a 4.5 million rows over plain values and saves 10 to 70 % of the file;
-/// dictionaries of floats are slower and larger. Measured in `writer_tests::year_of_rows`.
+/// Encoding of numbers. Splitting the bytes of floats costs 0.2 s for 4.5 million rows over plain
+/// values and saves 10 to 70 % of the file; dictionaries of floats are slower and larger. Measured
+/// in `writer_tests::year_of_rows`.
 const NUMBER_ENCODING: Encoding = Encoding::BYTE_STREAM_SPLIT;
 
-/// Equal steps take next to nothing as differences.
+/// Encoding of times: equal steps take next to nothing as differences.
 const TIME_ENCODING: Encoding = Encoding::DELTA_BINARY_PACKED;
 
-/// A number that is there, in a column where it may be missing.
+/// Definition level of a number that is present, in a column with missing numbers.
 const PRESENT: i16 = 1;
 
-/// A column of a batch, ready to be appended.
+/// Encoded column of a batch, ready to be appended.
 #[derive(Clone)]
 struct Chunk {
     bytes: Bytes,
     close: ColumnCloseResult,
 }
 
-/// Values as the writer of a column takes them.
+/// Values in the types of a column writer.
 enum Part<'v> {
     Texts(Vec<ByteArray>),
     /// Counts, or microseconds since 1970-01-01 00:00 UTC.
     Whole(Vec<i64>),
     Floats(Cow<'v, [f32]>),
-    /// Those that are there, and for each row whether it has one.
+    /// Numbers that are present, and the definition level of each row.
     Doubles {
         values: Vec<f64>,
         present: Vec<i16>,
     },
 }
 
-/// A column of the file.
+/// Column of the file.
 struct FileColumn {
     descriptor: ColumnDescPtr,
-    /// Of a column along steps: the values of a place.
+    /// Values of a place, if the column is along steps.
     of_steps: Option<Part<'static>>,
-    /// Of a column along steps: what was encoded last, and for how many places.
+    /// Last encoding, and its number of places, if the column is along steps.
     encoded: Option<(usize, Chunk)>,
 }
 
-/// A Parquet table being written.
+/// Parquet table being written.
 pub struct ParquetTable {
     writer: SerializedFileWriter<Sink>,
     columns: Arc<TableColumns>,
@@ -132,12 +137,12 @@ impl ParquetTable {
 }
 
 impl FileColumn {
-    /// Encodes a part, again and again, into memory.
+    /// Encodes a part `times` times into memory.
     fn encode(&self, part: &Part, times: usize, properties: &WriterPropertiesPtr) -> ParquetResult<Chunk> {
         self.encode_by(properties, |writer| (0..times).try_for_each(|_| write_part(writer, part)))
     }
 
-    /// Encodes the steps of some places, or takes what was encoded last.
+    /// Encodes the steps of some places, or returns the last encoding if it fits.
     fn encode_steps(&mut self, places: usize, properties: &WriterPropertiesPtr) -> ParquetResult<Chunk> {
         match (&self.encoded, &self.of_steps) {
             (Some((known, chunk)), _) if *known == places => Ok(chunk.clone()),
@@ -150,7 +155,7 @@ impl FileColumn {
         }
     }
 
-    /// Encodes names, each of which stands in some rows.
+    /// Encodes names, each of which stands in `rows` rows.
     fn encode_names(&self, names: &[String], rows: usize, properties: &WriterPropertiesPtr) -> ParquetResult<Chunk> {
         self.encode_by(properties, |writer| names.iter().try_for_each(|name| write_name(writer, name, rows)))
     }
@@ -179,7 +184,7 @@ impl FormatWriter for ParquetTable {
     }
 
     fn finish(self: Box<Self>) -> Result<u64> {
-        // Writes the footer.
+        // `into_inner` writes the footer.
         let sink = self.writer.into_inner().map_err(|error| failed(&self.path, error))?;
         sink.finish()
     }
@@ -207,7 +212,8 @@ fn write_part(writer: &mut ColumnWriter<'_>, part: &Part) -> ParquetResult<()> {
     .map(|_| ())
 }
 
-/// Writes the name of a place into all of its rows: a short part again and again, as a clone for each row would take longer than all values.
+/// Writes the name of a place into all of its rows. A short part is written repeatedly: a clone for
+/// each row would take longer than all values.
 fn write_name(writer: &mut ColumnWriter<'_>, name: &str, rows: usize) -> ParquetResult<()> {
     let whole = Part::Texts(vec![ByteArray::from(name); rows.min(NAMES_AT_ONCE)]);
     (0..rows / NAMES_AT_ONCE).try_for_each(|_| write_part(writer, &whole))?;
@@ -217,7 +223,7 @@ fn write_name(writer: &mut ColumnWriter<'_>, name: &str, rows: usize) -> Parquet
     }
 }
 
-/// Values of a batch as the writer of their column takes them.
+/// Converts the values of a batch to the types of their column writer.
 fn part_of<'v>(column: &Column, values: &'v Values) -> Part<'v> {
     match (column.kind, values) {
         (Kind::Number(_), Values::Numbers(numbers)) => Part::Doubles {
@@ -225,13 +231,13 @@ fn part_of<'v>(column: &Column, values: &'v Values) -> Part<'v> {
             present: numbers.iter().map(|number| if number.is_some() { PRESENT } else { 0 }).collect(),
         },
         (_, Values::Texts(texts)) => Part::Texts(texts.iter().map(|text| ByteArray::from(text.as_str())).collect()),
-        // Beyond 2^63 the bits are those of an unsigned number, which the column is.
+        // Counts beyond 2^63 keep their bits: the column is unsigned.
         (_, Values::Counts(counts)) => Part::Whole(counts.iter().map(|count| *count as i64).collect()),
         (_, values) => Part::Floats(values.floats()),
     }
 }
 
-/// The values of a column along steps, at one place.
+/// Returns the values of a column along steps, at one place.
 fn part_of_steps(column: &Column) -> Option<Part<'static>> {
     Some(match (&column.along, column.instants()) {
         (_, Some(instants)) => Part::Whole(instants.utc_us()),
@@ -245,8 +251,9 @@ fn part_of_steps(column: &Column) -> Option<Part<'static>> {
     })
 }
 
-/// Schema and settings. The key-value metadata are provenance, and units as `unit.COLUMN`; the Arrow schema in them has both again, as
-/// pyarrow looks nowhere else where there is one.
+/// Returns the schema and settings. The key-value metadata are provenance, and units as
+/// `unit.COLUMN`. The Arrow schema in them contains both again, because pyarrow reads nothing else
+/// if it is there.
 fn schema(columns: &TableColumns, provenance: &Provenance) -> ParquetResult<(Arc<Type>, WriterProperties)> {
     let about = provenance.entries().into_iter().map(|(name, value)| KeyValue::new(name, value));
     let mut about: Vec<KeyValue> = about.collect();

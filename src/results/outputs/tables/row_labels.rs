@@ -1,26 +1,27 @@
-//! Labels of a table's rows. In: words, or moments of a local clock. Out: text as CSV has it, and instants for formats that know time.
+//! Labels of a table's rows. In: words, or moments of a local clock. Out: text for CSV, and
+//! instants for formats with times.
 
 use crate::outputs::tables::zone_name;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
-/// How much of a moment its text says.
+/// Precision of the text of a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
-    /// `2019`
+    /// Year, as in `2019`.
     Year,
-    /// `2019-03`
+    /// Month, as in `2019-03`.
     Month,
-    /// `2019-03-01`
+    /// Day, as in `2019-03-01`.
     Day,
-    /// `2019-03-01T06:00+01:00`
+    /// Minute, as in `2019-03-01T06:00+01:00`.
     Minute,
-    /// `2019-03-01T06:00:30+01:00`
+    /// Second, as in `2019-03-01T06:00:30+01:00`.
     Second,
 }
 
 impl Precision {
-    /// A moment of a local clock: a day, and seconds after its midnight.
+    /// Returns the text of a moment of a local clock: a day, and seconds after its midnight.
     fn text(self, day: Date, seconds: i64, zone: &str) -> String {
         let Date { year, month, day } = day;
         let (hour, minute) = (seconds / 3600, seconds / 60 % 60);
@@ -41,28 +42,30 @@ impl Precision {
 pub struct Instants {
     /// Seconds since 1970-01-01 00:00 UTC.
     pub utc_s: Vec<i64>,
-    /// Of the local standard time that the labels are told in.
+    /// Offset of the labels' local standard time from UTC.
     pub offset: UtcOffset,
-    /// Of the text.
+    /// Precision of the text.
     pub precision: Precision,
 }
 
 /// Labels of the rows of a receiver, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RowLabels {
-    /// As CSV has them.
+    /// Text for CSV.
     pub text: Vec<String>,
-    /// The same as instants; none for names of conditions, `total` and the periods of a typical year.
+    /// Labels as instants; `None` for names of conditions, `total` and the periods of a typical
+    /// year.
     pub instants: Option<Instants>,
 }
 
 impl RowLabels {
-    /// Labels that are no times.
+    /// Returns labels that are no times.
     pub fn words(text: Vec<String>) -> Self {
         RowLabels { text, instants: None }
     }
 
-    /// Moments of a local clock: a date, and minutes after its midnight; shifted clocks reach into the days beside it.
+    /// Returns the labels of moments of a local clock: a date, and minutes after its midnight.
+    /// Minutes of shifted clocks may lie in the day before or after.
     pub fn moments(moments: &[(Date, f64)], offset: UtcOffset, precision: Precision) -> Self {
         let seconds = |minutes: f64| (60.0 * minutes).round() as i64;
         let odd = moments.iter().any(|(_, minutes)| seconds(*minutes) % 60 != 0);
@@ -80,12 +83,12 @@ impl RowLabels {
         RowLabels { text, instants: Some(Instants { utc_s, offset, precision }) }
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no labels.
     pub fn is_empty(&self) -> bool {
         self.text.is_empty()
     }
 
-    /// Number of labels.
+    /// Returns the number of labels.
     pub fn len(&self) -> usize {
         self.text.len()
     }
@@ -95,17 +98,17 @@ impl RowLabels {
 const DAY_S: i64 = 86_400;
 
 impl Instants {
-    /// Microseconds since 1970-01-01 00:00 UTC: the unit that pandas, Polars and DuckDB work in.
+    /// Returns microseconds since 1970-01-01 00:00 UTC, the unit of pandas, Polars and DuckDB.
     pub fn utc_us(&self) -> Vec<i64> {
         self.utc_s.iter().map(|seconds| seconds * 1_000_000).collect()
     }
 
-    /// Seconds from 1970-01-01 00:00 to the same reading of the local clock.
+    /// Returns the readings of the local clock, in seconds since its reading of 1970-01-01 00:00.
     pub fn local_s(&self) -> Vec<i64> {
         self.utc_s.iter().map(|seconds| seconds + 60 * i64::from(self.offset.minutes())).collect()
     }
 
-    /// The time zone of a column.
+    /// Returns the time zone of a column.
     pub fn zone(&self) -> String {
         zone_name::of(self.offset, self.utc_s.iter().copied().min().unwrap_or(0))
     }
@@ -121,7 +124,8 @@ mod tests {
         RowLabels::moments(&moments, UtcOffset::of_hours(hours), precision)
     }
 
-    /// A clock moved by 41 minutes begins on the day before, at 23:19, and ends a row on the day after, at 00:19: text and UTC agree.
+    /// A clock moved by 41 minutes begins on the day before, at 23:19, and another row is on the
+    /// day after, at 00:19: text and UTC agree.
     #[test]
     fn moved_clocks() {
         let found = labels(&[((2019, 1, 1), -41.0), ((2019, 1, 1), 1459.0)], 0.0, Precision::Minute);
@@ -130,8 +134,8 @@ mod tests {
         assert_eq!(utc.first().zip(utc.get(1)).map(|(a, b)| b - a), Some(25 * 3600));
     }
 
-    /// 06:00 in zones of +1, -7 and +5.5 h is 05:00, 13:00 and 00:30 UTC; 24:00 of 31 December is 00:00 of the new year; half minutes
-    /// bring seconds into all labels.
+    /// 06:00 in zones of +1, -7 and +5.5 h is 05:00, 13:00 and 00:30 UTC; 24:00 of 31 December is
+    /// 00:00 of the new year; half minutes add seconds to all labels.
     #[test]
     fn local_and_utc() {
         let day = 17_956 * 86_400;
@@ -153,7 +157,8 @@ mod tests {
         assert_eq!(half.text, ["2019-03-01T00:00:30+01:00", "2019-03-01T00:01:00+01:00"]);
     }
 
-    /// Days, months and years are dates without a clock, and instants at local midnight: 23:00 UTC of the day before at +1 h.
+    /// Days, months and years are dates without a clock, and instants at local midnight: 23:00 UTC
+    /// of the day before at +1 h.
     #[test]
     fn periods() {
         for (precision, text) in

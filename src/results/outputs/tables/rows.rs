@@ -1,4 +1,5 @@
-//! Tables row by row: a few thousand records, or many that are written as they come. In: cells. Out: batches of a table.
+//! Tables row by row: a few thousand records, or many that are written as they come. In: cells.
+//! Out: batches of a table.
 
 use std::path::Path;
 
@@ -9,15 +10,15 @@ use super::writer::TableWriter;
 use crate::outputs::provenance::Provenance;
 use heliotile_core::error::Result;
 
-/// Rows that are in memory at a time.
+/// Number of rows that are in memory at a time.
 const ROWS_AT_ONCE: usize = 1 << 15;
 
-/// A value of a row; all of a column are of one sort.
+/// Value of a row; all cells of a column are of one variant.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
     Text(String),
     Count(u64),
-    /// An empty cell where there is none.
+    /// Number, or an empty cell.
     Number(Option<f64>),
 }
 
@@ -45,7 +46,7 @@ impl From<Option<f64>> for Cell {
     }
 }
 
-/// Rows under their columns.
+/// Rows with their columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Records {
     pub columns: Vec<Column>,
@@ -53,7 +54,7 @@ pub struct Records {
 }
 
 impl Records {
-    /// Writes the table; gives its size in bytes.
+    /// Writes the table and returns its size in bytes.
     pub fn write(self, path: &Path, about: &Provenance) -> Result<u64> {
         let mut table = RowWriter::create(path, self.columns, self.rows.len() as u64, Some(about))?;
         self.rows.into_iter().try_for_each(|row| table.row(row))?;
@@ -61,7 +62,7 @@ impl Records {
     }
 }
 
-/// A table that is written row by row.
+/// Table that is written row by row.
 pub struct RowWriter {
     table: TableWriter,
     pending: Vec<Values<'static>>,
@@ -76,7 +77,7 @@ impl RowWriter {
         Ok(RowWriter { table, pending, rows: 0 })
     }
 
-    /// Appends a row. An error: cells that do not fit the columns.
+    /// Appends a row. Fails if the cells do not fit the columns.
     pub fn row(&mut self, cells: impl IntoIterator<Item = Cell>) -> Result<()> {
         let mut columns = self.pending.iter_mut();
         for cell in cells {
@@ -91,12 +92,12 @@ impl RowWriter {
         if self.rows == ROWS_AT_ONCE { self.flush() } else { Ok(()) }
     }
 
-    /// Whether the reader of the output has gone away.
+    /// Returns true if the reader of the output has gone away.
     pub fn is_closed(&self) -> bool {
         self.table.is_closed()
     }
 
-    /// Completes the table; only now does its file appear. Gives its size in bytes.
+    /// Completes the table, whose file appears only now, and returns its size in bytes.
     pub fn finish(mut self) -> Result<u64> {
         self.flush()?;
         Ok(self.table.finish()?.bytes)
@@ -110,7 +111,7 @@ impl RowWriter {
     }
 }
 
-/// Values of a kind, none so far.
+/// Returns empty values of a kind.
 fn none_of(kind: Kind) -> Values<'static> {
     match kind {
         Kind::Text | Kind::Category => Values::Texts(Vec::new().into()),
@@ -123,7 +124,8 @@ fn none_of(kind: Kind) -> Values<'static> {
 mod tests {
     use super::*;
 
-    /// A cell of another kind, a cell too many and a row that lacks one are defects: 3 of 3, and no file is left.
+    /// A cell of another kind, one cell too many and one too few are defects: 3 of 3, and no file
+    /// is left.
     #[test]
     fn rows_fit_their_columns() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,5 @@
-//! A table in the format that its name ends with. In: columns, then batches of rows. Out: a file, complete or not there.
+//! Table in the format given by the ending of its name. In: columns, then batches of rows. Out: a
+//! file, complete or not there.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,14 +10,14 @@ use crate::outputs::tables::column::TableColumns;
 use crate::outputs::tables::format::{Format, FormatWriter, Places, TableRequest};
 use heliotile_core::error::{Error, Result};
 
-/// What was written.
+/// Statistics of a table that was written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
     pub rows: u64,
     pub bytes: u64,
 }
 
-/// A table being written.
+/// Table being written.
 pub struct TableWriter {
     to: Box<dyn FormatWriter>,
     path: PathBuf,
@@ -25,14 +26,15 @@ pub struct TableWriter {
 }
 
 impl TableWriter {
-    /// Starts a table in the format that the name says; `-` is CSV on the standard output. CSV without `about` has no file beside it.
+    /// Starts a table in the format given by the ending of its name; `-` is CSV on standard output.
+    /// CSV without `about` has no metadata file.
     pub fn create(path: &Path, columns: TableColumns, places: Places, about: Option<&Provenance>) -> Result<Self> {
         let columns = Arc::new(columns);
         let to = Format::of(path)?.start(&TableRequest { path, columns: Arc::clone(&columns), places, about })?;
         Ok(TableWriter { to, path: path.to_path_buf(), columns, rows: 0 })
     }
 
-    /// Appends rows. An error: values that do not fit the columns, of which nothing is written.
+    /// Appends rows. Fails, and writes nothing, if the values do not fit the columns.
     pub fn write(&mut self, batch: &Batch) -> Result<()> {
         if let Some(misfit) = batch.misfit(&self.columns) {
             return Err(self.defect(misfit));
@@ -46,34 +48,35 @@ impl TableWriter {
         Ok(())
     }
 
-    /// What the table consists of.
+    /// Returns the columns of the table.
     pub fn columns(&self) -> &TableColumns {
         &self.columns
     }
 
-    /// Whether the reader of the output has gone away: the caller may stop.
+    /// Returns true if the reader of the output has gone away: the caller may stop.
     pub fn is_closed(&self) -> bool {
         self.to.is_closed()
     }
 
-    /// Completes the table; only now does its file appear.
+    /// Completes the table; its file appears only now.
     pub fn finish(self) -> Result<Stats> {
         let bytes = self.to.finish()?;
         Ok(Stats { rows: self.rows, bytes })
     }
 
-    /// The error of rows that no caller should hand over.
+    /// Returns the error for rows that no caller should hand over.
     pub fn defect(&self, what: String) -> Error {
         rows_defect(&self.path, what)
     }
 }
 
-/// The error of rows that do not fit the table at `path`.
+/// Returns the error for rows that do not fit the table at `path`.
 pub(super) fn rows_defect(path: &Path, what: String) -> Error {
     Error::defect(path, "table", "rows", what)
 }
 
-/// The error of a file that cannot be written, whatever library found out. What the system said is told without the library's words.
+/// Returns the error for a file that cannot be written, whichever library failed. An error of the
+/// system is reported without the library's words.
 pub(super) fn failed(path: &Path, error: impl std::error::Error + Send + Sync + 'static) -> Error {
     let mut cause: Option<&(dyn std::error::Error + 'static)> = Some(&error);
     while let Some(found) = cause {

@@ -13,7 +13,7 @@ use heliotile_core::replay::values::TileValues;
 use heliotile_core::weather::time::calendar::Date;
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
-/// All columns.
+/// Returns a layout of all columns.
 fn all(labels: Labels) -> Layout {
     Layout::of_components(labels, By::Receiver, &ComponentList::all())
 }
@@ -33,12 +33,13 @@ pub(in crate::outputs) fn names(prefix: &str, count: usize) -> Vec<String> {
     (0..count).map(|i| format!("{prefix}{i}")).collect()
 }
 
-/// Value of component c, receiver r (of the whole table), label l; zero for half of the labels.
+/// Returns the value of component c, receiver r (of the whole table), label l; zero for half of the
+/// labels.
 pub(in crate::outputs) fn value(c: usize, r: usize, l: usize) -> f32 {
     if l % 24 < 12 {
         return 0.0;
     }
-    // Noise in all bits of the mantissa, as real results have.
+    // Values have noise in all bits of the mantissa, as real results have.
     let seed = (r * 8760 + l) as u64 * 7 + c as u64;
     let mixed = (seed ^ (seed >> 7)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -59,12 +60,13 @@ pub(in crate::outputs) fn tile(first: usize, receivers: usize, labels: usize) ->
     t
 }
 
-/// All columns of a tile.
+/// Returns all columns of a tile.
 fn all_of(values: &TileValues) -> PlaceValues<'_> {
     PlaceValues::of(&[values], &Component::ALL)
 }
 
-/// Two tiles (3 and 2 receivers x 30 labels) come back from CSV with 150 rows in order, to the 3 decimals written.
+/// Two tiles (3 and 2 receivers x 30 labels) are read back from CSV with 150 rows in order, to the
+/// 3 decimals written.
 #[test]
 fn csv_round_trip() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -95,8 +97,8 @@ fn csv_round_trip() {
     assert_eq!(rows, 150);
 }
 
-/// Three tiles (4, 4 and 2 receivers x 48 labels) come back from Parquet bit for bit: 480 rows in 3 row groups, with the
-/// unit of each of the 7 value columns in the metadata.
+/// Three tiles (4, 4 and 2 receivers x 48 labels) are read back from Parquet bit for bit: 480 rows
+/// in 3 row groups, with the unit of each of the 7 value columns in the metadata.
 #[test]
 fn parquet_round_trip() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -131,8 +133,8 @@ fn parquet_round_trip() {
     assert_eq!(rows, 480);
 }
 
-/// An unknown ending is refused with all 6 endings named, before a file is made; a wrong shape is refused; an empty table has
-/// 0 rows and a header.
+/// An unknown ending is refused with all 6 endings named, before a file is made; a wrong shape is
+/// refused; an empty table has 0 rows and a header.
 #[test]
 fn refusals_and_empty_tables() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -153,10 +155,12 @@ fn refusals_and_empty_tables() {
     }
 }
 
-/// 16 receivers x 8760 hours of noise, half of the hours zero, take less than 14 bytes a row of Parquet (7 values are 28).
-/// Measured in release for 480 receivers (HELIOTILE_ROWS=480, one of 2 shared cores, best of 3): Parquet 0.8 s, 46 MB (values
-/// plain 56 MB, as dictionary 87 MB); CSV 0.7 s, 284 MB; `.arrow` 0.5 s, 168 MB; `.feather` 0.6 s, 52 MB; `.npy` 0.3 s, `.npz`
-/// 0.7 s, 118 MB.
+/// 16 receivers x 8760 hours of noise, half of the hours zero, take less than 14 bytes a row of
+/// Parquet (7 values are 28).
+///
+/// Measured in release for 480 receivers (HELIOTILE_ROWS=480, one of 2 shared cores, best of 3):
+/// Parquet 0.8 s, 46 MB (values plain 56 MB, as dictionary 87 MB); CSV 0.7 s, 284 MB; `.arrow` 0.5
+/// s, 168 MB; `.feather` 0.6 s, 52 MB; `.npy` 0.3 s, `.npz` 0.7 s, 118 MB.
 #[test]
 fn year_of_rows() {
     let count: usize = std::env::var("HELIOTILE_ROWS").ok().and_then(|n| n.parse().ok()).unwrap_or(16);

@@ -1,13 +1,16 @@
-//! The name of a time zone in a column's type. In: an offset from UTC. Out: the offset itself, or a name of the time zone database.
+//! Name of a time zone in a column's type. In: an offset from UTC. Out: the offset itself, or a
+//! name of the time zone database.
 //!
-//! Arrow and Parquet's Arrow schema take both. pandas reads every offset; Polars 1 and 2 read whole hours only and panic at others, such as
-//! `+05:30`, but know all names. So offsets that are not whole hours get the name of a zone that has had this offset without
-//! daylight saving time ever since; where there is none, such as `-03:30`, the offset stands.
+//! Arrow and Parquet's Arrow schema allow both. pandas reads every offset. Polars 1 and 2 read
+//! whole hours only and panic at others, such as `+05:30`, but know all names. Offsets that are not
+//! whole hours therefore get the name of a zone that has had this offset without daylight saving
+//! time ever since. If there is none, as for `-03:30`, the offset stands.
 
 use heliotile_core::weather::time::utc_offset::UtcOffset;
 
-/// Offset in minutes, name, and from when on the zone has had it without a break, local seconds since 1970: the first 1 January behind its
-/// last change in the IANA time zone database (files `asia`, `australasia`).
+/// Offset in minutes, name, and the beginning of the time since which the zone has had it without a
+/// break, local seconds since 1970: the first 1 January after its last change in the IANA time zone
+/// database (files `asia`, `australasia`).
 const NAMED: [(i32, &str, i64); 7] = [
     (-570, "Pacific/Marquesas", -1_798_761_600), // 1913
     (210, "Asia/Tehran", 1_672_531_200),         // 2023
@@ -18,7 +21,7 @@ const NAMED: [(i32, &str, i64); 7] = [
     (570, "Australia/Darwin", -788_918_400),     // 1945
 ];
 
-/// For instants from `first_s` on, seconds since 1970-01-01 00:00 UTC.
+/// Returns the zone for instants from `first_s` on, seconds since 1970-01-01 00:00 UTC.
 pub fn of(offset: UtcOffset, first_s: i64) -> String {
     let fits = |(minutes, _, since): &&(i32, &str, i64)| {
         *minutes == offset.minutes() && *since <= first_s + 60 * i64::from(*minutes)
@@ -30,7 +33,8 @@ pub fn of(offset: UtcOffset, first_s: i64) -> String {
 mod tests {
     use super::*;
 
-    /// Whole hours, and offsets that no zone keeps, stand as they are; 7 others have a name, from the year on that they are kept.
+    /// Whole hours, and offsets that no zone keeps, stand as they are; 7 others have a name, from
+    /// the year on in which the zone has them for good.
     #[test]
     fn names() {
         let name = |hours: f64, first_s: i64| of(UtcOffset::of_hours(hours), first_s);
@@ -42,7 +46,7 @@ mod tests {
         }
         assert_eq!((name(4.5, 0).as_str(), name(3.5, 1_672_518_600).as_str()), ("Asia/Kabul", "Asia/Tehran"));
         assert_eq!(name(-9.5, 0), "Pacific/Marquesas");
-        // Midnights of the clock, and a second before; Nepal was at 05:30 until 1985.
+        // Instants are a midnight of the clock, and a second before; Nepal was at 05:30 until 1985.
         assert_eq!((name(5.75, 536_436_900).as_str(), name(5.75, 536_436_899).as_str()), ("Asia/Kathmandu", "+05:45"));
     }
 }

@@ -1,5 +1,6 @@
-//! The binary part of a glTF file. In: arrays one after the other. Out: their views, each on a multiple of 8 bytes, and all of the bytes,
-//! which wait in a nameless file because the JSON in front of them says how many there are.
+//! Binary part of a glTF file. In: arrays one after the other. Out: their views, each at a multiple
+//! of 8 bytes, and all bytes. The bytes wait in an unnamed temporary file, because the JSON in
+//! front of them states their number.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
@@ -10,31 +11,31 @@ use serde_json::{Value, json};
 use crate::outputs::sink::Sink;
 use heliotile_core::error::{Error, Result};
 
-/// What a view is for: corners, or the triangles between them.
+/// glTF target of a view of vertices; `INDICES` is that of the triangles between them.
 pub const ARRAY: u32 = 34962;
 pub const INDICES: u32 = 34963;
 
-/// Views begin on multiples of this.
+/// Alignment of views, bytes.
 const ALIGNED: u64 = 8;
 
-/// Arrays being collected.
+/// Collector of arrays.
 pub struct Binary {
     file: BufWriter<File>,
     path: PathBuf,
-    /// Where each view begins and ends, and what it is for.
+    /// Beginning, end and target of each view.
     views: Vec<(u64, u64, Option<u32>)>,
     length: u64,
 }
 
 impl Binary {
-    /// For a file of this name.
+    /// Creates a collector for a file at `path`.
     pub fn new(path: &Path) -> Result<Self> {
         let file = tempfile::tempfile().map_err(Error::io(path, "create a temporary file for"))?;
         let file = BufWriter::with_capacity(1 << 20, file);
         Ok(Binary { file, path: path.to_owned(), views: Vec::new(), length: 0 })
     }
 
-    /// A new view's number; what is put from now on belongs to it.
+    /// Begins a view and returns its index; bytes that are put from now on belong to it.
     pub fn begin(&mut self, target: Option<u32>) -> Result<usize> {
         let start = self.length.next_multiple_of(ALIGNED);
         let gap = [0; ALIGNED as usize];
@@ -54,7 +55,7 @@ impl Binary {
         Ok(())
     }
 
-    /// The views as glTF lists them, and the length of the buffer.
+    /// Returns the views as glTF lists them, and the length of the buffer.
     pub fn views(&self) -> (Vec<Value>, u64) {
         let view = |(start, end, target): &(u64, u64, Option<u32>)| {
             let mut view = json!({"buffer": 0, "byteOffset": start, "byteLength": (end - start).max(1)});
@@ -66,12 +67,12 @@ impl Binary {
         (self.views.iter().map(view).collect(), self.length())
     }
 
-    /// Bytes with what fills them up.
+    /// Returns the number of bytes, padding included.
     pub fn length(&self) -> u64 {
         self.length.max(1).next_multiple_of(ALIGNED)
     }
 
-    /// All of the bytes.
+    /// Copies all bytes to the sink.
     pub fn copy_to(self, sink: &mut Sink) -> Result<()> {
         let (path, filled, length) = (self.path.clone(), self.length(), self.length);
         let copy = || -> io::Result<()> {

@@ -1,7 +1,8 @@
-//! A map as binary glTF 2.0: a mesh with colours, values and features, and the triangles around it. In: rows, an archive's scene. Out: one
-//! file for Blender, three.js, Cesium.
+//! Maps as binary glTF 2.0: a mesh with colours, values and features, and the triangles of the
+//! scene around it. In: rows, an archive's scene. Out: one file for Blender, three.js, Cesium.
 //!
-//! Coordinates are 32-bit, around a point that `asset.extras.origin_m` states, z up; a node turns them to the y up of glTF.
+//! Coordinates are 32-bit, relative to a point that `asset.extras.origin_m` states, with z up; a
+//! node turns them to glTF's y up.
 
 mod binary;
 mod surroundings;
@@ -22,24 +23,26 @@ use binary::{ARRAY, Binary, INDICES};
 use heliotile_core::error::{Error, Result};
 pub use surroundings::Surroundings;
 
-/// The map lies so far in front of the surfaces that it is drawn on, metres: at the same place both would flicker.
+/// Distance of the map in front of the surfaces that it is drawn on, metres: in the same plane both
+/// would flicker.
 const RAISED_M: f64 = 0.01;
 
-/// What stands for a number that is not there.
+/// Number that stands for a missing value.
 const NO_NUMBER: f32 = -9999.0;
 
-/// Whole numbers up to this are exact as 32-bit floats, which number the places.
+/// Largest number of places: they are numbered by 32-bit floats, which are exact for integers up to
+/// this.
 const MOST_PLACES: u64 = 1 << 24;
 
-/// Of a corner with its colour, value and number.
+/// Bytes of a vertex with its colour, value and place number.
 const CORNER_BYTES: u64 = 28;
 
-/// Types of components of accessors.
+/// Component types of accessors.
 const F32: u32 = 5126;
 const U32: u32 = 5125;
 const U16: u32 = 5123;
 
-/// A quarter turn about x: z up becomes y up.
+/// Quarter turn about x as a quaternion: z up becomes y up.
 const Z_UP: [f64; 4] = [-std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2];
 
 /// Parts of the JSON that grow.
@@ -52,7 +55,7 @@ struct Scene {
 }
 
 impl Scene {
-    /// A new accessor's number.
+    /// Adds an accessor and returns its index.
     fn accessor(&mut self, view: usize, kind: &str, component: u32, count: u64, more: Value) -> usize {
         let mut accessor = json!({"bufferView": view, "componentType": component, "count": count, "type": kind});
         if let (Some(accessor), Value::Object(more)) = (accessor.as_object_mut(), more) {
@@ -114,7 +117,8 @@ pub fn write(
     finish(sink, &json, binary, &path)
 }
 
-/// Refuses what does not fit before it is written: numbers of places that 32-bit floats do not hold, more bytes than a file has.
+/// Refuses maps that do not fit, before they are written: more places than 32-bit floats can
+/// number, more bytes than a file can have.
 fn check_size(rows: &MapRows, path: &Path) -> Result<()> {
     if rows.facts.rows > MOST_PLACES {
         let what = format!("the places of {} (write .fgb, or take fewer receivers)", path.display());
@@ -129,7 +133,7 @@ fn too_large(path: &Path, bytes: u64) -> Error {
     Error::Limit { what, value: bytes, max: u64::from(u32::MAX) }
 }
 
-/// Corners of the map; each polygon has its own, so that none is shared by two places.
+/// Writes the mesh of the map. Each polygon has its own vertices, so that places share none.
 fn map_mesh(
     rows: &mut MapRows,
     columns: &MapColumns,
@@ -154,7 +158,7 @@ fn map_mesh(
         Ok(())
     })?;
     let position = scene.accessor(view, "VEC3", F32, facts.corners, json!({"min": low, "max": high}));
-    // The same for each corner of a place.
+    // Writes an attribute with the same value at all vertices of a place.
     let mut attribute =
         |kind: &str, component: u32, more: Value, value: &dyn Fn(u64, &MapRow) -> Vec<u8>| -> Result<usize> {
             let view = binary.begin(Some(ARRAY))?;
@@ -174,7 +178,8 @@ fn map_mesh(
     })?;
     let value =
         attribute("SCALAR", F32, json!({}), &|_, row| colour_of(row).unwrap_or(NO_NUMBER).to_le_bytes().to_vec())?;
-    // Whole numbers up to 2^24 are exact; glTF has no 32-bit integers for corners.
+    // Floats are exact for integers up to 2^24; glTF allows no 32-bit integers as vertex
+    // attributes.
     let feature = attribute("SCALAR", F32, json!({}), &|number, _| (number as f32).to_le_bytes().to_vec())?;
     let view = binary.begin(Some(INDICES))?;
     let mut first = 0_u32;
@@ -200,7 +205,7 @@ fn map_mesh(
     }))
 }
 
-/// What is known of each feature.
+/// Writes the property table with the columns of each feature.
 fn property_table(rows: &mut MapRows, columns: &MapColumns, binary: &mut Binary) -> Result<Value> {
     let (mut classes, mut table) = (Map::new(), Map::new());
     for (i, name) in columns.texts.iter().enumerate() {
@@ -213,7 +218,7 @@ fn property_table(rows: &mut MapRows, columns: &MapColumns, binary: &mut Binary)
             offset += row.texts.get(i).map_or(0, |text| text.len() as u32);
             binary.put(&offset.to_le_bytes())
         })?;
-        // A view has a byte at least.
+        // A view has at least one byte, so columns of empty texts are left out.
         if offset == 0 {
             continue;
         }
@@ -240,20 +245,21 @@ fn property_table(rows: &mut MapRows, columns: &MapColumns, binary: &mut Binary)
     }))
 }
 
-/// Letters, digits and underscores, not a digit first: what names of properties and attributes may have.
+/// Returns a name of letters, digits and underscores, without a leading digit, as properties and
+/// attributes require.
 fn identifier(name: &str) -> String {
     let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if plain.starts_with(|c: char| c.is_ascii_digit()) { format!("_{plain}") } else { plain }
 }
 
-/// A step of sRGB as light (IEC 61966-2-1:1999), in 65,535ths.
+/// Converts a step of sRGB to linear light (IEC 61966-2-1:1999), in 65,535ths.
 fn linear(step: u8) -> u16 {
     let share = f64::from(step) / 255.0;
     let light = if share <= 0.040_45 { share / 12.92 } else { ((share + 0.055) / 1.055).powf(2.4) };
     (light * f64::from(u16::MAX)).round() as u16
 }
 
-/// Header, JSON filled up with blanks, binary filled up with zeros.
+/// Writes the header, the JSON padded with blanks, and the binary part padded with zeros.
 fn finish(mut sink: Sink, json: &Value, binary: Binary, path: &Path) -> Result<u64> {
     let mut text = json.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
@@ -279,7 +285,8 @@ fn finish(mut sink: Sink, json: &Value, binary: Binary, path: &Path) -> Result<u
 mod tests {
     use super::*;
 
-    /// Black, the middle and white of sRGB are 0, 21.4 % and all of the light; 3 names become identifiers.
+    /// Black, the middle and white of sRGB are 0, 21.4 % and all of the light; 3 names become
+    /// identifiers.
     #[test]
     fn light_and_names() {
         assert_eq!([0, 127, 255].map(linear), [0, 13_909, 65_535]);

@@ -1,4 +1,5 @@
-//! The scene around a map: triangles that an archive shows, grey by what their materials reflect. In: its chunks, one at a time. Out: a mesh.
+//! Scene around a map: the triangles in an archive, in greys by the reflectance of their materials.
+//! In: its chunks, one at a time. Out: a mesh.
 
 use std::collections::BTreeMap;
 
@@ -13,16 +14,16 @@ use heliotile_core::archive::tables::GeometryTable;
 use heliotile_core::error::Result;
 use heliotile_core::opened::OpenSite;
 
-/// The triangles of an archive.
+/// Triangles of an archive.
 pub struct Surroundings<'a> {
     pub site: OpenSite<'a>,
-    /// Chunks of triangles.
+    /// Number of chunks of triangles.
     pub chunks: u32,
-    /// What their corners are relative to, scene coordinates.
+    /// Origin of their vertices, scene coordinates.
     pub origin: DVec3,
 }
 
-/// Adds a mesh, around the origin of the map.
+/// Adds a mesh relative to the origin of the map.
 pub fn add(around: &Surroundings, origin: DVec3, binary: &mut Binary, scene: &mut Scene) -> Result<()> {
     let first_material = scene.materials.len();
     for material in around.site.materials() {

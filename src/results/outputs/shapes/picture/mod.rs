@@ -1,5 +1,6 @@
-//! A map as a picture. In: rows, the scene around. Out: PNG: the site from above, true north up and true to scale, and from the south-west,
-//! both in one scale, with the page's colours, a legend and a scale bar. What is drawn takes memory by its pixels, however large the site.
+//! Maps as pictures. In: rows, the scene around. Out: PNG with two views in one scale: from above,
+//! true north up and true to scale, and from the south-west. It has the page's colours, a legend
+//! and a scale bar. Memory depends on the number of pixels, not on the size of the site.
 
 mod raster;
 pub mod thumbnail;
@@ -28,35 +29,36 @@ use view::{ALTITUDE_DEG, Panel, View};
 
 const PAPER: Rgb = [255, 255, 255];
 const INK: Rgb = [30, 30, 40];
-/// Patches that are seen from behind.
+/// Colour of patches that are seen from behind.
 const BEHIND: Rgb = [150, 152, 156];
 
-/// Points that both views may take together, and what stands around them.
+/// Largest width and height of both views together, points. The constants below are the space
+/// around them.
 const MOST: DVec2 = DVec2::new(1340.0, 940.0);
 const MARGIN: f64 = 24.0;
 const HEAD: f64 = 64.0;
 const FOOT: f64 = 92.0;
-/// Narrower pages have no room for words.
+/// Least width of a page, points: narrower ones have no room for words.
 const NARROWEST: f64 = 560.0;
 
-/// Patches lie on surfaces of the scene: they are brought in front of them, metres.
+/// Distance by which patches are brought in front of the scene's surfaces, metres.
 const NEARER_M: f64 = 0.05;
-/// Cosine below which a surface is seen from its side.
+/// Cosine below which a surface is seen edge-on.
 const EDGE_ON: f64 = 0.02;
-/// What has no size is drawn so large, metres.
+/// Least size that is drawn, metres.
 const LEAST_M: f64 = 1.0;
 
-/// What is drawn besides rows.
+/// Contents of a picture besides rows.
 pub struct Drawn<'a> {
     pub around: Option<&'a Surroundings<'a>>,
     pub north: North,
-    /// What the values are of, in words.
+    /// Description of the values in words.
     pub called: &'a str,
     /// Unit of the values.
     pub unit: &'a str,
 }
 
-/// Writes the picture; bytes written.
+/// Writes the picture and returns the number of bytes.
 pub fn write(
     mut sink: Sink,
     rows: &mut MapRows,
@@ -74,7 +76,7 @@ pub fn write(
         if let Some(around) = drawn.around {
             draw_scene(&mut raster, panel, around)?;
         }
-        // A map shows what lies below roofs and trees, too.
+        // The view from above also shows places below roofs and trees.
         if is_above {
             raster.forget_depth();
         }
@@ -94,7 +96,7 @@ pub fn write(
     sink.finish()
 }
 
-/// Lowest and highest metres to the right and up, by view.
+/// Returns the lowest and highest metres to the right and up, by view.
 fn extents(rows: &mut MapRows, views: [View; 2]) -> Result<[[DVec2; 2]; 2]> {
     let mut found = [[DVec2::INFINITY, DVec2::NEG_INFINITY]; 2];
     rows.each(|row| {
@@ -109,14 +111,15 @@ fn extents(rows: &mut MapRows, views: [View; 2]) -> Result<[[DVec2; 2]; 2]> {
     Ok(found.map(padded))
 }
 
-/// Corners with a margin, of a page that has some size whatever it shows.
+/// Returns corners with a margin, such that a page has some size whatever it shows.
 fn padded([low, high]: [DVec2; 2]) -> [DVec2; 2] {
     let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (DVec2::ZERO, DVec2::ZERO) };
     let more = (0.03 * (high - low).max_element()).max(LEAST_M);
     [low - more, high + more]
 }
 
-/// Both panels, side by side or one above the other, whichever is larger; and the page's width and height.
+/// Arranges both panels side by side or one above the other, whichever is larger. Returns them with
+/// the page's width and height.
 fn arranged(views: [View; 2], extents: [[DVec2; 2]; 2]) -> ([Panel; 2], f64, f64) {
     let [first, second] = extents.map(|[low, high]| high - low);
     let beside = (MOST.x / (first.x + second.x)).min(MOST.y / first.y.max(second.y));
@@ -127,7 +130,7 @@ fn arranged(views: [View; 2], extents: [[DVec2; 2]; 2]) -> ([Panel; 2], f64, f64
         low: extents[i][0],
         size_m: extents[i][1] - extents[i][0],
         scale,
-        // Whole pixels.
+        // Corners lie on whole pixels.
         corner: corner.round(),
     };
     let corner = DVec2::new(MARGIN, HEAD);
@@ -142,7 +145,7 @@ fn arranged(views: [View; 2], extents: [[DVec2; 2]; 2]) -> ([Panel; 2], f64, f64
     ([panel(0, corner), panel(1, next)], width, height)
 }
 
-/// The triangles of the archive, grey, brighter where they look up and to the west.
+/// Draws the triangles of the archive in grey, brighter if they face up and to the west.
 fn draw_scene(raster: &mut Raster, panel: Panel, around: &Surroundings) -> Result<()> {
     let light = (panel.view.of(DVec3::new(-0.5, -0.3, 0.8))).normalize();
     for chunk in 0..around.chunks {
@@ -154,7 +157,7 @@ fn draw_scene(raster: &mut Raster, panel: Panel, around: &Surroundings) -> Resul
         for triangle in &table.corner {
             let corners = triangle.map(corner);
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
-            // Either side may be the front.
+            // Triangles have no front side: the normal is turned towards the viewer.
             let normal = if normal.dot(panel.view.towards) < 0.0 { -normal } else { normal };
             let grey = (212.0 + 26.0 * panel.view.of(normal).dot(light)) as u8;
             raster.triangle(corners, 0.0, [grey; 3]);
@@ -163,7 +166,7 @@ fn draw_scene(raster: &mut Raster, panel: Panel, around: &Surroundings) -> Resul
     Ok(())
 }
 
-/// The colour of a row, by one of its numbers and the top of a scale.
+/// Returns the colour of a row, by one of its numbers and the top of the scale.
 fn paint(row: &MapRow, colour: usize, scale: ColourScale, top: f64) -> Rgb {
     let value = row.numbers.get(colour).copied().unwrap_or(f32::NAN);
     scale.on_paper((f64::from(value) / top) as f32)
@@ -205,7 +208,7 @@ fn draw_words(
     let caption = if beside { under_title } else { oblique.corner.y - 10.0 };
     let words = format!("from the south-west, {ALTITUDE_DEG}\u{b0} high");
     canvas.word(&words, (oblique.corner.x, caption), Side::Left, INK);
-    // North, and lengths of the view from above.
+    // North arrow and scale bar belong to the view from above.
     let foot = size.y - FOOT;
     let steps = round_steps(0.25 * above.size_m.x.max(60.0 / above.scale), 1);
     let metres = steps.last().copied().unwrap_or(1.0);
@@ -252,13 +255,14 @@ mod tests {
     use super::*;
     use heliotile_core::site::place::Place;
 
-    /// Axes whose y lies so far clockwise from true north.
+    /// Returns axes whose y is `convergence_deg` degrees clockwise from true north.
     pub fn turned(convergence_deg: f64) -> North {
         North::of(Some(&Place { latitude_deg: 52.0, longitude_deg: 4.0, convergence_deg, epsg: None }))
     }
 
-    /// A site of 400 m x 100 m has its views one above the other, one of 100 m x 100 m beside each other; both are in one scale, none leaves
-    /// its page, and a site of no size or of 1e12 m has a page of at most 1400 x 1200 points.
+    /// A site of 400 m x 100 m has its views one above the other, one of 100 m x 100 m side by
+    /// side. Both views have one scale, none leaves its page, and a site of 2 m or of 1e12 m has a
+    /// page of at most 1420 x 1200 points.
     #[test]
     fn pages() {
         let views = [View::above(North::default()), View::south_west(North::default())];

@@ -1,18 +1,19 @@
-//! Surfaces on a panel of a page. In: triangles and edges in scene coordinates, their colours. Out: pixels, of which the one in front stays.
+//! Rasteriser of a panel of a page. In: triangles and edges in scene coordinates, their colours.
+//! Out: pixels, each with the surface in front.
 
 use glam::{DVec2, DVec3};
 
 use super::view::Panel;
 use crate::outputs::pictures::canvas::{Canvas, FINE, Rgb};
 
-/// The fine pixels of a panel, each with how far it lies towards the viewer. So many as the page has, whatever the site.
+/// Fine pixels of a panel with a depth buffer. Their number depends on the page, not on the site.
 pub struct Raster<'c> {
     canvas: &'c mut Canvas,
     panel: Panel,
-    /// First column and row on the page, and how many.
+    /// First column and row on the page; `size` is the number of columns and rows.
     first: (usize, usize),
     size: (usize, usize),
-    /// `[row][column]`, metres; f32: a mm on 10 km.
+    /// Depth towards the viewer, `[row][column]`, metres; f32 resolves a mm on 10 km.
     depth: Vec<f32>,
 }
 
@@ -24,12 +25,12 @@ impl<'c> Raster<'c> {
         Raster { canvas, panel, first, size, depth: vec![f32::NEG_INFINITY; size.0 * size.1] }
     }
 
-    /// What comes from now on hides what is there.
+    /// Clears the depth buffer: whatever is drawn from now on hides earlier drawings.
     pub fn forget_depth(&mut self) {
         self.depth.fill(f32::NEG_INFINITY);
     }
 
-    /// A triangle, brought so many metres towards the viewer.
+    /// Draws a triangle, brought `nearer_m` metres towards the viewer.
     pub fn triangle(&mut self, corners: [DVec3; 3], nearer_m: f64, colour: Rgb) {
         let [a, b, c] = corners.map(|corner| self.fine(corner));
         let twice = (b - a).truncate().perp_dot((c - a).truncate());
@@ -37,7 +38,7 @@ impl<'c> Raster<'c> {
             return;
         }
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        // Centres of pixels lie half a pixel in.
+        // Centres of pixels are half a pixel from their edges.
         let range = |low: f64, high: f64, most: usize| {
             let from = (low - 0.5).ceil().max(0.0) as usize;
             from..((high - 0.5).floor() + 1.0).clamp(from as f64, most.max(from) as f64) as usize
@@ -54,7 +55,7 @@ impl<'c> Raster<'c> {
         }
     }
 
-    /// A line of about a pixel's width, which a surface is that is seen from its side.
+    /// Draws a line about a pixel wide, for a surface that is seen edge-on.
     pub fn edge(&mut self, from: DVec3, to: DVec3, colour: Rgb) {
         let (from, to) = (self.fine(from), self.fine(to));
         let most = (4 * (self.size.0 + self.size.1)) as f64;
@@ -65,7 +66,7 @@ impl<'c> Raster<'c> {
         }
     }
 
-    /// A mark of a point.
+    /// Draws a mark at a point.
     pub fn mark(&mut self, point: DVec3, colour: Rgb) {
         let at = self.fine(point);
         self.square(at, FINE, colour);
@@ -92,7 +93,7 @@ impl<'c> Raster<'c> {
         }
     }
 
-    /// Fine pixels from the panel's corner, metres towards the viewer.
+    /// Returns fine pixels from the panel's corner, and metres towards the viewer.
     fn fine(&self, point: DVec3) -> DVec3 {
         let place = self.panel.place(point) - self.panel.corner.extend(0.0);
         DVec3::new(place.x * FINE as f64, place.y * FINE as f64, place.z)
@@ -105,8 +106,8 @@ mod tests {
     use super::*;
     use heliotile_core::site::north::North;
 
-    /// Of two squares of 10 m the higher one hides the lower where both are, whichever comes first; a wall is a line on them, and what is
-    /// far outside changes nothing: 5 of 5 pixels.
+    /// The higher of two squares of 10 m hides the lower in their overlap, in either order of
+    /// drawing. A wall is a line on them, and drawings far outside change nothing: 5 of 5 pixels.
     #[test]
     fn what_is_in_front_stays() {
         let square = |x: f64, z: f64| {

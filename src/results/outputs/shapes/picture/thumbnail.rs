@@ -1,5 +1,5 @@
-//! A small picture of a site from above, without words, for catalogues. In: places with a value each. Out: PNG, true north up and true to
-//! scale, in the colours of maps.
+//! Thumbnail of a site from above, without words, for catalogues. In: places with a value each.
+//! Out: PNG, true north up and true to scale, in the colours of maps.
 
 use glam::DVec2;
 
@@ -15,27 +15,27 @@ use crate::outputs::shapes::row::{MapPolygon, MapRow};
 use heliotile_core::error::Result;
 use heliotile_core::site::north::North;
 
-/// The longer side of a picture, pixels.
+/// Longer side of a picture, pixels.
 pub const SIDE: f64 = 400.0;
 
-/// What a picture has to have room for.
+/// Extent and colour range of a thumbnail.
 #[derive(Clone, Copy, Debug)]
 pub struct ThumbnailFrame {
     view: View,
-    /// Lowest and highest metres to the right and up.
+    /// Lowest metres to the right and up; `high` is the highest.
     low: DVec2,
     high: DVec2,
-    /// The largest value; 0 where there is none.
+    /// Largest value; 0 if there is none.
     largest: f32,
 }
 
 impl ThumbnailFrame {
-    /// Of no place yet.
+    /// Returns the frame of no place.
     pub fn new(north: North) -> Self {
         ThumbnailFrame { view: View::above(north), low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, largest: 0.0 }
     }
 
-    /// Takes in a place, a row of one number.
+    /// Extends the frame by a place, a row with one number.
     pub fn add(&mut self, row: &MapRow) {
         for corner in row.polygons.iter().flat_map(MapPolygon::corners) {
             let at = self.view.of(*corner).truncate();
@@ -44,25 +44,25 @@ impl ThumbnailFrame {
         self.largest = row.numbers.iter().copied().fold(self.largest, f32::max);
     }
 
-    /// Both; the north is that of the first.
+    /// Returns the frame that encloses both; its north is that of the first.
     pub fn union(mut self, other: &Self) -> Self {
         (self.low, self.high) = (self.low.min(other.low), self.high.max(other.high));
         self.largest = self.largest.max(other.largest);
         self
     }
 
-    /// The same room in the colours of another.
+    /// Returns this extent with the colour range of another frame.
     pub fn in_colours_of(mut self, other: &Self) -> Self {
         self.largest = other.largest;
         self
     }
 
-    /// The value of the brightest colour; 0 is the darkest.
+    /// Returns the value of the brightest colour; 0 is the darkest.
     pub fn top(&self) -> f64 {
         round_steps(self.largest.into(), 5).last().copied().unwrap_or(1.0)
     }
 
-    /// The picture of what `draw` passes on.
+    /// Returns the picture, as PNG, of the rows that `draw` passes on.
     pub fn png(
         &self,
         around: Option<&Surroundings>,
@@ -79,7 +79,7 @@ impl ThumbnailFrame {
         if let Some(around) = around {
             draw_scene(&mut raster, panel, around)?;
         }
-        // As on maps, what lies below roofs is shown, too.
+        // Places below roofs are shown, too, as on maps.
         raster.forget_depth();
         let scale = ColourScale::FromZero;
         draw(&mut |row| draw_row(&mut raster, panel, row, paint(row, 0, scale, top)))?;
@@ -95,8 +95,9 @@ mod tests {
     use crate::outputs::provenance;
     use glam::DVec3;
 
-    /// A site of 30 m x 10 m whose east half gets the most and whose west half nothing is a picture of 400 x 150 pixels, dark left
-    /// and bright right, of 0 to 1,500; an empty one is a white page.
+    /// A site of 30 m x 10 m whose east half has the largest value and whose west half has 0 is a
+    /// picture of 400 x 150 pixels, dark left and bright right, on a scale from 0 to 1,500; an
+    /// empty one is a white page.
     #[test]
     fn small_pictures() {
         let half = |x: f64, value: f32| {

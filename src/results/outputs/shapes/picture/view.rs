@@ -1,14 +1,16 @@
-//! Where a site stands on a page. In: points in scene coordinates. Out: points of the page, and which of two is in front.
+//! Views of a site on a page. In: points in scene coordinates. Out: points of the page, and their
+//! depth towards the viewer.
 
 use glam::{DVec2, DVec3};
 
 use heliotile_core::site::north::North;
 use heliotile_core::units::direction_from_degrees;
 
-/// How high the viewer of the second picture stands, degrees.
+/// Altitude of the viewer of the second picture, degrees.
 pub const ALTITUDE_DEG: f64 = 40.0;
 
-/// Directions of an orthographic view, unit vectors in scene coordinates: on the page to the right and up, and towards the viewer.
+/// Orthographic view: unit vectors in scene coordinates to the right and up on the page, and
+/// towards the viewer.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     right: DVec3,
@@ -17,40 +19,40 @@ pub struct View {
 }
 
 impl View {
-    /// From above, true north up.
+    /// Returns the view from above, true north up.
     pub fn above(north: North) -> Self {
         View { right: north.to_axes(DVec3::X), up: north.to_axes(DVec3::Y), towards: DVec3::Z }
     }
 
-    /// From the south-west.
+    /// Returns the view from the south-west.
     pub fn south_west(north: North) -> Self {
         let towards = north.to_axes(direction_from_degrees(225.0, ALTITUDE_DEG));
         let right = north.to_axes(direction_from_degrees(135.0, 0.0));
         View { right, up: towards.cross(right), towards }
     }
 
-    /// Metres to the right and up, and towards the viewer.
+    /// Returns metres to the right and up, and towards the viewer.
     pub fn of(&self, point: DVec3) -> DVec3 {
         DVec3::new(point.dot(self.right), point.dot(self.up), point.dot(self.towards))
     }
 }
 
-/// A view on a part of the page.
+/// Panel: a view on a part of the page.
 #[derive(Clone, Copy, Debug)]
 pub struct Panel {
     pub view: View,
-    /// What the corner of the panel shows, lowest metres to the right and up.
+    /// Lowest metres to the right and up that the panel shows.
     pub low: DVec2,
-    /// Metres across and up.
+    /// Width and height of the panel in metres.
     pub size_m: DVec2,
-    /// Points a metre.
+    /// Scale, points a metre.
     pub scale: f64,
     /// Top left corner on the page, points.
     pub corner: DVec2,
 }
 
 impl Panel {
-    /// Points of the page, x to the right and y down, and metres towards the viewer.
+    /// Returns points of the page, x to the right and y down, and metres towards the viewer.
     pub fn place(&self, point: DVec3) -> DVec3 {
         let at = self.view.of(point);
         let x = self.corner.x + (at.x - self.low.x) * self.scale;
@@ -58,7 +60,7 @@ impl Panel {
         DVec3::new(x, y, at.z)
     }
 
-    /// Width and height, points.
+    /// Returns width and height, points.
     pub fn size(&self) -> DVec2 {
         self.size_m * self.scale
     }
@@ -68,8 +70,9 @@ impl Panel {
 mod tests {
     use super::*;
 
-    /// From above east is right and north is up; from the south-west, 40 degrees high, west walls look left and half towards, north walls
-    /// away, roofs towards by 0.643; axes that are turned by 30 degrees still have true north up: 8 of 8 within 1e-9.
+    /// From above, east is right and north is up. From the south-west, 40 degrees high, west walls
+    /// face left and half towards the viewer, north walls away, and roofs towards the viewer by
+    /// 0.643. Axes turned by 30 degrees still have true north up: 8 of 8 within 1e-9.
     #[test]
     fn sides() {
         let [above, oblique] = [View::above, View::south_west].map(|view| view(North::default()));
