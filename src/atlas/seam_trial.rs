@@ -155,9 +155,9 @@ impl Differences {
 mod tests {
     use super::*;
 
-    /// Of 100 parts, one with half of the 198 objects gets 4 of 8 draws and half of 250 receivers,
-    /// four others get the rest. Three parts with one object each, or none, are all taken with 32
-    /// receivers in all; of 2 receivers each lies in another part.
+    /// Among 100 parts, one with half of the 198 objects gets 4 of 8 draws and half of 250
+    /// receivers, four others get the rest. Three parts with one object each, or none, are all
+    /// taken with 32 receivers in all; of 2 receivers each lies in another part.
     #[test]
     fn objects_have_equal_chances() {
         let part = |(i, objects): (usize, usize)| PlannedPart { name: format!("x{i}_y0"), low: [0.0; 2], objects };

@@ -51,7 +51,7 @@ pub struct ExportRequest {
     pub sky: SkyModel,
     /// Number of sky patches; `None` for the number that the archive was built for.
     pub patches: Option<usize>,
-    /// Number of diffuse reflections.
+    /// Largest number of diffuse reflections.
     pub bounces: MaxBounces,
     /// Weather file for whose place and clock the sun's paths are drawn.
     pub weather: Option<PathBuf>,
