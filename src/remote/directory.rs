@@ -109,7 +109,7 @@ impl Directory {
         Ok(Some(names))
     }
 
-    /// Calls `each` for each item; remote folders are served by [`AT_ONCE`] threads, as each call
+    /// Calls `each` for each item; remote folders are served by `AT_ONCE` threads, as each call
     /// waits for an answer.
     pub fn each<T: Sync, R: Send>(&self, items: &[T], each: impl Fn(&T) -> Result<R> + Sync) -> Result<Vec<R>> {
         let all = || items.par_iter().map(&each).collect();

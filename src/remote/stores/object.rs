@@ -116,7 +116,7 @@ impl Object {
     }
 
     /// Reads the bytes of a range, which lies inside the object. An answer that was cut off is
-    /// requested again, at most [`ATTEMPTS`] times in all.
+    /// requested again, at most `ATTEMPTS` times in all.
     pub async fn range(&self, range: Range<u64>) -> Result<Bytes, Failure> {
         if range.is_empty() {
             return Ok(Bytes::new());
