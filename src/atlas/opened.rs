@@ -139,6 +139,7 @@ impl Atlas {
             }
             Ok(archive)
         };
+        // All archives are opened before one is read, so that their first blocks arrive together.
         let parts = self.states(within, |names| self.folder.each(names, open))?;
         for (part, state) in &parts {
             if let PartState::Built(archive) = state {

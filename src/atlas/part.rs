@@ -93,6 +93,7 @@ impl PartBuild<'_> {
             observer.report(&format!("{}: is there, nothing is traced again ({{fresh}} replaces it)\n", part.name));
             return Ok(());
         }
+        // The part is built here first, so that readers never find one that is incomplete.
         let folder = tempfile::tempdir().map_err(Error::io(&std::env::temp_dir(), "make a folder in"))?;
         self.trace(folder.path()).map_err(|error| match error {
             Error::Stopped { what } => {

@@ -119,6 +119,7 @@ impl AtlasPlan {
         let mut touched: BTreeMap<[i64; 2], usize> = BTreeMap::new();
         for object in surveyed.iter().flat_map(|file| &file.objects).filter(|object| any || object.is_usual) {
             let [low, high] = object.bounds.map(|corner| (corner.truncate() / cut.part_size_m).floor().as_i64vec2());
+            // Terrain is everywhere: it must not decide in which parts the halo is tried.
             let is_wider = (object.bounds[1] - object.bounds[0]).truncate().max_element() > cut.part_size_m;
             for x in low.x..=high.x {
                 for y in low.y..=high.y {

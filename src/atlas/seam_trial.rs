@@ -49,6 +49,7 @@ pub fn measure(
     let mut found = Differences::default();
     for (part, wanted) in drawn(&plan.parts, sample) {
         let near = plan.region_part(part);
+        // Lower objects count, too, as the angle shrinks with the wider halo.
         let wide = RegionPart { halo_m: WIDER * near.halo_m, skyline_deg: near.skyline_deg / WIDER, ..near };
         let (scene, covered) = cover_site(&plan.site(near, atlas)?, &plan.cut.cover, &Silent)?;
         if found.parts == 0 {

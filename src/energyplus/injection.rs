@@ -70,6 +70,7 @@ pub fn ground_of(document: &Document) -> MonthlyGround {
 pub fn write(document: &mut Document, injection: &Injection) -> Result<Changed> {
     let mut changed = Changed::default();
     changed.notes.extend(switch_distribution(document)?);
+    // The actuator multiplies the ground's light, so the ground must reflect something.
     let bare = brighten_ground(document, &mut changed.notes)?;
     let names = Names::free(document.objects.iter().map(ModelObject::name));
     write_site(document, &names);

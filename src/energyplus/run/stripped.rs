@@ -99,6 +99,8 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
         let lit = number.and_then(|number| lit.get(number));
         let lights = lights(lit, steps.lit.len());
         let key = name.to_lowercase();
+        // Windows with shading controls cannot be multiplied: their sun is added as light of the
+        // ground.
         let multiplies = windows.contains(&key) && !shaded.contains(&key);
         let factors: Vec<f64> = lights.iter().map(|light| if multiplies { light.multiplier() } else { 1.0 }).collect();
         let added = lights.iter().zip(&factors).map(|(light, m)| light.added_before(*m)).collect();

@@ -80,6 +80,7 @@ pub fn surface_series(archive: &Archive, asked: &SeriesRequest) -> Result<BTreeM
         Ok(true)
     })?;
     for (name, mean) in &mut found {
+        // Hidden parts get no light, so sums are divided by the whole area.
         let whole_m2 = asked.whole_m2.get(name).copied().unwrap_or_default().max(mean.area_m2);
         let share = if whole_m2 > 0.0 { 1.0 / whole_m2 } else { 0.0 };
         mean.sky_view *= share;

@@ -44,6 +44,7 @@ pub fn write(document: &mut Document, names: &Names, table: &Table, readers: &[R
     document.add(NewObject::new("ScheduleTypeLimits", names.of("Any"), &[]));
     write_site(document, names);
     let gsr = names.of("GSR");
+    // The actuator multiplies the ground's light, so the series is divided by it; not at night.
     let mut programs = vec![(
         names.of("Prepare"),
         vec![

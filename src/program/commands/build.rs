@@ -62,6 +62,7 @@ fn parts(args: &BuildArgs, part: &str) -> Result<Outcome> {
 fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
     let inputs =
         [Some(receivers), args.accuracy.error_weather.as_deref(), args.weather.as_deref(), args.from.as_deref()];
+    // Outputs are checked before minutes of tracing.
     guard_site(output, &args.scene.site()?, &inputs)?;
     guard_archive(output)?;
     let before = args.from.as_deref().map(|from| open_archive(from, Access::Read)).transpose()?;

@@ -49,6 +49,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
             return scene::info(&request.site()?);
         }
     };
+    // Options of scenes do not apply to archives: they are refused rather than ignored.
     if args.place.frame() != SiteFrame::default() {
         let hint = "leave --crs, --latitude, --longitude, --rotate-deg, --elevation and --scale out";
         return Err(Error::input(path, None, "is an archive, whose place was stated when it was built", hint));

@@ -163,6 +163,7 @@ impl Ahead {
                 }
                 Lookup::Bytes(bytes.clone())
             }
+            // The failure is forgotten, so that the next look-up requests the block again.
             Some(State::Failed(failure)) => {
                 let failure = failure.clone();
                 self.blocks.remove(&offset);

@@ -47,6 +47,7 @@ pub fn download(file: &RemoteFile, to: &Path, replace: bool, came: impl Fn(u64))
             ));
         }
     }
+    // The name comes last: a file of that name is whole and checked.
     open_to_all(partial.as_file());
     let persisted = if replace { partial.persist(to) } else { partial.persist_noclobber(to) };
     persisted.map(drop).map_err(|error| match error.error.kind() {

@@ -59,6 +59,7 @@ impl Failure {
         let found = Found::of(error);
         let code = found.code.as_ref().map_or(String::new(), |code| format!(", {code}"));
         match error {
+            // A wrong clock is answered like denied access, so it is checked first.
             _ if found.clock_is_off => {
                 let theirs = found.server_time.map_or(String::new(), |time| format!(", the store's says {time}"));
                 let status = found.status.unwrap_or(403);

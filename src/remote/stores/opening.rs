@@ -36,6 +36,7 @@ impl Opened {
     /// Opens the object at an address: an archive, a pointer or any other file.
     pub async fn open(place: &Locator, cache: Option<&Cache>) -> Result<Opened, Failure> {
         let first = Object::open(place, GetRange::Bounded(0..HEAD));
+        // The end of the object is requested together with its head where the store allows that.
         let (first, tail) = match place.has_suffixes() {
             true => tokio::join!(first, async { Object::open(place, GetRange::Suffix(TAIL)).await.ok() }),
             false => (first.await, None),
@@ -45,6 +46,7 @@ impl Opened {
             opened => opened?,
         };
         let length = object.version().length;
+        // A small object arrives whole with the first answer.
         if head.len() as u64 == length {
             return Ok(Opened::whole(head));
         }

@@ -79,6 +79,7 @@ impl RemoteFile {
             Ok(opened) => opened,
             Err(failure) => return Ok(Err(failure)),
         };
+        // The bytes must be those that the pointer was written for.
         if let Some(pointer) = opened.pointer().map_err(|failure| failure.at(address))? {
             place = Locator::connect(&address.beside(&pointer.name), connection)?;
             opened = open(&place).map_err(|failure| failure.at(&place.address))?;

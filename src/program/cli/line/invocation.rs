@@ -44,6 +44,7 @@ fn of(cli: &Command, matches: &ArgMatches) -> Provenance {
         let values: Vec<String> = raw.map(|value| without_secrets(&value.to_string_lossy())).collect();
         let is_flag = !arg.get_action().takes_values();
         let typed = matches.value_source(id) == Some(ValueSource::CommandLine);
+        // A flag that was not typed is false, and is left out.
         if is_flag && !typed {
             continue;
         }
