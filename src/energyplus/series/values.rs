@@ -43,8 +43,8 @@ mod tests {
     use super::*;
 
     /// A wall in half of 400 W/m2 of sun and half of 100 of sky that gets 30 by reflection has -220
-    /// added. A window there multiplies by 0.5 and has 60 added before, so that 0.5 (400 + 100 +
-    /// 60) = 280 = 30 + 50 + 200. Without sun nothing is multiplied.
+    /// added. A window there multiplies by 0.5 and has 60 added before, so that 0.5
+    /// (400 + 100 + 60) = 280 = 30 + 50 + 200. Without sun nothing is multiplied.
     #[test]
     fn half_in_shade() {
         let light = StepLight { reflected: 30.0, sky: 50.0, sun: 200.0, alone_sky: 100.0, alone_sun: 400.0 };
