@@ -85,10 +85,10 @@ fn sphere() -> String {
     text
 }
 
-/// In a sphere that light enters by a hole of a share f of it, the light reflected again is rho
-/// (1 - f) / (1 - rho (1 - f)) of the light reflected once, in each band by its own reflectance: 0.5,
-/// 0.2 and 0.8 give 0.875, 0.230 and 2.942 (f = 0.067), within 2 %. The first reflection is rho f x
-/// DHI x the band's share within 4 %.
+/// In a sphere that light enters by a hole of a share f of it, the light reflected again is
+/// `rho (1 - f) / (1 - rho (1 - f))` of the light reflected once, in each band by its own
+/// reflectance: 0.5, 0.2 and 0.8 give 0.875, 0.230 and 2.942 (f = 0.067), within 2 %. The first
+/// reflection is rho f x DHI x the band's share within 4 %.
 #[test]
 fn a_furnace_reflects_by_band() {
     let folder =

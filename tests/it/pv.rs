@@ -144,9 +144,9 @@ fn half_the_sky() {
 }
 
 /// Under a uniform sky the best turn before a wall in the north is, by lunes of directions,
-/// atan(1 - w) south of level, where the wall is w times as bright as the sky: 45 degrees before a black
-/// one, 31.0 before one that reflects 0.8 diffusely, 11.3 before a mirror of 0.8, found within 0.5
-/// degrees. With limits the result lies on them, and a point without angles takes it.
+/// `atan(1 - w)` south of level, where the wall is w times as bright as the sky: 45 degrees before
+/// a black one, 31.0 before one that reflects 0.8 diffusely, 11.3 before a mirror of 0.8, found
+/// within 0.5 degrees. With limits the result lies on them, and a point without angles takes it.
 #[test]
 fn turns_beside_a_wall() {
     for (material, bright) in [("diffuse = 0", 0.0_f64), ("diffuse = 0.8", 0.4), ("diffuse = 0\nspecular = 0.8", 0.8)] {
