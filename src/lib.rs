@@ -1,8 +1,9 @@
-//! How much sun does every point of a building, a solar module or a street get? heliotile traces a site once and replays any weather,
-//! reflectance and season from one file, without tracing a ray again.
+//! How much sun does every point of a building, a solar module or a street get? heliotile traces a
+//! site once and replays any weather, reflectance and season from one file, without tracing a ray
+//! again.
 //!
-//! This crate is the face of others: requests that a program fills, and what they give back. The program `heliotile`, the Python package and
-//! the page fill the same ones.
+//! This crate is the entry to the library: requests that a program fills, and their results. The
+//! program `heliotile`, the Python package and the page fill the same requests.
 //!
 //! ```no_run
 //! use heliotile::{ReplayRequest, Resources, SceneRequest, Silent, SiteArchiveRequest, SiteRequest};
@@ -21,8 +22,8 @@
 //! }
 //! ```
 //!
-//! Four programs stand in `tools/examples`: this one, hours of a tile handed to a function of one's own, conditions with another albedo, and
-//! geometry that a program makes.
+//! Four programs stand in `tools/examples`: the one above, hours of a tile passed to a function of
+//! the caller, conditions with another albedo, and geometry that a program makes.
 //!
 //! # What it is made of
 //!
@@ -36,18 +37,20 @@
 //! | --- | --- |
 //! | [`heliotile_core`] | what an archive is and how it is replayed; every formula |
 //! | [`heliotile_scene`] | files of the world: geometry, materials, receivers |
-//! | [`heliotile_builder`] | tracing, writing, plans, the judge, parts and unions of archives |
+//! | [`heliotile_builder`] | tracing, writing, plans, the reference path tracer, parts and unions of archives |
 //! | [`heliotile_remote`] | places of files: paths, and addresses in object stores (feature `remote`) |
-//! | [`heliotile_results`] | requests and their answers: tables, maps, pictures, models of others |
-//! | [`heliotile_atlas`] | regions in parts, and what is asked of an archive or an atlas at a place |
+//! | [`heliotile_results`] | requests and their results: tables, maps, pictures, models of other programs |
+//! | [`heliotile_atlas`] | regions in parts, and requests to an archive or an atlas at a place |
 //!
 //! # What never happens
 //!
 //! - A replay casts no ray: [`heliotile_core`] holds no code that could.
-//! - Nothing is printed and no command line is read: an [`Observer`] is told.
-//! - A file is whole or has not got its name; a changed byte is an error that names the block.
-//! - Bytes of an archive do not depend on threads, on the order of receivers or faces, on the machine or on time.
-//! - No input ends the program: what cannot be used is an [`Error`] that says what was found, where, and what to do.
+//! - Nothing is printed and no command line is read: messages go to an [`Observer`].
+//! - A file is whole or does not have its name; a changed byte is an error that names the block.
+//! - Bytes of an archive do not depend on threads, on the order of receivers or faces, on the
+//!   machine or on time.
+//! - No input ends the program: what cannot be used is an [`Error`] that says what was found,
+//!   where, and what to do.
 
 #![deny(missing_docs)]
 

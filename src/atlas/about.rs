@@ -1,4 +1,4 @@
-//! What an atlas holds. In: an atlas. Out: text; the parts that are built.
+//! Summary of an atlas. In: an atlas. Out: text; the parts that are built.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -10,10 +10,10 @@ use crate::state::PartState;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 
-/// Parts that are listed as missing.
+/// Most missing parts that the summary names.
 const NAMED: usize = 8;
 
-/// The parts that are built, and their archives.
+/// Returns the parts that are built, with the places of their archives. An error: no part is built.
 pub fn built(atlas: &Atlas) -> Result<Vec<(&PlannedPart, PathBuf)>> {
     let listed = atlas.parts(None)?;
     let archives = listed.iter().map(ListedPart::archive);
@@ -27,7 +27,7 @@ pub fn built(atlas: &Atlas) -> Result<Vec<(&PlannedPart, PathBuf)>> {
     }
 }
 
-/// Parts, files, receivers, bytes and seams of an atlas.
+/// Describes an atlas: its parts, scene files, receivers, bytes and seams.
 pub fn info(atlas: &Atlas) -> Result<String> {
     let plan = &atlas.plan;
     let (mut receivers, mut bytes, mut built, mut empty, mut missing) = (0, 0, 0, 0, Vec::new());

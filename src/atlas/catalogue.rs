@@ -1,5 +1,5 @@
-//! What an atlas holds, for programs that know STAC. In: an atlas. Out: `collection.json` beside the plan and `item.json` beside each archive,
-//! with pictures and the page that shows them.
+//! A static STAC catalogue of an atlas. In: an atlas. Out: `collection.json` beside the plan and
+//! `item.json` beside each archive, with pictures and the page that shows them.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -27,19 +27,19 @@ use heliotile_results::outputs::stac::{
 };
 use heliotile_results::outputs::viewer_page::ViewerPage;
 
-/// Beside the archive of a part.
+/// File name of the STAC item beside the archive of a part.
 pub const ITEM: &str = "item.json";
 
-/// What a catalogue says of an atlas besides what the atlas says.
+/// Facts that a catalogue states beyond the contents of the atlas.
 #[derive(Clone, Debug)]
 pub struct CatalogueRequest {
-    /// Name for people; none: that of the folder.
+    /// Title for readers; `None` for the name of the folder.
     pub title: Option<String>,
-    /// Licence, as SPDX names it.
+    /// Licence, as an SPDX identifier.
     pub license: String,
 }
 
-/// Writes the catalogue of the atlas at a path; `about` is what pictures say of how they were made.
+/// Writes the catalogue of the atlas at a path. `about` is the provenance that pictures state.
 pub fn catalogue(atlas: &Path, request: &CatalogueRequest, about: Provenance, observer: &dyn Observer) -> Result<()> {
     let opened = Atlas::open(atlas)?;
     let whole = std::path::absolute(atlas).map_err(Error::io(atlas, "find"))?;

@@ -1,6 +1,7 @@
-//! An atlas copied: to a store, from there, between two. In: an atlas, where it goes. Out: archives and catalogue there, and the plan
-//! last: who reads never finds an atlas of which a part is still on its way. What is there and is the same stays, so that the same command
-//! goes on after an interruption and brings parts that were built since.
+//! A copy of an atlas: to a store, from a store, between two. In: an atlas, a destination. Out:
+//! archives and catalogue there, and the plan last, so that a reader never finds an atlas with a
+//! part still under way. Files that are there and are the same stay. So the same command resumes
+//! after an interruption, and brings parts that were built since.
 
 use std::collections::HashSet;
 use std::fs;
@@ -18,7 +19,7 @@ use heliotile_remote::Directory;
 use heliotile_remote::naming::shown;
 use heliotile_results::outputs::stac::{COLLECTION, THUMBNAIL, VIEWER};
 
-/// Files that are copied between two looks at whether to stop.
+/// Files that are copied between two checks for cancellation.
 const STEP: usize = 64;
 
 /// Copies an atlas, file by file.
@@ -34,7 +35,7 @@ pub fn copy(atlas: &Atlas, to: &Path, replace: bool, observer: &dyn Observer) ->
             fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
         }
     }
-    // Many are copied at a time if one of both places is afar, and one is.
+    // If one of the two places is remote, its folder runs many copies at a time.
     let afar = if to.is_remote() { &to } else { &atlas.folder };
     let stage = Stage::begin(observer, "files", Some(names.len() as u64 + 1));
     let one = |name: &String| {
@@ -42,7 +43,7 @@ pub fn copy(atlas: &Atlas, to: &Path, replace: bool, observer: &dyn Observer) ->
         let file = name.rsplit('/').next().unwrap_or(name);
         let is_of_catalogue = [ITEM, COLLECTION, THUMBNAIL, PARTS, VIEWER].contains(&file);
         let copied = match copy(replace) {
-            // What a catalogue says follows from the parts, and is made again as they are.
+            // The files of a catalogue follow from the parts, so they are replaced by the new ones.
             Err(Error::Input { .. }) if is_there && is_of_catalogue => copy(true)?,
             copied => copied?,
         };
@@ -73,7 +74,8 @@ pub fn copy(atlas: &Atlas, to: &Path, replace: bool, observer: &dyn Observer) ->
     Ok(())
 }
 
-/// Whether the same atlas is there: parts of two must not lie under one plan.
+/// Returns true if the same atlas is already at `to`. An error: another atlas is there, as parts of
+/// two must not lie under one plan.
 fn check_place(to: &Directory, plan: &str) -> Result<bool> {
     let refuse = |what: &str| Err(Error::input(&shown(to.place()), None, what, "give it a place of its own"));
     if !to.is_remote() && to.place().exists() && !to.place().is_dir() {
@@ -85,7 +87,8 @@ fn check_place(to: &Directory, plan: &str) -> Result<bool> {
     }
 }
 
-/// Files of an atlas but its plan, archives first, and how many parts are not built.
+/// Returns the names of all files of an atlas but its plan, archives first, and the number of parts
+/// that are not built.
 fn names_of(atlas: &Atlas) -> Result<(Vec<String>, u64)> {
     let there = atlas.folder.names()?;
     let is_there = |name: &String| there.as_ref().map(|names| names.binary_search(name).is_ok());
@@ -105,12 +108,12 @@ fn names_of(atlas: &Atlas) -> Result<(Vec<String>, u64)> {
         }
         beside.push(part.beside(ITEM));
     }
-    // Where nobody lists what lies there, what a catalogue has is looked for.
+    // Where the store gives no list, each file that a catalogue may have is asked for.
     match &there {
         Some(there) => {
             let parts: HashSet<&str> =
                 names.iter().filter_map(|name| name.rsplit_once('/')).map(|(folder, _)| folder).collect();
-            // What a catalogue wrote; whatever else lies there is somebody's own.
+            // Only files of a catalogue are copied; other files in the folder belong to the user.
             let is_beside = |name: &&String| match name.rsplit_once('/') {
                 None => [COLLECTION, THUMBNAIL, PARTS, VIEWER].contains(&name.as_str()),
                 Some((folder, file)) => [ITEM, THUMBNAIL].contains(&file) && parts.contains(folder),

@@ -1,5 +1,5 @@
-//! A region in parts. An atlas is a folder, here or in a store, with the plan and a folder for each part that is built; it is asked like one
-//! archive.
+//! A region in parts. An atlas is a folder, local or in a store, with the plan and a folder for
+//! each part that is built. It is queried like one archive.
 //!
 //! # Map
 //!
@@ -9,18 +9,18 @@
 //! | [`partition`] | scene files, however many | a plan, and what the halo costs |
 //! | [`part`] | an atlas, a part | its receivers and its archive |
 //! | [`opened`], [`listed`] | the place of an atlas | its plan, the state of its parts, their archives |
-//! | [`sources`] | the place of an archive or of an atlas, a box | the archives that results are made of |
+//! | [`sources`] | the place of an archive or of an atlas, a box | the archives that results are computed from |
 //! | `site_request` | the place of an archive or of an atlas, requests | files of results |
-//! | `verify` | the place of an archive or of an atlas | what is damaged |
+//! | `verify` | the place of an archive or of an atlas | the damaged blocks |
 //! | `export` | a receiver, or all of them | pictures and values of its layers; view factors |
 //! | [`catalogue`] | an atlas | a static STAC catalogue with pictures and a page |
-//! | [`copied`] | an atlas, a place | the same atlas there |
-//! | [`about`] | an atlas | what it holds, as text |
+//! | [`copied`] | an atlas, a place | a copy of the atlas at that place |
+//! | [`about`] | an atlas | a summary as text |
 //!
 //! # What never happens
 //!
-//! - Nothing is printed: an [`Observer`](heliotile_core::observer::Observer) is told.
-//! - A part depends on the plan and the files near it only, whoever builds it and wherever.
+//! - Nothing is printed: messages go to an [`Observer`](heliotile_core::observer::Observer).
+//! - A part depends only on the plan and the files near it, not on who builds it or where.
 
 #![deny(missing_docs)]
 

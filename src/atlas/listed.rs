@@ -1,4 +1,5 @@
-//! The parts of an atlas, for programs that build and ask them one by one. In: the place of an atlas. Out: names, squares, archives.
+//! The parts of an atlas, for programs that build and query them one by one. In: the place of an
+//! atlas. Out: names, squares, archives.
 
 use std::path::{Path, PathBuf};
 
@@ -12,25 +13,27 @@ use heliotile_core::error::Result;
 /// A part of an atlas.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ListedPart {
-    /// What `build --part` takes.
+    /// Name of the part, as `build --part` takes it.
     pub name: String,
-    /// South-west and north-east corner of its square, scene coordinates, metres.
+    /// South-west corner of its square, scene coordinates, metres.
     pub low: DVec2,
-    /// See `low`.
+    /// North-east corner of its square, scene coordinates, metres.
     pub high: DVec2,
-    /// How far beyond its square its receivers may stand, metres.
+    /// Distance beyond its square at which its receivers may stand, metres.
     pub reach_m: f64,
-    /// What there is of it.
+    /// State of the part, with its archive if it is built.
     pub state: PartState,
 }
 
-/// Parts of an atlas by their names, those that a box touches if there is one.
+/// Returns the parts of an atlas in the order of its plan; with `within`, only the parts that this
+/// box touches.
 pub fn parts(atlas: &Path, within: Option<Bounds>) -> Result<Vec<ListedPart>> {
     Atlas::open(atlas)?.parts(within)
 }
 
 impl Atlas {
-    /// The same of one that is open.
+    /// Returns the parts of this atlas in the order of its plan; with `within`, only the parts that
+    /// this box touches.
     pub fn parts(&self, within: Option<Bounds>) -> Result<Vec<ListedPart>> {
         let look = |names: &[String]| {
             let there = self.folder.has(names, self.plan.parts.len())?.into_iter();
@@ -45,7 +48,7 @@ impl Atlas {
 }
 
 impl ListedPart {
-    /// Its archive, if it is built.
+    /// Returns the archive of the part, if it is built.
     pub fn archive(&self) -> Option<&PathBuf> {
         match &self.state {
             PartState::Built(path) => Some(path),

@@ -1,4 +1,5 @@
-//! An atlas that is asked, in a folder or below an address. In: its place. Out: its plan, read once; what there is of its parts; their archives.
+//! An open atlas, in a folder or below an address. In: its place. Out: its plan, read once; the
+//! state of its parts; their archives.
 
 use std::path::Path;
 
@@ -15,10 +16,10 @@ use heliotile_remote::Directory;
 use heliotile_remote::naming::{is_address, shown};
 use heliotile_remote::places::find_archive;
 
-/// Parts that a message names.
+/// Most parts that a message names.
 const NAMED: usize = 5;
 
-/// Blocks that whoever asks for results reads first.
+/// Kinds of blocks that every computation of results reads first.
 const READ_FIRST: [BlockKind; 7] = [
     format::MATERIALS,
     format::OPTICS,
@@ -29,18 +30,19 @@ const READ_FIRST: [BlockKind; 7] = [
     format::EXTENTS,
 ];
 
-/// How far beyond its place rounding may put a receiver, metres.
+/// Distance that rounding may move a receiver, metres.
 const ROUNDING_M: f64 = 0.01;
 
 /// A region in parts.
 pub struct Atlas {
-    /// Where it lies.
+    /// Folder of the atlas.
     pub folder: Directory,
-    /// As it was when it was opened: what is asked of the atlas is asked of this one.
+    /// Plan of the atlas, as it was when it was opened; all requests use this one.
     pub plan: AtlasPlan,
 }
 
-/// Refuses an archive with receivers farther than `reach_m` from the square between `low` and `high`, that of a part of this name.
+/// Refuses an archive with receivers farther than `reach_m` from the square between `low` and
+/// `high`, the square of the part of this name.
 pub fn check_square(archive: &Archive, part: &str, low: DVec2, high: DVec2, reach_m: f64) -> Result<()> {
     let within = [(low - reach_m).extend(f64::NEG_INFINITY), (high + reach_m).extend(f64::INFINITY)];
     if tiles_within(&OpenSite::of(archive)?, within)?.len() == archive.tiles() as usize {
@@ -52,7 +54,7 @@ pub fn check_square(archive: &Archive, part: &str, low: DVec2, high: DVec2, reac
 }
 
 impl Atlas {
-    /// The atlas at a place; none if that is something else.
+    /// Opens the atlas at a place, or returns `None` if the place holds something else.
     pub fn find(place: &Path) -> Result<Option<Self>> {
         let is_archive = || shown(place).extension().is_some_and(|ending| ending == "helio");
         if is_address(place) && is_archive() {
@@ -64,22 +66,23 @@ impl Atlas {
         Ok(Some(Atlas { folder, plan }))
     }
 
-    /// The same where nothing else will do.
+    /// Opens the atlas at a place. An error: no atlas is there.
     pub fn open(place: &Path) -> Result<Self> {
         Ok(Atlas { folder: Directory::at(place), plan: AtlasPlan::read(place)? })
     }
 
-    /// What messages call it.
+    /// Returns the name of the atlas for messages.
     pub fn shown(&self) -> std::path::PathBuf {
         shown(self.folder.place())
     }
 
-    /// How far beyond the square of its part a receiver may stand, metres: the point of the surface below it lies in the square.
+    /// Returns the distance beyond the square of its part at which a receiver may stand, metres:
+    /// the point of the surface below the receiver lies in the square.
     pub fn reach_m(&self) -> f64 {
         self.plan.cut.cover.offset_m.abs() + ROUNDING_M
     }
 
-    /// Parts of which receivers may stand in a box, all without one.
+    /// Returns the parts whose receivers may stand in a box, or all parts without a box.
     fn touched(&self, within: Option<Bounds>) -> Vec<&PlannedPart> {
         let reach = self.reach_m();
         let touches = |part: &&PlannedPart| {
@@ -88,7 +91,8 @@ impl Atlas {
         self.plan.parts.iter().filter(touches).collect()
     }
 
-    /// What there is of the parts that a box touches; `look` is given the names of archives in the folder, and says what it makes of each.
+    /// Returns the state of each part that a box touches. `look` gets the names of the archives in
+    /// the folder and returns for each what it found, or `None`.
     pub fn states<A>(
         &self,
         within: Option<Bounds>,
@@ -107,7 +111,8 @@ impl Atlas {
         Ok(parts.into_iter().zip(found.into_iter().map(state)).collect())
     }
 
-    /// What there is of all parts, and of each archive what `about` makes of it: one is open no longer than that takes.
+    /// Returns the state of all parts, with the result of `about` for each archive. An archive is
+    /// open only while `about` runs.
     pub fn each_archive<T: Send>(
         &self,
         about: impl Fn(Archive) -> T + Sync,
@@ -116,14 +121,15 @@ impl Atlas {
         self.states(None, |names| self.folder.each(names, open))
     }
 
-    /// Refuses an archive whose receivers do not stand in the square of its part: that of another part.
+    /// Refuses an archive whose receivers do not stand in the square of `part`, as it belongs to
+    /// another part.
     pub fn check_place(&self, part: &PlannedPart, archive: &Archive) -> Result<()> {
         let square = self.plan.region_part(part);
         check_square(archive, &part.name, square.low, square.high, self.reach_m())
     }
 
-    /// Archives of the parts that a box touches, by the names of the parts; what is read first of all of them is on its way. A part that is
-    /// not built is an error.
+    /// Opens the archives of the parts that a box touches, in the order of the plan, and announces
+    /// the blocks that are read first. An error: a part that is not built.
     pub fn archives(&self, within: Option<Bounds>, access: Access) -> Result<Vec<Archive>> {
         let open = |name: &String| {
             let archive = find_archive(&self.folder.join(name), access)?;
@@ -133,6 +139,7 @@ impl Atlas {
             }
             Ok(archive)
         };
+        // All archives are opened before one is read, so that their first blocks arrive together.
         let parts = self.states(within, |names| self.folder.each(names, open))?;
         for (part, state) in &parts {
             if let PartState::Built(archive) = state {

@@ -1,4 +1,5 @@
-//! The parts of an atlas as the page takes them (`view`, `catalogue`). In: parts. Out: a list in JSON, with addresses seen from it.
+//! The list of parts for the page (`view`, `catalogue`). In: parts. Out: a list in JSON, with
+//! addresses relative to the page.
 
 use std::path::PathBuf;
 
@@ -6,17 +7,18 @@ use serde_json::json;
 
 use crate::listed::ListedPart;
 
-/// Name of the list.
+/// File name of the list.
 pub const PARTS: &str = "parts.json";
 
-/// Address of a built part's archive, seen from the folder of the atlas, and its file.
+/// Returns the address of a built part's archive, relative to the folder of the atlas, and the
+/// archive's path.
 pub fn archive_of(part: &ListedPart) -> Option<(String, &PathBuf)> {
     let path = part.archive()?;
     let file = path.file_name()?.to_string_lossy();
     Some((format!("parts/{}/{file}", part.name), path))
 }
 
-/// The list, a part a line.
+/// Returns the list as JSON, one part a line.
 pub fn list(parts: &[ListedPart]) -> String {
     let line = |part: &ListedPart| {
         json!({

@@ -1,6 +1,8 @@
-//! Building one part of a region. In: an atlas, the name or number of a part. Out: its receivers and its archive, in a
-//! folder of its own, from nothing but the plan and the scene files near the part. A part that is there is not traced again, and two processes
-//! that build one part do so one after the other. Below an address, the archive is published when it is whole, unless one is there.
+//! Building one part of a region. In: an atlas, the name or number of a part. Out: its receivers
+//! and its archive in a folder of its own, from nothing but the plan and the scene files near the
+//! part. A part that is there is not traced again, and two processes that build one part do so one
+//! after the other. Below an address, the archive is published when it is whole, unless one is
+//! there.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -21,13 +23,13 @@ use heliotile_results::covering::cover_site;
 use heliotile_results::outputs::sink::write_texts;
 use heliotile_results::site_archive::{TraceRequest, WaysOut, build_or_reuse};
 
-/// Locked by who builds a part.
+/// Lock file in the folder of a part, held by the process that builds the part.
 const LOCK: &str = ".lock";
 
-/// How often the lock is looked at.
+/// Interval between two attempts to take the lock.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 
-/// What to do where a part of other inputs is.
+/// Hint for a part that was built from other inputs.
 const FRESH: &str =
     "{fresh} to build the part again from the present inputs; parts that are built keep the earlier ones";
 
@@ -36,11 +38,12 @@ const FRESH: &str =
 pub struct PartRequest<'a> {
     /// Name or number of a part, or `all`.
     pub part: &'a str,
-    /// Whether what is there of other inputs is replaced.
+    /// True if a part that was built from other inputs is replaced.
     pub fresh: bool,
-    /// For each of them.
+    /// Memory for the build of each part.
     pub memory: MemoryBudget,
-    /// Archive or atlas of the region before it was changed: of an atlas, its part of the same name.
+    /// Archive or atlas of the region before it was changed; in an atlas, the part of the same name
+    /// is used.
     pub from: Option<&'a Path>,
 }
 
@@ -80,7 +83,8 @@ impl PartBuild<'_> {
         self.trace(&folder)
     }
 
-    /// Builds a part here and sends what others read of it; of two who do so one is first, and both have the same bytes.
+    /// Builds a part in a temporary folder and publishes its archive or its marker. If two
+    /// processes do so, the first one publishes, and both have the same bytes.
     fn publish(&self) -> Result<()> {
         let PartBuild { request, atlas, part, observer, .. } = *self;
         heliotile_remote::check_writable(atlas.folder.place())?;
@@ -89,6 +93,7 @@ impl PartBuild<'_> {
             observer.report(&format!("{}: is there, nothing is traced again ({{fresh}} replaces it)\n", part.name));
             return Ok(());
         }
+        // The part is built here first, so that readers never find one that is incomplete.
         let folder = tempfile::tempdir().map_err(Error::io(&std::env::temp_dir(), "make a folder in"))?;
         self.trace(folder.path()).map_err(|error| match error {
             Error::Stopped { what } => {
@@ -114,7 +119,8 @@ impl PartBuild<'_> {
         Ok(())
     }
 
-    /// The archive of this part before the region was changed; none if its atlas has no such part.
+    /// Returns the archive of this part before the region was changed, or `None` if its atlas has
+    /// no such part that is built.
     fn before_part(&self) -> Result<Option<PathBuf>> {
         let Some(atlas) = self.before else { return Ok(self.request.from.map(Path::to_path_buf)) };
         let name = &self.part.name;
@@ -178,7 +184,8 @@ impl PartBuild<'_> {
     }
 }
 
-/// Locks the folder of a part, and waits while another process builds there. The lock of a process that was killed is free.
+/// Locks the folder of a part, and waits while another process builds there. The lock of a process
+/// that was killed is free.
 fn lock_part(folder: &Path, observer: &dyn Observer) -> Result<FileLock> {
     let path = folder.join(LOCK);
     let mut is_waiting = false;

@@ -1,5 +1,6 @@
-//! A region cut into parts. In: scene files, however many. Out: `atlas.json`, and what the halo costs. No part is traced; files are read one
-//! after the other, so that memory is that of the largest.
+//! A region cut into parts. In: any number of scene files. Out: `atlas.json`, and the error that
+//! the halo makes. No part is traced. Files are read one after the other, so that memory is that of
+//! the largest.
 
 use std::fs;
 use std::path::PathBuf;
@@ -14,21 +15,21 @@ use heliotile_core::memory::MemoryBudget;
 use heliotile_core::observer::Observer;
 use heliotile_results::outputs::sink::write_texts;
 
-/// Halos below this leave out neighbours that matter, metres.
+/// Halo width below which a warning says that neighbours that matter are left out, metres.
 const NARROW_M: f64 = 50.0;
 
 /// A region to be cut.
 #[derive(Clone, Debug)]
 pub struct PartitionRequest {
-    /// How it is cut.
+    /// Parts, halo and settings of the cut.
     pub cut: CutRequest,
     /// Folder of the atlas.
     pub atlas: PathBuf,
-    /// Whether a plan that lies there goes.
+    /// True if a plan that is there is replaced.
     pub replace: bool,
-    /// Receivers that the cost of the halo is estimated with; 0 for none.
+    /// Number of receivers for the estimate of the halo's error; 0 for no estimate.
     pub sample: usize,
-    /// For these estimates.
+    /// Memory for the estimate.
     pub memory: MemoryBudget,
 }
 
@@ -57,7 +58,7 @@ pub fn partition(request: &PartitionRequest, observer: &dyn Observer) -> Result<
     Ok(plan)
 }
 
-/// Parts of another plan must not lie beside this one.
+/// Refuses a folder with another plan that has built parts: they must not lie beside this plan.
 fn check_folder(request: &PartitionRequest) -> Result<()> {
     let atlas = request.atlas.as_path();
     if !is_atlas(atlas) {

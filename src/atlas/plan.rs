@@ -1,5 +1,6 @@
-//! `atlas.json`: how a region is cut into parts. In: what `partition` was asked for, and where objects lie. Out: parts with their places
-//! and the site of each, the same wherever and whenever it is read.
+//! `atlas.json`: how a region is cut into parts. In: the request of `partition`, and where objects
+//! lie. Out: parts with their places and the site of each, the same wherever and whenever it is
+//! read.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs;
@@ -24,10 +25,10 @@ use heliotile_scene::survey::FileSurvey;
 
 pub use heliotile_remote::places::ATLAS as FILE;
 
-/// The layout of this file that is written, and the only one that is read.
+/// Number of the layout that is written, and the only one that is read.
 const LAYOUT: u32 = 4;
 
-/// What to do about a plan that cannot be used.
+/// Hint for a plan that cannot be used.
 const AGAIN: &str = "make it again with `{command:partition}`";
 
 /// A region cut into parts.
@@ -38,13 +39,13 @@ pub struct AtlasPlan {
     /// How the region was cut.
     #[serde(flatten)]
     pub cut: CutRequest,
-    /// What the halo costs, if that was looked at.
+    /// Error that the halo makes, if it was estimated.
     pub seams: Option<Seams>,
-    /// All files of the site, in its order.
+    /// All files of the site, in the order of the site.
     pub files: Vec<PlannedFile>,
-    /// BLAKE3 of these files, of the list that names them and of materials, by their paths.
+    /// BLAKE3 hashes of these files, of the list that names them and of materials, by path.
     checksums: BTreeMap<PathBuf, String>,
-    /// By their names.
+    /// Parts, in the order of their cells (x, then y).
     pub parts: Vec<PlannedPart>,
 }
 
@@ -52,7 +53,7 @@ pub struct AtlasPlan {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlannedFile {
-    /// Its path.
+    /// Path of the file.
     pub file: PathBuf,
     /// Lowest corner of its box.
     pub low: [f64; 3],
@@ -64,31 +65,32 @@ pub struct PlannedFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlannedPart {
-    /// That of its folder: multiples of the part's size.
+    /// Name of the part and of its folder: its corner in multiples of the part's size.
     pub name: String,
     /// South-west corner, metres.
     pub low: [f64; 2],
-    /// Objects that touch it, those wider than a part aside: terrain is everywhere.
+    /// Number of objects that touch the part. Objects wider than a part are not counted: terrain is
+    /// everywhere.
     pub objects: usize,
 }
 
-/// How a region is to be cut: what all parts have in common.
+/// Settings of a cut, common to all parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CutRequest {
     /// Side of a part, metres.
     pub part_size_m: f64,
-    /// How far around a part everything counts, metres.
+    /// Width of the zone around a part in which everything counts, metres.
     pub halo_m: f64,
-    /// What rises further above the horizon counts beyond the halo, degrees.
+    /// Elevation angle above which objects beyond the halo count, degrees.
     pub skyline_deg: f64,
-    /// Scene files and what is said of them.
+    /// Scene files and their options.
     pub scene: SceneRequest,
-    /// Where receivers go.
+    /// Surfaces and density of receivers.
     pub cover: CoverRequest,
-    /// How exact all parts are; an error to keep within is not asked for.
+    /// Accuracy of all parts; a target error is not accepted.
     pub accuracy: AccuracyRequest,
-    /// Whether archives leave out the triangles of the scene.
+    /// True if archives leave out the triangles of the scene.
     pub no_scene: bool,
 }
 
@@ -110,12 +112,14 @@ impl Default for CutRequest {
 const MOST_PARTS: usize = 10_000_000;
 
 impl AtlasPlan {
-    /// Cuts a site whose objects lie so. An error, too: a file that cannot be read again.
+    /// Cuts a site with the surveyed objects. Errors: too many parts; a file that cannot be read
+    /// again.
     pub fn new(cut: CutRequest, surveyed: &[FileSurvey]) -> Result<Self> {
         let any = !(cut.cover.on.is_empty() && cut.cover.types.is_empty());
         let mut touched: BTreeMap<[i64; 2], usize> = BTreeMap::new();
         for object in surveyed.iter().flat_map(|file| &file.objects).filter(|object| any || object.is_usual) {
             let [low, high] = object.bounds.map(|corner| (corner.truncate() / cut.part_size_m).floor().as_i64vec2());
+            // Terrain is everywhere: it must not decide in which parts the halo is tried.
             let is_wider = (object.bounds[1] - object.bounds[0]).truncate().max_element() > cut.part_size_m;
             for x in low.x..=high.x {
                 for y in low.y..=high.y {
@@ -151,7 +155,7 @@ impl AtlasPlan {
         })
     }
 
-    /// Reads that of a folder, here or afar.
+    /// Reads the plan of a local or remote folder.
     pub fn read(atlas: &Path) -> Result<Self> {
         let folder = Directory::at(atlas);
         let found = if folder.is_remote() { folder.read(FILE, true)? } else { Some(input::read(&folder.join(FILE))?) };
@@ -162,7 +166,7 @@ impl AtlasPlan {
         AtlasPlan::of_file(&shown(&folder.join(FILE)), &found.ok_or_else(nothing)?)
     }
 
-    /// What a file says, whose name is for messages.
+    /// Parses the bytes of a plan; `path` is for messages.
     pub fn of_file(path: &Path, bytes: &[u8]) -> Result<Self> {
         let refuse = |what: String| Error::input(path, None, what, AGAIN);
         #[derive(Deserialize)]
@@ -183,7 +187,7 @@ impl AtlasPlan {
         Ok(plan)
     }
 
-    /// What is wrong with its numbers.
+    /// Checks the numbers and names of the plan; the error says what is wrong.
     fn check(&self) -> std::result::Result<(), String> {
         let numbers = [self.cut.part_size_m, self.cut.halo_m, self.cut.skyline_deg];
         if !numbers.iter().all(|number| number.is_finite() && *number > 0.0) {
@@ -201,7 +205,7 @@ impl AtlasPlan {
         }
     }
 
-    /// The part of a name, or of a number from 0.
+    /// Returns the part with a name, or with a number from 0.
     pub fn part(&self, asked: &str, atlas: &Path) -> Result<&PlannedPart> {
         let by_name = self.parts.iter().find(|part| part.name == asked);
         let numbered = || asked.parse::<usize>().ok().and_then(|number| self.parts.get(number));
@@ -217,14 +221,14 @@ impl AtlasPlan {
         })
     }
 
-    /// Where a part lies, and what around it counts.
+    /// Returns the square of a part, and which surroundings count.
     pub fn region_part(&self, part: &PlannedPart) -> RegionPart {
         let low = DVec2::from(part.low);
         let high = low + DVec2::splat(self.cut.part_size_m);
         RegionPart { low, high, halo_m: self.cut.halo_m, skyline_deg: self.cut.skyline_deg }
     }
 
-    /// The site of a part: those files in which something may count.
+    /// Returns the site of a part: the files that may hold objects that count.
     pub fn site(&self, within: RegionPart, atlas: &Path) -> Result<Site> {
         let mut site = self.cut.scene.site()?;
         if !site.parts.iter().map(|part| &part.file).eq(self.files.iter().map(|planned| &planned.file)) {
@@ -246,7 +250,7 @@ impl AtlasPlan {
         Ok(site)
     }
 
-    /// The first of the files of a part that is another one than when the region was cut.
+    /// Returns the first file of a part that has changed since the region was cut.
     pub fn changed(&self, site: &Site) -> Result<Option<PathBuf>> {
         let is_far = |path: &PathBuf| self.files.iter().any(|planned| planned.file == *path);
         let lists = said_in(&self.cut.scene).filter(|path| !is_far(path));
@@ -258,7 +262,7 @@ impl AtlasPlan {
         Ok(None)
     }
 
-    /// As it is written.
+    /// Returns the plan as JSON.
     pub fn to_json(&self) -> Result<String> {
         let text =
             serde_json::to_string_pretty(self).map_err(|error| Error::io(Path::new(FILE), "write")(error.into()))?;
@@ -266,7 +270,7 @@ impl AtlasPlan {
     }
 }
 
-/// Files that a command line names: scenes, their lists, the lists of folders, materials.
+/// Returns the files that the request names: scenes, their lists, the lists of folders, materials.
 fn said_in(scene: &SceneRequest) -> impl Iterator<Item = PathBuf> {
     let list = |path: &PathBuf| {
         let lists = ["site.toml", "site.toml.gz"].map(|name| path.join(name));
@@ -276,7 +280,8 @@ fn said_in(scene: &SceneRequest) -> impl Iterator<Item = PathBuf> {
     named.filter(|path| path.is_file()).collect::<Vec<_>>().into_iter()
 }
 
-/// What tells a file from another of its name. One that this process has read is not read again, as long as its length and its time stay.
+/// Returns the BLAKE3 hash of a file. A file that this process has hashed is not read again as long
+/// as its length and modification time stay.
 fn checksum(path: &Path) -> Result<String> {
     type Known = HashMap<PathBuf, ((u64, Option<SystemTime>), String)>;
     static KNOWN: Mutex<Option<Known>> = Mutex::new(None);
@@ -296,7 +301,7 @@ fn checksum(path: &Path) -> Result<String> {
     Ok(hash)
 }
 
-/// Scene files by their whole paths: parts are built from anywhere.
+/// Makes the paths of scene files absolute, as parts may be built from any folder.
 pub fn absolute(scene: &SceneRequest) -> Result<SceneRequest> {
     let whole = |path: &PathBuf| std::path::absolute(path).map_err(Error::io(path, "find"));
     let mut scene = scene.clone();
@@ -306,7 +311,7 @@ pub fn absolute(scene: &SceneRequest) -> Result<SceneRequest> {
     Ok(scene)
 }
 
-/// Whether a folder is that of an atlas.
+/// Returns true if a folder holds an atlas.
 pub fn is_atlas(path: &Path) -> bool {
     fs::metadata(path.join(FILE)).is_ok_and(|found| found.is_file())
 }
@@ -318,7 +323,7 @@ mod tests {
     use heliotile_scene::footprint_options::FootprintOptions;
     use heliotile_scene::placing::frame::{SiteFrame, UpAxis};
 
-    /// A plan in which every field says something.
+    /// Returns a plan in which every field has a value.
     fn full() -> AtlasPlan {
         let frame = SiteFrame {
             epsg: Some(28992),
@@ -365,8 +370,9 @@ mod tests {
         }
     }
 
-    /// A plan is read again as it was written; of layout 3 is said to cut the region again; a key that is not known is refused, beside those of a
-    /// plan and in the place of one, and so is a plan without a key.
+    /// A plan is read again as it was written. For layout 3 the message says to cut the region
+    /// again. An unknown key is refused, beside the keys of a plan and in place of one, and so is a
+    /// plan without a key.
     #[test]
     fn plans_are_kept() {
         let text = full().to_json().expect("JSON");
@@ -381,7 +387,8 @@ mod tests {
         assert!(read(&without).expect_err("no skyline").to_string().contains("skyline_deg"));
     }
 
-    /// The text of the format names every key that a plan has, and no key of its tables is none of a plan's.
+    /// `schema/atlas.md` names every key that a plan has, and every key in its tables is a key of a
+    /// plan.
     #[test]
     fn the_text_names_every_key() {
         fn keys(value: &serde_json::Value, found: &mut std::collections::BTreeSet<String>) {
@@ -396,7 +403,7 @@ mod tests {
         }
         let mut found = std::collections::BTreeSet::new();
         keys(&serde_json::to_value(full()).expect("JSON"), &mut found);
-        // Names of files and of columns are keys of maps.
+        // Names of files and of columns are keys of maps, not of the format.
         found.retain(|key| !["town.city.json", "sun_direct"].contains(&key.as_str()));
         let text = include_str!("../../schema/atlas.md");
         let missing: Vec<_> = found.iter().filter(|key| !text.contains(key.as_str())).collect();

@@ -1,5 +1,6 @@
-//! What a halo costs. In: the plan of an atlas. Out: how much light of some receivers changes if everything within three times the halo
-//! counts. Cells lie on an absolute grid, so that builds of one place differ by what they see alone.
+//! Error that a halo makes. In: the plan of an atlas. Out: how much the light of some receivers
+//! changes if everything within three times the halo counts. Cells lie on an absolute grid, so that
+//! two builds of one place differ only by the surroundings that they see.
 
 use std::path::Path;
 
@@ -21,22 +22,23 @@ use heliotile_results::covering::cover_site;
 use heliotile_scene::Scene;
 use heliotile_scene::region_part::RegionPart;
 
-/// How much wider the halo is that is compared with.
+/// Factor by which the halo of the comparison is wider.
 const WIDER: f64 = 3.0;
 
-/// Parts that are looked at, at most.
+/// Most parts that are compared.
 const MOST_PARTS: usize = 8;
 
-/// What was found, receiver by receiver.
+/// Differences between the two halos, receiver by receiver.
 #[derive(Default)]
 struct Differences {
     pairs: Vec<Pair>,
-    /// `[receiver]`: the number of its part among those with receivers.
+    /// Part of each receiver, `[receiver]`, numbered among the parts with receivers.
     part_of: Vec<usize>,
     parts: usize,
 }
 
-/// Builds about so many receivers with the plan's halo and with a wider one.
+/// Builds about `sample` receivers with the plan's halo and with a wider one, and returns the
+/// errors between them; `None` if no receiver was found.
 pub fn measure(
     plan: &AtlasPlan,
     atlas: &Path,
@@ -47,6 +49,7 @@ pub fn measure(
     let mut found = Differences::default();
     for (part, wanted) in drawn(&plan.parts, sample) {
         let near = plan.region_part(part);
+        // Lower objects count, too, as the angle shrinks with the wider halo.
         let wide = RegionPart { halo_m: WIDER * near.halo_m, skyline_deg: near.skyline_deg / WIDER, ..near };
         let (scene, covered) = cover_site(&plan.site(near, atlas)?, &plan.cut.cover, &Silent)?;
         if found.parts == 0 {
@@ -69,8 +72,9 @@ pub fn measure(
     Ok((found.parts > 0).then(|| found.seams()))
 }
 
-/// Parts to look at and receivers to take there: each object of the atlas has the same chance (systematic sampling with probability
-/// proportional to size, Madow 1949); each part, if none has an object.
+/// Draws parts to compare and the number of receivers in each. Each object of the atlas has the
+/// same chance (systematic sampling with probability proportional to size, Madow 1949); without
+/// objects each part has.
 fn drawn(parts: &[PlannedPart], sample: usize) -> Vec<(&PlannedPart, usize)> {
     let any = usize::from(parts.iter().all(|part| part.objects == 0));
     let objects: usize = parts.iter().map(|part| part.objects + any).sum();
@@ -80,7 +84,7 @@ fn drawn(parts: &[PlannedPart], sample: usize) -> Vec<(&PlannedPart, usize)> {
     for part in parts {
         let end = before + part.objects + any;
         let first = draw;
-        // The draw with number k is the object (k + 1/2) / draws of the way.
+        // Draw `k` picks the object at (k + 1/2) / draws of the way through all objects.
         while draw < draws && (2 * draw + 1) * objects < 2 * draws * end {
             draw += 1;
         }
@@ -92,7 +96,7 @@ fn drawn(parts: &[PlannedPart], sample: usize) -> Vec<(&PlannedPart, usize)> {
     taken
 }
 
-/// At most so many of a list, evenly.
+/// Keeps at most `most` items of a list, evenly spaced.
 fn every<T>(list: Vec<T>, most: usize) -> Vec<T> {
     let (count, taken) = (list.len(), list.len().min(most));
     let is_taken = |i: usize| (i + 1) * taken / count > i * taken / count;
@@ -113,7 +117,7 @@ fn light(
 }
 
 impl Differences {
-    /// Results of the receivers of another part, `[receiver * condition]`.
+    /// Adds the results of the receivers of another part, `[receiver * condition]`.
     fn add(&mut self, near: &Irradiances, wide: &Irradiances, receivers: usize) {
         let first = self.part_of.len();
         let conditions = (near.rows.len() / receivers.max(1)).max(1);
@@ -152,8 +156,9 @@ impl Differences {
 mod tests {
     use super::*;
 
-    /// Of 100 parts, one with half of the 198 objects gets 4 of 8 draws and half of 250 receivers, four others get the rest; of three
-    /// parts with an object each, or none, all are taken with 32 receivers in all, and of 2 receivers wanted each lies in another part.
+    /// Among 100 parts, one with half of the 198 objects gets 4 of 8 draws and half of 250
+    /// receivers, four others get the rest. Three parts with one object each, or none, are all
+    /// taken with 32 receivers in all; of 2 receivers each lies in another part.
     #[test]
     fn objects_have_equal_chances() {
         let part = |(i, objects): (usize, usize)| PlannedPart { name: format!("x{i}_y0"), low: [0.0; 2], objects };

@@ -1,4 +1,4 @@
-//! Errors that a halo makes, as plans state them.
+//! Errors that a halo makes, as plans state them. In: numbers of a comparison. Out: a sentence.
 
 use std::collections::BTreeMap;
 
@@ -6,27 +6,29 @@ use serde::{Deserialize, Serialize};
 
 use heliotile_core::text::counted;
 
-/// Errors that a halo makes, beside three times as wide a one: RMSE over receivers and suns from all sides, in percent of the mean total.
+/// Errors that a halo makes, compared with a halo three times as wide: RMSE over receivers and over
+/// suns from all sides, in percent of the mean total.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Seams {
     /// Receivers that were built twice.
     pub receivers: usize,
-    /// Parts that they lie in.
+    /// Number of parts that these receivers lie in.
     pub parts: usize,
-    /// Of the total.
+    /// RMSE of the total, percent.
     pub rmse_percent: f64,
-    /// Upper end of the interval of 95 % of that, by other draws of these receivers and of these parts (Efron 1979): a few receivers
-    /// carry most of the error, and a sample may have none of them.
+    /// Upper end of the 95 % interval of `rmse_percent`, by resampling these receivers and these
+    /// parts (Efron 1979). A few receivers carry most of the error, and a sample may have none of
+    /// them.
     pub at_most_percent: f64,
-    /// Mean error of the totals: above 0 if they come out too large.
+    /// Mean error of the totals, percent: above 0 if they are too large.
     pub bias_percent: f64,
-    /// By column name.
+    /// RMSE of each component, percent, by column name.
     pub components_percent: BTreeMap<String, f64>,
 }
 
 impl Seams {
-    /// As `partition` and `info` say it.
+    /// Describes the errors in the words of `partition` and `info`.
     pub fn words(&self) -> String {
         format!(
             "three times the halo changes the light of {} in {} by {} % RMSE of the mean total (95 %: at most {} %), {:+} % on average",

@@ -1,4 +1,5 @@
-//! Questions to the archive or the atlas at a place. In: requests, and the files that answers go to. Out: these files, and what was done.
+//! Requests to the archive or the atlas at a place. In: requests, and the files that results go to.
+//! Out: these files, and summaries.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,27 +23,29 @@ use heliotile_results::{
     SunlightSite, Tile, TileStream,
 };
 
-/// An archive, or an atlas whose parts are asked like one archive.
+/// An archive, or an atlas whose parts are queried like one archive.
 #[derive(Clone, Debug)]
 pub struct SiteRequest {
-    /// Path or address.
+    /// Path or address of the archive or atlas.
     pub place: PathBuf,
-    /// How files are read; none: through a mapping, unless the archive is large beside the memory to work in.
+    /// How files are read; `None`: through a mapping, unless the archive is large compared with the
+    /// memory budget.
     pub access: Option<Access>,
-    /// Receivers that are asked.
+    /// Receivers that results are computed for.
     pub receivers: ReceiverChoice,
 }
 
-/// What a receiver gets.
+/// Sum of a receiver over a weather file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReceiverTotal {
     /// Name of the receiver.
     pub id: String,
-    /// Irradiation.
+    /// Irradiation, kWh/m2.
     pub kwh_m2: f64,
 }
 
-/// An archive of up to this share of the memory is mapped: pages of a mapping count as memory for as long as the system likes.
+/// Divisor of the memory budget: an archive of up to this share is mapped. Pages of a mapping count
+/// as memory for as long as the system likes.
 const MAPPED_SHARE: u64 = 4;
 
 /// A site that is open.
@@ -52,12 +55,12 @@ struct OpenedSite<'a> {
 }
 
 impl SiteRequest {
-    /// All receivers at a place.
+    /// Requests all receivers at a place.
     pub fn of(place: impl Into<PathBuf>) -> Self {
         SiteRequest { place: place.into(), access: None, receivers: ReceiverChoice::default() }
     }
 
-    /// Irradiance under the conditions of a table.
+    /// Writes the irradiance under the conditions of a table.
     pub fn query(
         &self,
         request: &QueryRequest,
@@ -73,7 +76,7 @@ impl SiteRequest {
         })
     }
 
-    /// Irradiance through a weather file.
+    /// Writes the irradiance over a weather file.
     pub fn replay(
         &self,
         request: &ReplayRequest,
@@ -89,7 +92,8 @@ impl SiteRequest {
         })
     }
 
-    /// What a change of the site does to its light: this is the site before, the request holds the places of those after.
+    /// Writes how a change of the site changes its light. This is the site before; the request
+    /// holds the places of the sites after.
     pub fn compare(
         &self,
         request: &CompareRequest,
@@ -110,14 +114,16 @@ impl SiteRequest {
         }
     }
 
-    /// All receivers of another site, of an atlas in the same box, read like this one.
+    /// Returns the request for all receivers of another site, in the same box if there is one, read
+    /// like this one.
     fn beside(&self, place: &Path) -> SiteRequest {
         let selection = self.receivers.within().map(Selection::Bounds);
         let receivers = ReceiverChoice { selection, ..self.receivers };
         SiteRequest { place: place.into(), access: self.access, receivers }
     }
 
-    /// What each receiver gets over a weather file, kWh/m2, in the order of the archive. Memory grows with the receivers.
+    /// Returns the irradiation of each receiver over a weather file, kWh/m2, in the order of the
+    /// archive. Memory grows with the number of receivers.
     pub fn totals(&self, request: &ReplayRequest, resources: &Resources) -> Result<Vec<ReceiverTotal>> {
         let light = request.light.only(ComponentList::of(Component::Total));
         let request = ReplayRequest { every: Every::Total, light, ..request.clone() };
@@ -135,7 +141,8 @@ impl SiteRequest {
         Ok(totals)
     }
 
-    /// Hands on the irradiance through a weather file, tile by tile, until `take` gives false.
+    /// Computes the irradiance over a weather file and calls `take` for each tile, until `take`
+    /// returns false.
     pub fn each_tile(
         &self,
         request: &ReplayRequest,
@@ -149,7 +156,7 @@ impl SiteRequest {
         })
     }
 
-    /// A solar cadastre from the sums of a year.
+    /// Writes a solar cadastre from the sums of a year.
     pub fn buildings(
         &self,
         year: &ReplayRequest,
@@ -163,7 +170,7 @@ impl SiteRequest {
         })
     }
 
-    /// The best places of modules by the sums of a year.
+    /// Writes the best places of modules by the sums of a year.
     pub fn places(
         &self,
         year: &ReplayRequest,
@@ -177,7 +184,7 @@ impl SiteRequest {
         })
     }
 
-    /// How warm it is for people at points with six planes each.
+    /// Writes the thermal comfort of people at points with six planes each.
     pub fn comfort(
         &self,
         request: &ComfortRequest,
@@ -192,12 +199,13 @@ impl SiteRequest {
         })
     }
 
-    /// Whether an archive or an atlas is at a place, by its name or its first bytes; what is at an address is one, or nothing that is read.
+    /// Returns true if an archive or an atlas is at a place, judged by its name or its first bytes.
+    /// Every address counts as an archive.
     pub fn is_at(place: &Path) -> bool {
         is_archive(place) || is_atlas(place)
     }
 
-    /// What surroundings reflect over the sun's position.
+    /// Writes the light that surroundings reflect, over the sun's position.
     pub fn factors(&self, request: &FactorsRequest, about: Provenance, resources: &Resources) -> Result<()> {
         request.check(&self.inputs(&[]))?;
         let opened = self.open(resources.memory)?;
@@ -206,7 +214,7 @@ impl SiteRequest {
         request.write(&receivers, opened.archives().told_in(about, &self.place), resources)
     }
 
-    /// Hours of possible sun, and what rules say of them.
+    /// Writes the hours of possible sun, and the results of sunlight rules.
     pub fn sunlight(
         &self,
         request: &SunlightRequest,
@@ -229,7 +237,7 @@ impl SiteRequest {
         request.write(files, &site, Some(&before), about, resources)
     }
 
-    /// Files that are read: the archive, the list of receivers, and others.
+    /// Returns the files that are read: the archive, the list of receivers, and `others`.
     fn inputs<'a>(&'a self, others: &[&'a Path]) -> Vec<&'a Path> {
         let list = match &self.receivers.selection {
             Some(Selection::Receivers(list)) => Some(list.as_path()),
@@ -238,7 +246,8 @@ impl SiteRequest {
         [Some(self.place.as_path()), list].into_iter().flatten().chain(others.iter().copied()).collect()
     }
 
-    /// Opens what a query reads and hands on its stream; tells what is odd about conditions and archives.
+    /// Opens the files of a query and passes its stream to `then`; reports oddities of conditions
+    /// and archives.
     fn query_stream<T>(
         &self,
         request: &QueryRequest,
@@ -256,7 +265,8 @@ impl SiteRequest {
         then(&stream, opened.archives())
     }
 
-    /// Opens what a replay reads and hands on its stream; tells what is odd about weather and archives.
+    /// Opens the files of a replay and passes its stream to `then`; reports oddities of weather and
+    /// archives.
     fn stream<T>(
         &self,
         request: &ReplayRequest,
@@ -266,7 +276,7 @@ impl SiteRequest {
         then: impl FnOnce(&TileStream, Archives) -> Result<T>,
     ) -> Result<T> {
         let mut found = None;
-        // A wrong weather file is found before an archive is opened.
+        // The weather file comes first, so that a wrong one is found before an archive is opened.
         let weather: Weather = request.read_weather(resources, &mut || {
             Ok(found.insert(self.open(resources.memory)?).archives().manifest().place)
         })?;
@@ -281,7 +291,7 @@ impl SiteRequest {
         then(&stream, opened.archives())
     }
 
-    /// Opens the archive, or the parts of the atlas that receivers are asked of.
+    /// Opens the archive, or the parts of the atlas that hold requested receivers.
     fn open(&self, memory: MemoryBudget) -> Result<OpenedSite<'_>> {
         let sources = match Atlas::find(&self.place)? {
             Some(atlas) => sources_of(&atlas, self.receivers.within(), self.access.unwrap_or_default())?,
@@ -296,7 +306,8 @@ impl SiteRequest {
     }
 }
 
-/// Where what does not fit into memory goes.
+/// Returns the folder for data that does not fit into memory: beside the output, or the system's
+/// temporary folder.
 fn working_folder(output: &Path) -> PathBuf {
     if output == Path::new("-") { std::env::temp_dir() } else { folder_of(output).into() }
 }
@@ -306,12 +317,12 @@ impl OpenedSite<'_> {
         self.sources.borrowed()
     }
 
-    /// The receivers that are asked for; what does not fit into memory goes beside the output.
+    /// Returns the requested receivers; data that does not fit into memory goes beside the output.
     fn receivers(&self, output: &Path, memory: MemoryBudget) -> Result<ReceiverSet<'_>> {
         self.request.receivers.of(self.archives(), &working_folder(output), memory)
     }
 
-    /// Tells where true north is, if suns are turned to it.
+    /// Reports the direction of true north, if suns are turned to it.
     fn tell_north(&self, resources: &Resources) {
         let place = self.archives().manifest().place.filter(|_| !self.request.receivers.grid_north);
         place.and_then(|place| place.note()).iter().for_each(|note| resources.observer.note(note));

@@ -1,5 +1,5 @@
-//! The archives of an atlas that results are made of. In: the place of an archive or of an atlas, and the box that is asked for. Out: the archive,
-//! or those of the parts that the box touches.
+//! The archives that results are computed from. In: the place of an archive or of an atlas, and a
+//! box. Out: the archive, or the archives of the parts that the box touches.
 
 use std::path::Path;
 
@@ -13,12 +13,14 @@ use heliotile_core::opened::OpenSite;
 use heliotile_remote::places::open_archive;
 use heliotile_results::Sources;
 
-/// Those of the parts of an atlas, at its place, that a box touches. A part that is not built is an error.
+/// Opens the archives of the parts of an atlas that a box touches. An error: a part that is not
+/// built.
 pub fn archives(atlas: &Path, within: Option<Bounds>, access: Access) -> Result<Sources> {
     sources_of(&Atlas::open(atlas)?, within, access)
 }
 
-/// The archive at a place; of an atlas there that of the part which holds the receivers that are chosen. An error: several parts hold some.
+/// Opens the archive at a place; in an atlas, the archive of the part that holds the chosen
+/// receivers. An error: several parts hold some.
 pub fn holding(place: &Path, chosen: &Selection, access: Access, workspace: &Workspace) -> Result<Archive> {
     let Some(atlas) = Atlas::find(place)? else { return open_archive(place, access) };
     let within = if let Selection::Bounds(bounds) = chosen { Some(*bounds) } else { None };
@@ -42,7 +44,7 @@ pub fn holding(place: &Path, chosen: &Selection, access: Access, workspace: &Wor
     }
 }
 
-/// The archive at a place, or those of all parts of an atlas there.
+/// Opens the archive at a place, or the archives of all parts of an atlas there.
 pub fn open(place: &Path, access: Access) -> Result<Sources> {
     match Atlas::find(place)? {
         Some(atlas) => sources_of(&atlas, None, access),
@@ -50,7 +52,7 @@ pub fn open(place: &Path, access: Access) -> Result<Sources> {
     }
 }
 
-/// Archives of the parts of an atlas that a box touches.
+/// Opens the archives of the parts that a box touches, for an open atlas.
 pub fn sources_of(atlas: &Atlas, within: Option<Bounds>, access: Access) -> Result<Sources> {
     Sources::of(atlas.archives(within, access)?, || {
         let what = "no part of it holds a receiver of what is asked for";

@@ -1,48 +1,50 @@
-//! What there is of a part: its files by their names in the folder of the atlas, and its state.
+//! State of a part. In: a part of a plan. Out: names of its files in the folder of the atlas, and a
+//! word for its state.
 
 use std::path::PathBuf;
 
 use crate::plan::PlannedPart;
 
-/// The folder of parts in that of an atlas.
+/// Name of the folder of parts in the folder of the atlas.
 pub(crate) const FOLDER: &str = "parts";
 
-/// The archive of a part.
+/// File name of the archive of a part.
 pub(crate) const ARCHIVE: &str = "site.helio";
 
-/// Says that no receiver lies in a part.
+/// File name of the marker that no receiver lies in a part.
 pub(crate) const NOTHING: &str = "no-receivers.txt";
 
-/// What is there of a part.
+/// State of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PartState<A = PathBuf> {
-    /// Nothing that is finished.
+    /// The part has no finished file.
     Missing,
-    /// It has no receiver.
+    /// The part has no receiver.
     Empty,
-    /// Its archive.
+    /// The part has an archive.
     Built(A),
 }
 
 impl PlannedPart {
-    /// Its archive, by its name in the folder of the atlas.
+    /// Returns the name of the part's archive, relative to the folder of the atlas.
     pub fn archive(&self) -> String {
         self.beside(ARCHIVE)
     }
 
-    /// What stands there instead if no receiver lies in it.
+    /// Returns the name of the marker of a part without receivers, relative to the folder of the
+    /// atlas.
     pub fn empty_marker(&self) -> String {
         self.beside(NOTHING)
     }
 
-    /// Another file of its folder, likewise.
+    /// Returns the name of another file of the part, relative to the folder of the atlas.
     pub fn beside(&self, file: &str) -> String {
         format!("{FOLDER}/{}/{file}", self.name)
     }
 }
 
 impl PartState {
-    /// What there is, in a word.
+    /// Returns the state as a word.
     pub fn word(&self) -> &'static str {
         match self {
             PartState::Built(_) => "built",

@@ -1,5 +1,5 @@
-//! Small pictures of parts in a clear year, whose sums archives hold: nothing is replayed. In: archives. Out: PNG, one a part and one of all,
-//! in the same colours.
+//! Thumbnails of parts in a clear year. In: archives, whose stored sums are drawn without a replay.
+//! Out: PNG, one for each part and one of all, in the same colours.
 
 use std::path::Path;
 
@@ -17,18 +17,18 @@ use heliotile_results::outputs::shapes::picture::thumbnail::ThumbnailFrame;
 use heliotile_results::outputs::shapes::row::{MapPolygon, MapRow};
 use heliotile_results::surroundings;
 
-/// Pictures of some archives, drawn when they are asked for.
+/// Pictures of some archives, drawn on demand.
 pub struct Thumbnails<'a> {
-    /// Archives; what pictures of them have to have room for, none where an archive has no sums.
+    /// Archives, each with the frame of its picture; `None` for an archive without sums.
     parts: Vec<(&'a Path, Option<ThumbnailFrame>)>,
-    /// None if no archive has any.
+    /// Frame of the picture of all archives; `None` if no archive has sums.
     all: Option<ThumbnailFrame>,
-    /// The command that they are made by.
+    /// Provenance that the pictures state.
     about: Provenance,
 }
 
 impl<'a> Thumbnails<'a> {
-    /// Looks how large the sums are, and where.
+    /// Reads the range of the sums of each archive and the area that they cover.
     pub fn of(paths: &[&'a Path], about: Provenance) -> Result<Self> {
         let frame = |path: &&'a Path| Ok((*path, frame(&open_archive(path, Access::Read)?)?));
         let parts: Vec<_> = paths.par_iter().map(frame).collect::<Result<_>>()?;
@@ -36,17 +36,17 @@ impl<'a> Thumbnails<'a> {
         Ok(Thumbnails { parts, all, about })
     }
 
-    /// The value of the brightest colour of all of them, kWh/m2.
+    /// Returns the value of the brightest colour of all pictures, kWh/m2.
     pub fn top_kwh_m2(&self) -> f64 {
         self.all.map_or(0.0, |all| all.top())
     }
 
-    /// Archives without a picture.
+    /// Returns the number of archives without a picture.
     pub fn without(&self) -> usize {
         self.parts.iter().filter(|(_, frame)| frame.is_none()).count()
     }
 
-    /// PNG of one of the archives, with what stands around its receivers.
+    /// Draws one of the archives as PNG, with the surroundings of its receivers.
     pub fn part(&self, number: usize) -> Result<Option<Vec<u8>>> {
         let (Some((path, Some(frame))), Some(all)) = (self.parts.get(number), self.all) else { return Ok(None) };
         let archive = open_archive(path, Access::Read)?;
@@ -56,7 +56,7 @@ impl<'a> Thumbnails<'a> {
         frame.in_colours_of(&all).png(around.as_ref(), &about, |draw| each(&site, draw)).map(Some)
     }
 
-    /// PNG of all archives.
+    /// Draws all archives as one PNG.
     pub fn all(&self) -> Result<Option<Vec<u8>>> {
         let draw = |draw: &mut dyn FnMut(&MapRow)| {
             let paths = self.parts.iter().filter(|(_, frame)| frame.is_some()).map(|(path, _)| path);
@@ -66,7 +66,7 @@ impl<'a> Thumbnails<'a> {
     }
 }
 
-/// What the picture of an archive has to have room for; `None` where it has no sums.
+/// Returns the frame of an archive's picture, or `None` where it has no sums.
 fn frame(archive: &Archive) -> Result<Option<ThumbnailFrame>> {
     let site = OpenSite::of(archive)?;
     let (mut frame, mut count) = (ThumbnailFrame::new(site.north()), 0_u64);
@@ -77,7 +77,8 @@ fn frame(archive: &Archive) -> Result<Option<ThumbnailFrame>> {
     Ok((count > 0).then_some(frame))
 }
 
-/// Places of all receivers with their sums, up to the first that has none.
+/// Passes the places of all receivers with their sums to `take`, up to the first receiver without a
+/// sum.
 fn each(site: &OpenSite, take: &mut dyn FnMut(&MapRow)) -> Result<()> {
     for row in ArchiveReceivers::<Shown>::new(site) {
         let row = row?;

@@ -1,4 +1,5 @@
-//! Whether archives are whole. In: the place of an archive or of an atlas. Out: every part of each that is not as it was written.
+//! Checks of archives. In: the place of an archive or of an atlas. Out: every part of each archive
+//! that is not as it was written.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -11,30 +12,31 @@ use heliotile_core::text::counted;
 use heliotile_remote::naming::shown;
 use heliotile_remote::places::{open_archive, verify_archive};
 
-/// What is asked of a check.
+/// Request for a check.
 #[derive(Clone, Debug)]
 pub struct VerifyRequest {
     /// Path or address of an archive or of an atlas.
     pub place: PathBuf,
-    /// Whether every layer is decoded and every reference between blocks followed, too.
+    /// True if every layer is decoded and every reference between blocks is followed, too.
     pub deep: bool,
     /// How files are read.
     pub access: Access,
 }
 
-/// What was found of an archive.
+/// Result of the check of one archive.
 #[derive(Debug)]
 pub struct CheckedArchive {
-    /// The archive, as messages name it.
+    /// Name of the archive for messages.
     pub archive: PathBuf,
-    /// What of it is not as it was written.
+    /// Blocks that are not as they were written.
     pub report: VerifyReport,
-    /// Why it is not the archive of its part, in an atlas.
+    /// Reason why the archive does not belong to its part of an atlas.
     pub misplaced: Option<Error>,
 }
 
 impl VerifyRequest {
-    /// Checks the archive, or those of the parts of the atlas that are built, and hands on what was found of each.
+    /// Checks the archive, or the archives of the built parts of the atlas, and passes each result
+    /// to `take`.
     pub fn each(&self, mut take: impl FnMut(CheckedArchive) -> Result<()>) -> Result<()> {
         let check = |path: &Path| {
             let report = verify_archive(path, self.access, self.deep)?;
@@ -54,12 +56,12 @@ impl VerifyRequest {
 }
 
 impl CheckedArchive {
-    /// Whether nothing is wrong with it.
+    /// Returns true if no problem was found.
     pub fn is_good(&self) -> bool {
         self.report.problems.is_empty() && self.misplaced.is_none()
     }
 
-    /// All that is wrong, a line each, and how much was checked.
+    /// Describes all problems, one a line, and how much was checked.
     pub fn text(&self) -> String {
         let mut out = String::new();
         for problem in &self.report.problems {
@@ -75,7 +77,7 @@ impl CheckedArchive {
         out
     }
 
-    /// What is odd about it and harmless.
+    /// Describes harmless oddities of the archive.
     pub fn warning(&self) -> Option<String> {
         let (archive, trailing) = (self.archive.display(), self.report.trailing_bytes);
         let bytes = counted(trailing, "byte");

@@ -1,4 +1,5 @@
-//! What a model must be to get our light, and what of it will not see that light. In: a model. Out: a refusal, or sentences of warning.
+//! Checks of a model before light is injected. In: a model. Out: a refusal, or warnings of the
+//! parts that will not use the injected light.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,12 +8,13 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::text::with_list;
 use heliotile_scene::ModelVersion;
 
-/// The version whose rules were measured.
+/// EnergyPlus version whose rules were measured.
 const VERSION: ModelVersion = ModelVersion { major: 25, minor: 2 };
-/// The oldest whose models that version runs as they are, but for objects that changed; it warns of them.
+/// Oldest version whose models [`VERSION`] runs as they are, with a warning; it stops at objects
+/// that changed since.
 const OLDEST_RUN: ModelVersion = ModelVersion { major: 24, minor: 1 };
 
-/// Classes whose objects are surfaces by a name of their own.
+/// Classes whose objects are surfaces with a name of their own.
 const SURFACES: [&str; 22] = [
     "BuildingSurface:Detailed",
     "Wall:Detailed",
@@ -38,14 +40,15 @@ const SURFACES: [&str; 22] = [
     "InternalMass",
 ];
 
-/// Openings with the places of their wall's name.
+/// Classes of openings, each with the field number of its wall's name.
 const OPENINGS: [(&str, usize); 4] =
     [("FenestrationSurface:Detailed", 4), ("Window", 3), ("GlazedDoor", 3), ("Door", 3)];
 
-/// The control type of the actuators that are added.
+/// Control type of the actuators that are added.
 const ACTUATED: &str = "View Factor To Ground";
 
-/// Refuses what cannot work. `assumed` is the version that the model is taken for, whatever it states.
+/// Refuses a model that cannot work. `assumed` is the version that the model is taken for, whatever
+/// it states.
 pub fn check(document: &Document, assumed: Option<ModelVersion>) -> Result<()> {
     version_note(document, assumed)?;
     check_names(document)?;
@@ -64,7 +67,7 @@ fn line(object: &ModelObject) -> Option<usize> {
     (object.line > 0).then_some(object.line)
 }
 
-/// What to know of a model of another version; refuses one that is not to be run so.
+/// Returns a warning about a model of another version; refuses a version that cannot be run.
 fn version_note(document: &Document, assumed: Option<ModelVersion>) -> Result<Option<String>> {
     let Some(object) = document.of("Version").next() else { return Ok(None) };
     let text = object.text(1, "version_identifier");
@@ -90,7 +93,7 @@ fn version_note(document: &Document, assumed: Option<ModelVersion>) -> Result<Op
     Err(Error::input(&document.file, line(object), what, how_to_bring(document.form, &version)))
 }
 
-/// How a model of a version gets to one that runs.
+/// Returns the hint how to convert a model of a version to one that runs.
 fn how_to_bring(form: Form, version: &str) -> String {
     let newer = ModelVersion::parse(version).is_some_and(|version| version > VERSION);
     let way = match form {
@@ -126,7 +129,8 @@ fn check_names(document: &Document) -> Result<()> {
     Ok(())
 }
 
-/// Openings of walls in `injected` that are not in there themselves, each with the name of its wall. Names are in small letters.
+/// Returns the openings of walls in `injected` that are not in there themselves, each with the name
+/// of its wall. Names are in small letters.
 pub fn openings_left_out(document: &Document, injected: &BTreeSet<String>) -> Vec<(String, String)> {
     let mut found = Vec::new();
     for object in &document.objects {
@@ -139,7 +143,8 @@ pub fn openings_left_out(document: &Document, injected: &BTreeSet<String>) -> Ve
     found
 }
 
-/// What EnergyPlus will not get right under injection. `injected` are names in small letters.
+/// Returns warnings of results that EnergyPlus will get wrong under injection. `injected` are names
+/// in small letters.
 pub fn warnings(document: &Document, assumed: Option<ModelVersion>, injected: &BTreeSet<String>) -> Vec<String> {
     let mut found: Vec<String> = version_note(document, assumed).ok().flatten().into_iter().collect();
     let mut say = |what: &str, names: Vec<String>| {

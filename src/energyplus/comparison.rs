@@ -1,11 +1,11 @@
-//! Three runs of one model beside each other. In: hourly series without reflections, with EnergyPlus's own, and with ours. Out: tables and
-//! pictures of loads and of the sun on surfaces.
+//! Comparison of three runs of one model. In: hourly series without reflections, with EnergyPlus's
+//! own, and with injected light. Out: tables and pictures of loads and of the sun on surfaces.
 
 use super::eso::HourlySeries;
 use super::report::Block;
 use heliotile_results::outputs::pictures::plot::{Axis, Plot, Series, Style};
 
-/// Variables that are asked for, with their unit and what is told of them.
+/// Output variables that are requested, each with its unit and its title in the report.
 pub const VARIABLES: [(&str, &str, &str); 4] = [
     ("Zone Air System Sensible Heating Rate", "W", "Heating of zones"),
     ("Zone Air System Sensible Cooling Rate", "W", "Cooling of zones"),
@@ -13,19 +13,19 @@ pub const VARIABLES: [(&str, &str, &str); 4] = [
     ("Surface Window Transmitted Solar Radiation Rate", "W", "Sun transmitted by windows"),
 ];
 
-/// Names of the runs, in their order: their folders.
+/// Names of the runs and of their folders, in order.
 pub const RUNS: [&str; 3] = ["none", "own", "injected"];
 
-/// Pixels of a picture.
+/// Size of a picture, pixels.
 const SIZE: (u32, u32) = (760, 460);
 
 /// Hours in a day.
 const DAY: usize = 24;
 
-/// Loads below this mean nothing in percent, in the unit of the variable.
+/// Smallest mean that percentages are given for, in the unit of the variable.
 const LEAST: f64 = 1e-6;
 
-/// Tables of all variables, then pictures.
+/// Returns the sections of the report: tables of all variables, then pictures.
 pub fn compare(runs: &[HourlySeries; 3]) -> Vec<(String, Vec<Block>)> {
     let mut sections = Vec::new();
     for (variable, unit, title) in VARIABLES {
@@ -50,7 +50,8 @@ pub fn compare(runs: &[HourlySeries; 3]) -> Vec<(String, Vec<Block>)> {
     sections
 }
 
-/// One key of a variable: means of the three runs, and RMS of two against EnergyPlus's own.
+/// One key of a variable: means of the three runs, and RMS differences of two from the run with
+/// EnergyPlus's own reflections.
 struct Row {
     name: String,
     means: [f64; 3],
@@ -81,7 +82,7 @@ impl Row {
     }
 }
 
-/// Keys that all three runs have, and their sum.
+/// Returns a row for each key that all three runs have, and a row for their sum.
 fn rows(runs: &[HourlySeries; 3], variable: &str) -> Vec<Row> {
     let [none, own, ours] = runs;
     let mut rows = Vec::new();
@@ -100,7 +101,8 @@ fn rows(runs: &[HourlySeries; 3], variable: &str) -> Vec<Row> {
     rows
 }
 
-/// The sum of all keys of a variable by hour of the day.
+/// Returns the mean day of the sum of all keys of a variable: hour and thousands of the variable's
+/// unit.
 fn by_hour(run: &HourlySeries, variable: &str) -> Vec<(f64, f64)> {
     let (mut sums, mut days) = ([0.0; DAY], 1.0_f64);
     for (_, values) in run.0.iter().filter(|((name, _), _)| name == variable) {
@@ -114,7 +116,7 @@ fn by_hour(run: &HourlySeries, variable: &str) -> Vec<(f64, f64)> {
     sums.iter().enumerate().map(|(hour, sum)| (hour as f64 + 0.5, sum / days / 1000.0)).collect()
 }
 
-/// Cooling, or where there is none what windows let through, by hour of the day.
+/// Plots cooling by hour of the day, or the sun that windows transmit if no run has cooling.
 fn day(runs: &[HourlySeries; 3]) -> Block {
     let cooled = runs.iter().any(|run| run.0.keys().any(|(name, _)| name == VARIABLES[1].0));
     let (variable, _, title) = if cooled { VARIABLES[1] } else { VARIABLES[3] };
@@ -128,7 +130,7 @@ fn day(runs: &[HourlySeries; 3]) -> Block {
     Block::Picture("day.svg".into(), plot.svg(SIZE.0, SIZE.1))
 }
 
-/// Sun absorbed by each surface against EnergyPlus's own.
+/// Plots the sun absorbed by each surface against the run with EnergyPlus's own reflections.
 fn surfaces(runs: &[HourlySeries; 3]) -> Block {
     let rows = rows(runs, VARIABLES[2].0);
     let each = rows.split_last().map_or(&[][..], |(_, each)| each);
@@ -147,7 +149,9 @@ fn surfaces(runs: &[HourlySeries; 3]) -> Block {
 mod tests {
     use super::*;
 
-    /// Two hours of one wall, 10 and 20 by EnergyPlus's own, 12 and 22 without: +13.33 % with an RMS of 2; ours, equal, 0 and 0.
+    /// For two hours of one wall, 10 and 20 with EnergyPlus's own reflections and 12 and 22
+    /// without, the row states +13.33 % and an RMS of 2; for injected light that is equal it states
+    /// 0 and 0.
     #[test]
     fn a_row() {
         let row = Row::of("wall", [&[12.0, 22.0], &[10.0, 20.0], &[10.0, 20.0]]);

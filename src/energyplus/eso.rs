@@ -1,7 +1,9 @@
-//! What EnergyPlus reports hour by hour. In: the text of `eplusout.eso`. Out: a series for each variable and key, without design days.
+//! Hourly output of EnergyPlus. In: the text of `eplusout.eso`. Out: a series for each variable and
+//! key, without design days.
 //!
-//! A dictionary of `number,values,key,variable [unit] !Hourly` is followed by lines `number,value`; `1,...` begins an environment,
-//! `2,...` an hour, whose last word is the kind of day (Output Details and Examples, chapter "eplusout.eso").
+//! A dictionary of `number,values,key,variable [unit] !Hourly` is followed by lines `number,value`;
+//! `1,...` begins an environment, `2,...` an hour, whose last word is the kind of day (Output
+//! Details and Examples, chapter "eplusout.eso").
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -12,10 +14,10 @@ use heliotile_core::error::{Error, Result};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HourlySeries(pub BTreeMap<(String, String), Vec<f64>>);
 
-/// Numbers below this are headings: environments, hours, days.
+/// Smallest number of a variable; smaller numbers are headings: environments, hours, days.
 const FIRST_VARIABLE: u32 = 7;
 
-/// Reads the series of some variables.
+/// Reads the series of the variables in `wanted`.
 pub fn read_eso(file: &Path, bytes: &[u8], wanted: &[&str]) -> Result<HourlySeries> {
     let text = String::from_utf8_lossy(bytes);
     let mut lines = text.lines();
@@ -36,7 +38,8 @@ pub fn read_eso(file: &Path, bytes: &[u8], wanted: &[&str]) -> Result<HourlySeri
         let (number, rest) = line.split_once(',').unwrap_or((line, ""));
         let Ok(number) = number.trim().parse::<u32>() else { continue };
         match number {
-            // Before its first hour nothing is known of an environment.
+            // Values count from the first hour on: only its kind of day tells a run from a design
+            // day.
             1 => counts = false,
             2 => counts = !rest.trim_end().ends_with("DesignDay"),
             _ if !counts => {}
@@ -62,7 +65,8 @@ mod tests {
         2,1, 7,21, 0, 1, 0.00,60.00,SummerDesignDay\n7,5\n1,RUN,1,2\n2,1, 1, 1, 0, 1, 0.00,60.00,Monday\n7,1.5\n9,2\n\
         2,1, 1, 1, 0, 2, 0.00,60.00,Monday\n7,2.5E1\nEnd of Data\n";
 
-    /// Of two environments the design day is left out, of two variables the other: 2 hours remain, 1.5 and 25.
+    /// With two environments and two variables, the design day and the other variable are left out:
+    /// 2 hours remain, 1.5 and 25. A value that is cut off is an error.
     #[test]
     fn hours_of_the_run() {
         let series = read_eso(Path::new("a.eso"), TEXT.as_bytes(), &["Surface X"]).expect("read");

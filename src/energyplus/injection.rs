@@ -1,5 +1,6 @@
-//! What is written into a model. In: its surfaces with their light. Out: tables, sensors, actuators and programs among its objects, and a
-//! solar distribution that lets them count.
+//! Injection of light into a model. In: its surfaces with their light. Out: tables, sensors,
+//! actuators and programs among its objects, and a solar distribution without EnergyPlus's own
+//! reflections.
 
 use super::document::{Document, ModelObject};
 use super::erl::{Names, SENSORS, SHARED, SurfaceTerms, TABLES, sun_program, surface_lines};
@@ -13,43 +14,46 @@ use heliotile_scene::{GROUND_MONTHS, USUAL_GROUND};
 /// Sun tables below this everywhere are not written, W/m2 under 1000 W/m2.
 const NOTHING_W_M2: f64 = 0.005;
 
-/// Digits behind the point of tables, W/m2.
+/// Decimals of table values in W/m2.
 const DECIMALS: usize = 3;
 
-/// Surfaces in one program, and programs that one calling manager runs: EnergyPlus reads 500 lines and 25 programs.
+/// Surfaces in one program; below, programs that one calling manager runs. EnergyPlus reads 500
+/// lines and 25 programs.
 pub const PROGRAM_SURFACES: usize = 60;
 const MANAGER_PROGRAMS: usize = 20;
 
-/// What a ground that reflects nothing is set to, so that there is something to multiply.
+/// Reflectance that a month without ground reflectance is set to: the actuator multiplies the
+/// ground's light, so there must be some.
 pub const LEAST_GROUND: f64 = 0.01;
 
-/// Place and key of the solar distribution of a `Building`.
+/// Field number and key of the solar distribution of a `Building`.
 pub const DISTRIBUTION: (usize, &str) = (6, "solar_distribution");
 
-/// Distributions with EnergyPlus's own reflections, and the same without them.
+/// Distributions with EnergyPlus's own reflections, each with its counterpart without them.
 pub const WITH_OWN: [(&str, &str); 2] = [
     ("FullExteriorWithReflections", "FullExterior"),
     ("FullInteriorAndExteriorWithReflections", "FullInteriorAndExterior"),
 ];
 
-/// What light is made of, and who gets it.
+/// Light to inject, and the surfaces that get it.
 pub struct Injection<'a> {
     pub grid: SunGrid,
     pub sky: ReflectedSky,
     pub lights: &'a [SurfaceLight],
-    /// Names of EnergyPlus's surfaces, each with the number of its light; without one it gets none.
+    /// Names of EnergyPlus's surfaces, each with the number of its light; a surface without a
+    /// number gets none.
     pub targets: &'a [(String, Option<usize>)],
 }
 
-/// What was changed in a model besides what was added.
+/// Summary of the changes to a model.
 #[derive(Debug, Default)]
 pub struct Changed {
-    /// Sentences.
+    /// Sentences for the report.
     pub notes: Vec<String>,
     pub tables: usize,
 }
 
-/// The ground as the model states it; its material has no name.
+/// Returns the ground as the model states it; its material has no name.
 pub fn ground_of(document: &Document) -> MonthlyGround {
     let object = document.of("Site:GroundReflectance").next();
     let mut reflectance = [USUAL_GROUND; 12];
@@ -62,10 +66,11 @@ pub fn ground_of(document: &Document) -> MonthlyGround {
     MonthlyGround { material: String::new(), reflectance, snow_modifier: modifier.unwrap_or(1.0).max(0.0) }
 }
 
-/// Writes it all.
+/// Writes all objects of an injection into the model.
 pub fn write(document: &mut Document, injection: &Injection) -> Result<Changed> {
     let mut changed = Changed::default();
     changed.notes.extend(switch_distribution(document)?);
+    // The actuator multiplies the ground's light, so the ground must reflect something.
     let bare = brighten_ground(document, &mut changed.notes)?;
     let names = Names::free(document.objects.iter().map(ModelObject::name));
     write_site(document, &names);
@@ -111,7 +116,7 @@ pub fn write(document: &mut Document, injection: &Injection) -> Result<Changed> 
     Ok(changed)
 }
 
-/// Axes of tables.
+/// Writes the axes of tables: azimuth, altitude, and the list of both.
 fn write_suns(document: &mut Document, grid: SunGrid, names: &Names, list: &str) {
     for (name, values) in [("Azimuth", grid.azimuths_deg()), ("Altitude", grid.altitudes_deg())] {
         let (first, last) = (values.first().copied().unwrap_or_default(), values.last().copied().unwrap_or_default());
@@ -140,7 +145,7 @@ fn write_suns(document: &mut Document, grid: SunGrid, names: &Names, list: &str)
     ));
 }
 
-/// What is read of the site, and what programs share.
+/// Writes the sensors of the site, and the variables that programs share.
 fn write_site(document: &mut Document, names: &Names) {
     for (name, output) in SENSORS {
         document.add(NewObject::new(
@@ -158,7 +163,7 @@ fn write_site(document: &mut Document, names: &Names) {
     document.add(list);
 }
 
-/// Actuators, and the programs that set them.
+/// Writes actuators, and the programs that set them.
 fn write_programs(document: &mut Document, injection: &Injection, names: &Names, has: &[[bool; 3]], bare: &[usize]) {
     let mut programs = vec![(names.of("Prepare"), sun_program(names, injection.sky, bare))];
     for (i, (surface, number)) in injection.targets.iter().enumerate() {
@@ -190,7 +195,7 @@ fn write_programs(document: &mut Document, injection: &Injection, names: &Names,
     add_programs(document, names, programs);
 }
 
-/// Programs, and who calls them in each time step.
+/// Adds programs, and the managers that call them in each time step.
 pub fn add_programs(document: &mut Document, names: &Names, programs: Vec<(String, Vec<String>)>) {
     for (number, some) in programs.chunks(MANAGER_PROGRAMS).enumerate() {
         let listed = some.iter().map(|(name, _)| FieldValue::Text(name.clone())).collect();
@@ -209,7 +214,8 @@ pub fn add_programs(document: &mut Document, names: &Names, programs: Vec<(Strin
     }
 }
 
-/// EnergyPlus's own reflections would make what is injected count for nothing.
+/// Switches EnergyPlus's own reflections off, which would make the injected light ineffective.
+/// Returns a note about the change.
 pub fn switch_distribution(document: &mut Document) -> Result<Option<String>> {
     let (place, key) = DISTRIBUTION;
     let stated = document.first_text("Building", place, key).to_owned();
@@ -224,7 +230,8 @@ pub fn switch_distribution(document: &mut Document) -> Result<Option<String>> {
     Ok(Some(format!("solar distribution {stated} became {now}: EnergyPlus's own reflections are off")))
 }
 
-/// Months without ground reflectance get a little, which the programs take away again.
+/// Sets months without ground reflectance to [`LEAST_GROUND`]; the programs subtract its light
+/// again. Returns these months, from 1.
 pub fn brighten_ground(document: &mut Document, notes: &mut Vec<String>) -> Result<Vec<usize>> {
     let mut bare = Vec::new();
     for ((month, value), key) in ground_of(document).reflectance.into_iter().enumerate().zip(GROUND_MONTHS) {

@@ -1,6 +1,7 @@
-//! What a model of EnergyPlus gets so that it runs under our light. In: a model, an archive of its surfaces. Out: the model with tables
-//! over the sun's position and programs that read them, or with a series beside it, and what was done as a page. Objects of the user stay as
-//! they were typed, but for names of files.
+//! Injection of reflected light into EnergyPlus models. In: a model, an archive of its surfaces.
+//! Out: the model with tables over the sun's position and programs that read them, or with a series
+//! beside it, and a report as a page. Objects of the user stay as they were typed, but for names of
+//! files.
 
 pub mod checks;
 pub mod comparison;

@@ -1,5 +1,5 @@
-//! Files that a model names. In: a model that is to be written into another folder. Out: the same model with whole names of the files that
-//! lie beside it, and what was not found.
+//! Files that a model names. In: a model that is to be written into another folder. Out: the model
+//! with absolute paths of the files that lie beside it, and a list of files that were not found.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,8 @@ use super::document::{Document, FieldEdit, Form, ModelObject};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::text::with_list;
 
-/// Classes whose objects name a file, with the place and the key of the name (Input Output Reference 25.2).
+/// Classes whose objects name a file, with the field number and the key of the name (Input Output
+/// Reference 25.2).
 const NAMES: [(&str, usize, &str); 12] = [
     ("Schedule:File", 3, "file_name"),
     ("Schedule:File:Shading", 1, "file_name"),
@@ -24,16 +25,17 @@ const NAMES: [(&str, usize, &str); 12] = [
     ("ExternalInterface:FunctionalMockupUnitImport:To:Variable", 2, "fmu_file_name"),
 ];
 
-/// What became of the names of files.
+/// Result of making file names absolute.
 #[derive(Debug, Default, PartialEq)]
 pub struct NamedFiles {
-    /// Sentences on what was done.
+    /// Sentences on the changes.
     pub notes: Vec<String>,
-    /// Sentences on what is left to do.
+    /// Sentences on files that the user has to copy.
     pub warnings: Vec<String>,
 }
 
-/// Writes names of files as whole ones: EnergyPlus looks for others beside the model, which moves.
+/// Writes names of files as absolute paths: EnergyPlus looks for relative ones beside the model,
+/// which moves.
 pub fn make_absolute(document: &mut Document) -> Result<NamedFiles> {
     let model = std::path::absolute(&document.file).map_err(Error::io(&document.file, "find the folder of"))?;
     let mut roots: Vec<PathBuf> = model.parent().map(Path::to_owned).into_iter().collect();
@@ -72,7 +74,7 @@ pub fn make_absolute(document: &mut Document) -> Result<NamedFiles> {
     Ok(done)
 }
 
-/// Modules of Python, which have no name of a file.
+/// Returns the Python modules of the model, which are found by module name and not by a file name.
 fn plugins(document: &Document) -> Vec<String> {
     let named = |object: &ModelObject| format!("`{}.py` of {}", object.text(3, "python_module_name"), object.title());
     document.of("PythonPlugin:Instance").map(named).collect()
@@ -82,8 +84,9 @@ fn plugins(document: &Document) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Of five names, two of files beside the model become whole in both forms, one of them behind a backslash; a whole one stays, one without a file
-    /// and a module of Python are warned of.
+    /// Two of five names, of files beside the model, become absolute in both forms, one of them
+    /// with a backslash. An absolute name stays; a name without a file and a module of Python are
+    /// warned of.
     #[test]
     fn names_of_files_become_whole() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,5 +1,6 @@
-//! What stands around a model, as shading surfaces of it. In: a soup of triangles, where the model's origin lies among them. Out: polygons
-//! in the model's coordinates, few where faces are convex, so that EnergyPlus shades direct light, too.
+//! Surroundings of a model as shading surfaces. In: a soup of triangles, and the place of the
+//! model's origin among them. Out: polygons in the model's coordinates, one for each convex face,
+//! so that EnergyPlus shades direct light, too.
 
 use std::collections::BTreeMap;
 
@@ -11,32 +12,32 @@ use heliotile_core::site::material::{Class, Material};
 use heliotile_core::site::place::Place;
 use heliotile_scene::load::Soup;
 
-/// Digits behind the point of coordinates: a tenth of a millimetre.
+/// Decimals of coordinates in metres: a tenth of a millimetre.
 const DECIMALS: usize = 4;
 
-/// What EnergyPlus takes shading surfaces to reflect.
+/// Reflectance that EnergyPlus gives shading surfaces by default.
 const USUAL: f64 = 0.2;
 
-/// Where a model lies in the coordinates of what stands around it.
+/// Position of a model in the coordinates of its surroundings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spot {
-    /// The model's origin.
+    /// Position of the model's origin, metres.
     pub origin: DVec3,
-    /// True north there, clockwise from y: less the convergence of the grid.
+    /// Direction of true north, degrees clockwise from y: minus the convergence of the grid.
     pub north_deg: f64,
 }
 
 /// Surfaces around a model, in its coordinates.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Neighbours {
-    /// Corners of each, and the number of its material.
+    /// Corners of each polygon, and the number of its material.
     pub polygons: Vec<(Vec<DVec3>, u16)>,
-    /// Triangles of ground, which EnergyPlus has as a plane of its own.
+    /// Number of ground triangles, which are left out: EnergyPlus has a ground plane of its own.
     pub ground: usize,
 }
 
 impl Spot {
-    /// A position of the surroundings in the model.
+    /// Converts a position of the surroundings to model coordinates.
     pub fn to_model(self, p: DVec3) -> DVec3 {
         let (sin, cos) = self.north_deg.to_radians().sin_cos();
         let p = p - self.origin;
@@ -44,14 +45,15 @@ impl Spot {
         DVec3::new(p.x * cos - p.y * sin, p.x * sin + p.y * cos, p.z)
     }
 
-    /// The spot at an origin, where y points as a place says.
+    /// Returns the spot of an origin where y points `convergence_deg` clockwise of true north.
     pub fn at(origin: DVec3, convergence_deg: f64) -> Spot {
         Spot { origin, north_deg: -convergence_deg }
     }
 }
 
 impl Neighbours {
-    /// Faces of a soup; those of a face that are convex together become one polygon.
+    /// Collects the obstructions of a soup as polygons. The triangles of a face that is convex
+    /// become one polygon.
     pub fn of(soup: &Soup, materials: &[Material], spot: Spot) -> Neighbours {
         let mut found = Neighbours::default();
         let mut faces: BTreeMap<(u32, u16), Vec<[u32; 3]>> = BTreeMap::new();
@@ -59,7 +61,8 @@ impl Neighbours {
             let Some(&number) = soup.materials.get(i) else { continue };
             match materials.get(usize::from(number)) {
                 Some(material) if material.class == Class::Obstruction => {
-                    // What no file has is a plane of ours.
+                    // A triangle without a face comes from no file: it is the ground plane that
+                    // heliotile adds.
                     let Some(&face) = soup.faces.get(i) else { continue };
                     faces.entry((face, number)).or_default().push(*corners);
                 }
@@ -79,7 +82,8 @@ impl Neighbours {
         found
     }
 
-    /// Adds them to a model; with what they reflect where EnergyPlus is to reflect it itself.
+    /// Adds the polygons to a model. With `reflecting`, their reflectances are added, too, so that
+    /// EnergyPlus reflects light itself.
     pub fn add(&self, document: &mut Document, materials: &[Material], reflecting: bool) {
         let mut screens: BTreeMap<u16, String> = BTreeMap::new();
         for (i, (corners, number)) in self.polygons.iter().enumerate() {
@@ -112,7 +116,8 @@ impl Neighbours {
     }
 }
 
-/// The ring around triangles that share edges, if it is one ring through all of their corners.
+/// Returns the ring around triangles that share edges, if it is one ring through all of their
+/// corners.
 fn outline(triangles: &[[u32; 3]]) -> Option<Vec<u32>> {
     let mut next: BTreeMap<u32, u32> = BTreeMap::new();
     let edges = || triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
@@ -132,7 +137,7 @@ fn outline(triangles: &[[u32; 3]]) -> Option<Vec<u32>> {
     (at == first && ring.len() == next.len()).then_some(ring)
 }
 
-/// Whether a ring turns to one side only, and lies in a plane.
+/// Returns true if a ring turns to one side only, and lies in a plane.
 fn is_convex(ring: &[DVec3]) -> bool {
     let corner = |i: usize| ring.get(i % ring.len()).copied().unwrap_or_default();
     let normal: DVec3 = (0..ring.len()).map(|i| (corner(i) - corner(0)).cross(corner(i + 1) - corner(0))).sum();
@@ -142,7 +147,8 @@ fn is_convex(ring: &[DVec3]) -> bool {
     turns && ring.iter().all(|p| (*p - corner(0)).dot(up).abs() < 0.01)
 }
 
-/// Direction of y clockwise from true north, for what a place says of it.
+/// Returns the direction of y at a place, degrees clockwise from true north; 0 without a coordinate
+/// reference system.
 pub fn convergence_deg(place: Option<&Place>) -> f64 {
     place.filter(|place| place.epsg.is_some()).map_or(0.0, |place| place.convergence_deg)
 }
@@ -151,7 +157,8 @@ pub fn convergence_deg(place: Option<&Place>) -> f64 {
 mod tests {
     use super::*;
 
-    /// Where y points 30 degrees east of true north, 1 m along the grid's y is half a metre east and 0.87 m north in the model.
+    /// Where y points 30 degrees east of true north, 1 m along the grid's y is half a metre east
+    /// and 0.87 m north in the model.
     #[test]
     fn into_the_model() {
         let spot = Spot::at(DVec3::new(10.0, 20.0, 3.0), 30.0);
@@ -159,7 +166,8 @@ mod tests {
         assert!((p - DVec3::new(0.5, 0.75_f64.sqrt(), 1.0)).length() < 1e-12, "{p}");
     }
 
-    /// Two triangles of a square are one ring of 4 corners; two that meet in a corner are none; an L is not convex.
+    /// Two triangles of a square are one ring of 4 corners; two that meet in a corner are none; an
+    /// L is not convex.
     #[test]
     fn rings() {
         let ring = outline(&[[0, 1, 2], [0, 2, 3]]).expect("a ring");

@@ -1,17 +1,18 @@
-//! An object to be added to a model. In: a class, fields by key, a list. Out: the same in either form.
+//! An object to be added to a model. In: a class, fields by key, a list. Out: an object that either
+//! form of model can write.
 
 /// A value of a field.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FieldValue {
     Text(String),
-    /// Written as it stands: digits that were chosen already.
+    /// A number, written as it stands: its digits are already rounded.
     Number(String),
-    /// Blank in IDF, left out in epJSON.
+    /// A blank field in IDF; left out in epJSON.
     Nothing,
 }
 
 impl FieldValue {
-    /// A number with so many decimals at most.
+    /// Returns a number with at most `decimals` decimals.
     pub fn number(value: f64, decimals: usize) -> FieldValue {
         let text = format!("{value:.decimals$}");
         let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
@@ -25,33 +26,34 @@ pub struct NewObject {
     pub class: &'static str,
     pub name: String,
     pub fields: Vec<(&'static str, FieldValue)>,
-    /// Key of the list at the end, those of its items' parts, and the parts one after the other.
+    /// Key of the list at the end, keys of the parts of its items, and the parts of all items one
+    /// after the other.
     pub list: Option<(&'static str, &'static [&'static str], Vec<FieldValue>)>,
-    /// Whether the name is a field of IDF.
+    /// True if the name is a field of IDF.
     pub is_named: bool,
 }
 
 impl NewObject {
-    /// An object without a list.
+    /// Returns an object without a list; empty texts become blank fields.
     pub fn new(class: &'static str, name: impl Into<String>, fields: &[(&'static str, &str)]) -> NewObject {
         let value = |text: &str| if text.is_empty() { FieldValue::Nothing } else { FieldValue::Text(text.to_owned()) };
         let fields = fields.iter().map(|(key, text)| (*key, value(text))).collect();
         NewObject { class, name: name.into(), fields, list: None, is_named: true }
     }
 
-    /// The same with a list at its end.
+    /// Returns the object with a list at its end.
     pub fn with_list(mut self, list: &'static str, item: &'static [&'static str], items: Vec<FieldValue>) -> NewObject {
         self.list = Some((list, item, items));
         self
     }
 
-    /// The same with vertices at its end, metres.
+    /// Returns the object with vertices at its end, metres.
     pub fn with_vertices(self, vertices: Vec<[f64; 3]>, decimals: usize) -> NewObject {
         let keys = &["vertex_x_coordinate", "vertex_y_coordinate", "vertex_z_coordinate"];
         self.with_list("vertices", keys, vertices.iter().flatten().map(|m| FieldValue::number(*m, decimals)).collect())
     }
 
-    /// The same of a class whose objects have no name in IDF.
+    /// Returns the object as one of a class whose objects have no name in IDF.
     pub fn nameless(mut self) -> NewObject {
         self.is_named = false;
         self
@@ -62,7 +64,7 @@ impl NewObject {
 mod tests {
     use super::*;
 
-    /// 4 numbers keep what counts: 12.5, 0, 1 and 100.
+    /// Four numbers keep the digits that count: 12.5, 0, 1 and 100.
     #[test]
     fn numbers() {
         let text = |value| FieldValue::number(value, 3);

@@ -1,4 +1,5 @@
-//! What was done to a model, for people. In: sections of text, tables and pictures. Out: the same as Markdown and as a page.
+//! The report on a model. In: sections of text, tables and pictures. Out: the report as Markdown
+//! and as an HTML page.
 
 use heliotile_results::outputs::markup::escaped;
 
@@ -6,9 +7,9 @@ use heliotile_results::outputs::markup::escaped;
 pub enum Block {
     Text(String),
     List(Vec<String>),
-    /// Head and rows; the first column is text, others are numbers.
+    /// A table: head and rows; the first column is text, others are numbers.
     Table(Vec<String>, Vec<Vec<String>>),
-    /// Name of the file, and its SVG.
+    /// A picture: name of the file, and its SVG.
     Picture(String, String),
 }
 
@@ -19,7 +20,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// As Markdown.
+    /// Returns the report as Markdown.
     pub fn markdown(&self) -> String {
         let mut out = format!("# {}\n", self.title);
         for (heading, blocks) in &self.sections {
@@ -45,7 +46,7 @@ impl Report {
         out
     }
 
-    /// As a page that stands alone.
+    /// Returns the report as one HTML page that contains its pictures.
     pub fn html(&self) -> String {
         let mut out = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>\n\
@@ -80,7 +81,7 @@ impl Report {
         out + "</body>\n</html>\n"
     }
 
-    /// Its pictures, by name.
+    /// Returns the pictures of the report: name and SVG.
     pub fn pictures(&self) -> impl Iterator<Item = (&str, &str)> {
         let blocks = self.sections.iter().flat_map(|(_, blocks)| blocks);
         blocks.filter_map(|block| match block {

@@ -1,5 +1,7 @@
-//! Reflected light of surfaces as tables over the sun's position. In: an archive of a model's surfaces. Out: for each surface of
-//! EnergyPlus what it gets under each sun of a grid, and under a sky, apart by whether it depends on the ground's reflectance.
+//! Reflected light of surfaces as tables over the sun's position. In: an archive of a model's
+//! surfaces. Out: the reflected light of each EnergyPlus surface under each sun of a grid, and
+//! under a sky, split into a part that depends on the ground's reflectance and a part that does
+//! not.
 
 use std::collections::BTreeMap;
 
@@ -15,19 +17,20 @@ use heliotile_core::units::direction_from_degrees;
 use heliotile_core::weather::conditions::Condition;
 use heliotile_results::{LightChoice, ReceiverSet, Resources, Series, TileStream};
 
-/// W/m2 of DNI that tables of the sun stand for, and of DHI for the sky.
+/// DNI that sun tables stand for, and DHI that the sky values stand for, W/m2.
 pub const NOMINAL_W_M2: f64 = 1000.0;
 
-/// The sky whose reflected light counts.
+/// Sky whose reflected light counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReflectedSky {
-    /// As EnergyPlus reflects it.
+    /// A uniform sky, which EnergyPlus uses for reflections.
     Uniform,
-    /// As EnergyPlus lights surfaces by it: brighter around the sun and at the horizon.
+    /// The sky of Perez and others (1990), which EnergyPlus uses for direct light: brighter around
+    /// the sun and at the horizon.
     Perez1990,
 }
 
-/// Reflectances of the ground between which tables hold.
+/// Range of the ground's reflectance for which tables hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundRange {
     pub low: f64,
@@ -35,51 +38,55 @@ pub struct GroundRange {
 }
 
 impl GroundRange {
-    /// Any ground: with one reflection light is a straight line over its reflectance. It begins above 0, where what is next to nothing
-    /// is cut off at nothing.
+    /// Range for any ground: with one reflection, light is a straight line over the ground's
+    /// reflectance. The range begins above 0, where very small contributions are cut off to 0.
     pub const UNIT: GroundRange = GroundRange { low: 0.1, high: 1.0 };
 }
 
-/// Light that depends on the ground's reflectance: `fixed + reflectance x by_ground`, W/m2 under 1000 W/m2.
+/// Light that depends on the ground's reflectance: `fixed + reflectance x by_ground`, W/m2 under
+/// 1000 W/m2.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GroundLine {
-    /// One value a condition.
+    /// Part that does not depend on the ground, one value a condition.
     pub fixed: Vec<f64>,
-    /// The same.
+    /// Part that a ground of reflectance 1 adds, one value a condition.
     pub by_ground: Vec<f64>,
 }
 
-/// A surface of the model with what it gets.
+/// A surface of the model with its reflected light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceLight {
-    /// As the model spells it.
+    /// Name as the model spells it.
     pub name: String,
     pub kind: String,
     pub class: String,
     pub zone: String,
     pub receivers: usize,
     pub area_m2: f64,
-    /// `[azimuth][altitude]` of the grid, altitude fastest: what surfaces reflect diffusely.
+    /// Light that surfaces reflect diffusely: `[azimuth][altitude]` of the grid, altitude fastest.
     pub sun: GroundLine,
-    /// The same of the fine grid: the sun in mirrors, whatever the ground.
+    /// Sun in mirrors, whatever the ground: `[azimuth][altitude]` of the fine grid, altitude
+    /// fastest.
     pub mirrored: Vec<f64>,
-    /// Under a uniform sky: one value each.
+    /// Light reflected under a uniform sky: one value each.
     pub sky: GroundLine,
-    /// Of the band at the horizon, where it adds 1000 W/m2 to an open wall: one value each; none for a uniform sky.
+    /// Light reflected from the sky band at the horizon, where the band adds 1000 W/m2 to an open
+    /// wall: one value each; empty for a uniform sky.
     pub horizon: GroundLine,
-    /// How far light at the middle reflectance of the ground lies off the line through both ends at most, W/m2 under 1000 W/m2.
+    /// Largest distance of the light at the middle reflectance of the ground from the line through
+    /// both ends, W/m2 under 1000 W/m2.
     pub bend_w_m2: f64,
 }
 
-/// Means over the receivers of a surface, by area.
+/// Means over the receivers of a surface, weighted by area.
 struct Means {
-    /// Without light.
+    /// Surface, without light yet.
     light: SurfaceLight,
-    /// `[state][condition]`
+    /// Sums and then means, `[state][condition]`.
     values: Vec<f64>,
 }
 
-/// How tables are made.
+/// Settings for making tables.
 pub struct TableRequest<'a> {
     pub grid: SunGrid,
     pub paths: LightPaths,
@@ -88,16 +95,16 @@ pub struct TableRequest<'a> {
     pub resources: Resources<'a>,
 }
 
-/// What all surfaces get, by name without regard to case, sorted so.
+/// Computes the reflected light of all surfaces, sorted by name in small letters.
 pub fn surface_lights(archive: &Archive, asked: &TableRequest) -> Result<Vec<SurfaceLight>> {
     let site = OpenSite::of(archive)?;
-    // Without reflections or ground nothing depends on it.
+    // Without reflections or ground, nothing depends on the ground's reflectance.
     let changes = site.settings().diffuse && !site.grounds().is_empty();
     let GroundRange { low, high } = asked.ground;
     let states = if changes { vec![low, high, 0.5 * (low + high)] } else { vec![0.0] };
     let mut one = suns(asked.grid);
     let zenith = direction_from_degrees(0.0, 90.0);
-    // Without a sun every sky here is uniform.
+    // Without a sun every sky model here is uniform.
     one.push(Condition::new(String::new(), &[], zenith, 0.0, NOMINAL_W_M2));
     one.extend(asked.sky.low().map(|low| low.condition));
     let conditions: Vec<Condition> = states.iter().flat_map(|_| one.clone()).collect();
@@ -109,14 +116,15 @@ pub fn surface_lights(archive: &Archive, asked: &TableRequest) -> Result<Vec<Sur
         return Ok(lights);
     }
     let mirrored = surface_means(archive, suns(SunGrid::FINE), None, &[Component::SunSpecular], asked)?;
-    // Both are sorted by the same names.
+    // Both lists are sorted by the same names.
     for (light, means) in lights.iter_mut().zip(mirrored) {
         light.mirrored = round_the_circle(means.values, SunGrid::FINE);
     }
     Ok(lights)
 }
 
-/// Components of light under conditions, added up, as means over surfaces by name; `ground` is the ground's reflectance under each.
+/// Computes the sum of some components under conditions, as means over surfaces, sorted by name in
+/// small letters. `ground` is the ground's reflectance under each condition.
 fn surface_means(
     archive: &Archive,
     conditions: Vec<Condition>,
@@ -155,10 +163,10 @@ fn surface_means(
     Ok(found.into_values().map(mean).collect())
 }
 
-/// An overcast sky whose horizon is darker than its dome, and nothing else.
+/// An overcast sky whose horizon is darker than its dome, without circumsolar light.
 struct LowSky {
     condition: Condition,
-    /// Shares of 1000 W/m2; the band's is below 0.
+    /// Irradiance of the dome, as a share of 1000 W/m2.
     dome: f64,
     horizon: f64,
 }
@@ -171,11 +179,13 @@ impl ReflectedSky {
         }
     }
 
-    /// A sky that tells what the band at the horizon gives, if there is one.
+    /// Returns a sky from which the contribution of the horizon band can be computed, if the model
+    /// has such a band.
     fn low(self) -> Option<LowSky> {
         let sun = direction_from_degrees(180.0, LOW_SUN_DEG);
         let mut condition = Condition::new(String::new(), &[sun], sun, 0.0, NOMINAL_W_M2);
-        // So that the sky is dull: nothing comes from around the sun.
+        // A huge extraterrestrial irradiance makes the sky dull: no light comes from around the
+        // sun.
         condition.extraterrestrial_w_m2 = DULL_W_M2;
         let parts = self.model().parts(&condition);
         let (dome, horizon) = (parts.dome_w_m2 / NOMINAL_W_M2, parts.horizon_w_m2 / NOMINAL_W_M2);
@@ -183,27 +193,27 @@ impl ReflectedSky {
     }
 }
 
-/// The lower the sun, the darker the horizon of an overcast sky.
+/// Altitude of the sun of an overcast sky, degrees: the lower the sun, the darker the horizon.
 const LOW_SUN_DEG: f64 = 5.0;
 
-/// A sun beside which 1000 W/m2 are nothing.
+/// Extraterrestrial irradiance beside which 1000 W/m2 are nothing, W/m2.
 const DULL_W_M2: f64 = 1e9;
 
-/// All suns of the grid but those of 360 degrees, without sky.
+/// Returns the conditions of all suns of the grid but those at 360 degrees, without sky.
 fn suns(grid: SunGrid) -> Vec<Condition> {
     let mut all = grid.conditions(NOMINAL_W_M2);
     all.truncate(all.len().saturating_sub(grid.altitudes_deg().len()));
     all
 }
 
-/// The same with north again, at 360 degrees.
+/// Appends the values of north again, for 360 degrees.
 fn round_the_circle(mut values: Vec<f64>, grid: SunGrid) -> Vec<f64> {
     let north: Vec<f64> = values.iter().copied().take(grid.altitudes_deg().len()).collect();
     values.extend(north);
     values
 }
 
-/// The lines through the states of the ground.
+/// Fits the lines through the states of the ground.
 fn finish(Means { mut light, values }: Means, conditions: usize, asked: &TableRequest) -> SurfaceLight {
     let GroundRange { low, high } = asked.ground;
     let mut states = values.chunks(conditions.max(1));
@@ -219,7 +229,7 @@ fn finish(Means { mut light, values }: Means, conditions: usize, asked: &TableRe
     let split = |mut all: Vec<f64>| {
         let lower = low.as_ref().and_then(|_| all.pop());
         let sky = all.pop().unwrap_or_default();
-        // What is not the dome's is the horizon's.
+        // Light that does not come from the dome comes from the horizon.
         let horizon = low.as_ref().zip(lower).map(|(low, light)| (light - low.dome * sky) / low.horizon);
         [round_the_circle(all, asked.grid), vec![sky], horizon.into_iter().collect()]
     };
@@ -231,7 +241,7 @@ fn finish(Means { mut light, values }: Means, conditions: usize, asked: &TableRe
 }
 
 impl SurfaceLight {
-    /// A surface that gets nothing yet.
+    /// Returns a surface without light.
     fn dark(part: ModelPart) -> SurfaceLight {
         SurfaceLight {
             name: part.face,
@@ -248,7 +258,7 @@ impl SurfaceLight {
         }
     }
 
-    /// The same spread over a larger area, the rest of which gets nothing.
+    /// Spreads the light over a larger area, the rest of which gets no light.
     pub fn spread_over(&mut self, whole_m2: f64) {
         if whole_m2 > self.area_m2 && self.area_m2 > 0.0 {
             let share = self.area_m2 / whole_m2;
@@ -263,7 +273,7 @@ impl SurfaceLight {
 }
 
 impl GroundLine {
-    /// Mean of both parts.
+    /// Returns the means of the fixed part and of the part by ground.
     pub fn mean(&self) -> [f64; 2] {
         [&self.fixed, &self.by_ground].map(|values| values.iter().sum::<f64>() / values.len().max(1) as f64)
     }
@@ -273,8 +283,9 @@ impl GroundLine {
 mod tests {
     use super::*;
 
-    /// The usual grid has 37 azimuths and 19 altitudes, 703 suns, the lowest at 0.5 degrees; of each north stands there twice. An overcast sky of 1990 with
-    /// the sun at 5 degrees has F1 = 0 and F2 = -0.060 - 0.022 x 1.4835 = -0.0926.
+    /// The usual grid has 37 azimuths and 19 altitudes, 703 suns, the lowest at 0.5 degrees; north
+    /// is in each azimuth axis twice. An overcast sky of Perez 1990 with the sun at 5 degrees has
+    /// F1 = 0 and F2 = -0.060 - 0.022 x 1.4835 = -0.0926.
     #[test]
     fn the_usual_grid() {
         let (azimuths, altitudes) = (SunGrid::USUAL.azimuths_deg(), SunGrid::USUAL.altitudes_deg());

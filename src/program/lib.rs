@@ -1,4 +1,5 @@
-//! The program `heliotile`: a command line that fills requests, and a terminal that shows what comes of them.
+//! The program `heliotile`: a command line that fills requests, and a terminal that shows the
+//! results.
 
 mod cli;
 mod commands;
@@ -9,8 +10,9 @@ use std::ffi::OsString;
 
 use heliotile_core::error::Error;
 
-/// Parses the words of a command line, the program's name first, does what they ask and prints the error, if there is one. 0 fine, 1 found a
-/// problem, 2 could not run, 130 stopped by Ctrl-C, 143 by SIGTERM.
+/// Parses a command line whose first word is the program's name, runs the command and prints the
+/// error, if there is one. Returns the exit code: 0 done, 1 found a problem, 2 could not run, 130
+/// stopped by Ctrl-C, 143 by SIGTERM.
 pub fn program(words: &[OsString]) -> u8 {
     let (cli, about) = cli::parse(words);
     match commands::run(&cli, about) {

@@ -1,4 +1,4 @@
-//! The program: all of it stands in the library.
+//! The program `heliotile`: its code is in the library.
 
 use std::ffi::OsString;
 use std::process::ExitCode;

@@ -1,4 +1,5 @@
-//! Copies from stores and to them. In: two places. Out: the same bytes at the second one, whole or not at all.
+//! Copies to and from stores. In: two places. Out: the bytes of the first place at the second one,
+//! whole or not at all.
 
 use std::path::Path;
 
@@ -12,7 +13,8 @@ use heliotile_core::archive::{ReadAt, format};
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::{Observer, Stage};
 
-/// Copies what is at one place to another; at least one of them is an address. What is there already is kept if it is the same.
+/// Copies the file or object at `from` to `to`; at least one of them is an address. A file that is
+/// already at `to` is kept if it is the same.
 pub fn copy(from: &Path, to: &Path, replace: bool, observer: &dyn Observer) -> Result<Copied> {
     if !is_address(to) {
         let file = hold(from, false)?;
@@ -32,7 +34,7 @@ pub fn copy(from: &Path, to: &Path, replace: bool, observer: &dyn Observer) -> R
     let name = shown(from);
     let starts = bytes.length() >= format::MAGIC.len() as u64
         && bytes.copy_at(0, format::MAGIC.len()).map_err(Error::unread(&name))? == format::MAGIC;
-    // Nobody is sent an archive that cannot be opened.
+    // An archive that cannot be opened is not uploaded: readers could not use it.
     let root = if starts { Some(open_archive(from, Default::default())?.root()) } else { None };
     let stage = Stage::begin(observer, "copy", Some(bytes.length()));
     let source = Upload { bytes: bytes.as_ref(), root, name: &name };
@@ -41,7 +43,8 @@ pub fn copy(from: &Path, to: &Path, replace: bool, observer: &dyn Observer) -> R
     Ok(Copied { bytes: bytes.length(), beside, was_there: published.was_there })
 }
 
-/// Whether a file holds what an object does: of archives the roots tell.
+/// Returns true if the file at `path` holds what `object` holds. Archives are compared by their
+/// roots, other files byte by byte.
 fn is_copy(object: &RemoteFile, path: &Path) -> Result<bool> {
     let file = hold_any(path)?;
     if file.length() != object.length() {

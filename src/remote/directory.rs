@@ -1,5 +1,6 @@
-//! A folder wherever it lies. In: a path, or an address that objects lie below. Out: places of what is in it, which of them are there, what
-//! small ones hold. Whoever has many of them to look at looks at some at the same time.
+//! A folder, local or remote. In: a path, or an address that objects lie below. Out: places of the
+//! files in it, which of them exist, and the contents of small ones. Requests for many objects run
+//! at the same time.
 
 use std::path::{Path, PathBuf};
 
@@ -10,14 +11,15 @@ use crate::naming::{is_address, shown};
 use heliotile_core::archive::ReadAt;
 use heliotile_core::error::{Error, Result};
 
-/// Objects of a store that are looked at together: each is waited for.
+/// Objects of a store that are requested at the same time, to hide the latency of each request.
 const AT_ONCE: usize = 16;
-/// For more names than these a store is asked for its list,
+/// Smallest number of names above which a store is asked for its list.
 const LISTED_FROM: usize = 64;
-/// if they are more than this share of what it lists.
+/// Divisor of the number of files that may exist: a list is read only if more than one in
+/// `LISTED_SHARE` of them is asked for.
 const LISTED_SHARE: usize = 20;
 
-/// Largest small file: the plan of some millions of parts.
+/// Largest small file, bytes: the plan of an atlas of some millions of parts.
 const MOST_BYTES: u64 = 1 << 30;
 
 /// A folder of a file system, or what lies below an address.
@@ -25,22 +27,23 @@ const MOST_BYTES: u64 = 1 << 30;
 pub struct Directory(PathBuf);
 
 impl Directory {
-    /// The folder at a place.
+    /// Returns the folder at a place.
     pub fn at(place: &Path) -> Self {
         Directory(place.to_path_buf())
     }
 
-    /// Where it is.
+    /// Returns the place of the folder.
     pub fn place(&self) -> &Path {
         &self.0
     }
 
-    /// Whether it has an address.
+    /// Returns true if the folder has an address.
     pub fn is_remote(&self) -> bool {
         is_address(&self.0)
     }
 
-    /// Where a file in it is; of a signed address each has the signature.
+    /// Returns the place of the file `name` in the folder. A signed address passes its signature on
+    /// to each file.
     pub fn join(&self, name: &str) -> PathBuf {
         if !self.is_remote() {
             return self.0.join(name);
@@ -50,8 +53,9 @@ impl Directory {
         format!("{}/{name}{rest}", path.trim_end_matches('/')).into()
     }
 
-    /// What a small file in it holds, of one version; none if it is not there. `sure`: what may not be read is an error, and not taken for
-    /// nothing.
+    /// Reads a small file in the folder, from one version of it, or returns `None` if it is not
+    /// there. With `sure`, a file that may not be read is an error; without it, it counts as
+    /// absent.
     pub fn read(&self, name: &str, sure: bool) -> Result<Option<Vec<u8>>> {
         let place = self.join(name);
         if !is_address(&place) {
@@ -66,7 +70,8 @@ impl Directory {
         file.copy_at(0, length).map(Some).map_err(Error::unread(&shown(&place)))
     }
 
-    /// Which of some files are there, of so many that may be.
+    /// Returns for each of `names` true if that file exists. `of` is the number of files that may
+    /// exist in the folder.
     pub fn has(&self, names: &[String], of: usize) -> Result<Vec<bool>> {
         if !self.is_remote() {
             return Ok(names.iter().map(|name| self.join(name).is_file()).collect());
@@ -80,7 +85,8 @@ impl Directory {
         self.each(names, |name| stored::exists(&self.join(name)))
     }
 
-    /// Names of all files below it in their order, `a/b` for one in a folder of it; none where a server does not tell.
+    /// Returns the names of all files below the folder, sorted, `a/b` for a file in a subfolder;
+    /// `None` if a server gives no list.
     pub fn names(&self) -> Result<Option<Vec<String>>> {
         if self.is_remote() {
             let mut names = stored::names_below(Path::new(self.0.to_string_lossy().trim_end_matches('/')))?;
@@ -103,14 +109,15 @@ impl Directory {
         Ok(Some(names))
     }
 
-    /// Does something with each of some items, with many at the same time.
+    /// Calls `each` for each item; remote folders are served by `AT_ONCE` threads, as each call
+    /// waits for an answer.
     pub fn each<T: Sync, R: Send>(&self, items: &[T], each: impl Fn(&T) -> Result<R> + Sync) -> Result<Vec<R>> {
         let all = || items.par_iter().map(&each).collect();
         if !self.is_remote() {
             return all();
         }
         let threads = rayon::ThreadPoolBuilder::new().num_threads(AT_ONCE.min(items.len().max(1))).build();
-        // Without threads of their own they take turns on those that there are.
+        // Without a pool of its own the work runs on the global thread pool.
         threads.map_or_else(|_| all(), |threads| threads.install(all))
     }
 }
@@ -119,7 +126,8 @@ impl Directory {
 mod tests {
     use super::*;
 
-    /// Of 4 addresses and a path a file in them is where it should be, before a signature and behind one slash; two of three names are there.
+    /// For 4 addresses and a path, a file in the folder gets the right place, with the name before
+    /// the signature and behind one slash; two of three names exist.
     #[test]
     fn places() {
         for (place, joined) in [

@@ -4,20 +4,22 @@
 //!
 //! | room | in | out |
 //! | --- | --- | --- |
-//! | [`naming`] | a path or an address | which of both it is, the name that messages give it |
+//! | [`naming`] | a path or an address | which of the two it is, the name that messages give it |
 //! | [`places`] | a path or an address | the archive there, its bytes |
 //! | [`directory`] | a folder or an address below which objects lie | which files are there, and what small ones hold |
 //! | [`stores`] (feature `stores`) | an address | ranges of an object, all of one version; objects that are published whole |
 //!
 //! # What never happens
 //!
-//! - Bytes of two versions of an object are never mixed: every answer is of the version that was opened, or an error.
+//! - Bytes of two versions of an object are never mixed: every answer is of the version that was
+//!   opened, or an error.
 //! - Bytes from the cache are never served unchecked.
 //! - No password, signature or key stands in a message or in a cache.
-//! - Nothing waits for ever: every request has its time, and every wait its end.
+//! - No wait is endless: every request and every wait has a time limit.
 //! - Nothing is printed; tokio stays inside.
 //!
-//! Without the feature `stores`, which brings some 130 packages, addresses are refused with what to do.
+//! Without the feature `stores`, which brings some 130 packages, addresses are refused with a hint
+//! how to build with it.
 
 #![deny(missing_docs)]
 

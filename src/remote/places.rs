@@ -1,5 +1,5 @@
-//! The one door to archives that are read. In: a path, or the address of an object. Out: the archive there, or the one that a pointer there
-//! leads to.
+//! The one entry to archives that are read. In: a path, or the address of an object. Out: the
+//! archive there, or the archive that a pointer there leads to.
 
 use std::fs::File;
 use std::io::Read;
@@ -15,8 +15,9 @@ use heliotile_core::error::{Error, Result};
 /// Name of the plan in the folder of an atlas.
 pub const ATLAS: &str = "atlas.json";
 
-/// The archive at a place: a path, which is read as `access` says, or an address (with the feature `remote`). Errors as of [`Archive::open`],
-/// and those of stores: not there, not allowed, not reached, changed meanwhile.
+/// Opens the archive at a place: a path, which is read as `access` says, or an address (with the
+/// feature `remote`). Errors are those of [`Archive::open`] and those of stores: not there, not
+/// allowed, not reached, changed meanwhile.
 pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
     if is_address(place) {
         return Archive::of(shown(place), stored::hold(place, true)?);
@@ -35,7 +36,7 @@ pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
     Ok(archive)
 }
 
-/// The same where there may be none.
+/// Opens the archive at a place, or returns `None` if nothing is there.
 pub fn find_archive(place: &Path, access: Access) -> Result<Option<Archive>> {
     match is_address(place) {
         true => stored::find(place, true, true)?.map(|file| Archive::of(shown(place), file)).transpose(),
@@ -43,8 +44,8 @@ pub fn find_archive(place: &Path, access: Access) -> Result<Option<Archive>> {
     }
 }
 
-/// Checks every block of the archive at a place; of an address what the store holds, not what this machine keeps of it. See
-/// [`archive::verify()`].
+/// Checks every block of the archive at a place. For an address it checks what the store holds, not
+/// this machine's cache. See [`archive::verify()`].
 pub fn verify_archive(place: &Path, access: Access, deep: bool) -> Result<VerifyReport> {
     match (is_address(place), pointer_at(place)) {
         (true, _) => archive::verify_bytes(shown(place), stored::hold(place, false)?, deep),
@@ -56,7 +57,8 @@ pub fn verify_archive(place: &Path, access: Access, deep: bool) -> Result<Verify
     }
 }
 
-/// The bytes at a place, whatever they are, or of the archive that a pointer there leads to.
+/// Opens the bytes at a place, whatever they are, or the bytes of the archive that a pointer there
+/// leads to.
 pub fn hold(place: &Path) -> Result<Box<dyn ReadAt>> {
     if is_address(place) {
         return Ok(Box::new(stored::hold(place, true)?));
@@ -67,7 +69,7 @@ pub fn hold(place: &Path) -> Result<Box<dyn ReadAt>> {
     Ok(Box::new(OpenFile::new(file).map_err(Error::io(place, "read the length of"))?))
 }
 
-/// Refuses an address where only a file will do.
+/// Refuses an address where only a file will do; `why` says why in the error.
 pub fn require_file(place: &Path, why: &str) -> Result<()> {
     if !is_address(place) {
         return Ok(());
@@ -76,10 +78,10 @@ pub fn require_file(place: &Path, why: &str) -> Result<()> {
     Err(Error::input(&shown(place), None, format!("is an address: {why}"), hint))
 }
 
-/// What a file says, if it is a pointer.
+/// Reads the pointer in a file, or returns `None` if the file is no pointer.
 fn pointer_at(path: &Path) -> Option<Pointer> {
     let mut bytes = Vec::new();
-    // A pipe would lose what is read here.
+    // Only regular files are read: a pipe would lose the bytes that are read here.
     let file = File::open(path).ok().filter(|file| file.metadata().is_ok_and(|about| about.is_file()))?;
     file.take(MAX_POINTER as u64 + 1).read_to_end(&mut bytes).ok()?;
     Pointer::from_bytes(&bytes)

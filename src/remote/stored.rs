@@ -1,4 +1,5 @@
-//! Archives in stores and on web servers, as the environment says. In: addresses. Out: their bytes; copies from there and to there.
+//! Archives in stores and on web servers, with the settings of the environment. In: addresses. Out:
+//! their bytes; copies to and from them.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -13,47 +14,49 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::text::counted;
 use heliotile_core::units::Bytes;
 
-/// Folder of the cache, or `off`.
+/// Environment variable of the cache: its folder, or `off`.
 const CACHE: &str = "HELIOTILE_CACHE";
-/// What it may take, such as `500MB`.
+/// Environment variable of the largest size of the cache, such as `500MB`.
 const CACHE_SIZE: &str = "HELIOTILE_CACHE_SIZE";
-/// Seconds that one request may take.
+/// Environment variable of the time limit of one request, seconds.
 const TIMEOUT: &str = "HELIOTILE_TIMEOUT";
 
-/// What the cache may take, unless the environment says otherwise.
+/// Largest size of the cache, unless the environment says otherwise.
 const USUAL_SIZE: Bytes = Bytes(2_000_000_000);
 
-/// Longest and shortest time that may be asked for, s.
+/// Shortest and longest time limit that is accepted, seconds.
 const TIMES_S: std::ops::RangeInclusive<f64> = 0.1..=3600.0;
 
-/// The object of an address, open; `kept`: its blocks may come from the cache, and go there.
+/// Opens the object at an address. With `kept`, blocks may be read from the cache and are written
+/// to it.
 pub fn hold(place: &Path, kept: bool) -> Result<RemoteFile> {
     let address = Address::parse(place)?;
     RemoteFile::open(&address, connection()?, if kept { cache()? } else { None })
 }
 
-/// The same where nothing may be there; `sure`: what may not be read is an error, and not taken for nothing.
+/// Opens the object at an address, or returns `None` if nothing is there. With `sure`, an object
+/// that may not be read is an error; without it, it counts as absent.
 pub fn find(place: &Path, kept: bool, sure: bool) -> Result<Option<RemoteFile>> {
     let absent = if sure { Failure::is_absence } else { Failure::may_be_absence };
     RemoteFile::find(&Address::parse(place)?, connection()?, if kept { cache()? } else { None }, absent)
 }
 
-/// Whether an object is there.
+/// Returns true if an object is at an address.
 pub fn exists(place: &Path) -> Result<bool> {
     listing::exists(&Address::parse(place)?, connection()?)
 }
 
-/// Names of what lies below an address; none where nobody says.
+/// Returns the names of the objects below an address, or `None` if the server gives no list.
 pub fn names_below(place: &Path) -> Result<Option<Vec<String>>> {
     listing::names_below(&Address::parse_folder(place)?, connection()?)
 }
 
-/// Refuses an address that nothing can be written to.
+/// Refuses an address that cannot be written to.
 pub fn check_writable(place: &Path) -> Result<()> {
     check_target(&Address::parse(place)?)
 }
 
-/// What was asked of stores so far, in words; none if nothing was.
+/// Describes the requests to stores so far in words, or returns `None` if there were none.
 pub fn traffic() -> Option<String> {
     let traffic = so_far();
     let [received, cached] = [traffic.received, traffic.cached].map(|bytes| bytes as f64 / 1e6);
@@ -69,7 +72,8 @@ pub(crate) fn connection() -> Result<Connection> {
     Ok(Connection { timeout: Duration::from_secs_f64(seconds.ok_or_else(refuse)?) })
 }
 
-/// The cache that the environment asks for; a usual one that cannot be made is done without.
+/// Opens the cache that the environment asks for, or `None` if it is switched off. A default folder
+/// that cannot be made is no error: the cache is left out.
 fn cache() -> Result<Option<Cache>> {
     let asked = variable(CACHE);
     let size = match variable(CACHE_SIZE) {
@@ -87,12 +91,12 @@ fn cache() -> Result<Option<Cache>> {
     }
 }
 
-/// A variable that says something.
+/// Returns the value of an environment variable that is set and not empty.
 fn variable(name: &str) -> Option<String> {
     env::var(name).ok().filter(|value| !value.is_empty())
 }
 
-/// Where programs of this system keep what they can fetch again.
+/// Returns the folder where programs of this system keep data that they can fetch again.
 fn usual_folder() -> Option<PathBuf> {
     let absolute = |name: &str| variable(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let home = || env::home_dir().filter(|home| home.is_absolute());

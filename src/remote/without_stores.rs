@@ -1,4 +1,5 @@
-//! In place of stores, where the program is built without the feature `remote`: addresses are refused with what to do.
+//! Stand-ins for stores in a program that is built without the feature `remote`. In: addresses.
+//! Out: errors that say how to build with it.
 
 use std::path::Path;
 
@@ -11,37 +12,37 @@ fn refuse<T>(place: &Path) -> Result<T> {
     Err(Error::input(&shown(place), None, what, "build it with them: cargo build --locked --release --features remote"))
 }
 
-/// The archive is not opened.
+/// Refuses to open an object.
 pub fn hold(place: &Path, _: bool) -> Result<Vec<u8>> {
     refuse(place)
 }
 
-/// Nothing is looked for.
+/// Refuses to look for an object.
 pub fn find(place: &Path, _: bool, _: bool) -> Result<Option<Vec<u8>>> {
     refuse(place)
 }
 
-/// Nobody is asked.
+/// Refuses to ask if an object exists.
 pub fn exists(place: &Path) -> Result<bool> {
     refuse(place)
 }
 
-/// No list is read.
+/// Refuses to list names.
 pub fn names_below(place: &Path) -> Result<Option<Vec<String>>> {
     refuse(place)
 }
 
-/// Nothing is written.
+/// Refuses an address to be written to.
 pub fn check_writable(place: &Path) -> Result<()> {
     refuse(place)
 }
 
-/// Nothing is copied.
+/// Refuses to copy.
 pub fn copy(from: &Path, to: &Path, _: bool, _: &dyn Observer) -> Result<Copied> {
     refuse(if is_address(from) { from } else { to })
 }
 
-/// Nothing was asked of others.
+/// Returns `None`: no requests are made.
 pub fn traffic() -> Option<String> {
     None
 }
@@ -52,8 +53,9 @@ mod tests {
 
     use super::*;
 
-    /// A program without stores refuses an address that is read, copied from, copied to or written to, 7 ways, with how to build one that
-    /// takes it and without the signature; it tells of 0 requests.
+    /// A program without stores refuses an address that is read, copied from, copied to or written
+    /// to, 7 ways. Each message says how to build a program that takes it and leaves the signature
+    /// out. 0 requests are counted.
     #[test]
     fn refused_with_what_to_do() {
         let (address, file) = (Path::new("https://me:secret@host/site.helio?sig=secret"), Path::new("a.helio"));

@@ -1,4 +1,4 @@
-//! Accuracy as a number: builds that are asked for an error, and the report of what errors cost.
+//! Accuracy as a number: builds for a target error, and the report of what accuracy costs.
 
 use std::fs;
 
@@ -8,7 +8,7 @@ use heliotile_core::archive::Archive;
 use crate::cli::{Folder, stdout};
 use crate::scenes::{town, v};
 
-/// Twelve blocks on a square as files, and 40 receivers on the ground and on walls.
+/// Writes twelve blocks on a square as files, and 40 receivers on the ground and on walls.
 fn site() -> Folder {
     let folder = Folder::new();
     let (mut obj, mut vertices) = (String::new(), 0);
@@ -34,15 +34,17 @@ fn site() -> Folder {
     folder
 }
 
-/// The number behind a word.
+/// Parses the number behind a word.
 fn after(text: &str, word: &str) -> f64 {
     let rest = text.split(word).nth(1).unwrap_or_else(|| panic!("`{word}` is not in {text}"));
     let digits: String = rest.trim_start().chars().take_while(|c| c.is_ascii_digit() || "-.".contains(*c)).collect();
     digits.parse().expect("a number")
 }
 
-/// Builds for 4 % and 1 % expect no more than that and find it on all receivers within a factor of 2; the archive states it, the same one
-/// on one thread; the one for 1 % has more bytes; `info` shows it and its tiles, a part of the site keeps the number without the tiles.
+/// Builds for 4 % and 1 % expect no more than that and find it on all receivers within a factor of
+/// 2. The archive states the error, and is the same on one thread. The archive for 1 % has more
+/// bytes. `info` shows the error and its tiles; a part of the site keeps the error without the
+/// tiles.
 #[test]
 fn targets_are_kept() {
     let folder = site();
@@ -77,8 +79,9 @@ fn targets_are_kept() {
     assert!(some.tiles.is_empty() && some.rmse_percent > 0.0);
 }
 
-/// A build for 2 % states errors of all hours, and of hours without direct sun; an audit of all receivers by other paths in
-/// other hours finds both within a factor of 1.5, and `info` says them in percent and W/m2.
+/// A build for 2 % states errors of all hours, and of hours without direct sun. An audit of all
+/// receivers by other paths in other hours finds both within a factor of 1.5, and `info` states
+/// them in percent and W/m2.
 #[test]
 fn stated_errors_hold_in_hours_without_direct_sun() {
     let folder = site();
@@ -89,7 +92,7 @@ fn stated_errors_hold_in_hours_without_direct_sun() {
     let stated = archive.manifest().accuracy.clone().expect("an estimate");
     let shaded = stated.hours.iter().find(|hours| hours.hours == "no direct sun").expect("hours without sun");
     assert!(shaded.share_percent > 10.0 && shaded.mean_w_m2 < stated.mean_w_m2 && shaded.receivers > 20, "{stated:?}");
-    // What is reflected is off by no more than the total may be.
+    // Reflected light is off by no more than the total may be.
     assert!(shaded.reflected_w_m2 <= 0.02 * stated.mean_w_m2 && shaded.rmse_w_m2 > 0.0, "{stated:?}");
     let audit = folder.run(&format!("audit site.helio {inputs} --samples 40 --paths 4096 --seed 5"));
     let said = stdout(&audit);
@@ -106,9 +109,10 @@ fn stated_errors_hold_in_hours_without_direct_sun() {
     assert!(info.contains("in hours with no direct sun ("), "{info}");
 }
 
-/// A report of 8 rungs: errors fall from draft to standard to fine to reference; the mean absolute error of the sky texture falls by 16 or more
-/// from 128 to 2048 texels a side, that of cells by 4 or more from 16 footprints to 1, beside a hemisphere for every hit; the page
-/// holds 3 pictures and refers to nothing.
+/// In a report of 8 rungs, errors fall from draft to standard to fine to reference. The mean
+/// absolute error of the sky texture falls by 16 or more from 128 to 2048 texels a side, that of
+/// cells by 4 or more from 16 footprints to 1, beside a hemisphere for every hit. The page holds 3
+/// pictures and loads no other file.
 #[test]
 fn tradeoff() {
     let folder = site();
@@ -152,8 +156,8 @@ fn tradeoff() {
     assert_eq!(fs::read_dir(folder.path("report")).expect("a folder").count(), 8);
 }
 
-/// Errors that are no percentages, a target beside a quality or settings, weather that is not there, and a report in place of a file or of
-/// receivers that are not there are refused, and so is a clock of weather that is not named: 10 of 10.
+/// Errors that are no percentages, a target beside a quality or settings, missing weather, a report
+/// in place of a file, missing receivers, and a clock without a weather file are refused: 10 of 10.
 #[test]
 fn wrong_inputs() {
     let folder = Folder::new();

@@ -1,8 +1,8 @@
-//! Addresses where only paths are taken, in a program with and without the feature `remote`.
+//! Addresses where only paths are accepted, in a program with and without the feature `remote`.
 
 use crate::cli::Folder;
 
-/// 3 commands refuse an address, or a path, for what they cannot do with it, and say which command can.
+/// 3 commands refuse an address, or a path, that they cannot use, and name the command that can.
 #[test]
 fn refused_for_what_they_are() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! The archive as a whole: equal inputs, equal bytes; cached and derived layers agree.
+//! Whole archives: equal inputs give equal bytes; stored and derived layers agree.
 
 use std::fs;
 
@@ -17,7 +17,8 @@ use heliotile_core::opened::OpenSite;
 
 use crate::scenes::*;
 
-/// One and two threads, receivers and faces in another order: one root hash and the same bytes.
+/// Builds on one and on two threads, and with receivers and faces in another order, give one root
+/// hash and the same bytes.
 #[test]
 fn bytes_depend_on_content_only() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -43,8 +44,9 @@ fn bytes_depend_on_content_only() {
     }
 }
 
-/// The response layer of the archive is the derived response coded, to the byte; along the directions of its texels it is within 0.62 steps of
-/// 2^-12 RMS of it for the 150 receivers.
+/// The response layer of the archive is the derived response coded, to the byte. Along the
+/// directions of its texels it is within 0.62 steps of 2^-12 RMS of the derived one for the 150
+/// receivers.
 #[test]
 fn cached_response_is_the_derived_one() {
     let site = site(&scene(&town(), &[0.2, 0.4]), &many(), &fine());
@@ -72,7 +74,8 @@ fn cached_response_is_the_derived_one() {
     assert!(rms > 0.0 && rms < 0.62 / 4096.0, "{rms}");
 }
 
-/// More bounces, more light: on every receiver 1 <= 2 <= 3 <= all, and the third adds less than the second.
+/// With more bounces there is more light on a receiver in a street: 1 < 2 < 3 < all, and the third
+/// bounce adds less than the second.
 #[test]
 fn bounces_add_up() {
     let site = site(

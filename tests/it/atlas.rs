@@ -1,4 +1,5 @@
-//! A region in parts: built one by one, asked like one archive, and what its halo costs.
+//! Atlases: parts that are built one by one and queried like one archive, and the error that a halo
+//! makes.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -20,7 +21,7 @@ fn done(folder: &Folder, command: &str) -> Output {
     output
 }
 
-/// Sums of three days of an archive or an atlas: the rows, sorted.
+/// Returns the sums over three days of an archive or an atlas: the rows, sorted.
 fn sums(folder: &Folder, place: &str, options: &str) -> Vec<String> {
     let text =
         stdout(&done(folder, &format!("replay {place} --weather {} --every total {options}", golden().display())));
@@ -29,7 +30,7 @@ fn sums(folder: &Folder, place: &str, options: &str) -> Vec<String> {
     rows
 }
 
-/// Totals by receiver, kWh/m2.
+/// Returns totals by receiver, kWh/m2.
 fn totals(rows: &[String]) -> BTreeMap<&str, f64> {
     let row = |row: &'_ str| {
         let (rest, total) = row.rsplit_once(',')?;
@@ -38,7 +39,7 @@ fn totals(rows: &[String]) -> BTreeMap<&str, f64> {
     rows.iter().filter_map(|text| Some((&text["total,".len()..]["".len()..][..row(text)?.0], row(text)?.1))).collect()
 }
 
-/// The block as one archive, and as an atlas.
+/// Builds the block as one archive, and cuts it as an atlas.
 fn block(cut: &str) -> Folder {
     let folder = Folder::new();
     done(&folder, "receivers MODEL --spacing 4m -o r.csv");
@@ -47,8 +48,9 @@ fn block(cut: &str) -> Folder {
     folder
 }
 
-/// Four parts that see the whole block give, built in any order, all rows of the one archive to the digit: 425 receivers, those of one building, and means
-/// of 19 buildings that parts share; no receiver stands in two parts.
+/// Four parts that see the whole block, built in any order, give all rows of the one archive to the
+/// digit: 425 receivers, the receivers of one building, and means of 19 buildings that parts share.
+/// No receiver is in two parts.
 #[test]
 fn parts_are_the_whole() {
     let folder = block("--part-size 45m --sample 8");
@@ -58,7 +60,7 @@ fn parts_are_the_whole() {
     let (whole, parts) = (sums(&folder, "whole.helio", ""), sums(&folder, "atlas", ""));
     assert_eq!(parts.len(), 425 + 1);
     assert_eq!(whole, parts);
-    // A building that parts share, by its name.
+    // The name of a building that parts share.
     let table = fs::read_to_string(folder.path("r.csv")).expect("receivers");
     let building = table.lines().nth(1).and_then(|row| row.split(',').nth(10)).expect("a building").to_owned();
     let some = format!("--object {building}");
@@ -81,8 +83,9 @@ fn parts_are_the_whole() {
     assert_eq!(stated["seams"]["rmse_percent"], 0.0);
 }
 
-/// A region with a tower more, which reaches into a fifth part: each of its parts, built from the part of its name in the atlas before, has the bytes
-/// of one that is built from nothing, and some of it is taken from there; an atlas without that part is told.
+/// A tower is added to a region and reaches into a fifth part. Each of the new parts, built from
+/// the part of its name in the earlier atlas, has the bytes of a part built from nothing, and some
+/// of its light comes from there. An earlier atlas without that part is reported.
 #[test]
 fn parts_are_built_from_those_before() {
     let folder = Folder::new();
@@ -114,9 +117,10 @@ fn parts_are_built_from_those_before() {
     assert!(said.contains("before holds no part"), "{said}");
 }
 
-/// What is of single archives is found in the part that holds it: a picture of a receiver and an extract of a surface have the bytes of that part's,
-/// view factors of 425 receivers and factors of the surfaces of all parts are those of the one archive; receivers of several parts are refused, and
-/// so is an atlas where one archive is taken.
+/// Requests for single archives find the part that holds their receivers: a picture of a receiver
+/// and an extract of a surface have the bytes of that part's. View factors of 425 receivers and
+/// factors of the surfaces of all parts are those of the one archive. Receivers of several parts
+/// are refused, and so is an atlas where one archive is expected.
 #[test]
 fn parts_are_found() {
     let folder = block("--part-size 45m --sample 0");
@@ -140,7 +144,7 @@ fn parts_are_found() {
     }
     let same =
         |a: &str, b: &str| fs::read(folder.path(a)).expect("a file") == fs::read(folder.path(b)).expect("a file");
-    // A picture says what it is of.
+    // A picture names its archive, so the two differ by some bytes.
     let sizes = ["a.png", "b.png"].map(|file| fs::read(folder.path(file)).expect("a picture").len());
     assert!(sizes[0].abs_diff(sizes[1]) < 200, "{sizes:?}");
     let surface = rows.iter().find(|row| row[0] == id).expect("its row")[8];
@@ -169,8 +173,9 @@ fn parts_are_found() {
     folder.refused("export atlas --html page.html", &["is an atlas", "catalogue"]);
 }
 
-/// Ground beyond the halo lights what looks over the roofs: a tower of 60 m on a plain of 800 m has in parts of 40 m with a halo of 10 m the
-/// sums of one archive, to the digit, at 48 receivers; of these, one that faces west far up gets more than 5 % of its light from ground.
+/// Ground beyond the halo lights surfaces that look over the roofs. At 48 receivers on a tower of
+/// 60 m on a plain of 800 m, parts of 40 m with a halo of 10 m have the sums of one archive, to the
+/// digit. At least one of these receivers gets more than 5 % of its light by reflection.
 #[test]
 fn ground_goes_on_beyond_the_halo() {
     let folder = Folder::new();
@@ -197,9 +202,10 @@ fn ground_goes_on_beyond_the_halo() {
     assert!(most > 0.05, "{most}");
 }
 
-/// A halo of 10 m is stated to cost more than 1 % and costs more than 0.3 % of the sum; one of 30 m is stated to cost less than 1 % of
-/// hours (a low sun behind one house, at one receiver), and costs less than 0.1 % of the sum. The upper bound of both is above what is
-/// found, and below three times what is stated.
+/// A halo of 10 m states an error of more than 1 % and is off by more than 0.3 % of the sum. One of
+/// 30 m states less than 1 % of hours (a low sun behind one house, at one receiver), and is off by
+/// less than 0.1 % of the sum. The upper bound of both is above the error found, and at most three
+/// times the stated one.
 #[test]
 fn halos_state_their_error() {
     for (halo, stated_least, stated_most, found_least, found_most) in
@@ -222,8 +228,9 @@ fn halos_state_their_error() {
     }
 }
 
-/// Of a region of two files 2 km apart, a part of the one is built while the other is gone; a box in it is answered while seven parts are
-/// missing, with rows of that part's archive, and a part that is there is not traced again: its bytes stay.
+/// In a region of two files 2 km apart, a part of the one is built while the other is missing. A
+/// box in it is answered while seven parts are missing, with rows of that part's archive. A part
+/// that is there is not traced again: its bytes stay.
 #[test]
 fn parts_need_what_is_near() {
     let folder = Folder::new();
@@ -261,8 +268,9 @@ fn parts_need_what_is_near() {
     folder.refused(&format!("build atlas --part {far}"), &["east.city.json", "No such file"]);
 }
 
-/// Receivers 50 cm off their surfaces stand beyond the square of their part here and there: strips of 40 cm on both sides of a seam hold, in the atlas, the
-/// receivers that they hold in the one archive, at least one of them of the part across the seam, and no part is taken for another's.
+/// Receivers 50 cm off their surfaces stand beyond the square of their part here and there. In
+/// strips of 40 cm on both sides of a seam the atlas has the receivers of the one archive, at least
+/// one of them from the part across the seam, and no part is taken for another's.
 #[test]
 fn receivers_across_a_seam() {
     let folder = Folder::new();
@@ -289,7 +297,8 @@ fn receivers_across_a_seam() {
     assert!(across > 0);
 }
 
-/// A part whose objects are gone is refused, and with `--fresh` becomes one without receivers: its archive does not stay.
+/// A part whose objects are gone is refused, and with `--fresh` becomes one without receivers: its
+/// archive does not stay.
 #[test]
 fn a_part_that_became_empty() {
     let folder = Folder::new();
@@ -310,8 +319,8 @@ fn a_part_that_became_empty() {
     assert!(stdout(&done(&folder, "find atlas")).contains("x1749_y10176,78705,457920,empty,"));
 }
 
-/// A scene file, or materials, that are others than when the region was cut are told before a part is traced: 2 of 2, with the file; `--fresh` builds the
-/// part all the same.
+/// A scene file or a materials file that changed since the region was cut is reported before a part
+/// is traced: 2 of 2, with the file. `--fresh` builds the part all the same.
 #[test]
 fn files_that_changed() {
     let folder = Folder::new();
@@ -332,7 +341,8 @@ fn files_that_changed() {
     assert!(stderr(&ran).contains("block.city.json: is another file"), "{}", stderr(&ran));
 }
 
-/// Four processes that are told to build one part at once all succeed; one of them traces, three find it up to date, and its archive is whole.
+/// Four processes that build one part at once all succeed: one of them traces, three find it up to
+/// date, and its archive is whole.
 #[test]
 fn builders_take_turns() {
     let folder = block("--part-size 45m --sample 0");
@@ -351,7 +361,8 @@ fn builders_take_turns() {
     assert!(verified.contains(" 0 bad"), "{verified}");
 }
 
-/// Fifteen wrong inputs are refused with what to do; an archive that lies in another part's place is found by what asks, checks and publishes: 3 of 3.
+/// Fifteen wrong inputs are refused with a hint. An archive in another part's place is found by
+/// queries, checks and the catalogue: 3 of 3.
 #[test]
 fn refusals() {
     let folder = block("--part-size 45m --sample 0");
@@ -382,7 +393,7 @@ fn refusals() {
     }
     done(&folder, "build atlas --part 0");
     folder.refused(&format!("{partition} -o atlas --replace"), &["holds parts that are built", "parts"]);
-    // A part of other settings is no part.
+    // A part with other settings is no part of this atlas.
     done(&folder, "build atlas --part all");
     fs::copy(folder.path("whole.helio"), folder.path("other.helio")).expect("copied");
     done(
@@ -391,7 +402,7 @@ fn refusals() {
     );
     fs::copy(folder.path("other.helio"), folder.path("atlas/parts/x1749_y10176/site.helio")).expect("copied");
     folder.refused(&format!("replay atlas --weather {weather}"), &["other settings", "--fresh"]);
-    // Nor is that of the part beside it.
+    // The archive of the part beside it is none either.
     fs::copy(folder.path("atlas/parts/x1749_y10177/site.helio"), folder.path("atlas/parts/x1749_y10176/site.helio"))
         .expect("copied");
     let beside = "do not stand in the square of x1749_y10176";
@@ -418,8 +429,10 @@ fn refusals() {
     }
 }
 
-/// A catalogue of four parts has four items with the size and the BLAKE3 of their archives, a footprint whose corner is where PROJ puts
-/// it within 1.5e-7 degrees, links that lead to files, a picture of 400 pixels each and the page beside them, which lists all; `find` lists the two parts that a strip touches.
+/// A catalogue of four parts has four items with the size and the BLAKE3 of their archives, a
+/// footprint whose corner is where PROJ puts it within 1.5e-7 degrees, links that lead to files, a
+/// picture of 400 pixels each, and the page beside them, which lists all. `find` lists the two
+/// parts that a strip touches.
 #[test]
 fn catalogues() {
     let folder = block("--part-size 45m --sample 0 --crs EPSG:28992");
@@ -447,7 +460,7 @@ fn catalogues() {
         let thumbnail = &item["assets"]["thumbnail"];
         let png = fs::read(beside(&thumbnail["href"])).expect("a picture");
         assert_eq!((&thumbnail["roles"], &thumbnail["file:size"]), (&json!(["thumbnail"]), &json!(png.len())));
-        // Width and height stand at 16 in a PNG.
+        // A PNG holds its width and height at byte 16.
         let size = |at: usize| u32::from_be_bytes([0, 1, 2, 3].map(|i| png[at + i]));
         assert_eq!(size(16).max(size(20)), 400);
         pictures += 1;
@@ -459,7 +472,7 @@ fn catalogues() {
         receivers += item["properties"]["heliotile:receivers"].as_u64().expect("a number");
         if item["id"] == "x1749_y10176" {
             assert_eq!(item["properties"]["proj:bbox"], json!([78705.0, 457920.0, 78750.0, 457965.0]));
-            // pyproj 3.7 of 78705, 457920 and 78750, 457965.
+            // Values of pyproj 3.7 for 78705, 457920 and 78750, 457965.
             let corners = &item["geometry"]["coordinates"][0];
             for (row, expected) in [(0, [4.273_576_4, 52.104_254_1]), (8, [4.274_223_1, 52.104_664_7])] {
                 for (axis, expected) in expected.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Audits: archives beside the judge, which follows single paths of light.
+//! Audits: archives beside the reference path tracer, which follows single paths of light.
 
 use std::fs;
 
@@ -19,8 +19,9 @@ use heliotile_scene::site::Site;
 use crate::cli::{Folder, golden, stderr, stdout};
 use crate::scenes::{build, fine, many, mirror_town, plan, site, tiles};
 
-/// On a town with mirrors and glass, 60 receivers at `fine` are within 1.2 % of the judge, with a bias below 0.4 % and an interval narrower than
-/// 1 %: each of the six components is there in both, and none is off by more than 1 % RMSE.
+/// On a town with mirrors and glass, 60 receivers at `fine` are within 1.2 % of the reference path
+/// tracer, with a bias below 0.4 % and an interval narrower than 1 %. Each of the six components is
+/// above 0 in both, and none is off by more than 1 % RMSE.
 #[test]
 fn mirrors_and_glass() {
     let scene = mirror_town();
@@ -53,8 +54,10 @@ fn mirrors_and_glass() {
     }
 }
 
-/// The program writes a page, a table of 8 hours a receiver and two pictures, the same on one thread; an archive that claims 0.01 % is refuted
-/// with exit code 1, one that claims 20 % is not; of a table of 3 conditions each receiver is asked about all; another scene, a sky that has no radiance and a name for a number are refused.
+/// The program writes a page, a table of 8 hours a receiver and two pictures, the same on one
+/// thread. An archive that claims 0.01 % is refuted with exit code 1, one that claims 20 % is not.
+/// With a table of 3 conditions each receiver is checked in all of them. Another scene, a sky that
+/// has no radiance and a word for a number are refused.
 #[test]
 fn claims() {
     let folder = Folder::new();

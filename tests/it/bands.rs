@@ -1,5 +1,5 @@
-//! Light by band, through the program: furnaces, screens and mirrors beside closed forms, bands that add up, photons and lux, what archives hold of
-//! it, and what is refused.
+//! Light by band, through the program: furnaces, screens and mirrors beside closed forms, bands
+//! that add up, photons and lux, blocks of bands in archives, and refusals.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -15,10 +15,10 @@ use crate::scenes::data;
 /// Shares of the sky's light: ultraviolet, visible, near infrared.
 const SKY: [f64; 3] = [0.1047, 0.6436, 0.2517];
 
-/// A uniform sky of 1,000 W/m2 without sun.
+/// Conditions: a uniform sky of 1,000 W/m2 without sun.
 const OVERCAST: &str = "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nu,180,30,0,1000\n";
 
-/// `(condition or time, receiver)`: values by the names of columns.
+/// Values by column name, for each `(condition or time, receiver)`.
 type Rows = BTreeMap<(String, String), BTreeMap<String, f64>>;
 
 fn run(folder: &Folder, arguments: &str) -> String {
@@ -39,7 +39,7 @@ fn rows(folder: &Folder, arguments: &str) -> Rows {
     reader.records().map(|record| row(record.expect("a row"))).collect()
 }
 
-/// The values of a receiver in the only condition.
+/// Returns the values of a receiver in the only condition.
 fn only(folder: &Folder, arguments: &str, receiver: &str) -> BTreeMap<String, f64> {
     rows(folder, arguments).remove(&("u".to_owned(), receiver.to_owned())).expect("the receiver")
 }
@@ -48,7 +48,7 @@ fn near(what: &str, found: f64, expected: f64, share: f64) {
     assert!((found - expected).abs() <= share * expected.abs(), "{what}: {found} for {expected}");
 }
 
-/// A scene of its own, `site.helio` under `OVERCAST`, from faces, materials and receivers.
+/// Builds a scene as `site.helio`, and writes `OVERCAST`, from faces, materials and receivers.
 fn built(obj: &str, materials: &str, receivers: &str) -> Folder {
     let folder = Folder::new();
     folder.write("own.obj", obj);
@@ -65,7 +65,7 @@ fn archive(version: &str) -> PathBuf {
 
 const QUERY: &str = "query site.helio --conditions u.csv --sky uniform --columns total";
 
-/// Inside of a sphere of 100 m with a hole of 30 degrees around the zenith.
+/// Returns the inside of a sphere of 100 m with a hole of 30 degrees around the zenith.
 fn sphere() -> String {
     let (rings, sectors, hole) = (36, 72, 6);
     let point = |ring: usize, sector: usize| {
@@ -85,8 +85,9 @@ fn sphere() -> String {
     text
 }
 
-/// In a sphere that light enters by a hole of a share f of it, what is reflected again is rho (1 - f) / (1 - rho (1 - f)) of what is
-/// reflected once, in each band by its own reflectance: 0.5, 0.2 and 0.8 give 0.875, 0.230 and 2.942 (f = 0.067), within 2 %, and the first
+/// In a sphere that light enters by a hole of a share f of it, the light reflected again is
+/// `rho (1 - f) / (1 - rho (1 - f))` of the light reflected once, in each band by its own
+/// reflectance: 0.5, 0.2 and 0.8 give 0.875, 0.230 and 2.942 (f = 0.067), within 2 %. The first
 /// reflection is rho f x DHI x the band's share within 4 %.
 #[test]
 fn a_furnace_reflects_by_band() {
@@ -102,8 +103,9 @@ fn a_furnace_reflects_by_band() {
     }
 }
 
-/// Under an endless screen and beside an endless mirror the light of bands is that of their transmittances, 0.5, 0.2 and by what is left 0.855, and
-/// of their reflectances, 0.8 and 0.4, within 0.3 %.
+/// Under an endless screen and beside an endless mirror, the light of bands follows their
+/// transmittances, 0.5, 0.2 and by difference 0.855, and their reflectances, 0.8 and 0.4, within
+/// 0.3 %.
 #[test]
 fn screens_and_mirrors_let_bands_through() {
     let screen = "v -4000 -4000 1\nv 4000 -4000 1\nv 4000 4000 1\nv -4000 4000 1\nusemtl screen\nf 1 2 3 4\n";
@@ -126,8 +128,9 @@ fn screens_and_mirrors_let_bands_through() {
     }
 }
 
-/// Bands that reflect alike and whose shares are all of the light add up to all of it within 1e-5: two halves of one's own, and ultraviolet,
-/// visible and near infrared; by hours, months and conditions, on an archive with glass and leaves.
+/// Bands that reflect alike and share all of the light add up to all of it within 1e-5: two halves
+/// from a file, and ultraviolet, visible and near infrared. This holds by hours, months and
+/// conditions, on an archive with glass and leaves.
 #[test]
 fn bands_add_up() {
     let folder = Folder::new();
@@ -149,7 +152,7 @@ fn bands_add_up() {
         let mut compared = 0;
         for row in rows(&folder, &command).values() {
             let of = |name: &str| row[&format!("{name}{unit}")];
-            // A CSV has three decimals of hours.
+            // A CSV has three decimals for hours.
             let close = |sum: f64| (sum - of("total")).abs() <= 1e-5 * of("total") + 0.0016;
             assert!(close(of("total_half") + of("total_rest")), "{command}: {row:?}");
             assert!(close(of("total_uv") + of("total_visible") + of("total_nir")), "{command}: {row:?}");
@@ -159,7 +162,8 @@ fn bands_add_up() {
     }
 }
 
-/// The two halves in all digits: 432 values of hours in NumPy's format differ by 1e-5 of the total at most.
+/// The two halves in all digits: 432 values of hours in NumPy's format differ from the total by at
+/// most 1e-5 of it.
 #[test]
 fn halves_in_all_digits() {
     let folder = Folder::new();
@@ -179,8 +183,9 @@ fn halves_in_all_digits() {
     }
 }
 
-/// Photons are 4.57 umol a joule of PAR, mol/m2 in sums (3 days: 259,200 s); lux of an open roof are those of the two efficacies of Perez et al., and
-/// their sum over the hours is that of the months, within 1e-4.
+/// Photons are 4.57 umol per joule of PAR, mol/m2 in sums (3 days: 259,200 s). Lux of an open roof
+/// follow the two efficacies of Perez et al., and their sum over the hours is the sum over the
+/// file, within 1e-4.
 #[test]
 fn photons_and_lux() {
     let folder = built(
@@ -202,14 +207,16 @@ fn photons_and_lux() {
     near("lux", total["illuminance_klx_h"], sum("illuminance") / 1000.0, 1e-4);
     let efficacy = total["illuminance_klx_h"] / total["total_kwh_m2"];
     assert!((105.0..120.0).contains(&efficacy), "{efficacy} lm/W");
-    // Overcast at 60 degrees from the zenith: epsilon 1, delta 1000 x 1.993 / 1367 is more than the 0.6 of the data; 2 cm of water.
+    // Overcast at 60 degrees from the zenith: epsilon 1, delta 1000 x 1.993 / 1367 is more than the
+    // 0.6 of the data; 2 cm of water.
     let found = only(&folder, &format!("{QUERY} --bands visible"), "up");
     let expected = 97.24 - 0.46 * 2.0 + 12.0 * 0.5 - 8.91 * 0.6_f64.ln();
     near("lux", found["illuminance"], 1000.0 * expected, 1e-3);
 }
 
-/// What an option says counts in every band, and what it leaves keeps the values of bands: a wall of 0.5 (0.2 of what is seen) that is given 0.8
-/// gives 4.0 times the visible light of one reflection; snow on no ground leaves 1.0 times.
+/// An option counts in every band, and a material that it leaves alone keeps its values by band. A
+/// wall of 0.5 (0.2 in the visible band) that is set to 0.8 gives 4.0 times the visible light of
+/// one reflection; snow without ground gives 1.0 times.
 #[test]
 fn options_count_in_every_band() {
     let wall = "v 1 -4000 -4000\nv 1 4000 -4000\nv 1 4000 4000\nv 1 -4000 4000\nusemtl wall\nf 1 2 3 4\n";
@@ -225,8 +232,9 @@ fn options_count_in_every_band() {
     near("snow", snow("--snow albedo") / snow(""), 1.0, 1e-5);
 }
 
-/// An archive of materials without values by band has the root of one whose materials state a single number, and no block of bands; one value for a
-/// band is a block of some 60 bytes. A copy, a part and two parts merged keep it, `diff` and `info` tell of it, `verify` finds nothing.
+/// An archive of materials without values by band has the root of one whose materials state a
+/// single number, and no block of bands; one value for a band is a block of some 60 bytes. A copy,
+/// a part and two parts merged keep it, `diff` and `info` show it, `verify` finds nothing.
 #[test]
 fn archives_hold_bands_only_where_they_are_stated() {
     let folder = Folder::new();
@@ -267,7 +275,7 @@ fn archives_hold_bands_only_where_they_are_stated() {
     }
 }
 
-/// Tables, maps, charts, comparisons and sums of a city model name light by its unit: 5 files.
+/// Tables, maps, charts and comparisons name light by its unit.
 #[test]
 fn columns_go_everywhere() {
     let folder = built(
@@ -291,8 +299,10 @@ fn columns_go_everywhere() {
     assert!(header.contains("change_total_kwh_m2") && header.contains("before_ppfd_mol_m2"), "{header}");
 }
 
-/// A note says that no material states values by band, another one that what follows from some is no share: 2 of 2; a wrong name, one twice, a
-/// missing file, shares beyond 1 and a partition that is none end with 2 and their words, 7 of 7; a Honeybee folder has no place for bands.
+/// A note says that no material states values by band, another one that a value derived from the
+/// others is no share: 2 of 2. A wrong name, a repeated one, a missing file, shares beyond 1 and a
+/// partition that does not add up end with exit code 2 and a message, 7 of 7. A Honeybee folder
+/// cannot hold bands.
 #[test]
 fn notes_and_refusals() {
     let roof = "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nusemtl roof\nf 1 2 3 4\n";

@@ -1,4 +1,5 @@
-//! Tables of buildings and roof faces: sums that another command gives too, regions that one can count, and what is refused.
+//! Tables of buildings and roof faces: sums that another command gives too, regions that can be
+//! counted by hand, and refusals.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,7 +20,7 @@ fn number(text: &str) -> f64 {
     text.parse().expect("a number")
 }
 
-/// A folder with receivers on the block of The Hague and their archive, coarse.
+/// Builds a draft archive of receivers on the block of The Hague in a folder.
 fn block() -> Folder {
     let folder = Folder::new();
     let model = Path::new(crate::ROOT).join("tests/data/cityjson/hague.city.json");
@@ -30,7 +31,7 @@ fn block() -> Folder {
     folder
 }
 
-/// Rows of buildings and of faces, with a threshold in kWh/m2 of three days.
+/// Returns rows of buildings and of faces, with a threshold in kWh/m2 over three days.
 fn rows(folder: &Folder, options: &str) -> (Vec<Row>, Vec<Row>) {
     let done =
         folder.run(&format!("buildings site.helio --weather {} -o b.csv --faces f.csv {options}", golden().display()));
@@ -39,9 +40,9 @@ fn rows(folder: &Folder, options: &str) -> (Vec<Row>, Vec<Row>) {
     (read("b.csv"), read("f.csv"))
 }
 
-/// 19 buildings: areas, sums, sums by orientation and areas above a threshold of each and of each of its 59 roof faces are those that
-/// receivers of `replay --by receiver` add up to, within 1e-4; usable areas are at most those above the threshold and, without a least
-/// area, the same.
+/// For 19 buildings and their 59 roof faces, areas, sums, sums by orientation and areas above a
+/// threshold are the sums over the receivers of `replay --by receiver`, within 1e-4. Usable areas
+/// are at most those above the threshold and, without a least area, the same.
 #[test]
 fn sums_are_those_of_receivers() {
     let folder = block();
@@ -55,7 +56,7 @@ fn sums_are_those_of_receivers() {
     for row in table(&fs::read_to_string(folder.path("r.csv")).expect("receivers")) {
         let (area, mean) = (number(&row["area"]), sums[row["receiver"].as_str()]);
         let normal = ["nx", "ny", "nz"].map(|axis| number(&row[axis]));
-        // Degrees from north by quarters, written another way than the program does.
+        // Quarters of the horizon, computed in another way than the program does.
         let quarter = match (normal[0].abs() > normal[1].abs(), normal[0] > 0.0, normal[1] > 0.0) {
             _ if row["kind"] == "roof" && normal[2] > f64::cos(10_f64.to_radians()) => "flat",
             (true, east, _) => ["west", "east"][usize::from(east)],
@@ -97,8 +98,9 @@ fn sums_are_those_of_receivers() {
     assert!(usable(&larger) > 0.0 && usable(&larger) < usable(&buildings));
 }
 
-/// A house with a roof of 4 x 6 squares of 1 m2 in the open, in the third row of which a threshold leaves nothing: regions of 8 and 12
-/// m2, of which at least 10 m2 leaves one; tilt and azimuth are those of its normal, a table in Parquet has the same 2 rows.
+/// A house in the open has a roof of 4 x 6 squares of 1 m2, in the third row of which no square
+/// reaches the threshold: regions of 8 and 12 m2 remain, and a least area of 10 m2 leaves one. The
+/// best face is the one with that region, and a table in Parquet has the same 2 rows.
 #[test]
 fn regions_of_a_roof() {
     let folder = Folder::new();
@@ -106,7 +108,7 @@ fn regions_of_a_roof() {
     let patch = "-500 -500 0;500 -500 0;500 500 0;-500 500 0";
     for i in 0..24 {
         let (x, y) = (0.5 + f64::from(i % 4), 0.5 + f64::from(i / 4));
-        // What looks down gets little.
+        // A receiver that hardly looks up gets little light.
         let up = if i / 4 == 2 { "0,1,0.001" } else { "0,0,1" };
         text += &format!("r{i},{x},{y},10.02,{up},1,top,hall,house,roof,,,{patch}\n");
     }
@@ -138,8 +140,8 @@ fn regions_of_a_roof() {
     assert_eq!((about.num_rows(), about.schema().get_fields().len()), (2, buildings[0].len()));
 }
 
-/// Thresholds below 0, of no number and of words, least areas below 0, another ending, one name for two tables, archives without roofs,
-/// without names and without areas are refused: 9 of 9.
+/// Thresholds below 0, NaN and in words, least areas below 0, an unknown extension, one name for
+/// two tables, and archives without roofs, without names or without areas are refused: 9 of 9.
 #[test]
 fn refusals() {
     let folder = Folder::new();
@@ -169,8 +171,9 @@ fn refusals() {
     }
 }
 
-/// The five best places of 1 x 1 m on the roofs of the block are receivers whose sums `replay` gives, the highest first and none higher
-/// left out where it has room; 1,000 of 9 x 9 m are not found, which is warned of; `pv` takes the table; 3 wrong inputs are refused.
+/// The five best places of 1 x 1 m on the roofs of the block are receivers whose sums `replay`
+/// gives, the highest first, and the fifth is above 90 % of the brightest. 1,000 places of 9 x 9 m
+/// are not found, which is warned of. `pv` reads the table. 3 wrong inputs are refused.
 #[test]
 fn places_are_those_of_the_brightest_receivers() {
     let folder = block();

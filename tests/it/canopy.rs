@@ -42,7 +42,7 @@ fn coarse() -> BuildSettings {
     BuildSettings { sky_base: 32, sky_fine: 128, hit: 16, probe: 16, ..fine() }
 }
 
-/// All seven columns of every receiver, `[component][condition]`.
+/// Replays all seven columns of every receiver, `[component][condition]`.
 pub fn columns(
     path: &Path,
     conditions: &[Condition],
@@ -67,7 +67,8 @@ pub fn columns(
     rows.collect()
 }
 
-/// Largest difference of two replays as a share of the largest value of each component (of the total where it has none).
+/// Returns the largest difference of two replays as a share of the largest value of each component,
+/// or as it is where that value is 0.
 fn largest(a: &BTreeMap<String, Vec<Vec<f64>>>, b: &BTreeMap<String, Vec<Vec<f64>>>) -> f64 {
     let of = |component: usize, all: &BTreeMap<String, Vec<Vec<f64>>>| -> Vec<f64> {
         all.values().flat_map(|row| row[component].iter().copied()).collect()
@@ -82,9 +83,10 @@ fn largest(a: &BTreeMap<String, Vec<Vec<f64>>>, b: &BTreeMap<String, Vec<Vec<f64
     (0..7).map(error).fold(0.0, f64::max)
 }
 
-/// Beer and Lambert: under 1 to 6 parallel leaves, each of two triangles, sun_direct is DNI sin(altitude) tau^k, and in 1 to 6 boxes of
-/// leaves one in the other sky_direct is DHI tau^k too, within 1e-5, for tau of 0.3 and 0.85 and 4 suns; nothing opaque is in the
-/// scene.
+/// Beer and Lambert: under 1 to 6 parallel leaves, each of two triangles, sun_direct is DNI
+/// sin(altitude) tau^k, and in 1 to 6 boxes of leaves one in the other sky_direct is DHI tau^k too,
+/// within 1e-5, for tau of 0.3 and 0.85 and 4 suns. Nothing opaque is in the scene, and nothing is
+/// reflected.
 #[test]
 fn beer_lambert() {
     let up = receiver("r", DVec3::ZERO, DVec3::Z);
@@ -125,7 +127,8 @@ fn assert_within(name: &str, got: f64, expected: f64, tolerance: f64) {
     assert!((got - expected).abs() <= tolerance, "{name}: {got}, expected {expected}");
 }
 
-/// The town with three trees of 150 leaves each between its blocks, materials ground, wall, leaf and hedge.
+/// Returns the town with three trees of 150 leaves each between its blocks, materials ground, wall,
+/// leaf and hedge.
 fn grove(leaf: f64, hedge: f64) -> Scene {
     grove_of(screen("leaf", leaf), hedge)
 }
@@ -150,7 +153,7 @@ fn grove_of(leaf: Material, hedge: f64) -> Scene {
     with_screens(&triangles, materials)
 }
 
-/// 20 conditions of a bright year.
+/// Returns 20 conditions of a bright year.
 fn conditions() -> Vec<Condition> {
     let one = |i: i32| {
         let i = f64::from(i);
@@ -159,9 +162,11 @@ fn conditions() -> Vec<Condition> {
     (0..20).map(one).collect()
 }
 
-/// Trees in leaf in every second of 20 conditions (0.2 a crossing) and bare in the others (0.8), by schedule on either of two archives:
-/// each column is that of the archive built so, within 1e-6 of the largest where that one's response is derived anew too and within
-/// 1e-2, what coding may add under any one sun, with the stored one; the leaves themselves change it by more than 10 %.
+/// Trees are in leaf in every second of 20 conditions (0.2 a crossing) and bare in the others
+/// (0.8), by schedule on either of two archives. Each column is that of the archive built with this
+/// value, within 1e-6 of the largest if that one's response is derived again too. With the stored
+/// response it is within 1e-2, which is what coding may add under one sun. The leaves themselves
+/// change it by more than 10 %.
 #[test]
 fn seasons_equal_builds() {
     let receivers = &many()[..60];
@@ -188,8 +193,8 @@ fn seasons_equal_builds() {
     }
 }
 
-/// Twenty transmittances from 0.1 to 0.6 are interpolated between 9 states: each column of 4 of the 20 conditions is that of its own
-/// transmittance alone, within 2e-5 of the largest.
+/// Twenty transmittances from 0.1 to 0.6 are interpolated between 9 states: each column of 4 of the
+/// 20 conditions is that of its own transmittance alone, within 2e-5 of the largest.
 #[test]
 fn many_transmittances() {
     let site = site(&grove(0.2, 0.5), &many()[..25], &coarse());
@@ -209,8 +214,9 @@ fn many_transmittances() {
     }
 }
 
-/// What `export` draws of 6 receivers under trees adds up to the columns of a query within 0.2 %: sun and sky, direct and diffuse, for two
-/// skies; diffuse ones, which come of stored responses, and what is drawn does not, within what their coding may add too.
+/// Maps that `export` draws of 6 receivers under trees add up to the columns of a query within 0.2
+/// %: sun and sky, direct and diffuse, for two skies. For diffuse columns the coding of the stored
+/// response may add to the difference, as maps do not use it.
 #[test]
 fn maps_add_up() {
     let under = |i: i32| {
@@ -250,9 +256,11 @@ fn maps_add_up() {
     assert_eq!(dimmed, 12);
 }
 
-/// A wall seen out of a small box of screen, in a large box of gauze: the sun goes through the gauze, its light from the wall through the
-/// screen. sun_diffuse and sky_diffuse are the open ones x 0.3 x 0.6, and sun_direct and sky_direct too, within 1e-5 when all are
-/// derived; with the stored response what is reflected is within three times the RMS that its coding may add to a sun of 700 or 800 W/m2.
+/// A wall is seen out of a small box of screen, in a large box of gauze: the sun goes through the
+/// gauze, its light from the wall through the screen. sun_diffuse and sky_diffuse are the open ones
+/// x 0.3 x 0.6, and so are sun_direct and sky_direct, within 1e-5 when all are derived. With the
+/// stored response, reflected light is within three times the RMS that its coding may add to a sun
+/// of 700 or 800 W/m2.
 #[test]
 fn both_legs() {
     let mut triangles = quad(v(-50.0, 5.0, 0.0), v(100.0, 0.0, 0.0), v(0.0, 0.0, 60.0), 0);
@@ -286,7 +294,7 @@ fn built(scene: &Scene, receivers: &[Receiver], path: &Path) -> BuildReport {
     build(scene, &mut tiles(receivers, scene), &plan(&coarse(), path)).expect("a build")
 }
 
-/// Kinds of the blocks of an archive.
+/// Returns the kinds of the blocks of an archive.
 fn kinds(path: &Path) -> Vec<format::BlockKind> {
     let mut kinds: Vec<format::BlockKind> =
         Archive::open(path).expect("an archive").entries().iter().map(|entry| entry.kind).collect();
@@ -294,9 +302,9 @@ fn kinds(path: &Path) -> Vec<format::BlockKind> {
     kinds
 }
 
-/// A town without leaves has no block of the kinds 9, 11, 14 and 15 and casts no ray through canopies; with leaves that no ray meets
-/// it has the materials' optics only; and where trees stand all four kinds are there, and its rays are more by those through
-/// canopies.
+/// A town without leaves has no block of the kinds 9, 11, 14 and 15 and casts no ray through
+/// canopies. With leaves that no ray meets it has the materials' optics only. With trees it has all
+/// four kinds, and more rays, by those through canopies.
 #[test]
 fn only_where_leaves_are() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -321,8 +329,9 @@ fn only_where_leaves_are() {
     assert!(trees.rays.canopy > 0 && trees.rays.total() > trees.rays.sky + trees.rays.hit + trees.rays.canopy);
 }
 
-/// Two halves of a grove merge to the bytes of the whole, extracts of it have the bytes of their builds, and 1 and 2 threads give one
-/// archive: 4 of 4 with leaves that absorb, and 4 of 4 with some that scatter light.
+/// Two halves of a grove merge to the bytes of the whole, extracts of it have the bytes of their
+/// builds, and 1 and 2 threads give one archive: 4 of 4 with leaves that absorb, and 4 of 4 with
+/// some that scatter light.
 #[test]
 fn parts_and_threads() {
     let scattering = Material { diffuse: 0.4, ..screen("leaf", 0.2) };
@@ -357,9 +366,10 @@ fn parts_of_a_grove(leaf: Material) {
     }
 }
 
-/// Canopy blocks of all three kinds with 120 changes (a byte, a cut, a longer end, other lengths), under right checksums: a deep check
-/// finds at least 80 of them, and replays by schedule end with an error or with finite light, none in a panic; with leaves that scatter light
-/// another 120, of which at least 60 are found.
+/// Canopy blocks of all three kinds are changed 120 times (a byte, a cut, a longer end, other
+/// lengths), under right checksums. A deep check finds at least 80 of the changes, and replays by
+/// schedule end with an error or with finite light, none in a panic. With leaves that scatter light
+/// another 120 changes are made, of which at least 60 are found.
 #[test]
 fn hostile_bytes() {
     for (scattered, least) in [(0.0, 80), (0.3, 60)] {
@@ -370,7 +380,7 @@ fn hostile_bytes() {
     }
 }
 
-/// How many changes a deep check finds, and how many replays are refused.
+/// Returns how many changes a deep check finds, and how many replays are refused.
 fn hostile_bytes_of(leaf_material: Material) -> [usize; 2] {
     let folder = tempfile::tempdir().expect("a folder");
     let (good, bad) = (folder.path().join("good"), folder.path().join("bad"));
@@ -446,8 +456,9 @@ fn hostile_bytes_of(leaf_material: Material) -> [usize; 2] {
     [found, refused]
 }
 
-/// An unknown name, a name that is no canopy, a value of 1.2, a reflectance of a canopy, a file in a query, a file with a value of 2 and
-/// one without the column: each ends with exit code 2 and says so; a constant and a file of 12 months work and dim the light.
+/// An unknown name, a name that is no canopy, a value of 1.2, a reflectance of a canopy, a file in
+/// a query, a file with a value of 2, one without the column and a missing one each end with exit
+/// code 2 and a message. A constant and a file of 12 months work and dim the light.
 #[test]
 fn names_and_values() {
     let folder = tempfile::tempdir().expect("a folder");

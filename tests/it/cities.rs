@@ -1,4 +1,5 @@
-//! Footprints, rasters and CityGML through the commands that stand on a scene: parts of a region, archives, surroundings of EnergyPlus.
+//! Footprints, rasters and CityGML through the commands that use a scene: parts of a region,
+//! archives, surroundings of EnergyPlus models.
 
 use std::fs;
 use std::path::Path;
@@ -6,11 +7,11 @@ use std::process::Output;
 
 use crate::cli::{Folder, golden, stderr, stdout};
 
-/// The scenes, by what they are.
+/// Returns the scenes by their kinds.
 fn sources(folder: &Folder) -> [(&'static str, String); 3] {
     let data = |name: &str| Path::new(crate::ROOT).join("tests/data").join(name).display().to_string();
     let text = fs::read_to_string(data("citygml/small.gml")).expect("a model");
-    // Two tiles with half of the city objects each.
+    // Two tiles hold half of the city objects each.
     let (head, rest) = text.split_once("<core:cityObjectMember>").expect("members");
     let (members, tail) = rest.rsplit_once("</core:cityObjectMember>").expect("members");
     let members: Vec<&str> = members.split("</core:cityObjectMember>").collect();
@@ -35,7 +36,7 @@ fn done(folder: &Folder, command: &str) -> Output {
     output
 }
 
-/// Sums by receiver, sorted: name, and the rest of the row.
+/// Returns the sums by receiver, sorted: name, and the rest of the row.
 fn sums(folder: &Folder, place: &str) -> Vec<String> {
     let command = format!("replay {place} --weather {} --every total", golden().display());
     let mut rows: Vec<String> = stdout(&done(folder, &command)).lines().map(str::to_owned).collect();
@@ -43,7 +44,8 @@ fn sums(folder: &Folder, place: &str) -> Vec<String> {
     rows
 }
 
-/// Each kind of source, cut into parts that see the whole of it, gives the rows of the one archive to the digit.
+/// Each kind of source, cut into parts that see the whole of it, gives the rows of the one archive
+/// to the digit.
 #[test]
 fn parts_are_the_whole() {
     let folder = Folder::new();
@@ -76,7 +78,8 @@ fn tiles_are_the_file() {
     assert_eq!(one, two);
 }
 
-/// Each kind of source stands around the box of a model of EnergyPlus as shades when it is moved there.
+/// Each kind of source, moved to the box of an EnergyPlus model, becomes more than 8 shading
+/// surfaces around it.
 #[test]
 fn surroundings_of_a_model() {
     let folder = Folder::new();

@@ -1,4 +1,5 @@
-//! City models as they are published: what comes out of a tile, of a sequence of features and of templates.
+//! Published city models: the scene that is read from a tile, from a sequence of features and from
+//! templates.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +15,7 @@ fn load(name: &str) -> Scene {
     Scene::load(&file(name), None).expect(name)
 }
 
-/// Triangles and area in m2 of a material.
+/// Returns the number of triangles and the area in m2 of a material.
 fn share(scene: &Scene, material: &str) -> (usize, f64) {
     let number = scene.materials.iter().position(|known| known.name == material).expect(material);
     let own = (0..scene.mesh.triangles.len()).filter(|i| usize::from(scene.mesh.triangle_material[*i]) == number);
@@ -25,7 +26,8 @@ fn share(scene: &Scene, material: &str) -> (usize, f64) {
     areas.fold((0, 0.0), |(count, sum), area| (count + 1, sum + area))
 }
 
-/// A tile of The Hague keeps its 490 faces and, within 0.1 %, the areas of their outlines by Newell's formula, by semantic type.
+/// A tile of The Hague keeps its 490 faces and, within 0.1 %, the areas of their outlines by
+/// Newell's formula, by semantic type.
 #[test]
 fn hague() {
     let scene = load("hague.city.json");
@@ -45,7 +47,8 @@ fn hague() {
     assert!((middle.x - 78_739.0).abs() < 50.0 && (middle.y - 457_953.0).abs() < 50.0, "{middle}");
 }
 
-/// Three buildings of 3DBAG: LoD 2.2 without the 3 footprints, or 1.2 when asked for, of which each is a prism with one flat roof.
+/// Three buildings of 3DBAG are read in LoD 2.2 without the 3 footprints, or in LoD 1.2 on request,
+/// where each is a prism with one flat roof.
 #[test]
 fn sequence() {
     let fine = load("small.city.jsonl");
@@ -62,7 +65,8 @@ fn sequence() {
     assert!(share(&fine, "RoofSurface").1 > roof);
 }
 
-/// Fifteen trees stand where their 3 templates are placed, each with the area of its template, beside a bridge.
+/// Fifteen trees of 3 templates have, within 0.1 %, the areas of their templates in all, beside a
+/// bridge.
 #[test]
 fn trees() {
     let scene = load("vegetation_templates.city.jsonl");
@@ -73,5 +77,5 @@ fn trees() {
     assert_eq!((tree.diffuse, tree.transmittance), (0.0, Some(0.17)));
 }
 
-/// Sum of the areas of all outlines of 15 trees by Newell's formula, straight from the file.
+/// Sum of the areas of all outlines of 15 trees by Newell's formula, computed from the file, m2.
 const TREES_M2: f64 = 3.162006;

@@ -1,4 +1,4 @@
-//! City models that come back with sums: what is added, where, and that nothing else changes.
+//! City models written with sums: additions in the right places, and no other change.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,7 +12,7 @@ fn model(name: &str) -> PathBuf {
     Path::new(crate::ROOT).join("tests/data/cityjson").join(name)
 }
 
-/// A folder with receivers on a city model and their archive, coarse.
+/// Builds a draft archive of receivers on a city model in a folder.
 fn site(name: &str, options: &str) -> Folder {
     let folder = Folder::new();
     let model = model(name);
@@ -27,7 +27,7 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
 }
 
-/// Takes away what was added; gives how many numbers that were.
+/// Removes the additions; returns their number.
 fn strip(value: &mut Value) -> usize {
     let mut count = 0;
     match value {
@@ -42,7 +42,7 @@ fn strip(value: &mut Value) -> usize {
                 materials.retain(|m| !m["name"].as_str().is_some_and(|name| name.starts_with("irradiation ")));
             }
             count += members.values_mut().map(strip).sum::<usize>();
-            // What held nothing but additions was not there.
+            // An object that held only additions was not in the input.
             for added in ["attributes", "material", "materials", "appearance", "metadata"] {
                 if members.get(added).is_some_and(|inside| *inside == json("{}") || *inside == json("[]")) {
                     members.remove(added);
@@ -55,7 +55,7 @@ fn strip(value: &mut Value) -> usize {
     count
 }
 
-/// Rows of a table by two of its columns.
+/// Parses a table as rows of cells by column name.
 fn table(text: &str) -> Vec<BTreeMap<String, String>> {
     let mut rows = csv::Reader::from_reader(text.as_bytes());
     let names: Vec<String> = rows.headers().expect("names").iter().map(str::to_owned).collect();
@@ -67,9 +67,9 @@ fn number(text: &str) -> f64 {
     text.parse().expect("a number")
 }
 
-/// The block of The Hague comes back equal but for what was added, its vertices to the byte, and read again it has the same geometry; totals
-/// of all its objects are those of `--by object` within 0.001 kWh/m2, and those of all semantic
-/// surfaces that `--by receiver` gives, over 200.
+/// The block of The Hague is written equal but for the additions, its vertices to the byte, and
+/// read again it has the same geometry. Months of all its objects are those of `--by object` within
+/// 0.001 kWh/m2, and totals of more than 200 semantic surfaces are those of `--by receiver`.
 #[test]
 fn a_block_comes_back() {
     let folder = site("hague.city.json", "");
@@ -125,12 +125,12 @@ fn a_block_comes_back() {
     again(&folder, &command, &output);
 }
 
-/// Compares each semantic surface with its receivers; gives how many.
+/// Compares each semantic surface with its receivers; returns the number of surfaces.
 fn surfaces(folder: &Folder, replay: &str, out: &Value) -> usize {
     let sums = table(&stdout(&folder.run(&format!("{replay} --every total"))));
     let sums: BTreeMap<&str, f64> =
         sums.iter().map(|row| (row["receiver"].as_str(), number(&row["total_kwh_m2"]))).collect();
-    // Object, geometry and semantic surface: area, and sum by area.
+    // Area, and sum by area, of each object, geometry and semantic surface.
     let mut found = BTreeMap::<(String, usize, u64), (f64, f64)>::new();
     for row in table(&fs::read_to_string(folder.path("r.csv")).expect("receivers")) {
         let numbers: Vec<usize> =
@@ -154,7 +154,8 @@ fn surfaces(folder: &Folder, replay: &str, out: &Value) -> usize {
     found.len()
 }
 
-/// Written again from the output, nothing is there twice: the same bytes but for the name of the model.
+/// Checks that a model written from the output has no addition twice: the same bytes but for the
+/// name of the model.
 fn again(folder: &Folder, command: &str, output: &str) {
     let name = model("hague.city.json").display().to_string();
     let second = folder.run(&command.replace(&name, "out.city.json").replace("-o out", "-o second"));
@@ -171,8 +172,9 @@ fn again(folder: &Folder, command: &str, output: &str) {
     assert_eq!(text, output.replace(&name, "packed.city.json.gz"));
 }
 
-/// A sequence of 3 buildings comes back line by line, equal but for what was added, with materials in each of its 3 features and provenance
-/// in its header alone; geometry in other levels of detail gets no theme.
+/// A sequence of 3 buildings is written line by line, equal but for the additions, with materials
+/// in each of its 3 features and provenance in its header alone. Geometry in other levels of detail
+/// gets no theme.
 #[test]
 fn a_sequence_comes_back() {
     let folder = site("small.city.jsonl", "");
@@ -199,8 +201,8 @@ fn a_sequence_comes_back() {
     assert_eq!(themes, 3);
 }
 
-/// What is no model of this archive is refused, and an output that is not its: 9 of 9; a model that holds some of the objects is
-/// warned about with how many.
+/// A file that is no model of this archive is refused, and so is an output that does not fit: 10 of
+/// 10. For a model that holds some of the objects, a warning says so.
 #[test]
 fn wrong_models() {
     let folder = site("hague.city.json", "");

@@ -1,4 +1,5 @@
-//! The command line: names and columns of the contract, exit codes, messages that a user can act on.
+//! The command line: names and columns that stay stable, exit codes, messages that a user can act
+//! on.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,7 +7,8 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// A scratch folder with a small valid site: a 10 m cube on a 60 m square, three receivers, two conditions.
+/// A scratch folder with a small valid site: a 10 m cube on a 60 m square, three receivers, two
+/// conditions.
 pub struct Folder(TempDir);
 
 const SCENE: &str = "\
@@ -50,7 +52,8 @@ impl Folder {
         self.run("build scene.obj --materials materials.toml --receivers receivers.csv -o site.helio")
     }
 
-    /// Runs a command that must fail with exit code 2 and a message holding every one of `parts`.
+    /// Runs a command that must fail with exit code 2 and a message that holds every one of
+    /// `parts`.
     pub fn refused(&self, arguments: &str, parts: &[&str]) {
         let output = self.run(arguments);
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -74,7 +77,8 @@ pub fn golden() -> PathBuf {
     Path::new(crate::ROOT).join("tests/data/weather/golden_3_days.epw")
 }
 
-/// Build, query and replay give the columns of the contract: 9 columns, 6 rows of a query, 216 of three days.
+/// Build, query and replay give the stable columns: 9 columns, 6 rows of a query, 216 of three
+/// days.
 #[test]
 fn contract() {
     let folder = Folder::new();
@@ -101,7 +105,7 @@ fn contract() {
     let year = fs::read_to_string(folder.path("year.csv")).expect("the table");
     assert!(year.starts_with("time,receiver,sun_direct_kwh_m2,"), "{year}");
     assert_eq!(year.lines().count(), 4);
-    // The year's sums are the hours' means.
+    // Sums of the year are the sums of the hours' means.
     let sum = |table: &str, from: f64| -> f64 {
         let totals = table.lines().skip(1).filter_map(|l| l.rsplit(',').next()?.parse::<f64>().ok());
         totals.sum::<f64>() * from
@@ -112,7 +116,8 @@ fn contract() {
     assert!(fs::metadata(folder.path("hours.parquet")).expect("the table").len() > 1000);
 }
 
-/// `--io map` and `--io pread` print the same bytes from query, replay, info and verify, 4 of 4; another word is refused.
+/// `--io map` and `--io pread` print the same bytes from query, replay, info and verify, 4 of 4;
+/// another word is refused.
 #[test]
 fn both_ways_of_reading_agree() {
     let folder = Folder::new();
@@ -126,8 +131,9 @@ fn both_ways_of_reading_agree() {
     folder.refused("info site.helio --io mmap", &["mmap", "map", "pread"]);
 }
 
-/// `info` names all 7 layers, the counts and the 12 settings as `--set` takes them, `verify` finds nothing in a good archive and the damaged block in a bad one, and warns of
-/// 99 bytes behind the end of one.
+/// `info` names all 7 layers, the counts and the 12 settings as `--set` takes them. `verify` finds
+/// nothing in a good archive and the damaged block in a bad one, and warns of 99 bytes behind the
+/// end of one.
 #[test]
 fn info_and_verify() {
     let folder = Folder::new();
@@ -159,7 +165,7 @@ fn info_and_verify() {
     folder.refused("query bad.helio --conditions conditions.csv", &["bad.helio", "receivers/0", "verify"]);
 }
 
-/// 7 wrong options of a build, and a folder that is no store, are refused with what is allowed.
+/// 7 wrong options of a build, and a folder that is no store, are refused with the allowed values.
 #[test]
 fn wrong_options() {
     let folder = Folder::new();
@@ -178,7 +184,8 @@ fn wrong_options() {
     assert!(!folder.path("site.helio").exists());
 }
 
-/// 17 wrong inputs: each ends with exit code 2 and a message that names the file, the place and what was found.
+/// 17 wrong inputs each end with exit code 2 and a message that names the file, the place and what
+/// was found.
 #[test]
 fn wrong_inputs() {
     let folder = Folder::new();
@@ -208,7 +215,7 @@ fn wrong_inputs() {
     let query = "query site.helio --conditions conditions.csv";
     folder.write("conditions.csv", &CONDITIONS.replace("800", "-800"));
     folder.refused(query, &["conditions.csv", "line 2", "dni_w_m2", "-800"]);
-    // Before anything is read.
+    // The output is checked before anything is read.
     folder.refused(&format!("{query} -o out.xlsx"), &["out.xlsx", ".csv", ".parquet"]);
     folder.write("conditions.csv", CONDITIONS);
     folder.refused(&format!("{query} -o out.xlsx"), &[".csv", ".parquet"]);
@@ -216,7 +223,8 @@ fn wrong_inputs() {
     folder.refused("query scene.obj --conditions conditions.csv", &["scene.obj"]);
 }
 
-/// 5 outputs that would destroy something: an input, another kind of file, a device, a folder; each is refused and nothing is lost.
+/// 5 outputs that would destroy something (an input, another kind of file, a device, a folder) are
+/// refused, and nothing is lost.
 #[test]
 fn outputs_never_replace_inputs() {
     let folder = Folder::new();
@@ -231,8 +239,8 @@ fn outputs_never_replace_inputs() {
     assert_eq!(fs::read_to_string(folder.path("conditions.csv")).ok().as_deref(), Some(CONDITIONS));
 }
 
-/// A receiver inside the cube and one that faces a wall from 0.3 mm are named, 2 of 2, and the build goes on; the first also by
-/// a build that finds all 5 receivers in a store.
+/// A receiver inside the cube and one that faces a wall from 0.3 mm are named, 2 of 2, and the
+/// build goes on; the first is also named by a build that finds all 5 receivers in a store.
 #[test]
 fn misplaced_receivers_are_named() {
     let folder = Folder::new();
@@ -250,8 +258,8 @@ fn misplaced_receivers_are_named() {
     assert!(message.contains("1 receiver lies inside a solid") && message.contains("buried"), "{message}");
 }
 
-/// `extract` by list, box and surface, `merge` and `diff` from the command line: the merged file has the bytes of the original,
-/// `diff` ends with 0 and 1, and 9 wrong calls with 2.
+/// `extract` by list, box and surface, `merge` and `diff` work from the command line: the merged
+/// file has the bytes of the original, `diff` ends with 0 and 1, and 9 wrong calls end with 2.
 #[test]
 fn parts_of_a_site() {
     let folder = Folder::new();

@@ -1,4 +1,5 @@
-//! Comfort of people through the program: closed forms on a plain and below a roof, periods, archives without people, wrong input.
+//! Thermal comfort through the program: closed forms on a plain and below a roof, periods, archives
+//! without people, wrong input.
 
 use std::fs;
 
@@ -7,7 +8,7 @@ use crate::cli::{Folder, golden, stderr, stdout};
 /// Stefan-Boltzmann constant, W/m2 K4.
 const SIGMA: f64 = 5.670_374_419e-8;
 
-/// Angular factors of a standing person: a side, up or down.
+/// Angular factor of a side of a standing person; below, of the planes up and down.
 const SIDE: f64 = 0.22;
 const UP: f64 = 0.06;
 
@@ -15,7 +16,8 @@ fn black(celsius: f64) -> f64 {
     SIGMA * (celsius + 273.15).powi(4)
 }
 
-/// Mean radiant temperature of a standing box from planes up, down, north, east, south, west.
+/// Returns the mean radiant temperature of a standing box from planes up, down, north, east, south,
+/// west.
 fn box_c(shortwave: [f64; 6], longwave: [f64; 6]) -> f64 {
     let on = |planes: [f64; 6]| UP * (planes[0] + planes[1]) + SIDE * planes[2..].iter().sum::<f64>();
     ((0.7 / 0.97 * on(shortwave) + on(longwave)) / SIGMA).powf(0.25) - 273.15
@@ -29,7 +31,7 @@ fn slab(name: &str, half: f64, z: f64, first: usize, is_down: bool) -> String {
     format!("o {name}\nusemtl {name}\n{vertices}{face}")
 }
 
-/// A plain of 2 km with a point in its middle, and below a roof 3 m high if there is one.
+/// Writes a plain of 2 km with a point in its middle, and above it a roof at 3 m if asked for.
 fn plain(folder: &Folder, with_roof: bool) {
     let roof = if with_roof { slab("roof", 500.0, 3.0, 5, true) } else { String::new() };
     folder.write("plain.obj", &(slab("ground", 1000.0, 0.0, 1, false) + &roof));
@@ -48,7 +50,7 @@ fn plain(folder: &Folder, with_roof: bool) {
     folder.write("r.csv", &format!("receiver,x,y,z,nx,ny,nz\n{receivers}"));
 }
 
-/// Rows of hours: `[hour]`, the numbers behind time and point.
+/// Returns rows of hours: `[hour]`, the numbers behind time and point.
 fn hours(folder: &Folder, arguments: &str) -> Vec<Vec<f64>> {
     let place = "--latitude 39.7 --longitude -105.2 -m m.toml";
     let scene = if arguments.contains(".helio") { String::new() } else { format!("plain.obj {place} ") };
@@ -61,14 +63,15 @@ fn hours(folder: &Folder, arguments: &str) -> Vec<Vec<f64>> {
     text.lines().skip(1).map(|row| row.split(',').skip(2).map(number).collect()).collect()
 }
 
-/// Six numbers of a row from a place on.
+/// Returns six numbers of a row from a place on.
 fn six(row: &[f64], first: usize) -> [f64; 6] {
     std::array::from_fn(|i| row[first + i])
 }
 
-/// On an open plain whose ground is as warm as the air, all 72 hours of Golden: the sky of the weather file from above, 0.95 sigma T^4 + 0.05 of it from below;
-/// shortwave from below is 0.2 of that from above; the mean radiant temperature follows from the twelve columns within 0.02 K. By night it is that of
-/// the sky and the air alone within 0.2 K.
+/// On an open plain whose ground is as warm as the air, in all 72 hours of Golden, longwave from
+/// above is the sky of the weather file, and from below 0.95 sigma T^4 + 0.05 of the sky. Shortwave
+/// from below is 0.2 of that from above. The mean radiant temperature follows from the twelve
+/// columns within 0.02 K. By night it is that of the sky and the air alone within 0.2 K.
 #[test]
 fn open_plain() {
     let folder = Folder::new();
@@ -98,7 +101,8 @@ fn open_plain() {
         let expected = box_c(shortwave, longwave);
         assert!((mrt - expected).abs() < 0.02, "{mrt} {expected}");
         if shortwave[0] == 0.0 {
-            // Sides see half the ground; of the sky's lack beside a black one a wall misses 0.345.
+            // Sides see ground in half of their view. A wall misses 0.345 of what the sky lacks
+            // beside a black body at air temperature.
             let side = 0.5 * below + 0.5 * black(air) - 0.345 * (black(air) - sky);
             let expected = box_c([0.0; 6], [sky, below, side, side, side, side]);
             assert!((mrt - expected).abs() < 0.2, "{mrt} {expected}");
@@ -108,9 +112,11 @@ fn open_plain() {
     assert!(nights > 24, "{nights}");
 }
 
-/// On a plain whose southern half is metal of emissivity 0.2 and as warm as the air, what comes from below is e sigma T^4 + (1 - e) of the sky, e the mean of
-/// what a person sees: 0.95 far in the north, 0.2 far in the south, 0.575 on the seam, within 0.5 W/m2 in 72 hours; with `--emissivity ground=0.95` all
-/// three are alike. The metadata of the table state the range.
+/// The southern half of a plain is metal of emissivity 0.2 and as warm as the air. Longwave from
+/// below is e sigma T^4 + (1 - e) of the sky, where e is the mean over the ground that a person
+/// sees: 0.95 far in the north, 0.2 far in the south, 0.575 on the seam, within 0.5 W/m2 in 72
+/// hours. With `--emissivity ground=0.95` all three are alike. The metadata of the table state the
+/// range.
 #[test]
 fn emissivities_of_what_is_seen() {
     let folder = Folder::new();
@@ -152,13 +158,14 @@ fn emissivities_of_what_is_seen() {
     assert!(told.contains("bands       1 values of metal"), "{told}");
 }
 
-/// Below an endless roof of 25 degrees over ground of 30, both gray, planes get what two endless plates send, and the mean radiant temperature is
-/// that of these within 0.2 K; where ground and roof have 20 degrees it is 20 degrees within 0.02 K.
+/// Below an endless roof of 25 degrees over ground of 30, both gray, planes get the exchange of two
+/// endless plates, and the mean radiant temperature follows from it within 0.2 K. Where ground and
+/// roof have 20 degrees it is 20 degrees within 0.02 K.
 #[test]
 fn below_a_roof() {
     let folder = Folder::new();
     plain(&folder, true);
-    // Nobody may stand where no light is, but receivers may.
+    // `comfort` puts no people where there is no light, but receivers may stand there.
     let built = folder
         .run("build plain.obj --latitude 39.7 --longitude -105.2 -m m.toml -r r.csv --quality draft -o people.helio");
     assert!(built.status.success(), "{}", stderr(&built));
@@ -178,8 +185,8 @@ fn below_a_roof() {
     }
 }
 
-/// Days of an archive count the hours above a threshold and give means that its hours have; a cylinder and a box differ by day alone; people
-/// who stand on a grid of the ground are 1.1 m above it.
+/// Days of an archive count the hours above a threshold and have the means of its hours. A cylinder
+/// and a box differ by day alone. People on a grid of the ground are 1.1 m above it.
 #[test]
 fn periods_and_archives() {
     let folder = Folder::new();
@@ -217,8 +224,8 @@ fn periods_and_archives() {
     assert!(receivers.lines().skip(1).all(|row| row.contains(",6.1000,")), "{receivers}");
 }
 
-/// Below leaves that let a tenth of the light through, nights are warmer than on the open plain by what the sky lacks beside air, 0.9 of it above a person
-/// with wide leaves overhead, and never warmer than the air.
+/// Below leaves that let a tenth of the light through, longwave from above is that of a black body
+/// at air temperature less 0.1 of what the sky lacks on the open plain, within 2 %.
 #[test]
 fn below_leaves() {
     let folder = Folder::new();
@@ -247,8 +254,9 @@ fn below_leaves() {
     }
 }
 
-/// A weather file that is missing, one without humidity, another file than weather and one without the hours that are asked for are refused before the
-/// scene is traced: neither a folder nor a table is left, 8 of 8. Without humidity the mean radiant temperature is answered.
+/// A missing weather file, one without humidity, a file that is no weather and one without the
+/// requested hours are refused before the scene is traced: neither a folder nor a table is left, 8
+/// of 8. Without humidity the mean radiant temperature is still computed.
 #[test]
 fn weather_is_refused_before_the_scene() {
     let folder = Folder::new();
@@ -275,8 +283,8 @@ fn weather_is_refused_before_the_scene() {
     assert!(output.status.success() && folder.path("plain.people/site.helio").exists(), "{}", stderr(&output));
 }
 
-/// Ten wrong questions are refused with what would mend them: no humidity, no wind, an archive without people, points inside of things, numbers out of
-/// range.
+/// Ten wrong requests are refused with a hint: no humidity, no wind, an archive without people,
+/// points inside of things, numbers out of range.
 #[test]
 fn wrong_questions_are_refused() {
     let folder = Folder::new();
@@ -307,7 +315,8 @@ fn wrong_questions_are_refused() {
     ] {
         folder.refused(&arguments, &[said]);
     }
-    // Without an index neither wind nor more than the air's temperature and the sky's radiation are needed.
+    // The mean radiant temperature needs neither wind nor humidity, only the air's temperature and
+    // the sky's radiation.
     let output =
         folder.run(&format!("comfort plain.obj {place} --points p.csv -w still.csv --time-zone -7 --columns mrt"));
     assert!(output.status.success(), "{}", stderr(&output));

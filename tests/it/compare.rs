@@ -1,4 +1,4 @@
-//! Variants of a site: what `compare` says of a change is what can be worked out by hand, and what two replays say.
+//! Variants of a site: `compare` agrees with results worked out by hand, and with two replays.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -12,7 +12,7 @@ use crate::maps::{AT, Place, fgb, geoparquet, glb_json};
 const GROUND: &str = "v -2000 -2000 0\nv 2000 -2000 0\nv 2000 2000 0\nv -2000 2000 0\nusemtl grass\nf 1 2 3 4\n";
 const MATERIALS: &str = "[grass]\ndiffuse = 0.2\nclass = \"ground\"\n[wall]\ndiffuse = 0.4\n";
 
-/// Corners of a wall in the plane x, from `low` to `high`, so long that its ends do not matter.
+/// Writes a wall in the plane x, from `low` to `high`, so long that its ends do not matter.
 fn long_wall(x: f64, low: f64, high: f64) -> String {
     let corners = [(-2000.0, low), (2000.0, low), (2000.0, high), (-2000.0, high)];
     let corners: String = corners.map(|(y, z)| format!("v {x} {y} {z}\n")).concat();
@@ -31,14 +31,14 @@ fn built(before: &str, after: &str, receivers: &str) -> Folder {
     folder
 }
 
-/// Runs a command that must succeed: what it prints.
+/// Runs a command that must succeed; returns its output.
 fn run(folder: &Folder, arguments: &str) -> String {
     let output = folder.run(arguments);
     assert_eq!(output.status.code(), Some(0), "{arguments}: {}", stderr(&output));
     stdout(&output)
 }
 
-/// A table by the first two cells of its rows: the others by their columns, as they are written.
+/// Parses a table: cells as text by column, for each pair of the first two cells of a row.
 fn cells(text: &str) -> BTreeMap<[String; 2], BTreeMap<String, String>> {
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
@@ -54,8 +54,9 @@ fn number(cells: &BTreeMap<String, String>, column: &str) -> f64 {
     cells.get(column).and_then(|cell| cell.parse().ok()).unwrap_or_else(|| panic!("{column} in {cells:?}"))
 }
 
-/// A street closed by a wall of 12 m, 10 m before a facade: from 5 heights the facade loses the sky below the wall's edge, DHI sin(b)/2 of DHI/2
-/// under an isotropic sky with tan(b) = (12 - z)/10, within 0.05 % of DHI, and under 3 suns all of the direct light where the profile angle is
+/// A street is closed by a wall of 12 m, 10 m before a facade. At 5 heights the facade loses the
+/// sky below the wall's edge, DHI sin(b)/2 of DHI/2 under an isotropic sky with tan(b) = (12 -
+/// z)/10, within 0.05 % of DHI. Under 3 suns it loses all direct light where the profile angle is
 /// below b and none where it is above.
 #[test]
 fn a_wall_closes_a_street() {
@@ -91,8 +92,10 @@ fn a_wall_closes_a_street() {
     assert!((4..=11).contains(&blocked), "{blocked}");
 }
 
-/// A roof loses its afternoon to a slab of 30 m, 5 m west of it: of three days in March the hours to noon change by nothing and those from 13:00 on,
-/// when the sun stands at most 57 degrees high and the slab's edge at 80.5, lose all of the direct sun; the sum of the changes is that of the afternoons.
+/// A roof loses its afternoon to a slab that rises 30 m above it, 5 m west of it. In three days of
+/// March the hours to 11:00 do not change. From 13:00 on, when the sun is at most 57 degrees high
+/// and the slab's edge at 80.5, all direct sun is lost. The sum of the changes is the sum of the
+/// hours' losses.
 #[test]
 fn a_slab_takes_the_afternoon() {
     let folder = built(GROUND, &(GROUND.to_owned() + &long_wall(-5.0, 0.0, 40.0)), "roof,0,0,10,0,0,1\n");
@@ -121,14 +124,15 @@ fn a_slab_takes_the_afternoon() {
     assert!(kept == 9 && lost > 1000.0 && (change + lost / 1000.0).abs() < 1e-3, "{kept} {lost} {change}");
 }
 
-/// Decimals as whole numbers of 1e-14.
+/// Parses decimals as whole numbers of 1e-14.
 fn exact(text: &str) -> i128 {
     let (whole, part) = text.trim_start_matches('-').split_once('.').unwrap_or((text.trim_start_matches('-'), ""));
     let digits: i128 = format!("{whole}{part:0<14}").parse().expect("digits");
     if text.starts_with('-') { -digits } else { digits }
 }
 
-/// The cube of the command line tests in RD New, covered with receivers, alone and beside a tower of 25 m.
+/// Builds the cube of the command line tests in RD New, covered with receivers, alone and beside a
+/// tower of 25 m.
 fn towers() -> Folder {
     let folder = Folder::new();
     let scene = fs::read_to_string(folder.path("scene.obj")).expect("the scene");
@@ -155,8 +159,9 @@ fn towers() -> Folder {
     folder
 }
 
-/// A tower beside a cube: in each row of 12 the change is the difference of two replays to the last digit they print, and so are their sums;
-/// rows of surfaces are those of the receivers of both sides.
+/// A tower beside a cube: in each row of 3 periods the change is the difference of two replays to
+/// the last digit they print, and so are their sums. Rows of surfaces are those of the receivers of
+/// both sides.
 #[test]
 fn changes_are_differences_of_two_replays() {
     let folder = towers();
@@ -193,8 +198,9 @@ fn changes_are_differences_of_two_replays() {
     }
 }
 
-/// Of four receivers one is renamed, one moved, one goes and one comes: 3 are of both sides, 1 of them moved, and 1 is left on either side; a
-/// choice of receivers before takes its partner after, whatever that is called.
+/// Four receivers: one is renamed, one is moved, one is removed and one is added. 3 are on both
+/// sides, 1 of them moved, and 1 is left on either side. A choice of receivers before takes its
+/// partner after, whatever its name.
 #[test]
 fn receivers_find_themselves() {
     let rows = |list: &[(&str, f64)]| list.iter().map(|(id, x)| format!("{id},{x},0,1,0,0,1\n")).collect::<String>();
@@ -220,7 +226,8 @@ fn receivers_find_themselves() {
     assert_eq!(some.lines().count(), 1 + 2, "{some}");
 }
 
-/// 6 tables, 6 maps and 2 pictures of one change agree: readers of others find the changes of the CSV, 80 places each.
+/// Tables, maps and pictures of one change agree: independent readers find the changes of the CSV,
+/// at 80 places each.
 #[test]
 fn every_format_holds_the_change() {
     let folder = towers();
@@ -284,8 +291,9 @@ fn every_format_holds_the_change() {
     assert!(days.contains("Change of total by day") && days.contains(">loss<"), "{days}");
 }
 
-/// Two variants give a row each, whose means are those of one by one; a file of results holds one variant, no site has receivers of another, and
-/// places, names and tables that are wrong are refused: 7 of 7.
+/// Two variants give a row each, whose means are those of single comparisons. A file of results
+/// holds one variant. Another place, no common receiver, and wrong names and tables are refused: 7
+/// of 7.
 #[test]
 fn several_variants_and_refusals() {
     let folder = towers();
@@ -320,7 +328,7 @@ fn several_variants_and_refusals() {
     folder.refused(&format!("compare before.helio far.helio {with}"), &["far.helio", "none of the 80 receivers"]);
 }
 
-/// Archives that were built with other settings are compared, and a warning names the settings.
+/// Archives built with other settings are compared, and a warning names the settings.
 #[test]
 fn other_settings_are_named() {
     let folder = built(GROUND, GROUND, "a,0,0,1,0,0,1\n");

@@ -1,4 +1,5 @@
-//! Damage to a whole archive that was really built: an error that names the part, or the same answers; never other answers.
+//! Damage to a whole archive from a real build: an error that names the part, or the same answers;
+//! never other answers.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,7 +21,7 @@ use rayon::prelude::*;
 
 use crate::scenes::{Site, canyon, receiver, scene, site, sun, tilted, v};
 
-/// Two receivers in a street, with the coarsest textures.
+/// Builds two receivers in a street, with the coarsest textures.
 fn small() -> Site {
     let settings = BuildSettings {
         sky_base: 8,
@@ -39,7 +40,7 @@ fn small() -> Site {
     site(&scene(&canyon(10.0, 14.0, 60.0), &[0.5, 0.5]), &receivers, &settings)
 }
 
-/// Everything that can be asked: all blocks, and both ways of replay; as bits.
+/// Reads all blocks and replays in two ways; returns the results as bits.
 fn ask(path: &Path) -> Result<Vec<u32>, Error> {
     let archive = Archive::open_with(path, Access::Read)?;
     for entry in archive.entries() {
@@ -65,7 +66,8 @@ fn ask(path: &Path) -> Result<Vec<u32>, Error> {
     Ok(answers)
 }
 
-/// Asks many changed copies of a file: (errors, same answers). Panics on another answer, or on an error that names no part.
+/// Replays many changed copies of a file: (errors, same answers). Panics on another answer, or on
+/// an error that names no part.
 fn ask_all(
     site: &Site,
     changes: &[(usize, u8)],
@@ -94,8 +96,9 @@ fn ask_all(
     (errors.into_inner(), same.into_inner())
 }
 
-/// Every single bit of the slots and of everything behind the header is flipped, and one bit of every unused byte of the header:
-/// 0 other answers, 0 panics; all flips outside slots and padding are errors.
+/// Every single bit of the slots and of the bytes behind the header is flipped, and one bit of
+/// every unused byte of the header: there are 0 other answers and 0 panics, and all flips outside
+/// slots and padding are errors.
 #[test]
 fn no_flipped_bit_is_silent() {
     let site = small();
@@ -117,7 +120,7 @@ fn no_flipped_bit_is_silent() {
     assert!(errors > (length - FIRST_BLOCK as usize) * 8 - padding, "{errors} errors");
 }
 
-/// The file cut at every length is an error each time.
+/// The file cut at any length is an error.
 #[test]
 fn no_cut_is_silent() {
     let site = small();
@@ -127,8 +130,9 @@ fn no_cut_is_silent() {
     assert_eq!((errors, same), (length, 0));
 }
 
-/// Six files that promise too much under right checksums (2^60 entries, a directory and a manifest beyond the file, a block of 4 GiB, a
-/// frame of 1 GiB, overlapping blocks) are refused; `HELIOTILE_BOMBS=folder` keeps them for measuring time and memory.
+/// Six files that promise too much under right checksums (2^60 entries, a directory and a manifest
+/// beyond the file, a block of 4 GiB, a frame of 1 GiB, overlapping blocks) are refused.
+/// `HELIOTILE_BOMBS=folder` keeps them for measuring time and memory.
 #[test]
 fn bombs_are_refused() {
     let site = small();
@@ -164,7 +168,8 @@ fn bombs_are_refused() {
         (
             "frame",
             with_entry(0, &|e, bytes| {
-                // The header of a zstd frame that holds 2^30 bytes; the largest raw length that is allowed.
+                // The header of a zstd frame that holds 2^30 bytes; the largest raw length that is
+                // allowed.
                 let head = [0x28, 0xb5, 0x2f, 0xfd, 0xa0, 0, 0, 0, 0x40];
                 bytes[e.offset as usize..][..head.len()].copy_from_slice(&head);
                 e.raw = format::MAX_RAW as u32;

@@ -1,4 +1,5 @@
-//! Models of EnergyPlus with reflected sun: what is written into them, what is refused, and what EnergyPlus makes of it.
+//! EnergyPlus models with reflected sun: the objects that are written, refusals, and results of
+//! EnergyPlus itself.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +15,7 @@ fn model(name: &str) -> std::path::PathBuf {
     Path::new(crate::ROOT).join("tests/data/energyplus").join(name)
 }
 
-/// The box as `box.idf`, some words replaced.
+/// Writes `box.idf` with some words replaced.
 fn boxed(changes: &[(&str, &str)]) -> Folder {
     let folder = Folder::new();
     let text = changes.iter().fold(BOX.to_owned(), |text, (from, to)| {
@@ -25,7 +26,7 @@ fn boxed(changes: &[(&str, &str)]) -> Folder {
     folder
 }
 
-/// Writes `out` from `box.idf`; what it says of notes and warnings.
+/// Writes `out` from `box.idf`; returns the notes and warnings.
 fn injected(folder: &Folder, arguments: &str) -> String {
     let output = folder.run(&format!("energyplus box.idf {arguments}"));
     assert_eq!(output.status.code(), Some(0), "{arguments}: {}", stderr(&output));
@@ -36,7 +37,7 @@ fn text(folder: &Folder, name: &str) -> String {
     fs::read_to_string(folder.path(name)).expect(name)
 }
 
-/// Objects of an IDF text as lists of fields, the class first.
+/// Parses objects of an IDF text as lists of fields, the class first.
 fn objects(text: &str) -> Vec<Vec<String>> {
     let plain: String = text.lines().map(|line| line.split('!').next().unwrap_or_default().to_owned() + "\n").collect();
     let object = |part: &str| part.split(',').map(|field| field.trim().to_owned()).collect::<Vec<_>>();
@@ -47,8 +48,8 @@ fn of<'o>(objects: &'o [Vec<String>], class: &str) -> Vec<&'o Vec<String>> {
     objects.iter().filter(|object| object[0] == class).collect()
 }
 
-/// Values of a table of a surface, `[azimuth][altitude]`: `P` fixed, `Q` by the ground, found by way of its actuator.
-/// All 0 where there is none.
+/// Returns the values of a table of a surface, `[azimuth][altitude]`: `P` fixed, `Q` by the ground,
+/// found by its actuator; zeros if there is no table.
 fn table(objects: &[Vec<String>], surface: &str, letter: &str) -> Vec<f64> {
     let actuator = of(objects, "EnergyManagementSystem:Actuator").into_iter().find(|a| a[2] == surface).expect(surface);
     let number = actuator[1].trim_start_matches("HT1_A");
@@ -58,8 +59,9 @@ fn table(objects: &[Vec<String>], surface: &str, letter: &str) -> Vec<f64> {
     lookup.map_or(vec![0.0; 703], values)
 }
 
-/// All bytes of an IDF model stay but for the solar distribution, with comments and LF or CR LF; behind them stand an actuator for each of 17
-/// surfaces outdoors, the one that lies on the ground too, and 3 programs or lists that tie them to 5 sensors.
+/// All bytes of an IDF model stay but for the solar distribution, with comments and LF or CR LF.
+/// Behind them stand an actuator for each of 17 surfaces outdoors, the one that lies on the ground
+/// too, 2 programs and 5 sensors.
 #[test]
 fn an_idf_keeps_its_text() {
     for text_of in [BOX.to_owned(), BOX.replace('\n', "\r\n")] {
@@ -82,8 +84,9 @@ fn an_idf_keeps_its_text() {
     }
 }
 
-/// An epJSON model keeps the order and digits of what it has: without the added classes and with the distribution as it was it is the same
-/// text, and its 17 actuators name the surfaces as the model does.
+/// An epJSON model keeps the order and digits of its contents: without the added classes and with
+/// its own distribution it is the same text, and its 17 actuators name the surfaces as the model
+/// does.
 #[test]
 fn an_epjson_keeps_its_text() {
     let folder = Folder::new();
@@ -101,8 +104,9 @@ fn an_epjson_keeps_its_text() {
     assert!(actuators.values().any(|actuator| actuator["actuated_component_unique_name"] == "South window"));
 }
 
-/// Under suns of the grid, P + 0.2 Q is what `query` gives with one reflection and a ground of 0.2: 3 suns, 16 surfaces, within 0.01 W/m2 of
-/// up to 100. (A mirror makes two of the surfaces brighter, whose light has a table of its own.)
+/// Under suns of the grid, P + 0.2 Q is the result of `query` with one reflection and a ground of
+/// 0.2: 3 suns, 16 surfaces, within 0.01 W/m2 of up to 100. (A mirror makes two of the surfaces
+/// brighter; its light has a table of its own.)
 #[test]
 fn tables_hold_what_a_query_gives() {
     let folder = boxed(&[]);
@@ -127,7 +131,8 @@ fn tables_hold_what_a_query_gives() {
     assert_eq!(compared, 3 * 16, "{lines}");
 }
 
-/// 8 models that cannot get our light are refused with exit code 2, each with what is wrong and what to do; no model is written.
+/// 8 models that cannot get injected light are refused with exit code 2, each with a reason and a
+/// hint; no model is written.
 #[test]
 fn refusals() {
     let outdoors = |folder: &Folder| {
@@ -174,8 +179,8 @@ fn refusals() {
     folder.refused(&format!("energyplus box.idf {DRAFT} --run"), &["--weather"]);
 }
 
-/// Models of 24.1, 24.2 and 25.1 are taken with one warning, and of 9.6 and 26.1 where 25.2 is assumed; one of 26.1 as epJSON is told of the
-/// tool that takes it: 5 models, 1 refusal.
+/// Models of 24.1, 24.2 and 25.1 are accepted with one warning, and models of 9.6 and 26.1 if 25.2
+/// is assumed: 5 models. An epJSON model of 23.1 is refused with the tool that converts it.
 #[test]
 fn models_of_other_versions() {
     for (version, more, said) in [
@@ -199,7 +204,8 @@ fn models_of_other_versions() {
     );
 }
 
-/// A schedule's file beside the model in another folder gets its whole name in the new one, and a file that is not there is warned of: 1 and 1.
+/// A schedule's file beside a model in another folder gets its absolute name in the new model, and
+/// a missing file is warned of: 1 and 1.
 #[test]
 fn files_that_the_model_names() {
     let schedules = "Schedule:File, Half, , half.csv, 1, 0;\nSchedule:File, Lost, , lost.csv, 1, 0;\nZone, Hall";
@@ -219,8 +225,8 @@ fn files_that_the_model_names() {
     assert!(report.contains("half.csv") && report.contains("`lost.csv` of Schedule:File `Lost`"), "{report}");
 }
 
-/// A neighbour that stands against the lower half of a wall hides half of its 18 m2 or less: the report says how much of 1 wall gets light,
-/// and a warning counts the surfaces.
+/// A neighbour against the lower half of a wall hides part of its area: the report says how much of
+/// 1 wall gets light, less than 90 %, and a warning counts the surfaces.
 #[test]
 fn walls_that_are_hidden_in_part() {
     let folder = boxed(&[]);
@@ -237,8 +243,8 @@ fn walls_that_are_hidden_in_part() {
     assert!(numbers.len() == 2 && 0.0 < numbers[0] && numbers[0] < 0.9 * numbers[1], "{line}");
 }
 
-/// A model that heliotile has written is refused; other spacing in a folder with results is, too, and replaces them with `--replace`; equal
-/// inputs trace nothing again: 2 refusals.
+/// A model that heliotile has written is refused. So is other spacing in a folder with results,
+/// which `--replace` replaces. Equal inputs trace nothing again: 2 refusals.
 #[test]
 fn what_is_there_is_kept() {
     let folder = boxed(&[]);
@@ -253,8 +259,8 @@ fn what_is_there_is_kept() {
     assert_ne!(text(&folder, "out/model.idf"), first);
 }
 
-/// Where the ground reflects nothing in January, 0.01 is written and the program takes its light away in month 1; other months keep their
-/// 0.3; a distribution with interior light keeps that.
+/// If the ground reflects nothing in January, 0.01 is written and the program subtracts its light
+/// in month 1; other months keep their 0.3. A distribution with interior light keeps that.
 #[test]
 fn black_ground_in_a_month() {
     let months = "Site:GroundReflectance, 0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3;\nZone, Hall";
@@ -269,7 +275,8 @@ fn black_ground_in_a_month() {
     assert_eq!(program.matches("IF Month == 1").count(), 1, "{program}");
 }
 
-/// Names with commas and quotes work in epJSON: the actuator of 1 window bears such a name, and the report shows it.
+/// Names with commas and quotes work in epJSON: the actuator of 1 window bears such a name, and the
+/// report shows it.
 #[test]
 fn names_with_commas() {
     let folder = Folder::new();
@@ -284,7 +291,8 @@ fn names_with_commas() {
     assert!(text(&folder, "out/report.md").contains("| South, \"big\" \\| window | window |"));
 }
 
-/// 4 things that do not see our light are warned of, and a window over the edge of its wall gets the wall's tables.
+/// 4 uses of the model that ignore injected light are warned of, and a window over the edge of its
+/// wall gets the wall's tables.
 #[test]
 fn warnings() {
     let more = "WindowShadingControl, c, Hall, 1, ExteriorBlind, , OnIfHighSolarOnWindow, , 20, No, No, , , , , , South window;\n\
@@ -308,8 +316,9 @@ fn warnings() {
     assert_eq!(sky(&actuator[1]), sky(&walls[1]));
 }
 
-/// A block of 20 m in front of the model becomes 5 shading surfaces of its own faces, which the model lacks alone, and makes the wall that faces
-/// it brighter by what it reflects; surroundings in national coordinates are refused without `--at`.
+/// A block of 20 m in front of the model becomes 5 shading surfaces of its own faces, which the
+/// model alone lacks, and makes the wall that faces it brighter by reflection. Surroundings in
+/// national coordinates are refused without `--at`.
 #[test]
 fn surroundings() {
     let folder = boxed(&[]);
@@ -340,9 +349,10 @@ fn surroundings() {
     assert!(p(&near) > p(&alone) + 5.0, "{} {}", p(&near), p(&alone));
 }
 
-/// Without its surroundings the box has none of 3 shades around it and all 6 shades of its zones; 17 surfaces read 22 columns of a table of
-/// 35,040 steps below one line of names. At noon of 21 June, where a step has the hour's light and the sun of its middle, what 5 surfaces
-/// get is what `replay` gives with the surroundings less what it gives without, within 0.02 W/m2.
+/// Without its surroundings the box has none of 3 shades around it and all 6 shades of its zones;
+/// 17 surfaces read 22 columns of a table of 35,040 steps below one line of names. At noon of 21
+/// June, where a step has the hour's light and the sun of its middle, the light of 5 surfaces is
+/// that of `replay` with the surroundings less that without, within 0.02 W/m2.
 #[test]
 fn surroundings_leave() {
     let folder = boxed(&[]);
@@ -366,7 +376,7 @@ fn surroundings_leave() {
     let rows: Vec<&str> = series.lines().collect();
     let head: Vec<&str> = rows[0].split(',').map(|name| name.trim_matches('"')).collect();
     assert_eq!((rows.len(), head.len()), (1 + 35_040, 22));
-    // 31 + 28 + 31 + 30 + 31 + 20 days before; the second of four steps ends at half past.
+    // 31 + 28 + 31 + 30 + 31 + 20 days lie before; the second of four steps ends at half past.
     let noon: Vec<f64> =
         rows[1 + (171 * 24 + 12) * 4 + 1].split(',').map(|cell| cell.parse().expect("a number")).collect();
     let replayed = |archive: &str, more: &str| {
@@ -400,9 +410,10 @@ fn surroundings_leave() {
     folder.refused(&format!("energyplus box.idf {days}"), &["golden_3_days.epw: has 72 rows", "a year"]);
 }
 
-/// EnergyPlus itself runs what was written: over three days of March the sun that opaque surfaces absorb is within 1 % of its own
-/// reflections, where leaving these out costs more; with the surroundings in the model and without. Says so where no EnergyPlus is named by
-/// HELIOTILE_ENERGYPLUS.
+/// EnergyPlus itself runs the written model: over three days of March the sun that opaque surfaces
+/// absorb is within 1 % of its own reflections, and leaving reflections out changes it by more;
+/// with the surroundings in the model and without. The test prints that it is skipped if
+/// HELIOTILE_ENERGYPLUS names no EnergyPlus.
 #[test]
 fn energyplus_runs_it() {
     let Some(engine) = std::env::var_os("HELIOTILE_ENERGYPLUS") else {
@@ -430,8 +441,9 @@ fn energyplus_runs_it() {
     }
 }
 
-/// A storey at 30 m has its ground at z = 0: under 10 June of Golden each of its four walls absorbs within 0.5 % of the sun that EnergyPlus's own
-/// reflections give it, of 1 W/m2 or more. Says so where no EnergyPlus is named by HELIOTILE_ENERGYPLUS.
+/// A storey at 30 m has its ground at z = 0: on 10 June of Golden each of its four walls absorbs
+/// more than 1 W/m2, within 0.5 % of the sun that EnergyPlus's own reflections give it. The test
+/// prints that it is skipped if HELIOTILE_ENERGYPLUS names no EnergyPlus.
 #[test]
 fn a_storey_at_30_m_has_its_ground_at_zero() {
     let Some(engine) = std::env::var_os("HELIOTILE_ENERGYPLUS") else {
@@ -457,8 +469,9 @@ fn a_storey_at_30_m_has_its_ground_at_zero() {
     }
 }
 
-/// The strips above and below a window that is 0.2 mm less wide than its wall have receivers of their own at 10, 3 and 1 m: the wall gets 372 of
-/// 1000 W/m2 of sky by the ground, within 3 %, at each of them.
+/// The strips above and below a window that is 0.2 mm narrower than its wall have receivers of
+/// their own at 10, 3 and 1 m: the wall gets 372 of 1000 W/m2 of sky by the ground, within 3 %, at
+/// each spacing.
 #[test]
 fn a_window_as_wide_as_its_wall_leaves_two_strips() {
     let folder = Folder::new();

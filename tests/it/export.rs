@@ -1,4 +1,5 @@
-//! Layers that people look at: maps of a receiver against results and closed forms, EXR and PNG files read back, view factors.
+//! Layers as images: maps of a receiver against results and closed forms, EXR and PNG files read
+//! back, view factors.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -36,12 +37,12 @@ fn channel<'a>(maps: &'a [Map], map: &str, channel: &str) -> &'a [f32] {
     found.map(|c| c.values.as_slice()).unwrap_or_else(|| panic!("no {map}.{channel}"))
 }
 
-/// What the coding of `fine` responses may add to the sums of hits, W/m2.
+/// Returns what the coding of `fine` responses may add to the sums of hits, W/m2.
 fn coded(map: &str, depth: MaxBounces, light: [f64; 4]) -> f64 {
     if map == "hit" && depth == MaxBounces::All { coded_w_m2(fine().probe, light[2] + light[3]) } else { 0.0 }
 }
 
-/// Sum of a channel times `weight_sr`.
+/// Returns the sum of a channel times `weight_sr`.
 fn weighted(maps: &[Map], map: &str, name: &str) -> f64 {
     let values = channel(maps, map, name).iter().zip(channel(maps, map, "weight_sr"));
     values.map(|(v, w)| f64::from(*v) * f64::from(*w)).sum()
@@ -58,9 +59,10 @@ fn maps_of(path: &Path, id: &str, light: Option<(SkyModel, MaxBounces, &[f64; 4]
         .expect("maps")
 }
 
-/// Five receivers among twelve blocks, five lights, three skies, one and all bounces: each of the columns is the sum of its map times
-/// `weight_sr`, within 1e-3 of it (or of 1 W/m2), and with all bounces, where columns come of stored responses and hits do not, what coding
-/// may add to the light of sun and sky; sky diffuse also by the directions that it comes from.
+/// For five receivers among twelve blocks, under five lights with three skies, one and all bounces,
+/// each of the columns is the sum of its map times `weight_sr`, within 1e-3 of it (or of 1 W/m2).
+/// With all bounces, where columns come from stored responses and hits do not, coding may add to
+/// the difference. Sky diffuse is also the sum over the directions that it comes from.
 #[test]
 fn maps_sum_to_results() {
     let receivers: Vec<_> = (0..5)
@@ -106,10 +108,12 @@ fn maps_sum_to_results() {
     assert!(checked > 45, "{checked}");
 }
 
-/// Eight receivers in a town with mirrors and glass, four lights, one and all bounces: each of the six columns is the sum of its map times
-/// `weight_sr`, sky_direct and sky_specular within 0.5 % of it (replay looks at coarser texels; the latter by Perez 1990 within 2 %), the
-/// others within 0.1 %, or as much of 1 W/m2, hits also within what coding may add to columns of all bounces; surfaces are seen behind one, two and three mirrors, and where a receiver sees no sky in
-/// mirrors there is no such part.
+/// For eight receivers in a town with mirrors and glass, under four lights, one and all bounces,
+/// each of the six columns is the sum of its map times `weight_sr`. sky_direct and sky_specular are
+/// within 0.5 % (replay reads coarser texels; the latter by Perez 1990 within 2 %), the others
+/// within 0.1 %, or as much of 1 W/m2, and hits also within what coding may add to columns of all
+/// bounces. Surfaces are seen behind one, two and three mirrors. A receiver that sees no sky in
+/// mirrors has no such part.
 #[test]
 fn maps_of_mirrors_sum_to_results() {
     let mut receivers: Vec<_> = (0..7)
@@ -162,7 +166,8 @@ fn maps_of_mirrors_sum_to_results() {
                     let expected = f64::from(values.row(Component::ALL[column], row)[0]);
                     let sum = if sees || map != "mirror" { weighted(&maps, map, name) } else { 0.0 };
                     let most = match name {
-                        // The band at the horizon is several times as bright as the dome, and cut at base texels.
+                        // The band at the horizon is several times as bright as the dome, and is
+                        // cut at base texels.
                         "sky_specular" if model == SkyModel::Perez1990 => 2e-2,
                         "sky_direct" | "sky_specular" => 5e-3,
                         _ => 1e-3,
@@ -187,7 +192,8 @@ fn maps_of_mirrors_sum_to_results() {
     assert!((12..32).contains(&seeing), "{seeing} of 32");
 }
 
-/// A black wall as high as it is far, to the south, and one of ground to the north at twice the distance.
+/// Builds a black wall as high as it is far, to the south, and one of ground to the north at twice
+/// the distance.
 fn between_walls() -> Site {
     let wall = |y: f64, material| quad(v(-5000.0, y, 0.0), v(10_000.0, 0.0, 0.0), v(0.0, 0.0, 10.0), material);
     let scene = scene(&[ground(5000.0, 0.0, 0), wall(-10.0, 1), wall(20.0, 0)].concat(), &[0.0, 0.0]);
@@ -195,8 +201,9 @@ fn between_walls() -> Site {
     site(&scene, &receivers, &fine())
 }
 
-/// A wall up to 45 degrees hides a quarter of the sky, (1 - cos 45)/2 of a horizontal receiver's view, 1/4 of a vertical one's upper half;
-/// shares within 0.003; the classes of the hits hold the same shares, and all weights together are pi within 1e-4 of it.
+/// A wall up to 45 degrees hides a quarter of the sky, (1 - cos 45)/2 of a horizontal receiver's
+/// view, 1/4 of a vertical one's upper half; shares within 0.003. The classes of the hits hold the
+/// same shares, and all weights together are pi within 1e-4 of it.
 #[test]
 fn walls_in_maps() {
     let site = between_walls();
@@ -215,18 +222,19 @@ fn walls_in_maps() {
     }
     assert!((sky - 1.0 + expected[1] + expected[2]).abs() < 0.003, "{sky}");
     assert!((sky + share(1.0) + share(2.0) - 1.0).abs() < 1e-4);
-    // cos 45 of the half above, and the ground: half the hemisphere, lit or not.
+    // The sky is cos 45 of the half above; the ground is half the hemisphere, lit or not.
     let south = maps_of(&site.path, "south", None);
     let sky = weighted(&south, "sky", "visible") / PI;
     assert!((sky - (1.0 - 0.5_f64.sqrt()) / 2.0).abs() < 0.003, "{sky}");
-    // Without a sun there is nothing of light.
+    // Without a sun there are no channels of light.
     let names: Vec<&str> = maps.iter().flat_map(|m| m.channels.iter().map(|c| c.name)).collect();
     assert_eq!(names[..7], ["visible", "weight_sr", "class", "material", "cell", "mirrors", "weight_sr"]);
     assert_eq!(names.len(), 13);
 }
 
-/// A panel of a receiver between a wall and a mirror has the six pictures: the sky's colour is that of its radiance, and is dark among sunlit
-/// surfaces and in mirrors; a direction in which the sun is seen in the mirror leads back to the sun, 1 of 1.
+/// A panel of a receiver between a wall and a mirror has the six pictures: the sky's colour is that
+/// of its radiance, and is dark among sunlit surfaces and in mirrors. A direction in which the sun
+/// is seen in the mirror leads back to the sun, 1 of 1.
 #[test]
 fn panel_of_mirrors() {
     let wall = |y: f64, material| quad(v(-5000.0, y, 0.0), v(10_000.0, 0.0, 0.0), v(0.0, 0.0, 10.0), material);
@@ -247,7 +255,7 @@ fn panel_of_mirrors() {
     let picture = panel(&view, &maps, &asked, Default::default(), &Provenance::default()).expect("a picture");
     let (width, pixels) = decoded(&picture);
     assert_eq!((width, pixels.len()), (1020, 1020 * 898 * 3));
-    // Straight up, in each of the six.
+    // The middle of each of the six pictures looks straight up.
     let middle = |number: usize| {
         let (x, y) = (number % 3 * 340 + 170, 60 + number / 3 * 384 + 208);
         [0, 1, 2].map(|c| pixels[(y * width + x + 9) * 3 + c])
@@ -263,14 +271,14 @@ fn panel_of_mirrors() {
     }
 }
 
-/// Colour of a picture where a direction is drawn.
+/// Returns the colour of a picture where a direction is drawn.
 fn pixel(picture: &(usize, Vec<u8>), azimuth_deg: f64, altitude_deg: f64) -> [u8; 3] {
     let (x, y) = place_of(direction_from_degrees(azimuth_deg, altitude_deg));
     let at = (y as usize * picture.0 + x as usize) * 3;
     [picture.1[at], picture.1[at + 1], picture.1[at + 2]]
 }
 
-/// Width and RGB bytes of a PNG.
+/// Returns the width and the RGB bytes of a PNG.
 fn decoded(bytes: &[u8]) -> (usize, Vec<u8>) {
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG");
     let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
@@ -279,8 +287,8 @@ fn decoded(bytes: &[u8]) -> (usize, Vec<u8>) {
     (frame.width as usize, pixels)
 }
 
-/// The picture shows sky, obstruction, ground, mirrors and what is behind a surface where they are, 14 of 14 pixels, none under a line; the sun and
-/// its path change pixels where they stand.
+/// The picture shows sky, obstruction, ground, mirrors and the half behind a surface in the right
+/// places, 14 of 14 pixels, none under a line; the sun and its path change pixels at their places.
 #[test]
 fn fisheye_shows_what_is_there() {
     let site = between_walls();
@@ -314,7 +322,7 @@ fn fisheye_shows_what_is_there() {
     {
         assert_eq!(pixel(&south, azimuth, altitude), colour, "{azimuth} {altitude}");
     }
-    // The same walls, the southern one a mirror.
+    // The same walls, with a mirror to the south.
     let wall = |y: f64, material| quad(v(-5000.0, y, 0.0), v(10_000.0, 0.0, 0.0), v(0.0, 0.0, 10.0), material);
     let triangles = [ground(5000.0, 0.0, 0), wall(-10.0, 2), wall(20.0, 0)].concat();
     let clad = Scene::from_triangles(&triangles, mirror_materials()).expect("a valid scene");
@@ -339,7 +347,7 @@ fn fisheye_shows_what_is_there() {
     assert_eq!(pixel(&lit, 170.0, 50.0), [255, 220, 0]);
 }
 
-/// Parts of an EXR file with their names, sides and channels.
+/// Returns the parts of an EXR file with their names, sides and channels.
 fn parts(image: &FlatImage) -> Vec<(String, usize, Vec<String>)> {
     let part = |layer: &exr::image::Layer<exr::image::AnyChannels<FlatSamples>>| {
         let names = layer.channel_data.list.iter().map(|c| c.name.to_string()).collect();
@@ -348,8 +356,9 @@ fn parts(image: &FlatImage) -> Vec<(String, usize, Vec<String>)> {
     image.layer_data.iter().map(part).collect()
 }
 
-/// `export` writes the 3 parts with their channels and JSON, twice the same bytes; the file's sums are the columns of `query` within 1e-3,
-/// the top of `sky` is north, and without a sun the maps of light are absent.
+/// `export` writes the 3 parts with their channels and JSON, twice with the same bytes. The file's
+/// sums are the columns of `query` within 1e-3, the top of `sky` is north, and without a sun there
+/// are no maps of light.
 #[test]
 fn exr_files() {
     let folder = Folder::new();
@@ -382,7 +391,7 @@ fn exr_files() {
     for (sum, column) in sums.into_iter().zip(columns) {
         assert!(column > 1.0 && (sum - column).abs() < 1e-3 * column, "{sum} {column}");
     }
-    // The wall looks south: the upper half of the picture, north, is behind it.
+    // The wall looks south, so the upper half of the picture, north, is behind it.
     let visible = values(0, "visible");
     let (top, bottom) = visible.split_at(visible.len() / 2);
     assert_eq!((top.iter().sum::<f64>(), bottom.iter().sum::<f64>() > 0.9 * bottom.len() as f64), (0.0, true));
@@ -397,8 +406,9 @@ fn exr_files() {
     assert_eq!(parts(&dark).iter().map(|p| p.2.len()).collect::<Vec<_>>(), [2, 5, 6]);
 }
 
-/// View factors of the receivers sum to 1 within 1e-6, with what meets nothing; a roof sees the sky alone; a PNG is made with the path of
-/// the sun over the place of a weather file and over a latitude.
+/// View factors of the receivers sum to 1 within 1e-6, with the share that meets nothing; a roof
+/// sees the sky alone. A PNG is made with the path of the sun over the place of a weather file and
+/// over a latitude.
 #[test]
 fn view_factors_and_pictures() {
     let folder = Folder::new();
@@ -427,7 +437,7 @@ fn view_factors_and_pictures() {
     }
 }
 
-/// 18 wrong requests end with exit code 2 and what to do; nothing is written.
+/// 18 wrong requests end with exit code 2 and a hint; nothing is written.
 #[test]
 fn wrong_requests() {
     let folder = Folder::new();
@@ -459,7 +469,8 @@ fn wrong_requests() {
     assert!(!["r.exr", "r.csv", "r.png"].iter().any(|name| folder.path(name).exists()));
 }
 
-/// A byte changed in any of the 5 layers that an image reads is an error that names the block, with exit code 2; no image is written.
+/// A byte changed in any of the 5 layers that an image reads is an error that names the block, with
+/// exit code 2; no image is written.
 #[test]
 fn damage_is_named() {
     let folder = Folder::new();

@@ -1,4 +1,5 @@
-//! Footprints from files to results: attributes that come back, neighbours, terrain below, wrong input.
+//! Footprints from files to results: attributes that are written back, neighbours, terrain below,
+//! wrong input.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,8 +12,9 @@ fn town(name: &str) -> PathBuf {
     Path::new(crate::ROOT).join("tests/data/footprints").join(name)
 }
 
-/// A run of a town of footprints writes a map by building whose 8 features have the attributes of the outlines: numbers as numbers, texts as texts; the
-/// store's two parts are one building with the operator of its outline. Read again as footprints, the map gives the same town.
+/// A run of a town of footprints writes a map by building whose 8 features have the attributes of
+/// the outlines: numbers as numbers, texts as texts. The store's two parts are one building with
+/// the operator of its outline. Read again as footprints, the map gives the same town.
 #[test]
 fn attributes_come_back() {
     let folder = Folder::new();
@@ -36,7 +38,7 @@ fn attributes_come_back() {
         &found.unwrap_or_else(|| panic!("{building}"))["properties"]
     };
     assert_eq!((&of("way/100")["name"], &of("way/100")["start_date"]), (&"Lindenweg 1".into(), &"1901".into()));
-    // What both parts state alike, and what the outline states.
+    // Attributes that both parts state alike, and attributes of the outline.
     let store = of("way/200");
     assert_eq!((&store["operator"], &store["start_date"]), (&"Park AG".into(), &"1974".into()));
     assert!(store["name"].is_null() && store["stated_building"] == "retail", "{store}");
@@ -58,8 +60,9 @@ fn attributes_come_back() {
     assert!(said.contains("objects     9,"), "{said} {}", stderr(&read));
 }
 
-/// Buildings stand on the raster below them: a plane that rises by 1 m in 10 m eastwards lifts the lowest corner of the row to 0 m and that of the shed to
-/// some metres, and no wall stands between the houses of the row.
+/// Buildings stand on the raster below them: a plane that rises by 1 m in 10 m eastwards lifts the
+/// lowest corner of the row to 0 m and that of the shed to some metres, and no wall stands between
+/// the houses of the row.
 #[test]
 fn buildings_stand_on_terrain() {
     let folder = Folder::new();
@@ -82,7 +85,7 @@ fn buildings_stand_on_terrain() {
     assert!(bounds.contains("500.00"), "{bounds}");
 }
 
-/// Nine wrong questions are answered with what would mend them, by exit code 2.
+/// Nine wrong inputs end with exit code 2 and a hint.
 #[test]
 fn wrong_questions_are_refused() {
     let folder = Folder::new();
@@ -98,7 +101,8 @@ fn wrong_questions_are_refused() {
         let output = folder.run(&arguments);
         let message = stderr(&output);
         let fine = output.status.code() == Some(2) && message.contains(said);
-        // The Netherlands' grid has places in Munich, too far off to be meant: said, not refused.
+        // Munich has coordinates in the Netherlands' grid, too far off to be meant: this is a note,
+        // not a refusal.
         assert!(fine || (arguments.contains("28992") && stdout(&output).contains(said)), "{arguments}: {message}");
     }
     for (name, said) in [("a.ifc", "IfcConvert"), ("a.laz", "pdal pipeline"), ("a.b3dm", "3d-tiles-tools")] {

@@ -1,4 +1,4 @@
-//! Some of the receivers are found by name or place without reading the others.
+//! Receivers are found by name or place without reading the others.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -16,7 +16,8 @@ use heliotile_core::site::receiver::Receiver;
 
 use crate::scenes::*;
 
-/// 600 receivers along a street, 10 tiles: every 30 of them are a house, of whose four surfaces one has no name, and every two houses a block.
+/// Builds 600 receivers along a street, 10 tiles: every 30 of them are a house, of whose four
+/// surfaces one has no name, and every two houses are a block.
 fn street(path: &Path) -> Vec<Receiver> {
     let named = |i: usize| Receiver {
         surface: (!i.is_multiple_of(4)).then(|| format!("house {}/surface {}", i / 30, i % 4)),
@@ -58,7 +59,8 @@ impl Blocks for Counted<'_> {
     }
 }
 
-/// Which receivers a selection means, by their ids in order, and how many of the tables of receivers were read for that.
+/// Returns the receivers of a selection, by their ids in order, and the number of tables of
+/// receivers that were read.
 fn chosen(archive: &Archive, selection: &Selection) -> (Result<Vec<String>>, usize) {
     let counted = Counted { archive, read: AtomicUsize::new(0) };
     let site = OpenSite::new(&counted, archive.manifest()).expect("a site");
@@ -73,8 +75,9 @@ fn chosen(archive: &Archive, selection: &Selection) -> (Result<Vec<String>>, usi
     (kept.map(ids), read)
 }
 
-/// A house, a block of two, a surface, a list, and a box are the same receivers as in a plain search of all of them, 30, 60, 8, 3 and 20, and
-/// of 10 tables of receivers those are read that hold some. Names of nobody and a box without anybody are 4 errors, and no table is read.
+/// A house, a block of two, a surface, a list, and a box select the receivers that a plain search
+/// of all of them finds, 30, 60, 8, 3 and 20, and only those of 10 tables are read that hold some.
+/// Unknown names and an empty box are 4 errors, and no table is read.
 #[test]
 fn some_receivers_are_found_by_reading_their_tiles_only() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -128,7 +131,7 @@ fn some_receivers_are_found_by_reading_their_tiles_only() {
     }
 }
 
-/// An archive again, with some blocks changed.
+/// Writes an archive again, with some blocks changed.
 fn again(archive: &Archive, path: &Path, change: &dyn Fn(&Block) -> Option<EncodedBlock>) {
     let job = Job { scene: [0; 32], receivers: [0; 32], settings: [0; 32] };
     let mut writer = Writer::create(path, &job).expect("a writer");
@@ -141,8 +144,9 @@ fn again(archive: &Archive, path: &Path, change: &dyn Fn(&Block) -> Option<Encod
     writer.finish(&manifest).expect("an archive");
 }
 
-/// Names and boxes that are whole but not those of the receivers are found by a deep check, each by name: a name in another tile, a name too
-/// few, chunk 0 with another first name, another box; boxes of too few tiles by any check.
+/// Names and boxes that are well-formed but not those of the receivers are found by a deep check,
+/// each by name: a name in another tile, a name too few, chunk 0 with another first name, another
+/// box. Boxes of too few tiles are found by any check.
 #[test]
 fn what_is_told_of_receivers_is_compared_with_them() {
     let folder = tempfile::tempdir().expect("a scratch folder");

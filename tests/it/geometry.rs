@@ -1,4 +1,4 @@
-//! What an archive shows: the scene's triangles and an overview of its receivers.
+//! Geometry in archives: the scene's triangles and an overview of its receivers.
 
 use std::fs;
 use std::path::Path;
@@ -23,7 +23,7 @@ use heliotile_scene::Scene;
 use crate::cli::Folder;
 use crate::scenes::*;
 
-/// Corners and material of every triangle of an archive, relative to its origin.
+/// Returns the corners and the material of every triangle of an archive, relative to its origin.
 fn triangles(archive: &Archive) -> Vec<([[f32; 3]; 3], u16)> {
     let chunk = |entry: &format::Entry| {
         let table = GeometryTable::from_block(&archive.fetch(entry).expect("a block")).expect("a table");
@@ -39,7 +39,7 @@ fn of_mesh(scene: &Scene) -> Vec<([[f32; 3]; 3], u16)> {
     (0..mesh.triangles.len()).map(|i| (corners(i), mesh.triangle_material[i])).collect()
 }
 
-/// Seventy receivers, every other one with an area and a patch.
+/// Returns seventy receivers, every other one with an area and a patch.
 fn receivers() -> Vec<Receiver> {
     let mut receivers = many()[..70].to_vec();
     for receiver in receivers.iter_mut().step_by(2) {
@@ -55,9 +55,11 @@ fn built(scene: &Scene, path: &Path, with_scene: bool) -> Archive {
     Archive::open(path).expect("an archive")
 }
 
-/// An archive holds the triangles of its scene bit for bit, here those of a town (140 or more) and of a hilly plane of 131,072 in 2 chunks; parts and
-/// unions of archives hold the same, also where one of two has none (then without an overview); extracts can do without; and each that has them differs from
-/// one that does not in these two statements.
+/// An archive holds the triangles of its scene bit for bit, here those of a town (140 or more) and
+/// of a hilly plane of 131,072 in 2 chunks. Parts and unions of archives hold the same triangles,
+/// also if one of two has none (then without an overview), and extracts can leave them out.
+/// Archives with and without triangles differ only in what the scene, the overview and the objects
+/// state.
 #[test]
 fn triangles_are_those_that_were_traced() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -109,8 +111,8 @@ fn triangles_are_those_that_were_traced() {
     assert!(triangles(&archive) == of_mesh(&hills));
 }
 
-/// By the program: `build --no-scene` writes an archive without triangles, and `repair` keeps both kinds as they were, to the byte, after a bit of the
-/// triangles or of the materials was flipped.
+/// In the program, `build --no-scene` writes an archive without triangles, and `repair` keeps both
+/// kinds to the byte after a bit of the triangles or of the materials was flipped.
 #[test]
 fn with_and_without() {
     let folder = Folder::new();
@@ -129,9 +131,10 @@ fn with_and_without() {
     }
 }
 
-/// An overview tells of each of 70 receivers its place within 0.1 mm, its normal within 0.01 degrees, its area, its sky view within 1/510, its
-/// patch, and the sum over the clear year within 0.02 % of the hours one by one plus half a step; it stands in one range, and without a
-/// place there are no sums.
+/// An overview holds for each of 70 receivers its place within 0.1 mm, its normal within 0.01
+/// degrees, its area, its sky view within 1/510, its patch, and the sum over the clear year within
+/// 0.02 % of the hours one by one plus half a step. It stands in one range, and without a place
+/// there are no sums.
 #[test]
 fn overviews_tell_of_receivers() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -175,8 +178,8 @@ fn overviews_tell_of_receivers() {
     assert!(ranges.windows(2).all(|pair| pair[1].0 - pair[0].0 - pair[0].1 < 64), "{ranges:?}");
 }
 
-/// By the program: the patches of a table of receivers make up their areas within 0.5 %, all 100 or more of them, and come out of the archive
-/// as they went in.
+/// In the program, the patches of a table of receivers make up their areas within 0.5 %, all 100 or
+/// more of them, and the archive holds them unchanged.
 #[test]
 fn patches_come_from_the_table() {
     let folder = Folder::new();

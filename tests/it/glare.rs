@@ -1,4 +1,5 @@
-//! The sun in mirrors: moments and panes by the image method under another sun, verdicts worked out by hand, files, wrong input.
+//! The sun in mirrors: moments and panes by the image method with another sun algorithm, verdicts
+//! worked out by hand, files, wrong input.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +10,7 @@ use crate::sun_paths::{GROUND, Rectangle, rows, run, sun};
 
 const MATERIALS: &str = "[ground]\ndiffuse = 0.2\n[wall]\ndiffuse = 0.3\n[mirror]\ndiffuse = 0.0\nspecular = 0.8\n[glass]\ndiffuse = 0.0\nglass = \"double\"\n";
 
-/// A mirror with a name, and what stands around it.
+/// Named mirrors, and the walls around them.
 struct Panes<'s> {
     panes: &'s [(&'s str, Rectangle)],
     walls: &'s [Rectangle],
@@ -23,7 +24,8 @@ impl Panes<'_> {
         format!("o ground\n{GROUND}o walls\nusemtl wall\n{walls}{panes}")
     }
 
-    /// Whether a pane throws a sun at a point that looks along a normal, by one reflection: the image method.
+    /// Returns true if a pane throws a sun at a point that looks along a normal, by one reflection:
+    /// the image method.
     fn thrown(&self, number: usize, origin: DVec3, normal: DVec3, sun: DVec3) -> bool {
         let all = || self.panes.iter().map(|(_, pane)| pane).chain(self.walls);
         let Rectangle(corner, a, b) = self.panes[number].1;
@@ -33,13 +35,13 @@ impl Panes<'_> {
         let at = origin + t * image;
         let is_first = all().all(|other| !other.stops_before(origin, image, t - 1e-6));
         let leaves = all().all(|other| !other.stops(at + 1e-6 * sun, sun));
-        // Only a sun before the pane, on the side of the observer.
+        // Only a sun in front of the pane counts, on the side of the observer.
         let is_before = across.dot(sun) * across.dot(origin - corner) > 0.0;
         let is_seen = sun.z > 0.0 && image.z.abs() > 0.0 && normal.dot(image) > 0.0 && at.z > 0.0;
         is_before && is_seen && self.panes[number].1.stops(origin, image) && is_first && leaves
     }
 
-    /// Spells of a day of 2017 by panes: looks every ten seconds, ends by halving.
+    /// Returns the spells of a day of 2017 by panes: sampled every ten seconds, ends by halving.
     fn spells(&self, day: u32, latitude_deg: f64, origin: DVec3, normal: DVec3) -> Vec<(usize, f64, f64)> {
         let step = 1.0 / 6.0;
         let mut found = Vec::new();
@@ -68,16 +70,17 @@ impl Panes<'_> {
     }
 }
 
-/// Minutes of a reading of the clock with seconds.
+/// Parses a clock time with seconds; returns minutes.
 fn minutes_of(clock: &str) -> f64 {
     let parts: Vec<f64> = clock.split(':').map(|part| part.parse().expect("a number")).collect();
     parts[0] * 60.0 + parts[1] + parts[2] / 60.0
 }
 
-/// Pane, start, end, how far its length may be off.
+/// Pane, start, end, and the stated uncertainty of its length.
 type FoundSpell = (String, f64, f64, f64);
 
-/// Spells by one mirror, by receiver and day: pane, start, end, how far its length may be off.
+/// Returns spells by one mirror, by receiver and day: pane, start, end, and the stated uncertainty
+/// of its length.
 fn spells_of(table: &str) -> BTreeMap<(String, String), Vec<FoundSpell>> {
     let mut found: BTreeMap<(String, String), Vec<FoundSpell>> = BTreeMap::new();
     for line in table.lines().skip(1) {
@@ -92,10 +95,11 @@ fn spells_of(table: &str) -> BTreeMap<(String, String), Vec<FoundSpell>> {
     found
 }
 
-/// Four panes of a facade side by side behind a wall, one of them high up, an endless lake, and the street of the book, at five latitudes on four
-/// dates, seen from streets, windows and a roof. By the image method under another sun: each spell of at least a minute is found with the right
-/// pane; 95 of
-/// 100 starts and ends are within 0.6 minutes, all within one or what is stated; with rays of the scene within ten seconds.
+/// Four panes of a facade side by side behind a wall, one of them high up, an endless lake, and the
+/// street of the book, at five latitudes on four dates, are seen from streets, windows and a roof.
+/// By the image method with another sun algorithm, each spell of at least a minute is found with
+/// the right pane; 95 of 100 starts and ends are within 0.6 minutes, all within one or the stated
+/// uncertainty. With rays of the scene they are within ten seconds.
 #[test]
 fn moments_by_the_image_method() {
     let days = [("03-21", 79), ("06-21", 171), ("11-05", 308), ("12-21", 354)];
@@ -210,15 +214,19 @@ fn moments_by_the_image_method() {
     assert!(count > 100 && at(&off, 0.95) < 0.6, "{off:?}");
 }
 
-/// North of a point at 52 N stands a mirror strip that spans 2A degrees of azimuth, high enough for all suns. It throws the sun while the azimuth is
-/// within A of south: at 15 cos d / cos a degrees an hour, with a the sun's altitude at noon (14.6, 38 and 61.4 degrees in December, at the equinox and
-/// in June), for 2 A cos a / (15 cos d) hours. Four verdicts, for A of 0.7, 2 and 4 degrees:
+/// A mirror strip spans 2A degrees of azimuth north of a point at 52 N, high enough for all suns.
+/// It throws the sun while the azimuth is within A of south: at 15 cos d / cos a degrees an hour,
+/// with a the sun's altitude at noon (14.6, 38 and 61.4 degrees in December, at the equinox and in
+/// June), for 2 A cos a / (15 cos d) hours. Four verdicts, for A of 0.7, 2 and 4 degrees:
 ///
-/// - the longest day, in December (cos 14.6 / (15 cos 23.4) hours a degree): 5.9, 16.9 and 33.8 minutes: only the last breaks 30 minutes.
-/// - the year, with the mean of 12.8, 15.1 and 16.9 minutes over 8: 26, 76 and 150 hours: only the first meets 30 hours.
+/// - the longest day, in December (cos 14.6 / (15 cos 23.4) hours a degree): 5.9, 16.9 and 33.8
+///   minutes: only the last breaks 30 minutes.
+/// - the year, with the mean of 12.8, 15.1 and 16.9 minutes over 8: 26, 76 and 150 hours: only the
+///   first meets 30 hours.
 ///
-/// A driver who looks north sees images up to 30 degrees high: those of December, none of June. An eye that looks 14.6 degrees up sees the image of
-/// 21 December pass within 1.5 degrees for 3 / (15 cos 23.4) hours, 13.1 minutes. `sunlight` judges by the same rule alike.
+/// A driver who looks north sees images up to 30 degrees high: those of December, none of June. An
+/// eye that looks 14.6 degrees up sees the image of 21 December pass within 1.5 degrees for 3 / (15
+/// cos 23.4) hours, 13.1 minutes. `sunlight` judges by the same rule alike.
 #[test]
 fn verdicts_by_hand() {
     let folder = Folder::new();
@@ -261,11 +269,13 @@ fn verdicts_by_hand() {
     assert!((seen - 13.1).abs() < 0.3, "{seen}");
 }
 
-/// A wall above an endless lake gets the sun from it whenever it sees the sun itself, and with 10 degrees between the two whenever the sun is
-/// higher than 5. On 21 June at 52 N the sun is 30.3 degrees high when it comes before the wall and when it goes: DNI of a clear sky 807 W/m2 (air
-/// mass 1.98), and double glass reflects 23.8 % at 59.7 degrees (four surfaces of n = 1.52: 47.1 and 0.5 % of the two polarisations): 192 W/m2, the
-/// most of the day. By surface the wall's two receivers have one row; before the lake there was nothing, and
-/// after it all is gone.
+/// A wall above an endless lake gets the sun from it whenever it sees the sun itself, and with 10
+/// degrees between the two whenever the sun is higher than 5. On 21 June at 52 N the sun is 30.3
+/// degrees high when it comes before the wall and when it goes: DNI of a clear sky 807 W/m2 (air
+/// mass 1.98), and double glass reflects 23.8 % at 59.7 degrees (four surfaces of n = 1.52: 47.1
+/// and 0.5 % of the two polarisations): 192 W/m2, the most of the day. By surface the wall's two
+/// receivers have one row. Compared with a scene without the lake, all minutes are added, or
+/// removed.
 #[test]
 fn lake_before_a_wall() {
     let folder = Folder::new();
@@ -310,8 +320,8 @@ fn lake_before_a_wall() {
     assert!((of_pane / (2.0 * of_wall) - 1.0).abs() < 1e-4, "{of_pane} {of_wall}");
 }
 
-/// Tables, maps and the calendar of panes are written by the endings of their names; fourteen wrong requests are refused with what to do, and leave
-/// nothing behind.
+/// Tables, maps and the calendar of panes are written by the extensions of their names. Fourteen
+/// wrong requests are refused with a hint, and leave no file behind.
 #[test]
 fn files_and_wrong_input() {
     let folder = Folder::new();
@@ -362,8 +372,9 @@ fn files_and_wrong_input() {
     }
 }
 
-/// A road of 30 and 14.8 m around a corner has nine receivers 5 m apart, 1.2 m above the ground, that look ahead: the first to the east, the last
-/// north-north-east; there and back eighteen, which a build takes. Four wrong requests are refused.
+/// A road of 30 and 14.8 m around a corner has nine receivers 5 m apart, 1.2 m above the ground,
+/// that look ahead: the first to the east, the last north-north-east. There and back are eighteen,
+/// which a build takes. Four wrong requests are refused.
 #[test]
 fn receivers_along_a_road() {
     let folder = Folder::new();

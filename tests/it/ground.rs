@@ -8,9 +8,10 @@ use heliotile_scene::Scene;
 use crate::cli::{Folder, stderr, stdout};
 use crate::scenes::*;
 
-/// Open receivers at seven tilts, 300 m from a small black box and 2 m above an endless ground of albedo 0.2 at 31.5 m: the light of the
-/// ground is 0.2 x (1 - cos)/2 of a uniform sky's and of the sun's horizontal irradiance, the sky (1 + cos)/2, all within 0.3 % of
-/// the open sky's and of the sun's.
+/// Open receivers at seven tilts stand 300 m from a small black box and 2 m above an endless ground
+/// of albedo 0.2 at 31.5 m. The light of the ground is 0.2 x (1 - cos)/2 of a uniform sky's and of
+/// the sun's horizontal irradiance, that of the sky (1 + cos)/2, all within 0.3 % of the open sky's
+/// and of the sun's.
 #[test]
 fn tilted_over_endless_ground() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -44,9 +45,11 @@ fn tilted_over_endless_ground() {
     }
 }
 
-/// A model whose ground reflects 0.6 in March, half of that under 0.3 cm of snow, sends 0.6 and 0.3 of the global horizontal irradiance up to a
-/// receiver that looks down and half of it to a wall, in the sum of three days within 0.5 %; `--reflectance` wins over it, `extract` and `merge`
-/// carry it, and `repair` keeps it where a model now says April. Without ground a build says that the wall sees nothing in 50 % of its hemisphere, and `repair` knows that scene again.
+/// A model whose ground reflects 0.6 in March, half of that under 0.3 cm of snow, sends 0.6 and 0.3
+/// of the global horizontal irradiance up to a receiver that looks down and half of it to a wall,
+/// in the sum of three days within 0.5 %. `--reflectance` takes precedence over it, `extract` and
+/// `merge` carry it, and `repair` keeps it even if a model now states April. Without ground a build
+/// says that the wall sees nothing in 50 % of its hemisphere, and `repair` recognises that scene.
 #[test]
 fn months_and_snow() {
     let folder = Folder::new();
@@ -82,7 +85,7 @@ fn months_and_snow() {
     let totals = |options: &str| -> Vec<f64> {
         let csv = stdout(&run(&format!("replay {options} -w w.epw --every year --columns sun_diffuse,sky_diffuse")));
         let row = |line: &str| line.split(',').skip(2).map(|cell| cell.parse::<f64>().expect("a number")).sum();
-        // By name: `down`, `wall`.
+        // Rows sorted by name: `down`, `wall`.
         let mut lines: Vec<&str> = csv.lines().skip(1).collect();
         lines.sort_unstable();
         lines.into_iter().map(row).collect()

@@ -1,4 +1,5 @@
-//! Folders of hourly results as Honeybee reads them. Its own reader opens them in `tools/peers/outputs_bim`.
+//! Folders of hourly results in Honeybee's format. Honeybee's own reader opens them in
+//! `tools/peers/outputs_bim`.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -8,7 +9,7 @@ use serde_json::Value;
 
 use crate::cli::{Folder, golden, stderr, stdout};
 
-/// Two rooms of a Honeybee model with receivers and their archive.
+/// Builds receivers on two rooms of a Honeybee model, and their archive.
 fn rooms() -> Folder {
     let folder = Folder::new();
     let model = Path::new(crate::ROOT).join("tests/data/honeybee/two_rooms.hbjson");
@@ -19,7 +20,7 @@ fn rooms() -> Folder {
     folder
 }
 
-/// Shape and values of an array of f32.
+/// Returns the shape and the values of an array of f32.
 fn array(path: &Path) -> (String, Vec<f32>) {
     let bytes = fs::read(path).expect("an array");
     let start = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
@@ -30,8 +31,9 @@ fn array(path: &Path) -> (String, Vec<f32>) {
     (shape, values.collect())
 }
 
-/// Hours of three days stand in arrays of 5 grids, one an object, `total` and `direct`, in the rows that `receivers.csv` says: each of over 9,000
-/// equals the table of `replay` to its digits, and hours that are not listed are dark there.
+/// Hours of three days stand in arrays of 5 grids, one for each object, `total` and `direct`, in
+/// the rows that `receivers.csv` states. Each of over 9,000 values equals the table of `replay` to
+/// its digits, and hours that are not listed are dark there.
 #[test]
 fn hours_are_those_of_the_table() {
     let folder = rooms();
@@ -48,7 +50,7 @@ fn hours_are_those_of_the_table() {
     let text = |name: &str| fs::read_to_string(folder.path("hb").join(name)).expect(name);
     let grids: Value = serde_json::from_str(&text("grids_info.json")).expect("JSON");
     let study: Value = serde_json::from_str(&text("study_info.json")).expect("JSON");
-    // 20, 21 and 22 March: days 79 to 81.
+    // 20, 21 and 22 March are days 79 to 81.
     let first = study["study_hours"][0].as_u64().expect("an hour") as usize;
     assert_eq!((study["timestep"].as_u64(), study["study_hours"].as_array().map(Vec::len)), (Some(1), Some(72)));
     assert_eq!(first % 24, 0);
@@ -87,8 +89,8 @@ fn hours_are_those_of_the_table() {
     assert!(text("provenance.json").contains("heliotile.archive_root"));
 }
 
-/// Grids of kinds are 2 or more; a folder that holds something, sums, other columns and an output besides are refused, and nothing is left:
-/// 4 of 4.
+/// Grids by kind are 2 or more. A folder that is not empty, sums, other columns and an output
+/// besides are refused, and no file is left: 4 of 4.
 #[test]
 fn other_grids_and_refusals() {
     let folder = rooms();

@@ -1,4 +1,4 @@
-//! The corpus of the fuzzers: whatever bytes come, readers come back.
+//! The corpus of the fuzzers: readers return for any bytes.
 
 use std::fs;
 use std::path::Path;
@@ -30,7 +30,7 @@ use crate::scenes::{canyon, many, mirror_town, receiver, scene, site, sun, tilte
 #[path = "../../tools/fuzz/src/targets.rs"]
 mod targets;
 
-/// Every input of a target, by name.
+/// Returns every input of a target, by name.
 fn corpus(target: &str) -> Vec<(String, Vec<u8>)> {
     let folder = Path::new(crate::ROOT).join("tests/data/corpus").join(target);
     let mut inputs: Vec<(String, Vec<u8>)> = fs::read_dir(folder)
@@ -42,11 +42,11 @@ fn corpus(target: &str) -> Vec<(String, Vec<u8>)> {
     inputs
 }
 
-/// Set for the process that replays the corpus.
+/// Environment variable of the process that replays the corpus.
 const CHILD: &str = "HELIOTILE_TEST_CORPUS_CHILD";
 
-/// Over 100 inputs of 17 targets, valid, mutated and once crashing ones, neither panic nor take more than 1 GB of addresses,
-/// threads and program included; so small they are below 300 kB in total.
+/// Over 100 inputs of 17 targets, valid, mutated and once crashing ones, below 300 kB in total,
+/// neither panic nor take more than 1 GB of address space, threads and program included.
 #[test]
 fn corpus_is_survived() {
     if std::env::var_os(CHILD).is_some() {
@@ -62,7 +62,8 @@ fn corpus_is_survived() {
     let inputs: Vec<(String, Vec<u8>)> = targets::TARGETS.iter().flat_map(|(name, _)| corpus(name)).collect();
     let bytes: usize = inputs.iter().map(|(_, bytes)| bytes.len()).sum();
     assert!(inputs.len() > 100 && bytes < 300_000, "{} inputs, {bytes} bytes", inputs.len());
-    // A process of its own, since a limit of memory holds for all tests of one.
+    // The corpus runs in a process of its own, since a memory limit holds for all tests of a
+    // process.
     let test = std::env::current_exe().expect("this program");
     let mut child = if cfg!(unix) { Command::new("sh") } else { Command::new(&test) };
     if cfg!(unix) {
@@ -78,7 +79,8 @@ fn corpus_is_survived() {
     assert!(output.status.success() && out.contains("all of them"), "at {last}: {}\n{err}", output.status);
 }
 
-/// Every valid seed is accepted: an archive is verified without a problem, checksums that were mended are those it had.
+/// Every valid seed is accepted: an archive is verified without a problem, and mended checksums are
+/// the original ones.
 #[test]
 fn seeds_are_valid() {
     let seed = |target: &str| {
@@ -128,8 +130,9 @@ fn scene_seeds_are_valid() {
     assert_eq!(read, 16);
 }
 
-/// Eight manifests that lie about the sides of textures, and a tile with fewer responses than receivers, are refused by both
-/// ways of replay where the lie matters; the honest copy of the archive is replayed.
+/// Eight manifests that lie about the sides of textures, and a tile with fewer responses than
+/// receivers, are refused by both ways of replay where the lie matters; the honest copy of the
+/// archive is replayed.
 #[test]
 fn lying_settings_are_refused() {
     let site = site(
@@ -195,10 +198,10 @@ fn lying_settings_are_refused() {
     assert!(found.contains("found 2 receivers, expected 1, one per response"), "{found}");
 }
 
-/// Rows of a block of mirrors, with what each of them holds.
+/// Rows of a block of mirrors, as bytes.
 type Rows = Vec<Vec<u8>>;
 
-/// An archive again, with other rows in the first block of a kind.
+/// Writes an archive again, with other rows in the first block of a kind.
 fn forged(archive: &Archive, kind: BlockKind, path: &Path, change: &dyn Fn(&mut Rows)) {
     let job = Job { scene: [0; 32], receivers: [0; 32], settings: [0; 32] };
     let mut writer = Writer::create(path, &job).expect("created");
@@ -220,7 +223,7 @@ fn forged(archive: &Archive, kind: BlockKind, path: &Path, change: &dyn Fn(&mut 
     writer.finish(&manifest).expect("finished");
 }
 
-/// What a replay of an archive says, if it is no result.
+/// Returns the error of a replay of an archive, or `None` if it succeeds.
 fn refusal_of(path: &Path, depth: MaxBounces) -> Option<String> {
     let copy = Archive::open(path).expect("an archive");
     let settings = ReplaySettings {
@@ -234,7 +237,7 @@ fn refusal_of(path: &Path, depth: MaxBounces) -> Option<String> {
     replay.and_then(|replay| replay.run(0..replay.tiles()).map(drop)).err().map(|error| error.to_string())
 }
 
-/// The first row that holds a window and a path is changed.
+/// Changes the first row of receivers that holds a window and a path.
 fn in_receivers(change: impl Fn(&mut ReceiverMirrors)) -> impl Fn(&mut Rows) {
     move |rows| {
         let mirrors = |row: &Vec<u8>| ReceiverMirrors::from_bytes(row, 16, 8).expect("mirrors");
@@ -246,7 +249,7 @@ fn in_receivers(change: impl Fn(&mut ReceiverMirrors)) -> impl Fn(&mut Rows) {
     }
 }
 
-/// The same of cells.
+/// Changes the first row of cells that holds a window and a path.
 fn in_cells(change: impl Fn(&mut CellMirrors)) -> impl Fn(&mut Rows) {
     move |rows| {
         let mirrors = |row: &Vec<u8>| CellMirrors::from_bytes(row, 8).expect("mirrors");
@@ -258,8 +261,9 @@ fn in_cells(change: impl Fn(&mut CellMirrors)) -> impl Fn(&mut Rows) {
     }
 }
 
-/// Sixteen lies about mirrors under right checksums (mirrors, materials and cells that do not exist, a texture cut short, a row less) are
-/// each named by a deep `verify`; a replay ends with a result or an error that names a block, and so it does with 60 changed bits.
+/// Sixteen lies about mirrors under right checksums (mirrors, materials and cells that do not
+/// exist, a texture cut short, a row less) are each named by a deep `verify`. A replay ends with a
+/// result or an error that names a block, and so it does with 60 changed bits.
 #[test]
 fn lying_mirrors_are_refused() {
     let settings = BuildSettings {
@@ -291,7 +295,8 @@ fn lying_mirrors_are_refused() {
         lies.push((kind, "does not exist", Box::new(in_cells(|m| nowhere(&mut m.paths[0].cell)))));
         lies.push((kind, "rows", Box::new(|rows| drop(rows.pop()))));
     }
-    // A last path of one step ends with its key, their number and the step: the region is changed, not the voxel.
+    // A last path of one step ends with its key, their number and the step: the region is changed,
+    // not the voxel.
     let region = |rows: &mut Rows| {
         let row = rows.iter_mut().find(|row| row.len() > 28 && row[row.len() - 4] == 1).expect("a row");
         let place = row.len() - 21;

@@ -1,4 +1,4 @@
-//! Builds that are killed or stopped, and go on.
+//! Builds that are killed or stopped, and resumed.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ use heliotile_core::hemisphere::{mix, unit};
 
 use crate::scenes::{data, hague, plan, receiver, scene, site, tiles, tilted, town, v};
 
-/// A quick build of the cut of The Hague with a checkpoint after every batch of blocks.
+/// Returns a quick build of the cut of The Hague with a checkpoint after every batch of blocks.
 fn build(output: &Path, more: &[&str]) -> Command {
     let mut command = hague(output, &data("receivers.csv"));
     command.args(more);
@@ -30,8 +30,9 @@ fn signal(child: &Child, name: &str) {
     assert!(status.success());
 }
 
-/// A build killed at 12 random times and given again each time ends with the very bytes of an undisturbed one, and while it is not
-/// finished no archive has its name. (`tools/kill-loop` does it 200 times.)
+/// A build that is killed at 12 random times and started again each time ends with the bytes of an
+/// undisturbed one, and no archive has its name before it is finished. (`tools/kill-loop` does it
+/// 200 times.)
 #[test]
 fn killed_builds_go_on() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -56,8 +57,9 @@ fn killed_builds_go_on() {
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 2, "left-overs");
 }
 
-/// SIGINT ends a build with exit code 130, SIGTERM with 143, and one line says how to go on, with the command; other settings are refused by
-/// name and nothing is lost; the same command goes on, 2 of 2, and --fresh starts anew.
+/// SIGINT ends a build with exit code 130, SIGTERM with 143, and one line gives the command that
+/// resumes it. Other settings are refused by name and nothing is lost. The same command resumes the
+/// build, 2 of 2, and --fresh starts anew.
 #[test]
 fn stopped_builds_say_how_to_go_on() {
     for (name, code) in [("-INT", 130), ("-TERM", 143)] {
@@ -91,7 +93,7 @@ fn stopped_by(name: &str, code: i32) {
     refused(&["--set", "hit=32"], &["settings", "--fresh", "-o"]);
     assert!(!site.exists());
     let kept = fs::read(&log).expect("a journal");
-    // What a shell makes of the line is the command that goes on.
+    // The printed line, run by a shell, resumes the build.
     let on = Command::new("sh").args(["-c", again]).output().expect("a shell");
     let said = message(on.clone());
     assert!(on.status.success() && said.contains("going on after"), "{said}");
@@ -103,8 +105,8 @@ fn stopped_by(name: &str, code: i32) {
     assert!(fs::read(&site).expect("an archive") == whole);
 }
 
-/// A build whose files may take 250 kB and no more ends with exit code 2 and says how to go on; with room it goes on to the bytes of
-/// an undisturbed one.
+/// A build whose files may take at most 250 kB ends with exit code 2 and says how to resume it;
+/// with room it is resumed to the bytes of an undisturbed one.
 #[test]
 fn full_disks_cost_what_follows_the_checkpoint() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -112,7 +114,7 @@ fn full_disks_cost_what_follows_the_checkpoint() {
     assert!(build(&whole, &[]).output().expect("a build").status.success());
     let expected = fs::read(&whole).expect("an archive");
     assert!(expected.len() > 400_000, "{}", expected.len());
-    // A shell's limit, in blocks of 512 bytes; without the signal that comes with it, writing fails.
+    // A shell's limit counts in blocks of 512 bytes; with its signal ignored, writing fails.
     let mut limited = Command::new("sh");
     limited.args(["-c", "trap '' XFSZ; ulimit -f 500; exec \"$0\" \"$@\""]);
     let full = build(&site, &[]);
@@ -125,8 +127,8 @@ fn full_disks_cost_what_follows_the_checkpoint() {
     assert!(fs::read(&site).expect("an archive") == expected);
 }
 
-/// A build that goes on after its first tile was written names the receiver in it that lies inside a block, 1 of 2, and ends with the
-/// bytes of an undisturbed one.
+/// A build that is resumed after its first tile was written names the receiver in it that lies
+/// inside a block, 1 of 2, and ends with the bytes of an undisturbed one.
 #[test]
 fn resumed_builds_name_misplaced_receivers() {
     let scene = scene(&town(), &[0.2, 0.4]);

@@ -1,4 +1,5 @@
-//! `schema/heliotile.ksy` says what the code does. It is compared line by line: its own style is one field a line.
+//! `schema/heliotile.ksy` describes the format of the code. It is compared line by line: it writes
+//! one field a line.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +11,8 @@ fn text(name: &str) -> String {
     fs::read_to_string(Path::new(crate::ROOT).join("schema").join(name)).expect("a text")
 }
 
-/// Trimmed lines of the deeper-indented block under a heading, itself under the heading before it.
+/// Returns the trimmed lines of the deeper-indented block under a heading, itself under the heading
+/// before it.
 fn under<'a>(text: &'a str, path: &[&str]) -> Vec<&'a str> {
     let mut lines: Vec<&str> = text.lines().filter(|line| !line.trim_start().starts_with('#')).collect();
     for heading in path {
@@ -22,14 +24,14 @@ fn under<'a>(text: &'a str, path: &[&str]) -> Vec<&'a str> {
     lines.into_iter().map(str::trim).collect()
 }
 
-/// Value of a key of `{ key: value, ... }`; a list in brackets is one value.
+/// Returns the value of a key of `{ key: value, ... }`; a list in brackets is one value.
 fn value<'a>(line: &'a str, key: &str) -> Option<&'a str> {
     let rest = line.split_once(&format!(" {key}: "))?.1;
     let end = if rest.starts_with('[') { rest.find(']')? + 1 } else { rest.find([',', '}'])? };
     Some(rest[..end].trim())
 }
 
-/// Name and size of the fields of a type's sequence.
+/// Returns the names and sizes of the fields of a type's sequence.
 fn fields(ksy: &str, kind: &str) -> Vec<(String, usize)> {
     let size = |line: &str| match (value(line, "type"), value(line, "size"), value(line, "contents")) {
         (Some(number), _, _) => number[1..].parse().expect("u2, u4 or u8"),
@@ -43,8 +45,9 @@ fn fields(ksy: &str, kind: &str) -> Vec<(String, usize)> {
         .collect()
 }
 
-/// The 16 fields of a slot and the 11 of an entry have the names, sizes and order of the code, 512 and 80 bytes; magic, both
-/// slot offsets and the 23 kinds, 2 states and 2 codecs are its own.
+/// The 16 fields of a slot and the 11 of an entry have the names, sizes and order of the code, 512
+/// and 80 bytes. Magic, both slot offsets and the 23 kinds, 2 states and 2 codecs are those of the
+/// code.
 #[test]
 fn the_container_is_that_of_the_code() {
     let ksy = text("heliotile.ksy");
@@ -71,7 +74,8 @@ fn the_container_is_that_of_the_code() {
     assert_eq!(under(&ksy, &["enums", "codec"]), codecs);
 }
 
-/// The 60 columns of the 11 tables have the names, order and element types of `heliotile-1.md`, and the root their number.
+/// The 60 columns of the 11 tables have the names, order and element types of `heliotile-1.md`, and
+/// the root states their number.
 #[test]
 fn columns_are_those_of_the_text() {
     let (ksy, md) = (text("heliotile.ksy"), text("heliotile-1.md"));

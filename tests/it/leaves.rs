@@ -1,4 +1,5 @@
-//! Leaves that scatter light: what they add by closed forms, by energy balance and by the reference path tracer.
+//! Leaves that scatter light: their contribution by closed forms, by energy balance and by the
+//! reference path tracer.
 
 use std::path::Path;
 
@@ -28,9 +29,10 @@ fn of(triangles: &Triangles, materials: Vec<Material>) -> Scene {
     Scene::from_triangles(triangles, materials).expect("a scene")
 }
 
-/// Between ground of rho and the open sky lie endless leaves with R = d / 2 and T = tau + d / 2. Two layers (Kubelka 1954): the ground gets
-/// T / (1 - R rho) of what comes from above, sun or sky, and a receiver that looks down from above them R + T^2 rho / (1 - R rho): within
-/// 1 % for 3 kinds of leaves, 2 albedos and 3 suns, 36 values.
+/// Between ground of rho and the open sky lie endless leaves with R = d / 2 and T = tau + d / 2. By
+/// two layers (Kubelka 1954) the ground gets T / (1 - R rho) of the light from above, sun or sky,
+/// and a receiver that looks down from above the leaves gets R + T^2 rho / (1 - R rho): within 1 %
+/// for 3 kinds of leaves, 2 albedos and 3 suns, 36 values.
 #[test]
 fn layers_of_leaves() {
     let suns = [sun(10.0, 25.0, 800.0, 100.0), sun(200.0, 60.0, 900.0, 80.0), sky_only()];
@@ -57,9 +59,10 @@ fn layers_of_leaves() {
     println!("layers of leaves: at most {:.2} % off", largest * 100.0);
 }
 
-/// A box of 4 m whose sides reflect 0.8, below a lid of leaves (tau 0.3, d 0.5), under a uniform sky: what the lid lets in, less what it lets out, is
-/// what walls and floor absorb, to 2 % of what comes in; that is as much as in the box without a lid, within 0.5 %. Receivers lie at the middles
-/// of cells of a grid.
+/// A box of 4 m whose sides reflect 0.8 lies below a lid of leaves (tau 0.3, d 0.5), under a
+/// uniform sky. The light that the lid lets in, less what it lets out, is what walls and floor
+/// absorb, within 2 % of the light that enters, and the balance is that of the box without a lid,
+/// within 0.5 %. Receivers lie at the middles of cells of a grid.
 #[test]
 fn a_box_with_a_lid_of_leaves() {
     let (side, rho, n) = (4.0, 0.8, 12);
@@ -99,7 +102,8 @@ fn a_box_with_a_lid_of_leaves() {
     assert!(closed.abs() < 0.02 && (closed - open).abs() < 0.005, "{open} {closed}");
 }
 
-/// A wall of 12 m, a lawn, and a tree of 400 leaves of 0.3 m before it, whose leaves let 0.1 through and scatter `scattered`.
+/// Returns a wall of 12 m, a lawn, and a tree of 400 leaves of 0.3 m before it, whose leaves
+/// transmit `tau` and scatter `scattered`.
 fn tree(scattered: f64, tau: f64) -> Scene {
     let mut triangles = ground(60.0, 0.0, 0);
     triangles.extend(quad(v(-15.0, 4.0, 0.0), v(30.0, 0.0, 0.0), v(0.0, 0.0, 12.0), 1));
@@ -128,8 +132,9 @@ fn around_the_tree() -> Vec<Receiver> {
     places.map(|(id, at, normal)| receiver(id, at, normal)).to_vec()
 }
 
-/// Around a tree before a wall, under 2 suns and a sky, the diffuse light of 63 places on wall and lawn is what the reference path tracer finds: in
-/// the mean within 0.5 % of all light, with an RMSE of 1.5 % at most; leaves that scatter add 20 % at least to the diffuse light of some place.
+/// Around a tree before a wall, under 2 suns and a sky, the diffuse light of 63 places on wall and
+/// lawn is that of the reference path tracer: in the mean within 0.5 % of all light, with an RMSE
+/// of at most 1.5 %. Leaves that scatter add at least 20 % to the diffuse light of some place.
 #[test]
 fn a_tree_beside_a_wall() {
     let conditions = [sun(180.0, 40.0, 800.0, 100.0), sun(250.0, 25.0, 600.0, 80.0), sky_only()];
@@ -169,14 +174,15 @@ fn a_tree_beside_a_wall() {
     assert!(bias.abs() < 0.005 && rmse < 0.015 && most > 0.2, "{bias} {rmse} {most}");
 }
 
-/// Totals of all receivers, `[receiver][condition]`.
+/// Returns the totals of all receivers, `[receiver][condition]`.
 fn totals(path: &Path, conditions: &[Condition], schedules: &[Schedule]) -> Vec<f64> {
     let rows = columns(path, conditions, SkyModel::Perez, schedules);
     rows.into_values().flat_map(|mut row| row.swap_remove(Total as usize)).collect()
 }
 
-/// Half of the leaves fall: a replay with a transmittance of 0.55 for the 0.1 of the archive is the archive that is built with it, and with
-/// half of the light scattered, within 1e-5 where both are derived anew; the same leaves with all of the light scattered are 1 % off.
+/// Half of the leaves fall: a replay with a transmittance of 0.55 for the 0.1 of the archive is the
+/// archive built with it, and with half of the light scattered, within 1e-5 where both are derived
+/// again. The same leaves with all of the light scattered are 1 % off.
 #[test]
 fn fewer_leaves_scatter_less() {
     let conditions = [sun(180.0, 40.0, 800.0, 100.0), sun(250.0, 25.0, 600.0, 80.0)];
@@ -188,7 +194,8 @@ fn fewer_leaves_scatter_less() {
     assert!(off(&half) < 1e-5 && off(&wrong) > 0.01, "{} {}", off(&half), off(&wrong));
 }
 
-/// With the effect `leaves` left out, or without a `diffuse`, the archive holds what leaves that absorb give: equal rows, and no cell of leaves.
+/// With the effect `leaves` left out, or without a `diffuse`, the archive holds the results of
+/// leaves that absorb: equal rows, and no cell of leaves.
 #[test]
 fn leaves_may_be_left_out() {
     let conditions = [sun(180.0, 40.0, 800.0, 100.0)];
@@ -205,7 +212,7 @@ fn leaves_may_be_left_out() {
     assert!(without == dark && all.iter().zip(&dark).all(|(a, b)| a >= b) && all != dark, "{all:?} {dark:?}");
 }
 
-/// A tree of twelve leaves as OBJ, one of them moved, and a wall if there is one.
+/// Writes a tree of twelve leaves as OBJ, one of them moved, and a wall if asked for.
 fn obj(moved_m: f64, wall: bool) -> String {
     let mut text = "usemtl lawn\nv -20 -20 0\nv 20 -20 0\nv 20 20 0\nv -20 20 0\nf -4 -3 -2 -1\n".to_owned();
     for i in 0..12 {
@@ -219,8 +226,8 @@ fn obj(moved_m: f64, wall: bool) -> String {
     text
 }
 
-/// An archive that is built from one of the scene before has the bytes of a build of its own where a leaf moved, where a wall came, and where
-/// leaves that absorbed scatter light: 3 of 3.
+/// An archive built from that of the scene before has the bytes of a build of its own if a leaf
+/// moved, a wall was added, or leaves that absorbed scatter light: 3 of 3.
 #[test]
 fn a_changed_tree_has_the_bytes_of_its_build() {
     let folder = Folder::new();

@@ -1,4 +1,5 @@
-//! A wall in the sun, whose reflected light has a closed form: what is stated holds where there is nothing else.
+//! A wall in the sun, whose reflected light has a closed form: the stated error holds where there
+//! is no other light.
 
 use std::f64::consts::TAU;
 
@@ -21,7 +22,8 @@ use heliotile_scene::Scene;
 const REFLECTANCE: f64 = 0.5;
 const DNI_W_M2: f64 = 800.0;
 
-/// A wall 10 m square in the plane y = 0 that faces south, and 33 receivers 0.05 to 60 m before it that look along it, to the east.
+/// Returns a wall 10 m square in the plane y = 0 that faces south, and 33 receivers 0.05 to 60 m
+/// before it that look along it, to the east.
 fn wall() -> (Scene, Vec<Receiver>) {
     let corner = |x: f64, z: f64| DVec3::new(x, 0.0, z);
     let [a, b, c, d] = [corner(-5.0, 0.0), corner(5.0, 0.0), corner(5.0, 10.0), corner(-5.0, 10.0)];
@@ -35,10 +37,11 @@ fn wall() -> (Scene, Vec<Receiver>) {
     (scene.expect("a scene"), (0..33).map(receiver).collect())
 }
 
-/// Form factor of the wall from a receiver that looks along it (Lambert 1760: half the sum over the edges of a polygon of the angle that each
-/// spans, over 2 pi, times the cosine between the receiver's normal and that of the edge's triangle).
+/// Returns the form factor of the wall from a receiver that looks along it (Lambert 1760: half the
+/// sum over the edges of a polygon of the angle that each spans, over 2 pi, times the cosine
+/// between the receiver's normal and that of the edge's triangle).
 fn form_factor(receiver: &Receiver) -> f64 {
-    // The part of the wall before the receiver.
+    // Only the part of the wall in front of the receiver counts.
     let west = receiver.position.x;
     let corners = [(west, 0.0), (5.0, 0.0), (5.0, 10.0), (west, 10.0)];
     let corners = corners.map(|(x, z)| (DVec3::new(x, 0.0, z) - receiver.position).normalize());
@@ -49,7 +52,7 @@ fn form_factor(receiver: &Receiver) -> f64 {
     (0..4).map(edge).sum::<f64>().abs() / TAU
 }
 
-/// 36 suns that light the wall from behind the receivers' backs.
+/// Returns 36 suns that light the wall from behind the receivers' backs.
 fn suns() -> Vec<Condition> {
     let sun = |i: usize| {
         let sun = direction_from_degrees(185.0 + 80.0 * (i as f64 * 0.618_034).fract(), 10.0 + 50.0 * i as f64 / 36.0);
@@ -58,7 +61,8 @@ fn suns() -> Vec<Condition> {
     (0..36).map(sun).collect()
 }
 
-/// What `choose` takes for a target, and the RMSE of what it builds against the closed form under suns that light the wall, percent of their mean.
+/// Returns the settings that `choose` takes for a target, and the RMSE of the results against the
+/// closed form under suns that light the wall, percent of their mean.
 fn built(target_percent: f64) -> (SettingsChoice, f64) {
     let (scene, receivers) = wall();
     let folder = tempfile::tempdir().expect("a folder");
@@ -96,8 +100,9 @@ fn built(target_percent: f64) -> (SettingsChoice, f64) {
     (choice, (squares / count).sqrt() / (sum / count) * 100.0)
 }
 
-/// For 1 and 2 % the error that is stated of reflected light in hours of mostly reflected light is that of the closed form within a factor of 1.5, under
-/// suns that light the wall and no sky; in hours without direct sun it is no more W/m2 than the target of the total.
+/// For 1 and 2 % the stated error of reflected light in hours of mostly reflected light is that
+/// against the closed form within a factor of 1.5, under suns that light the wall and no sky. In
+/// hours without direct sun it is no more W/m2 than the target of the total.
 #[test]
 fn what_is_stated_holds_before_a_wall_in_the_sun() {
     for target in [1.0, 2.0] {

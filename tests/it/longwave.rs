@@ -1,4 +1,4 @@
-//! Longwave irradiance: closed forms through an archive, and what a user can ask the program for.
+//! Longwave irradiance: closed forms through an archive, and the options of the program.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -16,17 +16,18 @@ use heliotile_core::weather::emission::Emission;
 use crate::cli::{Folder, golden, stdout};
 use crate::scenes::*;
 
-/// sigma 285.65^4, 12.5 degrees Celsius, and sigma 293.15^4, W/m2.
+/// Emission of a black body at 12.5 degrees Celsius, sigma 285.65^4, and below at 20, sigma
+/// 293.15^4, W/m2.
 const AT_12_5: f64 = 377.527_55;
 const AT_20: f64 = 418.765_92;
 
-/// A cloudless night at 12.5 degrees Celsius on the ground and 20 on walls.
+/// Returns a cloudless night with ground at 12.5 degrees Celsius and walls at 20.
 fn night() -> Condition {
     let emission = Emission { sky_w_m2: 300.0, ground_w_m2: AT_12_5, obstruction_w_m2: AT_20 };
     Condition { emission: Some(emission), ..sun(0.0, -20.0, 0.0, 0.0) }
 }
 
-/// Longwave irradiance of each receiver in one condition.
+/// Returns the longwave irradiance of each receiver in one condition.
 fn longwave(site: &Site, condition: Condition) -> BTreeMap<String, f64> {
     let archive = Archive::open(&site.path).expect("an archive");
     let components = ComponentSet::of(&[Component::Longwave]);
@@ -40,9 +41,10 @@ fn longwave(site: &Site, condition: Condition) -> BTreeMap<String, f64> {
     rows.collect()
 }
 
-/// Under 300 W/m2 from an open sky, over endless ground at 12.5 degrees Celsius: level 300 exactly (to 1e-6), a wall half of each (to 1e-4 of it),
-/// tilts in between (1 + cos) / 2 and (1 - cos) / 2 (to 3e-4); a receiver that looks down where the ground ends 3 m away gets that of
-/// the ground, since what meets nothing counts as ground.
+/// Under 300 W/m2 from an open sky, over endless ground at 12.5 degrees Celsius, a level receiver
+/// gets 300 exactly (to 1e-6), a wall half of each (to 1e-4 of it), tilts in between (1 + cos) / 2
+/// and (1 - cos) / 2 (to 3e-4). A receiver that looks down where the ground ends 3 m away gets the
+/// emission of the ground, since rays that meet nothing count as ground.
 #[test]
 fn open_receivers() {
     let tilts = [0.0, 20.0, 37.0, 60.0, 90.0, 135.0, 180.0];
@@ -68,8 +70,8 @@ fn open_receivers() {
     }
 }
 
-/// Inside a closed box at 20 degrees Celsius every receiver gets sigma T^4 = 418.77 W/m2, to 1e-6 of it; in a box whose
-/// material is ground, 377.53.
+/// Inside a closed box at 20 degrees Celsius every receiver gets sigma T^4 = 418.77 W/m2, to 1e-6
+/// of it; in a box whose material is ground, 377.53.
 #[test]
 fn enclosed() {
     for (material, expected) in [(1, AT_20), (0, AT_12_5)] {
@@ -86,8 +88,9 @@ fn enclosed() {
     }
 }
 
-/// On the floor and four heights of a wall of a long canyon the sky's share is that of Hottel's crossed strings, the floor's share
-/// of a wall's view likewise, and walls make up the rest: all within 0.3 W/m2 of 300 to 419.
+/// On the floor and four heights of a wall of a long canyon the sky's share is that of Hottel's
+/// crossed strings, and so is the floor's share of a wall's view; walls make up the rest: all
+/// within 0.3 W/m2 of 300 to 419.
 #[test]
 fn canyon_walls() {
     let (width, height) = (20.0_f64, 15.0_f64);
@@ -107,7 +110,8 @@ fn canyon_walls() {
     }
 }
 
-/// The site of the command line's tests with areas and surfaces: a roof and a wall that the ground fills the lower half of.
+/// Builds the site of the command line's tests with areas and surfaces: a roof and a wall whose
+/// lower half of the view is ground.
 fn town() -> Folder {
     let folder = Folder::new();
     let rows = "roof,5,5,10.02,0,0,1,1,top\nlow,5,-0.02,2,0,-1,0,1,front\nhigh,5,-0.02,8,0,-1,0,3,front\n";
@@ -122,7 +126,7 @@ fn replay(folder: &Folder, rest: &str) -> Output {
     output
 }
 
-/// Values by time and receiver.
+/// Parses values by time and receiver.
 fn table(text: &str) -> BTreeMap<(String, String), Vec<f64>> {
     let row = |line: &str| {
         let mut cells = line.split(',').map(str::to_string);
@@ -136,8 +140,9 @@ fn key(time: &str, place: &str) -> (String, String) {
     (time.to_string(), place.to_string())
 }
 
-/// The open roof gets the file's infrared radiation in each of 72 hours, 237 W/m2 in the first; a wall half of it and half of sigma T^4, of the
-/// air's -5.7 degrees Celsius or of 12.5 given for the ground; the total beside it is that without it, to the last digit, and brighter
+/// The open roof gets the file's infrared radiation in each of 72 hours, 237 W/m2 in the first. A
+/// wall gets half of it and half of sigma T^4, of the air's -5.7 degrees Celsius or of 12.5 given
+/// for the ground. The total beside the column is that without it, to the last digit, and brighter
 /// ground changes the total alone.
 #[test]
 fn hours() {
@@ -170,8 +175,9 @@ fn hours() {
     assert!((warm[&first][0] - expected).abs() < 0.1, "{:?} {expected}", warm[&first]);
 }
 
-/// Sums of days are those of their 24 hours (to 1e-5), of a span those of its hours; means of surfaces are weighted by areas of 1 and 3; a
-/// schedule of twelve months and one of 72 equal rows give what a constant gives, and receivers can be chosen: 2 of 3.
+/// Sums of days are those of their 24 hours (to 1e-5), sums of a span those of its hours. Means of
+/// surfaces are weighted by areas of 1 and 3. A schedule of twelve months and one of 72 equal rows
+/// give the results of a constant, and receivers can be chosen: 2 of 3.
 #[test]
 fn sums_and_choices() {
     let folder = town();
@@ -204,7 +210,8 @@ fn sums_and_choices() {
     assert!(few.len() == 144 && few.iter().all(|(place, values)| hours[place] == *values));
 }
 
-/// All 6 formats hold the column: arrays of NumPy the 216 values of the CSV to 3 decimals, by receiver and hour.
+/// All 6 formats hold the column; arrays of NumPy hold the 216 values of the CSV to 3 decimals, by
+/// receiver and hour.
 #[test]
 fn formats() {
     let folder = town();
@@ -232,7 +239,7 @@ fn formats() {
     assert!(written.iter().zip(&values).all(|(a, b)| *b > 200.0 && (a - b).abs() <= 0.000_6));
 }
 
-/// Golden's three days with a column of the file overwritten in some of its 72 rows.
+/// Writes Golden's three days with a column of the file overwritten in some of its 72 rows.
 fn weather(folder: &Folder, name: &str, cells: &[(usize, &str)], rows: std::ops::Range<usize>) {
     let text = fs::read_to_string(golden()).expect("weather");
     let lines = text.lines().enumerate().map(|(i, line)| {
@@ -245,9 +252,10 @@ fn weather(folder: &Folder, name: &str, cells: &[(usize, &str)], rows: std::ops:
     folder.write(name, &lines.collect::<String>());
 }
 
-/// Without infrared radiation 24 hours are computed from temperatures and clouds, within 0.6 W/m2 of the file's, and a warning counts them;
-/// without dew points the row is named with what is missing; a part of the file that has them is replayed, and so is all of it
-/// without the column, with no word of it.
+/// Without infrared radiation 24 hours are computed from temperatures and clouds, within 0.6 W/m2
+/// of the file's, and a warning counts them. Without dew points the row is named with the missing
+/// value. A part of the file that has them is replayed, and without the column the whole file is,
+/// without a message about it.
 #[test]
 fn missing_infrared() {
     let folder = town();
@@ -279,8 +287,9 @@ fn missing_infrared() {
     assert!(light.status.code() == Some(0) && !said.contains("infrared"), "{said}");
 }
 
-/// Nothing of it is read without the column: infrared radiation of `x` is replayed with exit code 0, and refused with it; 9 wrong
-/// requests end with exit code 2 and say what is allowed.
+/// Infrared radiation is read only for the column: a value of `x` is replayed with exit code 0
+/// without it, and refused with it. 9 wrong requests end with exit code 2 and name the allowed
+/// values.
 #[test]
 fn refusals() {
     let folder = town();

@@ -1,6 +1,6 @@
 //! All integration tests in one binary, by question.
 
-/// The folder of the project.
+/// Folder of the project.
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 mod accuracy;

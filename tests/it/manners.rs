@@ -1,4 +1,5 @@
-//! How the program treats its user: files that it keeps, names that it refuses before any work, and how much it says.
+//! Behaviour towards users: files that are kept, names that are refused before any work, and the
+//! amount of messages.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,7 +8,7 @@ use std::process::Command;
 use crate::cli::{Folder, golden, stderr, stdout};
 use crate::site::{houses, names};
 
-/// Two houses and the weather of three days under a name of its own.
+/// Returns a folder with two houses and the weather of three days under a name of its own.
 fn town() -> Folder {
     let folder = Folder::new();
     folder.write("a.obj", &houses(false));
@@ -23,7 +24,7 @@ fn good(folder: &Folder, arguments: &str) -> (String, String) {
     (stdout(&output), stderr(&output))
 }
 
-/// All files below a folder with their bytes.
+/// Returns all files below a folder with their bytes.
 fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut files = Vec::new();
     for name in names(folder) {
@@ -36,8 +37,9 @@ fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     files
 }
 
-/// Other spacing, accuracy, one setting, another scene, or an edited table of receivers: 5 runs into a folder that holds something else are
-/// refused with what differs and what to do, and no byte of its 9 files changes; `--replace` puts the new results there.
+/// Other spacing, accuracy, one setting, another scene, and an edited table of receivers: 5 runs
+/// into a folder with other results are refused with the difference and a hint, and no byte of its
+/// 9 files changes. `--replace` puts the new results there.
 #[test]
 fn other_inputs_are_kept() {
     let folder = town();
@@ -69,8 +71,9 @@ fn other_inputs_are_kept() {
     assert!(said.contains("up to date, nothing is traced again") && bytes(&made) == after, "{said}");
 }
 
-/// Each weather has a folder of its own: a second one leaves the first's 4 files alone, another one of the same name is refused before any
-/// work, and so is a folder that does not say what it is from. A new archive warns of results of the old one.
+/// Each weather file has a folder of its own: a second one leaves the first's files alone. Another
+/// file of the same name is refused before any work, and so is a folder that does not state its
+/// source. A new archive warns of results of the old one.
 #[test]
 fn weather_is_kept_apart() {
     let folder = town();
@@ -98,8 +101,9 @@ fn weather_is_kept_apart() {
     folder.refused(&pvgis, &["made-from.json, line 1: is not what heliotile wrote"]);
 }
 
-/// `run --every month,day` writes the rows of `replay`: those of the shortest period to the byte, longer ones, which are sums of these, to
-/// 0.001 kWh/m2; also by surface and as Parquet, under names that say so.
+/// `run --every month,day` writes the rows of `replay`: the shortest period to the byte, longer
+/// ones, which are sums of these, to 0.001 kWh/m2; also by surface and as Parquet, under names that
+/// say so.
 #[test]
 fn run_writes_the_tables_of_replay() {
     let folder = town();
@@ -128,7 +132,7 @@ fn run_writes_the_tables_of_replay() {
     {
         good(&folder, &format!("replay a.sun/site.helio --weather golden.epw --every {every} -o {name}"));
         let [ours, theirs] = [made.join(name), folder.path(name)].map(|path| fs::read(path).expect("a table"));
-        // The end of a Parquet file says which command wrote it.
+        // The end of a Parquet file states the command that wrote it.
         let same = if name.ends_with(".csv") { ours.len() } else { ours.len() / 2 };
         assert!(same > 500, "{name}");
         match every {
@@ -136,7 +140,7 @@ fn run_writes_the_tables_of_replay() {
             _ => assert!(ours[..same] == theirs[..same], "{name}"),
         }
     }
-    // Results of what is replaced go with it.
+    // Results of replaced inputs are replaced, too.
     good(&folder, &format!("{} --replace", RUN.replace("5m", "4m")));
     assert_eq!(
         names(&made),
@@ -152,7 +156,7 @@ fn run_writes_the_tables_of_replay() {
     );
 }
 
-/// Whether two tables have the same cells, numbers within 0.001.
+/// Returns true if two tables have the same cells, numbers within 0.001.
 fn are_near(ours: &[u8], theirs: &[u8]) -> bool {
     let cells = |bytes: &[u8]| String::from_utf8_lossy(bytes).split([',', '\n']).map(str::to_owned).collect::<Vec<_>>();
     let near = |(a, b): (&String, &String)| match (a.parse::<f64>(), b.parse::<f64>()) {
@@ -163,8 +167,9 @@ fn are_near(ours: &[u8], theirs: &[u8]) -> bool {
     ours.len() == theirs.len() && ours.iter().zip(&theirs).all(near)
 }
 
-/// What is said of the clock of `--weather` leaves `--error-weather` alone: with a shift of 3 hours an archive keeps its bytes where errors are
-/// estimated under another file, and changes where they are under the same one. Both files are kept from being replaced.
+/// Options of the clock of `--weather` do not apply to `--error-weather`: with a shift of 3 hours
+/// an archive keeps its bytes if errors are estimated under another file, and changes if they are
+/// estimated under the same one. Both files are protected from being replaced.
 #[test]
 fn clocks_of_two_files() {
     let folder = town();
@@ -187,8 +192,10 @@ fn clocks_of_two_files() {
     folder.refused(&run, &[&format!("{table}: is also an input")]);
 }
 
-/// `run --every month,hour --year 2019` gives its tables that year, as `replay` does: hours to the byte, months, which `replay` adds up without hours,
-/// within 0.001 kWh/m2; it does not advise the year again, and hours are labelled with their end. The commands it ends with take a path with a blank, and leave out what was done.
+/// `run --every month,hour --year 2019` gives its tables that year, as `replay` does: hours to the
+/// byte, months, which `replay` sums without hours, within 0.001 kWh/m2. It does not advise the
+/// year again, and hours are labelled with their end. The commands that it prints at the end quote
+/// a path with a blank, and leave out what was done.
 #[test]
 fn tables_in_one_year() {
     let folder = town();
@@ -219,7 +226,8 @@ fn tables_in_one_year() {
     folder.refused("run a.obj --weather b.epw --year 2019", &["--every <PERIOD>"]);
 }
 
-/// 14 names of outputs that cannot be meant are refused before anything is read, with the name to use; nothing is written.
+/// 14 impossible names of outputs are refused before anything is read, with the name to use; no
+/// file is written.
 #[test]
 fn endings_are_checked_first() {
     let folder = Folder::new();
@@ -240,12 +248,13 @@ fn endings_are_checked_first() {
     folder.refused("run none.obj -w none.epw -o m.csv", &["name of a file", "-o m"]);
     folder.refused("tradeoff none.obj -r none.csv -o m.html", &["name of a file"]);
     folder.refused("export site.helio --view-factors -o no/such/m.csv", &["mkdir -p no/such"]);
-    // A file that is there is refused for what it is, also by `repair`.
+    // An existing file is refused as the kind that it is, also by `repair`.
     folder.refused("repair site.helio scene.obj -o conditions.csv", &["conditions.csv", "not an archive"]);
     assert_eq!(names(&folder.path("")), before);
 }
 
-/// 13 files that are given for something else are named for what they are, with the command that takes them.
+/// 13 files that are given in place of another kind are named with their kind, and with the command
+/// that takes them.
 #[test]
 fn files_are_known() {
     let folder = town();
@@ -270,8 +279,8 @@ fn files_are_known() {
     }
 }
 
-/// A file that is not there is named with the one that may be meant, 6 of 6, or the folder that is missing; where nothing is alike nothing
-/// is proposed. A command that does not come first gets a word on the order.
+/// For a missing file the message names a similar file, 6 of 6, or the missing folder; if no name
+/// is similar, none is proposed. A command that does not come first gets a hint on the order.
 #[test]
 fn misspelt_names() {
     let folder = town();
@@ -295,7 +304,8 @@ fn misspelt_names() {
     folder.refused("a.obj run --weather golden.epw", &["the command comes first", "heliotile run ..."]);
 }
 
-/// `--quiet` leaves the table of sums and the warnings; `-v` shows the 5 materials that one warning counts; `--threads` changes no byte.
+/// `--quiet` leaves the table of sums and the warnings; `-v` shows the 5 materials that one warning
+/// counts; `--threads` changes no byte.
 #[test]
 fn how_much_is_said() {
     let folder = town();
@@ -325,8 +335,9 @@ fn how_much_is_said() {
     folder.refused(&format!("{build} -o x.helio --threads 0"), &["--threads", "1..=1024"]);
 }
 
-/// A spacing of 1 mm is refused with the one that gives at most 100 million receivers, and this one is not; so are too many for each
-/// surface. Where no surface is large enough the message says so.
+/// A spacing of 1 mm is refused with the one that gives at most 100 million receivers, and that one
+/// is accepted. So are too many receivers on each surface. If no surface is large enough the
+/// message says so.
 #[test]
 fn densities_that_fit() {
     let folder = town();
@@ -349,7 +360,8 @@ fn densities_that_fit() {
     assert!(!folder.path("x.csv").exists());
 }
 
-/// Semicolons, tabs and decimal commas in tables of receivers and conditions, 4 of 4: the message says what to write in place.
+/// For semicolons, tabs and decimal commas in tables of receivers and conditions, 4 of 4, the
+/// message says what to write instead.
 #[test]
 fn tables_of_other_countries() {
     let folder = Folder::new();
@@ -367,7 +379,8 @@ fn tables_of_other_countries() {
     folder.refused("query site.helio -c c.csv", &["c.csv, line 1", "commas in place of semicolons"]);
 }
 
-/// 5 shells get a script that names all commands, bash takes its own, and 39 pages of the manual begin as man pages do.
+/// 5 shells get a script that names all commands, bash parses its own, and 40 pages of the manual
+/// begin as man pages do.
 #[test]
 fn completions_and_manual() {
     let folder = Folder::new();

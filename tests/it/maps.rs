@@ -1,5 +1,5 @@
-//! Maps of results: what readers of others find in them is what the CSV of the same replay says, in the same place; and what no map can show
-//! is refused.
+//! Maps of results: independent readers find the values of the CSV of the same replay in them, in
+//! the same place; results that no map can show are refused.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -16,10 +16,11 @@ use parquet::record::{Field, RowAccessor};
 
 use crate::cli::{Folder, golden, stderr, stdout};
 
-/// Where the cube of the command line tests stands: 85 km and 455 km from the origin of RD New.
+/// Position of the cube of the command line tests: 85 km and 455 km from the origin of RD New.
 pub const AT: DVec3 = DVec3::new(80_000.0, 455_000.0, 2.0);
 
-/// A cube of 10 m on a square of 60 m in RD New, its walls and its roof covered with receivers, and an archive that `run` made with maps.
+/// Builds a cube of 10 m on a square of 60 m in RD New, its walls and its roof covered with
+/// receivers, and an archive that `run` made with maps.
 fn site() -> Folder {
     let folder = Folder::new();
     let scene = fs::read_to_string(folder.path("scene.obj")).expect("the scene");
@@ -46,7 +47,7 @@ fn replay(folder: &Folder, rest: &str) -> Output {
     output
 }
 
-/// A CSV by its second column: the others, by name.
+/// Parses a CSV by its second column: the other columns, by name.
 fn csv(output: &Output) -> BTreeMap<String, BTreeMap<String, f64>> {
     let text = stdout(output);
     let mut lines = text.lines();
@@ -63,7 +64,7 @@ fn csv(output: &Output) -> BTreeMap<String, BTreeMap<String, f64>> {
 /// A row of a map: numbers by name, and closed rings.
 pub type Place = (BTreeMap<String, f64>, Vec<Vec<DVec3>>);
 
-/// m2 of polygons without holes (Newell).
+/// Returns the area of polygons without holes, m2 (Newell).
 fn area_m2(rings: &[Vec<DVec3>]) -> f64 {
     let of_ring = |ring: &Vec<DVec3>| -> f64 {
         let edges = ring.windows(2).map(|edge| (edge[0] - ring[0]).cross(edge[1] - ring[0]));
@@ -100,7 +101,7 @@ impl GeomProcessor for Rings {
     }
 }
 
-/// What the library of FlatGeobuf reads: its EPSG number, and rows by name.
+/// Reads a map with the library of FlatGeobuf: its EPSG number, and rows by name.
 pub fn fgb(path: &Path) -> (i32, BTreeMap<String, Place>) {
     let mut file = BufReader::new(File::open(path).expect("a file"));
     let reader = FgbReader::open(&mut file).expect("FlatGeobuf");
@@ -119,7 +120,7 @@ pub fn fgb(path: &Path) -> (i32, BTreeMap<String, Place>) {
     (epsg, found)
 }
 
-/// Rings of WKB: a polygon or a multipolygon with heights, without holes.
+/// Parses rings of WKB: a polygon or a multipolygon with heights, without holes.
 fn wkb(bytes: &[u8]) -> Vec<Vec<DVec3>> {
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("4 bytes"));
     let many = word(1) == 1006;
@@ -138,7 +139,7 @@ fn wkb(bytes: &[u8]) -> Vec<Vec<DVec3>> {
     rings
 }
 
-/// What the library of Parquet reads: the key `geo`, and rows by name.
+/// Reads a map with the library of Parquet: the key `geo`, and rows by name.
 pub fn geoparquet(path: &Path) -> (serde_json::Value, BTreeMap<String, Place>) {
     let reader = SerializedFileReader::new(File::open(path).expect("a file")).expect("Parquet");
     let metadata = reader.metadata().file_metadata();
@@ -157,7 +158,8 @@ pub fn geoparquet(path: &Path) -> (serde_json::Value, BTreeMap<String, Place>) {
     (serde_json::from_str(geo).expect("JSON"), found)
 }
 
-/// Largest share by which numbers of a map are off those of a table, in all columns that both have.
+/// Returns the number of compared values and their largest relative difference, over all columns
+/// that map and table share.
 fn off(map: &BTreeMap<String, Place>, table: &BTreeMap<String, BTreeMap<String, f64>>) -> (usize, f64) {
     assert_eq!(map.len(), table.len());
     let mut found = (0, 0.0_f64);
@@ -171,8 +173,9 @@ fn off(map: &BTreeMap<String, Place>, table: &BTreeMap<String, BTreeMap<String, 
     found
 }
 
-/// Each of 80 receivers is one row of FlatGeobuf and GeoParquet, both in EPSG:28992, with the seven sums of the CSV to its six digits and
-/// the 6.25 m2 around it; binary glTF has the same totals at its corners, 85 km from the origin within a millimetre; `run` wrote the same.
+/// Each of 80 receivers is one row of FlatGeobuf and GeoParquet, both in EPSG:28992, with the seven
+/// sums of the CSV to its six digits and the 6.25 m2 around it. Binary glTF has the same totals at
+/// its corners, 85 km from the origin within a millimetre. `run` wrote the same maps.
 #[test]
 fn receivers_on_maps() {
     let folder = site();
@@ -201,7 +204,7 @@ fn receivers_on_maps() {
     let primitive = mesh.primitives().next().expect("a primitive");
     let reader = primitive.reader(|_| blob.as_deref());
     let corners: Vec<[f32; 3]> = reader.read_positions().expect("corners").collect();
-    // Rings of maps are closed; of a ring of n corners there are n - 2 triangles.
+    // Rings of maps are closed; a ring of n corners has n - 2 triangles.
     let rings: Vec<usize> = of_fgb.values().flat_map(|(_, rings)| rings.iter().map(|ring| ring.len() - 1)).collect();
     let triangles = reader.read_indices().expect("triangles").into_u32().count() / 3;
     assert_eq!((corners.len(), triangles), (rings.iter().sum(), rings.iter().map(|corners| corners - 2).sum()));
@@ -233,15 +236,16 @@ fn receivers_on_maps() {
     }
 }
 
-/// The JSON of a binary glTF file.
+/// Returns the JSON of a binary glTF file.
 pub fn glb_json(path: &Path) -> serde_json::Value {
     let bytes = fs::read(path).expect("a file");
     let length = u32::from_le_bytes(bytes[12..16].try_into().expect("4 bytes")) as usize;
     serde_json::from_slice(&bytes[20..20 + length]).expect("JSON")
 }
 
-/// Each of 5 surfaces is one outline of 4 corners and 100 m2, at the corners of the cube within 2 mm, with the sums, area, tilt and azimuth of
-/// the CSV; months are columns, which add up to the total.
+/// Each of 5 surfaces is one outline of 4 corners and 100 m2, at the corners of the cube within 2
+/// mm, with the sums, area, tilt and azimuth of the CSV; months are columns, which add up to the
+/// total.
 #[test]
 fn surfaces_are_outlines() {
     let folder = site();
@@ -269,8 +273,9 @@ fn surfaces_are_outlines() {
     }
 }
 
-/// A day's hours for ParaView are 24 grids that the `.pvd` names, 0 to 23 hours apart, each with the total of its hour as the CSV has it, by
-/// day the greatest; GeoJSON lies where RD New does, at 52.08 degrees north, and its polygons are closed.
+/// A day's hours for ParaView are 24 grids that the `.pvd` names, 0 to 23 hours apart, each with
+/// the total of its hour in the CSV, the greatest by day. GeoJSON lies where RD New does, at 52.08
+/// degrees north, and its polygons are closed.
 #[test]
 fn hours_and_degrees() {
     let folder = site();
@@ -301,7 +306,7 @@ fn hours_and_degrees() {
         for (surface, value) in values.iter().enumerate() {
             let cells: Vec<&str> = rows[surface * 24 + hour].split(',').collect();
             let expected: f32 = cells[2].parse().expect("a number");
-            // Three decimals.
+            // The CSV has three decimals.
             assert!((value - expected).abs() < 6e-4, "{hour} {surface}: {value} {expected}");
         }
         let sum: f32 = values.iter().sum();
@@ -321,13 +326,14 @@ fn hours_and_degrees() {
         let ring = polygon[0].as_array().expect("a ring");
         assert!(ring.len() > 3 && ring.first() == ring.last());
         let at = |i: usize| ring[0][i].as_f64().expect("a number");
-        // As PROJ has it (pyproj 3.7.2): 80,005 and 455,005 lie at 4.29319 east and 52.07824 north.
+        // Values of PROJ (pyproj 3.7.2): 80,005 and 455,005 lie at 4.29319 east and 52.07824 north.
         assert!((at(0) - 4.293_19).abs() < 2e-4 && (at(1) - 52.078_24).abs() < 2e-4, "{ring:?}");
     }
 }
 
-/// Refused with what to do, 9 times: receivers without areas, GeoJSON without a system, hours on a map, 1,000 columns, `--geo` of a CSV, an
-/// unknown ending, which lists all 11 that are known, factors on a map, a series of too many files; nothing is left behind.
+/// Nine wrong requests are refused with a hint: receivers without areas, GeoJSON without a system,
+/// hours on a map, 1,000 columns, `--geo` of a CSV, an unknown extension, which lists all 11 known
+/// ones, factors on a map, a series of too many files. No file is left behind.
 #[test]
 fn refusals() {
     let folder = Folder::new();
@@ -360,7 +366,8 @@ fn refusals() {
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok());
     assert_eq!(left.filter(|name| name.starts_with("map") || name.contains(".partial")).count(), 0);
 
-    // Two conditions are two columns of each component; squares of the areas stand for patches that nobody knows.
+    // Two conditions are two columns of each component; receivers without a patch are squares of
+    // their area.
     let output = folder.run("query site.helio -c conditions.csv --columns total -o map.parquet --geo");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let (geo, map) = geoparquet(&folder.path("map.parquet"));
@@ -371,7 +378,7 @@ fn refusals() {
     assert!((corners[0] - corners[1]).length() == 2.0 && (corners[0].z - 10.02).abs() < 1e-9, "{corners:?}");
 }
 
-/// GeoJSON of 10,001 polygons is written, and warned of with their number; of 10,000 it is not.
+/// GeoJSON of 10,001 polygons is written with a warning of their number; of 10,000 there is none.
 #[test]
 fn large_geojson_is_warned() {
     let folder = Folder::new();

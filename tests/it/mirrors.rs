@@ -1,4 +1,5 @@
-//! Mirrors and glass against the image method: what a mirror sends is what the receiver's image behind it would get.
+//! Mirrors and glass against the image method: light in a mirror is what the receiver's image
+//! behind it would get.
 
 use std::collections::BTreeMap;
 
@@ -32,7 +33,7 @@ fn matt(name: &str, diffuse: f64) -> Material {
     Material::matt(name, diffuse, Class::Obstruction)
 }
 
-/// A site in a scratch folder, and what its build did.
+/// A site in a scratch folder, and the report of its build.
 struct Built {
     _folder: tempfile::TempDir,
     archive: Archive,
@@ -48,7 +49,7 @@ fn built(triangles: &Triangles, materials: Vec<Material>, receivers: &[Receiver]
 }
 
 impl Built {
-    /// `[condition]` of one component, by receiver.
+    /// Returns `[condition]` of one component, by receiver.
     fn rows(&self, conditions: &[Condition], sky: SkyModel, component: Component) -> BTreeMap<String, Vec<f64>> {
         self.rows_at(conditions, sky, component, MaxBounces::All)
     }
@@ -74,13 +75,13 @@ impl Built {
         rows
     }
 
-    /// Under a uniform sky of 100 W/m2, as a share of it.
+    /// Returns a component under a uniform sky of 100 W/m2, as a share of it.
     fn sky_share(&self, id: &str, component: Component) -> f64 {
         self.rows(&[sky_only()], SkyModel::Uniform, component)[id][0] / 100.0
     }
 }
 
-/// 2,000 suns all over the sky, DNI 1000 W/m2.
+/// Returns 2,000 suns all over the sky, DNI 1000 W/m2.
 fn suns() -> Vec<(DVec3, Condition)> {
     (0..2000)
         .map(|i| {
@@ -90,7 +91,8 @@ fn suns() -> Vec<(DVec3, Condition)> {
         .collect()
 }
 
-/// Whether a ray meets a rectangle, and how far from its edge in radians as seen from the start: below 0 outside.
+/// Returns how far inside a rectangle a ray meets it, radians from its edge as seen from the start;
+/// below 0 outside.
 fn inside(from: DVec3, direction: DVec3, at: DVec3, a: DVec3, b: DVec3) -> f64 {
     let normal = a.cross(b).normalize();
     let t = (at - from).dot(normal) / direction.dot(normal);
@@ -100,21 +102,22 @@ fn inside(from: DVec3, direction: DVec3, at: DVec3, a: DVec3, b: DVec3) -> f64 {
     let p = from + direction * t - at;
     let (x, y) = (p.dot(a) / a.length(), p.dot(b) / b.length());
     let edge = x.min(a.length() - x).min(y).min(b.length() - y);
-    // Foreshortened at the worst.
+    // The foreshortening is the strongest possible.
     edge * direction.dot(normal).abs() / t
 }
 
 /// Half a texel's diagonal of the finest sky and half the sun's disc, radians.
 const EDGE: f64 = 1.8e-3 + 4.7e-3;
 
-/// One mirror of 0.8, 2,000 suns: receivers tilted four ways in front of it get 0.8 DNI n . d of the mirrored sun to 1e-4 wherever that is
-/// more than half a texel and the sun's radius from an edge (and between nothing and that near it), so does one that only sees
-/// it far to the side; those behind it, and those that look away, get nothing.
+/// With one mirror of 0.8 and 2,000 suns, receivers tilted four ways in front of it get 0.8 DNI n .
+/// d of the mirrored sun to 1e-4 wherever that is more than half a texel and the sun's radius from
+/// an edge (and between nothing and that near it), and so does one that only sees it far to the
+/// side. Receivers behind it, and those that look away, get nothing.
 #[test]
 fn one_mirror() {
     let (at, a, b) = (v(-6.0, 10.0, -1.0), v(12.0, 0.0, 0.0), v(0.0, 0.0, 9.0));
     let mut triangles = quad(at, a, b, 0);
-    // A back wall that makes no light: behind is behind.
+    // A black back wall hides the mirror from behind.
     triangles.extend(quad(v(-6.0, 10.01, -1.0), a, b, 1));
     let fronts = [("south", v(0.0, 0.0, 1.0), DVec3::Y), ("up", v(1.0, 2.0, 0.0), DVec3::Z)];
     let more = [("tilted", v(-3.0, 4.0, 2.0), v(0.3, 0.6, 0.7)), ("side", v(30.0, -5.0, 3.0), v(-0.5, 0.8, 0.2))];
@@ -141,20 +144,21 @@ fn one_mirror() {
             let expected = if edge > 0.0 { whole } else { 0.0 };
             lit += usize::from(expected > 0.0);
             worst = worst.max((got - expected).abs());
-            // Within a texel of the horizon of the receiver its cosine is what counts.
+            // Within a texel of the receiver's horizon the error of the cosine counts.
             assert!((got - expected).abs() < 0.1 + 2.0 * f64::from(cos.abs() < 5e-3), "{id} {sun}: {got} {expected}");
         }
     }
     println!("one mirror: {lit} lit, {near_edges} near edges, worst {worst:.4} W/m2 of 800");
     assert!(lit > 800 && near_edges < 300, "{lit} {near_edges}");
-    // And patches of the sky: the image's view factor of the mirror's opening.
+    // For patches of the sky, the image's view factor of the mirror's opening counts.
     let back = site.sky_share("behind", SkySpecular);
     assert_eq!(back, 0.0);
     assert!(site.sky_share("south", SkySpecular) > 0.05);
 }
 
-/// Between two facing mirrors of 0.9, 6 m apart and 8 m high, receivers get by way of 1, 2 and 3 reflections what the image method
-/// says, for 2,000 suns, to 1e-4 away from edges; what takes more mirrors is left out, and is less than the loss that is reported.
+/// Between two facing mirrors of 0.9, 6 m apart and 8 m high, receivers get by 1, 2 and 3
+/// reflections the light of the image method, for 2,000 suns, to 1e-4 away from edges. Paths by
+/// more mirrors are left out, and are less than the reported loss.
 #[test]
 fn facing_mirrors() {
     let (length, height) = (4000.0, 8.0);
@@ -177,7 +181,7 @@ fn facing_mirrors() {
             let mut expected = 0.0;
             let mut doubtful = false;
             for seen in [*sun, v(-sun.x, sun.y, sun.z)] {
-                // Unfolded: the ray goes straight on through images of the street.
+                // The street is unfolded: the ray goes straight on through its images.
                 let t = (height - p.z) / seen.z;
                 let street = (p.x + seen.x * t) / 6.0;
                 let mirrors = street.floor().abs() as usize;
@@ -201,15 +205,17 @@ fn facing_mirrors() {
     }
     println!("facing mirrors: chains {of_chain:?}, {skipped} near edges, worst {worst:.4} W/m2");
     assert!(of_chain[1..].iter().all(|&count| count > 200) && skipped < 2000, "{of_chain:?} {skipped}");
-    // Each direction of the upper hemisphere leaves to the sky in the end: what is missing is lost behind the third mirror.
+    // Each direction of the upper hemisphere leaves to the sky in the end: the missing light is
+    // lost behind the third mirror.
     let seen = site.sky_share("up", SkyDirect) + site.sky_share("up", SkySpecular);
     let lost = site.report.lost_in_mirrors[0];
     println!("facing mirrors: {seen:.4} of the sky is seen, {lost:.4} is lost");
     assert!(seen < 1.0 && 1.0 - seen < lost + 0.01 && lost < 0.3, "{seen} {lost}");
 }
 
-/// A lake of glass-like water before a facade: at sun altitudes of 3 to 40 degrees sun_specular on the facade is DNI n . s times Fresnel's
-/// reflectance at that angle, to 1e-3 of it (that is 0.85 of DNI n . s at 3 degrees and 0.11 at 40); a receiver that looks up gets none.
+/// A lake of glass-like water lies before a facade: at sun altitudes of 3 to 40 degrees
+/// sun_specular on the facade is DNI n . s times Fresnel's reflectance at that angle, to 1e-3 of it
+/// (0.85 of DNI n . s at 3 degrees and 0.11 at 40). A receiver that looks up gets none.
 #[test]
 fn lake_at_low_sun() {
     let lake = quad(v(-3000.0, -6000.0, 0.0), v(6000.0, 0.0, 0.0), v(0.0, 5990.0, 0.0), 0);
@@ -232,15 +238,18 @@ fn lake_at_low_sun() {
     );
 }
 
-/// Before a boundless mirror wall of 0.8 a vertical receiver sees 0.4 of the open sky in it and none besides; ground of 0.3, which gets the
-/// sky and the sun twice, once by the mirror (0.8), fills the lower half, half of it in the mirror: sky_diffuse and sun_diffuse are 0.3
-/// x (1 + 0.8) / 2 x (what is seen directly + 0.8 x what is seen in the mirror), all within 1.5 %. One and all bounces are alike.
+/// Before a boundless mirror wall of 0.8 a vertical receiver sees 0.4 of the open sky in it and
+/// none besides. Ground of 0.3, which gets the sky and the sun twice, once by the mirror (0.8),
+/// fills the lower half, half of it in the mirror: sky_diffuse and sun_diffuse are 0.3 x (1 + 0.8)
+/// / 2 x (the share seen directly + 0.8 x the share seen in the mirror), all within 1.5 %. One and
+/// all bounces are alike.
 #[test]
 fn ground_before_a_mirror() {
     let wall = quad(v(-4000.0, 0.0, 0.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 4000.0), 0);
     let floor = quad(v(-4000.0, -8000.0, 0.0), v(8000.0, 0.0, 0.0), v(0.0, 8000.0, 0.0), 1);
     let triangles = [wall, floor].concat();
-    // So far from the wall, relative to its height, that half of the lower quarter sphere is the floor in front, half its image.
+    // The receiver is so far from the wall, relative to its height, that half of the lower quarter
+    // sphere is the floor in front, half its image.
     let receivers = [receiver("at wall", v(0.0, -0.5, 20.0), DVec3::Y), receiver("out", v(0.0, -0.5, 20.0), -DVec3::Y)];
     let site = built(&triangles, vec![mirror("mirror", 0.0, 0.8), matt("floor", 0.3)], &receivers);
     let near = |what: &str, got: f64, expected: f64| {
@@ -250,7 +259,8 @@ fn ground_before_a_mirror() {
     near("sky in the mirror", site.sky_share("at wall", SkySpecular), 0.4);
     assert!(site.sky_share("at wall", SkyDirect) < 2e-3);
     let floor_gets = (1.0 + 0.8) / 2.0;
-    // Of the lower half, what lies between the receiver and the foot of the wall is seen directly: (1 - sin atan(20 / 0.5)) / 2 of it.
+    // The part of the lower half between the receiver and the foot of the wall is seen directly: (1
+    // - sin atan(20 / 0.5)) / 2 of it.
     let direct = 0.5 * (1.0 - 20.0 / 20.0_f64.hypot(0.5));
     let floor_seen = direct + 0.8 * (0.5 - direct);
     let all =
@@ -266,8 +276,9 @@ fn ground_before_a_mirror() {
     assert!(of("at wall", SunDirect) == 0.0);
 }
 
-/// A wall that reflects 0.3 diffusely and 0.5 like a mirror: a receiver that sees nothing else gets 0.25 of the open sky by the mirror and
-/// 0.15 diffusely, within 1 %; with a `--reflectance` the diffuse part alone would change.
+/// A wall reflects 0.3 diffusely and 0.5 like a mirror: a receiver that sees nothing else gets 0.25
+/// of the open sky by the mirror and 0.15 diffusely, within 1 %; a `--reflectance` would change the
+/// diffuse part alone.
 #[test]
 fn both_parts() {
     let wall = quad(v(-4000.0, 0.0, -4000.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 8000.0), 0);
@@ -276,9 +287,10 @@ fn both_parts() {
     assert!((specular - 0.25).abs() < 0.0025 && (diffuse - 0.15).abs() < 0.0015, "{specular} {diffuse}");
 }
 
-/// A room open to the sky through a part of its roof, two facing walls of 0.85 mirror and 0.05 diffuse, all else white (0.8): what its
-/// surfaces absorb and what leaves is what comes in, within 2 % and the loss that the build reports (at most 12 %), and never more than 1 %
-/// above, wherever cells cut the room: at three places.
+/// A room is open to the sky through a part of its roof; two facing walls are 0.85 mirror and 0.05
+/// diffuse, all else is white (0.8). The light that its surfaces absorb and that leaves is the
+/// light that enters, within 2 % and the loss that the build reports (at most 12 %), and never more
+/// than 1 % above, wherever cells cut the room: at three places.
 #[test]
 fn room_of_mirrors() {
     for corner in [v(-3.0, -3.0, -1.5), DVec3::ZERO, v(64.3, 33.7, 20.4)] {
@@ -286,7 +298,7 @@ fn room_of_mirrors() {
     }
 }
 
-/// The room with its lowest corner at a place.
+/// Checks the room with its lowest corner at a place.
 fn room_at(corner: DVec3) {
     let (a, h) = (6.0, 3.0);
     let (x, y, z) = (v(a, 0.0, 0.0), v(0.0, a, 0.0), v(0.0, 0.0, h));
@@ -330,8 +342,8 @@ fn room_at(corner: DVec3) {
     assert!(found < 1.01 && found > 1.0 - 0.02 - lost && lost < 0.12, "{corner}: {found} {lost}");
 }
 
-/// Where no surface is a mirror, or no receiver and no cell can see it, no ray is cast for mirrors beyond looking for them, and no block of
-/// mirrors is written: 0 of 3 kinds.
+/// If no surface is a mirror, or no receiver and no cell can see one, no ray is cast for mirrors
+/// beyond looking for them, and no block of mirrors is written: 0 of 3 kinds.
 #[test]
 fn nothing_for_nothing() {
     let receivers = [receiver("up", v(0.0, 0.0, 0.1), DVec3::Z)];
@@ -351,7 +363,7 @@ fn nothing_for_nothing() {
     assert!(blocks(&seen) == 3 && seen.report.rays.mirror > 0);
 }
 
-/// Settings for tests that ask for bytes, not for accuracy.
+/// Settings for tests of bytes, not of accuracy.
 fn coarse() -> BuildSettings {
     BuildSettings {
         sky_base: 16,
@@ -366,9 +378,10 @@ fn coarse() -> BuildSettings {
     }
 }
 
-/// A town with mirrors and glass for one and two threads, with receivers in another order and with faces in another order: one root
-/// and the same bytes, 3 of 3; so has a build that finds the first archive in its store, and that one casts 0 rays; one that finds an
-/// archive without the blocks of mirrors casts all of them.
+/// A town with mirrors and glass built on one and two threads, with receivers in another order and
+/// with faces in another order has one root and the same bytes, 3 of 3. So has a build that finds
+/// the first archive in its store, and that one casts 0 rays. One that finds an archive without the
+/// blocks of mirrors casts all of them.
 #[test]
 fn bytes_depend_on_content_only() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -419,7 +432,8 @@ fn bytes_depend_on_content_only() {
     assert!(bare.1 == first.1 && bare.2.total() == first.2.total());
 }
 
-/// A build with mirrors that goes on after any whole tile or chunk ends with the bytes of an undisturbed one, more than 5 times.
+/// A build with mirrors that is resumed after any whole tile or chunk ends with the bytes of an
+/// undisturbed one, more than 5 times.
 #[test]
 fn resumed_builds_have_the_same_bytes() {
     let folder = tempfile::tempdir().expect("a scratch folder");

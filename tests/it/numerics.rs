@@ -1,4 +1,5 @@
-//! Hard cases of tracing, each with a number: leaks, self-hits, exact edges, needles, far coordinates, exact angles.
+//! Hard cases of tracing, each with a number: leaks, self-hits, exact edges, needles, far
+//! coordinates, exact angles.
 
 use glam::{DQuat, DVec3};
 use heliotile_builder::settings::BuildSettings;
@@ -12,7 +13,7 @@ use heliotile_scene::Scene;
 
 use crate::scenes::*;
 
-/// A unit vector of the whole sphere.
+/// Returns a unit vector of the whole sphere.
 fn anywhere(seed: u64, i: u64) -> DVec3 {
     let d = direction_of(jitter(seed, i));
     if mix(seed ^ 77, i) & 1 == 0 { d } else { -d }
@@ -22,7 +23,7 @@ fn ray(origin: DVec3, direction: DVec3) -> Ray {
     Ray { origin: origin.as_vec3().to_array(), direction: direction.normalize().as_vec3().to_array() }
 }
 
-/// A closed sphere of about `2 n^2` triangles around `centre`.
+/// Returns a closed sphere of about `2 n^2` triangles around `centre`.
 fn sphere(centre: DVec3, radius: f64, n: usize) -> Triangles {
     let at = |i: usize, j: usize| {
         let (a, b) =
@@ -39,7 +40,8 @@ fn sphere(centre: DVec3, radius: f64, n: usize) -> Triangles {
         .collect()
 }
 
-/// Rays of three kinds from inside a closed mesh that escape: random ones, ones aimed at edges, ones aimed at vertices.
+/// Counts rays from inside a closed mesh that escape, of three kinds: random ones, ones aimed at
+/// edges, ones aimed at vertices.
 fn escapes(scene: &Scene, counts: [u64; 3]) -> [usize; 3] {
     let tracer = Tracer::new(&scene.mesh).expect("a tree");
     let mesh = &scene.mesh;
@@ -54,7 +56,7 @@ fn escapes(scene: &Scene, counts: [u64; 3]) -> [usize; 3] {
         _ => {
             let corners = mesh.triangle_points((mix(12, i) % count) as usize);
             let (a, b) = (corners[(i % 3) as usize], corners[((i + 1) % 3) as usize]);
-            // Corners as the tracer has them.
+            // Corners in the tracer's precision.
             let (a, b) = (DVec3::from(a.as_vec3()), DVec3::from(b.as_vec3()));
             let along = if kind == 1 { unit(mix(13, i)) } else { 0.0 };
             a + (b - a) * along - from
@@ -81,7 +83,8 @@ fn rotated(triangles: Triangles, turn: DQuat, shift: DVec3) -> Triangles {
     triangles.into_iter().map(|(c, m)| (c.map(|p| turn * p + shift), m)).collect()
 }
 
-/// From inside a rotated closed box 10 million random rays, 1 million aimed at edges and 1 million aimed at vertices: 0 escape.
+/// From inside a rotated closed box 10 million random rays, 1 million aimed at edges and 1 million
+/// aimed at vertices are cast: 0 escape.
 #[test]
 fn closed_box_does_not_leak() {
     let turn = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 0.7, 1.1);
@@ -89,7 +92,8 @@ fn closed_box_does_not_leak() {
     assert_eq!(escapes(&scene(&triangles, &[0.2]), [10_000_000, 1_000_000, 1_000_000]), [0, 0, 0]);
 }
 
-/// A closed sphere of 160,000 triangles: 0 of 10 million random, 1 million edge-aimed and 1 million vertex-aimed rays escape.
+/// From inside a closed sphere of 160,000 triangles, 0 of 10 million random, 1 million edge-aimed
+/// and 1 million vertex-aimed rays escape.
 #[test]
 fn closed_sphere_does_not_leak() {
     let triangles = sphere(v(0.3, -0.2, 0.1), 30.0, 283);
@@ -97,8 +101,9 @@ fn closed_sphere_does_not_leak() {
     assert_eq!(escapes(&scene(&triangles, &[0.2]), [10_000_000, 1_000_000, 1_000_000]), [0, 0, 0]);
 }
 
-/// What rays meet first does not depend on how a large scene is cut: 20,000 rays through shells of 150,000 triangles, far more than one
-/// block of the tree holds, meet the same triangles at the same distances, to the bit, as the nearest of what 5 trees of a fifth each give.
+/// First hits do not depend on how a large scene is cut into blocks: 20,000 rays through shells of
+/// 150,000 triangles, far more than one block of the tree holds, meet the same triangles at the
+/// same distances, to the bit, as the nearest hits of 5 trees of a fifth each.
 #[test]
 fn blocks_of_the_tree_change_nothing() {
     let shells = (0..5).map(|i| sphere(v(2.0 * f64::from(i), 0.5, 0.0), 3.0 + f64::from(i), 123));
@@ -121,7 +126,8 @@ fn blocks_of_the_tree_change_nothing() {
     assert!(same == rays.len() && met > rays.len() / 2, "{same} {met}");
 }
 
-/// The same at 1,000 m from the origin of the scene and far off-centre (148376, 1234, -223423): 0 of 3 x 300,000 rays escape, twice.
+/// From inside closed spheres at 1,000 m from the origin of the scene and far off-centre (148376,
+/// 1234, -223423), 0 of 3 x 300,000 rays escape, twice.
 #[test]
 fn far_away_does_not_leak() {
     let off = v(148_376.0, 1234.0, -223_423.0);
@@ -132,7 +138,7 @@ fn far_away_does_not_leak() {
     ] {
         let scene = scene(&triangles, &[0.2]);
         if scene.mesh.bounds().1.x > 500.0 {
-            // From the middle of one sphere.
+            // Rays start in the middle of one sphere.
             let tracer = Tracer::new(&scene.mesh).expect("a tree");
             let centre = v(1000.0, 0.0, 0.0) - scene.mesh.origin;
             let rays: Vec<Ray> = (0..300_000)
@@ -153,8 +159,8 @@ fn far_away_does_not_leak() {
     }
 }
 
-/// Packets at every level that this machine has and single rays answer alike, bit for bit: 300,000 rays in a town and a sphere, with
-/// shared and with own origins, to any distance and to three.
+/// Packets at every level that this machine has and single rays agree, bit for bit: 300,000 rays in
+/// a town and a sphere, with shared and with own origins, to any distance and to three.
 #[test]
 fn levels_and_single_rays_agree() {
     let mut triangles = sphere(v(0.0, 0.0, 0.0), 60.0, 40);
@@ -186,8 +192,8 @@ fn levels_and_single_rays_agree() {
     }
 }
 
-/// A square canopy above a receiver covers exactly the texels whose centre lies under it, at five texture sizes from 16 to 256; its
-/// diagonal, on which texel centres lie exactly, included.
+/// A square canopy above a receiver covers exactly the texels whose centre lies under it, at five
+/// texture sizes from 16 to 256, with its diagonal, on which texel centres lie exactly.
 #[test]
 fn canopy_counts_are_exact() {
     let (half, height) = (2.0, 3.0);
@@ -209,7 +215,7 @@ fn canopy_counts_are_exact() {
     }
 }
 
-/// 200,000 rays straight up onto the diagonal of an axis-aligned quad, and along its edges' middle lines: all meet it.
+/// 200,000 rays straight onto the diagonals of the faces of an axis-aligned box all meet it.
 #[test]
 fn axis_rays_meet_diagonals() {
     let scene = scene(&block(v(-8.0, -8.0, 0.0), v(8.0, 8.0, 10.0), 0), &[0.0]);
@@ -226,7 +232,8 @@ fn axis_rays_meet_diagonals() {
     assert_eq!(tracer.occluded_many(&rays).iter().filter(|met| !**met).count(), 0);
 }
 
-/// Receivers on a facade, a roof and a ground of 800 m, exactly on it, 1 um and 1 mm off it: 0 of 3,000 see anything within a centimetre.
+/// Receivers on a facade, a roof and a ground of 800 m, exactly on it, 1 um and 1 mm off it: 0 of
+/// 3,000 meet a surface within a centimetre.
 #[test]
 fn no_false_self_hits() {
     let mut triangles = ground(400.0, 0.0, 0);
@@ -244,7 +251,7 @@ fn no_false_self_hits() {
         let j = jitter(10, i / 3) * 0.5;
         let off = [0.0, 1e-6, 1e-3][(i % 3) as usize];
         let normal = scene.mesh.normal(triangle);
-        // Not within a centimetre of an edge, where the neighbour is met rightly.
+        // Points within a centimetre of an edge are avoided, where the neighbour is met rightly.
         let p = a + (b - a) * (0.02 + 0.9 * j.x) + (c - a) * (0.02 + 0.9 * j.y) + normal * off;
         let eye = p + normal * tracer.offset_m(p);
         let frame = heliotile_core::hemisphere::Frame::of(normal);
@@ -253,11 +260,12 @@ fn no_false_self_hits() {
             .collect();
         blind += u32::from(tracer.closest_many(&rays).iter().flatten().any(|hit| hit.t < 0.01));
     }
-    // A point next to a wall may see it at less than a centimetre; on this scene none is.
+    // A point next to a wall may meet it at less than a centimetre; on this scene none does.
     assert_eq!(blind, 0);
 }
 
-/// Irradiance (DHI 100 W/m2, DNI 800 W/m2) of a site turned and shifted; a uniform and a sun part.
+/// Returns the irradiance (DHI 100 W/m2, DNI 800 W/m2) of a site turned and shifted; a uniform and
+/// a sun part.
 fn totals(triangles: &Triangles, turn: f64, shift: DVec3, settings: &BuildSettings) -> Vec<[f64; 3]> {
     let q = DQuat::from_rotation_z(turn);
     let places = [
@@ -292,8 +300,8 @@ fn worst_difference(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
 }
 
-/// A site 4194 km (2^22 m, where numbers of voxels repeat) away on two axes gives the irradiance of the unshifted one within 1e-4 of the
-/// open-sky value.
+/// A site 4194 km (2^22 m, where numbers of voxels repeat) away on two axes gives the irradiance of
+/// the unshifted one within 1e-4 of the open-sky value.
 #[test]
 fn shift_changes_nothing() {
     let settings = BuildSettings::default();
@@ -303,8 +311,9 @@ fn shift_changes_nothing() {
     assert!(worst < 1e-4 * 100.0, "{worst} W/m2");
 }
 
-/// At UTM coordinates (5e5, 4.6e6) other cells and other chances give the same irradiance within 1 % of the open-sky value (100 W/m2 of sky,
-/// 800 W/m2 of sun), as for a site that is turned.
+/// At UTM coordinates (5e5, 4.6e6) other cells and other random numbers give the same irradiance
+/// within 1 % of the open-sky value (100 W/m2 of sky, 800 W/m2 of sun), as for a site that is
+/// turned.
 #[test]
 fn other_coordinates_change_little() {
     let here = totals(&three_blocks(), 0.0, DVec3::ZERO, &fine());
@@ -315,8 +324,8 @@ fn other_coordinates_change_little() {
     }
 }
 
-/// A site turned by odd angles, receivers and suns with it, gives the same irradiance but for where texels and cells fall:
-/// within 1 % of the open-sky value (100 W/m2 of sky, 800 W/m2 of sun).
+/// A site turned by odd angles, receivers and suns with it, gives the same irradiance but for the
+/// places of texels and cells: within 1 % of the open-sky value (100 W/m2 of sky, 800 W/m2 of sun).
 #[test]
 fn rotation_changes_little() {
     let settings = fine();
@@ -330,7 +339,8 @@ fn rotation_changes_little() {
     }
 }
 
-/// Every quad split into 64 gives the same irradiance within 1e-4 of the open-sky value: cells are sampled by surface, not by triangle.
+/// Every quad split into 64 gives the same irradiance within 1e-4 of the open-sky value: cells are
+/// sampled by surface, not by triangle.
 #[test]
 fn subdivision_changes_nothing() {
     let fine: Triangles = three_blocks()
@@ -351,8 +361,9 @@ fn subdivision_changes_nothing() {
     assert!(worst < 1e-4 * 100.0, "{worst} W/m2");
 }
 
-/// Sun at altitude 0, at exactly 90 degrees, behind the receiver, exactly on a texel border; a receiver facing straight down: direct
-/// sun is DNI x cosine to 1e-6 where it is up, 0 elsewhere, and every component is finite.
+/// With the sun at altitude 0, at exactly 90 degrees, behind the receiver or exactly on a texel
+/// border, and for a receiver that faces straight down, direct sun is DNI x cosine to 1e-6 where it
+/// is up, 0 elsewhere, and every component is finite.
 #[test]
 fn exact_angles() {
     let scene = scene(&ground(500.0, -3.0, 0), &[0.2]);
@@ -382,8 +393,9 @@ fn exact_angles() {
     }
 }
 
-/// Needles (aspect 1e6), faces 1 mm apart, coplanar and doubled faces, details of 1 mm on a ground of 10 km: a receiver under them gets
-/// the sky that the plates leave, within 0.3 % of the open sky.
+/// With needles (aspect 1e6), faces 1 mm apart, coplanar and doubled faces, and details of 1 mm on
+/// a ground of 10 km, a receiver under them gets the sky that the plates leave, within 0.3 % of the
+/// open sky.
 #[test]
 fn awkward_geometry() {
     let mut triangles = ground(10_000.0, -2.0, 0);
@@ -406,10 +418,11 @@ fn awkward_geometry() {
     assert!((rows["r"].sky_direct - 100.0 * (1.0 - plate)).abs() < 0.3, "{} {}", rows["r"].sky_direct, plate);
 }
 
-/// A million coincident triangles (and one other) build and answer within the test's patience: 1 of 1 receivers sees half the sky.
+/// A million coincident triangles are built and replayed in time: 1 of 1 receivers sees half the
+/// sky.
 #[test]
 fn coincident_triangles() {
-    // Not the same numbers, but the same to the f32 rays: they count as duplicates.
+    // The numbers differ, but not for the f32 rays: these triangles count as duplicates.
     let triangles: Triangles = (0..1_000_000)
         .map(|i| {
             let e = f64::from(i) * 1e-13;

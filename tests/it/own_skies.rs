@@ -1,5 +1,5 @@
-//! Skies and clouds of files, through the program: matrices of Radiance, tables, photographs and masks beside sums of others and closed forms,
-//! and what is refused.
+//! Skies and clouds from files, through the program: matrices of Radiance, tables, photographs and
+//! masks beside sums of other programs and closed forms, and refusals.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -10,12 +10,12 @@ use glam::DVec3;
 use crate::cli::{Folder, stderr, stdout};
 use crate::scenes::{data, tilted};
 
-/// Flat and four tilts.
+/// Tilts and azimuths, degrees: flat and four tilts.
 const SURFACES: [(u32, u32); 5] = [(0, 0), (30, 180), (60, 90), (90, 270), (90, 0)];
 
 const CONDITIONS: &str = "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\nnoon,180,45,800,100\n";
 
-/// An archive of the surfaces over one black triangle of 1 cm, `open.helio`, and conditions.
+/// Builds an archive of the surfaces over one black triangle of 1 cm, `open.helio`, and conditions.
 fn open_surfaces() -> Folder {
     let folder = Folder::new();
     folder.write("far.obj", "v 0 0 -9\nv 0.01 0 -9\nv 0 0.01 -9\nusemtl far\nf 1 2 3\n");
@@ -32,7 +32,7 @@ fn open_surfaces() -> Folder {
     folder
 }
 
-/// `(condition or time, receiver)`: values of a table by the start of their columns' names.
+/// Values of a table by column name, for each `(condition or time, receiver)`.
 type Rows = BTreeMap<(String, String), BTreeMap<String, f64>>;
 
 fn rows(folder: &Folder, arguments: &str) -> Rows {
@@ -53,9 +53,10 @@ fn value(rows: &Rows, condition: &str, receiver: &str, column: &str) -> f64 {
     rows[&(condition.to_owned(), receiver.to_owned())][column]
 }
 
-/// Eight hours of gendaymtx, 145 patches as text and 577 as floats: flat ground and four tilts get the sums that NumPy makes of the same files
-/// (`tools/peers/skies --cut`) within 0.5 % of the hour's diffuse light, 0.05 % on flat ground; scaled to DHI flat ground gets that of the
-/// weather, within 1e-5.
+/// For eight hours of gendaymtx, 145 patches as text and 577 as floats, flat ground and four tilts
+/// get the sums that NumPy computes from the same files (`tools/peers/skies --cut`) within 0.5 % of
+/// the hour's diffuse light, 0.05 % on flat ground. Scaled to DHI, flat ground gets the weather's
+/// DHI, within 1e-5.
 #[test]
 fn matrices_of_radiance() {
     let folder = open_surfaces();
@@ -93,8 +94,9 @@ fn matrices_of_radiance() {
     assert_eq!(compared, 80);
 }
 
-/// A matrix on replays of other patches, sums of all hours, a matrix with the sun in it: flat ground gets the same light on 145, 577 and 2305
-/// patches (1e-5); the total is the sum of the hours (1e-5); a sky three times as bright as DHI is told to hold the sun.
+/// A matrix is replayed on other patches, for sums of all hours, and with the sun in it: flat
+/// ground gets the same light on 145, 577 and 2305 patches (1e-5), and the total is the sum of the
+/// hours (1e-5). A sky three times as bright as DHI gives a warning that it seems to hold the sun.
 #[test]
 fn matrices_on_other_patches() {
     let folder = open_surfaces();
@@ -123,14 +125,16 @@ fn matrices_on_other_patches() {
     assert!(stderr(&output).contains("gendaymtx -s"), "{}", stderr(&output));
 }
 
-/// Pixels of a square of 512 that are bright: columns 150 to 189, rows 200 to 239, about 14 degrees wide, in the north-east.
+/// Returns true for the bright pixels of a square of 512: columns 150 to 189, rows 200 to 239,
+/// about 14 degrees wide, in the north-east.
 fn is_bright(column: usize, row: usize) -> bool {
     (150..190).contains(&column) && (200..240).contains(&row)
 }
 
-/// A Radiance picture whose only light is a square of 255 W/m2/sr: flat ground and four tilts get its integral over the square, which is taken
-/// at 16 points a pixel, within 0.2 % of the flat ground's on 2305 patches; scaled to DHI flat ground gets 100 W/m2 (1e-5); turned by a
-/// quarter, walls get what their neighbours had.
+/// The only light of a Radiance picture is a square of 255 W/m2/sr: flat ground and four tilts get
+/// its integral over the square, taken at 16 points a pixel, within 0.2 % of the flat ground's on
+/// 2305 patches. Scaled to DHI flat ground gets 100 W/m2 (1e-5). Turned by a quarter, walls get the
+/// light of their neighbours.
 #[test]
 fn a_bright_square() {
     let folder = open_surfaces();
@@ -138,7 +142,7 @@ fn a_bright_square() {
     let head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 512 +X 512\n".to_vec();
     let picture = [head, (0..512 * 512).flat_map(pixel).collect()].concat();
     fs::write(folder.path("square.hdr"), picture).expect("a picture");
-    // Camera upwards, north at the top: east is left.
+    // The camera looks upwards with north at the top, so east is left.
     let direction = |column: f64, row: f64| {
         let (right, down) = (column / 256.0 - 1.0, row / 256.0 - 1.0);
         let radius = (right * right + down * down).sqrt();
@@ -171,7 +175,7 @@ fn a_bright_square() {
     assert!((value(&scaled, "noon", "sky_0_0", "sky_direct") - 100.0).abs() < 1e-3);
 }
 
-/// A picture of clouds: white is clear.
+/// Writes a picture of clouds, white where it is clear.
 fn mask(side: usize, is_clear: impl Fn(usize, usize) -> bool) -> Vec<u8> {
     let pixels: Vec<u8> = (0..side * side).map(|i| if is_clear(i % side, i / side) { 255 } else { 0 }).collect();
     let mut bytes = Vec::new();
@@ -182,8 +186,9 @@ fn mask(side: usize, is_clear: impl Fn(usize, usize) -> bool) -> Vec<u8> {
     bytes
 }
 
-/// Clouds over the southern half of a uniform sky hide the sun in the south: sun_direct is 0, flat ground gets half of DHI, the wall to the
-/// north what it got without clouds, the wall to the west half of that, all within 0.1 W/m2 of 100.
+/// Clouds over the southern half of a uniform sky hide the sun in the south: sun_direct is 0, flat
+/// ground gets half of DHI, the wall to the north the light without clouds, the wall to the west
+/// half of that, all within 0.1 W/m2 of 100.
 #[test]
 fn half_the_dome_in_clouds() {
     let folder = open_surfaces();
@@ -199,8 +204,9 @@ fn half_the_dome_in_clouds() {
     assert!((sun / (800.0 * 0.5_f64.sqrt()) - 1.0).abs() < 1e-4, "{sun}");
 }
 
-/// A cube with a mirror front on grass, under clouds by condition that let a quarter through and all of it: each of the six columns is a
-/// quarter of that under a clear sky (1e-5 of the total), or the same; sun_diffuse and sun_specular are among them.
+/// For a cube with a mirror front on grass, under clouds by condition that let a quarter through
+/// and all of it, each of the six columns is a quarter of that under a clear sky (1e-5 of the
+/// total), or the same; sun_diffuse and sun_specular are among them.
 #[test]
 fn clouds_dim_every_path() {
     let folder = Folder::new();
@@ -236,8 +242,8 @@ fn clouds_dim_every_path() {
     }
 }
 
-/// A table of radiances, 100 W/m2/sr in each of 577 patches: flat ground gets 100 pi W/m2, walls half of it (1e-4); a half of it without a row for
-/// a condition is refused.
+/// With a table of radiances, 100 W/m2/sr in each of 577 patches, flat ground gets 100 pi W/m2,
+/// walls half of it (1e-4). A table without a row for a condition is refused.
 #[test]
 fn a_table_of_radiances() {
     let folder = open_surfaces();
@@ -255,9 +261,10 @@ fn a_table_of_radiances() {
     );
 }
 
-/// Bad files and choices are refused with exit code 2, the file, what was found and what to do: a matrix of MF:3, one of five hours for eight,
-/// a negative radiance, NaN, a photograph that is not square, a PNG whose levels would be radiances, a cloud of 1.5, clouds with
-/// `perez1990`, a scale without a file, a word that is no model.
+/// Bad files and choices are refused with exit code 2, the file, the finding and a hint: a matrix
+/// of MF:3, one of five hours for eight, a negative radiance, NaN, a photograph that is not square,
+/// a PNG whose levels would be radiances, a cloud of 1.5, clouds with `perez1990`, a scale without
+/// a file, a word that is no model.
 #[test]
 fn bad_files() {
     let folder = open_surfaces();

@@ -1,4 +1,4 @@
-//! Light by what is seen first and by the ways that it takes, and the factors that are made of both.
+//! Light by the surface seen first and by light paths, and the factors that are made of both.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -33,13 +33,13 @@ fn conditions() -> Vec<Condition> {
     (0..24).map(one).collect()
 }
 
-/// A ground that reflects so much in all conditions.
+/// Returns a schedule that gives the ground one reflectance in all conditions.
 fn ground_of(site: &OpenSite, value: f64, conditions: usize) -> Schedule {
     let is_ground = |m: &usize| site.materials()[*m].class == Class::Ground;
     Schedule { materials: (0..site.materials().len()).filter(is_ground).collect(), values: vec![value; conditions] }
 }
 
-/// `[component]`: irradiances of all receivers and conditions, by receiver.
+/// Returns irradiances of all receivers and conditions, `[component]`, by receiver.
 fn light(site: &Site, paths: LightPaths, schedules: &[Schedule]) -> BTreeMap<String, Vec<Vec<f64>>> {
     let archive = Archive::open(&site.path).expect("an archive");
     let all: Vec<Component> = Component::ALL.into_iter().chain(Component::FURTHER).collect();
@@ -66,7 +66,7 @@ fn light(site: &Site, paths: LightPaths, schedules: &[Schedule]) -> BTreeMap<Str
     rows.collect()
 }
 
-/// Largest difference between the sum of some components and one component, W/m2.
+/// Returns the largest difference between the sum of some components and one component, W/m2.
 fn off(
     a: &BTreeMap<String, Vec<Vec<f64>>>,
     parts: &[Component],
@@ -87,8 +87,9 @@ fn mean(of: &BTreeMap<String, Vec<Vec<f64>>>, component: Component) -> f64 {
     all.iter().sum::<f64>() / all.len() as f64
 }
 
-/// Reflected sun and sky are the sums of what ground and obstructions reflect, to 1e-4 W/m2, all bounces or one; with one bounce the part
-/// of obstructions is what is left when the ground is black, and that of the ground doubles with its reflectance, to 1e-3 W/m2.
+/// Reflected sun and sky are the sums of the light of ground and obstructions, to 1e-4 W/m2, for
+/// all bounces and for one. With one bounce the part of obstructions is the light that is left when
+/// the ground is black, and the part of the ground doubles with its reflectance, to 1e-3 W/m2.
 #[test]
 fn split_by_first_hit() {
     let site = site(&mirror_town(), &many()[..64], &coarse());
@@ -112,8 +113,9 @@ fn split_by_first_hit() {
     }
 }
 
-/// Without mirrored paths a town with mirrors reflects what the same town does whose mirrors are matt, to 2e-3 W/m2, sees no sky in mirrors and
-/// as much sun in them as before; each path that is left out takes light away.
+/// Without mirrored paths a town with mirrors reflects the light of the same town with matt walls,
+/// to 2e-3 W/m2, sees no sky in mirrors and as much sun in them as before. Each path that is left
+/// out takes light away.
 #[test]
 fn paths_left_out() {
     let matt = mirror_materials().into_iter().map(|m| heliotile_core::site::material::Material {
@@ -143,8 +145,8 @@ fn paths_left_out() {
     }
 }
 
-/// Factors put together again are the irradiances of a replay with EnergyPlus's paths: 20 suns, ground of 0.3, within 2e-3 W/m2 of up to
-/// 200.
+/// Factors put together again are the irradiances of a replay with EnergyPlus's paths: 20 suns,
+/// ground of 0.3, within 2e-3 W/m2 of up to 200.
 #[test]
 fn factors_add_up() {
     let site = site(&mirror_town(), &many()[..64], &coarse());
@@ -175,8 +177,9 @@ fn factors_add_up() {
     assert!(largest < 2e-3 && most > 50.0, "{largest} of {most}");
 }
 
-/// `factors` writes 703 rows for each of 3 surfaces with the five names of EnergyPlus, twice the same; a step of 7 degrees and .xlsx are
-/// refused with exit code 2; `query --schedule` with a value for each of 2 conditions gives what --reflectance gives for each alone.
+/// `factors` writes 703 rows for each of 3 surfaces with the five names of EnergyPlus, twice the
+/// same. A step of 7 degrees and .xlsx are refused with exit code 2. `query --schedule` with a
+/// value for each of 2 conditions gives the results of --reflectance for each alone.
 #[test]
 fn on_the_command_line() {
     let folder = tempfile::tempdir().expect("a folder");

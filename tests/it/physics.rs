@@ -1,4 +1,4 @@
-//! Closed forms: what the whole chain (trace, archive, recombine) gives where the answer is known.
+//! Closed forms: results of the whole chain (trace, archive, recombine) where the answer is known.
 
 use std::f64::consts::PI;
 
@@ -15,14 +15,16 @@ use crate::scenes::*;
 /// Open-sky value that errors are a share of: DHI.
 const OPEN: f64 = 100.0;
 
-/// Also prints the error: the table of src/book/validation.md is read off `cargo test --release physics -- --nocapture`.
+/// Asserts a bound and prints the error: the table of src/book/validation.md is read off
+/// `cargo test --release physics -- --nocapture`.
 fn assert_near(what: &str, got: f64, expected: f64, tolerance: f64) {
     let error = (got - expected).abs();
     println!("{what}: off by {error:.3} % of open sky");
     assert!(error <= tolerance * OPEN, "{what}: {got:.4}, expected {expected:.4}, off by {:.3} % of open sky", error);
 }
 
-/// Open receivers at seven tilts over a large ground of albedo 0.2: sky (1 + cos)/2 within 0.3 %, ground 0.2 (1 - cos)/2 within 1 %.
+/// Open receivers at seven tilts over a large ground of albedo 0.2 get sky (1 + cos)/2 within 0.3
+/// %, ground 0.2 (1 - cos)/2 within 1 %.
 #[test]
 fn tilted_over_ground() {
     let scene = scene(&ground(20_000.0, 0.0, 0), &[0.2]);
@@ -38,17 +40,19 @@ fn tilted_over_ground() {
     }
 }
 
-/// The 10 m x 10 m wall of the paper's Fig. 5 at 1 to 50 m: the sky it hides within 0.3 %, the light it sends within 1 %.
+/// The 10 m x 10 m wall of the paper's Fig. 5 at 1 to 50 m hides its share of the sky within 0.3 %,
+/// and reflects its light within 1 %.
 #[test]
 fn wall_form_factor() {
     for d in [1.0, 2.0, 5.0, 10.0, 20.0, 50.0] {
         let view_factor = Wall { width_m: 10.0, height_m: 10.0, distance_m: d }.form_factor(DVec2::ZERO);
-        // Above a horizontal receiver: a black roof hides its view factor.
+        // Above a horizontal receiver, a black roof hides its view factor.
         let roof = quad(v(-5.0, -5.0, d), v(10.0, 0.0, 0.0), v(0.0, 10.0, 0.0), 0);
         let up = [receiver("up", DVec3::ZERO, DVec3::Z)];
         let rows = site(&scene(&roof, &[0.0]), &up, &BuildSettings::default()).uniform();
         assert_near(&format!("roof at {d} m"), rows["up"].sky_direct, OPEN * (1.0 - view_factor), 0.003);
-        // In front of a vertical receiver: the wall sees half the sky, and sends albedo x half the sky back.
+        // In front of a vertical receiver, the wall sees half the sky, and reflects albedo x half
+        // the sky.
         let wall = quad(v(-5.0, d, -5.0), v(10.0, 0.0, 0.0), v(0.0, 0.0, 10.0), 0);
         let north = [receiver("north", DVec3::ZERO, DVec3::Y)];
         let rows = site(&scene(&wall, &[0.6]), &north, &BuildSettings::default()).uniform();
@@ -58,7 +62,7 @@ fn wall_form_factor() {
     }
 }
 
-/// Floor and walls of a long black canyon see the sky that Hottel's crossed strings give, within 0.3 %.
+/// Floor and walls of a long black canyon see the sky of Hottel's crossed strings, within 0.3 %.
 #[test]
 fn canyon_sky() {
     let (width, height) = (20.0_f64, 15.0_f64);
@@ -91,7 +95,8 @@ fn closed_box() {
     }
 }
 
-/// A receiver 0.5 m in front of a huge wall of albedo 0.5 gets no sky from it and the wall's light: within 0.3 % and 1 %.
+/// A receiver 0.5 m in front of a huge wall of albedo 0.5 gets no sky and the wall's light: within
+/// 0.3 % and 1 %.
 #[test]
 fn huge_wall() {
     let wall = quad(v(-4000.0, 0.5, -4000.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 8000.0), 0);
@@ -101,7 +106,8 @@ fn huge_wall() {
     assert_near("light", rows["r"].sky_diffuse, OPEN * 0.5 * 0.5, 0.01);
 }
 
-/// White furnace: with every albedo 1 under a uniform sky each receiver gets pi L = DHI, within 1 %.
+/// White furnace: with every albedo 1 under a uniform sky each receiver gets pi L = DHI, within 1
+/// %.
 #[test]
 fn white_furnace() {
     let mut triangles = ground(20_000.0, 0.0, 0);
@@ -123,8 +129,9 @@ fn white_furnace() {
     }
 }
 
-/// Irradiance under a uniform sky in an endless canyon of albedo `rho`, by radiosity between `n` strips a surface with
-/// Hottel's crossed strings: floor, west wall, east wall. Gives the irradiance at the strip holding each asked point.
+/// Computes the irradiance under a uniform sky in an endless canyon of albedo `rho`, by radiosity
+/// between `n` strips a surface with Hottel's crossed strings: floor, west wall, east wall. Returns
+/// a function that gives the irradiance at the strip that holds a point.
 fn canyon_radiosity(width: f64, height: f64, rho: f64, n: usize) -> impl Fn(usize, f64) -> f64 {
     let strips: Vec<[(f64, f64); 2]> = (0..3 * n)
         .map(|i| {
@@ -157,7 +164,8 @@ fn canyon_radiosity(width: f64, height: f64, rho: f64, n: usize) -> impl Fn(usiz
     move |surface, along| irradiance[surface * n + ((along * n as f64) as usize).min(n - 1)]
 }
 
-/// All bounces in a canyon of albedo 0.5 equal a dense radiosity solution within 1 %, on the floor and four heights of a wall.
+/// All bounces in a canyon of albedo 0.5 equal a dense radiosity solution within 1 %, on the floor
+/// and four heights of a wall.
 #[test]
 fn canyon_bounces() {
     let (width, height) = (12.0, 16.0);
@@ -181,7 +189,8 @@ fn canyon_bounces() {
     }
 }
 
-/// The inside of a sphere of radius 40 m whose cap of a polar angle of 60 degrees, a quarter of its area, is open.
+/// Returns the inside of a sphere of radius 40 m whose cap of a polar angle of 60 degrees, a
+/// quarter of its area, is open.
 fn open_sphere() -> Triangles {
     let (rings, sides) = (32, 96);
     let point = |ring: u32, side: u32| {
@@ -202,14 +211,17 @@ fn open_sphere() -> Triangles {
     triangles
 }
 
-/// In a sphere every point sees equal shares of all others, so in one of reflectance 0.8 with a quarter open each bounce is q = 0.6 of
-/// the one before: under a uniform sky of 100, which sends 25 everywhere, 1, 2, 3 and all bounces bring 15, 24, 29.4 and 37.5, within
-/// 0.45 % of the open sky; of the sun, 3/16 of its horizontal irradiance enters for each m2 of the sphere, and they bring 0.8 x 3/16
-/// times 1, 1.6, 1.96 and 2.5, within 1.8 % of the horizontal irradiance of 24 suns. At five places each. Where cells cut the sphere another
-/// way (moved by some metres), 0.75 and 2.4 %.
+/// In a sphere every point sees equal shares of all others, so in one of reflectance 0.8 with a
+/// quarter open each bounce is q = 0.6 of the one before. Under a uniform sky of 100, which sends
+/// 25 everywhere, 1, 2, 3 and all bounces bring 15, 24, 29.4 and 37.5, within 0.45 % of the open
+/// sky. Of the sun, 3/16 of its horizontal irradiance enters for each m2 of the sphere, and the
+/// bounces bring 0.8 x 3/16 times 1, 1.6, 1.96 and 2.5, within 1.8 % of the horizontal irradiance
+/// of 24 suns. At five places each. Where cells cut the sphere another way (moved by some metres),
+/// 0.75 and 2.4 %.
 #[test]
 fn bounces_are_a_geometric_series() {
-    // Around the middle of its bounding box, where cells cut it evenly; and elsewhere.
+    // The first sphere lies around the middle of its bounding box, where cells cut it evenly; the
+    // second one elsewhere.
     geometric_series(v(0.0, 0.0, 10.0), [0.0045, 0.018]);
     geometric_series(v(-5.3, 103.7, -20.4), [0.0075, 0.024]);
 }
@@ -247,7 +259,8 @@ fn geometric_series(shift: DVec3, [of_sky, of_sun]: [f64; 2]) {
     }
 }
 
-/// Shadow of a box at 500 sun positions: sun_direct is exact except where the sun's disc, widened by half a texel, meets the box's edge.
+/// In the shadow of a box at 500 sun positions, sun_direct is exact except where the sun's disc,
+/// widened by half a texel, meets the box's edge.
 #[test]
 fn box_shadow() {
     let (low, high) = (v(-4.0, 6.0, 0.0), v(7.0, 13.0, 12.0));
@@ -258,7 +271,7 @@ fn box_shadow() {
         (0..500).map(|i| (f64::from(i) * 222.492 % 360.0, 1.0 + 88.0 * (f64::from(i) * 0.618_034).fract())).collect();
     let conditions: Vec<_> = suns.iter().map(|&(azimuth, altitude)| sun(azimuth, altitude, 1000.0, 0.0)).collect();
     let rows = &site.replay(&conditions, SkyModel::Uniform, MaxBounces::All)["r"];
-    // Half a 1024 texel's diagonal, with the map's greatest stretch.
+    // Half the diagonal of a texel of 1024, with the map's greatest stretch.
     let margin = SUN_RADIUS_RAD + 0.5 * 2.0_f64.sqrt() * 1.6 * (2.0 * PI).sqrt() / 1024.0;
     let (mut near_edge, mut shadowed) = (0, 0);
     for (condition, row) in conditions.iter().zip(rows) {
@@ -284,7 +297,8 @@ fn box_shadow() {
     assert!(shadowed > 40 && near_edge < 25, "{shadowed} in shadow, {near_edge} near an edge");
 }
 
-/// Sky irradiance (open sky 100) at a point in a box without its top, walls and floor of reflectance `rho`, by paths.
+/// Computes the sky irradiance (open sky 100) at a point in a box without its top, walls and floor
+/// of reflectance `rho`, by paths.
 fn well_by_paths(size: DVec3, at: DVec3, normal: DVec3, rho: f64) -> f64 {
     let (mut state, mut sum) = (17, 0.0);
     let mut random = || {
@@ -320,8 +334,9 @@ fn well_by_paths(size: DVec3, at: DVec3, normal: DVec3, rho: f64) -> f64 {
     OPEN * sum / f64::from(paths)
 }
 
-/// All bounces in narrow wells and deep shafts, where light falls off fast: floor and mid-height of a wall of five wells of albedo
-/// 0.5 within 1 % of the open sky of a path tracer (standard error 0.07 %).
+/// All bounces in narrow wells and deep shafts, where light falls off fast: floor and mid-height of
+/// a wall of five wells of albedo 0.5 are within 1 % of the open sky of a path tracer (standard
+/// error 0.07 %).
 #[test]
 fn light_wells() {
     for (width, depth) in [(16.0, 20.0), (8.0, 20.0), (4.0, 20.0), (4.0, 6.0), (1.5, 6.0)] {
@@ -339,8 +354,9 @@ fn light_wells() {
     }
 }
 
-/// A clear sky with the sun just above the horizon: no vertical surface gets more than 3 times DHI from the sky, and 145 and 2305
-/// patches agree within 15 % of DHI (Perez' fits rise without bound towards the horizon there).
+/// Under a clear sky with the sun just above the horizon, no vertical surface gets more than 3
+/// times DHI from the sky, and 145 and 2305 patches agree within 15 % of DHI (Perez' fits rise
+/// without bound towards the horizon there).
 #[test]
 fn low_sun_sky_is_bounded() {
     let walls: Vec<_> =

@@ -1,4 +1,5 @@
-//! Pictures of results: numbers behind them are those of the CSV, read back from pixels and rectangles; and what cannot be drawn is refused.
+//! Pictures of results: their numbers, read back from pixels and rectangles, are those of the CSV;
+//! results that cannot be drawn are refused.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -8,7 +9,7 @@ use heliotile_results::outputs::pictures::colours::{COMPONENTS, viridis};
 
 use crate::cli::{Folder, golden, stderr, stdout};
 
-/// A typical year of hours.
+/// Returns the path of a typical year of hours.
 fn year() -> PathBuf {
     Path::new(crate::ROOT).join("tests/data/weather/golden_tmy3.epw")
 }
@@ -19,7 +20,8 @@ fn good(folder: &Folder, arguments: &str) -> String {
     stdout(&output)
 }
 
-/// A cube of 10 m on a square of 60 m, its roof covered with 16 receivers and its walls with 64.
+/// Builds a cube of 10 m on a square of 60 m, its roof covered with 16 receivers and its walls with
+/// 64.
 fn cube() -> Folder {
     let folder = Folder::new();
     good(&folder, "receivers scene.obj --on wall,roof --spacing 2.5 -o r.csv");
@@ -27,7 +29,7 @@ fn cube() -> Folder {
     folder
 }
 
-/// Rows of a CSV by the names of its header.
+/// Reads rows of a CSV by the names of its header.
 fn table(folder: &Folder, name: &str) -> Vec<BTreeMap<String, String>> {
     let mut reader = csv::Reader::from_path(folder.path(name)).expect("a table");
     reader.deserialize().map(|row| row.expect("a row")).collect()
@@ -37,7 +39,7 @@ fn number(row: &BTreeMap<String, String>, name: &str) -> f64 {
     row[name].parse().expect("a number")
 }
 
-/// Width, pixels, and texts by name.
+/// Reads a PNG: width, pixels, and texts by name.
 fn png(path: &Path) -> (usize, Vec<[u8; 3]>, BTreeMap<String, String>) {
     let bytes = fs::read(path).expect("a picture");
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG");
@@ -48,13 +50,14 @@ fn png(path: &Path) -> (usize, Vec<[u8; 3]>, BTreeMap<String, String>) {
     (frame.width as usize, pixels.as_chunks().0.to_vec(), texts)
 }
 
-/// What a colour of the map stands for, of 255.
+/// Returns the step, of 255, that a colour of the map stands for.
 fn step(colour: [u8; 3]) -> Option<f64> {
     (0..=255).find(|step| viridis(*step) == colour).map(f64::from)
 }
 
-/// The view from above has north up and is true to scale: its coloured square is as wide as high within 3 %, and at the middles of the 16
-/// patches of the roof stand the sums of the CSV within one of 255 steps; the oblique view has colours of its own, and white around.
+/// The view from above has north up and is true to scale: its coloured square is as wide as high
+/// within 3 %, and the colours at the middles of the 16 patches of the roof stand for the sums of
+/// the CSV within one of 255 steps. The oblique view has colours of its own, and white around.
 #[test]
 fn a_map_shows_the_sums() {
     let folder = cube();
@@ -96,7 +99,7 @@ fn a_map_shows_the_sums() {
     assert!(seen > 10_000, "{seen}");
 }
 
-/// The rectangles of an SVG: fill and height in pixels.
+/// Returns the rectangles of an SVG: fill and height in pixels.
 fn rectangles(svg: &str) -> Vec<(String, f64)> {
     let value = |line: &str, name: &str| -> String {
         let rest = line.split_once(&format!(" {name}=\"")).expect("an attribute").1;
@@ -110,14 +113,14 @@ fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02X}{g:02X}{b:02X}")
 }
 
-/// The largest number that stands alone in a picture: the end of its scale.
+/// Returns the largest number that stands alone in a picture: the end of its scale.
 fn end_of_scale(svg: &str) -> f64 {
     let words = svg.lines().filter_map(|line| line.strip_suffix("</text>")?.rsplit_once('>'));
     words.filter_map(|(_, words)| words.parse().ok()).fold(0.0, f64::max)
 }
 
-/// Of 12 months and 4 components, 48 bars are as high as the means by area of the CSV, within 0.2 % of the axis, and a map of the same replay
-/// is written in the same pass.
+/// For 12 months and 4 components, 48 bars are as high as the means by area of the CSV, within 0.2
+/// % of the axis, and a map of the same replay is written in the same pass.
 #[test]
 fn bars_are_the_sums_of_months() {
     let folder = cube();
@@ -135,7 +138,7 @@ fn bars_are_the_sums_of_months() {
         for row in &rows {
             *months.entry(row["time"].clone()).or_default() += number(row, &name) * areas[&row["receiver"]] / whole;
         }
-        // The last one is the legend's.
+        // The last rectangle is the legend's.
         let mut bars: Vec<f64> =
             rects.iter().filter(|(fill, _)| *fill == hex(colour)).map(|(_, height)| height / 360.0 * top).collect();
         bars.pop();
@@ -156,8 +159,8 @@ fn bars_are_the_sums_of_months() {
     assert!(end >= most && end < 1.6 * most, "{end} {most}");
 }
 
-/// The 288 cells of hours by month have the colours of the means of the CSV's hours, within one of 255 steps; three days have 3 columns, 72
-/// cells.
+/// The 288 cells of hours by month have the colours of the means of the CSV's hours, within one of
+/// 255 steps; three days have 3 columns, 72 cells.
 #[test]
 fn carpets_are_the_means_of_hours() {
     let folder = cube();
@@ -175,7 +178,7 @@ fn carpets_are_the_means_of_hours() {
     let whole: f64 = areas.values().sum();
     let mut means: BTreeMap<(String, String), (f64, BTreeMap<String, ()>)> = BTreeMap::new();
     for row in table(&folder, "hours.csv") {
-        // 1999-01-31T23:00-07:00
+        // A time such as 1999-01-31T23:00-07:00.
         let time = &row["time"];
         let cell = means.entry((time[5..7].to_owned(), time[11..13].to_owned())).or_default();
         cell.0 += number(&row, "total") * areas[&row["receiver"]] / whole;
@@ -189,8 +192,9 @@ fn carpets_are_the_means_of_hours() {
     assert_eq!(replay(&golden()).1.len(), 72);
 }
 
-/// Through a year the hours that the sun is up are 4,380 to 4,430, and those seen, hidden and behind the surface add up to them, at 3 of 3
-/// receivers; rows with direct sun are those whose `sun_direct` is not 0 in `replay`, exactly.
+/// Through a year the sun is up for 4,380 to 4,430 hours, and the hours seen, hidden and behind the
+/// surface add up to them, at 3 of 3 receivers. Rows with direct sun are those whose `sun_direct`
+/// is not 0 in `replay`, exactly.
 #[test]
 fn hours_of_sun() {
     let folder = Folder::new();
@@ -217,7 +221,8 @@ fn hours_of_sun() {
     assert!(behind > 500.0, "{behind}");
 }
 
-/// Receivers without areas are marks, 3 of 3 on the map; names with `<script>` are text in charts, and of a query the bars are conditions.
+/// Receivers without areas are marks, 3 of 3 on the map; names with `<script>` are text in charts,
+/// and the bars of a query are conditions.
 #[test]
 fn points_and_names() {
     let folder = Folder::new();
@@ -233,7 +238,7 @@ fn points_and_names() {
         let rows = pixels[from * width..to * width].iter();
         rows.filter(|p| p[0] != p[1] || p[1] != p[2]).collect::<std::collections::BTreeSet<_>>().len()
     };
-    // Some values lie beside one another.
+    // Values may be equal, so colours are counted from 3 on.
     assert!(colours(64, pixels.len() / width - 92) >= 3);
     good(&folder, "query a<script>.helio -c conditions.csv --plot bars.svg");
     let svg = fs::read_to_string(folder.path("bars.svg")).expect("a chart");
@@ -244,7 +249,8 @@ fn points_and_names() {
     assert!(svg.contains(">noon</text>") && svg.contains("W/m2"));
 }
 
-/// 9 things that cannot be drawn, or would replace something, are refused with what to give, and nothing is written.
+/// 9 results that cannot be drawn, or outputs that would replace a file, are refused with a hint,
+/// and no file is written.
 #[test]
 fn what_cannot_be_drawn() {
     let folder = Folder::new();
@@ -271,8 +277,9 @@ fn what_cannot_be_drawn() {
     assert!(left.is_empty(), "{left:?}");
 }
 
-/// `run` leaves the map and the chart of the months, and writes a city model with --map cityjson: the features of `replay --model`, line for line; a
-/// scene that is no CityJSON is refused before anything is traced.
+/// `run` writes the map and the chart of the months, and a city model with --map cityjson: the
+/// features of `replay --model`, line for line. A scene that is no CityJSON is refused before
+/// anything is traced.
 #[test]
 fn run_leaves_pictures() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! Where a site lies: suns by true north, places that are stated, units and places that cannot be meant.
+//! Places of sites: suns by true north, stated places, impossible units and places.
 
 use std::path::Path;
 
@@ -9,11 +9,12 @@ use heliotile_scene::Scene;
 
 use crate::cli::{Folder, stderr, stdout};
 
-/// At the western edge of UTM zone 32, at 54 N 6.2 E, grid north lies this far from true north, degrees (PROJ by pyproj 3.7.2).
+/// Angle from true north to grid north at the western edge of UTM zone 32, at 54 N 6.2 E, degrees
+/// (PROJ by pyproj 3.7.2).
 const CONVERGENCE_DEG: f64 = -2.26587;
 const AT: [f64; 2] = [316_483.8, 5_987_150.6];
 
-/// A meadow of 60 m, and a receiver 5 m above it that looks to true south.
+/// Writes a meadow of 60 m, and a receiver 5 m above it that looks to true south.
 fn southern(folder: &Folder) {
     let [x, y] = AT;
     let corner = |dx: f64, dy: f64| format!("v {:.1} {:.1} 0\n", x + dx, y + dy);
@@ -26,8 +27,9 @@ fn southern(folder: &Folder) {
     );
 }
 
-/// Suns of midsummer three hours before and behind solar noon are the same to a wall that looks to true south, to 0.01 degrees of its turn;
-/// with the grid's north for true north they are off by the 2.27 degrees between the two, to 0.01 degrees.
+/// Suns of midsummer three hours before and after solar noon give a wall that looks to true south
+/// the same light, to 0.01 degrees of its turn. With grid north taken for true north they are off
+/// by the 2.27 degrees between the two, to 0.01 degrees.
 #[test]
 fn south_is_symmetric_about_solar_noon() {
     let folder = Folder::new();
@@ -59,7 +61,8 @@ fn south_is_symmetric_about_solar_noon() {
         let values = table.lines().skip(1).map(|line| line.rsplit(',').next().and_then(|v| v.parse::<f64>().ok()));
         let values: Vec<f64> = values.map(|value| value.expect("a number")).collect();
         let [morning, evening] = values[..] else { panic!("{table}") };
-        // cos(a - c) and cos(a + c) of the azimuths a to both sides of the wall's normal, which is off by c.
+        // The results are cos(a - c) and cos(a + c), with azimuths a to both sides of the wall's
+        // normal, which is off by c.
         let off = (morning - evening) / (morning + evening);
         (off / (azimuth(1) - 180.0).to_radians().tan()).atan().to_degrees()
     };
@@ -68,8 +71,8 @@ fn south_is_symmetric_about_solar_noon() {
     assert!((grid.abs() - CONVERGENCE_DEG.abs()).abs() < 0.01, "{grid}");
 }
 
-/// `info` tells of the place of a scene and of its archive in the same words, with 2.27 degrees; of a scene without one what to give. An
-/// archive takes no other place.
+/// `info` states the place of a scene and of its archive in the same words, with 2.27 degrees, and
+/// for a scene without one the options to give. An archive accepts no other place.
 #[test]
 fn info_tells_the_place() {
     let folder = Folder::new();
@@ -87,8 +90,9 @@ fn info_tells_the_place() {
     assert!(turned.contains("rotation    -30 degrees clockwise"), "{turned}");
 }
 
-/// An archive whose place was stated by an option is repaired, after one byte of its materials was changed, to its bytes without the option,
-/// 2 of 2, the second one of a list that states a turn and no place. The 3 options of a place are refused, what changes coordinates is not.
+/// An archive whose place was stated by an option is repaired, after one byte of its materials was
+/// changed, to its bytes without the option, 2 of 2, the second one from a list that states a turn
+/// and no place. The 3 options of a place are refused; options that change coordinates are not.
 #[test]
 fn repair_keeps_the_place() {
     let folder = Folder::new();
@@ -122,7 +126,7 @@ fn repaired(folder: &Folder, scene: &str, place: &str) {
     assert!(std::fs::read(folder.path("s.helio")).expect("repaired") == whole);
 }
 
-/// Seven wrong options are refused with what to give.
+/// Seven wrong options are refused with a hint.
 #[test]
 fn wrong_options() {
     let folder = Folder::new();
@@ -139,8 +143,9 @@ fn wrong_options() {
     }
 }
 
-/// A second `run` with another turn is refused and traces again with `--replace`, a third with the same does not; sides of its table go by true north: a model that is turned
-/// by 90 degrees has its wall towards -y in the west.
+/// A second `run` with another turn is refused, and traces again with `--replace`; a third one with
+/// the same turn does not. Sides of its table go by true north: a model that is turned by 90
+/// degrees has its wall towards -y in the west.
 #[test]
 fn run_again_when_turned() {
     let folder = Folder::new();
@@ -163,8 +168,8 @@ fn run_again_when_turned() {
     assert!(run(90).contains("up to date"));
 }
 
-/// Receivers 90 km from the scene are told of by `plan` with the distance and what they look like; a house in millimetres by `info`, and
-/// `receivers` refuses the area that it has, with a spacing and the unit.
+/// For receivers 90 km from the scene `plan` gives a warning with the distance and a guess; for a
+/// house in millimetres `info` does, and `receivers` refuses its area, with a spacing and the unit.
 #[test]
 fn told_before_work() {
     let folder = Folder::new();
@@ -181,7 +186,7 @@ fn told_before_work() {
     assert!(stdout(&scaled).contains("125 receivers on 5 surfaces"), "{} {}", stdout(&scaled), stderr(&scaled));
 }
 
-/// No scene of the tests, 7 files of 5 kinds, is told that it is in another unit or place.
+/// No scene of the tests, 7 files of 5 kinds, gets a warning about its unit or place.
 #[test]
 fn no_false_alarms() {
     let data = Path::new(crate::ROOT).join("tests/data");

@@ -1,4 +1,5 @@
-//! What a build leaves out, and what that costs: `plan`, `--effects`, and the bounds that they print.
+//! Effects that a build leaves out, and the light that this costs: `plan`, `--effects`, and the
+//! bounds that they print.
 
 use std::fs;
 use std::process::Command;
@@ -25,7 +26,7 @@ use heliotile_scene::input::weather::read_weather;
 
 use crate::scenes::*;
 
-/// Coarse textures: both sides of a comparison have them.
+/// Returns coarse textures, the same on both sides of a comparison.
 fn coarse() -> BuildSettings {
     let mut settings = BuildSettings::default();
     for text in ["sky_base=64", "sky_fine=256", "hit=16", "probe=16", "bounce_sky=8"] {
@@ -68,8 +69,8 @@ fn built_with(
     (folder, archive, report)
 }
 
-/// Totals of all receivers and conditions, under the light that bounds are stated for, with responses derived anew: what coding adds to
-/// stored ones is no effect.
+/// Returns the totals of all receivers and conditions, under the light that bounds are stated for,
+/// with responses derived again: the coding of stored ones is no effect.
 fn totals(archive: &Archive, suns: &[Condition]) -> Vec<f64> {
     let paths = MaxBounces::Count(100).into();
     let settings = ReplaySettings { sky: SkyModel::Uniform, patches: 145, paths, ..ReplaySettings::default() };
@@ -82,10 +83,12 @@ fn totals(archive: &Archive, suns: &[Condition]) -> Vec<f64> {
     found
 }
 
-/// Three to eight blocks on a ground, some of them with a wall of weak mirror, and twelve receivers among them.
+/// Returns three to eight blocks on a ground, some of them with a wall of weak mirror, and twelve
+/// receivers among them.
 fn generated(seed: u64) -> (Scene, Vec<Receiver>) {
     let draw = |i: u64| unit(mix(seed, i));
-    // Dark enough that something is negligible: all diffuse light, or the second reflection.
+    // The scale is dark enough that something is negligible: all diffuse light, or the second
+    // reflection.
     let scale = if seed.is_multiple_of(2) { 0.0008 } else { 0.014 };
     let blocks = 3 + seed % 6;
     let mut triangles = ground(60.0, 0.0, 0);
@@ -111,9 +114,10 @@ fn generated(seed: u64) -> (Scene, Vec<Receiver>) {
     (scene, receivers)
 }
 
-/// On 20 generated scenes, each under 60 suns of 1,000 W/m2 and a uniform sky of 100 W/m2, what `auto` leaves out costs no receiver more
-/// than the bound that is printed, which is at most 1 W/m2 for each effect; the mean bound is at most 10 times the mean loss, and so is the
-/// geometric mean of the 20 ratios.
+/// On 20 generated scenes, each under 60 suns of 1,000 W/m2 and a uniform sky of 100 W/m2, the
+/// effects that `auto` leaves out cost no receiver more than the printed bound, which is at most 1
+/// W/m2 for each effect. The mean bound is at most 10 times the mean loss, and so is the geometric
+/// mean of the 20 ratios.
 #[test]
 fn losses_are_bounded() {
     let suns: Vec<Condition> = (0..60)
@@ -149,7 +153,7 @@ fn losses_are_bounded() {
     assert!(of_means < 10.0 && geometric < 10.0 && left_out.iter().all(|&count| count > 0), "{left_out:?}");
 }
 
-/// Sum of the totals over all conditions, kWh/m2, mean of the receivers.
+/// Returns the sum of the totals over all conditions, kWh/m2, mean of the receivers.
 fn year_sum(archive: &Archive, year: &[Condition]) -> f64 {
     let bins = Bins { count: 1, of_condition: vec![(0, 1e-3); year.len()] };
     let site = OpenSite::of(archive).expect("a site");
@@ -162,7 +166,8 @@ fn year_sum(archive: &Archive, year: &[Condition]) -> f64 {
     sums.iter().sum::<f64>() / sums.len() as f64
 }
 
-/// The generated blocks in colours that people use: some with walls of mirror or glass, some behind leaves.
+/// Returns the generated blocks in usual colours: some with walls of mirror or glass, some behind
+/// leaves.
 fn coloured(seed: u64) -> (Scene, Vec<Receiver>) {
     let (plain, receivers) = generated(seed);
     let draw = |i: u64| unit(mix(seed, i));
@@ -188,9 +193,10 @@ fn coloured(seed: u64) -> (Scene, Vec<Receiver>) {
     (Scene::from_triangles(&triangles, materials).expect("a scene"), receivers)
 }
 
-/// On 10 generated scenes with mirrors, glass and leaves, under a clear, dry climate, an overcast one and suns from all sides, what leaving an
-/// effect out costs is never above its bound by more than 0.05 % of the sum, which archives are off by, for all receivers and for one alone (70
-/// comparisons or more); the median bound is at most 2 times the loss.
+/// On 10 generated scenes with mirrors, glass and leaves, under a clear, dry climate, an overcast
+/// one and suns from all sides, the loss from leaving an effect out never exceeds its bound by more
+/// than 0.05 % of the sum, the error of archives, for all receivers and for one alone (70
+/// comparisons or more). The median bound is at most 2 times the loss.
 #[test]
 fn losses_of_a_year_are_bounded() {
     let golden = data("../weather/golden_tmy3.epw");
@@ -222,13 +228,13 @@ fn losses_of_a_year_are_bounded() {
                 let mut year = climate.year(12);
                 year.retain(is_lit);
                 let whole = year_sum(&all.1, &year);
-                // Times of the year are drawn by chance.
+                // Hours of the year are drawn by chance.
                 let chance = 0.1 / (receivers.len() as f64).sqrt();
                 assert!((losses.groups[0].total_kwh_m2 / whole - 1.0).abs() < chance, "{seed}: {whole} {losses:?}");
                 for (effect, archive) in Effect::ALL.into_iter().zip(&archives) {
                     let loss = (whole - year_sum(&archive.1, &year)).abs();
                     let bound = losses.groups[0].losses[effect as usize].bound_kwh_m2;
-                    // What archives are off by in a year, with and without.
+                    // Archives with and without the effect are off by this much in a year.
                     assert!(loss <= bound + 5e-4 * whole, "{seed} {effect:?}: {loss} of {whole}, at most {bound}");
                     if loss > 1e-3 * whole {
                         ratios.push(bound / loss);
@@ -247,8 +253,9 @@ fn losses_of_a_year_are_bounded() {
     assert!(ratios.len() >= 70 && median < 2.0, "{} {median}", ratios.len());
 }
 
-/// What is left out is not traced, not stored and not decoded: without diffuse light 0 probe rays, 0 probes, 0 bounce cells and hits and
-/// responses of under 1 % of their bytes; without bounces 0 bounce rays and cells; without mirrors 0 mirror rays and blocks.
+/// Effects that are left out are not traced, not stored and not decoded: without diffuse light 0
+/// probe rays, 0 probes, 0 bounce cells, and hits and responses of under 1 % of their bytes;
+/// without bounces 0 bounce rays and cells; without mirrors 0 mirror rays and blocks.
 #[test]
 fn nothing_is_traced_for_what_is_left_out() {
     let materials = vec![
@@ -279,9 +286,10 @@ fn nothing_is_traced_for_what_is_left_out() {
     assert!(mirrors.2.rays.mirror == 0 && bytes(&mirrors.1, format::MIRROR) == 0 && mirrors.2.rays.bounce > 0);
 }
 
-/// `plan` prints 6 effects and their sum and writes nothing; `build --effects none` prints the same head, its archive says so, gives no
-/// reflected light and refuses `--reflectance`; an unknown effect is refused (exit 2). Under three days of weather 5 % leave out bounces; the archive
-/// says so, and replay under another file warns (1 of 2).
+/// `plan` prints a table of effects with their sum and writes no file. `build --effects none`
+/// prints the same head, its archive states the effects left out, gives no reflected light and
+/// refuses `--reflectance`. An unknown effect is refused (exit 2). Under three days of weather 5 %
+/// leave out bounces; the archive states it, and replay under another file warns (1 of 2).
 #[test]
 fn the_commands() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -315,7 +323,8 @@ fn the_commands() {
     }
     let (code, _, message) = run(&[&query[..], &["--reflectance", "wall=0.1"]].concat());
     assert!(code == Some(2) && message.contains("without diffuse reflections"), "{message}");
-    // Under some weather: what it brings, what is left out and why, and where that is no longer so.
+    // With weather the table states contributions, the effects left out and why; a replay warns
+    // where that no longer holds.
     fs::copy(data("../weather/golden_3_days.epw"), path("w.epw")).expect("a copy");
     let under = ["-w", "w.epw"];
     let (code, table, _) = run(&[&["plan"], &inputs[..], &under[..]].concat());

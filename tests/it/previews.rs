@@ -1,4 +1,5 @@
-//! Previews of changed scenes: what they keep is off by less than they say, and nothing takes them for whole archives.
+//! Previews of changed scenes: the light that they keep is off by less than they state, and no
+//! command takes them for whole archives.
 
 use std::path::Path;
 use std::process::Command;
@@ -13,7 +14,8 @@ use heliotile_core::sky::model::SkyModel;
 use crate::scenes::{block, build_with, data, plan, quad, receiver, replay, sky_only, tiles, v};
 use crate::variants::{Dice, EDITS, Model, coarse, edit, hague, run};
 
-/// Streets of 9 x 9 houses on a meadow, and receivers on their roofs, their walls and the ground, 220 m wide.
+/// Returns streets of 9 x 9 houses on a meadow, and receivers on their roofs, their walls and the
+/// ground, 220 m wide.
 fn town() -> Model {
     let mut objects = vec![quad(v(-130.0, -130.0, 0.0), v(260.0, 0.0, 0.0), v(0.0, 260.0, 0.0), 0)];
     let mut receivers = Vec::new();
@@ -38,19 +40,21 @@ fn preview(model: &Model, path: &Path, before: &Archive, percent: f64) -> BuildR
     build_with(&scene, &mut tiles(&model.receivers, &scene), &plan, &sources).expect("a preview")
 }
 
-/// Totals of all receivers under a uniform sky of 100 W/m2, so in percent of the light on open ground.
+/// Returns the totals of all receivers under a uniform sky of 100 W/m2, so in percent of the light
+/// on open ground.
 fn totals(path: &Path) -> Vec<f64> {
     let rows = replay(path, &[sky_only()], SkyModel::Uniform, MaxBounces::All, 577);
     rows.values().map(|row| row[0].total).collect()
 }
 
-/// Edits in a test; `tools/variants/run` sets more.
+/// Returns the number of edits in a test; `tools/variants/run` sets more.
 fn count() -> usize {
     std::env::var("HELIOTILE_PREVIEWS").ok().and_then(|text| text.parse().ok()).unwrap_or(8)
 }
 
-/// Edits of two sites, previewed within 1 and 5 %: every receiver's total under a uniform sky is off by less, and some responses and chunks are
-/// kept. Where nothing can be bounded the archive is whole. Built again from the archive before it is that of a fresh build.
+/// Edits of two sites are previewed within 1 and 5 %: every receiver's total under a uniform sky is
+/// off by less, and some responses and chunks are kept. If nothing can be bounded the archive is
+/// whole. Built again from the archive before, it is that of a fresh build.
 #[test]
 fn errors_stay_below_the_bound() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -90,8 +94,9 @@ fn errors_stay_below_the_bound() {
     assert!(kept > 0 && rays[0] < rays[1], "{kept} {rays:?}");
 }
 
-/// By hand: a preview says what it is in `info`, `query` and `compare`; `merge`, `--from` and `update` refuse it; the command without `--preview`
-/// completes it, to the byte. Wrong bounds, and none to bound from, are refused.
+/// A preview is reported by `info`, `query` and `compare`; `merge`, `--from` and `update` refuse
+/// it; the command without `--preview` completes it, to the byte. Wrong bounds, and a bound without
+/// an archive before, are refused.
 #[test]
 fn previews_say_what_they_are() {
     let folder = tempfile::tempdir().expect("a scratch folder");

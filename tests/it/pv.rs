@@ -1,4 +1,5 @@
-//! Modules that `pv` places: sums and hours that fit together, losses, horizons and best turns by closed forms, rows, and wrong input.
+//! Modules that `pv` places: sums and hours that fit together, losses, horizons and best turns by
+//! closed forms, rows, and wrong input.
 
 use std::collections::HashMap;
 use std::fs;
@@ -7,7 +8,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use crate::cli::{Folder, golden, stderr, stdout};
 
-/// Rows of a table by column.
+/// Returns the rows of a table by column.
 pub fn table(folder: &Folder, name: &str) -> Vec<HashMap<String, String>> {
     let mut lines = csv::Reader::from_path(folder.path(name)).expect("a table");
     let header = lines.headers().expect("a header").clone();
@@ -25,13 +26,14 @@ pub fn good(folder: &Folder, arguments: &str) -> String {
     stdout(&output)
 }
 
-/// Six hours of an even sky of 100 W/m2: 0.6 kWh/m2 on open level ground.
+/// Six hours of a uniform sky of 100 W/m2: 0.6 kWh/m2 on open level ground.
 pub const EVEN: &str = "time,ghi,dni,dhi\n2019-06-21T09:00+01:00,100,0,100\n2019-06-21T10:00+01:00,100,0,100\n\
                     2019-06-21T11:00+01:00,100,0,100\n2019-06-21T12:00+01:00,100,0,100\n\
                     2019-06-21T13:00+01:00,100,0,100\n2019-06-21T14:00+01:00,100,0,100\n";
 pub const PLACE: &str = "--latitude 50 --longitude 15";
 
-/// A folder with a wall of 8 km x 4 km half a metre north of the origin on black ground, and even light.
+/// Returns a folder with a wall of 8 km x 4 km half a metre north of the origin on black ground,
+/// and a uniform sky.
 fn wall(material: &str) -> Folder {
     let folder = Folder::new();
     folder.write("even.csv", EVEN);
@@ -41,9 +43,10 @@ fn wall(material: &str) -> Folder {
     folder
 }
 
-/// On a lawn and beside a cube of 10 m hours in pvlib's names add up to the months and these to the year, within 1e-3 of them; the year is
-/// that of `replay` within 0.001 kWh/m2; what stands in the open loses at most 1.5 % on a lawn that ends, what stands at the cube's foot more than 20 %; a second run
-/// traces nothing, Parquet has the same 144 rows.
+/// On a lawn and beside a cube of 10 m, hours in pvlib's names add up to the months and these to
+/// the year, within 1e-3 of them, and the year is that of `replay` within 0.001 kWh/m2. The roof
+/// loses at most 1.5 %, the lawn, which ends, less than 4 %, the cube's foot more than 20 %. A
+/// second run traces nothing, and the hours in Parquet have 3 x 72 rows.
 #[test]
 fn sums_fit_together() {
     let folder = Folder::new();
@@ -88,8 +91,9 @@ fn sums_fit_together() {
     assert_eq!(reader.metadata().file_metadata().num_rows(), 3 * 72);
 }
 
-/// 10 m south of the middle of a cube's wall, at its foot, the horizon in the north is 45 degrees, 0 in the south, as PVGIS takes it: 360 lines
-/// of one number; the table has pvlib's columns; where y points 30 degrees east of north the wall is at 30 degrees.
+/// 10 m south of the middle of a cube's wall, at its foot, the horizon is 45 degrees in the north
+/// and 0 in the south, in PVGIS's format: 360 lines of one number. The table has pvlib's columns.
+/// If y points 30 degrees east of north the wall is at 30 degrees.
 #[test]
 fn horizon_lists() {
     let folder = Folder::new();
@@ -121,8 +125,8 @@ fn horizon_lists() {
     }
 }
 
-/// Under an even sky a level point at the foot of an endless black wall loses 50 % beside an open plain, within 0.2 %; a white one of 0.8
-/// gives 20 % of the open sky back, within 0.5.
+/// Under a uniform sky a level point at the foot of an endless black wall loses 50 % against an
+/// open plain, within 0.2 %; a white wall of 0.8 gives 20 % of the open sky back, within 0.5.
 #[test]
 fn half_the_sky() {
     for (material, expected, most) in [("diffuse = 0", 50.0, 0.2), ("diffuse = 0.8", 30.0, 0.5)] {
@@ -139,9 +143,10 @@ fn half_the_sky() {
     }
 }
 
-/// Under an even sky the best turn before a wall in the north is, by lunes of directions, atan(1 - w) south of level, where the wall is w times as
-/// bright as the sky: 45 degrees before a black one, 31.0 before one that reflects 0.8 diffusely, 11.3 before a mirror of 0.8; found within
-/// 0.5 degrees. With limits it is on them, and a point without angles takes it.
+/// Under a uniform sky the best turn before a wall in the north is, by lunes of directions,
+/// `atan(1 - w)` south of level, where the wall is w times as bright as the sky: 45 degrees before
+/// a black one, 31.0 before one that reflects 0.8 diffusely, 11.3 before a mirror of 0.8, found
+/// within 0.5 degrees. With limits the result lies on them, and a point without angles takes it.
 #[test]
 fn turns_beside_a_wall() {
     for (material, bright) in [("diffuse = 0", 0.0_f64), ("diffuse = 0.8", 0.4), ("diffuse = 0\nspecular = 0.8", 0.8)] {
@@ -159,7 +164,7 @@ fn turns_beside_a_wall() {
         assert!(number(row, "scatter_percent") < 0.2, "{row:?}");
         let points = table(&folder, "out/points.csv");
         assert!((number(&points[0], "tilt_deg") - tilt).abs() < 0.01 && number(&points[1], "tilt_deg") == 60.0);
-        // Of lunes: a surface 60 degrees steep beside the best.
+        // By lunes: the light on a surface 60 degrees steep, beside the best.
         let light = |tilt: f64| {
             let height = (90.0 - tilt).to_radians();
             height.cos() + height.sin() + bright * (1.0 - height.cos())
@@ -183,8 +188,9 @@ fn turns_beside_a_wall() {
     );
 }
 
-/// The middle one of 9 black rows, 2 m wide and 3 m apart at 30 degrees on black ground, sees the even sky that Hottel's crossed strings give a
-/// front of endless rows, within 1 %, and its rear sees what the strings give it; hours have pvlib's columns of both sides.
+/// The middle one of 9 black rows, 2 m wide and 3 m apart at 30 degrees on black ground, sees as
+/// much of the uniform sky as Hottel's crossed strings give a front of endless rows, within 1 %,
+/// and so does its rear; hours have pvlib's columns of both sides.
 #[test]
 fn rows_by_crossed_strings() {
     let folder = wall("diffuse = 0");
@@ -202,7 +208,7 @@ fn rows_by_crossed_strings() {
         |side: &str| points.iter().find(|row| row["point"] == "r/5/1" && row["side"] == side).expect("the middle row");
     let (slope, pitch, tilt) = (2.0_f64, 3.0_f64, 30.0_f64.to_radians());
     let (deep, high) = (slope * tilt.cos(), slope * tilt.sin());
-    // From edges of one to those of the next.
+    // Strings go from the edges of one row to those of the next.
     let gap = (pitch - deep).hypot(high);
     let front = (slope + pitch - gap) / (2.0 * slope);
     let far = (pitch + deep).hypot(high);
@@ -221,7 +227,7 @@ fn rows_by_crossed_strings() {
     assert!(folder.path("out/modules.obj").exists() && !folder.path("out/horizons.csv").exists());
 }
 
-/// Wrong input is refused with file, line and what to do, 13 of 13, and leaves no folder of results.
+/// Wrong input is refused with file, line and a hint, 13 of 13, and leaves no folder of results.
 #[test]
 fn wrong_input() {
     let folder = Folder::new();
@@ -264,7 +270,8 @@ fn wrong_input() {
     assert!(!folder.path("out/points.csv").exists());
 }
 
-/// Lists and pictures of points that are no longer there go with what is replaced, and what nobody wrote here stays: 2 and 1 of 3 files.
+/// Lists and pictures of points that no longer exist are removed with replaced results, and files
+/// of others stay: 2 and 1 of 3 files.
 #[test]
 fn lists_of_earlier_points_go() {
     let folder = wall("diffuse = 0");
@@ -282,7 +289,7 @@ fn lists_of_earlier_points_go() {
     assert_eq!((there(&stale), there(&kept)), (0, 2));
 }
 
-/// Results of other points or other weather are kept, and replaced if that is asked for: 2 refusals.
+/// Results of other points or other weather are kept, and replaced on request: 2 refusals.
 #[test]
 fn other_inputs_are_kept() {
     let folder = wall("diffuse = 0");

@@ -1,4 +1,5 @@
-//! The ground among rows of modules: sky and shade by closed forms, light that plants live on, what is left out, and wrong input.
+//! The ground among rows of modules: sky and shade by closed forms, light for plants, places left
+//! out, and wrong input.
 
 use std::collections::HashMap;
 
@@ -6,13 +7,14 @@ use crate::cli::{Folder, golden, stderr};
 use crate::pv::{EVEN, PLACE, good, number, table};
 use crate::scenes::data;
 
-/// Rows of modules in a cut from south to north: 2 m up a slope of 30 degrees, 3 m apart, 0.5 m above the ground; the first lower edge lies
-/// at -13 m, and 9 of them stand on 26 m.
+/// Distance between rows of modules in a cut from south to north, metres. Rows are 2 m up a slope
+/// of 30 degrees; below: the first lower edge lies at -13 m, and 9 rows stand on 26 m; 0.5 m above
+/// the ground.
 const PITCH_M: f64 = 3.0;
 const FIRST_M: f64 = -13.0;
 const LOW_M: f64 = 0.5;
 
-/// Ends of so many rows in the cut, `[y, z]`: lower edge, upper edge.
+/// Returns the ends of rows in the cut, `[y, z]`: lower edge, upper edge.
 fn cut(rows: std::ops::Range<i32>) -> impl Iterator<Item = [[f64; 2]; 2]> {
     let tilt = 30.0_f64.to_radians();
     let (deep, high) = (2.0 * tilt.cos(), 2.0 * tilt.sin());
@@ -22,8 +24,8 @@ fn cut(rows: std::ops::Range<i32>) -> impl Iterator<Item = [[f64; 2]; 2]> {
     })
 }
 
-/// A black meadow with such rows, black and 120 m wide, in the same areas: those in the west and the east have no receivers on the ground, the
-/// middle metre has them 0.5 m apart, 6 a pitch.
+/// Writes a black meadow with black rows, 120 m wide in all, in the same areas: the western and
+/// eastern ones have no receivers on the ground, the middle metre has them 0.5 m apart, 6 a pitch.
 fn meadow() -> Folder {
     let folder = Folder::new();
     folder.write("even.csv", EVEN);
@@ -42,14 +44,14 @@ fn meadow() -> Folder {
     folder
 }
 
-/// Places of the middle pitch, from a lower edge to the next.
+/// Returns the places of the middle pitch, from a lower edge to the next.
 fn in_the_middle(rows: &[HashMap<String, String>]) -> Vec<&HashMap<String, String>> {
     let middle = FIRST_M + 4.0 * PITCH_M;
     rows.iter().filter(|row| (middle..middle + PITCH_M).contains(&number(row, "y"))).collect()
 }
 
-/// Share of an even sky that a place of the ground sees among rows without end, by crossed strings: what is left between the rows'
-/// edges as they are seen from there.
+/// Returns the share of a uniform sky that a place of the ground sees among endless rows, by
+/// crossed strings: the rest between the rows' edges as seen from there.
 fn open_sky(y: f64) -> f64 {
     let mut hidden: Vec<[f64; 2]> = cut(-60..70)
         .map(|ends| {
@@ -66,9 +68,11 @@ fn open_sky(y: f64) -> f64 {
     0.5 * (open + (1.0 - last).max(0.0))
 }
 
-/// Under an even sky the ground among black rows sees what crossed strings of endless rows leave open, at 6 positions of the middle pitch, two
-/// places each, within 1 % of the open sky: by its light, by its PAR beside that of an open plain, and by `sky_view`. There are 104 places, 52
-/// lines of 2, the modules keep their names, and 0.6 kWh/m2 in 6 hours of a day are 0.5296 of them in PAR and 4.57 umol a joule of that.
+/// Under a uniform sky the ground among black rows sees the sky that crossed strings of endless
+/// rows leave open, at 6 positions of the middle pitch, two places each, within 1 % of the open
+/// sky: by its light, by its PAR beside that of an open plain, and by `sky_view`. There are 104
+/// places, 52 lines of 2, the modules keep their names, and 0.6 kWh/m2 in 6 hours of a day are
+/// 0.5296 of them in PAR and 4.57 umol per joule of that.
 #[test]
 fn sky_by_crossed_strings() {
     let folder = meadow();
@@ -100,9 +104,10 @@ fn sky_by_crossed_strings() {
     assert!(done.contains("ground among") && done.contains("\nmiddle                  104"), "{done}");
 }
 
-/// Under a sun in the south, 60 degrees high, and one 40 degrees to the west of it, 50 high, each row's shadow lies where its edges throw it: at
-/// each of the 12 places of the middle pitch that lie more than 5 cm from its ends the sun is there or not there, and the width of the shade
-/// by the 6 positions is that of the closed form within their distance.
+/// Under a sun in the south, 60 degrees high, and one 40 degrees to the west of it, 50 high, each
+/// row's shadow lies where its edges throw it. At each of the 12 places of the middle pitch that
+/// lie more than 5 cm from the shadow's ends the sun is there or not, and the width of the shade by
+/// the 6 positions is that of the closed form within their distance.
 #[test]
 fn shade_under_a_sun() {
     let folder = meadow();
@@ -122,7 +127,7 @@ fn shade_under_a_sun() {
         let lit: HashMap<String, f64> =
             table(&folder, "lit.csv").iter().map(|row| (row["receiver"].clone(), number(row, "total"))).collect();
         assert_eq!(lit.len(), places.len());
-        // Shadows fall away from the sun, northwards by so much for each metre of height.
+        // Shadows fall away from the sun, northwards by this length for each metre of height.
         let reach = (azimuth_deg - 180.0).to_radians().cos() / altitude_deg.to_radians().tan();
         let shades: Vec<[f64; 2]> = cut(-60..70).map(|ends| ends.map(|[y, z]| y + z * reach)).collect();
         let (mut shaded, mut checked) = (0, 0);
@@ -142,9 +147,10 @@ fn shade_under_a_sun() {
     }
 }
 
-/// Over three days places without reflected light get 0.4164 of the sun's light and 0.5296 of the sky's as PAR, within 1e-4 of them, which
-/// is 41 to 53 % of all; days are means of three, and months add up. On a slope with grass that is dark to plants PAR is that of `replay`, which takes
-/// `ground.csv` for its list of receivers, and the months' are the year's.
+/// Over three days places without reflected light get 0.4164 of the sun's light and 0.5296 of the
+/// sky's as PAR, within 1e-4 of them, which is 41 to 53 % of all; days are means of three, and
+/// months add up. On a slope with grass that is dark to plants PAR is that of `replay`, which takes
+/// `ground.csv` for its list of receivers, and the months' sum is the year's.
 #[test]
 fn light_of_plants() {
     let folder = meadow();
@@ -192,8 +198,9 @@ fn light_of_plants() {
     assert!(reflected > 0.01, "{reflected}");
 }
 
-/// Places inside of modules that lie on the ground are left out, and said; the others are there; without `ground` there is no table of it. What
-/// a folder holds of an earlier `ground` goes when it is replaced.
+/// Places inside of modules that lie on the ground are left out, with a message; the others are
+/// there. Without `ground` there is no table of it, and the table of an earlier `ground` is removed
+/// when the folder is replaced.
 #[test]
 fn places_inside_of_modules() {
     let folder = meadow();
@@ -218,8 +225,9 @@ fn places_inside_of_modules() {
     assert!(!folder.path("out/ground.csv").exists() && !folder.path("out/ground_months.csv").exists());
 }
 
-/// Nine wrong inputs are refused with what is wrong and leave no folder: distances of 0, below it, no number, or so small that there would be
-/// more than a million places; no place in the area; rows on a wall; a word for `ground` that is none, by a list that holds it.
+/// Nine wrong inputs are refused with the reason and leave no folder: distances of 0, below it, no
+/// number, or so small that there would be more than a million places; no place in the area; rows
+/// on a wall; an unknown word for `ground`, in a list.
 #[test]
 fn wrong_ground() {
     let folder = Folder::new();

@@ -1,5 +1,5 @@
-//! Two readers, one text: `tools/reader.py`, written from `schema/` alone, and this library decode the same values, of a
-//! golden archives that stay and of one that is built here.
+//! Two readers, one text: `tools/reader.py`, written from `schema/` alone, and this library decode
+//! the same values, from golden archives that stay and from one that is built here.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -32,10 +32,12 @@ use crate::scenes::*;
 /// Canonical bytes of the arrays of a block, under their names: see `tools/reader.py`.
 type Arrays = Vec<(&'static str, Vec<u8>)>;
 
-/// The golden archives, which together hold blocks of all kinds: their names, and how many arrays each holds.
+/// The golden archives, which together hold blocks of all kinds: their names, and the number of
+/// arrays of each.
 const GOLDEN: [(&str, usize); 3] = [("v1.6-experimental", 98), ("v1.6-mirrors", 78), ("v1.6-bands", 62)];
 
-/// A file of a golden archive: `.helio`, what was made from it by `reader.py` and by `query`, and the conditions.
+/// Returns the path of a file of a golden archive: `.helio`, the outputs of `reader.py` and of
+/// `query`, and the conditions.
 fn golden(version: &str, extension: &str) -> PathBuf {
     let name = format!("tests/data/archives/{version}.{extension}");
     Path::new(crate::ROOT).join(name)
@@ -45,17 +47,17 @@ fn text(path: &Path) -> String {
     fs::read_to_string(path).expect("a readable file")
 }
 
-/// Numbers without gaps, little-endian.
+/// Returns numbers without gaps, little-endian.
 fn le<T: Copy, const N: usize>(values: &[T], bytes: impl Fn(T) -> [u8; N]) -> Vec<u8> {
     values.iter().flat_map(|&value| bytes(value)).collect()
 }
 
-/// Each string after its length as u32.
+/// Returns each string after its length as u32.
 fn strings(values: &[String]) -> Vec<u8> {
     values.iter().flat_map(|s| [&(s.len() as u32).to_le_bytes(), s.as_bytes()].concat()).collect()
 }
 
-/// Bits row-major, lowest first, filled up to a byte.
+/// Returns bits row-major, lowest first, filled up to a byte.
 fn bits(square: &BitSquare) -> Vec<u8> {
     let n = square.side();
     let texels: Vec<bool> = (0..n * n).map(|i| square.get(i % n, i / n)).collect();
@@ -179,7 +181,7 @@ fn cell_mirrors(rows: &[Vec<u8>], side: u32) -> Arrays {
     vec![("windows", windows), ("bits", texels), ("paths", paths)]
 }
 
-/// Arrays of a block of any kind that this release knows, decoded by the library.
+/// Returns the arrays of a block of any kind that this release knows, decoded by the library.
 fn arrays(block: &Block, s: &Settings) -> Arrays {
     let rows = block.items() as usize;
     let raw = block.bytes();
@@ -268,7 +270,8 @@ fn arrays(block: &Block, s: &Settings) -> Arrays {
     }
 }
 
-/// The lines of `reader.py --digests`, by the library: kind, tile, array, BLAKE3 of its canonical bytes.
+/// Returns the lines of `reader.py --digests`, by the library: kind, tile, array, BLAKE3 of its
+/// canonical bytes.
 fn digests(path: &Path) -> String {
     let archive = Archive::open(path).expect("an archive");
     let mut lines = String::new();
@@ -283,7 +286,7 @@ fn digests(path: &Path) -> String {
     lines
 }
 
-/// Exit code, output and messages of `reader.py`.
+/// Returns the exit code, output and messages of `reader.py`.
 fn python(program: &str, path: &Path) -> (Option<i32>, String, String) {
     let script = Path::new(crate::ROOT).join("tools/reader.py");
     let output = Command::new(program).arg(script).arg(path).arg("--digests").output().expect("HELIOTILE_PYTHON");
@@ -291,7 +294,8 @@ fn python(program: &str, path: &Path) -> (Option<i32>, String, String) {
     (output.status.code(), text(&output.stdout), text(&output.stderr))
 }
 
-/// Two tiles, several chunks of each kind of cells, long and short names, groups and areas; small textures.
+/// Builds two tiles, several chunks of each kind of cells, long and short names, groups and areas;
+/// small textures.
 fn small_site(path: &Path) {
     let mut triangles = ground(40.0, 0.0, 0);
     triangles.extend(block(v(0.0, 0.0, 0.0), v(10.0, 10.0, 10.0), 1));
@@ -331,7 +335,8 @@ fn small_site(path: &Path) {
     build(&scene, &mut tiles(&receivers, &scene), &plan(&settings, path)).expect("a build");
 }
 
-/// All 98, 78 and 62 arrays of the golden archives' blocks have the digests that `reader.py` printed; the blocks are of all 23 kinds.
+/// All 98, 78 and 62 arrays of the golden archives' blocks have the digests that `reader.py`
+/// printed; the blocks are of all 23 kinds.
 #[test]
 fn golden_values_are_those_of_the_second_reader() {
     let mut kinds = BTreeSet::new();
@@ -344,9 +349,10 @@ fn golden_values_are_those_of_the_second_reader() {
     assert_eq!(kinds.len(), format::KINDS.len());
 }
 
-/// With `HELIOTILE_PYTHON` (.ci/run sets it) the second reader itself prints these 238 lines, agrees on every array of a new
-/// site of 2 tiles and more than 2 chunks of each kind of cells, names the one block whose byte was changed (exit code 1)
-/// and refuses a cut file (2). Without it only the golden digests are compared, by the test above.
+/// With `HELIOTILE_PYTHON` (.ci/run sets it) the second reader itself prints these 238 lines,
+/// agrees on every array of a new site of 2 tiles and more than 2 chunks of each kind of cells,
+/// names the one block whose byte was changed (exit code 1) and refuses a cut file (2). Without it
+/// only the golden digests are compared, by the test above.
 #[test]
 fn the_second_reader_agrees() {
     let Some(program) = std::env::var("HELIOTILE_PYTHON").ok().filter(|p| !p.is_empty()) else {
@@ -388,9 +394,9 @@ fn the_second_reader_agrees() {
     assert!(code == Some(2) && message.contains("truncated"), "{code:?} {message}");
 }
 
-/// The golden archives give the rows that they gave when they were made, 6 receivers x 3 conditions each, to 0.002 W/m2 (sky patches may be
-/// integrated better than then): with the stored responses (all bounces) and with responses derived from hits and cells
-/// (1 bounce).
+/// The golden archives give the rows of the release that made them, 6 receivers x 3 conditions
+/// each, to 0.002 W/m2 (sky patches may be integrated better since): with the stored responses (all
+/// bounces) and with responses derived from hits and cells (1 bounce).
 #[test]
 fn golden_rows_stay() {
     for ((version, _), (bounces, extension)) in
@@ -417,8 +423,8 @@ fn golden_rows_stay() {
     }
 }
 
-/// An archive whose header says format 1.5 is refused by 8 of 8 commands with exit code 2, the file, the format that was found, the one that
-/// is read and what to do, and nothing is written.
+/// An archive whose header says format 1.5 is refused by 8 of 8 commands with exit code 2, the
+/// file, its format, the supported one and a hint, and no file is written.
 #[test]
 fn archives_of_other_formats_are_refused_by_all_commands() {
     let folder = tempfile::tempdir().expect("a scratch folder");

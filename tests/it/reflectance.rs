@@ -1,4 +1,4 @@
-//! Reflectances changed at replay, against archives that were built with them.
+//! Reflectances changed at replay, against archives built with them.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ use heliotile_scene::Scene;
 
 use crate::scenes::*;
 
-/// 24 conditions of a bright year.
+/// Returns 24 conditions of a bright year.
 fn conditions() -> Vec<Condition> {
     let one = |i: i32| {
         let i = f64::from(i);
@@ -26,7 +26,7 @@ fn conditions() -> Vec<Condition> {
     (0..24).map(one).collect()
 }
 
-/// Total of each receiver and condition under schedules.
+/// Returns the total of each receiver and condition under schedules.
 fn totals(site: &Site, schedules: &[Schedule]) -> BTreeMap<String, Vec<f64>> {
     let archive = Archive::open(&site.path).expect("an archive");
     let (conditions, settings) =
@@ -45,7 +45,7 @@ fn totals(site: &Site, schedules: &[Schedule]) -> BTreeMap<String, Vec<f64>> {
     rows.collect()
 }
 
-/// Largest difference of two sets of totals, as a share of the first one's mean.
+/// Returns the largest difference of two sets of totals, as a share of the first one's mean.
 fn largest(a: &BTreeMap<String, Vec<f64>>, b: &BTreeMap<String, Vec<f64>>) -> f64 {
     assert_eq!(a.len(), b.len());
     let all: Vec<(f64, f64)> = a.values().flatten().copied().zip(b.values().flatten().copied()).collect();
@@ -53,7 +53,8 @@ fn largest(a: &BTreeMap<String, Vec<f64>>, b: &BTreeMap<String, Vec<f64>>) -> f6
     all.iter().map(|(x, y)| (x - y).abs() / mean).fold(0.0, f64::max)
 }
 
-/// A hall of 12 x 8 x 4 m, open above, with bright walls, and nine receivers on its floor and walls.
+/// Returns a hall of 12 x 8 x 4 m, open above, with bright walls, and nine receivers on its floor
+/// and walls.
 fn hall(floor: f64) -> (Scene, Vec<Receiver>) {
     let mut triangles = quad(v(0.0, 0.0, 0.0), v(12.0, 0.0, 0.0), v(0.0, 8.0, 0.0), 0);
     triangles.extend(quad(v(0.0, 0.0, 0.0), v(0.0, 0.0, 4.0), v(12.0, 0.0, 0.0), 1));
@@ -65,9 +66,10 @@ fn hall(floor: f64) -> (Scene, Vec<Receiver>) {
     (scene(&triangles, &[floor, 0.9]), (0..5).map(of_floor).chain((0..4).map(of_wall)).collect())
 }
 
-/// A town whose ground is made 0.55 in place of 0.2 at replay, and a hall whose floor is made 0.8 in place of 0.1, are those that
-/// were built so: all totals within 1e-6 of the mean where the other archive's responses are derived anew too, within 3e-3 with
-/// those that it stores, coded for any one sun. The change itself moves them by more than 3 %.
+/// A town whose ground is set to 0.55 in place of 0.2 at replay, and a hall whose floor is set to
+/// 0.8 in place of 0.1, give the totals of archives built so: within 1e-6 of the mean if the other
+/// archive's responses are derived again too, within 3e-3 with its stored ones, which are coded for
+/// any one sun. The change itself moves the totals by more than 3 %.
 #[test]
 fn changed_equals_rebuilt() {
     let coarse = BuildSettings { sky_base: 64, sky_fine: 256, ..BuildSettings::default() };
@@ -88,8 +90,9 @@ fn changed_equals_rebuilt() {
     }
 }
 
-/// Twenty-four albedos from 0.05 to 0.9 are interpolated between 5 or 9 states; in a town and in a bright hall all totals are within
-/// 1e-4 of the mean of those with each albedo on its own (6 of them).
+/// Twenty-four albedos from 0.05 to 0.9 are interpolated between 5 or 9 states. In a town and in a
+/// bright hall all totals are within 1e-4 of the mean of those with each albedo on its own (6 of
+/// them).
 #[test]
 fn many_albedos() {
     let coarse = BuildSettings { sky_base: 64, sky_fine: 256, ..BuildSettings::default() };
@@ -110,8 +113,9 @@ fn many_albedos() {
     }
 }
 
-/// Another diffuse reflectance leaves room for what a material reflects like a mirror: double glass (0.2355 of light from everywhere) takes
-/// 0.76 and refuses 0.77, a mirror of 0.5 takes 0.5 and refuses 0.51, with the most that is possible: 4 of 4.
+/// A changed diffuse reflectance leaves room for the light that a material reflects like a mirror:
+/// double glass (0.2355 of light from everywhere) accepts 0.76 and refuses 0.77, a mirror of 0.5
+/// accepts 0.5 and refuses 0.51, with the largest possible value: 4 of 4.
 #[test]
 fn mirrors_leave_less() {
     let coarse =

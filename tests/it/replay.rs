@@ -1,4 +1,5 @@
-//! Replay against the plain way to one condition's irradiance, which shares nothing with the kernels but the stored textures.
+//! Replay against a plain computation of one condition's irradiance, which shares only the stored
+//! textures with the kernels.
 
 use glam::DVec3;
 use heliotile_core::archive::format::TileNumber;
@@ -24,7 +25,7 @@ use rayon::prelude::*;
 use crate::response::respond;
 use crate::scenes::*;
 
-/// Receivers that are compared.
+/// Number of receivers that are compared.
 const RECEIVERS: usize = 50;
 
 /// Textures of a receiver, decoded whole.
@@ -34,7 +35,7 @@ struct Receiver {
     response: Response,
 }
 
-/// The first receivers of an archive's first tile.
+/// Returns the first receivers of an archive's first tile.
 fn receivers(archive: &Archive) -> Vec<Receiver> {
     let settings = &archive.manifest().settings;
     let table =
@@ -48,7 +49,8 @@ fn receivers(archive: &Archive) -> Vec<Receiver> {
     rows.map(|((n, sky), response)| Receiver { normal: DVec3::from(*n), sky, response }).collect()
 }
 
-/// Mean radiance of each of 577 patches: 64 points a patch, evaluated one by one, scaled to DHI.
+/// Returns the mean radiance of each of 577 patches: 64 points a patch, evaluated one by one,
+/// scaled to DHI.
 fn radiances(condition: &Condition, points: &[Vec<DVec3>], open: &[f64]) -> Vec<f64> {
     let sky = SkyModel::Perez.distribution(condition);
     let mean = |points: &Vec<DVec3>| {
@@ -59,7 +61,8 @@ fn radiances(condition: &Condition, points: &[Vec<DVec3>], open: &[f64]) -> Vec<
     relative.into_iter().map(|l| l * condition.dhi_w_m2 / sum).collect()
 }
 
-/// 8 x 8 points of equal solid angle in each of Reinhart's 577 patches: 14 rows of 6.2 degrees and a cap.
+/// Returns 8 x 8 points of equal solid angle in each of Reinhart's 577 patches: 14 rows of 6.2
+/// degrees and a cap.
 fn points() -> Vec<Vec<DVec3>> {
     let row = 90.0 / 14.5;
     let of_patch = |k: usize, patch: usize, count: usize| -> Vec<DVec3> {
@@ -76,9 +79,10 @@ fn points() -> Vec<Vec<DVec3>> {
     counts.iter().enumerate().flat_map(|(k, &n)| (0..n).map(move |patch| of_patch(k, patch, n))).collect()
 }
 
-/// Every hour of the Golden year on 50 receivers of The Hague: each component and the total are those of the plain way within 1e-4 of
-/// the value (or of a hundredth of the open sky's light, where there is less), and sums of the year within 1e-5 of the largest, of its
-/// twelfths within 4e-5 and of its days within 1e-4, of the sums of the hours.
+/// For every hour of the Golden year on 50 receivers of The Hague, each component and the total are
+/// those of the plain computation within 1e-4 of the value (or of a hundredth of the open sky's
+/// light, where there is less). Sums of the year are within 1e-5 of the largest, of its twelfths
+/// within 4e-5 and of its days within 1e-4, of the sums of the hours.
 #[test]
 fn plain_path() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -153,8 +157,8 @@ fn plain_path() {
     println!("50 receivers, {} hours: off by at most {worst:.1e}", conditions.len());
     assert!(worst < 1e-4, "{worst:.1e}");
 
-    // Few results, and many. Sums clip what lies behind a surface by texels, hours by suns, and light that coding makes less than none by
-    // hours: the fewer suns, the more that shows.
+    // Few results, and many. Sums clip light from behind a surface by texels, hours do by suns, and
+    // hours clip light that coding makes negative: the fewer suns, the more that shows.
     for (count, hours_of_one, most) in [(1, 8760, 1e-5), (12, 730, 4e-5), (365, 24, 1e-4)] {
         let of_condition: Vec<(usize, f64)> = (0..conditions.len()).map(|hour| (hour / hours_of_one, 1e-3)).collect();
         let sums = replay(&Bins { count, of_condition });

@@ -1,4 +1,4 @@
-//! The response texture against the plain definitions that know nothing of it.
+//! The response texture against plain definitions that do not use it.
 
 use glam::DVec3;
 use heliotile_builder::settings::{BuildSettings, Share};
@@ -28,7 +28,7 @@ use heliotile_scene::Scene;
 
 use crate::scenes::*;
 
-/// Three blocks on a plain: neighbours, corners, a narrow gap.
+/// Returns three blocks on a plain: neighbours, corners, a narrow gap.
 fn blocks() -> Scene {
     let mut triangles = ground(300.0, 0.0, 0);
     triangles.extend(block(v(-30.0, -10.0, 0.0), v(-10.0, 25.0, 18.0), 1));
@@ -37,7 +37,8 @@ fn blocks() -> Scene {
     scene(&triangles, &[0.25, 0.5])
 }
 
-/// Diffuse irradiance per unit normal irradiance of a source in direction `s`, read between four texels.
+/// Returns the diffuse irradiance per unit normal irradiance of a source in direction `s`,
+/// interpolated between four texels.
 pub fn respond(response: &[[f32; 3]], s: DVec3, corners: &[(usize, f64); 4]) -> f64 {
     corners.iter().map(|&(t, w)| w * s.dot(DVec3::from(response[t].map(f64::from)))).sum()
 }
@@ -67,8 +68,8 @@ fn suns() -> Vec<DVec3> {
         .collect()
 }
 
-/// Radiosity of every coarse cell for one source whose visibility and cosine `lit(cell)` gives: the plain scalar system, with so many
-/// reflections between cells.
+/// Computes the radiosity of every coarse cell for one source whose visibility and cosine
+/// `lit(cell)` gives: the plain scalar system, with `steps` reflections between cells.
 fn radiosities(
     cells: &Cells,
     sky: usize,
@@ -119,7 +120,7 @@ impl<'a> All<'a> {
     }
 }
 
-/// What a source sends to a receiver by a plain loop over the cells it sees.
+/// Computes the light of a source at a receiver by a plain loop over the cells that it sees.
 fn plain(all: &All, view: &TileView, index: usize, sky: &Source, cells: &[f64]) -> f64 {
     let (shape, hits, probes) = (all.tables.settings, &view.hits, &all.probes);
     let per = shape.hit * shape.hit;
@@ -141,7 +142,7 @@ fn plain(all: &All, view: &TileView, index: usize, sky: &Source, cells: &[f64]) 
     sum
 }
 
-/// A cell's sky bits at a source, interpolated.
+/// Returns a cell's sky bits at a source, interpolated.
 fn bit_at(bits: &[u8], corners: &[(usize, f64); 4]) -> f64 {
     corners.iter().map(|&(t, w)| if bit(bits, t) { w } else { 0.0 }).sum()
 }
@@ -153,7 +154,8 @@ fn cosine(normal: [f32; 3], d: DVec3) -> f64 {
     f64::from(normal[0]) * d.x + f64::from(normal[1]) * d.y + f64::from(normal[2]) * d.z
 }
 
-/// On 20 receivers and 50 suns and a uniform sky, s . G equals a plain loop over probes, cells and bounces to 1e-5 of the source.
+/// On 20 receivers, for 50 suns and a uniform sky, s . G equals a plain loop over probes, cells and
+/// bounces to 1e-5 of the source.
 #[test]
 fn response_equals_plain_loop() {
     let site = site(&blocks(), &twenty(), &BuildSettings::default());
@@ -170,7 +172,8 @@ fn response_equals_plain_loop() {
     let mut worst = 0.0_f64;
     let mut largest = 0.0_f64;
     for s in suns() {
-        // Bounce cells have coarser textures, read at the finer texel centres first, as the response is.
+        // Bounce cells have coarser textures, read at the finer texel centres first, as the
+        // response is.
         let corners = bilinear(s, tables.settings.probe);
         let sun = |n: usize, bits: &[u8], normal: [f32; 3]| {
             if n == tables.settings.probe {
@@ -201,7 +204,8 @@ fn response_equals_plain_loop() {
         let sum: f64 = (0..n * n).filter(|&t| bit(bits, t)).map(|t| cosine(normal, centres[t])).sum();
         sum * HEMISPHERE_SR / (n * n) as f64
     };
-    // A uniform sky of unit radiance; the coarse cells' textures are read at the response's texels here too.
+    // A uniform sky of unit radiance; the coarse cells' textures are read at the response's texels
+    // here too.
     let fine = texel_centres(tables.settings.probe);
     let coarse = |bits: &[u8], normal: [f32; 3]| {
         let n = tables.settings.bounce_sky;
@@ -220,9 +224,10 @@ fn response_equals_plain_loop() {
     }
 }
 
-/// `--bounces` 1, 2 and 3 are what a plain loop over the probes that a receiver sees gives: with the source alone in each probe, with the
-/// radiosity of the cells that probes see, and with that of the cells these see, within 1e-5 of the source on 20 receivers and 10
-/// suns; each adds more than 0.001 somewhere.
+/// `--bounces` 1, 2 and 3 equal a plain loop over the probes that a receiver sees: with the source
+/// alone in each probe, with the radiosity of the cells that probes see, and with that of the cells
+/// these see, within 1e-5 of the source on 20 receivers and 10 suns; each bounce adds more than
+/// 0.001 somewhere.
 #[test]
 fn few_bounces_equal_plain_loop() {
     let site = site(&blocks(), &twenty(), &BuildSettings::default());
@@ -264,8 +269,9 @@ fn few_bounces_equal_plain_loop() {
     }
 }
 
-/// Shared cells against a hemisphere of its own for every hit: over 8 receivers and 50 suns the reflected sun differs by less
-/// than 1 % of the direct normal irradiance (root mean square), its mean by less than 0.2 %.
+/// With shared cells instead of a hemisphere of its own for every hit, over 8 receivers and 50
+/// suns, the reflected sun differs by less than 1 % of the direct normal irradiance (root mean
+/// square), its mean by less than 0.2 %.
 #[test]
 fn sharing_costs_little() {
     let receivers: Vec<Receiver> = twenty().into_iter().take(8).collect();
@@ -291,8 +297,8 @@ fn sharing_costs_little() {
     assert!(rmse < 1.0 && bias.abs() < 0.2, "RMSE {rmse:.3} %, bias {bias:.3} % of DNI");
 }
 
-/// Sums of 200 hours in 5 periods, made from summed skies and one lookup a sun, are the sums of the hourly results in f64: within
-/// 1e-5 of the largest sum, for 20 receivers and all components.
+/// Sums of 200 hours in 5 periods, made from summed skies and one lookup a sun, are the sums of the
+/// hourly results in f64: within 1e-5 of the largest sum, for 20 receivers and all components.
 #[test]
 fn sums_are_the_sums_of_hours() {
     let site = site(&blocks(), &twenty(), &BuildSettings::default());
@@ -336,9 +342,10 @@ fn sums_are_the_sums_of_hours() {
     assert!(largest > 1e4 && worst < 1e-5 * largest, "{worst} of {largest}");
 }
 
-/// What the coding of stored responses adds to replays, against those derived anew in f32: of 20 receivers under 400 suns of 558 W/m2
-/// (the RMS of a year in Golden) it is 1e-3 to 0.11 W/m2 RMS in light of the sun, which the steps allow for (0.0032 / 16 of it), and below
-/// 0.05 % of the mean total in every column.
+/// The coding of stored responses, compared with those derived again in f32, adds little to
+/// replays. On 20 receivers under 400 suns of 558 W/m2 (the RMS of a year in Golden) it adds 1e-3
+/// to 0.11 W/m2 RMS to light of the sun, which the steps allow for (0.0032 / 16 of it), and less
+/// than 0.05 % of the mean total to every column.
 #[test]
 fn coding_adds_little() {
     let site = site(&blocks(), &twenty(), &BuildSettings::default());
@@ -369,13 +376,13 @@ fn coding_adds_little() {
         let rms = mean(&|r, c| off(r, c).powi(2)).sqrt();
         println!("{component:?}: {rms:.4} of {total:.1} W/m2");
         assert!(rms < 5e-4 * total, "{component:?}: {rms} of {total}");
-        // The bound is one on the mean of all directions: 400 suns are off it by a hundredth.
+        // The bound holds for the mean of all directions: 400 suns are off it by a hundredth.
         assert!(component != Component::SunDiffuse || (1e-3..1.02 * 0.0032 / 16.0 * 558.0).contains(&rms), "{rms}");
     }
 }
 
-/// Radiosities that do not fit into 8 kB come back from temporary files and from memory to the bit: the responses of 20 receivers in two
-/// states are those of a solution that fits.
+/// Radiosities that do not fit into 8 kB are read back from temporary files and from memory to the
+/// bit: the responses of 20 receivers in two states are those of a solution that fits.
 #[test]
 fn storage_changes_nothing() {
     let site = site(&blocks(), &twenty(), &BuildSettings::default());
@@ -404,7 +411,7 @@ fn storage_changes_nothing() {
     assert!(matches!(refused, Some(Error::Limit { value: 1, .. })), "8 kB must not be enough");
 }
 
-/// Temporary storage that nothing may use.
+/// Temporary storage that refuses all use.
 #[derive(Debug)]
 struct NoStorage;
 

@@ -1,11 +1,13 @@
-//! Tables of results: which columns, receivers, surfaces and hours a user can ask for, and what comes then.
+//! Tables of results: the columns, receivers, surfaces and hours that a user can choose, and their
+//! values.
 
 use std::collections::BTreeMap;
 use std::process::Output;
 
 use crate::cli::{Folder, golden, stdout};
 
-/// The site of the command line tests with two receivers on a surface `front` of 1 and 3 m2 and two without areas on `top`.
+/// Builds the site of the command line tests with two receivers on a surface `front` of 1 and 3 m2
+/// and two without areas on `top`.
 fn site() -> Folder {
     let folder = Folder::new();
     let rows = "roof,5,5,10.02,0,0,1,,top\nridge,7,7,10.02,0,0,1,,top\nlow,5,-0.02,2,0,-1,0,1,front\n\
@@ -15,7 +17,7 @@ fn site() -> Folder {
     folder
 }
 
-/// A roof with 90 receivers in two tiles, on five surfaces.
+/// Builds a roof with 90 receivers in two tiles, on five surfaces.
 fn roof() -> Folder {
     let folder = Folder::new();
     let row = |i: usize| format!("r{i},{},{},10.02,0,0,1,{},s{}\n", i % 10, i / 10, 1 + i % 3, i % 5);
@@ -29,7 +31,7 @@ fn replay(folder: &Folder, rest: &str) -> Output {
     folder.run(&format!("replay site.helio --weather {} {rest}", golden().display()))
 }
 
-/// A table by label and receiver: its values.
+/// Parses a table: the header, and values by label and receiver.
 fn table(output: &Output) -> (String, BTreeMap<(String, String), Vec<f64>>) {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let text = stdout(output);
@@ -47,8 +49,8 @@ fn key(label: &str, place: &str) -> (String, String) {
     (label.to_string(), place.to_string())
 }
 
-/// `--columns` writes the two columns asked for, in that order, with the values of the whole table, also with the ending of
-/// sums; 3 wrong lists end with exit code 2.
+/// `--columns` writes two chosen columns, in that order, with the values of the whole table, also
+/// with the suffix of sums; 3 wrong lists end with exit code 2.
 #[test]
 fn columns() {
     let folder = site();
@@ -67,8 +69,8 @@ fn columns() {
     folder.refused(&format!("{query} total,"), &["`` is no column"]);
 }
 
-/// Spans of the three days give their hours, one day or two, and `total` is the sum of the days; 5 wrong spans end with exit
-/// code 2, and a typical year takes no years.
+/// Spans of the three days give their hours, one day or two, and `total` is the sum of the days. 5
+/// wrong spans end with exit code 2, and a typical year accepts no years.
 #[test]
 fn spans() {
     let folder = site();
@@ -108,8 +110,9 @@ fn spans() {
     );
 }
 
-/// `--receivers` gives the rows of the whole table for the 2 that are listed; an unknown id, a missing column and an output
-/// that would replace the list, also beside an array, are refused, 4 of 4.
+/// `--receivers` gives the rows of the whole table for the 2 listed receivers. An unknown id, a
+/// missing column and an output that would replace the list, also beside an array, are refused, 4
+/// of 4.
 #[test]
 fn receivers() {
     let folder = site();
@@ -127,14 +130,14 @@ fn receivers() {
     folder.refused(&format!("{query} few.axes.json -o few.npy"), &["few.axes.json", "input"]);
 }
 
-/// Of two tiles any selection gives the rows of the whole table: one receiver of either tile, one of each, all 90; Arrow files
-/// name those alone.
+/// In two tiles any selection gives the rows of the whole table: one receiver of either tile, one
+/// of each, all 90; Arrow files name those alone.
 #[test]
 fn receivers_of_tiles() {
     let folder = roof();
     let query = "query site.helio -c conditions.csv";
     let (_, whole) = table(&folder.run(query));
-    // The order of the archive, which ends in the second tile.
+    // Rows in the order of the archive, which ends in the second tile.
     let text = stdout(&folder.run(query));
     let ids: Vec<&str> = text.lines().skip(1).step_by(2).filter_map(|line| line.split(',').nth(1)).collect();
     assert_eq!(ids.len(), 90);
@@ -148,8 +151,9 @@ fn receivers_of_tiles() {
     }
 }
 
-/// `--by surface` is (1 x low + 3 x high) / 4 on `front`, the plain mean on `top` without areas; a selection is weighted by what
-/// it holds; receivers without a surface and a surface with some areas only are refused.
+/// `--by surface` is (1 x low + 3 x high) / 4 on `front`, the plain mean on `top` without areas. A
+/// selection is weighted by its own receivers. Receivers without a surface and a surface with some
+/// areas only are refused.
 #[test]
 fn surfaces() {
     let folder = site();
@@ -161,7 +165,7 @@ fn surfaces() {
         [("front", [("low", 0.25), ("high", 0.75)]), ("top", [("roof", 0.5), ("ridge", 0.5)])]
     {
         let at = |place: &str| &single[&key("1998-03", place)];
-        // Behind the 7 means stand area, tilt, azimuth and energy.
+        // The 7 means are followed by area, tilt, azimuth and energy.
         for (c, mean) in surfaces[&key("1998-03", surface)].iter().take(7).enumerate() {
             let expected = weight_a * at(a)[c] + weight_b * at(b)[c];
             assert!((mean - expected).abs() <= 2e-5 * expected, "{surface} {c}: {mean} {expected}");
@@ -186,8 +190,9 @@ fn surfaces() {
     }
 }
 
-/// Brighter ground adds reflected light and nothing else: constants, a schedule of twelve equal months, and snow by albedo. Golden's
-/// three days have an albedo and no snow (a warning). 9 wrong requests end with exit code 2 and say what is allowed.
+/// Brighter ground adds reflected light and changes nothing else: constants, a schedule of twelve
+/// equal months, and snow by albedo. Golden's three days have an albedo and no snow (a warning). 9
+/// wrong requests end with exit code 2 and name the allowed values.
 #[test]
 fn reflectances() {
     let folder = site();
@@ -229,8 +234,8 @@ fn reflectances() {
     }
 }
 
-/// The bytes of all 6 formats do not depend on the number of threads, by receiver and by surface: 12 pairs, and an array has its
-/// axes beside it.
+/// The bytes of all 6 formats do not depend on the number of threads, by receiver and by surface:
+/// 12 pairs, and an array has its axes beside it.
 #[test]
 fn threads_change_nothing() {
     let folder = roof();

@@ -1,4 +1,5 @@
-//! Small scenes with known answers, and the shortest way from a scene to irradiance: through a real archive.
+//! Small scenes with known answers, and the shortest way from a scene to irradiance: through a real
+//! archive.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -32,12 +33,13 @@ pub fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
-/// Two triangles of a parallelogram with corner `at` and sides `a`, `b`; its normal is a x b.
+/// Returns two triangles of a parallelogram with corner `at` and sides `a`, `b`; its normal is a x
+/// b.
 pub fn quad(at: DVec3, a: DVec3, b: DVec3, material: u16) -> Triangles {
     vec![([at, at + a, at + a + b], material), ([at, at + a + b, at + b], material)]
 }
 
-/// Six outward faces of a box.
+/// Returns the six outward faces of a box.
 pub fn block(low: DVec3, high: DVec3, material: u16) -> Triangles {
     let d = high - low;
     let (x, y, z) = (v(d.x, 0.0, 0.0), v(0.0, d.y, 0.0), v(0.0, 0.0, d.z));
@@ -52,12 +54,13 @@ pub fn block(low: DVec3, high: DVec3, material: u16) -> Triangles {
     .concat()
 }
 
-/// A horizontal square of the given half side around (0, 0, z), facing up.
+/// Returns a horizontal square of the given half side around (0, 0, z), facing up.
 pub fn ground(half: f64, z: f64, material: u16) -> Triangles {
     quad(v(-half, -half, z), v(2.0 * half, 0.0, 0.0), v(0.0, 2.0 * half, 0.0), material)
 }
 
-/// A street along y of the given width between two walls of the given height, `length` long, floor at z = 0.
+/// Returns a street along y of the given width between two walls of the given height, `length`
+/// long, floor at z = 0.
 pub fn canyon(width: f64, height: f64, length: f64) -> Triangles {
     let half = length / 2.0;
     [
@@ -68,7 +71,8 @@ pub fn canyon(width: f64, height: f64, length: f64) -> Triangles {
     .concat()
 }
 
-/// A scene whose materials 0, 1, ... have the given diffuse reflectances; material 0 counts as ground.
+/// Returns a scene whose materials 0, 1, ... have the given diffuse reflectances; material 0 counts
+/// as ground.
 pub fn scene(triangles: &Triangles, diffuse: &[f64]) -> Scene {
     let materials = diffuse
         .iter()
@@ -80,7 +84,7 @@ pub fn scene(triangles: &Triangles, diffuse: &[f64]) -> Scene {
     Scene::from_triangles(triangles, materials).expect("a valid scene")
 }
 
-/// Twelve blocks on a square.
+/// Returns twelve blocks on a square.
 pub fn town() -> Triangles {
     let mut triangles = ground(200.0, 0.0, 0);
     for i in 0..12 {
@@ -90,7 +94,7 @@ pub fn town() -> Triangles {
     triangles
 }
 
-/// The same with a block that mirrors half of the light and one of double glass.
+/// Returns the town with a block that mirrors half of the light and one of double glass.
 pub fn mirror_triangles() -> Triangles {
     let mut triangles = town();
     triangles.extend(block(v(-60.0, -30.0, 0.0), v(-52.0, 20.0, 17.0), 2));
@@ -112,7 +116,7 @@ pub fn mirror_town() -> Scene {
     Scene::from_triangles(&mirror_triangles(), mirror_materials()).expect("a valid scene")
 }
 
-/// 150 receivers, three tiles.
+/// Returns 150 receivers, three tiles.
 pub fn many() -> Vec<Receiver> {
     (0..150)
         .map(|i| {
@@ -130,7 +134,7 @@ pub fn receiver(id: &str, position: DVec3, normal: DVec3) -> Receiver {
     Receiver::new(id.into(), position, normal.normalize())
 }
 
-/// A receivers' normal tilted by `tilt_deg` from the zenith towards `azimuth_deg`.
+/// Returns a receiver's normal tilted by `tilt_deg` from the zenith towards `azimuth_deg`.
 pub fn tilted(tilt_deg: f64, azimuth_deg: f64) -> DVec3 {
     direction_from_degrees(azimuth_deg, 90.0 - tilt_deg)
 }
@@ -140,12 +144,12 @@ pub fn sun(azimuth_deg: f64, altitude_deg: f64, dni_w_m2: f64, dhi_w_m2: f64) ->
     Condition::new("c".into(), &[sun], sun, dni_w_m2, dhi_w_m2)
 }
 
-/// DHI 100 W/m2, no sun.
+/// Returns a condition of DHI 100 W/m2 without sun.
 pub fn sky_only() -> Condition {
     sun(180.0, 45.0, 0.0, 100.0)
 }
 
-/// Components of one receiver and condition.
+/// Components of one receiver and condition, W/m2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     pub sun_direct: f64,
@@ -161,38 +165,39 @@ pub struct Site {
     pub path: PathBuf,
 }
 
-/// Settings for tests whose bounds the default ones do not keep.
+/// Returns settings for tests whose bounds the default ones do not keep.
 pub fn fine() -> BuildSettings {
     Rungs::of(Quality::Fine).settings()
 }
 
-/// Three times what the coding of responses of n x n texels may add to the light of a source of so many W/m2 at normal incidence, W/m2:
-/// its bound is an RMS over directions (`layers::response`).
+/// Returns three times the error, W/m2, that the coding of responses of n x n texels may add to the
+/// light of a source of `source_w_m2` at normal incidence: its bound is an RMS over directions
+/// (`layers::response`).
 pub fn coded_w_m2(n: usize, source_w_m2: f64) -> f64 {
     3.0 * 0.0032 / n as f64 * source_w_m2
 }
 
-/// Receivers in tiles, as a build takes them.
+/// Returns receivers in tiles, ready for a build.
 pub fn tiles(receivers: &[Receiver], scene: &Scene) -> ReceiverTiles {
     ReceiverTiles::from_receivers(receivers, scene.mesh.origin, &std::env::temp_dir(), 1 << 20).expect("receivers")
 }
 
-/// Where tests work.
+/// Returns the workspace of a test.
 pub fn workspace(folder: &Path, bytes: u64) -> Workspace {
     Workspace { folder: folder.to_path_buf(), memory: MemoryBudget::new(bytes) }
 }
 
-/// A build of an archive with some settings.
+/// Returns the plan and output of an archive with some settings.
 pub fn plan(settings: &BuildSettings, path: &Path) -> (Plan, Output) {
     (Plan::of(*settings), Output::new(path))
 }
 
-/// Traces receivers as a plan says.
+/// Traces receivers by a plan.
 pub fn build(scene: &Scene, receivers: &mut ReceiverTiles, plan: &(Plan, Output)) -> Result<BuildReport> {
     build_with(scene, receivers, plan, &ReusedArchives::default())
 }
 
-/// The same, but for what other archives hold.
+/// Traces receivers by a plan, but for the blocks that other archives hold.
 pub fn build_with(
     scene: &Scene,
     receivers: &mut ReceiverTiles,
@@ -212,12 +217,12 @@ pub fn site(scene: &Scene, receivers: &[Receiver], settings: &BuildSettings) -> 
 }
 
 impl Site {
-    /// Irradiance per receiver id: one row a condition.
+    /// Returns the irradiance per receiver id: one row a condition.
     pub fn replay(&self, conditions: &[Condition], sky: SkyModel, depth: MaxBounces) -> BTreeMap<String, Vec<Row>> {
         self.replay_with(conditions, sky, depth, 577)
     }
 
-    /// The same with a number of sky patches.
+    /// Returns the irradiance per receiver id with a number of sky patches: one row a condition.
     pub fn replay_with(
         &self,
         conditions: &[Condition],
@@ -228,24 +233,25 @@ impl Site {
         replay(&self.path, conditions, sky, depth, patches)
     }
 
-    /// One condition under a uniform sky, all bounces.
+    /// Returns the irradiance of one condition under a uniform sky, all bounces.
     pub fn uniform(&self) -> BTreeMap<String, Row> {
         let rows = self.replay(&[sky_only()], SkyModel::Uniform, MaxBounces::All);
         rows.into_iter().map(|(id, rows)| (id, rows[0])).collect()
     }
 }
 
-/// A file of the cut of The Hague.
+/// Returns the path of a file of the cut of The Hague.
 pub fn data(name: &str) -> PathBuf {
     Path::new(crate::ROOT).join("tests/data/hague").join(name)
 }
 
-/// The program on its way to build the cut of The Hague for some receivers, coarsely, in less than a second.
+/// Returns a command that builds the cut of The Hague for some receivers, coarsely, in less than a
+/// second.
 pub fn hague(output: &Path, receivers: &Path) -> Command {
     hague_of(&data("materials.toml"), output, receivers)
 }
 
-/// The same with other materials.
+/// Returns a command that builds the cut of The Hague with other materials.
 pub fn hague_of(materials: &Path, output: &Path, receivers: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_heliotile"));
     command.arg("build").arg(data("scene.obj")).arg("-m").arg(materials);
@@ -255,7 +261,7 @@ pub fn hague_of(materials: &Path, output: &Path, receivers: &Path) -> Command {
     command
 }
 
-/// Irradiance of an archive per receiver id: one row a condition.
+/// Returns the irradiance of an archive per receiver id: one row a condition.
 pub fn replay(
     path: &Path,
     conditions: &[Condition],

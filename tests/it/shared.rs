@@ -1,4 +1,5 @@
-//! What overlapping scenes and variants of a site share: cells, hits and responses, to the bit.
+//! Light that overlapping scenes and variants of a site share: cells, hits and responses, to the
+//! bit.
 
 use std::collections::BTreeMap;
 
@@ -15,10 +16,10 @@ use heliotile_scene::covering::receivers::read_receivers_with_warnings;
 
 use crate::scenes::*;
 
-/// Where the town stands, in coordinates of a national grid.
+/// Position of the town, in coordinates of a national grid.
 const PLACE: DVec3 = DVec3::new(85_321.7, 446_123.4, 3.3);
 
-/// What it costs little to trace.
+/// Returns settings that are cheap to trace.
 fn coarse() -> BuildSettings {
     BuildSettings { sky_base: 32, sky_fine: 128, hit: 16, probe: 16, ..BuildSettings::default() }
 }
@@ -27,12 +28,13 @@ fn moved(triangles: Triangles, shift: DVec3) -> Triangles {
     triangles.into_iter().map(|(corners, material)| (corners.map(|p| p + shift), material)).collect()
 }
 
-/// A box of 10 m in front of a place and deep below it, where no surface of the scene sees it: it moves the bounding box only.
+/// Returns a box of 10 m in front of a place and deep below it, which no surface of the scene sees:
+/// it moves the bounding box only.
 fn hidden(at: DVec3) -> Triangles {
     block(at, at + 10.0, 1)
 }
 
-/// All cells of an archive, probes and bounce cells apart, by key.
+/// Returns all cells of an archive, probes and bounce cells apart, by key.
 fn cells(path: &std::path::Path) -> [BTreeMap<CellKey, Cell>; 2] {
     let archive = Archive::open(path).expect("an archive");
     let site = OpenSite::of(&archive).expect("a site");
@@ -46,15 +48,17 @@ fn cells(path: &std::path::Path) -> [BTreeMap<CellKey, Cell>; 2] {
     })
 }
 
-/// Kind, tile and content id of every block of an archive but what it shows: all triangles are there, whatever is seen
-/// of them, and places are relative to the origin of the scene.
+/// Returns the kind, tile and content id of every block of an archive but scene and overview: the
+/// scene holds all triangles, seen or not, and positions of the overview are relative to the origin
+/// of the scene.
 fn blocks(path: &std::path::Path) -> Vec<(String, [u8; 32])> {
     let archive = Archive::open(path).expect("an archive");
     let traced = archive.entries().iter().filter(|entry| ![format::SCENE, format::OVERVIEW].contains(&entry.kind));
     traced.map(|entry| (format::block_name(entry.kind, entry.tile), entry.content)).collect()
 }
 
-/// The scene of a cut of The Hague as triangles in input coordinates, and its materials and receivers.
+/// Returns the scene of a cut of The Hague as triangles in input coordinates, and its materials and
+/// receivers.
 fn hague_cut() -> (Triangles, Vec<Material>, Vec<Receiver>) {
     let scene = Scene::load(&data("scene.obj"), Some(&data("materials.toml"))).expect("a scene");
     let mesh = &scene.mesh;
@@ -64,8 +68,9 @@ fn hague_cut() -> (Triangles, Vec<Material>, Vec<Receiver>) {
     (triangles, scene.materials, receivers)
 }
 
-/// A town, and the cut of The Hague, in two scenes each, whose origins lie 768 m and 512 m apart on each axis because of a box that nobody
-/// sees: every block of the two archives is equal to the bit, layers, cells and responses of 150 and 78 receivers.
+/// A town, and the cut of The Hague, are built in two scenes each, whose origins lie 768 m and 512
+/// m apart on each axis because of a box that no surface sees. Every block of the two archives is
+/// equal to the bit: layers, cells and responses of 150 and 78 receivers.
 #[test]
 fn overlapping_scenes_share_all_blocks() {
     let (cut, materials, at_cut) = hague_cut();
@@ -96,8 +101,9 @@ fn overlapping_scenes_share_all_blocks() {
     }
 }
 
-/// Two parts of the cut of The Hague that overlap by 120 m, with the receivers of the middle 80 m: of the cells that both archives
-/// hold, most see nothing of what only one part has, and these are equal to the bit: over 70 % of the probes, 65 % of the bounce cells.
+/// Two parts of the cut of The Hague overlap by 120 m, with the receivers of the middle 80 m. Most
+/// cells that both archives hold see nothing that only one part has, and these are equal to the
+/// bit: over 70 % of the probes, 65 % of the bounce cells.
 #[test]
 fn parts_of_a_city_share_most_cells() {
     let (cut, materials, receivers) = hague_cut();
@@ -124,8 +130,9 @@ fn parts_of_a_city_share_most_cells() {
     assert!(shares[0] > 0.70 && shares[1] > 0.65, "{shares:?}");
 }
 
-/// A tower of one material more, whose name moves the numbers of all others: every cell of the town that has its back to it is equal to the
-/// bit but for these numbers, and each of the others that is not sees the tower, in its hits or as less sky.
+/// A tower adds one material, whose name moves the numbers of all others: every cell of the town
+/// that has its back to it is equal to the bit but for these numbers, and each of the others that
+/// is not equal sees the tower, in its hits or as less sky.
 #[test]
 fn variants_share_what_does_not_see_the_change() {
     let receivers: Vec<Receiver> = many().into_iter().map(|r| Receiver { position: r.position + PLACE, ..r }).collect();

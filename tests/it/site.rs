@@ -1,4 +1,5 @@
-//! From scene files to receivers, and on to a year: who gets a receiver, and what `run` leaves behind.
+//! From scene files to receivers, and on to a year: the surfaces that get receivers, and the files
+//! that `run` writes.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -6,7 +7,7 @@ use std::path::Path;
 
 use crate::cli::{Folder, stderr, stdout};
 
-/// Two houses of 10 m a side with a wall in common, 1 m deep in a meadow.
+/// Writes two houses of 10 m a side with a wall in common, 1 m deep in a meadow.
 pub fn houses(reversed: bool) -> String {
     let mut text = String::new();
     for x in [0, 10] {
@@ -40,8 +41,9 @@ fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Of 1,000 receivers on walls and roofs of two houses 740 get light: 200 lie in the wall between them, 60 more below the meadow; areas
-/// of those that are written are 740 m2, and the order of the file changes nothing but the lines that faces stand in.
+/// 740 of 1,000 receivers on walls and roofs of two houses get light: 200 lie in the wall between
+/// them, 60 more below the meadow. The areas of those that are written are 740 m2, and the order of
+/// the file changes only the line numbers of faces.
 #[test]
 fn buried_are_left_out() {
     let folder = Folder::new();
@@ -72,7 +74,8 @@ fn buried_are_left_out() {
     assert_eq!((buried.len(), buried.iter().filter(|row| row["reason"] == "inside").count()), (260, 260));
 }
 
-/// 3 receivers a surface on 2 roofs are 6 rows 5 mm off the roof, by kind or by the name of the material of 11 surfaces, one hidden.
+/// 3 receivers a surface on 2 roofs are 6 rows 5 mm off the roof; by the name of a material 8 of 10
+/// surfaces get receivers, as two are hidden.
 #[test]
 fn by_kind_and_material() {
     let folder = Folder::new();
@@ -83,11 +86,11 @@ fn by_kind_and_material() {
     assert!(table.iter().all(|row| row["z"] == "10.0050" && row["area"] == "33.3333" && row["nz"] == "1.000000"));
     assert!(stderr(&roofs).contains("6 receivers on 2 surfaces"), "{}", stderr(&roofs));
     let bricks = rows(&stdout(&folder.run("receivers a.obj --on brick --per-surface 1")));
-    // Eight walls but the two between the houses, two roofs.
+    // Eight walls but the two between the houses, and two roofs.
     assert_eq!(bricks.len(), 8);
 }
 
-/// Five wrong wishes are refused with exit code 2 and what could be asked for; nothing is written.
+/// Five wrong requests are refused with exit code 2 and the possible values; no file is written.
 #[test]
 fn refusals() {
     let folder = Folder::new();
@@ -120,8 +123,8 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// One command writes 9 files, its sums are those of `replay`, of `south` rows more sun than `north`; a second run traces nothing and
-/// leaves the archive's bytes.
+/// One command writes 9 files. Its sums are those of `replay`, and rows of `south` get more sun
+/// than `north`. A second run traces nothing and leaves the archive's bytes.
 #[test]
 fn run_and_run_again() {
     let folder = Folder::new();
@@ -165,8 +168,9 @@ fn run_and_run_again() {
     assert_eq!(fs::read(made.join("site.helio")).expect("an archive"), before);
 }
 
-/// Three buildings of 3DBAG (EPSG:7415) lie near 51.9 N 4.4 E or wherever the file says: `info` prints one place of scene and archive, `run`
-/// and `replay` warn that Golden's weather is more than 7,000 km away, and convergence is named once.
+/// Three buildings of 3DBAG (EPSG:7415) lie near 51.9 N 4.4 E: `info` prints one place of scene and
+/// archive, `run` and `replay` warn that Golden's weather is more than 7,000 km away, and
+/// convergence is named once.
 #[test]
 fn place_travels() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! Sky components: how much of an overcast sky a place sees.
+//! Sky components: the share of an overcast sky that a place sees.
 
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -10,8 +10,9 @@ use heliotile_scene::Scene;
 
 use crate::scenes::{quad, receiver, site, v};
 
-/// Vertical sky components of a wall in front of an endless one at profile angles of 10 to 60 degrees, and of an open wall, are those of the
-/// integral of (1 + 2 sin a)/3 within 0.1 points at the default settings; one that looks down sees no sky.
+/// Vertical sky components of a wall in front of an endless one at profile angles of 10 to 60
+/// degrees, and of an open wall, are those of the integral of (1 + 2 sin a)/3 within 0.1 points at
+/// the default settings. A receiver that looks down sees no sky.
 #[test]
 fn vertical_sky_components() {
     let (height, distance) = (20.0_f64, 10.0);

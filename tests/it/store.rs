@@ -1,4 +1,4 @@
-//! What was traced once: the store that builds share, and repair.
+//! Reuse of traces: the store that builds share, and repair.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ impl Halves {
         self.0.path().join(name)
     }
 
-    /// Materials of The Hague, but roofs are glass.
+    /// Writes the materials of The Hague with roofs of glass.
     fn shiny(&self) -> PathBuf {
         let materials = fs::read_to_string(data("materials.toml")).expect("materials");
         let path = self.path("shiny.toml");
@@ -41,7 +41,7 @@ impl Halves {
         path
     }
 
-    /// Builds `name.helio` for `name.csv`, and gives its bytes and the millions of rays that were cast.
+    /// Builds `output` for `csv`; returns its bytes and the millions of rays that were cast.
     fn build(&self, csv: &str, output: &str, store: Option<&str>) -> (Vec<u8>, f64) {
         let mut command = hague(&self.path(output), &self.path(csv));
         store.map(|store| command.arg("--store").arg(self.path(store)));
@@ -50,7 +50,7 @@ impl Halves {
     }
 }
 
-/// Millions of rays that a build says it cast.
+/// Returns the millions of rays that a build reports.
 fn mrays(output: &Output) -> f64 {
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     let before = said.split(" Mray").next().and_then(|s| s.rsplit(' ').next()).expect("rays");
@@ -78,9 +78,10 @@ fn archives(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// A second project that shares half of its 52 receivers with the first casts at most 70 % of the rays, one with the same receivers
-/// none, and both have the bytes of builds without a store; so has one from a store whose archives
-/// are damaged in 40 places, which heals what it finds.
+/// A second project that shares half of its 52 receivers with the first casts at most 70 % of the
+/// rays, one with the same receivers none, and both have the bytes of builds without a store. So
+/// has one from a store whose archives are damaged in 40 places, and it replaces the damaged
+/// archives.
 #[test]
 fn nothing_is_traced_twice() {
     let site = Halves::new();
@@ -94,7 +95,7 @@ fn nothing_is_traced_twice() {
     let stored = archives(&site.path("store"));
     assert_eq!(stored.len(), 2);
     for path in &stored {
-        // Copies first: the store holds links to the archives of this test.
+        // The bytes are copied first: the store holds links to the archives of this test.
         let mut bytes = fs::read(path).expect("an archive");
         let length = bytes.len();
         (0..40).for_each(|i| bytes[8192 + i * (length - 40_000) / 40] ^= 1);
@@ -109,8 +110,9 @@ fn nothing_is_traced_twice() {
     assert!(rays == 0.0, "the store was not healed: {rays} Mray");
 }
 
-/// An archive of other settings, one of another scene and a file that is none, put into a store under the name of one that fits, are
-/// named and not used, 3 of 3: the build casts all rays and has the bytes of a build alone.
+/// An archive of other settings, one of another scene and a file that is no archive, put into a
+/// store under the name of one that fits, are named and not used, 3 of 3: the build casts all rays
+/// and has the bytes of a build alone.
 #[test]
 fn folder_names_are_not_believed() {
     let site = Halves::new();
@@ -131,7 +133,7 @@ fn folder_names_are_not_believed() {
         site.build("a.csv", "a.helio", Some("store"));
         let stored = archives(&store);
         assert_eq!(stored.len(), 1);
-        // A copy: the store holds a link to the archive of this test.
+        // The file is a copy: the store holds a link to the archive of this test.
         fs::remove_file(&stored[0]).expect("removed");
         fs::copy(other, &stored[0]).expect("copied");
         let mut command = hague(&site.path("b.helio"), &site.path("b.csv"));
@@ -145,8 +147,8 @@ fn folder_names_are_not_believed() {
     }
 }
 
-/// Four builds that fill one store at once all succeed with the bytes of a build alone, and leave one archive each content: 2.
-/// `gc` keeps what fits: 2 archives in 1 GiB, none in 0.
+/// Four builds that fill one store at once all succeed with the bytes of a build alone, and leave
+/// one archive for each content: 2. `gc` keeps the archives that fit: 2 in 1 GiB, none in 0.
 #[test]
 fn builds_share_a_store_at_once() {
     let site = Halves::new();
@@ -177,9 +179,10 @@ fn builds_share_a_store_at_once() {
     assert_eq!(refused.status.code(), Some(2));
 }
 
-/// One damaged block of each of the 18 kinds of a site with mirrors, one kind at a time, is repaired to the very bytes that were; where
-/// receivers are damaged the receivers file is asked for; another scene,
-/// other receivers, and the same ones with one other area or surface are refused; a good archive is left alone.
+/// One damaged block of each of the 18 kinds of a site with mirrors, one kind at a time, is
+/// repaired to the original bytes. If receivers are damaged the receivers file is asked for.
+/// Another scene, other receivers, and the same ones with one other area or surface are refused. A
+/// good archive is left alone.
 #[test]
 fn repair_gives_the_same_bytes() {
     let site = Halves::new();
@@ -231,8 +234,9 @@ fn repair_gives_the_same_bytes() {
     assert!(fs::read(&path).expect("an archive") == bytes, "a refused repair changed the archive");
 }
 
-/// A repair that was interrupted after its first tile goes on: the repaired archive has the bytes that were, 3 blocks of them from the
-/// interrupted one. `extract` and `merge`, which have no `--fresh`, do not name it where another build lies: 2 of 2.
+/// A repair that was interrupted after its first tile is resumed: the repaired archive has the
+/// original bytes, 3 blocks of them from the interrupted one. `extract` and `merge`, which have no
+/// `--fresh`, do not name it if another build lies there: 2 of 2.
 #[test]
 fn repairs_go_on() {
     let site = Halves::new();
@@ -268,7 +272,7 @@ fn repairs_go_on() {
     let damaged = archive.entries_of(format::PROBES)[0];
     let mut bytes = whole.clone();
     bytes[damaged.offset as usize + 9] ^= 1;
-    // A file of its own: this test has the other one open.
+    // The file is replaced, not changed: this test has the old one open.
     fs::remove_file(&path).expect("removed");
     fs::write(&path, bytes).expect("written");
     let output =

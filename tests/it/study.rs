@@ -1,11 +1,11 @@
-//! The studies of the paper: what they find, and what they write.
+//! The studies of the paper: their results, and the files that they write.
 
 use std::collections::BTreeMap;
 use std::fs;
 
 use crate::cli::{Folder, stdout};
 
-/// Mean absolute error, percent, by map and number of rays, read off a table.
+/// Returns the mean absolute error, percent, by map and number of rays, from a table.
 fn mean_errors(table: &str) -> BTreeMap<(String, u32), f64> {
     let mut errors: BTreeMap<(String, u32), Vec<f64>> = BTreeMap::new();
     for line in table.lines().skip(1) {
@@ -18,8 +18,9 @@ fn mean_errors(table: &str) -> BTreeMap<(String, u32), f64> {
     errors.into_iter().map(|(key, all)| (key, all.iter().sum::<f64>() / all.len() as f64)).collect()
 }
 
-/// The wall of Fig. 5 at 1 to 50 m: 450 rows, 50 for each of 9 maps and numbers of rays; in each map the mean error falls from 256 to 1024
-/// to 4096 rays, then to below 2.5 % by longitude and latitude, 5 % by solid angle and 3 % by cosine.
+/// For the wall of Fig. 5 at 1 to 50 m there are 450 rows, 50 for each of 9 maps and numbers of
+/// rays. In each map the mean error falls from 256 to 1024 to 4096 rays, then to below 2.5 % by
+/// longitude and latitude, 5 % by solid angle and 3 % by cosine.
 #[test]
 fn wall() {
     let folder = Folder::new();
@@ -43,8 +44,8 @@ fn wall() {
     assert_eq!(fs::read_dir(folder.path("made/wall")).expect("a folder").count(), 3);
 }
 
-/// 25 points over the receiver bring the mean error of every map of 4096 rays below half of that of one point; 3 distances of one map
-/// and number of rays are 3 rows, and two runs write equal bytes.
+/// 25 points over the receiver bring the mean error of every map of 4096 rays below half of that of
+/// one point; 3 distances of one map and number of rays are 3 rows, and two runs write equal bytes.
 #[test]
 fn points() {
     let folder = Folder::new();
@@ -63,7 +64,7 @@ fn points() {
     assert_eq!(again, table(few));
 }
 
-/// Wrong numbers are refused with what to give, 7 of 7, and nothing is written.
+/// Wrong numbers are refused with a hint, 7 of 7, and no file is written.
 #[test]
 fn wrong_numbers() {
     let folder = Folder::new();

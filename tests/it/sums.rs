@@ -13,7 +13,7 @@ use heliotile_scene::Scene;
 
 use crate::scenes::*;
 
-/// Suns of 700 hours of all heights, five positions an hour, half a degree and more apart.
+/// Returns suns of 700 hours at all heights, five positions an hour, half a degree and more apart.
 fn hours() -> Vec<Condition> {
     let hour = |i: i32| {
         let i = f64::from(i);
@@ -25,7 +25,8 @@ fn hours() -> Vec<Condition> {
     (0..700).map(hour).collect()
 }
 
-/// Largest difference between a component's sums and the sums of its means, as a share of the largest sum, and that sum, kWh/m2.
+/// Returns the largest difference between a component's sums and the sums of its means, as a share
+/// of the largest sum, and that sum, kWh/m2.
 fn off(site: &Site, component: Component, sky: SkyModel) -> (f64, f64) {
     let archive = Archive::open(&site.path).expect("an archive");
     let opened = OpenSite::of(&archive).expect("a site");
@@ -51,8 +52,9 @@ fn off(site: &Site, component: Component, sky: SkyModel) -> (f64, f64) {
     (worst / largest, largest)
 }
 
-/// 3,500 suns in three sums are what their 700 hours add up to, within 1e-5 of the largest sum: straight, in mirrors and in double glass, on
-/// receivers of four tilts that suns graze, and through leaves; light of the sky with what comes from around the sun within 2e-3.
+/// Sums of 3,500 suns in three bins are the sums of their 700 hours, within 1e-5 of the largest
+/// sum: direct, in mirrors and in double glass, on receivers of four tilts that suns graze, and
+/// through leaves. Light of the sky with its circumsolar part is within 2e-3.
 #[test]
 fn suns_added_up() {
     let settings = BuildSettings { sky_base: 64, sky_fine: 512, hit: 8, probe: 8, ..BuildSettings::default() };
@@ -76,7 +78,7 @@ fn suns_added_up() {
     assert!(worst < 1e-5 && largest > 1.0, "{worst:.1e} of {largest}");
 }
 
-/// Six crowns.
+/// Returns six crowns of leaves.
 fn town_of_leaves() -> Triangles {
     let crown = |i: i32| {
         let (x, y) = (f64::from(i % 3) * 30.0 - 40.0, f64::from(i / 3) * 40.0 - 30.0);

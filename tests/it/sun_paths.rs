@@ -1,4 +1,5 @@
-//! Another sun and plain geometry, for tests of sunlight and of the sun in mirrors; tables by their rows.
+//! Another sun algorithm and plain geometry, for tests of sunlight and of the sun in mirrors;
+//! tables by their rows.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -7,10 +8,11 @@ use glam::DVec3;
 
 use crate::cli::{Folder, stderr, stdout};
 
-/// Where the sun stands, by "Low accuracy" of Jean Meeus, Astronomical Algorithms (1998), chapter 25: 0.01 degrees. `day`: of March to December 2017,
-/// as days since 2017-01-01 00:00 UTC.
+/// Returns the direction of the sun, by "Low accuracy" of Jean Meeus, Astronomical Algorithms
+/// (1998), chapter 25: 0.01 degrees. `day` is in March to December 2017, as days since 2017-01-01
+/// 00:00 UTC.
 pub fn sun(day: f64, latitude_deg: f64, longitude_deg: f64) -> DVec3 {
-    // 2017-01-01 00:00 is JD 2457754.5; delta T is 69 s.
+    // The epoch 2017-01-01 00:00 is JD 2457754.5; delta T is 69 s.
     let julian = 2_457_754.5 + day;
     let t = (julian + 69.0 / 86_400.0 - 2_451_545.0) / 36_525.0;
     let mean_longitude = 280.46646 + 36_000.769_83 * t + 0.000_303_2 * t * t;
@@ -39,12 +41,12 @@ pub fn sun(day: f64, latitude_deg: f64, longitude_deg: f64) -> DVec3 {
 pub struct Rectangle(pub DVec3, pub DVec3, pub DVec3);
 
 impl Rectangle {
-    /// Whether a ray meets it.
+    /// Returns true if a ray meets the rectangle.
     pub fn stops(&self, origin: DVec3, direction: DVec3) -> bool {
         self.stops_before(origin, direction, f64::INFINITY)
     }
 
-    /// Whether a ray meets it within a distance.
+    /// Returns true if a ray meets the rectangle within a distance.
     pub fn stops_before(&self, origin: DVec3, direction: DVec3, most: f64) -> bool {
         let Rectangle(corner, a, b) = *self;
         let normal = a.cross(b);
@@ -64,7 +66,7 @@ impl Rectangle {
 pub const GROUND: &str =
     "v -20000 -20000 0\nv 20000 -20000 0\nv 20000 20000 0\nv -20000 20000 0\nusemtl ground\nf 1 2 3 4\nusemtl wall\n";
 
-/// Rows of a table by their first two cells, the others by the names of their columns.
+/// Returns the rows of a table by their first two cells, the others by the names of their columns.
 pub fn rows(text: &str) -> BTreeMap<(String, String), BTreeMap<String, String>> {
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();

@@ -1,4 +1,5 @@
-//! Hours of possible sun: moments against another sun and plain geometry, areas, verdicts of rules worked out by hand, files, wrong input.
+//! Hours of possible sun: moments against another sun algorithm and plain geometry, areas, verdicts
+//! of rules worked out by hand, files, wrong input.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +8,8 @@ use glam::DVec3;
 use crate::cli::{Folder, stderr};
 use crate::sun_paths::{GROUND, Rectangle, rows, run, sun};
 
-/// Minutes of sun of a receiver on a day of 2017 by looks every five seconds, the ends by halving.
+/// Computes the minutes of sun of a receiver on a day of 2017, sampled every five seconds, the ends
+/// by halving.
 fn minutes(day: u32, latitude_deg: f64, origin: DVec3, normal: DVec3, walls: &[Rectangle]) -> f64 {
     let lit = |minute: f64| {
         let sun = sun(f64::from(day) + minute / 1440.0, latitude_deg, 5.0);
@@ -33,15 +35,17 @@ fn minutes(day: u32, latitude_deg: f64, origin: DVec3, normal: DVec3, walls: &[R
     sum
 }
 
-/// The sun between two vertical edges, over a level edge, and at a window between fins below an overhang, at five latitudes on four dates: 60
-/// sums of a day. All are within what is stated, 95 of 100 within half a minute. With rays of the scene 95 of 100 are within six seconds and all
-/// within ten: the other sun is right to 0.01 degrees, which is seconds where it rises flatly, and rays start a millimetre off their surface.
+/// The sun between two vertical edges, over a level edge, and at a window between fins below an
+/// overhang, at five latitudes on four dates, gives 60 sums of a day. All are within the stated
+/// uncertainty, 95 of 100 within half a minute. With rays of the scene 95 of 100 are within six
+/// seconds and all within ten: the other algorithm is right to 0.01 degrees, which is seconds where
+/// the sun rises flatly, and rays start a millimetre off their surface.
 #[test]
 fn moments_of_edges() {
     let days = [("03-21", 79), ("06-21", 171), ("11-05", 308), ("12-21", 354)];
     let (mut off, mut off_exact) = (Vec::new(), Vec::new());
     for latitude_deg in [0.0, 31.0, 52.0, 64.0, -34.0] {
-        // On the sun's side.
+        // Edges lie on the sun's side.
         let side = if latitude_deg < 0.0 { 1.0 } else { -1.0 };
         let v = |x: f64, y: f64, z: f64| DVec3::new(x, side * y, z);
         let (long, high) = (300.0, 300.0);
@@ -94,8 +98,9 @@ fn moments_of_edges() {
     assert!(off[56] < 0.5 && off_exact[56] < 6.0, "{off:?} {off_exact:?}");
 }
 
-/// On 21 March a block of 40 x 10 x 20 m leaves a part of the lawn north of it two hours of sun: its area, by receivers 1 m apart, is that of a
-/// grid of 50 cm under another sun within 1 %, and a rule of half of the area sees what the table says.
+/// On 21 March a block of 40 x 10 x 20 m leaves a part of the lawn north of it two hours of sun.
+/// The area of that part, by receivers 1 m apart, is that of a grid of 50 cm with another sun
+/// algorithm within 1 %, and a rule of half of the area agrees with the table.
 #[test]
 fn shadow_of_a_box_on_a_lawn() {
     let v = DVec3::new;
@@ -137,13 +142,17 @@ fn shadow_of_a_box_on_a_lawn() {
     assert_eq!(row["verdict"], if lit >= 1200.0 { "met" } else { "broken" }, "{row:?}");
 }
 
-/// Receivers on open ground at 52 N, but for one in a slot that shows the sky from 165 to 195 degrees of azimuth only, and one behind a wall with
-/// a profile angle of 30 degrees. 16 verdicts:
+/// Receivers stand on open ground at 52 N, but for one in a slot that shows the sky from 165 to 195
+/// degrees of azimuth only, and one behind a wall with a profile angle of 30 degrees. 16 verdicts:
 ///
-/// - `south` meets all: on 17 January the sun stands above 6 degrees for 5 hours, on 19 February above 10 for 7.
-/// - `north` sees no sun in winter, and for minutes only at the equinox: it breaks all but the rule of June.
-/// - `slot`: with A = 15 degrees, sin H = tan A (sin 52 cos H - tan d cos 52) gives H = 11.9 degrees on 21 March (95 minutes), 14.8 on 1 February
-///   (118 minutes), 8.0 on 21 June (64 minutes): 90 minutes of one day between those are met, three hours and two hours of each day are not.
+/// - `south` meets all: on 17 January the sun stands above 6 degrees for 5 hours, on 19 February
+///   above 10 for 7.
+/// - `north` sees no sun in winter, and for minutes only at the equinox: it breaks all but the rule
+///   of June.
+/// - `slot`: with A = 15 degrees, sin H = tan A (sin 52 cos H - tan d cos 52) gives H = 11.9
+///   degrees on 21 March (95 minutes), 14.8 on 1 February (118 minutes), 8.0 on 21 June (64
+///   minutes): 90 minutes of one day between those are met, three hours and two hours of each day
+///   are not.
 /// - `behind`: VSC of 24.4 %, below 27; `south` has 39.6.
 #[test]
 fn verdicts_by_hand() {
@@ -205,15 +214,16 @@ fn verdicts_by_hand() {
     assert!((value("bre-vsc", "behind") - 24.36).abs() < 0.1 && (value("bre-vsc", "south") - 39.62).abs() < 0.1);
 }
 
-/// Rules of one's own on a window of three parts (50, 30 and 20 % of its area) that fins let see the sun one after the other: half of it lit at a
-/// time is less than any fifth of it, and half of it in turn is what its middle part gets at least. A spell of at least 3 hours, an angle of 45
-/// degrees to the facade, hours of summer time: each takes what it says.
+/// Rules from a user's file judge a window of three parts (50, 30 and 20 % of its area) that see
+/// the sun one after the other. Half of it lit at a time is less than any fifth of it, and half of
+/// it in turn is at least the minutes of its largest part. A spell of at least 3 hours, an angle of
+/// 45 degrees to the facade and hours of summer time each count as stated.
 #[test]
 fn rules_of_ones_own() {
     let folder = Folder::new();
     folder.write("s.obj", GROUND);
     let mut lines = String::from("receiver,x,y,z,nx,ny,nz,area,surface,kind\n");
-    // Three turns of a facade stand for three parts: their suns come one after the other.
+    // Three turns of a facade stand for three parts: they see the sun one after the other.
     for (name, azimuth_deg, area) in [("a", 110.0_f64, 5.0), ("b", 180.0, 3.0), ("c", 250.0, 2.0)] {
         let (sin, cos) = azimuth_deg.to_radians().sin_cos();
         lines.push_str(&format!("{name},0,0,5,{sin},{cos},0,{area},w,window\n"));
@@ -240,20 +250,23 @@ fn rules_of_ones_own() {
     let value = |rule: &str, place: &str| of(&by_receiver, rule, place).expect("a number");
     let window = |rule: &str| of(&by_window, rule, "w").expect("a number");
     let (a, b, c) = (value("any", "a"), value("any", "b"), value("any", "c"));
-    // The sun rises at azimuth 50 and sets at 310: `a` sees it from the beginning to 200, `c` from 160 to the end, `b` from 90 to 270.
+    // The sun rises at azimuth 50 and sets at 310: `a` sees it from the beginning to 200, `c` from
+    // 160 to the end, `b` from 90 to 270.
     assert!(window("any") > a.max(c) + 120.0 && window("half") < window("any"), "{} {}", window("any"), window("half"));
     assert!(window("half") >= a - 0.01, "the largest part is half of it");
     assert_eq!((window("turn"), window("whole")), (a, a.min(b).min(c)));
     assert!(value("angle", "b") < 0.6 * b && value("spell", "b") == 0.0, "{} {}", value("angle", "b"), b);
-    // From 9 to 10 of summer time is from 8 to 9 of +01:00: the sun stands east, before `a`, and behind `c`.
+    // From 9 to 10 of summer time is from 8 to 9 of +01:00: the sun stands east, before `a`, and
+    // behind `c`.
     assert_eq!((value("summer", "a"), value("summer", "c")), (60.0, 0.0));
     assert!(of(&by_receiver, "summer", "wall").is_err() && of(&by_receiver, "walls", "wall").is_ok());
     assert_eq!(by_receiver[&("summer".into(), "wall".into())]["verdict"], "");
     assert_eq!(by_window.len(), 8, "the wall is no window");
 }
 
-/// Probable hours of an open facade and of one that looks north: shares of the sunny hours of a weather file whose sun shines in the mornings.
-/// South gets nearly all of them, east all, west none; north is not asked. A file without these days is refused.
+/// Probable hours of facades are shares of the sunny hours of a weather file whose sun shines in
+/// the mornings. South gets nearly all of them, east all, west none; the rule does not apply to
+/// north. A file without these days is refused.
 #[test]
 fn probable_hours() {
     let folder = Folder::new();
@@ -274,7 +287,7 @@ fn probable_hours() {
     folder.write("w.csv", &weather);
     let ask = "sunlight s.helio --rule bre-apsh -o - -w";
     let found = rows(&run(&folder, &format!("{ask} w.csv --latitude 52 --longitude 0")));
-    // Told by another clock, hours and suns move together.
+    // In another time zone, hours and suns move together.
     for zone in ["+05:00", "-09:30"] {
         let moved = rows(&run(&folder, &format!("{ask} w.csv --latitude 52 --longitude 0 --zone {zone}")));
         for (key, row) in &found {
@@ -296,9 +309,10 @@ fn probable_hours() {
     assert!(stderr(&refused).contains("has no hours of"), "{}", stderr(&refused));
 }
 
-/// An endless wall before a facade grows from a profile angle of 25 degrees to 30, and to 40. Its vertical sky component falls from 27.3 % to 24.4,
-/// which is below 27 and above 0.8 of what it was, so the rule is met beside the archive before and broken without it; 18.3 % is newly broken. Lost
-/// minutes are the difference of two tables, and a receiver that was not there before has none.
+/// An endless wall before a facade grows from a profile angle of 25 degrees to 30, and to 40. Its
+/// vertical sky component falls from 27.3 % to 24.4, which is below 27 and above 0.8 of the earlier
+/// value, so the rule is met beside the archive before and broken without it; 18.3 % is newly
+/// broken. Lost minutes are the difference of two tables, and a new receiver has none.
 #[test]
 fn before_and_after() {
     let folder = Folder::new();
@@ -340,8 +354,8 @@ fn before_and_after() {
     assert!(refused.status.code() == Some(2) && stderr(&refused).contains("not of one site"), "{}", stderr(&refused));
 }
 
-/// `run --rule` writes a table of rules beside the others, with the rows of `sunlight` on its archive; a rule that is none is refused before
-/// anything is built.
+/// `run --rule` writes a table of rules beside the others, with the rows of `sunlight` on its
+/// archive; an unknown rule is refused before anything is built.
 #[test]
 fn beside_a_run() {
     let folder = Folder::new();
@@ -362,8 +376,8 @@ fn beside_a_run() {
     assert!(table == own && table.contains("bre-vsc,roof,"), "{table}");
 }
 
-/// Days as tables of all endings, maps and a picture; by month the sums of its days. First and last
-/// minutes are readings of the legal clock, which is an hour later in June.
+/// Days are written as tables of all extensions, maps and a picture; months hold the sums of their
+/// days. First and last minutes are times of the legal clock, which is an hour later in June.
 #[test]
 fn files_and_periods() {
     let folder = Folder::new();
@@ -406,8 +420,8 @@ fn files_and_periods() {
     }
 }
 
-/// Fourteen wrong questions are refused with exit code 2, each with the word that says what is wrong, and no file is written; an archive of a
-/// draft is answered with a warning.
+/// Fourteen wrong requests are refused with exit code 2, each with the word that says what is
+/// wrong, and no file is written; an archive of a draft gives results with a warning.
 #[test]
 fn wrong_questions() {
     let folder = Folder::new();

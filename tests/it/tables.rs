@@ -1,4 +1,4 @@
-//! Tables of the program: each in each format, read by readers that are not the program's, is what its CSV says.
+//! Tables of the program: each in each format, read by independent readers, equals its CSV.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -20,9 +20,9 @@ use crate::cli::{Folder, golden, stderr};
 #[derive(Clone, Debug)]
 enum Cells {
     Texts(Vec<String>),
-    /// NaN where a cell is empty.
+    /// Numbers; NaN where a cell is empty.
     Numbers(Vec<f64>),
-    /// Seconds since 1970 in UTC.
+    /// Times, seconds since 1970 in UTC.
     Times(Vec<i64>),
 }
 
@@ -37,7 +37,7 @@ impl Cells {
         }
     }
 
-    /// The cells at some rows.
+    /// Returns the cells at some rows.
     fn at(&self, rows: impl Iterator<Item = usize>) -> Self {
         match self {
             Cells::Texts(texts) => Cells::Texts(rows.map(|row| texts[row].clone()).collect()),
@@ -55,7 +55,7 @@ impl Cells {
         }
     }
 
-    /// Asserts that these are the cells of a CSV file, to the decimals that it has.
+    /// Asserts that the cells are those of a CSV file, to the decimals that it has.
     fn check(&self, csv: &[String], called: &str) {
         assert_eq!(self.len(), csv.len(), "{called}");
         match self {
@@ -77,7 +77,8 @@ impl Cells {
     }
 }
 
-/// `2019-03-01T06:00+01:00` as seconds since 1970 in UTC; months, whose zone is not told, begin at -07:00 as those of the golden weather do.
+/// Parses `2019-03-01T06:00+01:00` as seconds since 1970 in UTC; months, which state no zone, begin
+/// at -07:00 as those of the golden weather do.
 fn seconds_of(time: &str) -> i64 {
     if time.len() == 7 {
         return seconds_of(&format!("{time}-01T00:00-07:00"));
@@ -89,7 +90,7 @@ fn seconds_of(time: &str) -> i64 {
     86_400 * i64::from(date.day_number()) + 60 * minutes
 }
 
-/// Names of columns in order, and their cells.
+/// Reads the names of columns in order, and their cells.
 fn csv_table(path: &Path) -> Vec<(String, Vec<String>)> {
     let mut reader = csv::Reader::from_path(path).expect("CSV");
     let mut columns: Vec<(String, Vec<String>)> =
@@ -140,7 +141,7 @@ fn of_batches(batches: impl Iterator<Item = RecordBatch>) -> Table {
     table
 }
 
-/// Shape and cells of an array of NumPy.
+/// Parses the shape and the cells of an array of NumPy.
 fn numpy_array(bytes: &[u8]) -> (Vec<usize>, Cells) {
     let end = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
     let head = std::str::from_utf8(&bytes[10..end]).expect("text");
@@ -165,7 +166,7 @@ fn numpy_array(bytes: &[u8]) -> (Vec<usize>, Cells) {
     (shape, cells)
 }
 
-/// The columns of `[place][step][column]` or `[place][column]`, and of what is said of its axes.
+/// Returns the columns of `[place][step][column]` or `[place][column]`, and of its axes.
 fn of_array((shape, values): (Vec<usize>, Cells), names: &[String], others: Table) -> Table {
     let (places, steps) = (shape[0], if shape.len() == 3 { shape[1] } else { 1 });
     assert!(shape[shape.len() - 1] == names.len() && (steps == 1 || places != steps), "{shape:?}");
@@ -232,7 +233,8 @@ fn read(path: &Path, ending: &str) -> Table {
     }
 }
 
-/// A folder with an archive of a house, a shed and a lawn, whose names need quotes in CSV, and two points for modules.
+/// Builds an archive of a house, a shed and a lawn, whose names need quotes in CSV, and writes two
+/// points for modules.
 fn house() -> Folder {
     let folder = Folder::new();
     let mut text = String::from("receiver,x,y,z,nx,ny,nz,area,surface,object,building,kind,object_type,face,patch\n");
@@ -250,8 +252,9 @@ fn house() -> Folder {
     folder
 }
 
-/// The 10 tables of results, factors, buildings, roof faces, places, view factors and of modules' hours are the same in 5 formats as in CSV: 50
-/// files, read by the readers of Arrow and Parquet or as NumPy's arrays, have its columns, texts, times and numbers to its decimals.
+/// The 10 tables of results, factors, buildings, roof faces, places, view factors and of modules'
+/// hours are the same in 5 formats as in CSV: 50 files, read by the readers of Arrow and Parquet or
+/// as NumPy's arrays, have its columns, texts, times and numbers to its decimals.
 #[test]
 fn every_table_is_the_same_in_every_format() {
     let folder = house();

@@ -9,7 +9,8 @@ use heliotile_scene::Scene;
 const COLUMNS: usize = 156;
 const ROWS: usize = 168;
 
-/// Samples of the reference, a float32 TIFF of whole strips, little-endian: its heights begin after the directory, one after the other.
+/// Reads the samples of the reference, a float32 TIFF of whole strips, little-endian: its heights
+/// begin after the directory, one after the other.
 fn reference() -> Vec<f32> {
     let bytes = std::fs::read(Path::new(crate::ROOT).join("tests/data/terrain/lakes_basin_sky_view.tif"))
         .expect("the reference");
@@ -20,8 +21,9 @@ fn reference() -> Vec<f32> {
         .collect()
 }
 
-/// 290 pixels of the Lakes Basin (156 x 168 cells of 50 m): the sky view of the tilted surface (Dozier and Frew 1990) by 2,048 rays
-/// a pixel is in the mean within 0.005 of the independent raster, and 95 % of pixels are within 0.02.
+/// At 290 pixels of the Lakes Basin (156 x 168 cells of 50 m) the sky view of the tilted surface
+/// (Dozier and Frew 1990) by 2,048 rays a pixel is in the mean within 0.005 of the independent
+/// raster, and 95 % of pixels are within 0.02.
 #[test]
 fn sky_view_of_a_basin() {
     let scene = Scene::load(&Path::new(crate::ROOT).join("tests/data/terrain/lakes_basin.tif"), None).expect("a scene");
@@ -49,7 +51,7 @@ fn sky_view_of_a_basin() {
         let other = along.cross(side);
         let rays: Vec<Ray> = (0..2048)
             .map(|k| {
-                // Cosine-weighted, on a spiral of the golden angle.
+                // Directions are cosine-weighted, on a spiral of the golden angle.
                 let (r, phi) = (((f64::from(k) + 0.5) / 2048.0).sqrt(), f64::from(k) * 2.399_963_229_728_653);
                 let direction = side * (r * phi.cos()) + other * (r * phi.sin()) + along * (1.0 - r * r).sqrt();
                 Ray { origin: from.as_vec3().to_array(), direction: direction.as_vec3().to_array() }

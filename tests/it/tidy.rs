@@ -8,7 +8,7 @@ use std::process::Command;
 /// The crates, each with its folder below `src`.
 const CRATES: [&str; 8] = ["core", "scene", "builder", "remote", "results", "atlas", "energyplus", "program"];
 
-/// Those whose public types have names of their own.
+/// Crates whose public types must have unique names.
 const ENGINE: [&str; 4] = ["core", "scene", "builder", "remote"];
 
 fn sources() -> Vec<(PathBuf, String)> {
@@ -30,7 +30,8 @@ fn sources() -> Vec<(PathBuf, String)> {
     found
 }
 
-/// Crate and module of a file: `src/core/sky/perez.rs` -> core, [sky, perez]; `None` outside the crates.
+/// Returns the crate and module of a file: `src/core/sky/perez.rs` -> core, [sky, perez]; `None`
+/// outside the crates.
 fn module_of(path: &Path) -> Option<(String, Vec<String>)> {
     let inside = path.strip_prefix(Path::new(crate::ROOT).join("src")).ok()?;
     let mut parts: Vec<String> = inside.iter().filter_map(|part| Some(part.to_str()?.to_owned())).collect();
@@ -43,7 +44,7 @@ fn module_of(path: &Path) -> Option<(String, Vec<String>)> {
     CRATES.contains(&of_crate.as_str()).then_some((of_crate, parts))
 }
 
-/// What a file ships: no tests, no comments.
+/// Returns the shipped part of a file: no tests, no comments.
 fn shipped(text: &str) -> String {
     let shipped = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     shipped.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
@@ -53,7 +54,8 @@ fn is_of_tests(path: &Path) -> bool {
     path.file_stem().is_some_and(|name| name.to_string_lossy().contains("test"))
 }
 
-/// Modules that a text names from the module `here`: after `crate::` and after each `super::`, with those in braces.
+/// Returns the modules that a text names from the module `here`: after `crate::` and after each
+/// `super::`, with those in braces.
 fn named_modules(text: &str, here: &[String]) -> Vec<Vec<String>> {
     let word = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
     let mut found = Vec::new();
@@ -88,8 +90,8 @@ fn named_modules(text: &str, here: &[String]) -> Vec<Vec<String>> {
     found
 }
 
-/// Between crates the compiler sees to it that data flows one way. Inside them no rooms import each other in a circle, and in no folder do
-/// its folders, at whatever depth: over 900 imports.
+/// Between crates the compiler ensures that data flows one way. Inside them no rooms import each
+/// other in a circle, and no folders of a folder do, at whatever depth: over 900 imports.
 #[test]
 fn rooms_have_no_circles() {
     type Folder = (String, Vec<String>);
@@ -105,7 +107,7 @@ fn rooms_have_no_circles() {
         let Some((of_crate, here)) = module_of(path) else { continue };
         for named in named_modules(&shipped(text), &here) {
             checked += 1;
-            // The folder in which both lie side by side.
+            // The folder in which both modules lie side by side.
             let depth = here.iter().zip(&named).take_while(|(a, b)| a == b).count();
             let (Some(from), Some(to)) = (here.get(depth), named.get(depth)) else { continue };
             if modules.iter().any(|(other, module)| *other == of_crate && module.starts_with(&named[..=depth])) {
@@ -116,7 +118,8 @@ fn rooms_have_no_circles() {
     }
     assert!(checked > 900, "only {checked} imports found");
     for (folder, mut arrows) in imports {
-        // What imports nothing that is left is taken away, and what nothing that is left imports; a circle stays.
+        // Modules that import nothing that is left are removed, and so are those that nothing left
+        // imports; a circle stays.
         loop {
             let before = arrows.len();
             let left: BTreeSet<String> = arrows.keys().cloned().collect();
@@ -135,14 +138,15 @@ fn rooms_have_no_circles() {
     }
 }
 
-/// No two public types of the engine's crates share a name, so that a word means one thing wherever it is met: over 150 types.
+/// No two public types of the engine's crates share a name, so that a word has one meaning
+/// everywhere: over 150 types.
 #[test]
 fn public_types_have_names_of_their_own() {
     let mut homes = BTreeMap::<String, PathBuf>::new();
     for (path, text) in sources() {
         let of_engine = module_of(&path).is_some_and(|(of_crate, _)| ENGINE.contains(&of_crate.as_str()));
         let for_tests = is_of_tests(&path);
-        // What a reader of one format calls its parts stays in its file.
+        // Names of parts of one format stay in the file of its reader.
         if !of_engine || for_tests || path.components().any(|part| part.as_os_str() == "formats") {
             continue;
         }
@@ -163,16 +167,16 @@ fn public_types_have_names_of_their_own() {
 const OF_ALL_FACES: [&str; 7] =
     ["src/core", "src/scene", "src/builder", "src/remote", "src/results", "src/atlas", "src/energyplus"];
 
-/// A text in the code.
+/// A string literal in the code.
 struct Literal<'a> {
     line: usize,
     text: &'a str,
-    /// What stands before it.
+    /// Code in front of the literal.
     before: &'a str,
 }
 
 impl Literal<'_> {
-    /// Whether braces in it are places of values, and doubled ones mean braces.
+    /// Returns true if braces in the literal are places of values, and doubled ones mean braces.
     fn is_format(&self) -> bool {
         let to = |c: char| c.is_alphanumeric() || "_.&*".contains(c);
         let before = self.before.trim_end();
@@ -180,7 +184,8 @@ impl Literal<'_> {
         start.ends_with("!(")
     }
 
-    /// Names in braces, for each face to say in its own words: fields of requests, and `command:` with the name of one.
+    /// Returns the names in braces, for each face to say in its own words: fields of requests, and
+    /// `command:` with the name of one.
     fn named(&self) -> impl Iterator<Item = &str> {
         let (open, close) = if self.is_format() { ("{{", "}}") } else { ("{", "}") };
         let names = self.text.split(open).skip(1).filter_map(move |behind| Some(behind.split_once(close)?.0));
@@ -188,7 +193,7 @@ impl Literal<'_> {
     }
 }
 
-/// The texts of a file, without those in comments.
+/// Returns the string literals of a file, without those in comments.
 fn literals(code: &str) -> Vec<Literal<'_>> {
     let (mut found, mut at) = (Vec::new(), 0);
     let bytes = code.as_bytes();
@@ -227,7 +232,7 @@ fn literals(code: &str) -> Vec<Literal<'_>> {
     found
 }
 
-/// Whether a text holds an option, as in `give --every month`.
+/// Returns true if a text holds an option, as in `give --every month`.
 fn names_option(text: &str) -> bool {
     let starts = text.match_indices("--").filter(|(at, _)| {
         let apart = text[..*at].chars().next_back().is_none_or(|c| !c.is_alphanumeric() && c != '-');
@@ -236,7 +241,8 @@ fn names_option(text: &str) -> bool {
     starts.count() > 0
 }
 
-/// Whether a text holds a command, as in `see heliotile info`; names of formats begin with the program's name.
+/// Returns true if a text holds a command, as in `see heliotile info`; names of formats begin with
+/// the program's name.
 fn names_command(text: &str) -> bool {
     let after = text.split("heliotile ").skip(1).zip(text.match_indices("heliotile "));
     let mut words = after
@@ -245,8 +251,9 @@ fn names_command(text: &str) -> bool {
     words.any(|word| heliotile_program::command_of(&word).is_some())
 }
 
-/// Messages of the library name fields of requests, and each face says what fills them: of over 3000 texts none holds an option or a command
-/// of the program, over 100 names in braces are those of options or commands, and over 10 refused arguments are fields.
+/// Messages of the library name fields of requests, and each face names its own options: of over
+/// 3000 texts none holds an option or a command of the program, over 100 names in braces are those
+/// of options or commands, and over 10 refused arguments are fields.
 #[test]
 fn the_library_names_no_option() {
     let (mut checked, mut names, mut arguments) = (0, 0, 0);
@@ -259,7 +266,7 @@ fn the_library_names_no_option() {
         let shipped = text.split("mod tests {").next().unwrap_or_default();
         for literal in literals(shipped) {
             let at = || format!("{}:{}: {}", path.display(), literal.line, literal.text);
-            // Command lines of others.
+            // Command lines of other programs are allowed.
             let of_others =
                 ["cargo build", "`aws ", "\"--version\""].iter().any(|program| literal.text.contains(program));
             assert!(of_others || !names_option(literal.text), "an option, name the field in braces: {}", at());
@@ -286,7 +293,8 @@ fn the_library_names_no_option() {
     assert!(names > 100 && arguments > 10, "{names} names, {arguments} arguments");
 }
 
-/// The scanner of texts finds 4 of 4 among comments, quotes and letters, and tells an option and a command from what looks like them.
+/// The scanner of texts finds 4 of 4 among comments, quotes and letters, and tells an option and a
+/// command from similar texts.
 #[test]
 fn texts_are_found() {
     let code = "// \"no\"\nlet c = '\"'; /* \"no\" */ f('\\'', \"a \\\" b\");\nformat!(\"{a} {{every}}\");\nwrite!(f, \"{{on}}\"); &'a r#\"{year} \"x\"#";
@@ -298,7 +306,8 @@ fn texts_are_found() {
     assert!(names_command("\"see `heliotile info`\"") && !names_command("\"heliotile receivers 1\""));
 }
 
-/// What `text` begins with in brackets: the items between commas that lie in no other bracket, and the text behind.
+/// Splits brackets at the beginning of `text`: the items between commas that lie in no other
+/// bracket, and the text behind.
 fn bracketed(text: &str) -> Option<(Vec<&str>, &str)> {
     let (mut depth, mut start, mut items, mut before) = (0_usize, 1, Vec::new(), ' ');
     for (at, c) in text.char_indices() {
@@ -321,7 +330,7 @@ fn bracketed(text: &str) -> Option<(Vec<&str>, &str)> {
     None
 }
 
-/// The functions of a file, each with its parameters.
+/// Returns the functions of a file, each with its parameters.
 fn functions(code: &str) -> Vec<(&str, Vec<&str>)> {
     let is_of_name = |c: char| c.is_alphanumeric() || c == '_';
     let function = |(at, _): (usize, &str)| {
@@ -334,7 +343,8 @@ fn functions(code: &str) -> Vec<(&str, Vec<&str>)> {
     code.match_indices("fn ").filter_map(function).collect()
 }
 
-/// Whether a parameter is a tuple that its function takes apart, or one of unlike things; two numbers that make a point are alike.
+/// Returns true if a parameter is a tuple that its function takes apart, or a tuple of unlike
+/// things; two numbers that make a point are alike.
 fn is_tuple(parameter: &str) -> bool {
     let bare = |text: &str| {
         let words = text.split(' ').skip_while(|word| *word == "mut" || word.starts_with("&'") || *word == "&mut");
@@ -347,7 +357,8 @@ fn is_tuple(parameter: &str) -> bool {
         || of_type.starts_with('(') && bracketed(&of_type).is_some_and(|all| is_unlike(all.0))
 }
 
-/// What travels together is a struct: of over 5000 functions none takes a tuple apart in its signature, and none takes one of unlike things.
+/// Values that travel together are a struct: of over 5000 functions none takes a tuple apart in its
+/// signature, and none takes one of unlike things.
 #[test]
 fn functions_take_no_tuples() {
     let (root, mut checked) = (Path::new(crate::ROOT), 0);
@@ -366,7 +377,8 @@ fn functions_take_no_tuples() {
     assert!(checked > 5000, "only {checked} functions");
 }
 
-/// Of 9 parameters the 4 that are tuples are found: apart, unlike, by reference, behind generics.
+/// Among 9 parameters the 4 that are tuples are found: apart, unlike, by reference, behind
+/// generics.
 #[test]
 fn tuples_are_found() {
     let code = concat!(
@@ -402,7 +414,8 @@ fn files_are_short() {
     assert!(lengths[lengths.len() / 2] < 300, "median {}", lengths[lengths.len() / 2]);
 }
 
-/// `unsafe` stands in two files, the mapping and what the engine of the page asks its host: 0 others hold it.
+/// `unsafe` stands in two files, the mapping and the calls of the page's engine to its host: 0
+/// others hold it.
 #[test]
 fn unsafe_in_two_files() {
     let word = concat!("un", "safe ");
@@ -416,7 +429,8 @@ fn unsafe_in_two_files() {
     assert!(holders.len() <= known.len());
 }
 
-/// Every test opens with the sentence it proves, and none is switched off: over 60 tests, 0 without.
+/// Every test opens with the sentence it proves, and none is switched off: over 60 tests, 0
+/// without.
 #[test]
 fn tests_say_what_they_prove() {
     let (attribute, off) = (concat!("#[", "test]"), concat!("#[", "ignore"));
@@ -432,8 +446,9 @@ fn tests_say_what_they_prove() {
     assert!(count > 60, "only {count} tests");
 }
 
-/// The engine alone, without its default features, rests on at most 64 crates: 0 of the 14 that draw, print, write tables, take command
-/// lines, map files, make temporary files, start threads by themselves or are C.
+/// The engine alone, without its default features, depends on at most 64 crates: 0 of the 14 that
+/// draw, print, write tables, parse command lines, map files, make temporary files, start threads
+/// by themselves or are C.
 #[test]
 fn the_engine_is_small() {
     let mut tree = Command::new(std::env::var("CARGO").unwrap_or("cargo".into()));
@@ -469,8 +484,9 @@ fn the_engine_is_small() {
     assert!(crates.len() <= 64, "{} crates: {crates:?}", crates.len());
 }
 
-/// Without its default features the engine opens no file by itself: outside tests and the three files that read files, 0 of its files name
-/// one, the system's temporary folder, the environment, a clock or a thread, and none prints.
+/// Without its default features the engine opens no file by itself: outside tests and the three
+/// files that read files, 0 of its files name one, the system's temporary folder, the environment,
+/// a clock or a thread, and none prints.
 #[test]
 fn the_engine_asks_nobody() {
     let core = Path::new(crate::ROOT).join("src/core");
@@ -493,7 +509,8 @@ fn the_engine_asks_nobody() {
     assert!(checked > 80, "only {checked} files");
 }
 
-/// Every path in `code` on the page of recipes is a file or a folder that exists, or one in a folder that does (`NAME`): over 60 paths.
+/// Every path in `code` on the page of recipes is an existing file or folder, or a `NAME` in an
+/// existing folder: over 60 paths.
 #[test]
 fn recipes_name_files_that_exist() {
     let root = Path::new(crate::ROOT);

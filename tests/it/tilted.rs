@@ -1,4 +1,5 @@
-//! Perez' sky of 1990 on tilted surfaces: open ones beside pvlib and the paper's formula, then by way of surfaces, mirrors and leaves.
+//! Perez' sky of 1990 on tilted surfaces: open ones beside pvlib and the paper's formula, then by
+//! reflections, mirrors and leaves.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,14 +20,14 @@ use heliotile_scene::Scene;
 
 use crate::scenes::*;
 
-/// Bounces and bins that results are made with, and schedules.
+/// Bounces, bins and schedules of a replay.
 struct Way<'w> {
     depth: MaxBounces,
     bins: &'w Bins,
     schedules: &'w [Schedule],
 }
 
-/// `[condition]` of one component, by receiver.
+/// Returns one component by receiver, `[condition]`.
 fn column(site: &Site, conditions: &[Condition], component: Component, way: &Way) -> BTreeMap<String, Vec<f64>> {
     let archive = Archive::open(&site.path).expect("an archive");
     let components = ComponentSet::of(&[component]);
@@ -46,13 +47,13 @@ fn column(site: &Site, conditions: &[Condition], component: Component, way: &Way
     rows.collect()
 }
 
-/// All bounces, a row a condition.
+/// Returns one component for all bounces, a row a condition.
 fn plain(site: &Site, conditions: &[Condition], component: Component) -> BTreeMap<String, Vec<f64>> {
     let bins = Bins::each(conditions.len());
     column(site, conditions, component, &Way { depth: MaxBounces::All, bins: &bins, schedules: &[] })
 }
 
-/// Equation 9 of the paper for an open surface.
+/// Computes equation 9 of the paper for an open surface.
 fn formula(condition: &Condition, tilt_deg: f64, azimuth_deg: f64) -> f64 {
     let of = coefficients(condition);
     let normal = tilted(tilt_deg, azimuth_deg);
@@ -64,7 +65,8 @@ fn formula(condition: &Condition, tilt_deg: f64, azimuth_deg: f64) -> f64 {
 
 const SURFACES: [(u32, u32); 7] = [(0, 0), (30, 180), (60, 90), (90, 0), (90, 180), (90, 270), (120, 180)];
 
-/// Receivers of the seven surfaces 9 m above the only triangle, which is black and 1 cm wide.
+/// Builds receivers on the seven surfaces 9 m above the only triangle, which is black and 1 cm
+/// wide.
 fn open_site() -> Site {
     let far = Triangles::from([([v(0.0, 0.0, -9.0), v(0.01, 0.0, -9.0), v(0.0, 0.01, -9.0)], 0)]);
     let facing = |(i, &(tilt, azimuth)): (usize, &(u32, u32))| {
@@ -75,9 +77,9 @@ fn open_site() -> Site {
     site(&scene(&far, &[0.0]), &receivers, &fine())
 }
 
-/// The hours of Golden that pvlib was asked for, suns down to 0.5 degrees and all eight bins of clearness among them: seven open surfaces
-/// get pvlib's light of the sky within 1e-4 of it (or of a hundredth of DHI), an overhang too; the horizon takes light away in more than
-/// 10 of them.
+/// In the hours of Golden that pvlib was run for, with suns down to 0.5 degrees and all eight bins
+/// of clearness among them, seven open surfaces get pvlib's light of the sky within 1e-4 of it (or
+/// of a hundredth of DHI), an overhang too; the horizon takes light away in more than 10 of them.
 #[test]
 fn open_beside_pvlib() {
     let path = data("../weather/perez1990.csv");
@@ -103,9 +105,10 @@ fn open_beside_pvlib() {
     assert!(lowest < 0.5_f64.to_radians().sin(), "{lowest}");
 }
 
-/// Hours of three suns each, one on the horizon, one without any and an overcast one get the paper's formula on seven open surfaces within
-/// 1e-4 (or of a hundredth of DHI); without a sun the sky is isotropic, and what is flat gets DHI within 1e-6 wherever the sun is above
-/// 5 degrees. Sums over all hours are the sums of the means within 1e-6.
+/// Hours of three suns each, one on the horizon, one without any and an overcast one give the
+/// paper's formula on seven open surfaces within 1e-4 (or of a hundredth of DHI). Without a sun the
+/// sky is isotropic, and a flat surface gets DHI within 1e-6 wherever the sun is above 5 degrees.
+/// Sums over all hours are the sums of the means within 1e-6.
 #[test]
 fn open_by_the_formula() {
     let suns =
@@ -144,7 +147,7 @@ fn open_by_the_formula() {
     }
 }
 
-/// Lights on a wall that faces south: the sun before it, behind it, and none.
+/// Returns lights on a wall that faces south: the sun before it, behind it, and none.
 fn lights() -> [Condition; 4] {
     [
         sun(150.0, 40.0, 800.0, 100.0),
@@ -154,9 +157,10 @@ fn lights() -> [Condition; 4] {
     ]
 }
 
-/// A receiver that sees nothing but a boundless wall of 0.5 gets half of what the formula gives the wall, one above a plane of 0.4 that
-/// looks down 0.4 of DHI, within 1 % each: of all bounces and of one, and with reflectances of 0.2 and 0.6 by turns of hours; the
-/// column of the ground alone has it all (1e-4), and sums over the hours are those of the means within 1e-5.
+/// A receiver that sees nothing but a boundless wall of 0.5 gets half of the formula's light on the
+/// wall, one above a plane of 0.4 that looks down 0.4 of DHI, within 1 % each: for all bounces and
+/// for one, and with reflectances of 0.2 and 0.6 by turns of hours. The column of the ground alone
+/// has it all (1e-4), and sums over the hours are those of the means within 1e-5.
 #[test]
 fn by_way_of_surfaces() {
     let wall = quad(v(-4000.0, 0.5, -4000.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 8000.0), 0);
@@ -177,7 +181,7 @@ fn by_way_of_surfaces() {
                     worst = worst.max((found / expected - 1.0).abs());
                     assert!((found / expected - 1.0).abs() < 0.01, "{tilt} {rho}: {found}, not {expected}");
                 }
-                // Both are of class ground.
+                // Wall and floor are of class ground.
                 let of_ground = &column(site, &lights, Component::SkyDiffuseGround, &way(&each))["r"];
                 assert!(found.iter().zip(of_ground).all(|(a, b)| (a - b).abs() < 1e-4 * a), "{found:?} {of_ground:?}");
                 let sum = column(site, &lights, Component::SkyDiffuse, &way(&all))["r"][0];
@@ -188,7 +192,8 @@ fn by_way_of_surfaces() {
     println!("wall and floor, off by {worst:.1e} at worst");
 }
 
-/// A receiver before a boundless mirror of 0.8 gets 0.8 of what the formula gives an open wall, within 0.1 %; nothing else reaches it.
+/// A receiver before a boundless mirror of 0.8 gets 0.8 of the formula's light on an open wall,
+/// within 0.1 %, and no other light.
 #[test]
 fn by_mirrors() {
     let wall = quad(v(-4000.0, 0.5, -4000.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 8000.0), 0);
@@ -204,8 +209,8 @@ fn by_mirrors() {
     assert!(total.iter().all(|direct| *direct < 1e-3), "{total:?}");
 }
 
-/// In two boxes of leaves, one in the other, that let 0.6 through each, receivers of three tilts get 0.36 of the formula's light within
-/// 1e-3.
+/// In two boxes of leaves, one in the other, that transmit 0.6 each, receivers of three tilts get
+/// 0.36 of the formula's light within 1e-3.
 #[test]
 fn through_leaves() {
     let boxes: Triangles =

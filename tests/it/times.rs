@@ -1,4 +1,4 @@
-//! When results are, and what they say of where they come from: zones, years, stamps, provenance in every file.
+//! Times of results and their provenance: zones, years, stamps, provenance in every file.
 
 use std::fs;
 use std::path::Path;
@@ -8,22 +8,24 @@ use heliotile_core::weather::time::calendar::Date;
 use crate::cli::{Folder, golden, stderr, stdout};
 use crate::weather::{data, days, epw, replay};
 
-/// The first cells of a table's rows of one receiver.
+/// Returns the first cells of a table's rows of one receiver.
 fn labels(table: &str, receiver: &str) -> Vec<String> {
     let rows = table.lines().skip(1).filter_map(|line| line.split_once(','));
     rows.filter(|(_, rest)| rest.starts_with(&format!("{receiver},"))).map(|(label, _)| label.to_string()).collect()
 }
 
-/// A table without its first column.
+/// Returns a table without its first column.
 fn values(table: &str) -> Vec<&str> {
     table.lines().skip(1).filter_map(|line| line.split_once(',')).map(|(_, rest)| rest).collect()
 }
 
-/// Under a constant DNI the horizontal gets most in the hour that solar noon is in, 12 h - (longitude / 15 - zone) - equation of time: in
-/// Sydney's summer, The Hague's and Golden's, in Pune at +05:30 and in Darwin at +09:30; 5 of 5, each with its offset.
+/// Under a constant DNI a horizontal receiver gets most in the hour of solar noon, 12 h -
+/// (longitude / 15 - zone) - equation of time: in Sydney's summer, The Hague's and Golden's, in
+/// Pune at +05:30 and in Darwin at +09:30; 5 of 5, each with its offset.
 #[test]
 fn noon_is_in_the_right_hour() {
-    // The equation of time, minutes: +2 on 21 December, -2 on 21 June (Meeus, "Astronomical algorithms", 1998, chapter 28).
+    // The equation of time, minutes: +2 on 21 December, -2 on 21 June (Meeus, "Astronomical
+    // algorithms", 1998, chapter 28).
     for (place, longitude, zone, month, equation_min, offset) in [
         ("-33.87,151.21,10", 151.21, 10.0, 12, 2.0, "+10:00"),
         ("52.08,4.3,1", 4.3, 1.0, 6, -2.0, "+01:00"),
@@ -42,9 +44,10 @@ fn noon_is_in_the_right_hour() {
     }
 }
 
-/// A typical year keeps the years of its months, 1991 to 2004, and one note says so; `--year 2019` puts its 8760 hours into one year, in order
-/// and without gaps, and 2020 lacks the 24 hours of 29 February with one warning. The values are the same bytes. Days and months of
-/// a typical year get dates, and `--from` takes them.
+/// A typical year keeps the years of its months, 1991 to 2004, and one note says so. `--year 2019`
+/// puts its 8760 hours into one year, in order and without gaps, and 2020 lacks the 24 hours of 29
+/// February with one warning. The values are the same bytes. Days and months of a typical year get
+/// dates, and `--from` accepts them.
 #[test]
 fn one_year() {
     let folder = Folder::new();
@@ -80,7 +83,8 @@ fn one_year() {
     assert_eq!((labels(&day, "roof").len(), labels(&day, "roof")[0].as_str()), (24, "2019-07-04T00:00-07:00"));
 }
 
-/// 29 February of 2020 is left out of 2019, 24 of 8784 hours, with one warning; wrong years are refused, 3 of 3.
+/// 29 February of 2020 is left out of 2019, 24 of 8784 hours, with one warning; wrong years are
+/// refused, 3 of 3.
 #[test]
 fn leap_days() {
     let leap = epw("40,-105,-7", &days(2020, 0), |_, _| [9999.0, 0.0, 10.0]);
@@ -108,7 +112,8 @@ fn leap_days() {
     folder.refused("replay site.helio --weather two.epw --year 2019", &["several years", "--from"]);
 }
 
-/// The last of 72 hours is labelled 23:00, 23:30 or 00:00 of the next day; sums of days are labelled alike by all three.
+/// The last of 72 hours is labelled 23:00, 23:30 or 00:00 of the next day; sums of days are
+/// labelled alike by all three.
 #[test]
 fn stamps() {
     let folder = Folder::new();
@@ -122,14 +127,14 @@ fn stamps() {
     folder.refused(&format!("replay site.helio -w {} --stamp noon", golden().display()), &["start, middle, end"]);
 }
 
-/// Bytes of a file without the zeros of UTF-32, as text.
+/// Returns the bytes of a file without the zeros of UTF-32, as text.
 fn text_of(path: &Path) -> String {
     let bytes: Vec<u8> = fs::read(path).expect("a file").into_iter().filter(|byte| *byte != 0).collect();
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Each of 10 files, or the one beside it, names the archive's root, the program's version and the command; 8 name the weather too. Neither
-/// the output's name nor the memory changes a byte.
+/// Each of 10 files, or the one beside it, names the archive's root, the program's version and the
+/// command; 8 name the weather too. Neither the output's name nor the memory changes a byte.
 #[test]
 fn every_file_says_what_it_is_made_of() {
     let folder = Folder::new();
@@ -172,18 +177,18 @@ fn every_file_says_what_it_is_made_of() {
     }
     let head = text_of(&folder.path("out/golden_3_days/annual.ply"));
     assert!(head.contains("\ncomment heliotile.weather golden_3_days.epw\n"));
-    // As `replay` has them: what a draft resolves them to.
+    // Options are resolved as in `replay`: to the values of a draft.
     let options = head.lines().find(|line| line.starts_with("comment heliotile.options")).unwrap_or_default();
     assert!(options.contains("\"patches\":145") && options.contains("\"steps\":6"), "{options}");
-    // What was found in place of how it was asked for.
+    // The file states the shift that was found, not the word `auto`.
     let moved = format!("replay site.helio --weather {} --shift auto -o m.csv", data("pvgis_4_days.epw").display());
     assert_eq!(folder.run(&moved).status.code(), Some(0));
     let about = text_of(&folder.path("m.csv-metadata.json"));
     assert!(about.contains("40min"), "{about}");
 }
 
-/// The file beside a CSV file replaces no input: of a query and of an export, 2 of 2 are refused, and nothing lies beside the
-/// standard output.
+/// The file beside a CSV file replaces no input: of a query and of an export, 2 of 2 are refused,
+/// and no file lies beside the standard output.
 #[test]
 fn what_stands_beside_is_guarded() {
     let folder = Folder::new();

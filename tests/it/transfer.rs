@@ -1,4 +1,5 @@
-//! Archives from archives: parts of a site and the whole are the same to the byte, whichever way they were made.
+//! Archives from archives: parts of a site and the whole are the same to the byte, whichever way
+//! they were made.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -22,7 +23,7 @@ use tempfile::TempDir;
 
 use crate::scenes::*;
 
-/// Settings for tests that ask for bytes, not for accuracy.
+/// Returns settings for tests of bytes, not of accuracy.
 fn coarse() -> BuildSettings {
     BuildSettings {
         sky_base: 16,
@@ -59,7 +60,7 @@ impl Folder {
         build(&scene, &mut tiles(receivers, &scene), &plan(settings, &self.path(name))).expect("a build");
     }
 
-    /// The same, but one more block is clad with mirrors and one more is glazed.
+    /// Builds the town with one more block of mirrors and one more of glass, for some receivers.
     fn build_mirrors(&self, name: &str, receivers: &[Receiver]) {
         let scene = mirror_town();
         build(&scene, &mut tiles(receivers, &scene), &plan(&coarse(), &self.path(name))).expect("a build");
@@ -71,7 +72,7 @@ impl Folder {
         Ok([merged.written.receivers, merged.shared])
     }
 
-    /// A merge that must be refused and leave nothing.
+    /// Checks that a merge is refused and leaves no file; returns its message.
     fn refused(&self, first: &str, second: &str) -> String {
         let message = self.merge(first, second, "refused.helio").expect_err("a refusal").to_string();
         assert!(!self.path("refused.helio").exists() && !self.path("refused.helio.partial").exists());
@@ -101,7 +102,7 @@ impl Folder {
         workspace(self.0.path(), 64 << 20)
     }
 
-    /// Writes an archive again, with other blocks or more, and another manifest.
+    /// Writes an archive again, with other or more blocks, and another manifest.
     fn forge(
         &self,
         from: &str,
@@ -131,8 +132,9 @@ fn ids(receivers: &[Receiver]) -> Vec<&str> {
     receivers.iter().map(|receiver| receiver.id.as_str()).collect()
 }
 
-/// Parts of a town of 150 receivers built apart merge to the bytes of the whole: halves apart, halves that share 20 receivers,
-/// odd and even ones, one and all; 4 pairs, each in both orders, and the whole with itself: 9 of 9.
+/// Parts of a town of 150 receivers built apart merge to the bytes of the whole: halves apart,
+/// halves that share 20 receivers, odd and even ones, one and all; 4 pairs, each in both orders,
+/// and the whole with itself: 9 of 9.
 #[test]
 fn parts_merge_to_the_whole() {
     let folder = Folder::new();
@@ -161,13 +163,14 @@ fn parts_merge_to_the_whole() {
     assert!(folder.bytes("c.helio") == whole);
 }
 
-/// Cases of the property test; `tools/transfer-cases` asks for more.
+/// Returns the number of cases of the property test; `tools/transfer-cases` sets more.
 fn cases() -> u64 {
     std::env::var("HELIOTILE_TRANSFER_CASES").ok().and_then(|count| count.parse().ok()).unwrap_or(100)
 }
 
-/// 100 random selections of 150 receivers, of 1 to 149, scattered or in a row: the extract and its complement merge to the
-/// original bytes, and an extract of the extract has the bytes of the extract itself.
+/// For 100 random selections of 150 receivers, of 1 to 149, scattered or in a row, the extract and
+/// its complement merge to the original bytes, and an extract of the extract has the bytes of the
+/// extract itself.
 #[test]
 fn extract_and_complement_merge_to_the_original() {
     let folder = Folder::new();
@@ -182,7 +185,7 @@ fn extract_and_complement_merge_to_the_original() {
             _ => mix(mix(case, 3), i) % 100 < share,
         };
         let (mut some, mut rest): (Vec<_>, Vec<_>) = (0..150).partition(|&i| chosen(i));
-        // Both hold somebody.
+        // Neither side may be empty.
         if some.is_empty() {
             some.extend(rest.pop());
         } else if rest.is_empty() {
@@ -202,8 +205,9 @@ fn extract_and_complement_merge_to_the_original() {
     }
 }
 
-/// An extract is the build of its receivers: for 1, 64 and 100 of 150 receivers the same bytes, and the same irradiance to the
-/// bit as in the original, under 2 skies, for all bounces and for 2.
+/// An extract is the build of its receivers: for 1, 64 and 100 of 150 receivers it has the same
+/// bytes, and the same irradiance to the bit as the original, under 2 skies, for all bounces and
+/// for 2.
 #[test]
 fn an_extract_is_a_build() {
     let folder = Folder::new();
@@ -226,8 +230,8 @@ fn an_extract_is_a_build() {
     }
 }
 
-/// An archive does not differ from itself or from its parts merged; from an extract it differs by the 50 receivers left out,
-/// 20 of them named, and by cells of one side only.
+/// An archive does not differ from itself or from its parts merged. From an extract it differs by
+/// the 50 receivers left out, 20 of them named, and by cells of one side only.
 #[test]
 fn diff_finds_nothing_or_what_is_missing() {
     let folder = Folder::new();
@@ -242,7 +246,7 @@ fn diff_finds_nothing_or_what_is_missing() {
     assert_eq!((counts(&less.receivers), less.receivers.only_a.first.len()), ([50, 0, 0], 20));
     let probes = |name: &str| Archive::open(&folder.path(name)).expect("an archive").manifest().counts.probes;
     assert_eq!(counts(&less.probes), [probes("whole.helio") - probes("a.helio"), 0, 0]);
-    // Packed with another level, the content is the same.
+    // Compressed at another level, the content is the same.
     let repack = |block: &Block| {
         let entry = block.entry();
         Some(encode(entry.kind, entry.tile, entry.schema, entry.items, block.bytes(), 1).expect("a block"))
@@ -250,13 +254,13 @@ fn diff_finds_nothing_or_what_is_missing() {
     folder.forge("whole.helio", "fast.helio", repack, Vec::new(), |_| {});
     let packed = folder.diff("whole.helio", "fast.helio");
     assert!(packed.is_equal() && !packed.same_root);
-    // ... and a merge packs it as the build does.
+    // A merge compresses it as the build does.
     folder.merge("fast.helio", "fast.helio", "merged.helio").expect("a merge");
     assert!(folder.bytes("merged.helio") == folder.bytes("whole.helio"));
 }
 
-/// A changed reflectance, a changed setting, and three changed receivers (moved, turned, of another area) are told, each by its
-/// name and nothing else: 3 of 3.
+/// A changed reflectance, a changed setting, and three changed receivers (moved, turned, of another
+/// area) are reported, each by its name and nothing else: 3 of 3.
 #[test]
 fn diff_names_what_changed() {
     let folder = Folder::new();
@@ -273,7 +277,8 @@ fn diff_names_what_changed() {
     assert!(told[1].starts_with("scene.content_hash "), "{told:?}");
     assert!(found.receivers.different.first.iter().all(|name| name.ends_with(" (response)")));
     let counts = (found.receivers.different.count, found.probes.different.count, found.bounces.different.count);
-    // The same told another way: 20 receivers see sky or far ground only, lie in a block, or change by less than a step, and keep their light.
+    // The responses agree: 20 receivers see sky or far ground only, lie in a block, or change by
+    // less than a step, and keep their light.
     let responses = |name: &str| -> Vec<Response> {
         let archive = Archive::open(&folder.path(name)).expect("an archive");
         (0..archive.tiles())
@@ -300,7 +305,8 @@ fn diff_names_what_changed() {
     assert!(names[1].starts_with("r004 (place") && names[2] == "r005 (receivers)", "{names:?}");
 }
 
-/// Archives of another scene or with other settings are refused by the names of 3 differing items with both values.
+/// Archives of another scene or with other settings are refused by the names of 3 differing items
+/// with both values.
 #[test]
 fn other_sites_are_not_merged() {
     let folder = Folder::new();
@@ -316,8 +322,8 @@ fn other_sites_are_not_merged() {
     assert!(message.starts_with(&folder.path("b.helio").display().to_string()), "{message}");
 }
 
-/// 12 moved receivers, one of another area and one with another sky are 14 conflicts, of which 10 are named; a changed probe
-/// and a changed bounce cell are 2 more kinds. Nothing is written.
+/// 12 moved receivers, one of another area and one with another sky are 14 conflicts, of which 10
+/// are named; a changed probe and a changed bounce cell are 2 more kinds. No file is written.
 #[test]
 fn conflicts_are_named() {
     let folder = Folder::new();
@@ -362,8 +368,8 @@ fn conflicts_are_named() {
     assert!(message.contains("1 conflict: receiver ") && message.contains("(response)"), "{message}");
 }
 
-/// Two blocks of unknown kinds and keys of the manifest on 4 levels pass through extract and merge; an equal block is kept
-/// once, a different one is a conflict, and so is a different key.
+/// Two blocks of unknown kinds and keys of the manifest on 4 levels pass through extract and merge.
+/// An equal block is kept once; a different one is a conflict, and so is a different key.
 #[test]
 fn what_is_unknown_is_kept() {
     let folder = Folder::new();
@@ -396,7 +402,8 @@ fn what_is_unknown_is_kept() {
     assert!(folder.refused("a.helio", "b.helio").contains("settings.later.key is \"x\" there and \"y\" here"));
 }
 
-/// An archive whose receivers are not in the order of a build is refused by the name of the block, not merged wrongly: 1 of 1.
+/// An archive whose receivers are not in the order of a build is refused by the name of the block,
+/// not merged wrongly: 1 of 1.
 #[test]
 fn other_orders_are_refused() {
     let folder = Folder::new();
@@ -414,8 +421,9 @@ fn other_orders_are_refused() {
     assert!(message.contains("block receivers/0") && message.contains("Morton"), "{message}");
 }
 
-/// Parts of a town with mirrors and glass merge to the bytes of the whole, in both orders, halves apart and with 10 shared receivers;
-/// an extract of 30 of 70 has the bytes of its own build, all 3 kinds of blocks of mirrors among them: 5 of 5.
+/// Parts of a town with mirrors and glass merge to the bytes of the whole, in both orders, halves
+/// apart and with 10 shared receivers; an extract of 30 of 70 has the bytes of its own build, with
+/// all 3 kinds of blocks of mirrors: 5 of 5.
 #[test]
 fn mirrors_are_merged_and_extracted() {
     let folder = Folder::new();
@@ -438,8 +446,8 @@ fn mirrors_are_merged_and_extracted() {
     assert!(kinds.iter().all(|&kind| !part.entries_of(kind).is_empty()));
 }
 
-/// 170 archives with a changed byte, 10 of each of 17 kinds of block, under right checksums: extract, merge and diff end with
-/// a result or an error, none panics, and no partial file stays.
+/// For 170 archives with a changed byte, 10 of each of 17 kinds of block, under right checksums,
+/// extract, merge and diff end with a result or an error, none panics, and no partial file stays.
 #[test]
 fn hostile_archives_are_survived() {
     let folder = Folder::new();
@@ -452,7 +460,8 @@ fn hostile_archives_are_survived() {
     assert_eq!(kinds.len(), 17);
     let (mut refused, mut done) = (0, 0);
     for case in 0..170 {
-        // Each kind gets its turn, with a change near the end of the block, where the columns of tables are named, or anywhere.
+        // Each kind gets its turn, with a change near the end of the block, where the columns of
+        // tables are named, or anywhere.
         let kind = kinds[case as usize % kinds.len()];
         let of_kind: Vec<_> = entries.iter().filter(|entry| entry.kind == kind).collect();
         let entry = of_kind[(mix(case, 1) % of_kind.len() as u64) as usize];
@@ -479,7 +488,7 @@ fn hostile_archives_are_survived() {
     assert!(files(folder.0.path()).iter().all(|name| !name.contains("partial")));
 }
 
-/// Names of the files in a folder.
+/// Returns the names of the files in a folder.
 fn files(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("a folder");
     let mut names: Vec<String> =
@@ -488,8 +497,8 @@ fn files(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Ids that do not exist are named with their lines, 10 of 12; the archive that is read is not replaced; nothing else lies in
-/// the folder afterwards.
+/// Ids that do not exist are named with their lines, 10 of 12. The archive that is read is not
+/// replaced, and the folder holds no other file afterwards.
 #[test]
 fn wrong_selections_are_refused() {
     let folder = Folder::new();

@@ -1,4 +1,5 @@
-//! Edits of an archive by the names of its objects: the new archive is that of a scene file that was edited by hand.
+//! Edits of an archive by the names of its objects: the new archive is that of a scene file that
+//! was edited by hand.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,7 +8,7 @@ use std::process::Command;
 use heliotile_core::archive::Archive;
 use heliotile_core::replay::components::Component;
 
-/// A folder with the files of a small town, on which the program runs.
+/// A folder with the files of a small town, in which the program runs.
 struct Town(tempfile::TempDir);
 
 /// A box as an object of OBJ.
@@ -64,7 +65,7 @@ impl Town {
         self.write(&format!("{name}.obj"), &format!("{LAWN}{blocks}"));
     }
 
-    /// Exit code, standard output and messages of a command line.
+    /// Runs a command line; returns exit code, standard output and messages.
     fn run(&self, line: &str) -> (Option<i32>, String, String) {
         let mut command = Command::new(env!("CARGO_BIN_EXE_heliotile"));
         let output = command.current_dir(self.0.path()).args(line.split(' ')).output().expect("the program");
@@ -94,7 +95,8 @@ impl Town {
         self.done(&format!("receivers {name}.obj -m m.toml -o {name}.csv"));
     }
 
-    /// The receivers of the town before, those of the house elsewhere; only of objects that `NAME.obj` has.
+    /// Writes the receivers of the town before, with those of the house moved, for the objects that
+    /// `NAME.obj` has.
     fn shifted(&self, name: &str, by: [f64; 3]) {
         let objects = fs::read_to_string(self.path(&format!("{name}.obj"))).expect("an OBJ file");
         let table = fs::read_to_string(self.path("before.csv")).expect("a table");
@@ -127,7 +129,7 @@ impl Town {
         Archive::open(&self.path(name)).expect("an archive").manifest().scene.content_hash.clone()
     }
 
-    /// Lines of `query` in order.
+    /// Returns the lines of `query`, sorted.
     fn rows(&self, archive: &str) -> Vec<String> {
         let mut rows: Vec<String> =
             self.run(&format!("query {archive} -c c.csv")).1.lines().map(str::to_owned).collect();
@@ -136,9 +138,10 @@ impl Town {
     }
 }
 
-/// A house that is moved, a shed that is removed, a tower that is added and a wall that is painted: the archives have the root of a build from
-/// nothing of an OBJ file that was edited by hand, 3 of 4; with the tower, whose faces have other line numbers, they give the same irradiance, since
-/// new receivers are as far apart as those before.
+/// A house is moved, a shed is removed, a tower is added and a wall is painted: the archives have
+/// the root of a build from nothing of an OBJ file that was edited by hand, 3 of 4. With the tower,
+/// whose faces have other line numbers, they give the same irradiance, since new receivers are as
+/// far apart as those before.
 #[test]
 fn edits_have_the_bytes_of_an_edited_file() {
     let town = Town::new();
@@ -151,7 +154,7 @@ fn edits_have_the_bytes_of_an_edited_file() {
     ] {
         town.scene(name, &blocks);
         if name == "painted" {
-            // All of the object.
+            // The edit paints all of the object.
             let text = fs::read_to_string(town.path("painted.obj")).expect("an OBJ file");
             town.write("painted.obj", &text.replacen("usemtl roof", "usemtl white", 1));
         }
@@ -178,8 +181,8 @@ fn edits_have_the_bytes_of_an_edited_file() {
     }
 }
 
-/// A storey of 3 m more, or the height of 10 m: the scene and the irradiance of all receivers are those of a file with a house of 10 m; the shed's
-/// receivers stay.
+/// With a storey of 3 m more, or the height of 10 m, the scene and the irradiance of all receivers
+/// are those of a file with a house of 10 m; the shed's receivers stay.
 #[test]
 fn a_storey_is_added() {
     let town = Town::new();
@@ -194,8 +197,9 @@ fn a_storey_is_added() {
     assert_eq!(town.root("up.helio"), town.root("to.helio"));
 }
 
-/// A tower of 6 m takes the noon sun from 6 or more of the 11 receivers on the south wall of the house behind it, which is 6 m wide and reaches 2 m
-/// beyond its shadow, and no morning sun from the shed.
+/// A tower of 6 m takes the noon sun from 6 or more of the 11 receivers on the south wall of the
+/// house behind it, which is 6 m wide and reaches 2 m beyond its shadow, and no morning sun from
+/// the shed.
 #[test]
 fn a_tower_takes_sun_from_what_is_behind_it() {
     let town = Town::new();
@@ -216,8 +220,9 @@ fn a_tower_takes_sun_from_what_is_behind_it() {
     assert_eq!(value("before.helio", "shed/roof1#1", "east"), value("after.helio", "shed/roof1#1", "east"));
 }
 
-/// An object put over another one: the receivers that it swallows are left out and counted, those on its own faces go with it. Edits that change
-/// nothing are said, and give the archive before.
+/// If an object is put over another one, the receivers that it swallows are left out and counted,
+/// and those on its own faces move with it. Edits that change nothing are reported, and give the
+/// archive before.
 #[test]
 fn what_is_buried_is_said() {
     let town = Town::new();
@@ -229,7 +234,7 @@ fn what_is_buried_is_said() {
     assert_eq!(town.root("same.helio"), town.root("before.helio"));
 }
 
-/// Wrong edits are refused with what was found and what there is, and leave no file: 12 of 12.
+/// Wrong edits are refused with the finding and the possible names, and leave no file: 12 of 12.
 #[test]
 fn wrong_edits_are_refused() {
     let town = Town::new();

@@ -1,4 +1,5 @@
-//! Variants of a site: a build from an archive of the scene before it was changed gives the bytes of a build without it.
+//! Variants of a site: a build from an archive of the scene before it was changed gives the bytes
+//! of a build without it.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,7 +17,7 @@ use heliotile_scene::covering::receivers::read_receivers_with_warnings;
 
 use crate::scenes::*;
 
-/// What it costs little to trace.
+/// Returns settings that are cheap to trace.
 pub fn coarse() -> BuildSettings {
     BuildSettings { sky_base: 32, sky_fine: 128, hit: 16, probe: 16, ..BuildSettings::default() }
 }
@@ -40,7 +41,7 @@ impl Model {
         build_with(&scene, receivers, &plan(&coarse(), path), &sources).expect("a build")
     }
 
-    /// Number of a material, added if there is none of its name.
+    /// Returns the number of a material, added if there is none of its name.
     fn material(&mut self, material: Material) -> u16 {
         let found = self.materials.iter().position(|old| old.name == material.name);
         found.unwrap_or_else(|| {
@@ -50,7 +51,7 @@ impl Model {
     }
 }
 
-/// Kinds of edits.
+/// Number of kinds of edits.
 pub const EDITS: usize = 14;
 
 /// Random numbers of one edit.
@@ -102,7 +103,7 @@ pub fn edit(model: &mut Model, way: usize, dice: &mut Dice) {
         }
         8 => model.materials.iter_mut().for_each(|material| material.diffuse *= 0.7),
         9 => {
-            // One that was matt becomes a mirror, or the other way round.
+            // A matt material becomes a mirror, or the other way round.
             let of = dice.one_of(model.materials.len());
             let material = &mut model.materials[of];
             let shines = material.mirrors() || material.transmittance.is_some();
@@ -110,7 +111,7 @@ pub fn edit(model: &mut Model, way: usize, dice: &mut Dice) {
             *material = Material { diffuse: 0.1, specular, ..Material::matt(&material.name, 0.1, material.class) };
         }
         10 => {
-            // Ground and whatever else stands there is lowered.
+            // The first object, ground and whatever belongs to it, is lowered.
             let down = -0.3 - dice.up_to(1.0);
             map(&mut model.objects[0], &|p| p + v(0.0, 0.0, down));
         }
@@ -119,7 +120,7 @@ pub fn edit(model: &mut Model, way: usize, dice: &mut Dice) {
             model.objects.push(block(far, far + size, 0));
         }
         12 => {
-            // One triangle goes: a hole, through which light comes to what was closed.
+            // One triangle is removed: a hole, through which light enters a closed object.
             let object = &mut model.objects[which];
             if object.len() > 1 {
                 object.remove(dice.one_of(object.len()));
@@ -136,7 +137,8 @@ pub fn edit(model: &mut Model, way: usize, dice: &mut Dice) {
     }
 }
 
-/// Those triangles of a scene that have corners in common are an object; the largest one comes first.
+/// Splits a scene into objects, whose triangles have corners in common; the largest one comes
+/// first.
 fn objects(scene: &Scene) -> Vec<Triangles> {
     let mesh = &scene.mesh;
     let mut of: Vec<usize> = (0..mesh.vertices.len()).collect();
@@ -164,14 +166,14 @@ fn objects(scene: &Scene) -> Vec<Triangles> {
     parts
 }
 
-/// The cut of The Hague with its receivers.
+/// Returns the cut of The Hague with its receivers.
 pub fn hague() -> Model {
     let scene = Scene::load(&data("scene.obj"), Some(&data("materials.toml"))).expect("a scene");
     let receivers = read_receivers_with_warnings(&data("receivers.csv"), &mut Vec::new()).expect("receivers");
     Model { objects: objects(&scene), materials: scene.materials, receivers }
 }
 
-/// The town with mirrors and glass, and leaves.
+/// Returns the town with mirrors and glass, and leaves.
 fn mirrors() -> Model {
     let mut objects = objects(&mirror_town());
     let mut materials = mirror_materials();
@@ -181,7 +183,7 @@ fn mirrors() -> Model {
     Model { objects, materials, receivers: many().into_iter().step_by(3).collect() }
 }
 
-/// Hills, and a house with a cellar in them that juts out over its own wall.
+/// Returns hills, and a house with a cellar in them that juts out over its own wall.
 fn hills() -> Model {
     let height = |x: f64, y: f64| 4.0 * (x / 37.0).sin() + 5.0 * (y / 29.0).cos();
     let at = |i: i32, k: i32| {
@@ -207,13 +209,14 @@ fn hills() -> Model {
     Model { objects: vec![terrain, house, jetty, neighbour], materials, receivers }
 }
 
-/// Edits in a test; `tools/variants/run` sets more.
+/// Returns the number of edits in a test; `tools/variants/run` sets more.
 fn count() -> usize {
     std::env::var("HELIOTILE_EDITS").ok().and_then(|text| text.parse().ok()).unwrap_or(2 * EDITS)
 }
 
-/// Edits of all 14 kinds, one or two at a time, on three sites: the root of a build from the archive before is that of a fresh build every time,
-/// and on each site some receivers, probes and bounce cells are taken from there.
+/// Edits of all 14 kinds, one or two at a time, are made on three sites: the root of a build from
+/// the archive before is that of a fresh build every time, and on each site some receivers, probes
+/// and bounce cells are taken from there.
 #[test]
 fn a_variant_has_the_bytes_of_a_fresh_build() {
     let folder = tempfile::tempdir().expect("a scratch folder");
@@ -225,7 +228,8 @@ fn a_variant_has_the_bytes_of_a_fresh_build() {
         let before = Archive::open(&path).expect("an archive");
         let (mut kept, mut all) = (Kept::default(), Kept::default());
         let edits = count() / 3 + usize::from(number < count() % 3);
-        // A site that grows to a side: its origin moves, and cells of 1024 m are among those that stay.
+        // One edit grows the site to a side: its origin moves, and cells of 1024 m are among those
+        // that stay.
         let grown = (name == "hills" && edits < 30).then_some(29);
         for i in (0..edits).chain(grown) {
             let mut dice = Dice(mix(number as u64 + 7, i as u64));
@@ -255,7 +259,7 @@ fn a_variant_has_the_bytes_of_a_fresh_build() {
     }
 }
 
-/// Runs the program in a folder: its exit code and what it said.
+/// Runs the program in a folder: its exit code and its messages.
 pub fn run(folder: &Path, line: &str) -> (Option<i32>, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_heliotile"))
         .current_dir(folder)
@@ -265,8 +269,9 @@ pub fn run(folder: &Path, line: &str) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// By hand: `build --from` an archive without reflections, where no hit is stored, has the bytes of a build without, and so has `--store`; other
-/// settings and an archive of elsewhere are told and not used; one without its scene, and the archive that is to be written, are refused; a
+/// `build --from` an archive without reflections, where no hit is stored, has the bytes of a build
+/// without, and so has `--store`. Other settings and an archive of another site are reported and
+/// not used. An archive without its scene, and the archive that is to be written, are refused. A
 /// folder of `run --from` holds the archive of `run`.
 #[test]
 fn from_the_command_line() {

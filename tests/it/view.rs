@@ -7,7 +7,7 @@ use std::process::{Child, Stdio};
 
 use crate::cli::{Folder, golden, stderr, stdout};
 
-/// A program that serves, until the test ends.
+/// A program that serves until the test ends.
 struct Served {
     child: Child,
     address: String,
@@ -22,7 +22,7 @@ impl Served {
         Served { address: address.to_owned(), child }
     }
 
-    /// Status, headers in lower case, and body of a request with some headers.
+    /// Sends a request with some headers; returns status, headers in lower case, and body.
     fn ask(&self, method: &str, path: &str, headers: &[(&str, &str)]) -> (u16, String, Vec<u8>) {
         let mut stream = TcpStream::connect(&self.address).expect("a connection");
         let host = headers.iter().all(|header| header.0 != "Host").then(|| format!("Host: {}\r\n", self.address));
@@ -41,14 +41,15 @@ impl Served {
 
 impl Drop for Served {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The program may have ended by itself.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// `view` answers on 127.0.0.1 with the page, packed below 1.3 MB for whom takes that, the archive by ranges with an ETag, and the weather; 6 other paths, 3 foreign hosts, other
-/// methods and what lies in the folder get nothing of it.
+/// `view` answers on 127.0.0.1 with the page, compressed below 1.3 MB for browsers that accept it,
+/// the archive by ranges with an ETag, and the weather. 6 other paths, 3 foreign hosts and other
+/// methods get none of it.
 #[test]
 fn view_serves_its_own_files() {
     let folder = Folder::new();
@@ -93,8 +94,9 @@ fn view_serves_its_own_files() {
     assert!(fs::read(folder.path("site.helio")).expect("an archive") == archive);
 }
 
-/// Of an atlas with two of its four parts `view` serves the page, their list and the archives of the built ones by ranges; a part that is not
-/// built, their receivers, the plan and 4 other paths are not found.
+/// For an atlas with two of its four parts built, `view` serves the page, the list of parts and the
+/// archives of the built ones by ranges. A part that is not built, receivers, the plan and 4 other
+/// paths are not found.
 #[test]
 fn view_serves_the_parts_of_an_atlas() {
     let folder = Folder::new();
@@ -130,7 +132,7 @@ fn view_serves_the_parts_of_an_atlas() {
     }
 }
 
-/// A second site: an archive of other receivers or another place; the command that builds it.
+/// Builds an archive of other receivers or at another place.
 fn another(folder: &Folder, name: &str, receivers: &str, more: &str) {
     folder.write("others.csv", receivers);
     let built =
@@ -138,12 +140,13 @@ fn another(folder: &Folder, name: &str, receivers: &str, more: &str) {
     assert!(built.status.success(), "{}", stderr(&built));
 }
 
-/// Two receivers of the site and one of its own.
+/// Two receivers of the site and a new one.
 const CHANGED: &str = "receiver,x,y,z,nx,ny,nz\na,5,5,10.02,0,0,1\nb,5,-0.02,4,0,-1,0\nc,15,9,0.02,0,0,1\n";
 const ELSEWHERE: &str = "receiver,x,y,z,nx,ny,nz\nx,12,9,0.02,0,0,1\n";
 
-/// `view --with` serves the page, which knows of both archives, and the bytes of both by ranges; `export --with` writes one file that holds both, each
-/// under its name. Of equal archives there is a warning and a page.
+/// `view --with` serves the page, which names both archives, and the bytes of both by ranges;
+/// `export --with` writes one file that holds both, each under its name. For equal archives there
+/// is a warning and a page.
 #[test]
 fn two_archives() {
     let folder = Folder::new();
@@ -172,8 +175,9 @@ fn two_archives() {
     assert!(output.status.success() && stderr(&output).contains("equal"), "{}", stderr(&output));
 }
 
-/// Two archives that cannot be compared are refused with exit code 2, and each message says why and what to do: no receiver in common, another coordinate
-/// system, places 100 km apart, an atlas, none there, no page: 6 of 6 by `view` or `export`.
+/// Two archives that cannot be compared are refused with exit code 2, and each message gives the
+/// reason and a hint: no receiver in common, another coordinate system, places 100 km apart, an
+/// atlas, a missing archive, no page: 6 of 6 by `view` or `export`.
 #[test]
 fn two_archives_that_do_not_fit() {
     let folder = Folder::new();
@@ -207,7 +211,8 @@ fn two_archives_that_do_not_fit() {
     assert!(!folder.path("page.html").exists());
 }
 
-/// What cannot be shown is refused before anything is served: 5 of 5, with what to do.
+/// Files that cannot be shown are refused before anything is served, 5 of 5, with the name of the
+/// file.
 #[test]
 fn what_cannot_be_shown() {
     let folder = Folder::new();
@@ -221,8 +226,8 @@ fn what_cannot_be_shown() {
     folder.refused("export site.helio --html nowhere/page.html", &["nowhere"]);
 }
 
-/// `export --html` writes one file that holds the archive's bytes and those of the weather, and no address of elsewhere; names with tags stay
-/// text.
+/// `export --html` writes one file that holds the archive's bytes and those of the weather, and no
+/// foreign address; names with tags stay text.
 #[test]
 fn a_page_as_a_file() {
     let folder = Folder::new();

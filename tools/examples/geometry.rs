@@ -1,5 +1,5 @@
-//! Geometry that a program makes: a white wall on a ground, traced and replayed under a clear and an overcast sky with the crates below the
-//! requests.
+//! Traces and replays geometry that a program makes: a white wall on a ground under a clear and an
+//! overcast sky, with the crates below the requests.
 //!
 //! `cargo run --release --example geometry`
 
@@ -26,9 +26,11 @@ fn main() -> heliotile::Result<()> {
     })
 }
 
-/// Hands on each receiver with its direct and its reflected sun in the first condition, W/m2.
+/// Calls `each` for each receiver with its direct and its reflected sun in the first condition,
+/// W/m2.
 fn wall_in_the_sun(folder: &std::path::Path, mut each: impl FnMut(&str, f32, f32)) -> heliotile::Result<()> {
-    // A ground of 100 m x 100 m with a white wall on it, 10 m wide and high; metres, x east, y north, z up.
+    // A ground of 100 m x 100 m with a white wall on it, 10 m wide and high; metres, x east, y
+    // north, z up.
     let quad = |a: DVec3, u: DVec3, v: DVec3, material: u16| {
         [([a, a + u, a + u + v], material), ([a, a + u + v, a + v], material)]
     };
@@ -66,8 +68,8 @@ fn wall_in_the_sun(folder: &std::path::Path, mut each: impl FnMut(&str, f32, f32
 
 #[cfg(test)]
 mod tests {
-    /// The wall stands in the sun: the receiver that looks up gets 800 sin(40) W/m2 of it within 2, the one before the wall none, but more
-    /// than 100 W/m2 from ground and wall.
+    /// The wall stands in the sun: the receiver that looks up gets 800 sin(40) W/m2 of it within 2,
+    /// the one before the wall none, but more than 100 W/m2 from ground and wall.
     #[test]
     fn a_wall_reflects() {
         let folder = tempfile::tempdir().expect("a folder");

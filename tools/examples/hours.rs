@@ -1,4 +1,5 @@
-//! Hours handed to a function of one's own, a tile of receivers at a time: the brightest hour of each receiver.
+//! Passes hours to a function of the caller, a tile of receivers at a time: the brightest hour of
+//! each receiver.
 //!
 //! `cargo run --release --example hours -- SITE.helio WEATHER`
 
@@ -15,7 +16,8 @@ fn main() -> heliotile::Result<()> {
     }
 }
 
-/// Hands on each receiver with the number of its brightest hour and the irradiance then.
+/// Calls `each` for each receiver with the number of its brightest hour and the irradiance then,
+/// W/m2.
 fn brightest(archive: &str, weather: &str, mut each: impl FnMut(&str, usize, f32)) -> heliotile::Result<()> {
     SiteRequest::of(archive).each_tile(&ReplayRequest::of(weather), &Resources::usual(), |tile| {
         for (row, id) in tile.ids.iter().enumerate() {
@@ -30,7 +32,8 @@ fn brightest(archive: &str, weather: &str, mut each: impl FnMut(&str, usize, f32
 
 #[cfg(test)]
 mod tests {
-    /// Each of the 3 receivers of an archive has its brightest hour among the 72 of three days, by day and below 1,400 W/m2.
+    /// The brightest hour of each receiver of an archive is one of the 72 of three days, by day and
+    /// between 10 and 1,400 W/m2.
     #[test]
     fn brightest_hours() {
         let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");

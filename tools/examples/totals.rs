@@ -1,4 +1,5 @@
-//! From a city model to a year's sun: reads a scene, traces it once, replays a weather file and prints what each receiver gets.
+//! From a city model to a year's sun: reads a scene, traces it once, replays a weather file and
+//! prints what each receiver gets.
 //!
 //! `cargo run --release --example totals -- SCENE WEATHER FOLDER`
 
@@ -22,7 +23,8 @@ fn totals(scene: &str, weather: &str, folder: &str) -> heliotile::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    /// The scene of a house in a street is traced, and its receivers get their sums over three days.
+    /// The scene of a house in a street is traced, and its receivers get their sums over three
+    /// days.
     #[test]
     fn totals_of_a_town() {
         let folder = tempfile::tempdir().expect("a folder");

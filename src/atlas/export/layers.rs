@@ -1,4 +1,5 @@
-//! The layers of a receiver. In: an archive, a receiver, a light. Out: maps as EXR, a picture or a panel of six as PNG.
+//! The layers of a receiver. In: an archive, a receiver, a light. Out: maps as EXR, a picture or a
+//! panel of six as PNG.
 
 use std::path::Path;
 
@@ -26,17 +27,17 @@ use heliotile_results::outputs::pictures::panel::{PanelSun, panel};
 use heliotile_results::{Provenance, Resources};
 use heliotile_scene::input::weather::read_weather_as;
 
-/// Kinds of images.
+/// Kinds of image files.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Image {
-    /// Values.
+    /// Values, as EXR.
     Exr,
-    /// A picture.
+    /// A picture, as PNG.
     Png,
 }
 
 impl Image {
-    /// By the ending of a file's name.
+    /// Returns the kind that the extension of a file name states.
     pub(super) fn of(output: &Path) -> Result<Self> {
         let ending = output.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         match ending.as_deref() {
@@ -51,7 +52,7 @@ impl Image {
     }
 }
 
-/// The receiver of an archive that is open.
+/// A receiver of an open archive, and what is exported of it.
 struct ReceiverLayers<'a> {
     request: &'a ExportRequest,
     resources: &'a Resources<'a>,
@@ -60,7 +61,7 @@ struct ReceiverLayers<'a> {
     view: ReceiverView,
 }
 
-/// The bytes of the file.
+/// Returns the bytes of the image file.
 pub(super) fn layers_of(
     request: &ExportRequest,
     receiver: &str,
@@ -68,7 +69,7 @@ pub(super) fn layers_of(
     about: Provenance,
     resources: &Resources,
 ) -> Result<Vec<u8>> {
-    // Before the archive: a wrong weather file is found at once.
+    // The weather file is read before the archive, so that a wrong one is found at once.
     let (mut overlay, weather, about) = overlay(request, image, receiver, about, resources)?;
     let archive = holding_receiver(request, receiver, resources)?;
     let site = OpenSite::of(&archive)?;
@@ -99,21 +100,21 @@ pub(super) fn layers_of(
     }
 }
 
-/// The archive, or that of the part of an atlas, which holds a receiver.
+/// Opens the archive that holds a receiver; in an atlas, the archive of the part that holds it.
 fn holding_receiver(request: &ExportRequest, id: &str, resources: &Resources) -> Result<Archive> {
     let workspace = Workspace { folder: folder_of(&request.output).into(), memory: resources.memory };
     holding(&request.place, &Selection::Ids(vec![id.to_owned()]), request.access, &workspace)
 }
 
 impl ReceiverLayers<'_> {
-    /// Maps as EXR.
+    /// Returns the maps as EXR.
     fn values(&self, provenance: &Provenance) -> Result<Vec<u8>> {
         let mut about = self.about();
         about.insert("provenance".into(), provenance.json());
         exr(&self.maps()?, &about)
     }
 
-    /// Maps under the light that is asked for.
+    /// Computes the maps under the requested light.
     fn maps(&self) -> Result<Vec<LayerMap>> {
         let request = self.request;
         let light = match request.sun {
@@ -133,7 +134,7 @@ impl ReceiverLayers<'_> {
         maps(self.site, &self.view, light.as_ref(), self.resources.memory, &storage)
     }
 
-    /// What stands in every part of an EXR file.
+    /// Returns the metadata of every part of an EXR file.
     fn about(&self) -> Map<String, Value> {
         let (request, receiver) = (self.request, &self.view.receiver);
         let names: Vec<&str> = self.view.materials.iter().map(|material| material.name.as_str()).collect();
@@ -157,7 +158,7 @@ impl ReceiverLayers<'_> {
     }
 }
 
-/// What is drawn over a picture, and what it is made of.
+/// Returns the overlay of a picture, the weather file that it uses, and its provenance.
 fn overlay(
     request: &ExportRequest,
     image: Image,
@@ -194,7 +195,7 @@ fn overlay(
             };
             let weather = read_weather_as(file, &request.about_weather, &mut place)?;
             provenance = provenance.with_weather(file, &weather);
-            // Names are filled up with blanks in some files.
+            // Some files pad names with blanks.
             let place = weather.place.split_whitespace().collect::<Vec<_>>().join(" ");
             let weather = of_file.insert(weather);
             let zone = weather.site.zone_hours;
@@ -211,7 +212,7 @@ fn overlay(
     Ok((overlay, of_file, provenance))
 }
 
-/// How long the sun is seen through a weather file.
+/// Describes in words how long the sun is visible over a weather file.
 fn in_words(hours: &SunHours, rows: usize) -> Vec<String> {
     let [up, seen, hidden, behind] = hours.sums();
     vec![
@@ -220,7 +221,7 @@ fn in_words(hours: &SunHours, rows: usize) -> Vec<String> {
     ]
 }
 
-/// Adds the hours in which the sun is seen to what a file says of itself.
+/// Adds the hours in which the sun is visible to the provenance.
 fn with_hours(about: Provenance, hours: &SunHours) -> Provenance {
     let names = ["sun_up_h", "sun_seen_h", "sun_hidden_h", "sun_behind_h"];
     let about = names.into_iter().zip(hours.sums()).fold(about, |about, (name, h)| about.with(name, format!("{h:.3}")));

@@ -1,5 +1,6 @@
-//! What an archive holds, for people and programs to look at. In: the place of an archive or of an atlas, a receiver or none. Out: the receiver's
-//! layers as a picture or as values; without one a table of the view factors of all receivers.
+//! Export of an archive's contents for people and programs. In: the place of an archive or of an
+//! atlas, a receiver or none. Out: the receiver's layers as a picture or as values; without a
+//! receiver a table of the view factors of all receivers.
 
 mod layers;
 mod sun_position;
@@ -25,7 +26,7 @@ use layers::{Image, layers_of};
 
 pub use sun_position::SunPosition;
 
-/// What is asked of an export.
+/// Request for an export.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExportRequest {
@@ -33,29 +34,31 @@ pub struct ExportRequest {
     pub place: PathBuf,
     /// How files are read.
     pub access: Access,
-    /// The file to write: `.exr` or `.png` of a receiver; a table of view factors, `-` for standard output.
+    /// File to write: `.exr` or `.png` of a receiver; otherwise a table of view factors, `-` for
+    /// standard output.
     pub output: PathBuf,
-    /// Receiver whose layers are exported; none: view factors of all receivers.
+    /// Receiver whose layers are exported; `None` for the view factors of all receivers.
     pub receiver: Option<String>,
-    /// Whether six pictures of the light of the sun are drawn in place of one.
+    /// True if six pictures of the light of the sun are drawn in place of one.
     pub panel: bool,
-    /// A sun whose light goes into values, and whose place goes into a picture.
+    /// Sun that lights the maps of values, and whose place is drawn in a picture.
     pub sun: Option<SunPosition>,
-    /// Direct normal irradiance of that sun.
+    /// Direct normal irradiance of that sun, W/m2.
     pub dni_w_m2: f64,
-    /// Diffuse horizontal irradiance of the sky around it.
+    /// Diffuse horizontal irradiance of the sky around it, W/m2.
     pub dhi_w_m2: f64,
-    /// How the sky's radiance is spread.
+    /// Model of the sky's radiance.
     pub sky: SkyModel,
-    /// Number of sky patches; none: what the archive was built for.
+    /// Number of sky patches; `None` for the number that the archive was built for.
     pub patches: Option<usize>,
-    /// How many times light may be reflected diffusely.
+    /// Largest number of diffuse reflections.
     pub bounces: MaxBounces,
-    /// Weather file over whose place the sun's paths are drawn, by its clock.
+    /// Weather file for whose place and clock the sun's paths are drawn.
     pub weather: Option<PathBuf>,
-    /// What is known of that file that it does not state.
+    /// Options for facts that the weather file does not state.
     pub about_weather: WeatherOptions,
-    /// Latitude that the sun's paths are drawn over in place of that of a weather file, degrees, north positive.
+    /// Latitude for which the sun's paths are drawn in place of that of a weather file, degrees,
+    /// north positive.
     pub latitude_deg: Option<f64>,
 }
 
@@ -81,10 +84,11 @@ impl Default for ExportRequest {
 }
 
 impl ExportRequest {
-    /// Largest irradiance of a sun or a sky, W/m2.
+    /// Largest irradiance that is accepted for a sun or a sky, W/m2.
     pub const MOST_W_M2: f64 = 1e6;
 
-    /// Refuses numbers that are not in range and choices that exclude each other, before any file is read.
+    /// Refuses numbers that are out of range and choices that exclude each other, before any file
+    /// is read.
     pub fn check(&self) -> Result<()> {
         for (name, irradiance) in [("dni", self.dni_w_m2), ("dhi", self.dhi_w_m2)] {
             if !(0.0..=Self::MOST_W_M2).contains(&irradiance) {
@@ -113,7 +117,7 @@ impl ExportRequest {
         }
     }
 
-    /// Writes the file; `about` is what it says of how it was made.
+    /// Writes the file with its provenance `about`.
     pub fn write(&self, about: Provenance, resources: &Resources) -> Result<()> {
         self.check()?;
         if self.output != Path::new("-") {
@@ -141,7 +145,7 @@ impl ExportRequest {
     }
 }
 
-/// Adds the receivers of an archive; stops where the reader of the table has gone away.
+/// Adds the receivers of an archive to the table; stops if the reader of the table has closed it.
 fn add_rows(table: &mut ViewFactorTable, archive: &Archive) -> Result<()> {
     let site = OpenSite::of(archive)?;
     let sky = SkyComponents::of(&site)?;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use heliotile_core::units::direction_from_degrees;
 
-/// A sun above the horizon, as `[azimuth, altitude]`.
+/// Position of a sun above the horizon, as `[azimuth, altitude]`, degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "[f64; 2]", try_from = "[f64; 2]")]
 pub struct SunPosition {
@@ -16,7 +16,8 @@ pub struct SunPosition {
 }
 
 impl SunPosition {
-    /// A sun at an azimuth, clockwise from true north, and an altitude. An error: a number that is not in range.
+    /// Returns a sun at an azimuth, clockwise from true north, and an altitude, degrees. An error:
+    /// a number that is out of range.
     pub fn new(azimuth_deg: f64, altitude_deg: f64) -> Result<Self, String> {
         if !(-360.0..=360.0).contains(&azimuth_deg) {
             return Err(format!("the azimuth is {azimuth_deg}, it must be from -360 to 360"));
@@ -31,17 +32,17 @@ impl SunPosition {
         Ok(SunPosition { azimuth_deg, altitude_deg })
     }
 
-    /// Clockwise from true north.
+    /// Returns the azimuth, degrees clockwise from true north.
     pub fn azimuth_deg(self) -> f64 {
         self.azimuth_deg
     }
 
-    /// Above the horizon.
+    /// Returns the altitude above the horizon, degrees.
     pub fn altitude_deg(self) -> f64 {
         self.altitude_deg
     }
 
-    /// The direction to the sun, y to true north.
+    /// Returns the direction to the sun, with y to true north.
     pub fn direction(self) -> DVec3 {
         direction_from_degrees(self.azimuth_deg, self.altitude_deg)
     }
@@ -61,7 +62,7 @@ impl TryFrom<[f64; 2]> for SunPosition {
     }
 }
 
-/// `azimuth,altitude` in degrees.
+/// Parses `azimuth,altitude` in degrees.
 impl FromStr for SunPosition {
     type Err = String;
 
@@ -77,7 +78,8 @@ impl FromStr for SunPosition {
 mod tests {
     use super::*;
 
-    /// A sun in the south, half way up, is the same as text and as JSON; 5 that are none are refused.
+    /// A sun in the south at 45 degrees is the same as text and as JSON; 5 texts that are no sun
+    /// are refused.
     #[test]
     fn suns_above_the_horizon() {
         let sun: SunPosition = "180, 45".parse().expect("a sun");

@@ -1,5 +1,5 @@
-//! The JSON form of a model. In: bytes, objects to add. Out: objects with the bytes that hold their values; text to be inserted: what the
-//! file has keeps its place and its digits.
+//! The JSON form of a model. In: bytes, objects to add. Out: objects with the byte ranges of their
+//! values; text to insert. The contents of the file keep their order and their digits.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -14,7 +14,7 @@ use super::{ModelField, ModelObject};
 use crate::new_object::{FieldValue, NewObject};
 use heliotile_core::error::{Error, Result};
 
-/// The members of an object in their order, their values as they stand.
+/// Members of a JSON object in their order, with their values as raw text.
 struct Members<'a>(Vec<(String, &'a RawValue)>);
 
 impl<'de: 'a, 'a> Deserialize<'de> for Members<'a> {
@@ -39,7 +39,7 @@ impl<'de: 'a, 'a> Deserialize<'de> for Members<'a> {
     }
 }
 
-/// All objects.
+/// Parses all objects of a model.
 pub fn objects(bytes: &[u8], file: &Path) -> Result<Vec<ModelObject>> {
     let refuse = |what: String, line: Option<usize>| {
         Error::input(file, line, what, "an epJSON file is `{\"Class\": {\"name\": {\"field\": value}}}`, in UTF-8")
@@ -61,7 +61,7 @@ pub fn objects(bytes: &[u8], file: &Path) -> Result<Vec<ModelObject>> {
             let key = "name".to_owned();
             let mut all = vec![ModelField { key, text: name, span: None, line: 0 }];
             for (key, span) in fields {
-                // What parsed as a part of the whole parses again.
+                // A part of a text that was parsed parses again.
                 let value = serde_json::from_str::<Value>(of(&span)).unwrap_or_default();
                 push(&mut all, key, value, span);
             }
@@ -71,7 +71,7 @@ pub fn objects(bytes: &[u8], file: &Path) -> Result<Vec<ModelObject>> {
     Ok(objects)
 }
 
-/// A value, or those in it.
+/// Adds the field of a value, or a field for each value in a list or an object.
 fn push(all: &mut Vec<ModelField>, key: String, value: Value, span: Range<usize>) {
     let text = match value {
         Value::String(text) => text,
@@ -83,13 +83,14 @@ fn push(all: &mut Vec<ModelField>, key: String, value: Value, span: Range<usize>
     all.push(ModelField { key, text, span: Some(span), line: 0 });
 }
 
-/// Where a part of a text stands in it.
+/// Returns the byte range of `part`, which is a slice of `whole`.
 fn place_in(whole: &str, part: &str) -> Range<usize> {
     let start = (part.as_ptr() as usize).saturating_sub(whole.as_ptr() as usize);
     start..start + part.len()
 }
 
-/// What goes where: members of classes that are there, and classes before the end.
+/// Returns the insertions for new objects: members into classes that exist, and new classes before
+/// the end.
 pub fn inserted(bytes: &[u8], added: &[NewObject]) -> Vec<(Range<usize>, Vec<u8>)> {
     let whole = std::str::from_utf8(bytes).unwrap_or_default();
     let there = serde_json::from_str::<Members>(whole.trim_start_matches('\u{feff}')).map_or(Vec::new(), |all| all.0);
@@ -113,7 +114,7 @@ pub fn inserted(bytes: &[u8], added: &[NewObject]) -> Vec<(Range<usize>, Vec<u8>
             None => last += &format!(",\n    {}: {{\n{}\n    }}", Value::from(class), objects.join(",\n")),
         }
     }
-    // Behind the last class; without any, the first comma goes.
+    // New classes go behind the last class; without any class, the first comma is dropped.
     let end = whole.rfind('}').unwrap_or(whole.len());
     let behind = whole.get(..end).unwrap_or_default().trim_end().len();
     let last = if there.is_empty() { last.trim_start_matches(',').to_owned() } else { last };
@@ -121,7 +122,7 @@ pub fn inserted(bytes: &[u8], added: &[NewObject]) -> Vec<(Range<usize>, Vec<u8>
     edits
 }
 
-/// Classes without the members that stand at `gone`.
+/// Returns the replacements of classes whose members at `gone` are removed.
 pub fn removed(bytes: &[u8], gone: &[Range<usize>]) -> Vec<(Range<usize>, Vec<u8>)> {
     let whole = std::str::from_utf8(bytes).unwrap_or_default();
     let there = serde_json::from_str::<Members>(whole.trim_start_matches('\u{feff}')).map_or(Vec::new(), |all| all.0);

@@ -1,4 +1,5 @@
-//! The text form of a model. In: bytes, objects to add. Out: objects with the bytes that hold their fields; text behind the last object.
+//! The text form of a model. In: bytes, objects to add. Out: objects with the byte ranges of their
+//! fields; text to append behind the last object.
 
 use std::ops::Range;
 use std::path::Path;
@@ -8,10 +9,10 @@ use crate::new_object::{FieldValue, NewObject};
 use heliotile_core::error::Result;
 use heliotile_scene::idf_fields;
 
-/// Values of a list on a line.
+/// List values on one line.
 const A_LINE: usize = 12;
 
-/// All objects.
+/// Parses all objects of a model.
 pub fn objects(bytes: &[u8], file: &Path) -> Result<Vec<ModelObject>> {
     let mut objects: Vec<ModelObject> = Vec::new();
     idf_fields(bytes, file, |field| {
@@ -28,7 +29,7 @@ pub fn objects(bytes: &[u8], file: &Path) -> Result<Vec<ModelObject>> {
     Ok(objects)
 }
 
-/// What goes behind the last byte, with the line ends of the file.
+/// Returns the text to append for new objects, with the line ends of the file.
 pub fn appended(bytes: &[u8], added: &[NewObject]) -> (Range<usize>, Vec<u8>) {
     let mut text = String::new();
     if !added.is_empty() {
@@ -56,7 +57,7 @@ fn write(object: &NewObject, out: &mut String) {
         *out += text;
     }
     let items = object.list.as_ref().map_or(&[][..], |list| list.2.as_slice());
-    // Lines of programs are read one by one, numbers not.
+    // EnergyPlus reads program lines one by one, so each gets a line; numbers share lines.
     let a_line = if items.iter().all(|item| matches!(item, FieldValue::Number(_))) { A_LINE } else { 1 };
     for (i, item) in items.iter().enumerate() {
         *out += if i % a_line == 0 { ",\n  " } else { ", " };

@@ -1,5 +1,6 @@
-//! A model as text that is edited where it stands. In: the bytes of an IDF or epJSON file. Out: its objects, and the same bytes but for
-//! values that were set and objects that were added or removed.
+//! A model as text that is edited in place. In: the bytes of an IDF or epJSON file. Out: its
+//! objects, and the bytes with values that were set and objects that were added or removed; all
+//! other bytes stay.
 
 mod epjson;
 mod idf;
@@ -10,28 +11,28 @@ use std::path::{Path, PathBuf};
 use crate::new_object::NewObject;
 use heliotile_core::error::{Error, Result};
 
-/// How a model is written.
+/// File format of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     Idf,
     EpJson,
 }
 
-/// A model, and what is to become of it.
+/// A model, and the edits to it.
 pub struct Document {
     pub file: PathBuf,
     pub form: Form,
     pub objects: Vec<ModelObject>,
     pub(super) bytes: Vec<u8>,
-    /// Bytes to be replaced; none overlap.
+    /// Byte ranges with their replacements; no two overlap.
     edits: Vec<(Range<usize>, Vec<u8>)>,
     added: Vec<NewObject>,
 }
 
-/// A field of one object, and what it is to say.
+/// A new text for a field of one object.
 #[derive(Clone, Debug)]
 pub(super) struct FieldEdit {
-    /// Place among the objects.
+    /// Index of the object in the model.
     pub object: usize,
     pub place: usize,
     pub key: &'static str,
@@ -41,42 +42,43 @@ pub(super) struct FieldEdit {
 /// An object of a model.
 #[derive(Clone, Debug)]
 pub struct ModelObject {
-    /// As written.
+    /// Class, as written.
     pub class: String,
-    /// 1-based; 0 where the form has none.
+    /// Line, from 1; 0 where the form has no lines.
     pub line: usize,
     pub(super) fields: Vec<ModelField>,
-    /// All of it, with the sign that ends it.
+    /// Byte range of the object, with the character that ends it.
     pub(super) span: Range<usize>,
 }
 
-/// A field of an object; of IDF the first is the name, of epJSON too, whose fields have keys.
+/// A field of an object. The first field is the name in both forms; fields of epJSON have keys.
 #[derive(Clone, Debug)]
 pub(super) struct ModelField {
     pub key: String,
     pub text: String,
-    /// None where the text goes over several lines.
+    /// Byte range of the text; `None` where the text has no single range.
     pub span: Option<Range<usize>>,
     pub line: usize,
 }
 
 impl ModelObject {
-    /// Whether it is of a class, in any case.
+    /// Returns true if the object is of a class, in any case of letters.
     pub fn is(&self, class: &str) -> bool {
         self.class.eq_ignore_ascii_case(class)
     }
 
-    /// Its name, or the first field of a class without names.
+    /// Returns the name of the object, or the first field of a class without names.
     pub fn name(&self) -> &str {
         self.fields.first().map_or("", |field| field.text.trim())
     }
 
-    /// The text of a field: the `place`th of IDF, counted from 1, which epJSON calls `key`. Empty if there is none.
+    /// Returns the text of a field: the `place`th of IDF, counted from 1, which epJSON calls `key`.
+    /// Empty if there is none.
     pub fn text(&self, place: usize, key: &str) -> &str {
         self.field(place, key).map_or("", |field| field.text.trim())
     }
 
-    /// All of its texts.
+    /// Returns the texts of all fields.
     pub fn texts(&self) -> impl Iterator<Item = &str> {
         self.fields.iter().map(|field| field.text.trim())
     }
@@ -89,14 +91,14 @@ impl ModelObject {
         }
     }
 
-    /// As messages call it.
+    /// Returns the object's name for messages: class and name.
     pub fn title(&self) -> String {
         format!("{} `{}`", self.class, self.name())
     }
 }
 
 impl Document {
-    /// Reads a model; the ending of its name says which form it has.
+    /// Reads a model; the extension of its file name says which form it has.
     pub fn read(file: &Path, bytes: Vec<u8>) -> Result<Document> {
         let ending = file.extension().map_or(String::new(), |ending| ending.to_string_lossy().to_lowercase());
         let form = match ending.as_str() {
@@ -119,7 +121,7 @@ impl Document {
         Ok(Document { file: file.to_owned(), form, objects, bytes, edits: Vec::new(), added: Vec::new() })
     }
 
-    /// `idf` or `epJSON`.
+    /// Returns the extension of the model's form, `idf` or `epJSON`.
     pub fn ending(&self) -> &'static str {
         match self.form {
             Form::Idf => "idf",
@@ -127,17 +129,17 @@ impl Document {
         }
     }
 
-    /// Objects of a class, in the order of the file.
+    /// Returns the objects of a class, in the order of the file.
     pub fn of<'d>(&'d self, class: &'d str) -> impl Iterator<Item = &'d ModelObject> {
         self.objects.iter().filter(move |object| object.is(class))
     }
 
-    /// The first object of a class that has a field.
+    /// Returns the text of a field of the first object of a class; empty if there is none.
     pub fn first_text(&self, class: &str, place: usize, key: &str) -> &str {
         self.objects.iter().find(|object| object.is(class)).map_or("", |object| object.text(place, key))
     }
 
-    /// Sets a field of all objects of a class; one that an object has not got is added to it.
+    /// Sets a field of all objects of a class; an object without the field gets it.
     pub fn set(&mut self, class: &str, place: usize, key: &str, value: &str) -> Result<()> {
         let quoted = self.form == Form::EpJson && value.parse::<f64>().is_err();
         let text = if quoted { serde_json::Value::from(value).to_string() } else { value.to_owned() };
@@ -154,7 +156,7 @@ impl Document {
         Ok(())
     }
 
-    /// Sets fields of single objects, which have them.
+    /// Sets fields of single objects; objects without the field are skipped.
     pub(super) fn edit(&mut self, edits: Vec<FieldEdit>) -> Result<()> {
         for edit in edits {
             let Some(object) = self.objects.get(edit.object) else { continue };
@@ -169,13 +171,14 @@ impl Document {
         Ok(())
     }
 
-    /// The refusal of a field that cannot be changed.
+    /// Returns the error of a field that cannot be changed, as its text goes over several lines.
     fn in_lines(&self, object: &ModelObject, field: &ModelField) -> Error {
         let what = format!("{}: the field `{}` goes over several lines", object.title(), field.text.trim());
         Error::input(&self.file, field.line, what, "write it on one line: it has to be changed")
     }
 
-    /// A field that an object has not got, where it goes: at its end in IDF, at its beginning in epJSON.
+    /// Returns the insertion of a field that an object lacks: at its end in IDF, at its beginning
+    /// in epJSON.
     fn missing(&self, object: &ModelObject, place: usize, key: &str, text: &str) -> (Range<usize>, Vec<u8>) {
         let (at, text) = match self.form {
             Form::Idf => {
@@ -190,7 +193,8 @@ impl Document {
         (at..at, text.into_bytes())
     }
 
-    /// Takes objects out, as `leaves` says; how many. What refers to them is left as it is.
+    /// Removes the objects for which `leaves` returns true, and returns their number. References to
+    /// them stay.
     pub fn remove(&mut self, leaves: impl Fn(&ModelObject) -> bool) -> usize {
         let all = std::mem::take(&mut self.objects);
         let (gone, kept): (Vec<ModelObject>, Vec<ModelObject>) = all.into_iter().partition(leaves);
@@ -208,7 +212,7 @@ impl Document {
         self.added.push(object);
     }
 
-    /// The model as it is now.
+    /// Returns the model with all edits.
     pub fn bytes(&self) -> Vec<u8> {
         let mut edits = self.edits.clone();
         match self.form {

@@ -1,23 +1,25 @@
-//! Programs in EnergyPlus's runtime language. In: names, which tables a surface has. Out: lines that set the actuator of each surface to
-//! its reflected light over what EnergyPlus itself takes from the ground.
+//! Programs in the EnergyPlus runtime language. In: names, the tables of a surface. Out: lines that
+//! set the actuator of each surface to its reflected light, divided by the ground's light that
+//! EnergyPlus itself uses.
 //!
-//! What the actuator `View Factor To Ground` multiplies is the radiation that the ground reflects, GSR (output `Site Ground Reflected Solar
-//! Radiation Rate per Area`); DHI and DNI are those of the site. The ground's reflectance of the hour is
-//! GSR / (DNI sin(altitude) + DHI), with months and snow as EnergyPlus has them.
+//! The actuator `View Factor To Ground` multiplies the radiation that the ground reflects, GSR
+//! (output `Site Ground Reflected Solar Radiation Rate per Area`); DHI and DNI are those of the
+//! site. The ground's reflectance of the hour is GSR / (DNI sin(altitude) + DHI), with months and
+//! snow as EnergyPlus has them.
 
 mod sky_program;
 
 use crate::sun_tables::{NOMINAL_W_M2, ReflectedSky};
 use sky_program::brightening_lines;
 
-/// Less radiation from the ground than this is night, W/m2.
+/// Ground-reflected radiation at or below which it is night, W/m2.
 const NIGHT_W_M2: f64 = 0.01;
 
-/// Names of what is added, which all begin alike.
+/// Prefix of the names of all added objects.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names(String);
 
-/// What the programs read of the site: the names behind the prefix, and the outputs.
+/// Sensors of the site: the name behind the prefix, and the output variable.
 pub const SENSORS: [(&str, &str); 5] = [
     ("DNI", "Site Direct Solar Radiation Rate per Area"),
     ("DHI", "Site Diffuse Solar Radiation Rate per Area"),
@@ -26,42 +28,47 @@ pub const SENSORS: [(&str, &str); 5] = [
     ("Alt", "Site Solar Altitude Angle"),
 ];
 
-/// Variables that the first program sets for all others: what tables of suns, of the sky's dome and of its horizon are multiplied by, the
-/// ground's reflectance.
+/// Variables that the first program sets for all others: the factors of the tables of suns, of the
+/// sky's dome and of its horizon, and the ground's reflectance.
 pub const SHARED: [&str; 4] = ["B", "D", "H", "R"];
 
 impl Names {
-    /// The first of `HT1`, `HT2` ... that none of `taken` begins with.
+    /// Returns the first prefix of `HT1_`, `HT2_` ... that no name in `taken` begins with, in any
+    /// case of letters.
     pub fn free<'a>(taken: impl Iterator<Item = &'a str>) -> Names {
         let taken: Vec<String> = taken.map(str::to_uppercase).collect();
         let free = (1_u32..).map(|number| format!("HT{number}_"));
         Names(free.into_iter().find(|prefix| !taken.iter().any(|name| name.starts_with(prefix))).unwrap_or_default())
     }
 
-    /// A name of its own.
+    /// Returns the name `what` with the prefix.
     pub fn of(&self, what: &str) -> String {
         format!("{}{what}", self.0)
     }
 }
 
-/// Tables of a surface: what does not depend on the ground, what does, the sun in mirrors.
+/// Tables of a surface: the part that does not depend on the ground, the part that does, the sun in
+/// mirrors.
 pub const TABLES: [&str; 3] = ["P", "Q", "S"];
 
 /// Coefficients of one surface.
 pub struct SurfaceTerms {
-    /// Number behind the prefix of its actuator.
+    /// Number of the surface's actuator, behind the prefix.
     pub actuator: usize,
-    /// Number of its tables.
+    /// Number of the surface's tables.
     pub tables: usize,
-    /// Which of [`TABLES`] it has.
+    /// True for each of [`TABLES`] that the surface has.
     pub has: [bool; 3],
-    /// Under a uniform sky, W/m2 by W/m2 of DHI: whatever the ground, and by its reflectance.
+    /// Light under a uniform sky, W/m2 per W/m2 of DHI: the part that does not depend on the
+    /// ground, and the part per ground reflectance.
     pub sky: [f64; 2],
-    /// The same of the band at the horizon; 0 where it does not count.
+    /// Light from the sky band at the horizon, W/m2 per W/m2: the two parts as in `sky`; 0 where
+    /// the band does not count.
     pub horizon: [f64; 2],
 }
 
-/// The program that runs first. In `bare_months` the ground reflects nothing, whatever the model says.
+/// Returns the lines of the program that runs first. In `bare_months` the ground reflects nothing,
+/// whatever the model says.
 pub fn sun_program(names: &Names, sky: ReflectedSky, bare_months: &[usize]) -> Vec<String> {
     let n = |what: &str| names.of(what);
     let (gsr, dni, dhi, alt) = (n("GSR"), n("DNI"), n("DHI"), n("Alt"));
@@ -96,14 +103,14 @@ pub fn sun_program(names: &Names, sky: ReflectedSky, bare_months: &[usize]) -> V
     lines
 }
 
-/// A number as the language takes it, which has a minus for what stands before it.
+/// Writes a number in the runtime language, which takes no minus sign behind an operator.
 pub(super) fn signed(value: f64) -> String {
     let digits = format!("{:.6}", value.abs());
     let digits = digits.trim_end_matches('0').trim_end_matches('.');
     if value < 0.0 && digits != "0" { format!("(0 - {digits})") } else { digits.into() }
 }
 
-/// Lines that set one actuator.
+/// Returns the lines that set one actuator.
 pub fn surface_lines(names: &Names, terms: &SurfaceTerms) -> Vec<String> {
     let n = |what: &str| names.of(what);
     let (azi, alt, actuator) = (n("Azi"), n("Alt"), n(&format!("A{}", terms.actuator)));
@@ -130,20 +137,21 @@ pub fn surface_lines(names: &Names, terms: &SurfaceTerms) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Of two prefixes that the model has, in any case, the third is taken.
+    /// With two prefixes taken by the model, in any case of letters, the third is used.
     #[test]
     fn free_names() {
         let names = Names::free(["ht1_sun", "HT2_A", "wall", "HT3"].into_iter());
         assert_eq!(names.of("A1"), "HT3_A1");
     }
 
-    /// Of 3 numbers one is below 0 after rounding: it stands as a difference, since EnergyPlus takes no minus behind another sign.
+    /// One of 3 numbers is below 0 after rounding: it is written as a difference, since EnergyPlus
+    /// takes no minus behind another sign.
     #[test]
     fn signs() {
         assert_eq!([0.5, -0.25, -1e-9].map(signed), ["0.5", "(0 - 0.25)", "0"]);
     }
 
-    /// A surface with all tables reads 3, one with neither none; blocks close.
+    /// A surface with all tables reads 3, a surface without tables none; IF blocks are closed.
     #[test]
     fn lines() {
         let names = Names::free(std::iter::empty());

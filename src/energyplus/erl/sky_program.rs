@@ -1,16 +1,17 @@
-//! The sky of Perez and others (1990) in EnergyPlus's runtime language. In: names. Out: lines that find, each time step, how much of the diffuse
-//! light comes from around the sun and from the horizon: the model that EnergyPlus lights surfaces by itself.
+//! The sky of Perez and others (1990) in the EnergyPlus runtime language. In: names. Out: lines
+//! that compute, in each time step, how much of the diffuse light comes from around the sun and
+//! from the horizon. EnergyPlus itself uses this model for the direct light of surfaces.
 //!
-//! The numbers are those of [`heliotile_core::sky::perez1990`]; the sun outside the atmosphere is that of the mean day, which moves F1 by
-//! less than 0.003.
+//! The coefficients are those of [`heliotile_core::sky::perez1990`]. The extraterrestrial
+//! irradiance is the mean of the year, which changes F1 by less than 0.003.
 
 use super::{Names, signed};
 use heliotile_core::sky::perez::{BIN_ENDS, KAPPA};
 use heliotile_core::sky::perez1990::{AIR_MASS, LEAST_COSINE, TABLE};
 use heliotile_core::weather::time::sun::SOLAR_CONSTANT_W_M2;
 
-/// Lines that set `F1`, `F2` and `Around`, what circumsolar light on a level surface is divided by; `Sine` is that of the sun's altitude,
-/// above 0.
+/// Returns lines that set `F1`, `F2` and `Around`, the divisor of circumsolar light on a level
+/// surface. `Sine` is the sine of the sun's altitude, above 0.
 pub fn brightening_lines(names: &Names) -> Vec<String> {
     let n = |what: &str| names.of(what);
     let (dni, dhi, alt) = (n("DNI"), n("DHI"), n("Alt"));
@@ -52,7 +53,8 @@ pub fn brightening_lines(names: &Names) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Each of the 8 bins has its two lines, each block its end: 2 and a chain of 8.
+    /// Each of the 8 bins has its two lines, and each block its end: 2 IF blocks, one of them a
+    /// chain of 8.
     #[test]
     fn all_bins() {
         let lines = brightening_lines(&Names::free(std::iter::empty()));

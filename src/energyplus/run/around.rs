@@ -1,5 +1,5 @@
-//! What stands around a model. In: files, where the model lies among them. Out: one site of all, and the surroundings as shading surfaces
-//! in the model's coordinates.
+//! Surroundings of a model. In: files, the place of the model among them. Out: one site of all, and
+//! the surroundings as shading surfaces in the model's coordinates.
 
 use std::collections::BTreeSet;
 
@@ -20,18 +20,22 @@ pub struct Around {
     pub site: Site,
     pub neighbours: Neighbours,
     pub materials: Vec<Material>,
-    /// What the model's surfaces are called by their class; none where there is nothing else.
+    /// Object types of the model's surfaces, which receivers go on; empty if there are no
+    /// surroundings.
     pub types: Vec<String>,
 }
 
-/// So many shading surfaces make EnergyPlus's own shadows slow: 500 cost a model of 86 surfaces 80 s a year, 2000 some 470 s (measured).
+/// Number of shading surfaces above which EnergyPlus's own shadows are slow: 500 cost a model of 86
+/// surfaces 80 s a year, 2000 some 470 s (measured).
 const MANY: usize = 500;
 
-/// More than this between a model and its surroundings means that they are in different coordinates, metres.
+/// Distance between a model and its surroundings above which they are taken to be in different
+/// coordinates, metres.
 const APART_M: f64 = 20_000.0;
 
 impl Around {
-    /// Reads what --scene names, apart from the model, and puts the model into it.
+    /// Reads the surroundings that `--scene` names, apart from the model, and puts the model among
+    /// them.
     pub fn read(task: &Task) -> Result<Around> {
         let model = task.request.site(std::slice::from_ref(&task.request.model))?;
         if task.request.scene.is_empty() {
@@ -57,7 +61,7 @@ impl Around {
         how_it_stands(spot.origin, &soup, &scene.materials).iter().for_each(|text| task.warn(text));
         let neighbours = Neighbours::of(&soup, &scene.materials, spot);
         let mut site = Site { parts: Vec::new(), ..others };
-        // A system that the surroundings are in knows more of true north than the model.
+        // Surroundings in a coordinate reference system know true north better than the model does.
         let knows = scene.place.is_some_and(|place| place.epsg.is_some());
         let placed = |part: Part| Part {
             offset: part.offset + spot.origin,
@@ -72,7 +76,7 @@ impl Around {
     }
 }
 
-/// Surroundings far from the origin are in coordinates that the model does not share.
+/// Refuses surroundings far from the origin: they are in coordinates that the model does not share.
 fn refuse_far(task: &Task, scene: &Scene) -> Result<()> {
     let first = task.request.scene.first().cloned().unwrap_or_default();
     let hint = "say where the model's origin lies in these coordinates, metres: {at} E,N or {at} E,N,Z";
@@ -92,10 +96,11 @@ fn refuse_far(task: &Task, scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-/// More than this between a model's origin and the ground there is hardly meant, metres.
+/// Distance between a model's origin and the ground there above which a warning is given, metres.
 const OFF_THE_GROUND_M: f64 = 1.0;
 
-/// What is odd about the place of a model's origin among its surroundings.
+/// Describes an odd place of a model's origin among its surroundings: outside of them, or off the
+/// ground.
 fn how_it_stands(origin: DVec3, soup: &Soup, materials: &[Material]) -> Option<String> {
     let (low, high) = soup.bounds();
     let (at, hint) =
@@ -125,12 +130,12 @@ fn how_it_stands(origin: DVec3, soup: &Soup, materials: &[Material]) -> Option<S
     })
 }
 
-/// Height of a triangle over a place; `None` beside it and where it is upright.
+/// Returns the height of a triangle over a place; `None` beside it and where it is upright.
 fn height_of([a, b, c]: [DVec3; 3], at: DVec2) -> Option<f64> {
     let (ab, ac, ap) = ((b - a).truncate(), (c - a).truncate(), at - a.truncate());
     let whole = ab.perp_dot(ac);
     let (v, w) = (ap.perp_dot(ac) / whole, ab.perp_dot(ap) / whole);
-    // False for NaN.
+    // The comparisons are false for NaN.
     (v >= 0.0 && w >= 0.0 && v + w <= 1.0).then_some(a.z + v * (b.z - a.z) + w * (c.z - a.z))
 }
 
@@ -160,7 +165,8 @@ fn tell(neighbours: &Neighbours, task: &Task) {
 mod tests {
     use super::*;
 
-    /// A slope of 10 m over 100 m is 2.5 m high a quarter up; beside it and on an upright triangle there is no height: 3 of 3.
+    /// A slope of 10 m over 100 m is 2.5 m high a quarter up; beside it and on an upright triangle
+    /// there is no height: 3 of 3.
     #[test]
     fn heights() {
         let slope = [DVec3::ZERO, DVec3::new(100.0, 0.0, 10.0), DVec3::new(0.0, 100.0, 0.0)];

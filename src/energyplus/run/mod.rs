@@ -1,5 +1,5 @@
-//! A model of EnergyPlus with the sun that its surroundings reflect. In: a model, what stands around it. Out: a
-//! folder with the model that an unmodified EnergyPlus runs, the archive, and a report.
+//! An EnergyPlus model with the sun that its surroundings reflect. In: a model, its surroundings.
+//! Out: a folder with the model that an unmodified EnergyPlus runs, the archive, and a report.
 
 mod around;
 mod pages;
@@ -41,53 +41,55 @@ use heliotile_scene::site::Site;
 use runs::Engine;
 use stripped::Full;
 
-/// Receivers lie off their surfaces by this, metres.
+/// Distance of receivers from their surfaces, metres.
 const OFFSET_M: f64 = 0.02;
 
-/// Names of the report.
+/// File names of the report.
 const REPORT: [&str; 2] = ["report.md", "report.html"];
 
-/// What is asked for a model of EnergyPlus.
+/// Request for an EnergyPlus model.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct EnergyplusRequest {
-    /// The model: .idf or .epJSON.
+    /// Model file: .idf or .epJSON.
     pub model: PathBuf,
-    /// Files of what stands around it.
+    /// Files of the surroundings.
     pub scene: Vec<PathBuf>,
-    /// Where the model's origin lies in their coordinates, metres.
+    /// Position of the model's origin in the coordinates of the surroundings, metres.
     pub at: Option<[f64; 3]>,
-    /// Their coordinate reference system, in place of what they say.
+    /// EPSG code of the surroundings' coordinate reference system, in place of the one that their
+    /// files state.
     pub crs: Option<u32>,
-    /// Whether what stands around the model leaves it; its light comes as a series of the weather file.
+    /// True if the surroundings are removed from the model; their light comes as a series of the
+    /// weather file.
     pub delete_surroundings: bool,
     /// Weather file of the series and of runs.
     pub weather: Option<PathBuf>,
-    /// Folder of all that is written.
+    /// Folder of all output.
     pub folder: PathBuf,
-    /// Which light the model gets.
+    /// Light that the model gets.
     pub physics: Physics,
-    /// Whether EnergyPlus is run, for a comparison in the report.
+    /// True if EnergyPlus is run, for a comparison in the report.
     pub run: bool,
-    /// Folder of EnergyPlus; none: that of `energyplus` on the search path.
+    /// Folder of EnergyPlus; `None` for the folder of `energyplus` on the search path.
     pub energyplus: Option<PathBuf>,
     /// Distance between receivers on the model's surfaces, metres.
     pub spacing_m: f64,
-    /// What is said of surfaces; its files are those of the model and of its surroundings.
+    /// Options of surfaces; the files are those of the model and of its surroundings.
     pub surfaces: SceneRequest,
-    /// How exact the archive is to be.
+    /// Accuracy of the archive.
     pub accuracy: AccuracyRequest,
-    /// Whether what the folder holds of other inputs goes.
+    /// True if results of other inputs in the folder are replaced.
     pub replace: bool,
 }
 
-/// Which paths of light are injected.
+/// Light paths that are injected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Physics {
-    /// All of them.
+    /// All light paths.
     Full,
-    /// Those that EnergyPlus has, too.
+    /// Light paths that EnergyPlus has, too.
     EnergyPlus,
 }
 
@@ -104,37 +106,37 @@ impl NamedValues for Physics {
 
 heliotile_core::serde_by_name!(Physics);
 
-/// A request, and what it may use.
+/// A request, and its resources.
 pub(super) struct Task<'a> {
     pub request: &'a EnergyplusRequest,
     pub resources: Resources<'a>,
 }
 
-/// What a surface is called in the model, and whose light it gets.
+/// Surfaces of the model, and whose light each gets.
 pub(super) struct Targets {
     /// Names of EnergyPlus's surfaces, each with the number of its light; hidden ones get none.
     pub list: Vec<(String, Option<usize>)>,
-    /// Openings that get what their wall gets.
+    /// Openings that get the light of their wall: name of the opening, name of the wall.
     pub by_wall: Vec<(String, String)>,
-    /// Surfaces all of whose area is hidden.
+    /// Surfaces whose whole area is hidden.
     pub hidden: Vec<String>,
     /// Surfaces a part of whose area is hidden.
     pub partly: Vec<PartlyHidden>,
 }
 
-/// A surface of which some is hidden.
+/// A surface a part of which is hidden.
 pub(super) struct PartlyHidden {
     pub name: String,
-    /// What gets light, m2.
+    /// Area that gets light, m2.
     pub free_m2: f64,
-    /// All of it, m2.
+    /// Whole area, m2.
     pub whole_m2: f64,
 }
 
-/// Hidden parts below this share of a surface are edges.
+/// Hidden share of a surface up to which it is an edge effect and not reported.
 const HARDLY_HIDDEN: f64 = 0.01;
 
-/// Surfaces that are hidden in part, by name.
+/// Returns the surfaces that are hidden in part, by name.
 pub(super) fn partly_hidden(covered: &PlacedReceivers) -> Vec<PartlyHidden> {
     let mut areas: BTreeMap<String, [f64; 2]> = BTreeMap::new();
     for (_, piece, surface, placement) in covered.all() {
@@ -148,7 +150,7 @@ pub(super) fn partly_hidden(covered: &PlacedReceivers) -> Vec<PartlyHidden> {
     partly.filter(|p| p.free_m2 > 0.0 && p.free_m2 < (1.0 - HARDLY_HIDDEN) * p.whole_m2).collect()
 }
 
-/// Says how many surfaces are hidden in part.
+/// Warns of surfaces that are hidden in part.
 pub(super) fn warn_of_partly_hidden(partly: &[PartlyHidden], task: &Task) {
     if let Some(first) = partly.first() {
         task.warn(&format!(
@@ -162,12 +164,12 @@ pub(super) fn warn_of_partly_hidden(partly: &[PartlyHidden], task: &Task) {
     }
 }
 
-/// "1 surface is", "2 surfaces are".
+/// Words a count with its verb: "1 surface is", "2 surfaces are".
 fn counted_are(count: usize, what: &str) -> String {
     format!("{} {}", counted(count as u64, what), if count == 1 { "is" } else { "are" })
 }
 
-/// The model as it is to be written into another folder.
+/// Reads the model with absolute file names, ready to be written into another folder.
 fn read_model(task: &Task) -> Result<(Document, NamedFiles)> {
     let mut document = Document::read(&task.request.model, input::read(&task.request.model)?)?;
     let files = make_absolute(&mut document)?;
@@ -181,7 +183,7 @@ impl Default for EnergyplusRequest {
 }
 
 impl EnergyplusRequest {
-    /// A model by itself, with all reflections.
+    /// Returns a request for a model by itself, with all reflections.
     pub fn of(model: impl Into<PathBuf>, folder: impl Into<PathBuf>) -> Self {
         EnergyplusRequest {
             model: model.into(),
@@ -206,7 +208,7 @@ impl EnergyplusRequest {
         run(&Task { request: self, resources: *resources })
     }
 
-    /// A site of files, with what is said of surfaces.
+    /// Returns a site of files, with the options of surfaces.
     fn site(&self, files: &[PathBuf]) -> Result<Site> {
         SceneRequest { files: files.to_vec(), ..self.surfaces.clone() }.site()
     }
@@ -217,7 +219,7 @@ impl Task<'_> {
         self.resources.observer.warn(text);
     }
 
-    /// Sentences of a report in the words of whoever is told.
+    /// Words sentences of a report for the user interface.
     fn worded(&self, sentences: &[String]) -> Vec<String> {
         sentences.iter().map(|text| self.resources.observer.in_words(text)).collect()
     }
@@ -230,7 +232,7 @@ impl Task<'_> {
 fn run(task: &Task) -> Result<()> {
     let (mut document, named_files) = read_model(task)?;
     checks::check(&document, task.request.surfaces.assume_version)?;
-    // Before minutes of work.
+    // A missing EnergyPlus is reported before minutes of tracing.
     let engine = task.request.run.then(|| Engine::find(task.request.energyplus.as_deref())).transpose()?;
     let steps = stripped::steps(task, &document)?;
     let Around { site, neighbours, materials, types } = Around::read(task)?;
@@ -290,7 +292,8 @@ fn run(task: &Task) -> Result<()> {
     write_report(task, &report)
 }
 
-/// The archive of receivers on a scene; writes it to `archive`, and the table of receivers.
+/// Traces receivers on a scene, or reuses their archive. Writes the archive to `archive`, and the
+/// table of receivers to `receivers`.
 fn traced(
     task: &Task,
     scene: &Scene,
@@ -325,7 +328,7 @@ fn write_report(task: &Task, report: &Report) -> Result<()> {
     write_texts(&task.request.folder, &texts)
 }
 
-/// Areas of surfaces with their hidden parts, by name in small letters, m2.
+/// Returns the areas of surfaces with their hidden parts, by name in small letters, m2.
 fn areas(covered: &PlacedReceivers) -> BTreeMap<String, f64> {
     let mut whole_m2: BTreeMap<String, f64> = BTreeMap::new();
     for (_, piece, surface, _) in covered.all() {
@@ -334,7 +337,7 @@ fn areas(covered: &PlacedReceivers) -> BTreeMap<String, f64> {
     whole_m2
 }
 
-/// Files of the folder.
+/// Paths of the files in the folder.
 struct Files {
     receivers: PathBuf,
     archive: PathBuf,
@@ -351,7 +354,8 @@ impl Files {
         }
     }
 
-    /// What a model without its surroundings has besides: itself, its receivers, its archive, the series.
+    /// Returns the further files of a model without its surroundings: the model, its receivers, its
+    /// archive, the series.
     fn of_stripped(&self) -> Vec<PathBuf> {
         let ending = self.model.extension().unwrap_or_default().to_string_lossy();
         let names = [&format!("stripped.{ending}"), "stripped.csv", "stripped.helio", stripped::SERIES];
@@ -366,7 +370,7 @@ impl Files {
             guard_output(output, &inputs)?;
         }
         guard_archive(&self.archive)?;
-        // A model without the archive that it was made with is none of ours.
+        // A model without the archive that it was made from may be the user's own file.
         let there = std::iter::once(&self.model).chain(&more).find(|path| path.exists());
         if let Some(path) = there.filter(|_| !self.archive.exists() && !task.request.replace) {
             let what = "is there, and no site.helio that it was made from";
@@ -376,13 +380,13 @@ impl Files {
     }
 }
 
-/// All that the sun may reach of the model.
+/// Returns the request for receivers on all surfaces of the model that the sun may reach.
 fn cover_of(task: &Task, types: Vec<String>) -> CoverRequest {
     let density = Density::Spacing(task.request.spacing_m);
     CoverRequest { on: Vec::new(), types, density, offset_m: OFFSET_M, min_area_m2: 0.0, ..CoverRequest::default() }
 }
 
-/// A model without surfaces outdoors is said to be one.
+/// Words the error of a model without surfaces outdoors.
 fn no_surface(task: &Task, error: Error) -> Error {
     match error {
         Error::Argument { argument, .. } if argument == "on" => {
@@ -401,7 +405,7 @@ fn sky_of(physics: Physics) -> ReflectedSky {
     }
 }
 
-/// What surfaces get, hidden parts of them nothing.
+/// Computes the light of surfaces; their hidden parts get none.
 fn lights(task: &Task, ground: GroundRange, archive: &Archive, covered: &PlacedReceivers) -> Result<Vec<SurfaceLight>> {
     let paths = match task.request.physics {
         Physics::EnergyPlus => LightPaths::FIRST,
@@ -417,7 +421,7 @@ fn lights(task: &Task, ground: GroundRange, archive: &Archive, covered: &PlacedR
     Ok(lights)
 }
 
-/// Between what reflectances the ground of a model goes, with snow.
+/// Returns the range of the ground's reflectance over the months of a model, with and without snow.
 fn ground_range(document: &Document) -> GroundRange {
     let ground = injection::ground_of(document);
     let all = || (1..=12).flat_map(|month| [None, Some(1.0)].map(|snow_cm| ground.of(month, snow_cm)));
@@ -430,7 +434,7 @@ fn ground_range(document: &Document) -> GroundRange {
     }
 }
 
-/// Which surface gets what.
+/// Assigns light to surfaces: their own, their wall's, or none to hidden ones.
 fn targets(document: &Document, lights: &[SurfaceLight], covered: &PlacedReceivers) -> Targets {
     let number: BTreeMap<String, usize> = lights.iter().enumerate().map(|(i, l)| (l.name.to_lowercase(), i)).collect();
     let mut list: Vec<(String, Option<usize>)> =
@@ -463,7 +467,7 @@ fn summary(files: &Files, targets: &Targets, changed: &Changed) -> String {
     )
 }
 
-/// As the report calls it.
+/// Returns the name of the light for the report.
 pub(super) fn physics_name(physics: Physics) -> &'static str {
     name_of(&physics)
 }

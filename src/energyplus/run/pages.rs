@@ -1,4 +1,4 @@
-//! The report of an injection. In: what was done. Out: its sections.
+//! The report of an injection. In: the changes to the model. Out: sections of the report.
 
 use super::{Physics, Task};
 use super::{Targets, physics_name};
@@ -8,7 +8,7 @@ use crate::sun_tables::{GroundRange, SurfaceLight};
 use heliotile_core::archive::{Archive, format};
 use heliotile_core::replay::factors::SunGrid;
 
-/// What there is to tell.
+/// Contents of the report.
 pub struct Told<'a> {
     pub task: &'a Task<'a>,
     pub archive: &'a Archive,
@@ -19,7 +19,7 @@ pub struct Told<'a> {
     pub warnings: &'a [String],
 }
 
-/// All sections but those of runs.
+/// Returns all sections but those of runs.
 pub fn report(told: &Told) -> Report {
     let model = told.task.request.model.file_name().unwrap_or_default().to_string_lossy();
     Report {
@@ -33,7 +33,7 @@ pub fn report(told: &Told) -> Report {
     }
 }
 
-/// Which light it is.
+/// Describes the injected light.
 pub fn physics_lines(physics: Physics) -> Vec<String> {
     let light = match physics {
         Physics::Full => "all diffuse reflections, mirrors, the sky of Perez 1990",
@@ -74,7 +74,7 @@ fn done(told: &Told) -> Vec<String> {
     list
 }
 
-/// One row a surface.
+/// Returns the table of surfaces, one row a surface.
 fn surfaces(told: &Told) -> Vec<Block> {
     let head = [
         "surface",
@@ -107,7 +107,7 @@ fn surfaces(told: &Told) -> Vec<Block> {
     ]
 }
 
-/// Surfaces that get nothing of their own.
+/// Returns the list of surfaces that are hidden or get the light of their wall.
 pub fn left_out(targets: &Targets) -> Block {
     let Targets { by_wall, hidden, partly, .. } = targets;
     let mut list: Vec<String> = hidden

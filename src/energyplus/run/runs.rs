@@ -1,5 +1,6 @@
-//! Runs of a model beside each other. In: the model as it was and as it is, a weather file. Out: what EnergyPlus reports of it without
-//! reflections, with its own, and with ours, and the seconds.
+//! Runs of a model for comparison. In: the model before and after injection, a weather file. Out:
+//! hourly output of EnergyPlus without reflections, with its own, and with injected light, and run
+//! times in seconds.
 
 use std::env;
 use std::fs;
@@ -16,18 +17,18 @@ use crate::report::Block;
 use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 
-/// The program of a folder, or of the search path.
+/// The EnergyPlus program.
 pub struct Engine {
     program: PathBuf,
-    /// As it says.
+    /// Version that the program reports.
     pub version: String,
 }
 
-/// What was run: the sections of the report.
+/// Sections of the report on runs.
 pub type Sections = Vec<(String, Vec<Block>)>;
 
 impl Engine {
-    /// Finds it, and asks it for its version.
+    /// Finds the program in a folder or on the search path, and asks for its version.
     pub fn find(folder: Option<&Path>) -> Result<Engine> {
         let name = format!("energyplus{}", env::consts::EXE_SUFFIX);
         let hint = "name the folder of EnergyPlus 25.2 with {energyplus} DIR, or leave {run} out";
@@ -51,12 +52,12 @@ impl Engine {
         Ok(Engine { program, version })
     }
 
-    /// Runs a model in a folder of its own; seconds, and what it reports.
+    /// Runs a model in a folder of its own; returns the seconds and the hourly output.
     fn run(&self, model: &Document, weather: &Path, folder: &Path) -> Result<(f64, HourlySeries)> {
         fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
         let file = folder.join(format!("in.{}", model.ending()));
         fs::write(&file, model.bytes()).map_err(Error::io(&file, "write"))?;
-        // The report of an earlier run is none of this one.
+        // The output of an earlier run must not be taken for this one's.
         let eso = folder.join("eplusout.eso");
         if eso.exists() {
             fs::remove_file(&eso).map_err(Error::io(&eso, "remove"))?;
@@ -89,7 +90,8 @@ impl Engine {
     }
 }
 
-/// Runs all three and tells how they compare. `bare` gives the model without our light, with what stands around it.
+/// Runs all three variants and compares them. `bare` returns the model without injected light, with
+/// its surroundings.
 pub fn run_all(
     engine: &Engine,
     bare: &dyn Fn() -> Result<Document>,
@@ -114,7 +116,7 @@ pub fn run_all(
             let fields = [("key_value", "*"), ("variable_name", variable), ("reporting_frequency", "Hourly")];
             model.add(NewObject::new("Output:Variable", format!("heliotile {variable}"), &fields).nameless());
         }
-        // A model may have switched off what is read here.
+        // A model may have switched off the output that is read here.
         model.set("OutputControl:Files", 3, "output_eso", "Yes")?;
         let (seconds, series) = engine.run(&model, weather, &folder.join(name))?;
         observer.report(&format!("EnergyPlus, {name}: {seconds:.1} s\n"));

@@ -1,5 +1,6 @@
-//! `heliotile energyplus --delete-surroundings`: the model without what stands around it, whose light comes as a series. In: the model, its
-//! archive with all around it, a weather file. Out: the model, `series.csv`, the report.
+//! `heliotile energyplus --delete-surroundings`: the model without its surroundings, whose light
+//! comes as a series. In: the model, its archive with all surroundings, a weather file. Out: the
+//! model, `series.csv`, the report.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -33,31 +34,31 @@ use heliotile_results::covering::cover_site;
 use heliotile_results::outputs::sink::Sink;
 use heliotile_scene::input::weather::read_weather;
 
-/// The table beside the model.
+/// File name of the series beside the model.
 pub const SERIES: &str = "series.csv";
 
-/// Steps an hour of a model that does not say.
+/// Time steps an hour of a model that states none.
 const USUAL_STEPS: usize = 6;
 
-/// What the model is with all that stands around it.
+/// The model with all its surroundings.
 pub struct Full<'a> {
     pub files: &'a Files,
     pub archive: &'a Archive,
     pub covered: &'a PlacedReceivers,
-    /// The model as EnergyPlus runs it itself, for comparison.
+    /// Returns the model with EnergyPlus's own reflections, for comparison.
     pub bare: &'a dyn Fn() -> Result<Document>,
     pub engine: Option<Engine>,
-    /// Files that the model names.
+    /// Result of making the model's file names absolute.
     pub named_files: NamedFiles,
 }
 
-/// The model without what stood around it.
+/// The model without its surroundings.
 struct Alone {
     archive: Archive,
     covered: PlacedReceivers,
 }
 
-/// Light of a surface with all that stands around it and of the model alone: sun, sky.
+/// Light of a surface with all surroundings, and of the model alone. Direct light is sun and sky.
 #[derive(Default)]
 struct Lit {
     name: String,
@@ -66,7 +67,8 @@ struct Lit {
     alone: SurfaceSeries,
 }
 
-/// The steps of the series, if there is to be one; refuses what cannot get it before anything is traced.
+/// Returns the steps of the series, if there is to be one. Refuses a model that cannot get it
+/// before anything is traced.
 pub fn steps(task: &Task, document: &Document) -> Result<Option<Steps>> {
     if !task.request.delete_surroundings {
         return Ok(None);
@@ -81,7 +83,7 @@ pub fn steps(task: &Task, document: &Document) -> Result<Option<Steps>> {
     Steps::of(&weather, weather_file, steps_an_hour(document)).map(Some)
 }
 
-/// Writes the folder.
+/// Writes the folder: the model, its series and the report.
 pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Result<()> {
     let stated = injection::ground_of(&document);
     let deleted = delete(&mut document);
@@ -97,6 +99,8 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
         let lit = number.and_then(|number| lit.get(number));
         let lights = lights(lit, steps.lit.len());
         let key = name.to_lowercase();
+        // Windows with shading controls cannot be multiplied: their sun is added as light of the
+        // ground.
         let multiplies = windows.contains(&key) && !shaded.contains(&key);
         let factors: Vec<f64> = lights.iter().map(|light| if multiplies { light.multiplier() } else { 1.0 }).collect();
         let added = lights.iter().zip(&factors).map(|(light, m)| light.added_before(*m)).collect();
@@ -165,7 +169,7 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
     write_report(task, &report)
 }
 
-/// What a model may have once only.
+/// Refuses objects that a model may have only once and that the series needs for itself.
 fn refuse_taken(document: &Document) -> Result<()> {
     for class in ["SurfaceProperty:IncidentSolarMultiplier", "SurfaceProperty:LocalEnvironment"] {
         if let Some(object) = document.of(class).next() {
@@ -177,33 +181,33 @@ fn refuse_taken(document: &Document) -> Result<()> {
     Ok(())
 }
 
-/// Time steps in an hour.
+/// Returns the time steps in an hour.
 fn steps_an_hour(document: &Document) -> usize {
     let stated = document.first_text("Timestep", 1, "number_of_timesteps_per_hour").parse::<f64>();
     stated.ok().filter(|steps| (1.0..=60.0).contains(steps)).map_or(USUAL_STEPS, |steps| steps as usize)
 }
 
-/// The archive of the model without what stood around it.
+/// Traces the model without its surroundings.
 fn alone(task: &Task, document: &Document, full: &Full) -> Result<Alone> {
     let model = full.files.model.with_file_name(format!("stripped.{}", document.ending()));
     write_document(&model, document)?;
     let site = task.request.site(std::slice::from_ref(&model))?;
     let (scene, covered) = cover_site(&site, &cover_of(task, Vec::new()), task.resources.observer)?;
     let [receivers, archive] = ["stripped.csv", "stripped.helio"].map(|name| model.with_file_name(name));
-    // Only its direct light is asked for.
+    // Only the direct light of this archive is used.
     let direct = EffectChoice::These(Effects::NONE.with(Effect::Canopies));
     let archive = traced(task, &scene, &covered, &receivers, &archive, direct)?;
     Ok(Alone { archive, covered })
 }
 
-/// All surfaces with what they get, sorted by name.
+/// Computes the light of all surfaces, sorted by name.
 fn lit(task: &Task, steps: &Steps, ground: &[f64], full: &Full, alone: &Alone) -> Result<Vec<Lit>> {
     let whole_m2 = [full.covered, &alone.covered].map(areas);
     let (paths, reflected_sky) = match task.request.physics {
         Physics::EnergyPlus => (LightPaths::FIRST, SkyModel::Uniform),
         Physics::Full => (LightPaths::ALL, SkyModel::Perez1990),
     };
-    // Direct light is that of EnergyPlus, whatever is reflected.
+    // Direct light follows EnergyPlus's sky model, whichever sky is reflected.
     let asked = |number: usize| SeriesRequest {
         steps,
         sky: SkyModel::Perez1990,
@@ -232,7 +236,7 @@ fn lit(task: &Task, steps: &Steps, ground: &[f64], full: &Full, alone: &Alone) -
     Ok(found.into_values().map(named).collect())
 }
 
-/// Light of a surface by lit step; a surface without any gets none.
+/// Returns the light of a surface in each lit step; a surface without light gets zeros.
 fn lights(lit: Option<&Lit>, count: usize) -> Vec<StepLight> {
     let Some(lit) = lit else { return vec![StepLight::default(); count] };
     let at = |series: &SurfaceSeries, sum: usize, step: usize| {
@@ -249,7 +253,7 @@ fn lights(lit: Option<&Lit>, count: usize) -> Vec<StepLight> {
         .collect()
 }
 
-/// Which surface gets what.
+/// Assigns light to surfaces: their own, their wall's, or none to hidden ones.
 fn targets(document: &Document, lit: &[Lit], covered: &PlacedReceivers) -> Targets {
     let number: BTreeMap<String, usize> =
         lit.iter().enumerate().map(|(number, lit)| (lit.name.to_lowercase(), number)).collect();
@@ -263,7 +267,7 @@ fn targets(document: &Document, lit: &[Lit], covered: &PlacedReceivers) -> Targe
     Targets { list, by_wall, hidden: hidden.into_iter().collect(), partly: partly_hidden(covered) }
 }
 
-/// Names of openings with panes, in small letters.
+/// Returns the names of openings with panes, in small letters.
 fn windows(document: &Document) -> BTreeSet<String> {
     let is_pane = |object: &&ModelObject| {
         let sort = object.text(2, "surface_type").to_lowercase();
@@ -274,7 +278,7 @@ fn windows(document: &Document) -> BTreeSet<String> {
     document.objects.iter().filter(is_pane).map(|object| object.name().to_lowercase()).collect()
 }
 
-/// What else this way does not do.
+/// Returns further warnings that hold for a model with a series.
 fn of_this_way(document: &Document, windows: &BTreeSet<String>, shaded: &BTreeSet<String>) -> Vec<String> {
     let mut found = vec![
         "the model holds for this weather file and time step only: with others it gets the light of the wrong hours"
@@ -295,7 +299,7 @@ fn of_this_way(document: &Document, windows: &BTreeSet<String>, shaded: &BTreeSe
     found
 }
 
-/// The table: one line of names, then one a step.
+/// Writes the series: one line of names, then one line a step.
 fn write_series(task: &Task, steps: &Steps, columns: &[(String, f64, Vec<f64>)]) -> Result<()> {
     let path = task.request.folder.join(SERIES);
     let mut sink = Sink::file(&path)?;
@@ -318,7 +322,7 @@ fn write_series(task: &Task, steps: &Steps, columns: &[(String, f64, Vec<f64>)])
     sink.finish().map(|_| ())
 }
 
-/// Sentences of the report.
+/// Returns the sentences of the report on what was done.
 fn told(task: &Task, deleted: &Deleted, steps: &Steps, archive: &Archive, alone: &Archive) -> Vec<String> {
     let weather =
         task.request.weather.as_deref().and_then(|path| path.file_name()).unwrap_or_default().to_string_lossy();
@@ -346,7 +350,7 @@ fn told(task: &Task, deleted: &Deleted, steps: &Steps, archive: &Archive, alone:
     list
 }
 
-/// One row a surface.
+/// Returns the table of surfaces, one row a surface.
 fn surfaces(lit: &[Lit]) -> Vec<Block> {
     let head = ["surface", "area m2", "receivers", "sky view", "reflected", "sun", "sky", "sun, alone", "sky, alone"];
     let row = |lit: &Lit| {

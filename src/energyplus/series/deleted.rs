@@ -1,25 +1,26 @@
-//! What stands around a model, in it. In: a model. Out: the same without it; shades of zones stay.
+//! Removal of surroundings from a model. In: a model. Out: the model without its surroundings;
+//! shades of zones stay.
 
 use std::collections::BTreeSet;
 
 use crate::document::{Document, ModelObject};
 
-/// Shades that belong to no zone.
+/// Classes of shades that belong to no zone.
 const SURROUNDINGS: [&str; 4] =
     ["Shading:Site", "Shading:Site:Detailed", "Shading:Building", "Shading:Building:Detailed"];
 
-/// What says how they reflect.
+/// Class of the reflectances of shades.
 const REFLECTANCE: &str = "ShadingProperty:Reflectance";
 
-/// What was done.
+/// Result of a removal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Deleted {
     pub shades: usize,
-    /// Shades that other objects stand on, such as modules: they stay.
+    /// Names of shades that other objects stand on, such as modules: they stay.
     pub kept: Vec<String>,
 }
 
-/// Takes them out, and what only says how they reflect.
+/// Removes the shades around a model, and their reflectances.
 pub fn delete(document: &mut Document) -> Deleted {
     let is_shade = |object: &ModelObject| SURROUNDINGS.iter().any(|class| object.is(class));
     let says_nothing = |object: &ModelObject| {
@@ -45,8 +46,8 @@ mod tests {
 
     use super::*;
 
-    /// Of 3 shades around a model 2 leave it, with what 1 reflects; the one that a module stands on stays, and the fin of a zone; in both
-    /// forms.
+    /// Two of 3 shades around a model leave it, with the reflectance of 1. The shade that a module
+    /// stands on stays, and the fin of a zone; in both forms.
     #[test]
     fn what_leaves() {
         let idf = "Version, 25.2;\nShading:Site:Detailed, A, , 0;\nShading:Building, B;\nShading:Site, C;\n\

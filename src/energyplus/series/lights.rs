@@ -1,4 +1,5 @@
-//! What surfaces get step by step. In: an archive, steps. Out: means over each surface of some components of light.
+//! Light of surfaces step by step. In: an archive, steps. Out: means over each surface of some
+//! components of light.
 
 use std::collections::BTreeMap;
 
@@ -10,42 +11,43 @@ use heliotile_core::replay::components::{Component, ComponentSet};
 use heliotile_core::sky::model::SkyModel;
 use heliotile_results::{LightChoice, ReceiverSet, Resources, Series, TileStream};
 
-/// Reflected light, whatever it meets.
+/// Components of reflected light, summed to one result.
 pub const REFLECTED: &[&[Component]] =
     &[&[Component::SunDiffuse, Component::SkyDiffuse, Component::SunSpecular, Component::SkySpecular]];
 
-/// Light that comes straight, of the sun and of the sky.
+/// Components of direct light: the sun and the sky, one result each.
 pub const DIRECT: &[&[Component]] = &[&[Component::SunDirect], &[Component::SkyDirect]];
 
-/// What is asked for.
+/// Request for series of light.
 pub struct SeriesRequest<'a> {
     pub steps: &'a Steps,
     pub sky: SkyModel,
     pub paths: LightPaths,
-    /// Components that are added up, by result.
+    /// Components that are added up, for each result.
     pub sums: &'a [&'a [Component]],
-    /// `[lit]`: the ground's reflectance; none where it does not matter.
+    /// Reflectance of the ground, `[lit]`; `None` where it does not matter.
     pub ground: Option<&'a [f64]>,
     /// Areas of surfaces with their hidden parts, by name in small letters, m2.
     pub whole_m2: &'a BTreeMap<String, f64>,
     pub resources: Resources<'a>,
 }
 
-/// What a surface gets.
+/// Light of a surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceSeries {
-    /// As the model spells it.
+    /// Name as the model spells it.
     pub name: String,
     pub receivers: usize,
-    /// Of what is not hidden.
+    /// Area that is not hidden, m2.
     pub area_m2: f64,
     /// Share of the hemisphere that is sky.
     pub sky_view: f64,
-    /// `[sum][lit]`, W/m2.
+    /// Irradiance, `[sum][lit]`, W/m2.
     pub sums: Vec<Vec<f64>>,
 }
 
-/// Means over all surfaces, by name in small letters; hidden parts of them get nothing.
+/// Computes the means over all surfaces, by name in small letters; hidden parts of surfaces get no
+/// light.
 pub fn surface_series(archive: &Archive, asked: &SeriesRequest) -> Result<BTreeMap<String, SurfaceSeries>> {
     let count = asked.steps.conditions.len();
     let components: Vec<Component> = asked.sums.iter().copied().flatten().copied().collect();
@@ -78,6 +80,7 @@ pub fn surface_series(archive: &Archive, asked: &SeriesRequest) -> Result<BTreeM
         Ok(true)
     })?;
     for (name, mean) in &mut found {
+        // Hidden parts get no light, so sums are divided by the whole area.
         let whole_m2 = asked.whole_m2.get(name).copied().unwrap_or_default().max(mean.area_m2);
         let share = if whole_m2 > 0.0 { 1.0 / whole_m2 } else { 0.0 };
         mean.sky_view *= share;

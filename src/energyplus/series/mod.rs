@@ -1,5 +1,6 @@
-//! Models whose surroundings leave them. In: a model, archives with and without what stands around it, a weather file. Out: the model
-//! without it, and a series of what it does to the light of each surface.
+//! Models whose surroundings are removed. In: a model, archives with and without its surroundings,
+//! a weather file. Out: the model without its surroundings, and a series of their effect on the
+//! light of each surface.
 
 pub mod deleted;
 pub mod lights;

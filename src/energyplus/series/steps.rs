@@ -1,7 +1,9 @@
-//! The time steps of EnergyPlus over a weather file. In: the file, steps an hour. Out: sun and sky of each step as EnergyPlus has them.
+//! The time steps of EnergyPlus over a weather file. In: the file, steps an hour. Out: sun and sky
+//! of each step as EnergyPlus has them.
 //!
-//! EnergyPlus takes the values of an hour for those of its middle, and goes straight from one to the next; a step has the sun and the light
-//! of its end. With one step an hour both are those of the middle (measured in 25.2: light equal to all digits of the report).
+//! EnergyPlus takes the values of an hour for its middle and interpolates linearly between them; a
+//! step has the sun and the light of its end. With one step an hour both are those of the middle
+//! (measured in 25.2: light equal to all digits of the report).
 
 use std::path::Path;
 
@@ -14,22 +16,23 @@ use heliotile_core::weather::time::sun::extraterrestrial_w_m2;
 /// Hours of a year, and of a leap year.
 const HOURS: [usize; 2] = [8760, 8784];
 
-/// Sun and sky of the steps that have both.
+/// Sun and sky of the steps that have light.
 pub struct Steps {
-    /// All steps, dark ones too.
+    /// Number of all steps, dark ones too.
     pub count: usize,
-    /// In an hour.
+    /// Steps in an hour.
     pub an_hour: usize,
-    /// `[lit]`: numbers of the steps, ascending.
+    /// Numbers of the lit steps, ascending, `[lit]`.
     pub lit: Vec<usize>,
-    /// `[lit]`
+    /// Sun and sky of the lit steps, `[lit]`.
     pub conditions: Vec<Condition>,
-    /// `[lit]`: month from 1 and depth of snow, cm, which the ground's reflectance follows.
+    /// Month from 1 and depth of snow, cm, which determine the ground's reflectance, `[lit]`.
     pub grounds: Vec<(u32, Option<f64>)>,
 }
 
 impl Steps {
-    /// Steps of a whole year of hours.
+    /// Computes the steps of a whole year of hourly weather. An error: the file holds no whole
+    /// year.
     pub fn of(weather: &Weather, file: &Path, an_hour: usize) -> Result<Steps> {
         let rows = &weather.rows;
         let at = |row: Option<&WeatherRow>| row.map(|r| (r.interval.date.month, r.interval.date.day));
@@ -63,7 +66,8 @@ impl Steps {
     }
 }
 
-/// DNI and DHI where a share of an hour has passed, on the line between the middles of hours.
+/// Interpolates DNI and DHI where a share of an hour has passed, on the line between the middles of
+/// hours.
 fn at_end(rows: &[WeatherRow], hour: usize, share: f64) -> [f64; 2] {
     let away = (share - 0.5).abs();
     let other = if share < 0.5 { hour.saturating_sub(1) } else { (hour + 1).min(rows.len().saturating_sub(1)) };
@@ -77,8 +81,9 @@ mod tests {
     use super::*;
     use heliotile_scene::input::weather::read_weather;
 
-    /// What EnergyPlus 25.2 reports for 10 June of Golden, hour 6, which has 51 and 37 W/m2 before 465 and 86: at a quarter to 6 154.5 and 49.25
-    /// with the sun at 11.76 degrees, of one step an hour 51 and 37 at 9.07. Three days are no year.
+    /// DNI and DHI are those that EnergyPlus 25.2 reports for 10 June of Golden, hour 6, which has
+    /// 51 and 37 W/m2 before 465 and 86: at a quarter to 6, 154.5 and 49.25 with the sun at 11.76
+    /// degrees; with one step an hour, 51 and 37 at 9.07. Three days are no year.
     #[test]
     fn as_energyplus_has_them() {
         let file = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather").join(name);

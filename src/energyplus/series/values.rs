@@ -1,34 +1,37 @@
-//! What is written for each surface and step. In: what the surface gets with all surroundings, and of the model alone. Out: what is to come
-//! as light of the ground, and by what windows multiply the light that EnergyPlus gives them itself.
+//! Values of the series for each surface and step. In: the light of the surface with all
+//! surroundings, and of the model alone. Out: the light that is added as if from the ground, and
+//! the factor by which windows multiply the light that EnergyPlus gives them itself.
 //!
-//! EnergyPlus lights the model alone, U. What is to be added to arrive at all, T: reflected + sky_T - sky_U + sun_T - sun_U; below 0 where
-//! surroundings take more away than they reflect. Sun that falls through windows has a direction, so there m = sun_T / sun_U multiplies
-//! everything, and what m takes from the sky is given back.
+//! EnergyPlus lights the model alone, U. The light with all surroundings is T. To arrive at T, the
+//! light reflected + sky_T - sky_U + sun_T - sun_U is added; it is below 0 where surroundings take
+//! more away than they reflect. Sun that falls through windows has a direction, so there m = sun_T
+//! / sun_U multiplies all light, and what m takes from the sky is given back.
 
-/// Windows keep so much of the sun's light that there is something to multiply.
+/// Smallest multiplier of windows: below it nothing would be left to multiply.
 const LEAST_MULTIPLIER: f64 = 0.001;
 
-/// Less sun on the model alone than this is no sun, W/m2.
+/// Sun on the model alone below which it counts as no sun, W/m2.
 const NO_SUN_W_M2: f64 = 0.5;
 
-/// Light of one step, W/m2.
+/// Light of one step, W/m2. Fields `alone_...` are of the model alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepLight {
     pub reflected: f64,
     pub sky: f64,
     pub sun: f64,
-    /// Of the model alone.
+    /// Sky light on the model alone.
     pub alone_sky: f64,
     pub alone_sun: f64,
 }
 
 impl StepLight {
-    /// By what a window multiplies.
+    /// Returns the factor by which a window multiplies its light.
     pub fn multiplier(&self) -> f64 {
         if self.alone_sun < NO_SUN_W_M2 { 1.0 } else { (self.sun / self.alone_sun).clamp(LEAST_MULTIPLIER, 1.0) }
     }
 
-    /// What is to come from the ground before a window multiplies, W/m2; opaque surfaces multiply by 1.
+    /// Returns the light to add as if from the ground before a window multiplies it, W/m2; opaque
+    /// surfaces multiply by 1.
     pub fn added_before(&self, multiplier: f64) -> f64 {
         let after = self.reflected + self.sky - multiplier * self.alone_sky + self.sun - multiplier * self.alone_sun;
         after / multiplier.max(LEAST_MULTIPLIER)
@@ -39,8 +42,9 @@ impl StepLight {
 mod tests {
     use super::*;
 
-    /// A wall in half of 400 W/m2 of sun and half of 100 of sky that gets 30 by reflection has -220 added; a window there multiplies by 0.5
-    /// and has 60 added before, so that 0.5 (400 + 100 + 60) = 280 = 30 + 50 + 200. Without sun nothing is multiplied.
+    /// A wall in half of 400 W/m2 of sun and half of 100 of sky that gets 30 by reflection has -220
+    /// added. A window there multiplies by 0.5 and has 60 added before, so that 0.5
+    /// (400 + 100 + 60) = 280 = 30 + 50 + 200. Without sun nothing is multiplied.
     #[test]
     fn half_in_shade() {
         let light = StepLight { reflected: 30.0, sky: 50.0, sun: 200.0, alone_sky: 100.0, alone_sun: 400.0 };

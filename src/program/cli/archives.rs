@@ -1,4 +1,5 @@
-//! Arguments of commands on archives as files: `info`, `verify`, `repair`, `store`, `extract`, `merge`, `diff`.
+//! Arguments of commands on archives as files: `info`, `verify`, `repair`, `store`, `extract`,
+//! `merge`, `diff`.
 
 use std::path::PathBuf;
 
@@ -23,7 +24,7 @@ pub struct VerifyArgs {
 }
 
 impl VerifyArgs {
-    /// What is asked for.
+    /// Returns the request of `verify`.
     pub fn request(&self) -> VerifyRequest {
         VerifyRequest { place: self.archive.clone(), deep: self.deep, access: self.io }
     }
@@ -35,10 +36,10 @@ pub struct RepairArgs {
     pub archive: PathBuf,
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Receivers that it was built from; needed where the archive's own are damaged
+    /// Receivers that the archive was built from; needed if the archive's own are damaged
     #[arg(long, short)]
     pub receivers: Option<PathBuf>,
-    /// Where the repaired archive goes; without it the damaged one is replaced
+    /// Repaired archive to write [default: replace the damaged one]
     #[arg(long, short, value_name = "SITE.helio")]
     pub output: Option<PathBuf>,
     /// Memory to work in, such as 512MiB or 2GiB
@@ -47,7 +48,7 @@ pub struct RepairArgs {
 }
 
 impl RepairArgs {
-    /// What is asked for.
+    /// Returns the request of `repair`.
     pub fn request(&self) -> RepairRequest {
         RepairRequest {
             archive: self.archive.clone(),
@@ -75,7 +76,7 @@ pub enum StoreCommand {
     Gc {
         /// Folder of the store
         folder: PathBuf,
-        /// What may stay, such as 10GiB
+        /// Most bytes that stay, such as 10GiB
         #[arg(long)]
         keep: Bytes,
     },
@@ -107,7 +108,8 @@ pub struct InfoArgs {
 #[derive(Args, Debug)]
 #[command(group(ArgGroup::new("some").required(true).args(["receivers", "bbox", "surface", "object"])))]
 pub struct ExtractArgs {
-    /// Archive to read, or an atlas of which one part holds what is chosen: a path or an address
+    /// Archive to read, or an atlas one part of which holds the chosen receivers: a path or an
+    /// address
     pub archive: PathBuf,
     /// Archive to write
     #[arg(long, short, value_name = "PART.helio")]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-/// What `copy --help` says at its end.
+/// Text at the end of `copy --help`.
 const ABOUT: &str = "\
 At least one of both is an address: s3://BUCKET/NAME, gs://BUCKET/NAME, az://CONTAINER/NAME, and to read from https://HOST/NAME. An object
 appears under its name once it is whole, and of two who write it at the same time one is told so. Archives beyond 16 MiB go to
@@ -18,7 +18,7 @@ pub struct CopyArgs {
     /// Archive, another file, or the folder of an atlas: a path or an address
     #[arg(value_name = "FROM")]
     pub from: PathBuf,
-    /// Where it goes: a path or an address
+    /// Destination: a path or an address
     #[arg(value_name = "TO")]
     pub to: PathBuf,
     /// Replace what is there

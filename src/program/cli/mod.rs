@@ -2,11 +2,11 @@
 //!
 //! | room | arguments of |
 //! | --- | --- |
-//! | `sites` | commands that read scenes and trace, and of atlases |
-//! | `results` | commands that ask archives for light |
+//! | `sites` | commands that read scenes and trace, and commands on atlases |
+//! | `results` | commands that compute light from archives |
 //! | `archives`, `copy` | commands on archives as files |
-//! | `line` | the line itself: options of all commands, its words, completions |
-//! | `values` | what stands behind options: names, numbers with units |
+//! | `line` | the line itself: options of all commands, wording of messages, completions |
+//! | `values` | values of options: names, numbers with units |
 
 mod archives;
 mod copy;
@@ -45,9 +45,10 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// From scene files to a year's sun in one go: receivers, archive, sums, map
+    /// Compute a year's sun from scene files in one go: receivers, archive, sums, map
     Run(RunArgs),
-    /// Give a model of EnergyPlus the sun that its surroundings reflect, for any weather, as tables that EnergyPlus itself runs
+    /// Give an EnergyPlus model the sun that its surroundings reflect, for any weather, as tables
+    /// that EnergyPlus itself runs
     Energyplus(EnergyplusArgs),
     /// Solar modules: hourly light on both sides, shading, horizons, the best tilt and azimuth
     Pv(PvArgs),
@@ -55,53 +56,62 @@ pub enum Command {
     Receivers(ReceiversArgs),
     /// Trace every receiver of a scene once and store its layers in an archive
     Build(BuildArgs),
-    /// Edit the scene of an archive: add, remove, move, raise or repaint objects; only what an edit can alter is traced again
+    /// Edit the scene of an archive: add, remove, move, raise or repaint objects; only what an edit
+    /// can alter is traced again
     Update(UpdateArgs),
-    /// Cut a region into parts that are built one by one, on any machines, and are asked like one archive
+    /// Cut a region into parts that are built one by one, on any machines, and are queried like one
+    /// archive
     Partition(PartitionArgs),
-    /// A static STAC catalogue of the parts of an atlas, with pictures and a page
+    /// Write a static STAC catalogue of the parts of an atlas, with pictures and a page
     Catalogue(CatalogueArgs),
-    /// Which parts of an atlas lie in a box
+    /// List the parts of an atlas that lie in a box
     Find(FindArgs),
-    /// What a build would trace, what it would cost, and what leaving an effect out could cost
+    /// Forecast what a build would trace and cost, and what leaving an effect out could cost
     Plan(PlanArgs),
-    /// What accuracy costs on a site: the ladder of settings on some of its receivers, as tables, pictures and a page
+    /// Measure what accuracy costs on a site: the ladder of settings on some of its receivers, as
+    /// tables, pictures and a page
     Tradeoff(TradeoffArgs),
     /// Irradiance of every receiver under the suns and skies of a conditions table
     Query(QueryArgs),
     /// Irradiance of every receiver through a weather file
     Replay(ReplayArgs),
-    /// What a change of a site takes from its receivers and gives them: before, after and change, with a summary of who loses how much
+    /// Compare the light of a site before and after a change: before, after and change, with a
+    /// summary of who loses how much
     Compare(CompareArgs),
-    /// Hours of possible sun on days that are asked for, and what rules say of them: windows, facades, gardens
+    /// Hours of possible sun on given days, and what rules say of them: windows, facades, gardens
     Sunlight(SunlightArgs),
-    /// When mirrors and glass facades throw the sun at receivers, which pane does, and what rules say of it
+    /// When mirrors and glass facades throw the sun at receivers, which pane does, and what rules
+    /// say of it
     Glare(GlareArgs),
-    /// How warm it is for people outdoors: mean radiant temperature, UTCI and PET of points of a site, by hour or over periods
+    /// Thermal comfort of people outdoors: mean radiant temperature, UTCI and PET of points of a
+    /// site, by hour or over periods
     Comfort(Box<ComfortArgs>),
-    /// The rules that `sunlight` and `glare` know
+    /// List the rules that `sunlight` and `glare` know
     Rules(RulesArgs),
-    /// What surroundings reflect on receivers or surfaces over the sun's position: EnergyPlus's factors
+    /// Light that surroundings reflect on receivers or surfaces over the sun's position:
+    /// EnergyPlus's factors
     Factors(FactorsArgs),
-    /// What a solar cadastre says of buildings and roof faces: usable area, sums by orientation, regions in one piece
+    /// Solar cadastre of buildings and roof faces: usable area, sums by orientation, regions in one
+    /// piece
     Buildings(BuildingsArgs),
     /// The best places of modules on roofs and facades, as points that `pv` takes
     Places(PlacesArgs),
-    /// What is inside an archive, or a scene
+    /// Describe an archive, or a scene
     Info(InfoArgs),
     /// Check every block of an archive; exit code 1 if one is damaged
     Verify(VerifyArgs),
-    /// Compare an archive with what an independent judge finds for random receivers and hours; exit code 1 if its stated error is refuted
+    /// Check an archive against an independent reference path tracer for random receivers and
+    /// hours; exit code 1 if its stated error is refuted
     Audit(AuditArgs),
     /// Trace the damaged parts of an archive again
     Repair(RepairArgs),
-    /// The trace cache that `build --store` fills
+    /// Manage the trace cache that `build --store` fills
     Store(StoreArgs),
     /// Write an archive of some receivers of another one
     Extract(ExtractArgs),
     /// Write the union of two archives of one scene
     Merge(MergeArgs),
-    /// What two archives do not share; exit code 1 if they differ
+    /// List the differences of two archives; exit code 1 if they differ
     Diff(DiffArgs),
     /// Copy an archive or an atlas to an object store, or from there or a web server
     Copy(CopyArgs),
@@ -109,10 +119,10 @@ pub enum Command {
     View(ViewArgs),
     /// Layers of a receiver as images, view factors of all receivers as a table
     Export(ExportArgs),
-    /// The studies of the paper, drawn again
+    /// Repeat the studies of the paper
     Study(StudyArgs),
-    /// Completions of this command line for a shell
+    /// Write completions of this command line for a shell
     Completions(CompletionsArgs),
-    /// Manual pages of all commands
+    /// Write manual pages of all commands
     Man(ManArgs),
 }

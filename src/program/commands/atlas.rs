@@ -62,7 +62,7 @@ pub fn catalogue(args: &CatalogueArgs, about: Provenance) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// `heliotile find`: parts that a box touches, one a line.
+/// `heliotile find`: lists the parts that a box touches, one a line.
 pub fn find(args: &FindArgs) -> Result<Outcome> {
     let found = heliotile_atlas::parts(&args.atlas, args.bbox)?;
     if found.is_empty() {

@@ -1,4 +1,4 @@
-//! `heliotile audit`: whether an archive is as exact as it says.
+//! `heliotile audit`: a check of the error that an archive states.
 
 use super::console::terminal::Terminal;
 use super::{Outcome, say};
@@ -8,7 +8,7 @@ use heliotile_core::error::Result;
 use heliotile_results::{Provenance, Resources, Verdict};
 use heliotile_scene::input;
 
-/// `heliotile audit`: an error that is larger than what is stated is a finding (exit 1).
+/// `heliotile audit`: an error larger than the stated one is a finding (exit 1).
 pub fn run(args: &AuditArgs, about: Provenance) -> Result<Outcome> {
     let terminal = Terminal::default();
     let memory = args.memory.into();

@@ -1,4 +1,4 @@
-//! Story one: scene -> plan -> archive (`build`, `plan`).
+//! `heliotile build` and `plan`. In: a scene, receivers. Out: a forecast, or an archive.
 
 use std::path::Path;
 use std::time::Duration;
@@ -31,7 +31,7 @@ pub fn run(args: &BuildArgs) -> Result<Outcome> {
     }
 }
 
-/// What a build lacks that names no receivers or no archive.
+/// Returns the error of a build that names no receivers or no archive.
 fn unnamed(args: &BuildArgs) -> Error {
     match args.scene.scene.as_slice() {
         [only] if only.join(FILE).is_file() => {
@@ -46,7 +46,7 @@ fn unnamed(args: &BuildArgs) -> Error {
     }
 }
 
-/// Of parts of an atlas.
+/// Builds parts of an atlas.
 fn parts(args: &BuildArgs, part: &str) -> Result<Outcome> {
     let [place] = args.scene.scene.as_slice() else {
         let what = format!("{} scene files are named beside a part", args.scene.scene.len());
@@ -58,10 +58,11 @@ fn parts(args: &BuildArgs, part: &str) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// Of a scene and receivers on it.
+/// Builds the archive of a scene and its receivers.
 fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
     let inputs =
         [Some(receivers), args.accuracy.error_weather.as_deref(), args.weather.as_deref(), args.from.as_deref()];
+    // Outputs are checked before minutes of tracing.
     guard_site(output, &args.scene.site()?, &inputs)?;
     guard_archive(output)?;
     let before = args.from.as_deref().map(|from| open_archive(from, Access::Read)).transpose()?;
@@ -91,7 +92,7 @@ fn build(args: &BuildArgs, receivers: &Path, output: &Path) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// What can be done where a build of other inputs was interrupted.
+/// Hint for an interrupted build of other inputs.
 const OTHER_INPUTS: &str =
     "give the inputs that it was started with to go on with it, --fresh to discard it, or another name with -o";
 
@@ -125,7 +126,7 @@ pub fn plan(args: &PlanArgs) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// Weather that effects are weighed under, if there is some.
+/// Returns the weather under which effects are weighed, if a file is given.
 fn weighed_under(
     weather: Option<&Path>,
     clock: &ClockArgs,

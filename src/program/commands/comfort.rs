@@ -1,4 +1,4 @@
-//! `heliotile comfort`: how warm it is for people.
+//! `heliotile comfort`: thermal comfort of people outdoors.
 
 use std::path::PathBuf;
 
@@ -29,7 +29,7 @@ pub fn run(args: &ComfortArgs, about: Provenance) -> Result<Outcome> {
         }
     };
     let done = SiteRequest::of(place).comfort(&request, &files, about, &resources)?;
-    // Standard output may be the table.
+    // Standard output may hold the table, so the remark goes to standard error.
     remark_aside(&format!("{} in {}\n", counted(done.points, "point"), counted(done.hours, "hour")));
     Ok(Outcome::Fine)
 }

@@ -1,4 +1,4 @@
-//! `heliotile energyplus`: a model of EnergyPlus with the sun that its surroundings reflect.
+//! `heliotile energyplus`: an EnergyPlus model with the sun that its surroundings reflect.
 
 use super::Outcome;
 use super::console::terminal::Terminal;

@@ -1,4 +1,5 @@
-//! `heliotile export`: layers that people can look at, view factors as a table, and the page that shows an archive.
+//! `heliotile export`: pictures of layers, view factors as a table, and the page that shows an
+//! archive.
 
 use super::Outcome;
 use super::console::terminal::Terminal;

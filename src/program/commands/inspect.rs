@@ -1,4 +1,5 @@
-//! What an archive holds (`info`) and whether it is whole (`verify`).
+//! `heliotile info` of archives, and `verify`. In: an archive. Out: its contents, or its damaged
+//! blocks.
 
 use std::fmt::Write;
 
@@ -20,10 +21,10 @@ use heliotile_results::horizon::black_below_horizon;
 use heliotile_scene::placing::frame::SiteFrame;
 use heliotile_scene::request::SceneRequest;
 
-/// Numbers of the first of two lines.
+/// Number of settings in the first of two lines.
 const SETTINGS_A_LINE: usize = 7;
 
-/// One line of text.
+/// Appends one line of text.
 macro_rules! line {
     ($out:ident, $($part:tt)*) => {
         // Writing to a string cannot fail.
@@ -48,6 +49,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
             return scene::info(&request.site()?);
         }
     };
+    // Options of scenes do not apply to archives: they are refused rather than ignored.
     if args.place.frame() != SiteFrame::default() {
         let hint = "leave --crs, --latitude, --longitude, --rotate-deg, --elevation and --scale out";
         return Err(Error::input(path, None, "is an archive, whose place was stated when it was built", hint));
@@ -167,7 +169,7 @@ pub fn info(args: &InfoArgs) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// What the build estimated of its own error.
+/// Writes the error that the build estimated.
 fn say_accuracy(out: &mut String, a: &Accuracy) {
     line!(
         out,

@@ -1,4 +1,5 @@
-//! Commands: the stories of the program, told once each. No physics here.
+//! The commands of the program. In: parsed arguments. Out: requests that the library runs, and
+//! their results printed. No physics here.
 
 pub mod atlas;
 pub mod audit;
@@ -38,16 +39,17 @@ use heliotile_scene::Scene;
 
 pub use console::interrupt::exit_code;
 
-/// How a command that ran ended.
+/// Result of a command that ran.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Exit code 0.
     Fine,
-    /// Exit code 1: it ran and found something wrong.
+    /// Exit code 1: the command ran and found a problem.
     ProblemFound,
 }
 
-/// Runs a command, once its files are known to be what it takes; `about` is what files say of how they were made.
+/// Runs a command after a check of the files that it names; `about` is the provenance that files
+/// state.
 pub fn run(Cli { command, everywhere }: &Cli, about: Provenance) -> Result<Outcome> {
     preflight::check(command)?;
     set_up(everywhere)?;
@@ -98,7 +100,7 @@ fn run_command(command: &Command, about: Provenance) -> Result<Outcome> {
     }
 }
 
-/// Makes the options of all commands hold for the whole program.
+/// Applies the options of all commands to the whole program.
 fn set_up(args: &EverywhereArgs) -> Result<()> {
     voice::set_volume(match (args.quiet, args.verbose) {
         (true, _) => Volume::Quiet,
@@ -111,19 +113,19 @@ fn set_up(args: &EverywhereArgs) -> Result<()> {
     })
 }
 
-/// Reads a scene and prints what its files are warned of.
+/// Reads a scene and prints the warnings about its files.
 fn load_scene(args: &SceneArgs) -> Result<Scene> {
     let scene = Scene::load_site(&args.site()?)?;
     scene.report.tell(&Terminal::default());
     Ok(scene)
 }
 
-/// Where a command works.
+/// Returns a workspace with its temporary files in `folder`.
 fn workspace(folder: impl Into<PathBuf>, memory: Bytes) -> Workspace {
     Workspace { folder: folder.into(), memory: memory.into() }
 }
 
-/// The same, with temporary files beside its output.
+/// Returns a workspace with its temporary files beside the output.
 fn workspace_beside(output: &Path, memory: Bytes) -> Workspace {
     workspace(folder_of(output), memory)
 }

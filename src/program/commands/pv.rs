@@ -21,7 +21,7 @@ pub fn run(args: &PvArgs, about: Provenance) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// What was written where, and what to do next.
+/// Returns a remark on the files that were written, with the next command.
 fn summary(args: &PvArgs, done: &PvDone) -> String {
     let lists = if args.points.is_some() { ", horizon/, a list a point" } else { ", modules.obj" };
     let pictures = if args.search { " and turns/, a picture a point" } else { "" };

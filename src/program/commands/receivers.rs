@@ -1,5 +1,6 @@
-//! `heliotile receivers`: the surfaces of a scene covered with receivers, or lines in it. In: a scene. Out: `receivers.csv`, without those that are
-//! buried in a neighbour or the terrain, which are counted.
+//! `heliotile receivers`: receivers on the surfaces of a scene, or along lines in it. In: a scene.
+//! Out: `receivers.csv`, without receivers that are buried in a neighbour or the terrain; these are
+//! counted.
 
 use std::path::Path;
 
@@ -44,9 +45,9 @@ pub fn run(args: &ReceiversArgs) -> Result<Outcome> {
     tell(to_file, &args.output, &text)
 }
 
-/// Says what was written.
+/// Prints a summary.
 fn tell(to_file: bool, output: &Path, text: &str) -> Result<Outcome> {
-    // Standard output may be the table.
+    // Standard output may hold the table, so the summary goes to standard error.
     if to_file {
         remark(&format!("{}: {text}", output.display()))?
     } else {

@@ -1,4 +1,4 @@
-//! `heliotile repair`: a damaged archive made whole.
+//! `heliotile repair`: traces the damaged parts of an archive again.
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark};

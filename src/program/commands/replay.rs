@@ -1,5 +1,5 @@
-//! What archives are asked for: `query`, `replay`, `compare`, `buildings`, `places`, `factors`. In: arguments. Out: requests that are run, and a sentence on
-//! what was done.
+//! Commands that compute light from archives: `query`, `replay`, `compare`, `buildings`, `places`,
+//! `factors`. In: arguments. Out: requests that are run, and a summary sentence.
 
 use std::path::Path;
 
@@ -53,7 +53,7 @@ pub fn buildings(args: &BuildingsArgs, about: Provenance) -> Result<Outcome> {
     let done = with_resources(&year.site, |resources| {
         year.site.request().buildings(&year.request(), &args.request(), about, resources)
     })?;
-    // Standard output may be the table.
+    // Standard output may hold the table, so the remark goes to standard error.
     remark_aside(&format!("{} with {}\n", counted(done.buildings, "building"), counted(done.faces, "roof face")));
     Ok(Outcome::Fine)
 }
@@ -75,7 +75,7 @@ pub fn factors(args: &FactorsArgs, about: Provenance) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// Hands on what a computation on an archive may use.
+/// Calls `then` with the resources of a computation on an archive.
 pub fn with_resources<T>(site: &SiteArgs, then: impl FnOnce(&Resources) -> Result<T>) -> Result<T> {
     let (storage, terminal) = (SystemTemp, Terminal::default());
     then(&Resources { memory: site.memory.into(), storage: &storage, files: &input::read, observer: &terminal })

@@ -1,4 +1,4 @@
-//! `heliotile run`: from scene files to a year's sun in one go.
+//! `heliotile run`: a year's sun from scene files in one go.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ pub fn run(args: &RunArgs, about: Provenance) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// What was written where, and what to do next.
+/// Returns a remark on the files that were written, with the next command.
 fn summary(args: &RunArgs, done: &RunDone) -> String {
     let next = match args.every.as_slice() {
         [] => "months or hours: the same command with --every month, or ",

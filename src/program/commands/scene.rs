@@ -1,4 +1,5 @@
-//! What a scene holds (`info` of scene files). In: scene files. Out: counts, sizes, materials, and what looks odd.
+//! `heliotile info` of scene files. In: scene files. Out: counts, sizes, materials, and warnings of
+//! oddities.
 
 use std::fmt::Write;
 
@@ -12,7 +13,7 @@ use heliotile_scene::covering::surfaces::Surfaces;
 use heliotile_scene::semantics::SurfaceKind;
 use heliotile_scene::site::Site;
 
-/// One line of text.
+/// Appends one line of text.
 macro_rules! line {
     ($out:ident, $($part:tt)*) => {
         // Writing to a string cannot fail.

@@ -1,4 +1,5 @@
-//! What shells and `man` want to know, made from the command line's definition. In: a shell, or a folder. Out: a script, or pages.
+//! Completions for shells and manual pages, made from the definition of the command line. In: a
+//! shell, or a folder. Out: a script, or pages.
 
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
@@ -20,7 +21,7 @@ pub fn completions(args: &CompletionsArgs) -> Result<Outcome> {
 /// `heliotile man`.
 pub fn man(args: &ManArgs) -> Result<Outcome> {
     let mut program = Cli::command();
-    // So that every page knows the options of all commands, and its full name.
+    // After `build` every page knows the options of all commands, and its full name.
     program.build();
     let mut pages = Vec::new();
     add_pages(&program, "", &mut pages)?;
@@ -36,7 +37,7 @@ pub fn man(args: &ManArgs) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// The page of a command and those of its commands: name and text.
+/// Adds the page of a command and the pages of its subcommands: name and text.
 fn add_pages(command: &Command, before: &str, pages: &mut Vec<(String, String)>) -> Result<()> {
     let name = format!("{before}{}", command.get_name());
     let (title, file) = (name.to_uppercase(), format!("{name}.1"));

@@ -52,7 +52,7 @@ fn collect(store: &dyn Store, keep: u64) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// Checks every archive; one that is damaged only costs time, as builds check what they use.
+/// Checks every archive. A damaged one only costs time, as builds check what they use.
 fn verify(store: &dyn Store) -> Result<Outcome> {
     let (mut text, mut bad) = (String::new(), 0);
     let all = store.list()?;

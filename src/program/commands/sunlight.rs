@@ -1,4 +1,5 @@
-//! `heliotile sunlight`, `heliotile glare` and `heliotile rules`: hours of possible sun, the sun in mirrors, and rules about them.
+//! `heliotile sunlight`, `heliotile glare` and `heliotile rules`: hours of possible sun, the sun in
+//! mirrors, and rules about them.
 
 use std::fmt::Write;
 
@@ -21,7 +22,7 @@ pub fn glare(args: &GlareArgs, about: Provenance) -> Result<Outcome> {
 
 fn write(table: &TableArgs, request: &SunlightRequest, files: &FileRequest, about: Provenance) -> Result<Outcome> {
     let done = with_resources(&table.site, |resources| table.request().sunlight(request, files, about, resources))?;
-    // Standard output may be the table.
+    // Standard output may hold the table, so the remark goes to standard error.
     remark_aside(&done.text());
     Ok(Outcome::Fine)
 }

@@ -1,4 +1,4 @@
-//! `heliotile tradeoff`: what accuracy costs on the user's own site.
+//! `heliotile tradeoff`: the cost of accuracy on the user's own site.
 
 use super::console::terminal::Terminal;
 use super::{Outcome, say};

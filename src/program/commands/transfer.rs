@@ -1,4 +1,5 @@
-//! Parts of archives (`extract`, `merge`) and what two do not share (`diff`).
+//! `heliotile extract`, `merge` and `diff`. In: archives. Out: a part of one, the union of two, or
+//! their differences.
 
 use super::console::terminal::Terminal;
 use super::{Outcome, remark, say, workspace, workspace_beside};

@@ -1,4 +1,5 @@
-//! Addresses of objects. In: what a user typed. Out: a scheme that is known, a bucket or host, a name, and what messages may call it.
+//! Addresses of objects. In: the text that a user typed. Out: a scheme that is known, a bucket or
+//! host, an object name, and the name for messages.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +7,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::text::without_secrets;
 use url::Url;
 
-/// What kind of store answers.
+/// Kind of store behind an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Scheme {
@@ -29,7 +30,7 @@ pub struct Address {
 }
 
 impl Address {
-    /// Takes the place of an object apart. An error: another scheme, no bucket, no name.
+    /// Parses the address of an object. Errors: another scheme, no bucket, no name.
     pub fn parse(place: &Path) -> Result<Self> {
         let address = Address::parse_folder(place)?;
         if address.url.path().ends_with('/') || address.url.path().is_empty() {
@@ -39,7 +40,8 @@ impl Address {
         Ok(address)
     }
 
-    /// The same of what objects lie below, which may be all of a bucket.
+    /// Parses the address of a folder, which may be a whole bucket. Errors: another scheme, no
+    /// bucket, a query or a fragment outside web addresses.
     pub fn parse_folder(place: &Path) -> Result<Self> {
         let text = place.to_string_lossy();
         let shown = PathBuf::from(without_secrets(&text));
@@ -66,27 +68,27 @@ impl Address {
         Ok(Address { scheme, url, shown })
     }
 
-    /// Which kind of store it is of.
+    /// Returns the kind of store.
     pub fn scheme(&self) -> Scheme {
         self.scheme
     }
 
-    /// The whole address, with what must not be told.
+    /// Returns the whole address, with its password and signature.
     pub fn url(&self) -> &Url {
         &self.url
     }
 
-    /// What messages call it.
+    /// Returns the name of the address for messages, without password and signature.
     pub fn shown(&self) -> &Path {
         &self.shown
     }
 
-    /// Its last part.
+    /// Returns the last part of the object's path.
     pub fn name(&self) -> &str {
         self.url.path_segments().and_then(|mut parts| parts.next_back()).unwrap_or_default()
     }
 
-    /// Another object of the same folder.
+    /// Returns the address of another object in the same folder.
     pub fn beside(&self, name: &str) -> Self {
         let mut url = self.url.clone();
         if let Ok(mut parts) = url.path_segments_mut() {
@@ -101,7 +103,8 @@ impl Address {
 mod tests {
     use super::*;
 
-    /// 5 addresses are taken with their kinds and names, shown without a signature; 7 others are refused with what to write, of which 3 are folders.
+    /// 5 addresses are parsed with their kinds and names and shown without a signature; 7 others
+    /// are refused with a hint what to write, of which 3 are folders.
     #[test]
     fn parsing() {
         for (text, scheme, name) in [

@@ -1,5 +1,6 @@
-//! Blocks that are on their way, or have come. In: blocks that were told of, spans that came. Out: which spans to ask for next, and blocks.
-//! Plain bookkeeping: nothing here waits or asks anybody.
+//! Blocks that were announced, are under way or have arrived. In: blocks that will be read, spans
+//! that arrived. Out: which spans to request next, and blocks. Plain bookkeeping: nothing here
+//! waits or sends requests.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -10,18 +11,20 @@ use heliotile_core::archive::format::{ALIGNMENT, Entry};
 use crate::stores::failure::Failure;
 use crate::stores::spans::{ByteSpan, spans};
 
-/// Requests under way for what was told of; what is read now does not wait for them.
+/// Most requests under way for announced blocks. A block that is read now does not wait for them.
 const UNDER_WAY: usize = 16;
-/// Bytes that have come or are on their way and were not read yet, beyond which nothing more is asked for ahead.
+/// Bytes that are under way or have arrived and are unread, above which nothing more is requested
+/// ahead.
 const ROOM: u64 = 64 << 20;
-/// Bytes of blocks in memory.
+/// Most bytes of blocks in memory.
 const KEPT: u64 = 128 << 20;
-/// Of both a file may take this much, however many are open.
+/// Least share of [`ROOM`] and of [`KEPT`] that each file may take, bytes, however many files are
+/// open.
 const LEAST: u64 = 4 << 20;
-/// After so many later calls that told of others a block that nobody read is no longer waited for.
+/// Number of later announcements after which a block that was not read no longer counts as unread.
 const FORGOTTEN: u64 = 8;
 
-/// What is known of a block.
+/// State of an announced block.
 #[derive(Debug)]
 enum State {
     Queued,
@@ -30,50 +33,50 @@ enum State {
     Failed(Failure),
 }
 
-/// A block that is asked for.
+/// Answer to a look-up of a block.
 #[derive(Debug)]
 pub enum Lookup {
-    /// Its bytes.
+    /// Bytes of the block.
     Bytes(Bytes),
-    /// Why it did not come; asked for again it is fetched again.
+    /// Reason why the block did not arrive. The next look-up requests it again.
     Failed(Failure),
-    /// It comes.
+    /// The block is under way.
     OnItsWay,
-    /// It comes if this is fetched, which is no longer queued.
+    /// The block arrives if the caller fetches this span, which is taken out of the queue.
     Fetch(ByteSpan),
-    /// Nobody told of it.
+    /// The block was not announced.
     Unknown,
 }
 
-/// Files that are open at the same time: what blocks may take is shared among them.
+/// Number of files that are open at the same time. They share the memory for blocks.
 #[derive(Debug, Default)]
 pub struct OpenFiles(AtomicU64);
 
 impl OpenFiles {
-    /// None yet.
+    /// Returns a count of zero files.
     pub const fn none() -> Self {
         OpenFiles(AtomicU64::new(0))
     }
 
-    /// Bytes that each of them may take of what one alone may.
+    /// Returns the share of `bytes` that each open file may take.
     fn share(&self, bytes: u64) -> u64 {
         (bytes / self.0.load(Ordering::Relaxed).max(1)).max(LEAST)
     }
 }
 
-/// All blocks of a file that were told of.
+/// All announced blocks of a file.
 #[derive(Debug)]
 pub struct Ahead {
     open: &'static OpenFiles,
-    /// By offset.
+    /// Blocks by offset.
     blocks: HashMap<u64, State>,
     queue: VecDeque<ByteSpan>,
     under_way: usize,
-    /// Bytes on their way, or here and not read yet.
+    /// Bytes under way, or in memory and unread.
     unread: u64,
-    /// Bytes here.
+    /// Bytes in memory.
     here: u64,
-    /// Bytes between blocks that came with them, by offset: padding.
+    /// Padding between blocks that arrived with them, by offset.
     between: BTreeMap<u64, Bytes>,
     clock: u64,
     told: u64,
@@ -86,7 +89,7 @@ impl Drop for Ahead {
 }
 
 impl Ahead {
-    /// Of one more file.
+    /// Starts the bookkeeping of one more open file.
     pub fn among(open: &'static OpenFiles) -> Self {
         open.0.fetch_add(1, Ordering::Relaxed);
         Ahead {
@@ -102,7 +105,8 @@ impl Ahead {
         }
     }
 
-    /// Takes note of blocks of a file of so many bytes; those that are known already are passed over.
+    /// Announces blocks of a file of `length` bytes that will be read; blocks that are known
+    /// already are skipped.
     pub fn tell(&mut self, blocks: impl Iterator<Item = Entry>, length: u64) {
         self.told += 1;
         let new: Vec<Entry> = blocks.filter(|block| !self.blocks.contains_key(&block.offset)).collect();
@@ -115,7 +119,8 @@ impl Ahead {
         }
     }
 
-    /// Blocks that were told of long ago and not read since need not be kept any more.
+    /// Marks blocks as read that were announced long ago and not read since, so that their memory
+    /// can be freed.
     fn forget(&mut self) {
         let before = self.told.saturating_sub(FORGOTTEN);
         for state in self.blocks.values_mut() {
@@ -128,7 +133,7 @@ impl Ahead {
         }
     }
 
-    /// The next span to ask for, if it is time.
+    /// Takes the next span to request from the queue, if the limits allow a request.
     pub fn next(&mut self) -> Option<ByteSpan> {
         if self.under_way >= UNDER_WAY || self.unread >= self.open.share(ROOM) {
             return None;
@@ -138,14 +143,14 @@ impl Ahead {
         Some(span)
     }
 
-    /// A span that is asked for at once.
+    /// Marks a span as under way that is requested at once.
     pub fn begin(&mut self, span: &ByteSpan) {
         self.under_way += 1;
         self.unread += size_of(span);
         self.blocks.extend(span.blocks.iter().map(|block| (block.offset, State::OnItsWay)));
     }
 
-    /// A block that is read now.
+    /// Looks up a block that is read now.
     pub fn find(&mut self, offset: u64) -> Lookup {
         self.clock += 1;
         match self.blocks.get_mut(&offset) {
@@ -158,6 +163,7 @@ impl Ahead {
                 }
                 Lookup::Bytes(bytes.clone())
             }
+            // The failure is forgotten, so that the next look-up requests the block again.
             Some(State::Failed(failure)) => {
                 let failure = failure.clone();
                 self.blocks.remove(&offset);
@@ -173,7 +179,7 @@ impl Ahead {
         }
     }
 
-    /// A span has come: its bytes.
+    /// Stores the blocks of a span that has arrived.
     pub fn came(&mut self, span: &ByteSpan, bytes: &Bytes) {
         self.under_way = self.under_way.saturating_sub(1);
         self.unread = self.unread.saturating_sub(size_of(span));
@@ -182,7 +188,7 @@ impl Ahead {
         let part = |from: u64, to: u64| {
             let place =
                 |offset: u64| usize::try_from(offset.saturating_sub(start)).unwrap_or(usize::MAX).min(bytes.len());
-            // A copy: a block that is kept must not keep its whole span.
+            // The bytes are copied: a slice would keep the whole span in memory.
             Bytes::copy_from_slice(bytes.get(place(from)..place(to)).unwrap_or_default())
         };
         for block in &span.blocks {
@@ -206,14 +212,14 @@ impl Ahead {
         }
     }
 
-    /// A span did not come.
+    /// Marks the blocks of a span as failed.
     pub fn failed(&mut self, span: &ByteSpan, failure: &Failure) {
         self.under_way = self.under_way.saturating_sub(1);
         self.unread = self.unread.saturating_sub(size_of(span));
         self.blocks.extend(span.blocks.iter().map(|block| (block.offset, State::Failed(failure.clone()))));
     }
 
-    /// Bytes between blocks that came with them.
+    /// Returns `length` bytes of padding at `offset`, if they arrived with a block.
     pub fn between(&self, offset: u64, length: usize) -> Option<Bytes> {
         let (start, bytes) = self.between.range(..=offset).next_back()?;
         let at = usize::try_from(offset - start).ok()?;
@@ -221,7 +227,7 @@ impl Ahead {
         Some(bytes.slice(at..end))
     }
 
-    /// Gives back the memory of blocks that were read, the least recently used first.
+    /// Frees the memory of blocks that were read, the least recently used first.
     fn drop_read(&mut self) {
         let mut read: Vec<(u64, u64, u64)> = Vec::new();
         for (offset, state) in &self.blocks {
@@ -258,7 +264,8 @@ mod tests {
         Ahead::among(Box::leak(Box::default()))
     }
 
-    /// Of 10 files that are open each keeps 12.8 MiB of blocks that were read in place of 128; when 9 are closed the tenth keeps all again.
+    /// With 10 open files, each keeps 8 to 14 MiB of blocks that were read (its share is 12.8)
+    /// instead of 128; when 9 are closed, the tenth keeps 100 MiB or more again.
     #[test]
     fn memory_is_shared() {
         let open: &'static OpenFiles = Box::leak(Box::default());
@@ -277,8 +284,9 @@ mod tests {
         assert!(read(&mut last, 100) >= 100, "{}", last.here);
     }
 
-    /// Of 100 blocks of 1 MiB 16 spans of 2 MiB are under way at first; as they come and are read all 100 come, each once and with its own
-    /// byte; told of again they are not asked for again while they are in memory.
+    /// For 100 blocks of 1 MiB, 16 spans of 2 MiB are under way at first. As they arrive and are
+    /// read, all 100 blocks arrive, each once and with its own bytes. Announced again, they are not
+    /// requested again while they are in memory.
     #[test]
     fn all_come_once() {
         let blocks: Vec<Entry> = (0..100).map(|i| block(i << 20, 1 << 20)).collect();
@@ -305,7 +313,8 @@ mod tests {
         assert!(ahead.next().is_none() && ahead.here == 100 << 20);
     }
 
-    /// Nothing is asked for ahead beyond 64 MiB that nobody reads, but what is read now is; memory stays below 128 MiB.
+    /// At most 64 MiB that are unread are requested ahead (32 spans of 2 MiB), but a block that is
+    /// read now is requested; memory stays below 128 MiB and one span.
     #[test]
     fn memory_is_bounded() {
         let mut ahead = alone();
@@ -331,7 +340,8 @@ mod tests {
         }
     }
 
-    /// The 28 bytes of padding between two blocks are known once both have come, and the 36 behind the last one; no others are.
+    /// The 28 bytes of padding between two blocks are known once both have arrived, and the 36
+    /// behind the last one; no other padding is.
     #[test]
     fn padding_comes_along() {
         let mut ahead = alone();

@@ -1,8 +1,10 @@
-//! Blocks on this machine's disk. In: blocks with the checksums that an archive's directory states. Out: the same bytes, checked again.
+//! Blocks on this machine's disk. In: blocks with the checksums of an archive's directory. Out: the
+//! same bytes, checked again.
 //!
-//! A block's file is named by its content and its checksum, so that whatever is at an address, no block can be taken for another, and
-//! archives that share blocks share their files. Files appear whole, and processes need not know of each other: they write the same bytes
-//! under the same names, and a file that is gone is fetched again. The least recently used files go first.
+//! A block's file is named by its content hash and its checksum. So no block can be taken for
+//! another, whatever is at an address, and archives that share blocks share their files. Files
+//! appear whole, and processes need no agreement: they write the same bytes under the same names,
+//! and a missing file is fetched again. The least recently used files are removed first.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -16,22 +18,22 @@ use heliotile_core::error::{Error, Result};
 
 use crate::stores::traffic;
 
-/// After so much is written, as a share of the limit, old files are looked for.
+/// Divisor of the size limit: old files are looked for each time that this share of it was written.
 const LOOK_EVERY: u64 = 16;
-/// Of the limit, in percent, so much stays when something goes.
+/// Share of the size limit that stays when files are removed, percent.
 const KEPT_PERCENT: u64 = 90;
-/// Files that a process left unfinished go after this time.
+/// Age from which an unfinished file of another process is removed.
 const ABANDONED: Duration = Duration::from_secs(3600);
-/// Longest directory and manifest that are kept.
+/// Largest directory and manifest that are kept, bytes.
 const LONGEST_DIRECTORY: u64 = 256 << 20;
 
-/// How names of files begin that are being written.
+/// Prefix of the names of files that are being written.
 const UNFINISHED: &str = ".heliotile-";
 
-/// Bytes that this process has written to each folder since old files were looked for there.
+/// Bytes that this process has written to each folder since it last looked for old files there.
 static WRITTEN: Mutex<BTreeMap<PathBuf, u64>> = Mutex::new(BTreeMap::new());
 
-/// A folder of blocks.
+/// A folder of cached blocks.
 #[derive(Debug)]
 pub struct Cache {
     folder: PathBuf,
@@ -39,7 +41,7 @@ pub struct Cache {
 }
 
 impl Cache {
-    /// Makes the folder if it is not there. An error: it cannot be made.
+    /// Opens a cache and makes its folder. An error: the folder cannot be made.
     pub fn open(folder: &Path, limit_bytes: u64) -> Result<Self> {
         for part in ["blocks", "directories"] {
             fs::create_dir_all(folder.join(part)).map_err(Error::io(folder, "make the cache"))?;
@@ -47,30 +49,33 @@ impl Cache {
         Ok(Cache { folder: folder.to_path_buf(), limit_bytes })
     }
 
-    /// Whether a block is there; its bytes are looked at when it is read.
+    /// Returns true if a block is in the cache. Its bytes are checked when it is read.
     pub fn has(&self, block: &Entry) -> bool {
         self.name_of(block).exists()
     }
 
-    /// The stored bytes of a block; none if it is not there, or not as it should be: then it goes.
+    /// Returns the stored bytes of a block, or `None` if it is not there. A damaged file is
+    /// removed.
     pub fn block(&self, block: &Entry) -> Option<Vec<u8>> {
         let right =
             |bytes: &[u8]| bytes.len() as u64 == u64::from(block.stored) && format::checksum(bytes) == block.checksum;
         read(&self.name_of(block), block.stored.into(), right)
     }
 
-    /// Keeps the stored bytes of a block, which were checked. What cannot be written is not kept.
+    /// Keeps the stored bytes of a block, which the caller has checked. Bytes that cannot be
+    /// written are not kept.
     pub fn keep_block(&self, block: &Entry, bytes: &[u8]) {
         self.write(&self.name_of(block), bytes);
     }
 
-    /// Directory and manifest of the archive of a slot: the bytes from the directory on; none if they are not there or another's.
+    /// Returns directory and manifest of the archive that `slot` describes: the bytes from the
+    /// directory on. `None` if they are not there or belong to another archive.
     pub fn directory(&self, slot: &Slot) -> Option<Vec<u8>> {
         let length = slot.committed.checked_sub(slot.directory_offset).filter(|&length| length <= LONGEST_DIRECTORY)?;
         read(&self.name_of_directory(slot), length, |bytes| has_root(bytes, slot))
     }
 
-    /// Keeps them, if they are right.
+    /// Keeps directory and manifest of an archive, if they have the root that `slot` states.
     pub fn keep_directory(&self, slot: &Slot, bytes: &[u8]) {
         let name = self.name_of_directory(slot);
         if bytes.len() as u64 <= LONGEST_DIRECTORY && has_root(bytes, slot) && !name.exists() {
@@ -85,7 +90,7 @@ impl Cache {
     }
 
     fn name_of_directory(&self, slot: &Slot) -> PathBuf {
-        // Padding before the manifest hangs on its place.
+        // The offset is part of the name: the padding before the manifest depends on it.
         self.folder.join("directories").join(format!("{}-{}", format::hex(&slot.root), slot.directory_offset))
     }
 
@@ -105,7 +110,8 @@ impl Cache {
         }
     }
 
-    /// Counts what was written: whether old files are to be looked for, the first time in any case.
+    /// Counts written bytes and returns true if old files are to be looked for; true at the first
+    /// call for a folder.
     fn is_time_to_look(&self, length: u64) -> bool {
         let mut all = WRITTEN.lock().unwrap_or_else(PoisonError::into_inner);
         let written = all.entry(self.folder.clone()).or_insert(u64::MAX / 2);
@@ -117,7 +123,7 @@ impl Cache {
         is_time
     }
 
-    /// Removes the files that were not used for longest until the rest is below the limit.
+    /// Removes the least recently used files until the rest is below the limit.
     fn clear_old(&self) {
         let now = SystemTime::now();
         let mut files = Vec::new();
@@ -145,7 +151,7 @@ impl Cache {
             if all <= self.limit_bytes / 100 * KEPT_PERCENT {
                 break;
             }
-            // Another process may have been faster.
+            // Another process may have removed the file first.
             if fs::remove_file(path).is_ok() {
                 all = all.saturating_sub(length);
             }
@@ -153,20 +159,22 @@ impl Cache {
     }
 }
 
-/// Whether a file has a name that caches give: of a block, of a directory, or of one of them on its way. Others are not theirs to remove.
+/// Returns true if a file has a name that caches give: of a block, of a directory, or of an
+/// unfinished one. Other files are not removed.
 fn is_own(name: &str) -> bool {
     let is_hex = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_hexdigit());
     let named = |(hash, rest): (&str, &str)| hash.len() >= 32 && is_hex(hash) && is_hex(rest);
     name.starts_with(UNFINISHED) || name.split_once('-').is_some_and(named)
 }
 
-/// Folders that hold files.
+/// Returns the folders that hold the files of the cache.
 fn folders_of(folder: &Path) -> Vec<PathBuf> {
     let of_blocks = fs::read_dir(folder.join("blocks")).into_iter().flatten().flatten().map(|entry| entry.path());
     of_blocks.filter(|path| path.is_dir()).chain([folder.join("directories")]).collect()
 }
 
-/// The bytes of a file of a known length if they are right; one that is not goes. A file that is read is used.
+/// Reads a file that has `length` bytes and passes the test `right`, and marks it as used. A file
+/// that fails is removed.
 fn read(name: &Path, length: u64, right: impl Fn(&[u8]) -> bool) -> Option<Vec<u8>> {
     let mut file = File::open(name).ok()?;
     let mut bytes = Vec::new();
@@ -175,13 +183,14 @@ fn read(name: &Path, length: u64, right: impl Fn(&[u8]) -> bool) -> Option<Vec<u
         let _ = fs::remove_file(name);
         return None;
     }
-    // Times of files tell when they were used; where they cannot be set, when they were written.
+    // Modification times record the last use; where they cannot be set, they record when the file
+    // was written.
     let _ = File::options().append(true).open(name).and_then(|file| file.set_modified(SystemTime::now()));
     traffic::cached(bytes.len());
     Some(bytes)
 }
 
-/// Whether bytes from the directory on are those that a slot tells of.
+/// Returns true if `bytes`, which begin at the directory, have the root that `slot` states.
 pub(crate) fn has_root(bytes: &[u8], slot: &Slot) -> bool {
     let part = |start: u64, length: u64| {
         let start = usize::try_from(start).ok()?;
@@ -210,8 +219,9 @@ mod tests {
         folders_of(folder).iter().map(|folder| fs::read_dir(folder).expect("a folder").count()).sum()
     }
 
-    /// A block comes back; after each of 3 kinds of damage (a bit, a cut, bytes behind) it does not and its file is gone; another block of the
-    /// same content, packed otherwise, is another file.
+    /// A block is read back. After each of 3 kinds of damage (a bit, a cut, a byte behind) it is
+    /// not, and its file is gone. Another block of the same content, packed otherwise, is another
+    /// file.
     #[test]
     fn damage_is_not_served() {
         let folder = tempfile::tempdir().expect("a folder");
@@ -229,8 +239,9 @@ mod tests {
         assert_eq!((cache.block(&packed), files(folder.path())), (None, 1));
     }
 
-    /// Of 40 blocks of 1000 bytes in a cache of 20,000 bytes at most 21 stay, and the one that is read between all others is among them; a
-    /// file that a process left behind long ago goes, a new one stays.
+    /// After 40 blocks of 1000 bytes in a cache of 20,000 bytes, 17 to 24 files stay, and the block
+    /// that is read between all others is among them. A file that a process left unfinished long
+    /// ago is removed, a new one stays, and so do files of other programs.
     #[test]
     fn the_least_used_goes() {
         let folder = tempfile::tempdir().expect("a folder");
@@ -253,8 +264,8 @@ mod tests {
         assert!(theirs.iter().all(|file| file.is_file()));
     }
 
-    /// 4 threads that write and read the same 50 blocks in a cache that holds 20 of them get right bytes or none: of 4,000 times
-    /// they get them over 100 times, and not always.
+    /// 4 threads that write and read the same 50 blocks in a cache that holds 20 of them get right
+    /// bytes or none: they get bytes in 100 to 4,000 of 4,000 reads.
     #[test]
     fn many_at_once() {
         let folder = tempfile::tempdir().expect("a folder");

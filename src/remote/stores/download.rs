@@ -1,4 +1,5 @@
-//! An object as a file. In: an object that was opened. Out: a file that has its name once all of it has come and was checked.
+//! An object as a file. In: an object that was opened. Out: a file that gets its name once all
+//! bytes have arrived and were checked.
 
 use std::io::Write;
 use std::path::Path;
@@ -9,11 +10,12 @@ use heliotile_core::error::{Error, Result};
 
 use crate::stores::remote_file::RemoteFile;
 
-/// Bytes that are on their way at a time.
+/// Bytes that are requested and written at a time.
 const STEP: u64 = 16 << 20;
 
-/// Writes the object to a file; `came` is told of bytes. An archive is checked block by block before it gets its name. An error: a file of
-/// that name, unless `replace`; bytes that cannot be had, or are damaged.
+/// Writes the object to a file and calls `came` with the number of bytes of each step. An archive
+/// is checked block by block before it gets its name. Errors: a file of that name, unless
+/// `replace`; bytes that cannot be read, or are damaged.
 pub fn download(file: &RemoteFile, to: &Path, replace: bool, came: impl Fn(u64)) -> Result<()> {
     let folder = to.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut partial =
@@ -45,6 +47,7 @@ pub fn download(file: &RemoteFile, to: &Path, replace: bool, came: impl Fn(u64))
             ));
         }
     }
+    // The name comes last: a file of that name is whole and checked.
     open_to_all(partial.as_file());
     let persisted = if replace { partial.persist(to) } else { partial.persist_noclobber(to) };
     persisted.map(drop).map_err(|error| match error.error.kind() {
@@ -55,11 +58,12 @@ pub fn download(file: &RemoteFile, to: &Path, replace: bool, came: impl Fn(u64))
     })
 }
 
-/// Temporary files are for their owner only; what becomes a file of the user's is as other files of his.
+/// Gives a temporary file, which only its owner may read, the permissions of an ordinary file
+/// (0644).
 #[cfg(unix)]
 fn open_to_all(file: &std::fs::File) {
     use std::os::unix::fs::PermissionsExt;
-    // Where that cannot be changed the file is still whole.
+    // The file is whole even if its permissions cannot be changed.
     let _ = file.set_permissions(std::fs::Permissions::from_mode(0o644));
 }
 

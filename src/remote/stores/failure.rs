@@ -1,5 +1,6 @@
-//! What went wrong with an object. In: what a store answered. Out: what was found and what to do, without the address, which may hold a
-//! signature, and without the answer's text, which may hold more.
+//! Failures of requests for objects. In: the answer of a store. Out: the finding and a remedy,
+//! without the address, which may hold a signature, and without the text of the answer, which may
+//! hold more.
 
 use std::error::Error as _;
 
@@ -7,12 +8,12 @@ use heliotile_core::error::Error;
 
 use crate::stores::address::{Address, Scheme};
 
-/// Why an object could not be read or written.
+/// Reason why an object could not be read or written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// What kind it is of, for those who can do something about it.
+    /// Kind of failure, for callers that can react to it.
     pub cause: Cause,
-    /// What was found, in words that go on after the address.
+    /// Finding, in words that follow the address in a message.
     pub what: String,
 }
 
@@ -20,44 +21,45 @@ pub struct Failure {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Cause {
-    /// There is no such object, or no such bucket.
+    /// No such object or bucket exists.
     Missing,
-    /// There is one where none may be.
+    /// An object exists where none may be.
     Exists,
-    /// It is another one than before.
+    /// The object is another version than before.
     Changed,
     /// Credentials are missing, wrong or not enough.
     Denied,
-    /// Signatures carry the time, and this machine's is not the store's.
+    /// The store refuses the signature's time: this machine's clock differs from the store's.
     Clock,
-    /// The server's certificate is not believed.
+    /// The server's certificate is not trusted.
     Untrusted,
-    /// The server sends objects as a whole only.
+    /// The server sends whole objects only.
     NoRanges,
-    /// An answer that ended too early or came too late: may be otherwise the next time.
+    /// The answer ended too early or came too late; the next one may be good.
     Passing,
-    /// No answer, or none but an apology, also when asked again.
+    /// The server gave no answer, or an error that stays after retries.
     Unreached,
-    /// The environment says something of the store that cannot be.
+    /// An environment variable gives the store an invalid setting.
     Settings,
-    /// The server sends to another address again and again.
+    /// The server redirects again and again.
     Elsewhere,
-    /// Anything else that the server answers.
+    /// The server answers anything else.
     Refused,
 }
 
 impl Failure {
-    /// A failure in words.
+    /// Returns a failure with its cause and its words.
     pub fn new(cause: Cause, what: impl Into<String>) -> Self {
         Failure { cause, what: what.into() }
     }
 
-    /// What an answer means.
+    /// Returns the failure that a store's answer means.
     pub fn of(error: &object_store::Error) -> Self {
         use object_store::Error as Answer;
         let found = Found::of(error);
         let code = found.code.as_ref().map_or(String::new(), |code| format!(", {code}"));
         match error {
+            // A wrong clock is answered like denied access, so it is checked first.
             _ if found.clock_is_off => {
                 let theirs = found.server_time.map_or(String::new(), |time| format!(", the store's says {time}"));
                 let status = found.status.unwrap_or(403);
@@ -81,22 +83,23 @@ impl Failure {
         }
     }
 
-    /// What stops a client before it asks anybody.
+    /// Returns the failure of a client that cannot be built from its settings.
     pub fn of_settings(error: &object_store::Error) -> Self {
         Failure::new(Cause::Settings, format!("is in a store that cannot be asked: {}", Found::of(error).text))
     }
 
-    /// Whether all that is wrong is that no object has this name.
+    /// Returns true if the only problem is that no object has this name.
     pub fn is_absence(&self) -> bool {
         self.cause == Cause::Missing && !self.what.contains("bucket")
     }
 
-    /// The same, or perhaps: S3 says of what is not there that it may not be read, to those who may not see lists.
+    /// Returns true if the object is absent or may be: S3 answers "denied" for an absent object to
+    /// users who may not list the bucket.
     pub fn may_be_absence(&self) -> bool {
         self.is_absence() || self.cause == Cause::Denied
     }
 
-    /// The error of an address.
+    /// Returns the error for a user, with the address and a hint.
     pub fn at(self, address: &Address) -> Error {
         let path = address.shown();
         let variables = match address.scheme() {
@@ -134,22 +137,23 @@ impl Failure {
     }
 }
 
-/// How S3, Azure and Google's givers of tokens say that a signature's time is too far from theirs.
+/// Phrases with which S3, Azure and Google's token servers say that a signature's time is too far
+/// from theirs.
 const OF_CLOCKS: [&str; 3] = ["RequestTimeTooSkewed", "Request date header too old", "in a reasonable timeframe"];
 
-/// What the depth of an error tells.
+/// Details in the chain of causes of an error.
 struct Found {
     /// The innermost cause, in one line.
     text: String,
     /// HTTP status.
     status: Option<u16>,
-    /// `<Code>` of S3, Azure and Google.
+    /// `<Code>` that S3, Azure and Google send.
     code: Option<String>,
-    /// Whether a signature was refused for its time.
+    /// True if a signature was refused for its time.
     clock_is_off: bool,
-    /// `<ServerTime>` of S3.
+    /// `<ServerTime>` that S3 sends.
     server_time: Option<String>,
-    /// Whether it was on the way to credentials.
+    /// True if the error arose while credentials were fetched.
     of_credentials: bool,
 }
 
@@ -215,7 +219,8 @@ impl Found {
     }
 }
 
-/// Words of others in a message: one line, without addresses, not long.
+/// Shortens text of a server for a message: one line of at most 120 characters, without addresses
+/// and control characters.
 fn plain(text: &str) -> String {
     let words = text.split_whitespace().map(|word| if word.contains("://") { "..." } else { word });
     let line = words.collect::<Vec<_>>().join(" ");
@@ -227,7 +232,8 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// 10 answers become messages that name the address, what was found and what to do, and none of the 3 secrets in them.
+    /// 10 answers become messages that name the address, what was found and what to do, and none of
+    /// the 3 secrets in them.
     #[test]
     fn messages() {
         let generic = |text: &str| object_store::Error::Generic { store: "S3", source: text.to_string().into() };

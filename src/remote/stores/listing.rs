@@ -1,4 +1,5 @@
-//! What is there, without its bytes. In: addresses. Out: which of them are objects; names below one of them, where the store has lists.
+//! Existence and names of objects, without their bytes. In: addresses. Out: which of them are
+//! objects; names below one of them, where the store has lists.
 
 use futures_util::TryStreamExt;
 use heliotile_core::error::{Error, Result};
@@ -9,17 +10,18 @@ use crate::stores::object::look;
 use crate::stores::store::{Connection, Locator, runtime};
 use crate::stores::traffic;
 
-/// Names that a store gives at a time.
+/// Names that a store gives in one page of a list.
 const PAGE: u64 = 1000;
 
-/// Whether an object stands under an address.
+/// Returns true if an object is at an address.
 pub fn exists(address: &Address, connection: Connection) -> Result<bool> {
     let place = Locator::connect(address, connection)?;
     let found = runtime()?.block_on(look(&place));
     found.map(|found| found.is_some()).map_err(|failure| failure.at(address))
 }
 
-/// Names of the objects below an address, as they go on behind it; none where a server has no lists, or does not show them to everybody.
+/// Returns the names of the objects below an address, relative to it; `None` if a server has no
+/// lists or does not show them to everybody.
 pub fn names_below(address: &Address, connection: Connection) -> Result<Option<Vec<String>>> {
     if address.scheme() == Scheme::Web {
         return Ok(None);

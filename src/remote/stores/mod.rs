@@ -10,15 +10,15 @@
 //!
 //! | room | in | out |
 //! | --- | --- | --- |
-//! | [`address`] | what a user typed | an address, and its name without what must not be told |
-//! | [`failure`] | what a store answered | what was found and what to do |
-//! | [`cache`] | blocks with their checksums | the same from this machine's disk |
+//! | [`address`] | the text that a user typed | an address, and its name without secrets |
+//! | [`failure`] | the answer of a store | the finding and a remedy |
+//! | [`cache`] | blocks with their checksums | their bytes from this machine's disk |
 //! | [`store`] | an address, the environment | a connection |
 //! | [`object`] | a connection | ranges of one object that has not changed since it was opened |
 //! | [`listing`] | addresses | which of them are objects, and names below them |
-//! | [`remote_file`] | an address | [`ReadAt`](heliotile_core::archive::ReadAt): blocks that were told of come together, many at a time |
-//! | [`publish`] | a file | an object that is whole and that nobody else wrote meanwhile |
-//! | [`download`] | an object | a file that is whole |
+//! | [`remote_file`] | an address | [`ReadAt`](heliotile_core::archive::ReadAt): announced blocks arrive together, many at a time |
+//! | [`publish`] | a file | a whole object that no other program wrote meanwhile |
+//! | [`download`] | an object | a whole file |
 
 pub mod address;
 mod ahead;

@@ -1,4 +1,5 @@
-//! One object as it was when it was opened. In: ranges. Out: their bytes, of that very version; another one is a failure.
+//! One object as it was when it was opened. In: ranges. Out: their bytes, of that version; another
+//! version is a failure.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -11,29 +12,30 @@ use crate::stores::failure::{Cause, Failure};
 use crate::stores::store::Locator;
 use crate::stores::traffic;
 
-/// Times that a range is asked for whose answer was cut off.
+/// Times that a range is requested if its answer is cut off.
 const ATTEMPTS: usize = 4;
 
-/// Bytes of one request of many.
+/// Bytes of one of many requests for a long range.
 pub const PART: u64 = 2 << 20;
-/// Such requests under way.
+/// Most such requests under way for one range.
 const AT_ONCE: usize = 8;
 
-/// Requests under way of the whole process, of however many objects: servers and systems have so many connections.
+/// Most requests under way in the whole process, over all objects: servers and systems limit
+/// connections.
 const ALL_AT_ONCE: usize = 64;
 static TURNS: Semaphore = Semaphore::const_new(ALL_AT_ONCE);
 
-/// Without ranges, larger objects are not taken.
+/// Largest object that is read from a server without ranges, bytes.
 pub const WHOLE_LIMIT: u64 = 50_000_000;
 
-/// What tells one version of an object from another.
+/// Marks that tell one version of an object from another.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Version {
-    /// As the store names it; servers may not.
+    /// ETag that the store gives; some servers give none.
     pub etag: Option<String>,
-    /// When it was written, for those.
+    /// Time of writing, ms since 1970, for objects without an ETag.
     modified_ms: i64,
-    /// Its number of bytes.
+    /// Length, bytes.
     pub length: u64,
 }
 
@@ -42,7 +44,7 @@ impl Version {
         Version { etag: meta.e_tag.clone(), modified_ms: meta.last_modified.timestamp_millis(), length: meta.size }
     }
 
-    /// Why this is not the version of before; none if it is.
+    /// Returns why `now` is another version, or `None` if it is the same.
     fn differs(&self, now: &Version) -> Option<String> {
         match (&self.etag, &now.etag) {
             _ if self.length != now.length => Some(format!("it had {} bytes and has {}", self.length, now.length)),
@@ -53,7 +55,7 @@ impl Version {
     }
 }
 
-/// An object whose version is held fast.
+/// An object of a fixed version.
 #[derive(Clone, Debug)]
 pub struct Object {
     place: Locator,
@@ -61,7 +63,7 @@ pub struct Object {
 }
 
 impl Object {
-    /// Asks for a first range, which says what version there is.
+    /// Opens an object by requesting a first range; the answer states the version.
     pub async fn open(place: &Locator, first: GetRange) -> Result<(Object, Bytes), Failure> {
         let mut result = Err(Failure::new(Cause::Passing, ""));
         let _turn = turn().await;
@@ -83,7 +85,7 @@ impl Object {
         result
     }
 
-    /// All of an object whose server has no ranges, if it is not large.
+    /// Reads a whole object whose server has no ranges, if it has at most [`WHOLE_LIMIT`] bytes.
     pub async fn whole(place: &Locator) -> Result<Bytes, Failure> {
         let _turn = turn().await;
         let answer = get(place, GetOptions::default()).await?;
@@ -98,22 +100,23 @@ impl Object {
         body(answer, &range).await
     }
 
-    /// Length and name of the version.
+    /// Returns the version that was opened.
     pub fn version(&self) -> &Version {
         &self.version
     }
 
-    /// Where it is.
+    /// Returns the client and name of the object.
     pub fn place(&self) -> &Locator {
         &self.place
     }
 
-    /// Whether another opening found the same version.
+    /// Checks that another opening found the same version.
     pub fn same(&self, other: &Object) -> Result<(), Failure> {
         self.version.differs(&other.version).map_or(Ok(()), |what| Err(Failure::new(Cause::Changed, what)))
     }
 
-    /// The bytes of a range, which lies inside. An answer that was cut off is asked for again, a few times and not for ever.
+    /// Reads the bytes of a range, which lies inside the object. An answer that was cut off is
+    /// requested again, at most `ATTEMPTS` times in all.
     pub async fn range(&self, range: Range<u64>) -> Result<Bytes, Failure> {
         if range.is_empty() {
             return Ok(Bytes::new());
@@ -130,7 +133,7 @@ impl Object {
         result
     }
 
-    /// The bytes of a range that may be long, in parts that come at the same time.
+    /// Reads the bytes of a range that may be long, in parts that are requested at the same time.
     pub async fn parts(&self, range: Range<u64>) -> Result<Bytes, Failure> {
         if range.end.saturating_sub(range.start) <= PART {
             return self.range(range).await;
@@ -162,13 +165,14 @@ impl Object {
     }
 }
 
-/// Waits until fewer than [`ALL_AT_ONCE`] objects are read from; the turn ends with what is given.
+/// Waits until fewer than [`ALL_AT_ONCE`] requests are under way. The turn ends when the permit is
+/// dropped.
 async fn turn() -> Option<SemaphorePermit<'static>> {
-    // It is never closed: there is always one.
+    // The semaphore is never closed, so a permit is always given.
     TURNS.acquire().await.ok()
 }
 
-/// Whether to ask again.
+/// Returns true if the request is to be made again: the failure may pass and time is left.
 fn again<T>(result: &Result<T, Failure>, place: &Locator, begun: Instant) -> bool {
     matches!(result, Err(failure) if failure.cause == Cause::Passing) && begun.elapsed() < 2 * place.connection.timeout
 }
@@ -178,7 +182,7 @@ async fn get(place: &Locator, options: GetOptions) -> Result<GetResult, Failure>
     place.store.get_opts(&place.path, options).await.map_err(|error| Failure::of(&error))
 }
 
-/// The body of an answer, as long as it has to be.
+/// Reads the body of an answer and checks that it is as long as the range.
 async fn body(answer: GetResult, range: &Range<u64>) -> Result<Bytes, Failure> {
     let expected = range.end.saturating_sub(range.start);
     let bytes = answer.bytes().await.map_err(|error| Failure::of(&error))?;
@@ -190,7 +194,7 @@ async fn body(answer: GetResult, range: &Range<u64>) -> Result<Bytes, Failure> {
     Ok(bytes)
 }
 
-/// What the store knows of an object without sending it; none if it is not there.
+/// Requests the metadata of an object, or returns `None` if it is not there.
 pub async fn look(place: &Locator) -> Result<Option<ObjectMeta>, Failure> {
     let answered = {
         let _turn = turn().await;
@@ -205,7 +209,7 @@ pub async fn look(place: &Locator) -> Result<Option<ObjectMeta>, Failure> {
     }
 }
 
-/// Why access is denied: an answer to HEAD has no body, that to GET says more.
+/// Finds out why access is denied: an answer to HEAD has no body, the answer to GET says more.
 async fn why(place: &Locator, denied: Failure) -> Failure {
     let options = GetOptions { range: Some(GetRange::Bounded(0..1)), ..GetOptions::default() };
     match get(place, options).await {

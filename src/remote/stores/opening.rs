@@ -1,5 +1,6 @@
-//! The first requests. In: an address. Out: an object whose version is held fast, with its first bytes and those from the directory on: in
-//! two requests at once, and one more where the directory is long.
+//! The first requests for an object. In: an address. Out: an object of a fixed version, with its
+//! first bytes and the bytes from the directory on. This takes two requests at once, and one more
+//! where the directory is long.
 
 use bytes::{Bytes, BytesMut};
 use heliotile_core::archive::format::{COMPLETE, MAGIC, SLOT_OFFSETS, Slot};
@@ -13,28 +14,29 @@ use crate::stores::store::Locator;
 
 /// Bytes of the first request: header and first blocks.
 const HEAD: u64 = 16 << 10;
-/// Bytes of the last ones, asked for at the same time: manifest and a short directory.
+/// Bytes of the request for the end, made at the same time: manifest and a short directory.
 const TAIL: u64 = 64 << 10;
-/// A directory that is longer than this is read when it is asked for.
+/// Largest directory that is read at opening, bytes; a longer one is read when it is needed.
 const LONGEST: u64 = 256 << 20;
 
 /// An object that was opened.
 #[derive(Debug)]
 pub struct Opened {
-    /// None if all of it is here.
+    /// Object for further requests; `None` if all its bytes are in `head`.
     pub object: Option<Object>,
-    /// Number of bytes of it.
+    /// Length of the object, bytes.
     pub length: u64,
-    /// Its first bytes.
+    /// First bytes of the object.
     pub head: Bytes,
-    /// Where the last bytes start, and these.
+    /// Offset of the last bytes, and the last bytes.
     pub end: (u64, Bytes),
 }
 
 impl Opened {
-    /// Opens what stands under an address: an archive, a pointer, anything.
+    /// Opens the object at an address: an archive, a pointer or any other file.
     pub async fn open(place: &Locator, cache: Option<&Cache>) -> Result<Opened, Failure> {
         let first = Object::open(place, GetRange::Bounded(0..HEAD));
+        // The end of the object is requested together with its head where the store allows that.
         let (first, tail) = match place.has_suffixes() {
             true => tokio::join!(first, async { Object::open(place, GetRange::Suffix(TAIL)).await.ok() }),
             false => (first.await, None),
@@ -44,6 +46,7 @@ impl Opened {
             opened => opened?,
         };
         let length = object.version().length;
+        // A small object arrives whole with the first answer.
         if head.len() as u64 == length {
             return Ok(Opened::whole(head));
         }
@@ -71,13 +74,14 @@ impl Opened {
         Ok(Opened { object: Some(object), length, head, end })
     }
 
-    /// The same; once more where header and directory do not fit together, which may have happened on their way.
+    /// Opens the object at an address, and opens it once more if header and directory do not match,
+    /// which may be damage on the way.
     pub async fn open_sound(place: &Locator, cache: Option<&Cache>) -> Result<Opened, Failure> {
         let opened = Opened::open(place, cache).await?;
         if opened.is_sound() { Ok(opened) } else { Opened::open(place, cache).await }
     }
 
-    /// Whether header and directory are each other's; what is no archive is as it is.
+    /// Returns true if header and directory match. Objects that are no archives pass.
     fn is_sound(&self) -> bool {
         match self.slot() {
             Some(slot) if self.end.0 == slot.directory_offset => has_root(&self.end.1, &slot),
@@ -95,7 +99,8 @@ impl Opened {
         Opened { object: None, length, end: (length, Bytes::new()), head }
     }
 
-    /// Where the archive lies, if a pointer stands here; an error if it leads nowhere.
+    /// Returns the pointer that the object is, or `None` if it is no pointer. An error: a pointer
+    /// that this release does not understand.
     pub fn pointer(&self) -> Result<Option<Pointer>, Failure> {
         if !Pointer::begins(&self.head) {
             return Ok(None);
@@ -106,13 +111,15 @@ impl Opened {
         whole.and_then(|bytes| Pointer::from_bytes(bytes)).map(Some).ok_or_else(wrong)
     }
 
-    /// The slot of an archive that counts; none if it is no archive, or none that is whole.
+    /// Returns the valid slot of an archive, or `None` if the object is no archive or an incomplete
+    /// one.
     pub fn slot(&self) -> Option<Slot> {
         slot_of(&self.head)
     }
 }
 
-/// What the header says, for asking ahead only: whoever reads the archive checks it.
+/// Returns the newest complete slot in the header. It is used to read ahead only: the reader of the
+/// archive checks the header itself.
 fn slot_of(head: &[u8]) -> Option<Slot> {
     let slots = SLOT_OFFSETS.iter().filter_map(|offset| Slot::decode(head.get(usize::try_from(*offset).ok()?..)?));
     slots.filter(|slot| slot.state == COMPLETE).max_by_key(|slot| slot.generation)

@@ -1,8 +1,9 @@
-//! A file in an object store. In: bytes, an address. Out: an object that is whole, where nothing was, or where what is replaced had not
-//! changed meanwhile.
+//! Publishing a file in an object store. In: bytes, an address. Out: a whole object, written only
+//! if nothing was there or if the object that it replaces had not changed meanwhile.
 //!
-//! Small objects are written at once, on that condition. Large ones cannot be: an archive goes in parts to a name with its root, and the
-//! pointer that makes it visible is written last, on the condition ([`Pointer`]).
+//! Small objects are written in one conditional request. Large ones cannot be: an archive is
+//! uploaded in parts to a name with its root, and the pointer that makes it visible ([`Pointer`])
+//! is written last, in a conditional request.
 
 use heliotile_core::archive::ReadAt;
 use heliotile_core::archive::pointer::Pointer;
@@ -16,39 +17,39 @@ use crate::stores::remote_file::RemoteFile;
 use crate::stores::store::{Connection, Locator, runtime};
 use crate::stores::traffic;
 
-/// Larger archives go in parts.
+/// Largest archive that is written in one request, bytes; larger ones are uploaded in parts.
 const AT_ONCE: u64 = 16 << 20;
-/// Largest file that is no archive: it is written at once.
+/// Largest file that is no archive, bytes: it is written in one request.
 pub const LARGEST_FILE: u64 = 256 << 20;
-/// Bytes of a part, unless there would be too many.
+/// Bytes of a part, unless the object would have more than [`MOST_PARTS`] parts.
 const PART: u64 = 8 << 20;
 /// Most parts of an object: S3 takes 10,000.
 const MOST_PARTS: u64 = 9_000;
-/// Times that an object is opened again that changes while it is opened.
+/// Times that an object is opened again if it changes while it is opened.
 const LOOKS: usize = 5;
-/// Parts under way.
+/// Most parts under way.
 const UNDER_WAY: usize = 4;
 
-/// What is published.
+/// A file to publish.
 pub struct Upload<'s> {
-    /// All of it.
+    /// Bytes of the file.
     pub bytes: &'s dyn ReadAt,
-    /// The root of an archive; none for another file.
+    /// Root of an archive; `None` for another file.
     pub root: Option<[u8; 32]>,
-    /// What messages call it.
+    /// Name of the file for messages.
     pub name: &'s std::path::Path,
 }
 
-/// What was done.
+/// Result of publishing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Published {
-    /// Where the bytes are, if a pointer leads to them.
+    /// Address of the bytes, if a pointer leads to them.
     pub beside: Option<Address>,
-    /// Whether the same was there already, and nothing was written.
+    /// True if the same bytes were there already and nothing was written.
     pub was_there: bool,
 }
 
-/// Refuses addresses that nothing can be written to, before there is something to write.
+/// Refuses addresses that cannot be written to, before there is something to write.
 pub fn check_target(to: &Address) -> Result<()> {
     if to.scheme() == Scheme::Web {
         let hint = "give s3://BUCKET/NAME, gs://BUCKET/NAME or az://CONTAINER/NAME";
@@ -57,8 +58,9 @@ pub fn check_target(to: &Address) -> Result<()> {
     Ok(())
 }
 
-/// Writes an object and looks at it again, unless the same is there; `sent` is told of bytes. An error: something else is there, unless `replace`, or was written by
-/// others meanwhile; a store that cannot write on conditions.
+/// Writes an object and reads it again to check it, unless the same is there; calls `sent` with the
+/// number of bytes of each step. Errors: something else is there, unless `replace`; others wrote
+/// there meanwhile; the store has no conditional requests.
 pub fn publish(
     source: &Upload,
     to: &Address,
@@ -76,7 +78,8 @@ pub fn publish(
     let failed = |failure: Failure| failure.at(to);
     let before = runtime()?.block_on(look(&place)).map_err(failed)?;
     let mode = match before {
-        // The same may be there, and damaged.
+        // With `replace` the object is written even if it has the same root: its blocks may be
+        // damaged.
         Some(meta) if replace => PutMode::Update(UpdateVersion { e_tag: meta.e_tag, version: meta.version }),
         Some(_) => match was_there(source, to, connection)? {
             Some(published) => return Ok(published),
@@ -114,7 +117,7 @@ pub fn publish(
     }
 }
 
-/// Writes a small object on a condition.
+/// Writes a small object in a conditional request.
 fn put(place: &Locator, bytes: Vec<u8>, mode: PutMode) -> std::result::Result<(), Failure> {
     let Ok(runtime) = runtime() else { return Err(Failure::new(Cause::Passing, "no thread can be started")) };
     traffic::asked();
@@ -123,7 +126,7 @@ fn put(place: &Locator, bytes: Vec<u8>, mode: PutMode) -> std::result::Result<()
     written.map(drop).map_err(|error| Failure::of(&error))
 }
 
-/// Somebody else was faster.
+/// Words the failure of a conditional request: another program wrote first.
 fn meanwhile(failure: Failure) -> Failure {
     match failure.cause {
         Cause::Exists | Cause::Changed => {
@@ -133,7 +136,7 @@ fn meanwhile(failure: Failure) -> Failure {
     }
 }
 
-/// The same, where bytes were sent before.
+/// Words the failure of a conditional request after an archive was uploaded beside, which stays.
 fn lost(failure: Failure, beside: &Address) -> Failure {
     let Failure { cause, what } = meanwhile(failure);
     Failure::new(
@@ -142,16 +145,17 @@ fn lost(failure: Failure, beside: &Address) -> Failure {
     )
 }
 
-/// Whether what is there is what is published.
+/// Returns the result if the object at `to` is already the one to publish.
 fn was_there(source: &Upload, to: &Address, connection: Connection) -> Result<Option<Published>> {
-    // What cannot be opened is something else.
+    // An object that cannot be opened counts as a different one.
     let Ok(there) = settled(to, connection) else { return Ok(None) };
     let same = is_same(source, &there)?;
     let beside = Some(Address::parse(there.name())?).filter(|address| address.name() != to.name());
     Ok(same.then_some(Published { beside, was_there: true }))
 }
 
-/// Whether an object holds what is published: an archive of the same root does, of other files all bytes count.
+/// Returns true if an object holds the bytes to publish. Archives are compared by their roots,
+/// other files byte by byte.
 fn is_same(source: &Upload, there: &RemoteFile) -> Result<bool> {
     let length = source.bytes.length();
     if there.length() != length || source.root.is_some() {
@@ -161,7 +165,8 @@ fn is_same(source: &Upload, there: &RemoteFile) -> Result<bool> {
     Ok(held.map_err(Error::unread(there.name()))? == read(source, 0, length)?)
 }
 
-/// Opens what is there; again where others write it at that very moment, who may send the same archive.
+/// Opens an object, and opens it again if it changes meanwhile: another program may be writing the
+/// same archive.
 fn settled(to: &Address, connection: Connection) -> Result<RemoteFile> {
     for _ in 0..LOOKS {
         match RemoteFile::open(to, connection, None) {
@@ -172,7 +177,7 @@ fn settled(to: &Address, connection: Connection) -> Result<RemoteFile> {
     RemoteFile::open(to, connection, None)
 }
 
-/// Looks at what was written: its length, and the root of an archive.
+/// Checks the object that was written: its length, and the root of an archive.
 fn check(source: &Upload, to: &Address, connection: Connection) -> Result<()> {
     let there = settled(to, connection)?;
     let (found, expected) = (there.length(), source.bytes.length());
@@ -183,7 +188,7 @@ fn check(source: &Upload, to: &Address, connection: Connection) -> Result<()> {
     Err(Failure::new(Cause::Refused, what).at(to))
 }
 
-/// Writes an archive in parts, unless it is there and stays: its name says what it is.
+/// Uploads an archive in parts, unless it is there and is to stay. Its name holds its root.
 fn upload(
     source: &Upload,
     root: &[u8; 32],
@@ -212,7 +217,8 @@ fn upload(
         let bytes = match read(source, at, step) {
             Ok(bytes) => bytes,
             Err(error) => {
-                // What was sent is not kept; a store that cannot be told forgets it by its own rules.
+                // The parts that were sent are given up; a store that cannot be reached drops them
+                // by its own rules.
                 let _ = runtime.block_on(writer.abort());
                 return Err(error);
             }

@@ -1,5 +1,6 @@
-//! An archive that is read from afar. In: an address. Out: its bytes, of one version; blocks that were told of come together and many at a
-//! time, and those that this machine's disk has do not come at all.
+//! A remote archive that is read by ranges. In: an address. Out: its bytes, of one version.
+//! Announced blocks are fetched together, many at a time; blocks that are in the cache are not
+//! fetched.
 
 use std::io;
 use std::path::Path;
@@ -20,7 +21,8 @@ use crate::stores::opening::Opened;
 use crate::stores::spans::ByteSpan;
 use crate::stores::store::{Connection, Locator, runtime};
 
-/// Times of what one request may take that a block is waited for: a request, asking again, what is queued before it.
+/// Longest wait for a block, in time limits of one request: the request, its retries, and requests
+/// queued before it.
 const PATIENCE: u32 = 6;
 
 /// Files that share the memory for blocks.
@@ -37,18 +39,19 @@ struct Shared {
     cache: Option<Cache>,
     runtime: &'static Runtime,
     ahead: Mutex<Ahead>,
-    /// Something came, or did not.
+    /// Signals that a span arrived or failed.
     news: Condvar,
 }
 
 impl RemoteFile {
-    /// Opens what an address names, or the archive that a pointer there leads to. An error: it is not there, may not be read, cannot be
-    /// reached, or its server has no ranges and it is large.
+    /// Opens the object at an address, or the archive that a pointer there leads to. Errors: it is
+    /// not there, may not be read or cannot be reached, or it is large and its server has no
+    /// ranges.
     pub fn open(address: &Address, connection: Connection, cache: Option<Cache>) -> Result<Self> {
         RemoteFile::look(address, connection, cache)?.map_err(|failure| failure.at(address))
     }
 
-    /// The same where nothing may be there: none for what `absent` says of a failure.
+    /// Opens the object at an address, or returns `None` for a failure that `absent` accepts.
     pub fn find(
         address: &Address,
         connection: Connection,
@@ -62,7 +65,8 @@ impl RemoteFile {
         }
     }
 
-    /// What is wrong with the address itself stands apart from errors of what it leads to.
+    /// Opens the object at an address. The inner result holds the failure of the address itself;
+    /// the outer one holds errors of the object that a pointer there leads to.
     fn look(
         address: &Address,
         connection: Connection,
@@ -75,6 +79,7 @@ impl RemoteFile {
             Ok(opened) => opened,
             Err(failure) => return Ok(Err(failure)),
         };
+        // The bytes must be those that the pointer was written for.
         if let Some(pointer) = opened.pointer().map_err(|failure| failure.at(address))? {
             place = Locator::connect(&address.beside(&pointer.name), connection)?;
             opened = open(&place).map_err(|failure| failure.at(&place.address))?;
@@ -92,17 +97,19 @@ impl RemoteFile {
         Ok(Ok(RemoteFile(Arc::new(Shared { place, opened, cache, runtime, ahead, news }))))
     }
 
-    /// What messages call it: the address, or that of the archive that a pointer leads to.
+    /// Returns the name for messages: the address, or the address of the archive that a pointer
+    /// leads to.
     pub fn name(&self) -> &Path {
         self.0.place.address.shown()
     }
 
-    /// Whether it begins as an archive does.
+    /// Returns true if the object begins as an archive does.
     pub fn is_archive(&self) -> bool {
         self.0.opened.head.starts_with(&format::MAGIC)
     }
 
-    /// Root of the archive, as its header says; none if it is none.
+    /// Returns the root that the header of the archive states, or `None` if the object is no
+    /// archive.
     pub fn root(&self) -> Option<[u8; 32]> {
         self.0.opened.slot().map(|slot| slot.root)
     }
@@ -110,11 +117,11 @@ impl RemoteFile {
 
 impl Shared {
     fn ahead(&self) -> MutexGuard<'_, Ahead> {
-        // What a thread that ended badly left is still what came.
+        // A thread that panicked leaves the bookkeeping usable: it still holds what arrived.
         self.ahead.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Bytes that are here since it was opened.
+    /// Returns bytes that were read when the object was opened.
     fn at_hand(&self, offset: u64, length: usize) -> Option<&[u8]> {
         let Opened { head, end: (start, end), .. } = &self.opened;
         let part = |bytes: &'_ Bytes, at: u64| -> Option<std::ops::Range<usize>> {
@@ -126,7 +133,8 @@ impl Shared {
         in_head.or_else(|| end.get(part(end, offset.checked_sub(*start)?)?))
     }
 
-    /// A block of these, as it should be: one that was damaged on its way is fetched again.
+    /// Returns a block from the bytes read at opening if its checksum is right. A damaged block is
+    /// fetched again.
     fn block_at_hand(&self, block: &Entry) -> Option<&[u8]> {
         let bytes = self.at_hand(block.offset, usize::try_from(block.stored).ok()?)?;
         (format::checksum(bytes) == block.checksum).then_some(bytes)
@@ -136,7 +144,7 @@ impl Shared {
         io::Error::other(failure.at(&self.place.address))
     }
 
-    /// Asks for what is next.
+    /// Requests the next spans of the queue.
     fn go_on(self: &Arc<Self>) {
         let next: Vec<ByteSpan> = {
             let mut ahead = self.ahead();
@@ -145,17 +153,17 @@ impl Shared {
         next.into_iter().for_each(|span| self.fetch(span));
     }
 
-    /// Asks for a span that is under way from now on.
+    /// Requests a span that is marked as under way.
     fn fetch(self: &Arc<Self>, span: ByteSpan) {
         let Some(object) = self.opened.object.clone() else { return };
         let shared = Arc::clone(self);
         self.runtime.spawn(async move {
             let mut came = object.range(span.range.clone()).await;
             if came.as_ref().is_ok_and(|bytes| good(&span, bytes).count() < span.blocks.len()) {
-                // Damaged on its way, perhaps.
+                // Blocks may have been damaged on the way.
                 came = object.range(span.range.clone()).await;
             }
-            // Files are written where they hold up nobody.
+            // The cache is written on a blocking thread, so that requests do not wait for the disk.
             tokio::task::spawn_blocking(move || shared.took(&span, came));
         });
     }
@@ -174,7 +182,7 @@ impl Shared {
         self.go_on();
     }
 
-    /// A block: from memory, from the disk, or fetched.
+    /// Returns a block from memory or from the cache, or fetches it.
     fn block(self: &Arc<Self>, block: &Entry) -> std::result::Result<Bytes, Failure> {
         let begun = Instant::now();
         let patience = self.place.connection.timeout * PATIENCE;
@@ -211,7 +219,7 @@ impl Shared {
     }
 }
 
-/// The blocks of a span whose bytes are as the directory says.
+/// Returns the blocks of a span whose bytes have the right checksum, with these bytes.
 fn good<'s>(span: &'s ByteSpan, bytes: &'s Bytes) -> impl Iterator<Item = (&'s Entry, &'s [u8])> {
     span.blocks.iter().filter_map(|block| {
         let start = usize::try_from(block.offset.checked_sub(span.range.start)?).ok()?;
@@ -264,7 +272,7 @@ impl ReadAt for RemoteFile {
     fn copy_block(&self, block: &Entry) -> io::Result<Vec<u8>> {
         match self.0.block_at_hand(block) {
             Some(bytes) => Ok(bytes.to_vec()),
-            // Whoever reads it finds out what is wrong with it.
+            // The reader of the block checks it.
             None if self.0.opened.object.is_none() => self.copy_at(block.offset, block.stored as usize),
             None => self.0.block(block).map(Into::into).map_err(|failure| self.0.failed(failure)),
         }

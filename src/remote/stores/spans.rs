@@ -1,27 +1,28 @@
-//! Which ranges to ask for. In: blocks that will be read. Out: spans: neighbours together, none too long, little between them that nobody
-//! wants.
+//! Choice of ranges to request. In: blocks that will be read. Out: spans. Neighbouring blocks share
+//! a span; no span is too long or holds too many unwanted bytes.
 
 use std::ops::Range;
 
 use heliotile_core::archive::format::{ALIGNMENT, Entry};
 
-/// Bytes between two blocks that are taken along, at most.
+/// Widest gap between two blocks of a span, bytes.
 const GAP: u64 = 64 << 10;
-/// So many of them in a span for nothing; beyond that as many as are wanted in it.
+/// Unwanted bytes that a span may hold in any case; beyond that it may hold as many as it has
+/// wanted bytes.
 const SPARE: u64 = 16 << 10;
-/// Bytes of a span, unless a block has more: several spans are under way at a time.
+/// Longest span, bytes, unless one block is longer: several spans are under way at a time.
 const LONGEST: u64 = 2 << 20;
 
 /// A range with the blocks in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ByteSpan {
-    /// From the first block to the end of the last one's padding.
+    /// Bytes from the first block to the end of the last one's padding.
     pub range: Range<u64>,
-    /// By offset.
+    /// Blocks, by offset.
     pub blocks: Vec<Entry>,
 }
 
-/// Joins blocks of a file of so many bytes.
+/// Joins blocks of a file of `length` bytes to spans.
 pub fn spans(mut blocks: Vec<Entry>, length: u64) -> Vec<ByteSpan> {
     blocks.sort_unstable_by_key(|block| (block.offset, block.stored));
     blocks.dedup_by_key(|block| block.offset);
@@ -60,8 +61,9 @@ mod tests {
         spans(blocks, 1 << 40).into_iter().map(|span| (span.range.start, span.range.end)).collect()
     }
 
-    /// Neighbours come together with their padding whatever their order, equal ones once; small blocks 50 kB apart stay 3 requests, large
-    /// ones are 1; nothing is longer than 2 MiB unless a block is; the last one ends with the file.
+    /// Neighbours come together with their padding in any order, and equal blocks once. Three small
+    /// blocks 50 kB apart stay 3 requests, three large ones are 1. No span is longer than 2 MiB
+    /// unless a block is. The last one ends with the file.
     #[test]
     fn joining() {
         assert_eq!(ranges(&[(8256, 100), (8192, 60), (8256, 100)]), [(8192, 8384)]);

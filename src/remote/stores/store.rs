@@ -1,4 +1,5 @@
-//! Connections to stores. In: an address, the environment of the process. Out: a client that signs, retries and gives up in time.
+//! Connections to stores. In: an address, the environment of the process. Out: a client that signs,
+//! retries and gives up in time.
 
 use std::str::FromStr;
 use std::sync::{Arc, Once, OnceLock};
@@ -23,15 +24,15 @@ use crate::stores::failure::Failure;
 /// Times that a request is made again where that can help.
 const RETRIES: usize = 5;
 
-/// How stores are spoken to.
+/// Settings of the requests to stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Connection {
-    /// What one request may take, and what asking again may take on top.
+    /// Time limit of one request, and further time limit of its retries.
     pub timeout: Duration,
 }
 
 impl Default for Connection {
-    /// 60 s.
+    /// Returns a time limit of 60 s.
     fn default() -> Self {
         Connection { timeout: Duration::from_secs(60) }
     }
@@ -40,24 +41,25 @@ impl Default for Connection {
 /// A store, and a name in it.
 #[derive(Clone, Debug)]
 pub struct Locator {
-    /// The client.
+    /// Client of the store.
     pub store: Arc<dyn ObjectStore>,
-    /// The object's name in it; empty where the client knows one object only.
+    /// Name of the object in the store; empty where the client knows one object only.
     pub path: ObjectPath,
-    /// The address, for messages.
+    /// Address of the object, for messages.
     pub address: Address,
-    /// How it is spoken to.
+    /// Settings of the requests.
     pub connection: Connection,
 }
 
-/// Variables of a store, by what their names begin with; none of those that say nothing, which clients do not expect. An error: one that they take
-/// without a look and cannot use.
+/// Returns the environment variables of a store, those whose names begin with `prefix`. Empty ones
+/// are left out, as clients do not expect them. An error: a value that the client would take
+/// unchecked and cannot use.
 fn variables(prefix: &str) -> Result<Vec<(String, String)>> {
     let said =
         std::env::vars_os().filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));
     let said: Vec<_> = said.filter(|(name, value)| name.starts_with(prefix) && !value.is_empty()).collect();
     for (name, value) in &said {
-        // What it is may be a secret.
+        // The message leaves the value out: it may be a secret.
         let is_url = || Url::parse(value).is_ok_and(|url| url.has_host() && matches!(url.scheme(), "http" | "https"));
         if ENDPOINTS.contains(&name.as_str()) && !is_url() {
             let hint = "give one such as https://s3.example.org, or unset it";
@@ -72,7 +74,7 @@ fn variables(prefix: &str) -> Result<Vec<(String, String)>> {
     Ok(said)
 }
 
-/// Variables that hold the address of a server.
+/// Environment variables that hold the address of a server.
 const ENDPOINTS: [&str; 7] = [
     "AWS_ENDPOINT_URL_S3",
     "AWS_ENDPOINT_URL",
@@ -83,7 +85,7 @@ const ENDPOINTS: [&str; 7] = [
     "GOOGLE_BASE_URL",
 ];
 
-/// Variables that become part of a header.
+/// Environment variables that become part of a header.
 const IN_HEADERS: [&str; 6] = [
     "AWS_ACCESS_KEY_ID",
     "AWS_SECRET_ACCESS_KEY",
@@ -93,18 +95,19 @@ const IN_HEADERS: [&str; 6] = [
     "AZURE_STORAGE_ACCOUNT_NAME",
 ];
 
-/// Those of them that a client knows.
+/// Keeps the environment variables that a client knows.
 fn known<K: FromStr>(said: Vec<(String, String)>) -> impl Iterator<Item = (K, String)> {
     said.into_iter().filter_map(|(name, value)| Some((name.to_ascii_lowercase().parse().ok()?, value)))
 }
 
-/// The address of a web server without a name and a password, and the header that says them (Reschke 2015, RFC 7617).
+/// Splits the address of a web server into the address without user name and password, and the
+/// header that carries them (Reschke 2015, RFC 7617).
 fn with_header(url: &Url) -> (String, HeaderMap) {
     let (mut plain, mut headers) = (url.clone(), HeaderMap::new());
     if !url.username().is_empty() || url.password().is_some() {
         let decoded = |text: &str| percent_decode_str(text).collect::<Vec<u8>>();
         let both = [decoded(url.username()), decoded(url.password().unwrap_or_default())].join(&b':');
-        // Neither fails: there is a host, and Base64 is ASCII.
+        // Neither step fails: the address has a host, and Base64 is ASCII.
         if plain.set_username("").is_ok()
             && plain.set_password(None).is_ok()
             && let Ok(mut value) = HeaderValue::try_from(format!("Basic {}", STANDARD.encode(both)))
@@ -116,14 +119,15 @@ fn with_header(url: &Url) -> (String, HeaderMap) {
     (plain.into(), headers)
 }
 
-/// Says which cryptography TLS uses, once; what a program around this one has said stays.
+/// Installs the cryptography that TLS uses, once; a provider that the calling program installed
+/// stays.
 fn provide_tls() {
     static SAID: Once = Once::new();
     SAID.call_once(|| drop(rustls::crypto::ring::default_provider().install_default()));
 }
 
 impl Locator {
-    /// Makes a client; asks nobody. An error: an environment that says something that cannot be.
+    /// Makes a client; sends no request. An error: an invalid setting in the environment.
     pub fn connect(address: &Address, connection: Connection) -> Result<Self> {
         provide_tls();
         let failed = |error: object_store::Error| Failure::of_settings(&error).at(address);
@@ -145,7 +149,7 @@ impl Locator {
         let (store, path): (Arc<dyn ObjectStore>, _) = match address.scheme() {
             Scheme::S3 => {
                 let said = variables("AWS_")?;
-                // An endpoint without TLS is somebody's wish.
+                // The user asked for plain HTTP by naming such an endpoint.
                 let plain = ["AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT"]
                     .iter()
                     .find_map(|name| said.iter().find(|(known, _)| known == name))
@@ -183,13 +187,14 @@ impl Locator {
         Ok(Locator { store, path, address: address.clone(), connection })
     }
 
-    /// Whether the last bytes of an object can be asked for before its length is known.
+    /// Returns true if the last bytes of an object can be requested before its length is known.
     pub fn has_suffixes(&self) -> bool {
         self.address.scheme() != Scheme::Azure
     }
 }
 
-/// What requests run on: two threads of the process, begun when they are first needed.
+/// Returns the runtime of the requests: two threads of the process, started when they are first
+/// needed.
 pub fn runtime() -> Result<&'static Runtime> {
     static RUNTIME: OnceLock<std::result::Result<Runtime, String>> = OnceLock::new();
     let begun = RUNTIME.get_or_init(|| {

@@ -1,4 +1,4 @@
-//! What was asked of others so far, by this process. In: nothing. Out: counts.
+//! Counts of this process's requests to stores. In: nothing. Out: counts.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -9,15 +9,15 @@ static CACHED: AtomicU64 = AtomicU64::new(0);
 /// Counts since the process began.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Traffic {
-    /// Objects or ranges that were asked for; those that a store had to be asked for again count once.
+    /// Objects or ranges that were requested; retries do not count.
     pub requests: u64,
-    /// Bytes of them that came.
+    /// Bytes received from stores.
     pub received: u64,
-    /// Bytes that the cache gave in place of a store.
+    /// Bytes that came from the cache in place of a store.
     pub cached: u64,
 }
 
-/// The counts now.
+/// Returns the counts so far.
 pub fn so_far() -> Traffic {
     let [requests, received, cached] = [&REQUESTS, &RECEIVED, &CACHED].map(|count| count.load(Ordering::Relaxed));
     Traffic { requests, received, cached }

@@ -1,10 +1,13 @@
-//! Figures of README and the book. Each block of output is run again and compared, or names the script that makes it; each table with numbers
-//! names its script or says that its numbers are no results.
+//! Figures of README and the book. Each block of output is run again and compared, or names the
+//! script that makes it. Each table with numbers names its script or says that its numbers are no
+//! results.
 //!
-//! A mark is a comment before a block or table: `<!-- figures: run -->` compares a block with the output of the `sh` block before it, `run COMMAND`
-//! with that of another command, `first COMMAND` runs one before an `sh` block, `file NAME` writes a block into the folder of the page,
-//! `by PATH` names a script, `none, WHY` says why nothing makes it. `HELIOTILE_WRITE_FIGURES=1` writes what commands print now into the
-//! pages. Not compared are times: numbers before `s`, `ms` and `threads`, the line of a build's stages, and columns named `seconds`.
+//! A mark is a comment before a block or table. `<!-- figures: run -->` compares a block with the
+//! output of the `sh` block before it, `run COMMAND` with that of another command, `first COMMAND`
+//! runs one before an `sh` block, `file NAME` writes a block into the folder of the page, `by PATH`
+//! names a script, `none, WHY` says why no script makes it. `HELIOTILE_WRITE_FIGURES=1` writes the
+//! present output of the commands into the pages. Times are not compared: numbers before `s`, `ms`
+//! and `threads`, the line of a build's stages, and columns named `seconds`.
 
 mod output;
 mod page;
@@ -20,7 +23,7 @@ fn root() -> PathBuf {
     PathBuf::from(crate::ROOT)
 }
 
-/// README and the pages of the book.
+/// Reads README and the pages of the book.
 fn pages() -> Vec<Page> {
     let book = fs::read_dir(root().join("src/book")).expect("the book").map(|entry| entry.expect("an entry").path());
     let mut paths: Vec<PathBuf> = book.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
@@ -52,7 +55,7 @@ impl Shell {
         Shell { folder }
     }
 
-    /// What a script prints, errors among it.
+    /// Runs a script; returns its output and errors.
     fn run(&self, script: &str) -> String {
         let path = std::env::var("PATH").unwrap_or_default();
         let output = Command::new("bash")
@@ -65,10 +68,11 @@ impl Shell {
     }
 }
 
-/// What a page holds, by the word of its marks.
+/// Numbers of blocks and tables of a page, by the word of their marks.
 type Counts = BTreeMap<String, usize>;
 
-/// Runs the commands of a page; returns what does not agree, and the page with what they print now.
+/// Runs the commands of a page; returns the differences, and writes the present output into the
+/// page.
 fn check(page: &mut Page, counts: &mut Counts) -> Vec<String> {
     let (mut wrong, shell) = (Vec::new(), Shell::new());
     let mut printed = String::new();
@@ -88,7 +92,7 @@ fn check(page: &mut Page, counts: &mut Counts) -> Vec<String> {
             let found = output::compare(&page.lines[block.first..block.last], &output);
             if let Some(why) = found.wrong {
                 wrong.push(format!("{}:{}: {why}", page.name, block.first + 1));
-                // As many lines as before: the places of other blocks stay.
+                // The block keeps its number of lines, so that other blocks keep their places.
                 page.lines.splice(block.first..block.last, found.now);
             }
         }
@@ -100,14 +104,15 @@ fn check(page: &mut Page, counts: &mut Counts) -> Vec<String> {
     wrong
 }
 
-/// Whether a block of commands is run: output before the next one is compared.
+/// Returns true if a block of commands is run: output before the next one is compared.
 fn is_run(after: &[Item]) -> bool {
     let blocks = after.iter().filter_map(|item| if let Item::Block(block) = item { Some(block) } else { None });
     blocks.take_while(|block| block.kind != "sh").any(|block| matches!(block.mark, Some(Mark::Run(_))))
 }
 
-/// Every block that is text or a table of commas, and every table that holds digits, has a mark, and each script that one names exists; at least
-/// 20 blocks are compared with what their commands print.
+/// Every block that is text or a table of commas, and every table that holds digits, has a mark,
+/// and each script that a mark names exists. At least 20 blocks are compared with the output of
+/// their commands.
 #[test]
 fn figures_have_a_source() {
     let (mut missing, mut counts) = (Vec::new(), Counts::new());
@@ -143,7 +148,8 @@ fn figures_have_a_source() {
     assert!(counts["blocks: checked"] >= 20, "{counts:?}");
 }
 
-/// What README and the book say that commands print is what they print, block by block, 20 or more; times are not compared.
+/// Output in README and the book is what the commands print, block by block, 20 or more; times are
+/// not compared.
 #[test]
 fn figures_are_what_commands_print() {
     let (mut wrong, mut counts) = (Vec::new(), Counts::new());
@@ -165,7 +171,8 @@ fn figures_are_what_commands_print() {
     assert!(counts["blocks checked"] >= 20, "{counts:?}");
 }
 
-/// README's four ranges of errors and CPU times are the smallest and the largest of the four sites in the book's table.
+/// README's four ranges of errors and CPU times are the smallest and the largest of the four sites
+/// in the book's table.
 #[test]
 fn readme_has_the_ranges_of_the_book() {
     let text = |name: &str| fs::read_to_string(root().join(name)).expect(name);

@@ -1,20 +1,22 @@
-//! Lines of a page beside lines that a command printed. In: both. Out: the first line that differs, and the lines as they should be.
+//! Comparison of lines of a page with printed lines. In: the lines of the page, the lines that a
+//! command printed. Out: the first line that differs, and the lines as they should be.
 //!
-//! `...` alone stands for any lines, at the end of a line for the rest of it. What is printed before the first line and after the last one does not
-//! count, nor do spaces. Times do not count either: see [`words`].
+//! `...` alone stands for any lines, at the end of a line for the rest of it. Lines printed before
+//! the first line and after the last one do not count, nor do spaces and times: see [`words`].
 
-/// What came out.
+/// Result of a comparison.
 pub struct Compared {
-    /// The first line that differs, and what was printed.
+    /// The first line that differs, and the printed line.
     pub wrong: Option<String>,
-    /// The lines with what was printed in the place of lines that differ.
+    /// The lines, with the printed line in place of each line that differs.
     pub now: Vec<String>,
 }
 
-/// Stands for what is not compared.
+/// Stands for a time, which is not compared.
 const TIME: &str = "#";
 
-/// Words of a line without its times: numbers before `s`, `ms` and `threads`, the stages of a build, what stands under `seconds`.
+/// Returns the words of a line without its times: numbers before `s`, `ms` and `threads`, the
+/// stages of a build, cells below `seconds`.
 fn words(line: &str, seconds: Option<usize>) -> Vec<String> {
     if line.contains(" s: tree ") {
         return vec![TIME.into()];
@@ -34,12 +36,12 @@ fn words(line: &str, seconds: Option<usize>) -> Vec<String> {
     (0..found.len()).map(|i| if is_time(i) { TIME.into() } else { found[i].1.to_string() }).collect()
 }
 
-/// Where the word `seconds` ends, if a line is the head of a table that has it.
+/// Returns where the word `seconds` ends, if a line is the head of a table with this column.
 fn seconds_of(line: &str) -> Option<usize> {
     line.find("  seconds  ").map(|start| start + "  seconds".len())
 }
 
-/// The part of a line that is compared, and whether more may follow.
+/// Returns the part of a line that is compared, and true if more may follow.
 fn shown(line: &str) -> (&str, bool) {
     match line.trim_end().strip_suffix("...") {
         Some(rest) => (rest.trim_end(), true),
@@ -57,23 +59,24 @@ fn agree(wanted: &str, printed: &str, seconds: Option<usize>) -> bool {
     joined(&printed).starts_with(&joined(&wanted))
 }
 
-/// Words that two lines have in common; those without digits count more.
+/// Returns the likeness of two lines: the number of words in common, where those without digits
+/// count more.
 fn likeness(a: &str, b: &str) -> usize {
     let (a, b) = (words(a, None), words(b, None));
     let weight = |word: &String| if word.contains(|c: char| c.is_ascii_digit()) { 1 } else { 4 };
     a.iter().zip(&b).filter(|(a, b)| a == b).map(|(a, _)| weight(a)).sum()
 }
 
-/// Whether a line says how far work has come: `cells: 34 % (12 of 35), ...`, `cells: 12 so far`.
+/// Returns true if a line reports progress: `cells: 34 % (12 of 35), ...`, `cells: 12 so far`.
 fn is_progress(line: &str) -> bool {
     let words: Vec<&str> = line.split_whitespace().collect();
     line.ends_with(" so far") || matches!(words[..], [_, _, "%", of, ..] if of.starts_with('('))
 }
 
-/// Compares the lines of a block with what was printed.
+/// Compares the lines of a block with printed lines.
 pub fn compare(block: &[String], printed: &str) -> Compared {
     let warns = |line: &str| line.starts_with("warning: ");
-    // What goes to the other stream is compared where a page shows it; progress never is.
+    // Warnings, on the other stream, are compared where a page shows them; progress never is.
     let shows_warnings = block.iter().any(|line| warns(line));
     let is_shown = |line: &&str| !line.trim().is_empty() && !is_progress(line) && (shows_warnings || !warns(line));
     let printed: Vec<&str> = printed.lines().filter(is_shown).collect();
@@ -89,7 +92,8 @@ pub fn compare(block: &[String], printed: &str) -> Compared {
         let rest = &printed[next.min(printed.len())..];
         let reach = if gap { rest.len() } else { rest.len().min(1) };
         let place = rest[..reach].iter().position(|printed| agree(line, printed, seconds));
-        // Where nothing agrees the line that is most like it is what should stand here.
+        // If no line agrees, the line that is most like it is taken for the one that should stand
+        // here.
         let like = || (0..reach).max_by_key(|&i| (likeness(line, rest[i]), usize::MAX - i));
         let Some(at) = place.or_else(like) else {
             compared.wrong.get_or_insert_with(|| format!("`{line}` is not printed"));
@@ -107,7 +111,7 @@ pub fn compare(block: &[String], printed: &str) -> Compared {
     compared
 }
 
-/// A printed line, cut behind as many fields or words as are shown of the one that it replaces.
+/// Cuts a printed line behind as many fields or words as are shown of the line that it replaces.
 fn cut(printed: &str, before: &str) -> String {
     let (shown, more) = shown(before);
     let fields = shown.matches(',').count();
@@ -127,7 +131,8 @@ fn block(text: &str) -> Vec<String> {
     text.lines().map(String::from).collect()
 }
 
-/// Spaces, lines that are left out and times do not count, a number that differs does, and the new block holds it: 4 cases.
+/// Spaces, lines that are left out and times do not count; a number that differs does, and the new
+/// block holds it: 4 cases.
 #[test]
 fn lines_are_compared_without_times() {
     let printed = "noise\n  1.5 s: tree 0.1, cells 2\nroof  12  0.31 s\nwall  13\n\nall,1,2,3\nend\n";
@@ -140,7 +145,7 @@ fn lines_are_compared_without_times() {
     assert_eq!((other.now.join("\n").as_str(), other.wrong.is_some()), ("wall  13\n...\nall,1,2,...", true));
 }
 
-/// What stands under `seconds` does not count, what stands beside it does.
+/// Cells below `seconds` do not count, cells beside it do.
 #[test]
 fn columns_of_seconds_do_not_count() {
     let table = |rays: &str, seconds: &str| format!("effect  rays  seconds  why\nsun      {rays}      {seconds}  -\n");

@@ -3,34 +3,34 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What a comment before a block or table says of its figures.
+/// Content of a comment before a block or table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mark {
-    /// Printed by this command, or by the commands before if it is empty.
+    /// The block is printed by this command, or by the commands before if it is empty.
     Run(String),
-    /// Written into the folder of the page under this name.
+    /// The block is written into the folder of the page under this name.
     File(String),
-    /// Made by this script.
+    /// The figures are made by this script.
     By(String),
-    /// Nothing makes it, and why.
+    /// No script makes the figures; the reason.
     None(String),
 }
 
 /// A fenced block.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// Lines between the fences.
+    /// Index of the first line between the fences.
     pub first: usize,
-    /// The line of the closing fence.
+    /// Index of the line of the closing fence.
     pub last: usize,
-    /// The word behind the opening fence.
+    /// Word behind the opening fence.
     pub kind: String,
     pub mark: Option<Mark>,
     /// Commands that are run before those of the block.
     pub before: Vec<String>,
 }
 
-/// A table of bars.
+/// A table in Markdown.
 #[derive(Clone, Debug)]
 pub struct Table {
     pub first: usize,
@@ -46,7 +46,7 @@ pub enum Item {
 
 pub struct Page {
     pub path: PathBuf,
-    /// Below the root of the project.
+    /// Path below the root of the project.
     pub name: String,
     pub lines: Vec<String>,
 }
@@ -62,7 +62,7 @@ impl Page {
         self.lines[block.first..block.last].join("\n")
     }
 
-    /// Blocks and tables in order.
+    /// Returns the blocks and tables in order.
     pub fn items(&self) -> Vec<Item> {
         let (mut items, mut mark, mut before) = (Vec::new(), None, Vec::new());
         let mut at = 0;

@@ -1,4 +1,5 @@
-//! Atlases that lie in a store or on a web server: asked like the folder, published so that nobody sees half of one.
+//! Atlases in a store or on a web server: queried like a folder, published so that no reader finds
+//! an incomplete one.
 
 use std::fs;
 use std::path::Path;
@@ -25,7 +26,7 @@ static BLOCK: LazyLock<Folder> = LazyLock::new(|| {
     folder
 });
 
-/// Files of an atlas that are copied, with what they hold.
+/// Returns the files of an atlas that are copied, with their contents.
 fn files() -> Vec<(String, Vec<u8>)> {
     let root = BLOCK.path("atlas");
     let mut names: Vec<String> = vec!["atlas.json".into(), "collection.json".into()];
@@ -37,7 +38,8 @@ fn files() -> Vec<(String, Vec<u8>)> {
     names.into_iter().map(|name| (name.clone(), fs::read(root.join(name)).expect("a file"))).collect()
 }
 
-/// A folder with a copy of the atlas, weather and conditions, and a store that holds the atlas, put there without the program.
+/// Returns a folder with a copy of the atlas, weather and conditions, and a store that holds the
+/// atlas, put there without the program.
 fn placed() -> (Folder, Store) {
     let (folder, store) = (Folder::new(), Store::new());
     fs::copy(golden(), folder.path("w.epw")).expect("copied");
@@ -53,8 +55,9 @@ fn placed() -> (Folder, Store) {
 /// A box in one of the four parts.
 const BOX: &str = "78706,457921,78749,457964";
 
-/// 11 commands give the same bytes from a store and from a web server as from the folder, which needs no scene file; `find` of a box takes 5
-/// requests at most, `replay` of a box in one part less than half of the bytes of all.
+/// 11 commands give the same bytes from a store and from a web server as from the folder, without
+/// any scene file. `find` of a box takes at most 5 requests, `replay` of a box in one part less
+/// than half of the bytes of all.
 #[test]
 fn as_from_a_folder() {
     let (folder, store) = placed();
@@ -94,9 +97,10 @@ fn as_from_a_folder() {
     assert!(bytes[5].1 * 2 < bytes[6].1 && bytes[5].1 > 10_000, "{bytes:?}");
 }
 
-/// Parts are built where the atlas lies: of a plan alone in a store, four parts by name and all at once, with the bytes of those that were
-/// built in a folder and nothing else beside the plan; one that is there is not traced again, which a lost scene file shows, and stays
-/// when another was put in its place. A web server, a part and an atlas that are not there and requests that fail are refused: 4 of 4.
+/// Parts are built in the store that holds the plan alone: four parts by name and all at once, with
+/// the bytes of those built in a folder and no other object beside the plan. A part that is there
+/// is not traced again, which a missing scene file shows, and stays even if its object was
+/// replaced. A web server, a missing part and atlas, and failing requests are refused: 4 of 4.
 #[test]
 fn built_in_a_store() {
     let (folder, store) = (Folder::new(), Store::new());
@@ -133,7 +137,7 @@ fn built_in_a_store() {
     }
     let near = stdout(&BLOCK.run(&format!("replay atlas --weather {} --every total", golden().display())));
     assert_eq!(stdout(&run(&folder, &store, replay)), near);
-    // What another wrote meanwhile is theirs, and no scene file is needed to see it.
+    // An object that another program wrote meanwhile stays, and no scene file is needed to see it.
     fs::remove_file(&model).expect("removed");
     store.put("bucket/atlas/parts/x1749_y10176/site.helio", b"theirs".to_vec());
     said("build s3://bucket/atlas --part all", 0, &["x1749_y10176: is there, nothing is traced again"]);
@@ -146,9 +150,10 @@ fn built_in_a_store() {
     said("build s3://bucket/atlas --part 0", 2, &["access is denied"]);
 }
 
-/// An atlas of 10 files goes to a store, in a folder there or as a whole bucket, and back as it was, atlas.json last of all that is written; the
-/// same command again writes nothing, but a catalogue that was made anew; a part that was left out of an interrupted copy comes with it; another part in a place stops it, and another atlas does even with
-/// `--replace`.
+/// An atlas of 10 files goes to a store, in a folder there or as a whole bucket, and back
+/// unchanged, with atlas.json written last. The same command again writes nothing, but replaces a
+/// catalogue that was made anew. A part that was left out of an interrupted copy is added. Another
+/// part in a place stops the copy, and another atlas does even with `--replace`.
 #[test]
 fn there_and_back() {
     let (folder, store) = placed();
@@ -159,7 +164,7 @@ fn there_and_back() {
     let is_there = |prefix: &str| {
         files().iter().all(|(name, bytes)| store.get(&format!("{prefix}/{name}")).as_ref() == Some(bytes))
     };
-    // It ends with an error while requests fail, before the plan is written.
+    // The copy ends with an error while requests fail, before the plan is written.
     store.set_faults(|number| if number > 12 { Fault::Status(403) } else { Fault::None });
     let (code, said) = ran("copy atlas s3://bucket/new");
     assert!(code == Some(2) && store.get("bucket/new/atlas.json").is_none(), "{said}");
@@ -169,7 +174,7 @@ fn there_and_back() {
     assert_eq!(store.newest(), "bucket/new/atlas.json");
     let (code, said) = ran("copy atlas s3://bucket/new");
     assert!(code == Some(0) && said.contains("10 files, 0 of them new"), "{said}");
-    // What a catalogue is not made of stays here, and what is somebody's own is not replaced by it.
+    // Files that are not of the catalogue are not copied, and files of the user are not replaced.
     folder.write("atlas/notes.txt", "mine");
     fs::create_dir(folder.path("mine")).expect("made");
     folder.write("mine/view.html", "mine");
@@ -182,7 +187,7 @@ fn there_and_back() {
     assert_eq!(fs::read(folder.path("mine/view.html")).ok().as_deref(), Some(&b"mine"[..]));
     fs::remove_file(folder.path("atlas/view.html")).expect("removed");
     store.remove("bucket/new/view.html");
-    // A catalogue that was made again takes the place of the older one.
+    // A catalogue that was made again replaces the older one.
     let catalogue = fs::read(folder.path("atlas/collection.json")).expect("a catalogue");
     folder.write("atlas/collection.json", "{}");
     let (code, said) = ran("copy atlas s3://bucket/new");
@@ -221,8 +226,8 @@ fn there_and_back() {
     assert!(ran("copy atlas other").1.contains("copy files with `cp`"));
 }
 
-/// 14 wrong places and parts are refused with what was found and what to do, and no secret is told; a plan that is replaced while it is read is
-/// never mixed.
+/// 14 wrong places and parts are refused with a finding and a hint, and no secret is printed. A
+/// plan that is replaced while it is read is never mixed.
 #[test]
 fn what_cannot_be_asked() {
     let (folder, store) = placed();
@@ -277,7 +282,7 @@ fn what_cannot_be_asked() {
         store.put("bucket/atlas/atlas.json", text.replacen(from, to, 1).into_bytes());
         refused(&replay("s3://bucket/atlas"), &[part]);
     }
-    // Beyond what the first request takes, so that others follow.
+    // The plan is longer than the first request, so that further ones follow.
     let long = text.replacen('{', &format!("{{{}", " ".repeat(200_000)), 1);
     store.put("bucket/atlas/atlas.json", long.into_bytes());
     store.set_faults(|number| if number == 2 { Fault::Replace } else { Fault::None });

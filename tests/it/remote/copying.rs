@@ -1,4 +1,4 @@
-//! Publishing and fetching: whole or not at all, and nothing of others replaced.
+//! Publishing and fetching: whole files or none, and no file of others is replaced.
 
 use std::fs;
 use std::sync::atomic::Ordering;
@@ -9,15 +9,16 @@ use crate::cli::{stderr, stdout};
 
 const LARGE: usize = 20_000_000;
 
-/// An archive of 20 MB that opens: that of the block with zeros behind its end.
+/// Returns an archive of 20 MB that opens: the block's archive with zeros behind its end.
 fn large() -> Vec<u8> {
     let mut bytes = HAGUE.1.clone();
     bytes.resize(LARGE, 0);
     bytes
 }
 
-/// A small archive and a table go to a store and back as they were; what is there stays, at both ends, unless `--replace` says otherwise. A
-/// machine whose clock is off is told so: 1 of 1; a damaged archive is mended at either end: 2 of 2.
+/// A small archive and a table go to a store and back unchanged. Existing files stay, at both ends,
+/// unless `--replace` is given. A wrong clock of this machine is reported: 1 of 1. A damaged
+/// archive is mended at either end: 2 of 2.
 #[test]
 fn there_and_back() {
     let (folder, store) = hague();
@@ -40,7 +41,7 @@ fn there_and_back() {
     assert_eq!(store.get("bucket/new/a.helio").as_ref(), Some(&HAGUE.1));
     assert_eq!(ran("copy conditions.csv s3://bucket/new/a.helio --replace").0, Some(0));
     assert_eq!(store.get("bucket/new/a.helio"), fs::read(folder.path("conditions.csv")).ok());
-    // What was damaged there looks the same, and is mended by --replace, also in a file.
+    // A damaged archive has the same root, and is mended by --replace, also in a file.
     let mut damaged = HAGUE.1.clone();
     damaged[HAGUE.1.len() / 2] ^= 1;
     store.put("bucket/new/e.helio", damaged.clone());
@@ -55,7 +56,7 @@ fn there_and_back() {
     }
     assert!(ran("copy site.helio other.helio").1.contains("copy files with `cp`"));
     assert!(ran("copy site.helio https://host/site.helio").1.contains("to which nothing is written"));
-    // The first question is a HEAD, whose answer has no words.
+    // The first request is a HEAD, whose answer has no body.
     store.set_faults(|_| Fault::Skewed);
     let (code, said) = ran("copy site.helio s3://bucket/new/d.helio");
     assert!(code == Some(2) && said.contains("this machine's clock is off, the store's says 2026-11-23"), "{said}");
@@ -65,8 +66,9 @@ fn there_and_back() {
     assert_eq!(left.count(), 0);
 }
 
-/// By Google's protocol a small archive and one of 20 MB go to a store and back; a table of one of them is that of the file; what is there stays
-/// unless `--replace` says otherwise: 2 of 2, and of another who wrote meanwhile the object stays: 1 of 1.
+/// By Google's protocol a small archive and one of 20 MB go to a store and back, and a table of the
+/// remote archive is that of the file. An existing object stays unless `--replace` is given, 2 of
+/// 2, and an object that another program wrote meanwhile stays: 1 of 1.
 #[test]
 fn of_google() {
     let (folder, store) = hague();
@@ -94,14 +96,15 @@ fn of_google() {
     assert_eq!(ran("copy site.helio gs://bucket/large.helio --replace").0, Some(0));
     assert_eq!(ran("copy gs://bucket/large.helio back.helio --replace").0, Some(0));
     assert!(fs::read(folder.path("back.helio")).ok().as_ref() == Some(&HAGUE.1));
-    // Somebody writes between the first look and the upload.
+    // Another program writes between the first look and the upload.
     store.set_faults(|number| if number == 1 { Fault::Replace } else { Fault::None });
     let (code, said) = ran("copy conditions.csv gs://bucket/large.helio --replace");
     assert!(code == Some(2) && said.contains("was written by somebody else"), "{said}");
 }
 
-/// An archive of 20 MB goes in parts to a name with its root, and a pointer of 201 bytes to it stands under the name: commands follow it, here,
-/// and where both are files; one that leads to another archive is refused.
+/// An archive of 20 MB goes in parts to a name with its root, and a pointer of 201 bytes stands
+/// under its name. Commands follow the pointer, in the store and where both are files. A pointer
+/// that leads to another archive is refused.
 #[test]
 fn a_pointer() {
     let (folder, store) = hague();
@@ -134,8 +137,9 @@ fn a_pointer() {
     assert!(said.contains("is not the archive that s3://bucket/large.helio points to"), "{said}");
 }
 
-/// Of two programs that publish different archives under one name at the same time one wins and the other says so, 5 times of 5; what stands
-/// there is whole. Two that publish the same both succeed.
+/// If two programs publish different archives under one name at the same time, one wins and the
+/// other says so, 5 times of 5, and the object is whole. Two programs that publish the same archive
+/// both succeed.
 #[test]
 fn two_writers() {
     let (folder, store) = hague();
@@ -171,8 +175,8 @@ fn two_writers() {
     }
 }
 
-/// A store that fails while an archive is sent or fetched: 40 copies with faults end well or with an error, and whatever stands under the
-/// name afterwards is the whole archive, or nothing.
+/// With a store that fails while an archive is sent or fetched, 40 copies end well or with an
+/// error, and the object or file under the name is afterwards the whole archive, or absent.
 #[test]
 fn faults_while_copying() {
     let (folder, store) = hague();

@@ -1,4 +1,5 @@
-//! Archives in object stores and on web servers (feature `remote`), against a small store on this machine that can be told to fail.
+//! Archives in object stores and on web servers (feature `remote`), against a small store on this
+//! machine that can be made to fail.
 
 mod atlas;
 mod copying;
@@ -13,7 +14,8 @@ use std::sync::LazyLock;
 use crate::cli::{Folder, golden, stderr};
 use server::Store;
 
-/// A block of The Hague in an archive of 2.4 MB, traced once for all tests here; beside it `some.csv`, a list of some of its receivers.
+/// A block of The Hague in an archive of 2.4 MB, traced once for all tests here; beside it
+/// `some.csv`, a list of some of its receivers.
 static HAGUE: LazyLock<(Folder, Vec<u8>)> = LazyLock::new(|| {
     let folder = Folder::new();
     fs::copy(golden(), folder.path("w.epw")).expect("copied");
@@ -28,7 +30,7 @@ static HAGUE: LazyLock<(Folder, Vec<u8>)> = LazyLock::new(|| {
     (folder, bytes)
 });
 
-/// A folder with that archive, weather and conditions, and a store with it, too.
+/// Returns a folder with that archive, weather and conditions, and a store with it, too.
 fn hague() -> (Folder, Store) {
     let (folder, store) = (Folder::new(), Store::new());
     for name in ["site.helio", "w.epw", "some.csv"] {
@@ -38,7 +40,8 @@ fn hague() -> (Folder, Store) {
     (folder, store)
 }
 
-/// A command that knows the store as S3, waits 2 s for an answer, and keeps blocks in the folder `cache`, or not.
+/// Returns a command that reaches the store as S3, waits 2 s for an answer, and keeps blocks in the
+/// folder `cache` if asked to.
 fn afar(folder: &Folder, store: &Store, arguments: &str, cached: bool) -> Command {
     let mut command = folder.command(arguments);
     command.env("AWS_ENDPOINT_URL", format!("http://{}", store.address)).env("AWS_REGION", "eu-west-1");

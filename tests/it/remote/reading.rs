@@ -1,4 +1,4 @@
-//! Reading from afar: what is read is what a file gives, or an error, however the store behaves.
+//! Reading of remote archives: results are those of a file, or an error, however the store behaves.
 
 use std::fs;
 use std::sync::atomic::Ordering;
@@ -8,7 +8,8 @@ use super::server::Fault;
 use super::{HAGUE, afar, hague, run};
 use crate::cli::{stderr, stdout};
 
-/// Commands that read archives, with `AT` for the archive; tables come to standard output, other files as `out`.
+/// Commands that read archives, with `AT` for the archive; tables go to standard output, other
+/// files to `out`.
 const COMMANDS: [&str; 9] = [
     "info AT",
     "verify AT --deep",
@@ -21,8 +22,8 @@ const COMMANDS: [&str; 9] = [
     "extract AT --bbox 0,0,1e9,1e9 -o out.helio",
 ];
 
-/// 9 commands print and write the same bytes from a store as from a file, but for the archive's name; the store was asked in few requests:
-/// fewer than 40 each.
+/// 9 commands print and write the same bytes from a store as from a file, but for the archive's
+/// name, with fewer than 40 requests each.
 #[test]
 fn as_from_a_file() {
     let (folder, store) = hague();
@@ -44,8 +45,9 @@ fn as_from_a_file() {
     }
 }
 
-/// With a cache the second query asks for the ends of the archive only, 2 requests in place of 4 or more; a damaged file of the cache is
-/// fetched again; `verify` asks for everything all the same; an object that is replaced by another is read anew, with its own values.
+/// With a cache the second query requests the ends of the archive only, 2 requests in place of 4 or
+/// more. A damaged file of the cache is fetched again. `verify` fetches everything all the same. An
+/// object that was replaced is read again, with its own values.
 #[test]
 fn a_cache() {
     let (folder, store) = hague();
@@ -80,7 +82,7 @@ fn a_cache() {
     assert_eq!(asked(query).0, stdout(&folder.run("query other.helio --conditions conditions.csv")));
 }
 
-/// A generator of numbers that differ.
+/// Returns a pseudo-random number for each seed.
 fn mixed(seed: u64) -> u64 {
     let mut x = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -88,8 +90,9 @@ fn mixed(seed: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// 60 queries of a store where each request may meet one of 7 faults: every one gives the right table or an error that names the address and
-/// what to do, within 30 s, and most give the table; over 100 faults were met, and no secret was told.
+/// In 60 queries of a store where each request may meet one of 7 faults, each gives the right table
+/// or an error that names the address and a hint, within 30 s, and most give the table. Over 100
+/// faults are met, and no secret is printed.
 #[test]
 fn faults() {
     let (folder, store) = hague();
@@ -134,7 +137,8 @@ fn faults() {
     assert!(met > 100 && right > 40 && right + refused == 60, "{met} faults, {right} right, {refused} refused");
 }
 
-/// An object that is replaced after it was opened is an error that says so, not a mixture: 2 of 2, by what the server answers to If-Match.
+/// An object that is replaced after it was opened is an error that says so, not a mixture: 2 of 2,
+/// by the server's answer to If-Match.
 #[test]
 fn an_object_that_changes() {
     let (folder, store) = hague();
@@ -147,9 +151,10 @@ fn an_object_that_changes() {
     }
 }
 
-/// A name and a password of an address go to a web server as RFC 7617 says, percent signs decoded, and give the table of the file, also of an atlas'
-/// address; another password is refused, and no message holds it. 7 variables that clients of stores take and cannot use are refused by their
-/// names, without what they say; those of other stores are not looked at.
+/// A user name and a password of an address go to a web server as RFC 7617 says, percent signs
+/// decoded, and give the table of the file. Another password is refused, and no message holds it.
+/// Variables that clients of stores accept and cannot use are refused by their names, without their
+/// values; those of other stores are ignored.
 #[test]
 fn passwords_and_variables() {
     let (folder, store) = hague();
@@ -180,7 +185,7 @@ fn passwords_and_variables() {
         assert!(ran.status.code() == Some(2) && said.contains(name) && said.contains("to fix: "), "{name}: {said}");
         assert!(!said.contains("s3cret"), "{said}");
     }
-    // What is of another store, or says nothing, is none of this one's business.
+    // Variables of another store, and empty ones, are ignored.
     let line = format!(
         "query http://me%20and:s3cret%3A100%25@{}/bucket/site.helio --conditions conditions.csv",
         store.address
@@ -190,8 +195,8 @@ fn passwords_and_variables() {
     assert!(stdout(&ran) == near, "{}", stderr(&ran));
 }
 
-/// 10 wrong places are refused with what was found and what to do, within 10 s; a web server without ranges serves a small archive whole and
-/// is refused beyond 50 MB, before that has come.
+/// 10 wrong places are refused with a finding and a hint, within 10 s. A web server without ranges
+/// serves a small archive whole; one beyond 50 MB is refused before it is read.
 #[test]
 fn what_cannot_be_read() {
     let (folder, store) = hague();

@@ -1,5 +1,6 @@
-//! A small object store on this machine, with faults: GET and HEAD with ranges and conditions, lists, PUT on conditions, uploads in parts, as S3 has
-//! them. One thread a connection, one request a connection.
+//! A small object store on this machine, with faults: GET and HEAD with ranges and conditions,
+//! lists, conditional PUT, uploads in parts, as in S3. It uses one thread and one request a
+//! connection.
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -9,26 +10,26 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
-/// What goes wrong with an answer.
+/// Fault of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     None,
     Status(u16),
-    /// A signature of another time, in S3's words.
+    /// The store refuses the time of the signature, in S3's words.
     Skewed,
-    /// Half of the body, then the end of the connection.
+    /// Half of the body is sent, then the connection ends.
     Cut,
-    /// Half of the body, then nothing.
+    /// Half of the body is sent, then nothing more.
     Stall,
-    /// One bit of the body is another one.
+    /// One bit of the body is flipped.
     Flip,
-    /// The connection ends before anything is said.
+    /// The connection ends before any answer.
     Gone,
-    /// What is behind the ranges has changed.
+    /// The object changes between two requests.
     Replace,
 }
 
-/// Which fault the n-th request meets.
+/// Fault of the n-th request.
 pub type Faults = Arc<dyn Fn(u64) -> Fault + Send + Sync>;
 
 #[derive(Default)]
@@ -36,7 +37,7 @@ struct Held {
     objects: BTreeMap<String, (Vec<u8>, u64)>,
     uploads: BTreeMap<String, BTreeMap<u32, Vec<u8>>>,
     written: u64,
-    /// What the header `Authorization` has to be.
+    /// Value that the header `Authorization` must have.
     wanted: Option<String>,
 }
 
@@ -76,7 +77,7 @@ impl Store {
                 thread::spawn(move || {
                     let number = requests.fetch_add(1, Ordering::Relaxed);
                     let fault = (faults.lock().expect("faults").clone())(number);
-                    // Who asked may have gone.
+                    // The client may have closed the connection.
                     if let Ok(bytes) = answer(stream, &held, fault, with_ranges) {
                         sent.fetch_add(bytes, Ordering::Relaxed);
                     }
@@ -101,7 +102,7 @@ impl Store {
         self.held.lock().expect("held").objects.remove(name);
     }
 
-    /// The name that was written last.
+    /// Returns the name that was written last.
     pub fn newest(&self) -> String {
         let held = self.held.lock().expect("held");
         let newest = held.objects.iter().max_by_key(|(_, (_, version))| *version);
@@ -118,7 +119,7 @@ impl Store {
         self.sent.store(0, Ordering::Relaxed);
     }
 
-    /// From now on, who asks has to say this in the header `Authorization`.
+    /// Requires this value of the header `Authorization` from now on.
     pub fn want(&self, authorization: &str) {
         self.held.lock().expect("held").wanted = Some(authorization.to_owned());
     }
@@ -170,13 +171,13 @@ impl Request {
     }
 }
 
-/// What S3 answers to a signature that is hours old.
+/// Answer of S3 to a signature that is hours old.
 const SKEWED: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Error><Code>RequestTimeTooSkewed</Code>\
     <Message>The difference between the request time and the current time is too large.</Message>\
     <RequestTime>20261123T194011Z</RequestTime><ServerTime>2026-11-23T22:40:11Z</ServerTime>\
     <MaxAllowedSkewMilliseconds>900000</MaxAllowedSkewMilliseconds></Error>";
 
-/// Bytes of the body that went out.
+/// Answers a request; returns the bytes of the body that were sent.
 fn answer(mut stream: TcpStream, held: &Mutex<Held>, fault: Fault, ranges: bool) -> std::io::Result<u64> {
     let request = Request::read(&stream)?;
     if fault == Fault::Gone {
@@ -225,7 +226,7 @@ fn respond(request: &Request, held: &mut Held, ranges: bool) -> (u16, String, Ve
     if held.wanted.as_ref().is_some_and(|wanted| request.headers.get("authorization") != Some(wanted)) {
         return none(401);
     }
-    // Google counts versions: none is 0.
+    // Google counts versions; 0 is no object.
     let generation = known.map_or(0, |object| object.1).to_string();
     if condition("x-goog-if-generation-match").is_some_and(|wanted| wanted != generation) {
         return none(412);

@@ -1,11 +1,11 @@
-//! Options of all commands: how much is said, and by how many threads the work is done.
+//! Options of all commands: which messages are printed, and how many threads do the work.
 
 use clap::Args;
 
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options of all commands")]
 pub struct EverywhereArgs {
-    /// No progress and no remarks on what was done: only what was asked for, warnings and errors
+    /// Print only results, warnings and errors: no progress, no remarks on what was done
     #[arg(long, short, global = true)]
     pub quiet: bool,
     /// Show the lists behind warnings

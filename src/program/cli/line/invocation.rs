@@ -1,5 +1,5 @@
-//! What was asked, for files that say how they were made. In: the command line. Out: [`Provenance`]: the command without what changes no
-//! values, and every option with the value that it had.
+//! The command line as files record it. In: the command line. Out: [`Provenance`]: the command
+//! without options that change no values, and every option with its value.
 
 use std::ffi::OsString;
 
@@ -12,16 +12,18 @@ use crate::cli::Cli;
 use heliotile_core::text::without_secrets;
 use heliotile_results::outputs::provenance::Provenance;
 
-/// Options that change where results go and how long they take, never their values.
+/// Options that change the destination or the duration of a computation, never its values.
 const NEUTRAL: [&str; 11] =
     ["output", "plot", "faces", "honeybee", "memory", "io", "replace", "geo", "map", "summary", "unmatched"];
 
-/// What files say of how they were made, from the matches of a command line. Paths stand as they were typed.
+/// Returns the provenance that files state, from the matches of a command line. Paths stay as they
+/// were typed.
 pub fn provenance(matches: &ArgMatches) -> Provenance {
     of(&Cli::command(), matches)
 }
 
-/// How work that was stopped goes on: the command line again, without what would throw away what is kept.
+/// Returns the command line that resumes stopped work: the same one, without `--fresh`, which would
+/// discard what was kept.
 pub fn again(words: &[OsString]) -> String {
     let words = words.iter().map(|word| word.to_string_lossy()).filter(|word| word != "--fresh");
     words.map(|word| quoted(&without_secrets(&word))).collect::<Vec<_>>().join(" ")
@@ -42,6 +44,7 @@ fn of(cli: &Command, matches: &ArgMatches) -> Provenance {
         let values: Vec<String> = raw.map(|value| without_secrets(&value.to_string_lossy())).collect();
         let is_flag = !arg.get_action().takes_values();
         let typed = matches.value_source(id) == Some(ValueSource::CommandLine);
+        // A flag that was not typed is false, and is left out.
         if is_flag && !typed {
             continue;
         }
@@ -58,7 +61,7 @@ fn of(cli: &Command, matches: &ArgMatches) -> Provenance {
     Provenance::new(words.join(" "), options)
 }
 
-/// An argument as it would be typed.
+/// Returns an argument as words of a command line.
 fn typed_words(arg: &Arg, values: &[String], is_flag: bool) -> Vec<String> {
     let name = arg.get_long().map(|long| format!("--{long}"));
     match name {
@@ -68,7 +71,7 @@ fn typed_words(arg: &Arg, values: &[String], is_flag: bool) -> Vec<String> {
     }
 }
 
-/// A number where the word is one.
+/// Returns a JSON number if the word is one, else a string.
 fn value_of(word: &str) -> Value {
     word.parse::<Number>().map_or_else(|_| Value::from(word), Value::Number)
 }
@@ -83,8 +86,9 @@ mod tests {
         of(&cli, &matches).entries()
     }
 
-    /// The command is told without the output, the memory and the way of reading, in one order whatever was typed, with 1 word quoted; options
-    /// have their defaults, numbers are numbers, what may be repeated is a list.
+    /// The recorded command leaves out the output, the memory and the way of reading, and has one
+    /// order whatever was typed, with 1 word quoted. Options have their defaults, numbers are
+    /// numbers, repeatable options are lists.
     #[test]
     fn a_replay() {
         let one = "heliotile|replay|a b.helio|--year|2019|-w|x.epw|-o|t.csv|--io|map|--reflectance|roof=0.3";
@@ -101,7 +105,7 @@ mod tests {
         assert_eq!(options.get("output"), None);
     }
 
-    /// A flag that was typed is `true`, one that was not is not there.
+    /// A flag that was typed is `true`; a flag that was not typed is left out.
     #[test]
     fn flags() {
         let options = |line: &str| serde_json::from_str::<Value>(&entries(line)[2].1).expect("JSON");

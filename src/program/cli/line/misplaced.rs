@@ -1,4 +1,5 @@
-//! The command line as it is given, and what is meant where the command does not come first.
+//! Parsing of the command line, with a hint if the command does not come first. In: words. Out: the
+//! arguments, or the end of the program with a message.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -10,7 +11,8 @@ use super::invocation::provenance;
 use crate::cli::Cli;
 use heliotile_results::outputs::provenance::Provenance;
 
-/// Parses words of a command line, the program's name first; ends the program where they ask for help or are wrong.
+/// Parses the words of a command line, the program's name first. Ends the program if they ask for
+/// help or are wrong.
 pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
     let parsed = Cli::command().try_get_matches_from(words).and_then(|matches| {
         let cli = Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut Cli::command()))?;
@@ -24,7 +26,7 @@ pub fn parse(words: &[OsString]) -> (Cli, Provenance) {
     })
 }
 
-/// What is meant by a file or an option that stands where the command belongs.
+/// Returns a hint for a file or an option that is typed where the command belongs.
 fn command_first(error: &Error, words: &[OsString]) -> Option<String> {
     let first = words.get(1)?.to_string_lossy().into_owned();
     let names: Vec<String> = Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
@@ -35,7 +37,7 @@ fn command_first(error: &Error, words: &[OsString]) -> Option<String> {
         ErrorKind::InvalidSubcommand => error.get(ContextKind::InvalidSubcommand),
         _ => error.get(ContextKind::InvalidArg),
     };
-    // What a command itself does not know is its own matter.
+    // An argument that a command does not know is reported by that command.
     let at_first = |word: &str| Some(word) == first.split('=').next();
     if !matches!(wrong, Some(ContextValue::String(word)) if at_first(word) || *word == first) {
         return None;
@@ -65,7 +67,8 @@ mod tests {
         command_first(&Cli::try_parse_from(&words).err()?, &words)
     }
 
-    /// A scene, an archive and an option before the command get a hint, 4 of 4; a misspelt command and a command's own mistake do not.
+    /// A scene, an archive and an option before the command get a hint, 4 of 4; a misspelt command
+    /// and a command's own mistake do not.
     #[test]
     fn commands_come_first() {
         for (line, part) in [

@@ -1,4 +1,4 @@
-//! The command line itself.
+//! The command line itself: options of all commands, parsing, quoting, wording of messages.
 
 mod everywhere;
 mod invocation;

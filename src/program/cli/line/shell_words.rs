@@ -1,6 +1,7 @@
-//! In: words of a command line. Out: the same as a shell takes them, to be pasted.
+//! Quoting for shells. In: words of a command line. Out: the words quoted so that a shell takes
+//! them when they are pasted.
 
-/// A word as a shell takes it.
+/// Quotes a word for a shell, if it needs quotes.
 pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=:,+%@".contains(c);
     match !word.is_empty() && word.chars().all(plain) {
@@ -13,7 +14,7 @@ pub fn quoted(word: &str) -> String {
 mod tests {
     use super::*;
 
-    /// 2 plain words stay, 3 others get quotes that a shell takes off again.
+    /// 2 plain words stay, 3 others get quotes that a shell removes again.
     #[test]
     fn words_of_a_shell() {
         for word in ["--output=a/b.helio", "5%"] {

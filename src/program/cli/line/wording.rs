@@ -1,5 +1,6 @@
-//! Texts of the library in the words of the command line. In: errors and sentences that name fields of requests and commands. Out: the same
-//! with the options that fill the fields, and with the commands as they are typed.
+//! Messages of the library in the words of the command line. In: errors and sentences that name
+//! fields of requests and commands. Out: these with the options that fill the fields, and with the
+//! commands as they are typed.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -10,8 +11,8 @@ use crate::cli::Cli;
 use heliotile_core::error::Error;
 use heliotile_core::text::{Named, with_fields};
 
-/// Fields of requests by name, and the options that fill them: the fields of the structs behind commands, without the commands of `study`
-/// and `store`.
+/// Options by the request field that they fill: the arguments of all commands, without those of the
+/// commands of `study` and `store`.
 static OPTIONS: LazyLock<BTreeMap<String, String>> = LazyLock::new(|| {
     let cli = Cli::command();
     let commands = [&cli].into_iter().chain(cli.get_subcommands());
@@ -19,23 +20,24 @@ static OPTIONS: LazyLock<BTreeMap<String, String>> = LazyLock::new(|| {
     options.filter_map(|arg| Some((arg.get_id().to_string(), format!("--{}", arg.get_long()?)))).collect()
 });
 
-/// An error in the words of the command line.
+/// Words an error for the command line.
 pub fn worded(error: Error) -> Error {
     error.in_words(&in_line)
 }
 
-/// A text in the words of the command line.
+/// Words a text for the command line.
 pub fn worded_text(text: &str) -> String {
     with_fields(text, &in_line)
 }
 
-/// The option that fills a field of a request, `--every` for `every`; none if no option does.
+/// Returns the option that fills a field of a request, `--every` for `every`; `None` if no option
+/// does.
 pub fn option_of(field: &str) -> Option<&'static str> {
     OPTIONS.get(field).map(String::as_str)
 }
 
-/// The words of a command that a text names, behind what the program is started by: `verify --deep` for `verify_deep`; none if there is no such
-/// command.
+/// Returns the words of a command behind the program's name, `verify --deep` for `verify_deep`;
+/// `None` if there is no such command.
 pub fn command_of(named: &str) -> Option<String> {
     let (name, option) = named.split_once('_').map_or((named, None), |(name, option)| (name, Some(option)));
     let cli = Cli::command();
@@ -56,7 +58,8 @@ fn in_line(named: Named) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// Fields of 2 requests and of all commands become 4 options, in texts too; what no option fills stays.
+    /// Fields of 2 requests and of all commands become 4 options, in texts too; a name that no
+    /// option fills stays.
     #[test]
     fn fields_become_options() {
         let named = |argument: &str| match worded(Error::argument(argument, "is 0", "give more")) {

@@ -1,4 +1,4 @@
-//! Arguments of `buildings` and `places`, which both ask an archive for the sums of a year.
+//! Arguments of `buildings` and `places`, which both use the sums of a year.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -11,12 +11,13 @@ use crate::cli::values::{choice, table_help};
 use heliotile_core::replay::components::{Component, ComponentList};
 use heliotile_results::{BuildingsRequest, Every, LightChoice, PlaceOn, PlacesRequest, ReplayRequest};
 
-/// An archive and the year that it is asked for.
+/// An archive and the weather of a year.
 #[derive(Args, Debug)]
 pub struct YearArgs {
     #[command(flatten)]
     pub site: SiteArgs,
-    /// Weather file of a year: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
+    /// Weather file of a year: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS,
+    /// Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
     #[command(flatten)]
@@ -24,7 +25,7 @@ pub struct YearArgs {
 }
 
 impl YearArgs {
-    /// Totals over the weather file.
+    /// Returns the request for totals over the weather file.
     pub fn request(&self) -> ReplayRequest {
         let columns = Some(ComponentList::of(Component::Total));
         ReplayRequest {
@@ -45,16 +46,16 @@ pub struct BuildingsArgs {
     /// Also write a table of roof faces, with an ending as that of --output
     #[arg(long, value_name = "FILE")]
     pub faces: Option<PathBuf>,
-    /// What a place on a roof gets at least that counts as usable, kWh/m2 in the year
+    /// Least irradiation of a usable place on a roof, kWh/m2 in the year
     #[arg(long, value_name = "KWH_M2", default_value_t = BuildingsRequest::default().threshold_kwh_m2, value_parser = parse_amount, allow_hyphen_values = true)]
     pub threshold: f64,
-    /// What a region of such places that touch has at least that counts as usable, m2
+    /// Least area of a usable region of such places that touch, m2
     #[arg(long, value_name = "M2", default_value_t = BuildingsRequest::default().least_m2, value_parser = parse_amount, allow_hyphen_values = true)]
     pub min_area: f64,
 }
 
 impl BuildingsArgs {
-    /// What is asked for.
+    /// Returns the request of `buildings`.
     pub fn request(&self) -> BuildingsRequest {
         BuildingsRequest {
             output: self.output.clone(),
@@ -71,7 +72,7 @@ pub struct PlacesArgs {
     pub year: YearArgs,
     #[arg(long, short, default_value = "-", help = table_help("Table of places to write, which `pv --points` takes as CSV"))]
     pub output: PathBuf,
-    /// How many places, the best first
+    /// Number of places, the best first
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
     pub best: u32,
     /// Width x height of a module, metres: the width is level, the height goes up the surface
@@ -86,7 +87,7 @@ pub struct PlacesArgs {
 }
 
 impl PlacesArgs {
-    /// What is asked for.
+    /// Returns the request of `places`.
     pub fn request(&self) -> PlacesRequest {
         PlacesRequest {
             output: self.output.clone(),

@@ -16,7 +16,7 @@ use heliotile_results::{
     ReplayRequest, SunOnPerson, SurfaceTemperatures, WindChoice,
 };
 
-/// Help of --output.
+/// Returns the help of `--output`.
 fn output_help() -> String {
     format!("{}; also maps, as of `replay`", table_help("Table to write"))
 }
@@ -28,7 +28,8 @@ fn output_help() -> String {
 pub struct ComfortArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Weather file with air temperature, humidity and wind: EPW, TMY3, SURFRAD, CSV or JSON of a service; also packed (.gz, .zip)
+    /// Weather file with air temperature, humidity and wind: EPW, TMY3, SURFRAD, CSV or JSON of a
+    /// service; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
     #[arg(long, short, default_value = "-", help = output_help())]
@@ -36,10 +37,12 @@ pub struct ComfortArgs {
     /// Write .parquet as a map, GeoParquet: polygons, one row a place
     #[arg(long)]
     pub geo: bool,
-    /// Draw a map (.png), from above and from the south-west; may be repeated; a table is then written only if --output names one
+    /// Draw a map (.png), from above and from the south-west; may be repeated; a table is then
+    /// written only if --output names one
     #[arg(long, value_name = "FILE")]
     pub plot: Vec<PathBuf>,
-    /// Columns, in this order: mrt, utci, pet, air, wind, and six planes each of shortwave and longwave [default: mrt,utci,pet]
+    /// Columns, in this order: mrt, utci, pet, air, wind, and six planes each of shortwave and
+    /// longwave [default: mrt,utci,pet]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub columns: Vec<ComfortColumn>,
     /// Rows of days and longer count the hours with a UTCI above these
@@ -51,25 +54,28 @@ pub struct ComfortArgs {
         default_value = "26,32,38,46"
     )]
     pub above: Vec<f64>,
-    /// How people hold themselves
+    /// Posture of people
     #[arg(long, value_parser = choice::<Posture>(), default_value = "standing")]
     pub posture: Posture,
-    /// How the sun falls on a person
+    /// Model of the sun on a person
     #[arg(long, value_parser = choice::<SunOnPerson>(), default_value = "cylinder")]
     pub sun_on: SunOnPerson,
-    /// How warm surfaces are for which --temperature gives nothing
+    /// Temperature of surfaces for which --temperature gives nothing
     #[arg(long, value_parser = choice::<SurfaceTemperatures>(), default_value = "sol-air")]
     pub surfaces: SurfaceTemperatures,
     /// Heat transfer coefficient between surfaces and air, radiation included, W/m2K
     #[arg(long, value_name = "W/M2K", default_value_t = ComfortChoice::default().film_w_m2_k)]
     pub film: f64,
-    /// Longwave emissivity of `ground` or `obstruction`; may be repeated [default: what their materials state, else ground=0.95, obstruction=0.9]
+    /// Longwave emissivity of `ground` or `obstruction`; may be repeated [default: what their
+    /// materials state, else ground=0.95, obstruction=0.9]
     #[arg(long, value_name = "CLASS=SHARE")]
     pub emissivity: Vec<ClassShare>,
-    /// Share of light that `ground` or `obstruction` absorb, for --surfaces sol-air; may be repeated [default: what their materials do not reflect]
+    /// Share of light that `ground` or `obstruction` absorb, for --surfaces sol-air; may be
+    /// repeated [default: what their materials do not reflect]
     #[arg(long, value_name = "CLASS=SHARE")]
     pub absorptance: Vec<ClassShare>,
-    /// Wind 10 m above the ground: that of the weather file times a factor, or a CSV as for --schedule with a column `wind_m_s`
+    /// Wind 10 m above the ground: that of the weather file times a factor, or a CSV as for
+    /// --schedule with a column `wind_m_s`
     #[arg(long, value_name = "FACTOR|FILE", default_value = "1")]
     pub wind: WindChoice,
     #[command(flatten)]
@@ -89,11 +95,12 @@ pub struct ComfortArgs {
     pub about_weather: ClockArgs,
 }
 
-/// Where the people of a scene stand.
+/// Positions of the people of a scene.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "People of a scene")]
 pub struct PeopleArgs {
-    /// Where people stand, CSV: point,x,y and maybe z or height [default: on the ground, --spacing apart]
+    /// Positions of people, CSV: point,x,y and maybe z or height [default: on the ground, --spacing
+    /// apart]
     #[arg(long, value_name = "FILE", conflicts_with_all = ["on", "spacing"])]
     pub points: Option<PathBuf>,
     /// Kinds of surfaces, or materials, that people stand on; several with commas
@@ -102,25 +109,27 @@ pub struct PeopleArgs {
     /// Distance between people, such as 2m
     #[arg(long, value_name = "LENGTH", default_value = "2m")]
     pub spacing: Metres,
-    /// How high above the ground the middle of a person is
+    /// Height of the middle of a person above the ground
     #[arg(long, value_name = "LENGTH", default_value = "1.1m")]
     pub body_height: Metres,
-    /// Folder for receivers.csv and site.helio, which is taken again [default: the name of the first scene file, with .people]
+    /// Folder for receivers.csv and site.helio, which is reused [default: the name of the first
+    /// scene file, with .people]
     #[arg(long, value_name = "FOLDER")]
     pub folder: Option<PathBuf>,
-    /// Replace what the folder holds of another scene, points or accuracy, which is refused otherwise
+    /// Replace what the folder holds of another scene, points or accuracy, which is refused
+    /// otherwise
     #[arg(long)]
     pub replace: bool,
 }
 
 impl ComfortArgs {
-    /// The archive or atlas of people, if one is named.
+    /// Returns the archive or atlas of people, if one is named.
     pub fn place(&self) -> Option<&PathBuf> {
         let [only] = self.scene.scene.as_slice() else { return None };
         SiteRequest::is_at(only).then_some(only)
     }
 
-    /// Refuses where people are to stand if an archive says so already.
+    /// Refuses positions of people if an archive holds them already.
     pub fn check(&self) -> Result<()> {
         let PeopleArgs { points, folder, replace, .. } = &self.people;
         if self.place().is_some() && (points.is_some() || folder.is_some() || *replace) {
@@ -134,7 +143,7 @@ impl ComfortArgs {
         Ok(())
     }
 
-    /// Tables that are read by row of the weather file.
+    /// Returns the tables that are read by row of the weather file.
     pub fn tables(&self) -> impl Iterator<Item = &Path> {
         let wind = match &self.wind {
             WindChoice::File(file) => Some(file.as_path()),
@@ -149,7 +158,7 @@ impl ComfortArgs {
             .chain(wind)
     }
 
-    /// The archive of people that is to be built.
+    /// Returns the request to build the archive of people.
     pub fn site(&self) -> ComfortSiteRequest {
         let scene = self.scene.request();
         let beside = || folder_beside(scene.first(), "people");
@@ -165,7 +174,7 @@ impl ComfortArgs {
         }
     }
 
-    /// What is asked for.
+    /// Returns the request of `comfort`.
     pub fn request(&self) -> ComfortRequest {
         let changes = self.changes.changes(self.period.snow());
         let (sky, sky_files) = self.sky.parts();
@@ -187,7 +196,7 @@ impl ComfortArgs {
         }
     }
 
-    /// Where results go.
+    /// Returns the output files.
     pub fn files(&self) -> FileRequest {
         FileRequest { geo: self.geo, plots: self.plot.clone(), ..FileRequest::of(&self.output) }
     }

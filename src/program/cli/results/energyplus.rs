@@ -1,4 +1,4 @@
-//! Arguments of `energyplus`: a model, what stands around it, which light it gets.
+//! Arguments of `energyplus`: a model, its surroundings, the light that it gets.
 
 use std::path::PathBuf;
 
@@ -14,40 +14,45 @@ use heliotile_scene::request::SceneRequest;
 
 #[derive(Args, Debug)]
 pub struct EnergyplusArgs {
-    /// Model of EnergyPlus 24.1 to 25.2, or with --assume-version 25.2 of any that EnergyPlus 25.2 runs: .idf or .epJSON
+    /// Model of EnergyPlus 24.1 to 25.2, or with --assume-version 25.2 of any that EnergyPlus 25.2
+    /// runs: .idf or .epJSON
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
-    /// Files of what stands around it: CityJSON, terrain, meshes, site.toml; in the coordinates of the model, or see --at
+    /// Files of the surroundings: CityJSON, terrain, meshes, site.toml; in the coordinates of the
+    /// model, or see --at
     #[arg(long, value_name = "SCENE", num_args = 1..)]
     pub scene: Vec<PathBuf>,
-    /// Where the origin of the model lies in the coordinates of --scene, metres: east,north or east,north,up. The model is turned so that
-    /// its true north is that of their coordinate system
+    /// Position of the model's origin in the coordinates of --scene, metres: east,north or
+    /// east,north,up. The model is turned so that its true north is that of their coordinate system
     #[arg(long, value_name = "E,N[,Z]", requires = "scene", allow_hyphen_values = true, value_parser = parse_spot)]
     pub at: Option<DVec3>,
-    /// Coordinate reference system of --scene, in place of what its files say: EPSG:28992 or 28992
+    /// Coordinate reference system of --scene, in place of the one that its files state: EPSG:28992
+    /// or 28992
     #[arg(long, value_name = "EPSG", requires = "scene", value_parser = parse_crs)]
     pub crs: Option<u32>,
-    /// Take what stands around the model out of it: direct and diffuse light of the surroundings come as a series of this weather file,
-    /// and EnergyPlus has none of their shadows to find
+    /// Remove the surroundings from the model: their direct and diffuse light comes as a series of
+    /// this weather file, and EnergyPlus computes no shadows of them
     #[arg(long, requires = "weather")]
     pub delete_surroundings: bool,
     /// Weather file of --run and of --delete-surroundings
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
-    /// Folder for model.idf or model.epJSON, report.md and .html, receivers.csv and site.helio; with
-    /// --delete-surroundings also series.csv, and stripped.idf with an archive of its own
+    /// Folder for model.idf or model.epJSON, report.md and .html, receivers.csv and site.helio;
+    /// with --delete-surroundings also series.csv, and stripped.idf with an archive of its own
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Which light the model gets
+    /// Light that the model gets
     #[arg(long, value_parser = choice::<Physics>(), default_value = "full")]
     pub physics: Physics,
-    /// Run EnergyPlus without reflections, with its own and with ours, and compare them in the report
+    /// Run EnergyPlus without reflections, with its own and with injected light, and compare them
+    /// in the report
     #[arg(long, requires = "weather")]
     pub run: bool,
     /// Folder of EnergyPlus 25.2 [default: that of `energyplus` on the search path]
     #[arg(long, value_name = "DIR", requires = "run")]
     pub energyplus: Option<PathBuf>,
-    /// Distance between receivers on the model's surfaces, such as 1m or 50cm; with --delete-surroundings, whose shadows go by them, 50cm
+    /// Distance between receivers on the model's surfaces, such as 1m or 50cm; with
+    /// --delete-surroundings, whose shadows depend on it, 50cm
     #[arg(long, value_name = "LENGTH", default_value = "1m", default_value_if("delete_surroundings", "true", "50cm"))]
     pub spacing: Metres,
     #[command(flatten)]
@@ -56,7 +61,8 @@ pub struct EnergyplusArgs {
     pub footprints: FootprintArgs,
     #[command(flatten)]
     pub accuracy: AccuracyArgs,
-    /// Replace what the folder holds of another model, scene, spacing or accuracy, which is refused otherwise
+    /// Replace what the folder holds of another model, scene, spacing or accuracy, which is refused
+    /// otherwise
     #[arg(long)]
     pub replace: bool,
     /// Memory to work in, such as 512MiB or 2GiB
@@ -65,7 +71,7 @@ pub struct EnergyplusArgs {
 }
 
 impl EnergyplusArgs {
-    /// What is asked for.
+    /// Returns the request of `energyplus`.
     pub fn request(&self) -> EnergyplusRequest {
         EnergyplusRequest {
             model: self.model.clone(),
@@ -86,7 +92,7 @@ impl EnergyplusArgs {
     }
 }
 
-/// `78500,457800` or `78500,457800,1.5`.
+/// Parses a position: `78500,457800` or `78500,457800,1.5`.
 fn parse_spot(text: &str) -> Result<DVec3, String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse::<f64>().ok()).collect();
     match numbers.as_deref() {
@@ -96,14 +102,14 @@ fn parse_spot(text: &str) -> Result<DVec3, String> {
     }
 }
 
-/// Coordinates of no plane system are larger.
+/// Largest coordinate, metres: no plane system has larger ones.
 const MOST_M: f64 = 1e8;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Two spots are read, 4 texts are refused.
+    /// Two positions are read, 4 texts are refused.
     #[test]
     fn spots() {
         assert_eq!(parse_spot("78500, -45.5"), Ok(DVec3::new(78500.0, -45.5, 0.0)));

@@ -13,7 +13,7 @@ use heliotile_core::sky::model::SkyModel;
 use heliotile_core::weather::options::WeatherOptions;
 use heliotile_results::PageRequest;
 
-/// What `export --help` says of the images.
+/// Text of `export --help` on images.
 const IMAGES: &str = "\
 An .exr file has three parts, four where the receiver sees sky in mirrors (f32, texels of equal solid angle, see schema/layers.md; their attribute `heliotile` says what they
 hold, as JSON):
@@ -43,20 +43,25 @@ pub struct ExportArgs {
     /// Export the layers of this receiver
     #[arg(long, short, value_name = "ID")]
     pub receiver: Option<String>,
-    /// Export the shares of every receiver's hemisphere that are sky, ground, obstructions and nothing (they sum to 1)
+    /// Export the shares of every receiver's hemisphere that are sky, ground, obstructions and
+    /// nothing (they sum to 1)
     #[arg(long, conflicts_with_all = ["sun", "weather", "latitude"])]
     pub view_factors: bool,
-    /// Write a page that shows the archive in a browser, as `view` does, also from a disk: an archive up to 50 MB is inside it, with the weather
-    /// file if one is given; of a larger one the page asks for the file
+    /// Write a page that shows the archive in a browser, as `view` does, also from a disk: an
+    /// archive up to 50 MB is inside it, with the weather file if one is given; of a larger one the
+    /// page asks for the file
     #[arg(long, value_name = "PAGE.html", conflicts_with_all = ["output", "sun", "latitude", "time_zone"])]
     pub html: Option<PathBuf>,
-    /// Archive of the same site after a change, for the page: it shows before, after and the change, as `view --with` does
+    /// Archive of the same site after a change, for the page: it shows before, after and the
+    /// change, as `view --with` does
     #[arg(long, value_name = "AFTER", conflicts_with_all = ["receiver", "view_factors"])]
     pub with: Option<PathBuf>,
-    /// Draw a panel in place of one picture: six fisheyes of what is seen, the light of --sun by its ways, and all of it, in one scale
+    /// Draw a panel in place of one picture: six fisheyes of what is seen, the light of --sun by
+    /// its paths, and all of it, in one scale
     #[arg(long, requires = "sun", conflicts_with_all = ["weather", "latitude"])]
     pub panel: bool,
-    /// Azimuth and altitude of a sun, degrees, azimuth clockwise from true north: maps of its light go into an .exr, its place into a .png
+    /// Azimuth and altitude of a sun, degrees, azimuth clockwise from true north: maps of its light
+    /// go into an .exr, its place into a .png
     #[arg(long, value_name = "AZIMUTH,ALTITUDE", allow_hyphen_values = true)]
     pub sun: Option<SunPosition>,
     /// Direct normal irradiance of that sun, W/m2
@@ -73,8 +78,8 @@ pub struct ExportArgs {
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth, requires = "sun")]
     pub bounces: MaxBounces,
-    /// Draw the sun's paths over the place of a weather file into a .png, over the archive's if the file says none; hours are those of its
-    /// clock. The weather of a page
+    /// Draw the sun's paths over the place of a weather file into a .png, over the archive's if the
+    /// file says none; hours are those of its clock. The weather of a page
     #[arg(long, short, value_name = "FILE", conflicts_with = "latitude")]
     pub weather: Option<PathBuf>,
     /// Time zone of the weather file's clock, such as +01:00, -7 or UTC, in place of its own
@@ -92,12 +97,12 @@ pub struct ExportArgs {
 }
 
 impl ExportArgs {
-    /// The file to write; one of the two is always given.
+    /// Returns the file to write; one of `--output` and `--html` is always given.
     pub fn output(&self) -> &Path {
         self.output.as_deref().or(self.html.as_deref()).unwrap_or(Path::new("-"))
     }
 
-    /// The page that is asked for, if it is one.
+    /// Returns the request for a page, if one is requested.
     pub fn page(&self) -> Option<PageRequest> {
         Some(PageRequest {
             archive: self.archive.clone(),
@@ -109,7 +114,7 @@ impl ExportArgs {
         })
     }
 
-    /// What is asked for otherwise.
+    /// Returns the request for images or view factors.
     pub fn request(&self) -> ExportRequest {
         ExportRequest {
             place: self.archive.clone(),

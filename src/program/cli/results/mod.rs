@@ -1,4 +1,4 @@
-//! Arguments of commands that ask archives for light.
+//! Arguments of commands that compute light from archives.
 
 mod buildings;
 mod comfort;

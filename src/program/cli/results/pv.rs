@@ -15,31 +15,36 @@ use heliotile_results::pv::PvRequest;
 pub struct PvArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
+    /// Solcast) or any other; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
-    /// Places of modules, CSV: point,x,y, z or height (metres above the roof or ground below), tilt,azimuth (degrees, clockwise from
-    /// true north; may be left out with --search)
+    /// Places of modules, CSV: point,x,y, z or height (metres above the roof or ground below),
+    /// tilt,azimuth (degrees, clockwise from true north; may be left out with --search)
     #[arg(long, short, value_name = "FILE")]
     pub points: Option<PathBuf>,
-    /// Rows of modules, TOML: each [[rows]] has a name, an area or surface, tilt, azimuth, pitch, width, height; modules shade and light one
-    /// another, and have a front and a rear; with ground = 0.5 there are receivers on the ground among them, so far apart, with the light that
+    /// Rows of modules, TOML: each [[rows]] has a name, an area or surface, tilt, azimuth, pitch,
+    /// width, height; modules shade and light one another, and have a front and a rear; with ground
+    /// = 0.5 there are receivers on the ground among them, at that distance, with the light that
     /// plants live on
     #[arg(long, short, value_name = "FILE")]
     pub rows: Option<PathBuf>,
     /// Share of the light on the rear that counts beside the front, for poa_global and the gain
     #[arg(long, default_value_t = 0.8, value_parser = parse_bifaciality)]
     pub bifaciality: f64,
-    /// Folder for points.csv, months.csv, ground.csv, ground_months.csv, hourly.csv, horizon/, best.csv and the archive site.helio
+    /// Folder for points.csv, months.csv, ground.csv, ground_months.csv, hourly.csv, horizon/,
+    /// best.csv and the archive site.helio
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Find the best tilt and azimuth of every point: best.csv, search.csv and a picture of each; points without angles take the best
+    /// Find the best tilt and azimuth of every point: best.csv, search.csv and a picture of each;
+    /// points without angles take the best
     #[arg(long, requires = "points")]
     pub search: bool,
     /// Tilts that a search may choose, degrees, such as 10..60, or one
     #[arg(long, value_name = "FROM..TO", default_value = "0..90", value_parser = parse_tilts)]
     pub tilts: [f64; 2],
-    /// Azimuths that a search may choose, degrees clockwise from true north, such as 90..270, 300..60 over north, or one
+    /// Azimuths that a search may choose, degrees clockwise from true north, such as 90..270,
+    /// 300..60 over north, or one
     #[arg(long, value_name = "FROM..TO", default_value = "0..360", value_parser = parse_azimuths)]
     pub azimuths: [f64; 2],
     #[arg(long, help = SkyModel::described(), default_value = "perez")]
@@ -47,10 +52,10 @@ pub struct PvArgs {
     /// Ending of the table of hours, which chooses its format
     #[arg(long, value_parser = table_endings(), default_value = "csv")]
     pub format: String,
-    /// Write no hours, sums only
+    /// Write no hourly table, sums only
     #[arg(long, conflicts_with = "format")]
     pub no_hourly: bool,
-    /// Which moment of its interval a row of hours is labelled with
+    /// Moment of its interval that labels a row of hours
     #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start")]
     pub stamp: StampedAt,
     /// Put all rows into one year, such as 2019; the sun stays that of the file's dates
@@ -58,7 +63,8 @@ pub struct PvArgs {
     pub year: Option<i32>,
     #[command(flatten)]
     pub accuracy: AccuracyArgs,
-    /// Replace what the folder holds of another scene, points, accuracy or weather, which is refused otherwise
+    /// Replace what the folder holds of another scene, points, accuracy or weather, which is
+    /// refused otherwise
     #[arg(long)]
     pub replace: bool,
     /// Memory to work in, such as 512MiB or 2GiB
@@ -69,7 +75,7 @@ pub struct PvArgs {
 }
 
 impl PvArgs {
-    /// What is asked for.
+    /// Returns the request of `pv`.
     pub fn request(&self) -> PvRequest {
         PvRequest {
             scene: self.scene.request(),
@@ -100,7 +106,7 @@ fn parse_bifaciality(text: &str) -> Result<f64, String> {
     }
 }
 
-/// `10..60`, or one number for both.
+/// Parses `10..60`, or one number for both ends.
 fn parse_range(text: &str) -> Result<[f64; 2], String> {
     let number = |part: &str| match part.trim().parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),

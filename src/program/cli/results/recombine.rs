@@ -28,7 +28,7 @@ use heliotile_results::{
 };
 use heliotile_scene::input;
 
-/// Help of --output.
+/// Returns the help of `--output`.
 fn output_help() -> String {
     let maps = MapFormat::ENDINGS.map(|(ending, _)| format!(".{ending}")).join(", ");
     format!(
@@ -48,12 +48,12 @@ pub struct SiteArgs {
     /// How the archive is read [default: map, or pread if the archive is large beside --memory]
     #[arg(long, value_parser = choice::<Access>())]
     pub io: Option<Access>,
-    /// Take y for north: suns are not turned to the true north that the archive's place tells of
+    /// Take y for north: suns are not turned to the true north that the archive's place states
     #[arg(long)]
     pub grid_north: bool,
 }
 
-/// Which receivers of which archive, and the table that is made of them.
+/// Receivers of an archive, and the table to write.
 #[derive(Args, Debug)]
 pub struct TableArgs {
     #[command(flatten)]
@@ -62,13 +62,13 @@ pub struct TableArgs {
     pub output: PathBuf,
     #[command(flatten)]
     pub of: SelectionArgs,
-    /// What rows are about
+    /// Subject of rows
     #[arg(long, value_parser = choice::<By>(), default_value = "receiver")]
     pub by: By,
 }
 
 impl SiteArgs {
-    /// All receivers of the archive.
+    /// Returns the request for all receivers of the archive.
     pub fn request(&self) -> SiteRequest {
         SiteRequest {
             access: self.io,
@@ -79,20 +79,20 @@ impl SiteArgs {
 }
 
 impl TableArgs {
-    /// The archive and the receivers that are asked.
+    /// Returns the request for the chosen receivers of the archive.
     pub fn request(&self) -> SiteRequest {
         let site = self.site.request();
         let selection = self.of.selection();
         SiteRequest { receivers: ReceiverChoice { selection, ..site.receivers }, ..site }
     }
 
-    /// The table alone.
+    /// Returns the table as the only output file.
     pub fn files(&self) -> FileRequest {
         FileRequest { by: self.by, ..FileRequest::of(&self.output) }
     }
 }
 
-/// What query and replay have in common.
+/// Arguments that `query` and `replay` have in common.
 #[derive(Args, Debug)]
 pub struct RecombineArgs {
     #[command(flatten)]
@@ -100,13 +100,16 @@ pub struct RecombineArgs {
     /// Write .parquet as a map, GeoParquet: polygons, one row a place
     #[arg(long)]
     pub geo: bool,
-    /// Draw results: a name that ends with .png is a map of the sums (or of one condition), from above and from the south-west; one that ends
-    /// with .svg a chart of the mean by area of all receivers: bars by component of --every day, month or year (or of conditions), hours of
-    /// the day by month of --every hour. May be repeated; a table is then written only if --output names one
+    /// Draw results: a name that ends with .png is a map of the sums (or of one condition), from
+    /// above and from the south-west; one that ends with .svg is a chart of the mean of all
+    /// receivers, weighted by area: bars by component of --every day, month or year (or of
+    /// conditions), hours of the day by month of --every hour. May be repeated; a table is then
+    /// written only if --output names one
     #[arg(long, value_name = "FILE")]
     pub plot: Vec<PathBuf>,
-    /// Columns to write, in this order, such as total,sun_direct; sun_diffuse and sky_diffuse also by what is seen first, as
-    /// sun_diffuse_ground and sun_diffuse_obstruction, and `replay` gives longwave [default: the six components and their total]
+    /// Columns to write, in this order, such as total,sun_direct; sun_diffuse and sky_diffuse also
+    /// by the surface seen first, as sun_diffuse_ground and sun_diffuse_obstruction, and `replay`
+    /// gives longwave [default: the six components and their total]
     #[arg(long, value_name = "NAMES")]
     pub columns: Option<ComponentList>,
     #[arg(long, value_name = "NAMES|FILE", help = BandChoice::described())]
@@ -119,36 +122,40 @@ pub struct RecombineArgs {
     /// Diffuse reflections: all, or a number (1 is the paper's model)
     #[arg(long, default_value = "all", value_parser = parse_depth)]
     pub bounces: MaxBounces,
-    /// Light that counts beyond sun and sky, their first diffuse reflection and the sun in mirrors: all, none (as in EnergyPlus), or some of
-    /// bounces (further diffuse reflections), mirror-diffuse (diffuse light that meets a mirror, too), mirror-sky (the sky in mirrors)
+    /// Light paths that count beyond sun and sky, their first diffuse reflection and the sun in
+    /// mirrors: all, none (as in EnergyPlus), or some of bounces (further diffuse reflections),
+    /// mirror-diffuse (diffuse light that meets a mirror, too), mirror-sky (the sky in mirrors)
     #[arg(long, value_name = "NAMES", default_value = "all")]
     pub paths: LightPaths,
     #[command(flatten)]
     pub changes: ChangeArgs,
 }
 
-/// How the sky's radiance is spread, and clouds before it.
+/// Radiance distribution of the sky, and clouds before it.
 #[derive(Args, Debug)]
 pub struct SkyArgs {
     #[arg(long, value_name = "NAME|FILE", help = SkyChoice::described(), default_value = "perez")]
     pub sky: SkyChoice,
-    /// What the light of a file of --sky adds up to [default: dhi for photographs, given for tables and matrices]
+    /// Irradiance that a file of --sky is scaled to [default: dhi for photographs, given for tables
+    /// and matrices]
     #[arg(long, value_parser = choice::<SkyScale>())]
     pub sky_scale: Option<SkyScale>,
-    /// Radiance of white in a photograph of --sky, W/m2/sr, for --sky-scale given [default: levels of .hdr and .exr are radiances]
+    /// Radiance of white in a photograph of --sky, W/m2/sr, for --sky-scale given [default: levels
+    /// of .hdr and .exr are radiances]
     #[arg(long, value_name = "RADIANCE", value_parser = parse_positive)]
     pub sky_white: Option<f64>,
-    /// Clouds before sun and sky, shares of light that come through (0 to 1): a table of patches as for --sky, or a square equidistant picture
+    /// Clouds before sun and sky, shares of light that come through (0 to 1): a table of patches as
+    /// for --sky, or a square equidistant picture
     #[arg(long, value_name = "FILE")]
     pub clouds: Option<PathBuf>,
-    /// Azimuth of the top of pictures of --sky and --clouds, degrees clockwise from true north; a quarter of a turn clockwise of it is on the
-    /// left [default: 0, north]
+    /// Azimuth of the top of pictures of --sky and --clouds, degrees clockwise from true north; the
+    /// left side lies a quarter of a turn clockwise of it [default: 0, north]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_azimuth)]
     pub image_top: Option<f64>,
 }
 
 impl SkyArgs {
-    /// The model, and the files in place of it and before it.
+    /// Returns the sky model, and the files that replace it or stand before it.
     pub fn parts(&self) -> (SkyModel, Box<SkyFiles>) {
         let (model, file) = self.sky.clone().parts();
         let files = SkyFiles {
@@ -161,7 +168,7 @@ impl SkyArgs {
         (model, Box::new(files))
     }
 
-    /// Files that are read.
+    /// Returns the files that are read.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let sky = if let SkyChoice::File(file) = &self.sky { Some(file.as_path()) } else { None };
         sky.into_iter().chain(self.clouds.as_deref())
@@ -171,27 +178,29 @@ impl SkyArgs {
 /// Reflectances and transmittances in place of those of the archive.
 #[derive(Args, Debug)]
 pub struct ChangeArgs {
-    /// Change a diffuse reflectance: GROUP=0.6, or a material's name, `ground` or `obstruction` in place of the group; may be repeated,
-    /// the last one counts
+    /// Change a diffuse reflectance: GROUP=0.6, or a material's name, `ground` or `obstruction` in
+    /// place of the group; may be repeated, the last one counts
     #[arg(long, value_name = "GROUP=VALUE", value_parser = parse_reflectance)]
     pub reflectance: Vec<(String, f64)>,
-    /// Let a diffuse reflectance follow a CSV with a column `reflectance` and a line for each condition, or for each row of the weather
-    /// file, for which 12 lines are months; may be repeated
+    /// Let a diffuse reflectance follow a CSV with a column `reflectance` and a line for each
+    /// condition, or for each row of the weather file, for which 12 lines are months; may be
+    /// repeated
     #[arg(long, value_name = "GROUP=FILE", value_parser = parse_named::<PathBuf>)]
     pub schedule: Vec<(String, PathBuf)>,
-    /// Change what comes through canopies at each crossing: GROUP=0.4, or a CSV like those of --schedule, with a column `transmittance`
-    /// (leaves in their seasons); may be repeated, the last one counts
+    /// Change the transmittance of canopies at each crossing: GROUP=0.4, or a CSV like those of
+    /// --schedule, with a column `transmittance` (leaves in their seasons); may be repeated, the
+    /// last one counts
     #[arg(long, value_name = "GROUP=VALUE|FILE", value_parser = parse_named::<ConstantOrFile>)]
     pub transmittance: Vec<(String, ConstantOrFile)>,
 }
 
 impl ChangeArgs {
-    /// Files that reflectances and transmittances follow.
+    /// Returns the files that reflectances and transmittances follow.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         followed_files(&self.schedule, &self.transmittance)
     }
 
-    /// What is changed.
+    /// Returns the changes of reflectances and transmittances.
     pub fn changes(&self, snow: Option<(Snow, f64)>) -> Changes {
         Changes {
             constant: self.reflectance.clone(),
@@ -203,7 +212,7 @@ impl ChangeArgs {
 }
 
 impl RecombineArgs {
-    /// The light that counts.
+    /// Returns the light that counts.
     fn light(&self) -> Result<LightChoice> {
         let hint = "name `bounces` among the paths, or leave it out";
         let paths = self.paths.with_depth(self.bounces).map_err(|what| Error::argument("bounces", what, hint))?;
@@ -215,12 +224,12 @@ impl RecombineArgs {
         Ok(LightChoice { columns, sky, patches, paths, changes, sky_files, bands })
     }
 
-    /// Where results go.
+    /// Returns the output files.
     pub fn files(&self) -> FileRequest {
         FileRequest { geo: self.geo, plots: self.plot.clone(), ..self.table.files() }
     }
 
-    /// Files that reflectances and transmittances follow, and those of skies, clouds and bands.
+    /// Returns the files of reflectances, transmittances, skies, clouds and bands.
     pub fn schedules(&self) -> impl Iterator<Item = &Path> {
         let bands = self.bands.iter().flat_map(BandChoice::files);
         self.changes.files().chain(self.sky.files()).chain(bands)
@@ -231,13 +240,14 @@ impl RecombineArgs {
 pub struct QueryArgs {
     #[command(flatten)]
     pub common: RecombineArgs,
-    /// Table of condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; azimuths are clockwise from true north
+    /// Table of condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; azimuths are
+    /// clockwise from true north
     #[arg(long, short)]
     pub conditions: PathBuf,
 }
 
 impl QueryArgs {
-    /// What is asked for.
+    /// Returns the request of `query`.
     pub fn request(&self) -> Result<QueryRequest> {
         Ok(QueryRequest { light: self.common.light()?, conditions: self.conditions.clone() })
     }
@@ -247,16 +257,16 @@ impl QueryArgs {
 pub struct FactorsArgs {
     #[command(flatten)]
     pub table: TableArgs,
-    /// Degrees of azimuth from sun to sun, from 0 to 360: a divisor of 360
+    /// Step of the sun's azimuth, degrees, from 0 to 360: a divisor of 360
     #[arg(long, value_name = "DEGREES", default_value_t = 10.0)]
     pub azimuth_step: f64,
-    /// Degrees of altitude from sun to sun, from 0.5 to 90: a divisor of 90
+    /// Step of the sun's altitude, degrees, from 0.5 to 90: a divisor of 90
     #[arg(long, value_name = "DEGREES", default_value_t = 5.0)]
     pub altitude_step: f64,
 }
 
 impl FactorsArgs {
-    /// What is asked for.
+    /// Returns the request of `factors`.
     pub fn request(&self) -> FactorsRequest {
         FactorsRequest {
             output: self.table.output.clone(),
@@ -267,56 +277,62 @@ impl FactorsArgs {
     }
 }
 
-/// What of a weather file counts, and what rows are about.
+/// Period of a weather file that counts, and periods of rows.
 #[derive(Args, Debug)]
 pub struct PeriodArgs {
-    /// Rows: means in W/m2, or sums in kWh/m2
+    /// Period of a row: means in W/m2, or sums in kWh/m2
     #[arg(long, value_parser = choice::<Every>(), default_value = "hour")]
     pub every: Every,
-    /// Which moment of its interval a row of means is labelled with, 06:00, 06:30 or 07:00 for the hour from 06:00 to 07:00 (the last hour of
-    /// a day ends at 00:00 of the next); sums are labelled with the start of their period
+    /// Moment of its interval that labels a row of means, 06:00, 06:30 or 07:00 for the hour from
+    /// 06:00 to 07:00 (the last hour of a day ends at 00:00 of the next); sums are labelled with
+    /// the start of their period
     #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start")]
     pub stamp: StampedAt,
-    /// Put all rows into one year, such as 2019: a typical year, whose months come from different ones, or any other. Dates of results
-    /// change, the sun stays that of the file's dates; 29 February is left out where the year has none. Years of --from and --to are then
-    /// this year
+    /// Put all rows into one year, such as 2019: a typical year, whose months come from different
+    /// ones, or any other. Dates of results change, the sun stays that of the file's dates; 29
+    /// February is left out if the year has none. Years of --from and --to are then this year
     #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999))]
     pub year: Option<i32>,
-    /// First day that counts, such as 2019-03-01, or 03-01 of any year (typical years, winters); or a time, 03-01T06:00
+    /// First day that counts, such as 2019-03-01, or 03-01 of any year (typical years, winters); or
+    /// a time, 03-01T06:00
     #[arg(long, value_name = "DAY")]
     pub from: Option<Moment>,
-    /// Last day that counts, the whole of it; before --from it is that of the next year: --from 11-01 --to 02-28
+    /// Last day that counts, all of it; if it is before --from, the day of the next year: --from
+    /// 11-01 --to 02-28
     #[arg(long, value_name = "DAY")]
     pub to: Option<Moment>,
-    /// Sun positions within each interval of the weather file, 1 to 60 [default: those that the archive was built for, which are an hour's]
+    /// Sun positions within each interval of the weather file, 1 to 60 [default: the number that
+    /// the archive was built for, which is per hour]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=60))]
     pub steps: Option<u16>,
-    /// Let all materials of class ground follow the weather file: its snow depth (from 1 cm on --snow-reflectance) or its albedo
+    /// Let all materials of class ground follow the weather file: its snow depth
+    /// (--snow-reflectance from 1 cm on) or its albedo
     #[arg(long, value_parser = choice::<Snow>())]
     pub snow: Option<Snow>,
     /// Diffuse reflectance of snow
     #[arg(long, default_value_t = 0.6, value_parser = parse_share, requires = "snow")]
     pub snow_reflectance: f64,
-    /// Temperature of what the column `longwave` comes from, `ground` or `obstruction`: degrees Celsius, or a CSV as for --schedule with a
-    /// column `temperature_c`; may be repeated, the last one counts [default: the weather file's dry bulb temperature]
+    /// Temperature of the emitters of the column `longwave`, `ground` or `obstruction`: degrees
+    /// Celsius, or a CSV as for --schedule with a column `temperature_c`; may be repeated, the last
+    /// one counts [default: the weather file's dry bulb temperature]
     #[arg(long, value_name = "CLASS=CELSIUS|FILE")]
     pub temperature: Vec<Temperature>,
 }
 
 impl PeriodArgs {
-    /// A replay of a weather file.
+    /// Returns the request for a replay of a weather file.
     fn request(&self, weather: &Path, common: &RecombineArgs, about: &WeatherArgs) -> Result<ReplayRequest> {
         let mut light = common.light()?;
         light.changes.snow = self.snow();
         Ok(ReplayRequest { light, about_weather: about.options(false), ..self.replay(weather) })
     }
 
-    /// Where snow comes from, and what it reflects.
+    /// Returns the source of snow, and its reflectance.
     pub fn snow(&self) -> Option<(Snow, f64)> {
         self.snow.map(|snow| (snow, self.snow_reflectance))
     }
 
-    /// A replay of a weather file that is as it says, under the light that is usual.
+    /// Returns a replay of a weather file with default options of the file and the default light.
     pub fn replay(&self, weather: &Path) -> ReplayRequest {
         ReplayRequest {
             span: (self.from, self.to),
@@ -334,17 +350,20 @@ impl PeriodArgs {
 pub struct ReplayArgs {
     #[command(flatten)]
     pub common: RecombineArgs,
-    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
+    /// Solcast) or any other; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
     #[command(flatten)]
     pub period: PeriodArgs,
-    /// City model (CityJSON or a sequence of features) that the receivers were put on: with an output that ends with .city.json or
-    /// .city.jsonl it is written again with these sums, and with a material theme `irradiation`
+    /// City model (CityJSON or a sequence of features) whose surfaces carry the receivers: with an
+    /// output that ends with .city.json or .city.jsonl it is written again with these sums, and
+    /// with a material theme `irradiation`
     #[arg(long, value_name = "INPUT.city.json", conflicts_with_all = ["honeybee", "plot"])]
     pub model: Option<PathBuf>,
-    /// Write a folder of hourly results as Honeybee and Pollination read them, a grid an object (a room, a city object), in place of a table;
-    /// --by building, surface or kind makes other grids
+    /// Write a folder of hourly results as Honeybee and Pollination read them, in place of a table,
+    /// with a grid for each object (a room, a city object); --by building, surface or kind makes
+    /// other grids
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["output", "plot"])]
     pub honeybee: Option<PathBuf>,
     #[command(flatten)]
@@ -352,18 +371,18 @@ pub struct ReplayArgs {
 }
 
 impl ReplayArgs {
-    /// What is asked for.
+    /// Returns the request of `replay`.
     pub fn request(&self) -> Result<ReplayRequest> {
         self.period.request(&self.weather, &self.common, &self.about_weather)
     }
 
-    /// Where results go.
+    /// Returns the output files.
     pub fn files(&self) -> FileRequest {
         FileRequest { model: self.model.clone(), honeybee: self.honeybee.clone(), ..self.common.files() }
     }
 }
 
-/// Options that only hours of a weather file have a use for.
+/// Options that apply to weather files only.
 const OF_WEATHER: [&str; 9] =
     ["every", "stamp", "year", "from", "to", "steps", "snow", "snow_reflectance", "temperature"];
 
@@ -373,7 +392,7 @@ const OF_WEATHER: [&str; 9] =
     mut_arg("archive", |arg| arg.index(1).value_name("BEFORE").help("Archive before the change, or the folder of an atlas: a path or an address")),
     mut_arg("columns", |arg| arg.help("Columns to compare, in this order, such as total,sun_direct, as of `replay` [default: total]")),
     mut_arg("every", |arg| arg.default_value("total")),
-    // An argument that is changed goes behind the others: AFTER stays behind BEFORE.
+    // A changed argument moves behind the others; the index keeps AFTER behind BEFORE.
     mut_arg("after", |arg| arg.index(2)),
 )]
 pub struct CompareArgs {
@@ -399,7 +418,7 @@ pub struct CompareArgs {
 }
 
 impl CompareArgs {
-    /// What is asked for.
+    /// Returns the request of `compare`.
     pub fn request(&self) -> Result<CompareRequest> {
         let under = match (&self.weather, &self.conditions) {
             (Some(weather), _) => {
@@ -416,9 +435,9 @@ impl CompareArgs {
     }
 }
 
-/// Group, material or class, and what it gets: `NAME=VALUE`.
+/// Parses `NAME=VALUE`: a group, material or class, and its value.
 fn parse_named<T: FromStr<Err: std::fmt::Display>>(text: &str) -> std::result::Result<(String, T), String> {
-    // A name may hold an equals sign, a number does not.
+    // The last equals sign counts: a name may hold one, a number does not.
     match text.rsplit_once('=') {
         Some((name, value)) if !name.is_empty() => {
             let value = value.trim().parse().map_err(|error| format!("`{value}`: {error}"))?;

@@ -15,34 +15,38 @@ pub struct DayArgs {
     /// Write .parquet as a map, GeoParquet: polygons, one row a place
     #[arg(long)]
     pub geo: bool,
-    /// The year of days that name none: others differ by a few minutes
+    /// Year of days that name none: others differ by a few minutes
     #[arg(long, default_value_t = SunlightRequest::default().year, value_parser = clap::value_parser!(i32).range(1..=2998))]
     pub year: i32,
-    /// Rule to judge by: one of those that `heliotile rules` lists, or a file of your own (.toml); may be repeated
+    /// Rule to judge by: one that `heliotile rules` lists, or a file of your own (.toml); may be
+    /// repeated
     #[arg(long, value_name = "NAME|FILE")]
     pub rule: Vec<String>,
-    /// Archive or atlas before a change: what it said stands beside, minutes that changed, rules that are newly broken
+    /// Archive or atlas before a change: adds its results, the minutes that changed and rules that
+    /// are newly broken
     #[arg(long, value_name = "BEFORE")]
     pub before: Option<PathBuf>,
-    /// Clock that hours are told by: hours ahead of UTC, such as +01:00, or a name such as Europe/Amsterdam, whose summer time then counts
-    /// [default: that of a weather file that is given, or whole hours by the longitude]
+    /// Clock of results: hours ahead of UTC, such as +01:00, or a name such as Europe/Amsterdam,
+    /// whose summer time then counts [default: the clock of a given weather file, or whole hours by
+    /// the longitude]
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true)]
     pub zone: Option<ClockZone>,
-    /// The sun counts from this height on; rules have heights of their own, the higher one counts
+    /// Least altitude of a sun that counts; rules have altitudes of their own, the higher one
+    /// counts
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub least_altitude: f64,
-    /// Find moments that hang on an edge within a texel by rays of the scene in the archive
+    /// Refine moments that depend on an edge within a texel by rays of the scene in the archive
     #[arg(long)]
     pub exact: bool,
 }
 
 impl DayArgs {
-    /// Where results go.
+    /// Returns the output files.
     pub fn files(&self, table: &TableArgs, plots: &[PathBuf]) -> FileRequest {
         FileRequest { geo: self.geo, plots: plots.to_vec(), ..table.files() }
     }
 
-    /// What is asked for.
+    /// Returns the part of the request that `sunlight` and `glare` share.
     fn request(&self) -> SunlightRequest {
         SunlightRequest {
             year: self.year,
@@ -60,19 +64,21 @@ impl DayArgs {
 pub struct SunlightArgs {
     #[command(flatten)]
     pub table: TableArgs,
-    /// Draw a map of the first date or rule (.png), from above and from the south-west; may be repeated; a table is then written only if
-    /// --output names one
+    /// Draw a map of the first date or rule (.png), from above and from the south-west; may be
+    /// repeated; a table is then written only if --output names one
     #[arg(long, value_name = "FILE")]
     pub plot: Vec<PathBuf>,
-    /// Days: 03-21, 2026-03-21, 02-19..10-21 or year, separated by commas; with --rule those of rules that have none of their own
+    /// Days: 03-21, 2026-03-21, 02-19..10-21 or year, separated by commas; with --rule the days of
+    /// rules that state none
     #[arg(long, value_name = "DAYS", value_delimiter = ',')]
     pub dates: Vec<DaySpan>,
-    /// Rows, without --rule: a day, or all days of a month, a year or all of them
+    /// Period of a row, without --rule: a day, or all days of a month, a year or all of them
     #[arg(long, value_parser = choice::<Every>(), default_value = "day")]
     pub every: Every,
     #[command(flatten)]
     pub days: DayArgs,
-    /// Of groups, without --rule: a moment counts when this share of their area is lit [default: any of it]
+    /// Share of a group's area that must be lit for a moment to count, without --rule [default: any
+    /// of it]
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, hide_default_value = true)]
     pub lit_share: f64,
     /// Weather file whose sunny hours count (DNI of at least 120 W/m2), for rules of probable hours
@@ -83,7 +89,7 @@ pub struct SunlightArgs {
 }
 
 impl SunlightArgs {
-    /// What is asked for.
+    /// Returns the request of `sunlight`.
     pub fn request(&self) -> SunlightRequest {
         SunlightRequest {
             dates: self.dates.clone(),
@@ -100,34 +106,38 @@ impl SunlightArgs {
 pub struct GlareArgs {
     #[command(flatten)]
     pub table: TableArgs,
-    /// Draw a calendar, days by clock, coloured by pane (.svg), or a map of the first row or rule (.png); may be repeated; a table is then
-    /// written only if --output names one
+    /// Draw a calendar, days by clock, coloured by pane (.svg), or a map of the first row or rule
+    /// (.png); may be repeated; a table is then written only if --output names one
     #[arg(long, value_name = "FILE")]
     pub plot: Vec<PathBuf>,
     /// Table with a row for each spell of sun: receiver, day, start, end, pane, irradiance, angles
     #[arg(long, value_name = "FILE")]
     pub spells: Option<PathBuf>,
-    /// Table or map of the panes: minutes that each throws the sun at receivers
+    /// Table or map of the panes: minutes in which each throws the sun at receivers
     #[arg(long, value_name = "FILE")]
     pub panes: Option<PathBuf>,
-    /// Days: 03-21, 2026-03-21, 02-19..10-21 or year, separated by commas; with --rule those of rules that have none of their own
+    /// Days: 03-21, 2026-03-21, 02-19..10-21 or year, separated by commas; with --rule the days of
+    /// rules that state none
     #[arg(long, value_name = "DAYS", value_delimiter = ',', default_value = "year")]
     pub dates: Vec<DaySpan>,
-    /// Rows, without --rule: a day, or all days of a month, a year or all of them [default: total]
+    /// Period of a row, without --rule: a day, or all days of a month, a year or all of them
+    /// [default: total]
     #[arg(long, value_parser = choice::<Every>())]
     pub every: Option<Every>,
     #[command(flatten)]
     pub days: DayArgs,
-    /// Suns in mirrors count that are seen at least so far from the sun itself; of this and a rule's angle the larger counts
+    /// Least angle between the sun and a sun in a mirror that counts; the larger one of this and a
+    /// rule's angle counts
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0)]
     pub least_deflection: f64,
-    /// Suns in mirrors count that are seen within so much of the direction in which a receiver looks, its normal: 30 for a driver; of this and a rule's angle the smaller counts
+    /// Largest angle between a receiver's normal, its direction of view, and a sun in a mirror that
+    /// counts: 30 for a driver; the smaller one of this and a rule's angle counts
     #[arg(long, value_name = "DEGREES", default_value_t = 90.0)]
     pub view_angle: f64,
 }
 
 impl GlareArgs {
-    /// What is asked for.
+    /// Returns the request of `glare`.
     pub fn request(&self) -> SunlightRequest {
         let glare = GlareChoice {
             least_deflection_deg: self.least_deflection,

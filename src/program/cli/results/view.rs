@@ -7,7 +7,7 @@ use clap::Args;
 use crate::cli::ClockArgs;
 use crate::cli::sites::clock_of;
 
-/// What `view --help` says at its end.
+/// Text at the end of `view --help`.
 const ABOUT: &str = "\
 With --with the page has a switch of before, after and change. The change is that of receivers that are in both archives: those at one place that look
 one way, whatever they are called, and those of one name.
@@ -24,10 +24,12 @@ archive from elsewhere, put it on any web server that answers ranges and open th
 pub struct ViewArgs {
     /// Archive to look at, or folder of an atlas
     pub archive: PathBuf,
-    /// Archive of the same site after a change: the page shows before, after and the change, under one sun, weather and camera
+    /// Archive of the same site after a change: the page shows before, after and the change, under
+    /// one sun, weather and camera
     #[arg(long, value_name = "AFTER")]
     pub with: Option<PathBuf>,
-    /// Weather file whose hours and sums are shown: EPW, TMY3, SAM, PVGIS or CSV, packed with gzip or not
+    /// Weather file whose hours and sums are shown: EPW, TMY3, SAM, PVGIS or CSV, packed with gzip
+    /// or not
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
     #[command(flatten)]

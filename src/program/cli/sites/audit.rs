@@ -17,26 +17,28 @@ pub struct AuditArgs {
     pub archive: PathBuf,
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Weather file whose hours count, 12 positions of the sun in each [default: moments with suns from all sides]
+    /// Weather file whose hours are sampled, 12 positions of the sun in each [default: moments with
+    /// suns from all sides]
     #[arg(long, short)]
     pub weather: Option<PathBuf>,
-    /// Table of suns and skies in place of weather, as `query` takes it: condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; of up to
-    /// 64 each receiver is asked about all
+    /// Table of suns and skies in place of weather, as `query` takes it:
+    /// condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2; up to 64 of them are all
+    /// checked for each receiver
     #[arg(long, short, value_name = "FILE", conflicts_with = "weather")]
     pub conditions: Option<PathBuf>,
-    /// Receivers to ask the judge about [default: 256, or as many as --seconds allow]
+    /// Receivers to check [default: 256, or as many as --seconds allow]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: Option<u32>,
-    /// Hours that each of them is asked about [default: 8, or all of --conditions if they are 64 or fewer]
+    /// Hours to check for each of them [default: 8, or all of --conditions if they are 64 or fewer]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub hours: Option<u32>,
-    /// Stop asking after this time
+    /// Stop checking after this time
     #[arg(long, value_name = "S", value_parser = parse_seconds)]
     pub seconds: Option<f64>,
-    /// Paths of light that the judge follows from each receiver
+    /// Paths of light that the reference path tracer follows from each receiver
     #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(AuditRequest::PATHS))]
     pub paths: u32,
-    /// Another number asks about other receivers and hours, along other paths
+    /// Seed of the random choice of receivers, hours and paths
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Sky radiance distribution: perez, uniform, or cie:1 to cie:16
@@ -53,7 +55,7 @@ pub struct AuditArgs {
 }
 
 impl AuditArgs {
-    /// What is asked for.
+    /// Returns the request of `audit`.
     pub fn request(&self) -> AuditRequest {
         AuditRequest {
             archive: self.archive.clone(),

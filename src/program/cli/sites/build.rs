@@ -10,7 +10,7 @@ use crate::cli::values::{Bytes, choice, parse_memory};
 use crate::cli::{AccuracyArgs, ClockArgs, Percent, SceneArgs, parse_negligible};
 use heliotile_builder::settings::{EffectChoice, Share};
 
-/// What the plan of an atlas says of its parts.
+/// Options that `--part` excludes, as the plan of an atlas states their values.
 const PLANNED: [&str; 23] = [
     "receivers",
     "output",
@@ -48,38 +48,44 @@ pub struct BuildArgs {
     /// Archive to write
     #[arg(long, short, value_name = "SITE.helio")]
     pub output: Option<PathBuf>,
-    /// Build one part of the atlas that SCENE is the folder or the address of, by its name or number, or `all` of them; what it is built
-    /// from and with stands in the atlas
+    /// Build one part of the atlas whose folder or address SCENE is, by its name or number, or
+    /// `all` of them; the atlas holds the inputs and settings
     #[arg(long, value_name = "K", conflicts_with_all = PLANNED)]
     pub part: Option<String>,
-    /// Seconds between checkpoints: what a crash costs at most
+    /// Seconds between checkpoints: the most work that a crash costs
     #[arg(long, value_name = "SECONDS", default_value_t = 30, value_parser = parse_seconds)]
     pub checkpoint: u32,
-    /// Discard an interrupted build that lies there and start anew; without it, the build goes on with one of the same inputs and
-    /// refuses to discard one of others
+    /// Discard an interrupted build at this path and start anew; without it, a build of the same
+    /// inputs is resumed, and one of other inputs is not discarded
     #[arg(long)]
     pub fresh: bool,
-    /// Which receivers share a probe: `cells` (default), or `none`: a hemisphere of its own for every hit, the slow reference
+    /// Sharing of probes between receivers: `cells` (default), or `none`: a hemisphere of its own
+    /// for every hit, the slow reference
     #[arg(long, value_parser = choice::<Share>(), default_value = "cells", conflicts_with = "error")]
     pub share: Share,
-    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves
+    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of
+    /// diffuse, bounces, mirrors, canopies, leaves
     #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
     pub effects: EffectChoice,
-    /// Leave out effects whose light makes up no more than this of the sum over a weather file, in each group of receivers, such as 0.5%
+    /// Leave out effects whose light makes up no more than this of the sum over a weather file, in
+    /// each group of receivers, such as 0.5%
     #[arg(long, value_name = "PERCENT", value_parser = parse_negligible, requires = "weather", conflicts_with = "effects")]
     pub negligible: Option<Percent>,
-    /// Weather file that effects are weighed under
+    /// Weather file that the light of effects is computed for
     #[arg(long, short, value_name = "FILE", requires = "negligible")]
     pub weather: Option<PathBuf>,
-    /// Folder with what earlier builds traced, on any project: nothing is traced twice, and this build is added
+    /// Folder with traces of earlier builds, of any project: nothing is traced twice, and this
+    /// build is added
     #[arg(long, value_name = "FOLDER")]
     pub store: Option<PathBuf>,
-    /// Archive of this scene before it was changed, or with --part such an atlas, a path or an address: only what the change can alter is
-    /// traced, and the new archive has the bytes that it would have without this option
+    /// Archive of this scene before it was changed, or with --part such an atlas, a path or an
+    /// address: only light that the change can alter is traced, and the new archive has the bytes
+    /// that it would have without this option
     #[arg(long, value_name = "BEFORE.helio")]
     pub from: Option<PathBuf>,
-    /// With --from: keep what the change can alter by less than this share of the light on open ground, in the mean over the sky, such as 1%. The archive is a
-    /// preview, and says so; the same command without this option completes it
+    /// With --from: keep light that the change can alter by less than this share of the light on
+    /// open ground, in the mean over the sky, such as 1%. The archive is a preview, and says so;
+    /// the same command without this option completes it
     #[arg(long, value_name = "PERCENT", value_parser = parse_preview, requires = "from")]
     pub preview: Option<Percent>,
     /// Leave the scene's triangles out of the archive, for those who may not pass them on
@@ -87,7 +93,8 @@ pub struct BuildArgs {
     pub no_scene: bool,
     #[command(flatten)]
     pub accuracy: AccuracyArgs,
-    /// Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside the archive
+    /// Memory to work in, such as 512MiB or 2GiB; what does not fit goes to temporary files beside
+    /// the archive
     #[arg(long, default_value = "4GiB", value_parser = parse_memory)]
     pub memory: Bytes,
     #[command(flatten)]
@@ -102,13 +109,15 @@ pub struct PlanArgs {
     /// Receivers: receiver,x,y,z,nx,ny,nz and optionally area,surface
     #[arg(long, short)]
     pub receivers: PathBuf,
-    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves
+    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of
+    /// diffuse, bounces, mirrors, canopies, leaves
     #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
     pub effects: EffectChoice,
-    /// Weather file: also say what each effect brings in its time, by groups of receivers
+    /// Weather file: also print what each effect contributes in its time, by groups of receivers
     #[arg(long, short, value_name = "FILE")]
     pub weather: Option<PathBuf>,
-    /// Leave out effects whose light makes up no more than this of the sum over the weather file, in each group of receivers, such as 0.5%
+    /// Leave out effects whose light makes up no more than this of the sum over the weather file,
+    /// in each group of receivers, such as 0.5%
     #[arg(long, value_name = "PERCENT", value_parser = parse_negligible, requires = "weather", conflicts_with = "effects")]
     pub negligible: Option<Percent>,
     #[command(flatten)]

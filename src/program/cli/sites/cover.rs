@@ -1,4 +1,4 @@
-//! Arguments of `receivers`: where receivers are put, and how densely.
+//! Arguments of `receivers`: surfaces that receivers go on, and their density.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -13,35 +13,37 @@ use heliotile_results::covering::{CoverRequest, Density};
 pub struct ReceiversArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Table to write: receiver,x,y,z,nx,ny,nz,area,surface and what each stands for in its model; - for standard output
+    /// Table to write: receiver,x,y,z,nx,ny,nz,area,surface and the part of the model that each
+    /// stands for; - for standard output
     #[arg(long, short, default_value = "-")]
     pub output: PathBuf,
     #[command(flatten)]
     pub cover: CoverArgs,
-    /// Table to write of those that are buried, the same with a column `reason`
+    /// Table to write of the buried receivers, with the same columns and `reason`
     #[arg(long, value_name = "FILE")]
     pub buried: Option<PathBuf>,
-    /// Put receivers along lines in place of surfaces, --spacing apart, looking in the direction of travel: a CSV file of corners, x and y with z
-    /// and line (a name) if there are
+    /// Put receivers along lines in place of surfaces, --spacing apart, looking in the direction of
+    /// travel: a CSV file of corners with columns x and y, and optionally z and line (a name)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["on", "types", "per_surface", "buried", "offset", "min_area"])]
     pub along: Option<PathBuf>,
     /// Height of eyes above the road, or above the ground of the scene where --along states no z
     #[arg(long, value_name = "LENGTH", default_value = "1.2m", requires = "along")]
     pub eye_height: Metres,
-    /// Of --along: people travel back as well
+    /// With --along: receivers look back as well, as people travel both ways
     #[arg(long, requires = "along")]
     pub both_ways: bool,
 }
 
-/// Where receivers are put.
+/// Surfaces that receivers go on.
 #[derive(Args, Clone, Debug)]
 pub struct CoverArgs {
-    /// Surfaces to cover: roof, wall, window, ground, floor (what looks down), shade, all, or names of materials [default: roofs, walls
-    /// and windows, floors outdoors of a model of a building; of those what the sun may reach]
+    /// Surfaces to cover: roof, wall, window, ground, floor (surfaces that look down), shade, all,
+    /// or names of materials [default: roofs, walls and windows, and outdoor floors of a building
+    /// model; of a building model only what the sun may reach]
     #[arg(long, value_delimiter = ',')]
     pub on: Vec<String>,
-    /// Objects of a city model to cover, by their type, such as Bridge,GenericCityObject, or all [default: buildings; any for --on
-    /// ground and names of materials]
+    /// Objects of a city model to cover, by their type, such as Bridge,GenericCityObject, or all
+    /// [default: buildings; any for --on ground and names of materials]
     #[arg(long, value_delimiter = ',', value_name = "TYPES")]
     pub types: Vec<String>,
     /// Distance between receivers, such as 2m or 50cm
@@ -50,7 +52,7 @@ pub struct CoverArgs {
     /// Receivers on each surface
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub per_surface: Option<u32>,
-    /// Distance of receivers off their surfaces
+    /// Distance of receivers from their surfaces
     #[arg(long, value_name = "LENGTH", default_value = "20mm")]
     pub offset: Metres,
     /// Surfaces with less area than this get no receiver, m2
@@ -59,7 +61,7 @@ pub struct CoverArgs {
 }
 
 impl ReceiversArgs {
-    /// The lines that are asked for.
+    /// Returns the lines of `--along`, if they are given.
     pub fn along(&self) -> Option<AlongRequest> {
         let lines = self.along.clone()?;
         let (spacing_m, height_m) = (self.cover.spacing.0, self.eye_height.0);
@@ -68,7 +70,7 @@ impl ReceiversArgs {
 }
 
 impl CoverArgs {
-    /// What is asked for.
+    /// Returns the request for receivers on surfaces.
     pub fn request(&self) -> CoverRequest {
         CoverRequest {
             on: self.on.clone(),
@@ -81,7 +83,7 @@ impl CoverArgs {
     }
 }
 
-/// A length: `2m`, `50cm`, `20mm`, or a number of metres.
+/// A length in metres, parsed from `2m`, `50cm`, `20mm`, or a number of metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metres(pub f64);
 
@@ -96,7 +98,7 @@ impl FromStr for Metres {
         let (digits, metres) = unit.unwrap_or((text, 1.0));
         let number = digits.trim().parse::<f64>().map_err(|_| format!("`{text}` is not a length: {hint}"))?;
         let metres = number * metres;
-        // NaN compares false.
+        // The comparison is false for NaN.
         if (0.001..=10_000.0).contains(&metres) { Ok(Metres(metres)) } else { Err(format!("`{text}`: {hint}")) }
     }
 }

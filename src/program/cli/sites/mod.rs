@@ -1,4 +1,4 @@
-//! Arguments of commands that read scenes and trace them, and those of weather.
+//! Arguments of commands that read scenes and trace them, and arguments of weather files.
 
 mod audit;
 mod build;

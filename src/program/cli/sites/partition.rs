@@ -19,27 +19,28 @@ pub struct PartitionArgs {
     /// Side of a part; parts lie on multiples of it in the scene's coordinates
     #[arg(long, value_name = "LENGTH", default_value = "500m")]
     pub part_size: Metres,
-    /// How far around a part everything counts
+    /// Width of the zone around a part in which everything counts
     #[arg(long, value_name = "LENGTH", default_value = "300m")]
     pub halo: Metres,
-    /// Beyond the halo, what rises by more than this above the horizon counts, too, degrees
+    /// Angle above the horizon from which objects beyond the halo count, too, degrees
     #[arg(long, value_name = "DEGREES", default_value_t = 5.0, value_parser = parse_skyline)]
     pub skyline: f64,
     #[command(flatten)]
     pub cover: CoverArgs,
-    /// Rung of the accuracy ladder, of all parts
+    /// Rung of the accuracy ladder, for all parts
     #[arg(long, value_parser = choice::<Quality>(), default_value = "standard")]
     pub quality: Quality,
-    /// One of the settings that `info` lists, of all parts, such as `--set hit=16`
+    /// One of the settings that `info` lists, for all parts, such as `--set hit=16`
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
     /// Leave the scene's triangles out of the archives, for those who may not pass them on
     #[arg(long)]
     pub no_scene: bool,
-    /// Receivers that are traced with three times the halo, too, to say what the halo costs; 0 leaves that out
+    /// Receivers that are also traced with three times the halo, to estimate the error that the
+    /// halo makes; 0 for no estimate
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub sample: usize,
-    /// Write another plan over one of which nothing is built
+    /// Replace the plan of an atlas that has no built parts
     #[arg(long)]
     pub replace: bool,
     /// Memory to work in, such as 512MiB or 2GiB
@@ -58,7 +59,7 @@ fn parse_skyline(text: &str) -> Result<f64, String> {
 pub struct CatalogueArgs {
     /// Folder of the atlas
     pub atlas: PathBuf,
-    /// What people call it [default: the folder's name]
+    /// Name of the atlas for people [default: the folder's name]
     #[arg(long)]
     pub title: Option<String>,
     /// Licence of its data: an SPDX name such as CC-BY-4.0

@@ -1,4 +1,5 @@
-//! How exact a build is to be: a named rung of the accuracy ladder, a target in percent, or settings one by one.
+//! Accuracy of a build. In: options. Out: a named rung of the accuracy ladder, a target in percent,
+//! or settings one by one.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -17,7 +18,8 @@ pub struct AccuracyArgs {
     /// Rung of the accuracy ladder
     #[arg(long, value_parser = choice::<Quality>(), default_value = "standard", conflicts_with = "error")]
     pub quality: Quality,
-    /// Largest RMSE of hourly totals, in percent of their mean, such as 2%: settings are chosen by trying some on a sample of the receivers
+    /// Largest RMSE of hourly totals, in percent of their mean, such as 2%: settings are chosen by
+    /// trying some on a sample of the receivers
     #[arg(long, value_name = "PERCENT", conflicts_with = "set")]
     pub error: Option<Percent>,
     /// Weather file to estimate errors under [default: suns from all sides]
@@ -29,7 +31,7 @@ pub struct AccuracyArgs {
 }
 
 impl AccuracyArgs {
-    /// What is asked for, where weather is read as its file says.
+    /// Returns the accuracy request, with default options of the weather file for errors.
     pub fn request(&self) -> AccuracyRequest {
         AccuracyRequest {
             quality: self.quality,
@@ -40,7 +42,9 @@ impl AccuracyArgs {
         }
     }
 
-    /// The same beside `weather`: what is said of the clock is said of that file, if there is one, whatever errors are estimated under.
+    /// Returns the accuracy request of a command that also reads `weather`. Options of the clock
+    /// describe `weather`. They apply to the weather file for errors only if that is the same file,
+    /// or if the command reads no other.
     pub fn request_beside(&self, weather: Option<&Path>, clock: &ClockArgs) -> AccuracyRequest {
         let of_errors = self.error_weather.as_deref();
         let is_same = |weather: &Path| of_errors.is_some_and(|of_errors| same_file(of_errors, weather));
@@ -52,14 +56,15 @@ impl AccuracyArgs {
     }
 }
 
-/// An error that is allowed, in percent.
+/// An error that is allowed, percent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Percent(pub f64);
 
-/// Below, the judge's chance says more than the light does.
+/// Smallest share that may be left out, percent: below, noise of the reference path tracer exceeds
+/// the light.
 const LEAST_NEGLIGIBLE: f64 = 0.001;
 
-/// `2%`, `0.5 %` or `2`.
+/// Parses `2%`, `0.5 %` or `2`.
 impl FromStr for Percent {
     type Err = String;
 
@@ -75,7 +80,7 @@ fn percent(text: &str, least: f64) -> Option<Percent> {
     (least..=*AccuracyRequest::ERRORS.end()).contains(&number).then_some(Percent(number))
 }
 
-/// What may be left out, in percent: `0.5%`.
+/// Parses the share of light that may be left out, percent: `0.5%`.
 pub fn parse_negligible(text: &str) -> Result<Percent, String> {
     let most = AccuracyRequest::ERRORS.end();
     percent(text, LEAST_NEGLIGIBLE).ok_or_else(|| {
@@ -83,7 +88,7 @@ pub fn parse_negligible(text: &str) -> Result<Percent, String> {
     })
 }
 
-/// The bound of a preview, in percent: `1%`.
+/// Parses the bound of a preview, percent: `1%`.
 pub fn parse_preview(text: &str) -> Result<Percent, String> {
     let (least, most) = (PREVIEWS.start(), PREVIEWS.end());
     percent(text, *least)
@@ -95,8 +100,8 @@ pub fn parse_preview(text: &str) -> Result<Percent, String> {
 mod tests {
     use super::*;
 
-    /// `2%`, `0.5 %` and `3` are percents; 5 wrong texts are refused; 0.01 % is no error, but can be left out, and be the bound of a preview, which
-    /// 30 % cannot.
+    /// `2%`, `0.5 %` and `3` are percents; 5 wrong texts are refused. 0.01 % is no error to aim at,
+    /// but can be left out, and be the bound of a preview; 30 % cannot be a bound.
     #[test]
     fn percents() {
         for (text, value) in [("2%", 2.0), ("0.5 %", 0.5), ("3", 3.0)] {

@@ -16,53 +16,60 @@ use heliotile_results::{RunMap, RunRequest};
 pub struct RunArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo, Solcast) or any other; also packed (.gz, .zip)
+    /// Weather file: EPW, TMY3, WEA, SURFRAD, CSV or JSON of a service (NSRDB, PVGIS, Open-Meteo,
+    /// Solcast) or any other; also packed (.gz, .zip)
     #[arg(long, short)]
     pub weather: PathBuf,
-    /// Folder for receivers.csv, site.helio, and a folder for each weather file with annual.csv and annual.ply [default: the name of the
-    /// first scene file, with .sun]
+    /// Folder for receivers.csv, site.helio, and a folder for each weather file with annual.csv and
+    /// annual.ply [default: the name of the first scene file, with .sun]
     #[arg(long, short, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub cover: CoverArgs,
-    /// Receivers to take in place of those that cover surfaces: receiver,x,y,z,nx,ny,nz and optionally area,surface
+    /// Receivers in place of those that cover surfaces: receiver,x,y,z,nx,ny,nz and optionally
+    /// area,surface
     #[arg(long, short, conflicts_with_all = ["on", "spacing", "per_surface", "offset", "min_area"])]
     pub receivers: Option<PathBuf>,
     #[command(flatten)]
     pub accuracy: AccuracyArgs,
-    /// Leave out effects whose light makes up no more than this of the sum over the weather file, in each group of receivers, such as 0.5%
+    /// Leave out effects whose light makes up no more than this of the sum over the weather file,
+    /// in each group of receivers, such as 0.5%
     #[arg(long, value_name = "PERCENT", value_parser = parse_negligible)]
     pub negligible: Option<Percent>,
     /// Leave the scene's triangles out of the archive, for those who may not pass them on
     #[arg(long)]
     pub no_scene: bool,
-    /// Archive of this scene before it was changed, a path or an address: only what the change can alter is traced, with the same results
+    /// Archive of this scene before it was changed, a path or an address: only light that the
+    /// change can alter is traced, with the same results
     #[arg(long, value_name = "BEFORE.helio")]
     pub from: Option<PathBuf>,
-    /// Also write a table of each hour, day, month, year or of all, as `replay` does: months.csv and so on; several with commas
+    /// Also write a table of each hour, day, month, year or of all, as `replay` does: months.csv
+    /// and so on; several with commas
     #[arg(long, value_name = "PERIOD", value_parser = choice::<Every>(), value_delimiter = ',')]
     pub every: Vec<Every>,
-    /// Also write a table of what a rule of sunlight says, rules.csv: one of those that `heliotile rules` lists, or a file of your own (.toml); may
-    /// be repeated
+    /// Also write a table of a rule of sunlight, rules.csv: one that `heliotile rules` lists, or a
+    /// file of your own (.toml); may be repeated
     #[arg(long, value_name = "NAME|FILE")]
     pub rule: Vec<String>,
-    /// What rows of these tables are about
+    /// Subject of rows of these tables
     #[arg(long, value_parser = choice::<By>(), default_value = "receiver", requires = "tables")]
     pub by: By,
-    /// Which moment of its interval a row of hours is labelled with
+    /// Moment of its interval that labels a row of hours
     #[arg(long, value_parser = choice::<StampedAt>(), default_value = "start", requires = "every")]
     pub stamp: StampedAt,
-    /// Put the rows of these tables into one year, such as 2019, as `replay` does; annual sums stay as they are
+    /// Put the rows of these tables into one year, such as 2019, as `replay` does; annual sums stay
+    /// as they are
     #[arg(long, value_parser = clap::value_parser!(i32).range(1..=2999), requires = "every")]
     pub year: Option<i32>,
     /// Ending of these tables, which chooses their format
     #[arg(long, value_parser = table_endings(), default_value = "csv", requires = "tables")]
     pub format: String,
-    /// Write the annual sums as a further map beside annual.ply, annual.glb and so on, or into the city model of the scene; may be repeated, or
-    /// several with commas
+    /// Write the annual sums as a further map beside annual.ply, annual.glb and so on, or into the
+    /// city model of the scene; may be repeated, or several with commas
     #[arg(long, value_name = "FORMAT", value_parser = choice::<RunMap>(), value_delimiter = ',')]
     pub map: Vec<RunMap>,
-    /// Replace what the folder holds of another scene, spacing, accuracy or weather, which is refused otherwise
+    /// Replace what the folder holds of another scene, spacing, accuracy or weather, which is
+    /// refused otherwise
     #[arg(long)]
     pub replace: bool,
     /// Memory to work in, such as 512MiB or 2GiB
@@ -73,7 +80,7 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
-    /// What is asked for.
+    /// Returns the request of `run`.
     pub fn request(&self) -> RunRequest {
         RunRequest {
             scene: self.scene.request(),

@@ -1,4 +1,4 @@
-//! Scene files as most commands take them, and where they lie.
+//! Arguments for scene files and their place, as most commands take them.
 
 use std::path::{Path, PathBuf};
 
@@ -15,9 +15,11 @@ use heliotile_scene::site::Site;
 
 #[derive(Args, Clone, Debug)]
 pub struct SceneArgs {
-    /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json, .city.jsonl, .cityjson), CityGML (.gml, .xml, or a
-    /// folder of tiles), footprints (.geojson, .shp, .gpkg, .parquet), terrain (.tif, .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee (.hbjson),
-    /// glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz or .zip; metres, x east, y north, z up; footprints and CityGML may be in degrees
+    /// Scene files, merged into one scene, or a site.toml that lists them: CityJSON (.city.json,
+    /// .city.jsonl, .cityjson), CityGML (.gml, .xml, or a folder of tiles), footprints (.geojson,
+    /// .shp, .gpkg, .parquet), terrain (.tif, .asc, .dem), EnergyPlus (.epjson, .idf), Honeybee
+    /// (.hbjson), glTF (.gltf, .glb), .obj, .ply, .stl, each maybe .gz or .zip; metres, x east, y
+    /// north, z up; footprints and CityGML may be in degrees
     #[arg(required_unless_present = "dsm", value_name = "SCENE")]
     pub scene: Vec<PathBuf>,
     #[command(flatten)]
@@ -30,23 +32,25 @@ pub struct SceneArgs {
     pub footprints: FootprintArgs,
 }
 
-/// Where buildings of footprints begin and end.
+/// Base and height of buildings from footprints.
 #[derive(Args, Clone, Debug, Default)]
 pub struct FootprintArgs {
-    /// Heights of buildings above their base, for files of footprints: a column, or metres for all, or several of which the first that is stated
-    /// counts, as in HGT,9m [default: height, building:height and the like, then storeys]
+    /// Heights of buildings above their base, for files of footprints: a column, or metres for all,
+    /// or several of which the first that is stated counts, as in HGT,9m [default: height,
+    /// building:height and the like, then storeys]
     #[arg(long, value_delimiter = ',', value_name = "COLUMN|METRES")]
     pub height: Vec<HeightSource>,
     /// Height of a storey, for footprints that state storeys and no height [default: 3m]
     #[arg(long, value_name = "LENGTH")]
     pub storey_height: Option<Metres>,
-    /// Where buildings of footprints begin: a column, or metres [default: the lowest terrain below the outline, 0 without terrain]
+    /// Base of buildings from footprints: a column, or metres [default: the lowest terrain below
+    /// the outline, 0 without terrain]
     #[arg(long, value_name = "COLUMN|METRES")]
     pub base: Option<HeightSource>,
 }
 
 impl FootprintArgs {
-    /// What is said here.
+    /// Returns the options of footprints.
     pub fn options(&self) -> FootprintOptions {
         FootprintOptions {
             height: self.height.clone(),
@@ -56,27 +60,29 @@ impl FootprintArgs {
     }
 }
 
-/// What surfaces reflect, and whether there is ground.
+/// Reflectances of surfaces, and whether ground is added.
 #[derive(Args, Clone, Debug)]
 pub struct MaterialsArgs {
-    /// Reflectances, one table per material name: they win over those that the files state; materials without a table keep theirs, or
-    /// usual ones
+    /// Reflectances, one table per material name: they win over those that the files state;
+    /// materials without a table keep theirs, or usual ones
     #[arg(long, short)]
     pub materials: Option<PathBuf>,
-    /// Take nothing that the files state of materials: --materials has to name all of them
+    /// Ignore all materials that the files state: --materials has to name all of them
     #[arg(long)]
     pub materials_only: bool,
-    /// Add no ground to a scene that has none [default: a plane below it, that of an EnergyPlus model as the model says]
+    /// Add no ground to a scene that has none [default: a plane below it, for an EnergyPlus model
+    /// as the model states]
     #[arg(long)]
     pub no_ground: bool,
-    /// Take EnergyPlus models for models of this version, whatever they state: it says what the fields of an IDF mean. `energyplus` takes a
-    /// model of any version with 25.2, for EnergyPlus 25.2 to run as it is
+    /// Take EnergyPlus models for models of this version, whatever they state: it says what the
+    /// fields of an IDF mean. `energyplus` takes a model of any version with 25.2, for EnergyPlus
+    /// 25.2 to run as it is
     #[arg(long, value_name = "VERSION")]
     pub assume_version: Option<ModelVersion>,
 }
 
 impl MaterialsArgs {
-    /// A scene of files.
+    /// Returns the scene request for files.
     pub fn request(&self, files: &[PathBuf]) -> SceneRequest {
         SceneRequest {
             files: files.to_vec(),
@@ -89,53 +95,55 @@ impl MaterialsArgs {
     }
 }
 
-/// Where a scene lies, how it is turned, and the unit of its files; each counts more than what files say.
+/// Place, rotation and unit of a scene; each option counts more than the files.
 #[derive(Args, Clone, Debug, Default)]
 pub struct PlaceArgs {
     /// Coordinate reference system of the scene's coordinates, in metres: EPSG:28992 or 28992
     #[arg(long, value_name = "EPSG", value_parser = parse_crs)]
     pub crs: Option<u32>,
-    /// Where the scene lies, north positive; y is true north unless a coordinate system says more
+    /// Latitude of the scene, north positive; y is true north unless a coordinate system says more
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, requires = "longitude", value_parser = parse_latitude)]
     pub latitude: Option<f64>,
-    /// East positive
+    /// Longitude of the scene, east positive
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, requires = "latitude", value_parser = parse_longitude)]
     pub longitude: Option<f64>,
-    /// Turn the model clockwise as seen from above: its y axis lies so far from north (the north axis of EnergyPlus); coordinates stay
+    /// Turn the model clockwise as seen from above, by the angle of its y axis from north (the
+    /// north axis of EnergyPlus); coordinates stay
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_rotation)]
     pub rotate_deg: Option<f64>,
     /// Height above sea level of z = 0, metres, for all files but terrain
     #[arg(long, value_name = "METRES", allow_negative_numbers = true, value_parser = parse_elevation)]
     pub elevation: Option<f64>,
-    /// Metres a unit of all files but terrain: 0.001 for millimetres; 0.3048 or 0.3048006 holds for terrain in feet, too, where its file
-    /// does not state the unit
+    /// Metres per unit of all files but terrain: 0.001 for millimetres; 0.3048 or 0.3048006 also
+    /// holds for terrain in feet if its file does not state the unit
     #[arg(long, value_name = "METRES", value_parser = parse_scale)]
     pub scale: Option<f64>,
-    /// The axis that points up in OBJ, PLY and STL files: z, with y to the north, or y, with z to the south [default: z]
+    /// The axis that points up in OBJ, PLY and STL files: z, with y to the north, or y, with z to
+    /// the south [default: z]
     #[arg(long, value_name = "AXIS", value_parser = parse_up)]
     pub up: Option<UpAxis>,
 }
 
 impl SceneArgs {
-    /// The scene that is asked for.
+    /// Returns the scene request.
     pub fn request(&self) -> SceneRequest {
         let (frame, footprints, surface) = (self.place.frame(), self.footprints.options(), self.rasters.request());
         SceneRequest { frame, footprints, surface, ..self.surfaces.request(&self.scene) }
     }
 
-    /// The files of the scene.
+    /// Returns the files of the scene.
     pub fn site(&self) -> error::Result<Site> {
         self.request().site()
     }
 
-    /// The first file, which messages about the scene are about.
+    /// Returns the first file, which messages about the scene name.
     pub fn first(&self) -> &Path {
         self.scene.first().or(self.rasters.dsm.as_ref()).map_or(Path::new(""), PathBuf::as_path)
     }
 }
 
 impl PlaceArgs {
-    /// What is said here.
+    /// Returns the frame of the scene.
     pub fn frame(&self) -> SiteFrame {
         SiteFrame {
             epsg: self.crs,
@@ -149,7 +157,7 @@ impl PlaceArgs {
     }
 }
 
-/// `EPSG:28992`, `epsg:28992` or `28992`.
+/// Parses `EPSG:28992`, `epsg:28992` or `28992`.
 pub fn parse_crs(text: &str) -> Result<u32, String> {
     let upper = text.trim().to_ascii_uppercase();
     let digits = upper.strip_prefix("EPSG:").unwrap_or(&upper);
@@ -197,7 +205,8 @@ fn parse_scale(text: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
 
-    /// Three spellings of RD New are 28992; a system in degrees, one that is unknown and a name are refused with what to do; two axes may be up.
+    /// Three spellings of RD New are 28992. A system in degrees, an unknown one and a name are
+    /// refused with a hint. Two axes may point up.
     #[test]
     fn systems() {
         for text in ["28992", "EPSG:28992", " epsg:28992"] {

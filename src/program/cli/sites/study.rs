@@ -1,4 +1,4 @@
-//! Command line of `study`.
+//! Arguments of `study`.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -15,7 +15,8 @@ pub struct StudyArgs {
 
 #[derive(Debug, Subcommand)]
 pub enum StudyCommand {
-    /// Fig. 5: form factor of a wall of 10 m x 10 m at 1 to 50 m, by three maps of the hemisphere and three numbers of rays
+    /// Fig. 5: form factor of a wall of 10 m x 10 m at 1 to 50 m, by three maps of the hemisphere
+    /// and three numbers of rays
     Wall(WallArgs),
 }
 
@@ -24,10 +25,12 @@ pub struct WallArgs {
     /// Folder to write wall.csv, wall.svg and wall_error.svg to; made if it is not there
     #[arg(long, short, value_name = "DIR")]
     pub output: PathBuf,
-    /// Maps: longitude-latitude (equal angles), solid-angle (that of archives), cosine (every ray counts the same)
+    /// Maps of the hemisphere: longitude-latitude (equal angles), solid-angle (as in archives),
+    /// cosine (every ray counts the same)
     #[arg(long, value_name = "MAPS", value_delimiter = ',', default_value = "longitude-latitude,solid-angle,cosine")]
     pub mapping: Vec<HemisphereMapping>,
-    /// Rays a hemisphere: squares, as every map has n x n texels; the middle number is the one of wall.svg
+    /// Rays per hemisphere: squares, as every map has n x n texels; wall.svg shows the middle
+    /// number
     #[arg(long, value_name = "NUMBERS", value_delimiter = ',', default_value = "256,1024,4096")]
     pub rays: Vec<RaySquare>,
     /// Distances, metres: 1..50 in steps of 1, or 1,2.5,10
@@ -38,10 +41,10 @@ pub struct WallArgs {
     pub points: u32,
 }
 
-/// Most texels a side of a map.
+/// Most texels on a side of a map.
 const MOST_SIDE: usize = 1024;
 
-/// Rays of a hemisphere: `side` x `side`.
+/// Number of rays of a hemisphere: `side` x `side`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RaySquare {
     pub side: usize,
@@ -73,11 +76,11 @@ impl FromStr for RaySquare {
     }
 }
 
-/// Distances in metres, each above 0, at least one, rising.
+/// Distances in metres, ascending: at least one, each above 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distances(pub Vec<f64>);
 
-/// Farther the wall is narrower than a ray's rounding.
+/// Largest distance, metres: farther away the wall is narrower than a ray's rounding error.
 const FARTHEST_M: f64 = 10_000.0;
 
 impl FromStr for Distances {
@@ -113,7 +116,8 @@ impl FromStr for Distances {
 mod tests {
     use super::*;
 
-    /// 1..50 is 50 distances, lists and ranges mix (4), and 7 texts that hold none are refused with what to give.
+    /// 1..50 is 50 distances, lists and ranges mix (4), and 7 texts without distances are refused
+    /// with a hint.
     #[test]
     fn distances() {
         let read = |text: &str| text.parse::<Distances>().map(|d| d.0);
@@ -124,7 +128,8 @@ mod tests {
         }
     }
 
-    /// Squares are taken (4 of 4), anything else is refused with what to give (6 of 6); 1000 names its neighbours 961 and 1024.
+    /// Squares are taken (4 of 4), anything else is refused with a hint (6 of 6); for 1000 the hint
+    /// names 961 and 1024.
     #[test]
     fn rays() {
         for (text, side) in [("1", 1), ("100", 10), ("4096", 64), ("1048576", 1024)] {

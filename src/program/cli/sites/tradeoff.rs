@@ -30,7 +30,8 @@ pub struct TradeoffArgs {
     /// Also try each setting alone: sources.csv and a picture (takes several times as long)
     #[arg(long)]
     pub sources: bool,
-    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of diffuse, bounces, mirrors, canopies, leaves
+    /// Light paths to trace: `auto` (those that the scene calls for), `all`, `none`, or some of
+    /// diffuse, bounces, mirrors, canopies, leaves
     #[arg(long, value_name = "LIST", default_value_t = EffectChoice::Auto)]
     pub effects: EffectChoice,
     /// Memory to work in, such as 512MiB or 2GiB
@@ -41,7 +42,7 @@ pub struct TradeoffArgs {
 }
 
 impl TradeoffArgs {
-    /// What is asked for.
+    /// Returns the request of `tradeoff`.
     pub fn request(&self) -> TradeoffRequest {
         TradeoffRequest {
             scene: self.scene.request(),

@@ -27,10 +27,11 @@ pub struct UpdateArgs {
     /// Remove an object or a building; may be repeated, as the options below
     #[arg(long, value_name = "OBJECT")]
     pub remove: Vec<String>,
-    /// Put an object elsewhere: by so many metres along x, y and z; its receivers go with it
+    /// Move an object by these metres along x, y and z; its receivers go with it
     #[arg(long, value_name = "OBJECT=DX,DY,DZ", value_parser = clap::value_parser!(ObjectMove))]
     pub r#move: Vec<ObjectMove>,
-    /// Raise or lower the roofs of an object, and its walls with them: by +3m or -3m, or to a height of 12m over its lowest point
+    /// Raise or lower the roofs of an object, and its walls with them: by +3m or -3m, or to a
+    /// height of 12m over its lowest point
     #[arg(long, value_name = "OBJECT=HEIGHT", value_parser = clap::value_parser!(ObjectHeight))]
     pub height: Vec<ObjectHeight>,
     /// Give all of an object a material of the scene or of --materials
@@ -40,17 +41,19 @@ pub struct UpdateArgs {
     pub surfaces: MaterialsArgs,
     #[command(flatten)]
     pub place: PlaceArgs,
-    /// Surfaces of what is new or has another shape to cover with receivers, as `receivers` takes them
+    /// Surfaces of new or reshaped objects to cover with receivers, as `receivers` takes them
     #[arg(long, value_delimiter = ',')]
     pub on: Vec<String>,
-    /// Distance between receivers there, such as 2m [default: about that of the archive's own]
+    /// Distance between these receivers, such as 2m [default: about that of the archive's own]
     #[arg(long, value_name = "LENGTH")]
     pub spacing: Option<Metres>,
-    /// Keep what the edits can alter by less than this share of the light on open ground, in the mean over the sky, such as 1%. The archive is a
-    /// preview, and says so; the same command without this option completes it
+    /// Keep light that the edits can alter by less than this share of the light on open ground, in
+    /// the mean over the sky, such as 1%. The archive is a preview, and says so; the same command
+    /// without this option completes it
     #[arg(long, value_name = "PERCENT", value_parser = parse_preview)]
     pub preview: Option<Percent>,
-    /// Discard an interrupted update that lies there and start anew; without it, one of the same edits is gone on with
+    /// Discard an interrupted update at this path and start anew; without it, an update of the same
+    /// edits is resumed
     #[arg(long)]
     pub fresh: bool,
     /// Memory to work in, such as 512MiB or 2GiB
@@ -59,7 +62,7 @@ pub struct UpdateArgs {
 }
 
 impl UpdateArgs {
-    /// What is asked for.
+    /// Returns the request of `update`.
     pub fn request(&self) -> UpdateRequest {
         UpdateRequest {
             before: self.before.clone(),

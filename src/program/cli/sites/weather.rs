@@ -1,4 +1,4 @@
-//! What the user says about a weather file that the file does not say, or says wrongly.
+//! Arguments with facts about a weather file that the file does not state, or states wrongly.
 
 use std::fmt;
 
@@ -8,49 +8,53 @@ use super::{parse_latitude, parse_longitude};
 use crate::cli::values::choice;
 use heliotile_core::weather::options::{DateOrder, StampedAt, TimeShift, WeatherOptions, parse_zone};
 
-/// Where a weather file was measured and how it reads the clock, for commands that know no scene.
+/// Place and clock of a weather file, for commands that know no scene.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "About the weather file")]
 pub struct WeatherArgs {
-    /// Latitude of the weather file, north positive, in place of its own [default for files without: the place of the scene]
+    /// Latitude of the weather file, north positive, in place of its own [default for files
+    /// without: the place of the scene]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_latitude)]
     pub latitude: Option<f64>,
-    /// Its longitude, east positive
+    /// Longitude of the weather file, east positive, in place of its own
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_longitude)]
     pub longitude: Option<f64>,
     #[command(flatten)]
     pub clock: ClockArgs,
 }
 
-/// How a weather file reads the clock; shared by all commands that read weather. A file without a place is of that of the scene.
+/// Clock of a weather file; shared by all commands that read weather. A file without a place gets
+/// the place of the scene.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "About the weather file")]
 pub struct ClockArgs {
-    /// Time zone of its clock, hours ahead of UTC, such as +01:00, -7 or UTC, in place of its own; where time stamps say theirs, the zone
-    /// that days and labels go by
+    /// Time zone of the file's clock, hours ahead of UTC, such as +01:00, -7 or UTC, in place of
+    /// its own; if time stamps state theirs, the zone of days and labels
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true, value_parser = parse_time_zone)]
     pub time_zone: Option<f64>,
-    /// Move its time stamps, such as 41min, -30min or 0.5h; `auto` takes what fits GHI, DNI and DHI best if it fits clearly better
+    /// Shift of the file's time stamps, such as 41min, -30min or 0.5h; `auto` takes the shift that
+    /// fits GHI, DNI and DHI best if it fits clearly better
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub shift: Option<TimeShift>,
-    /// Where in its interval a time stamp stands, in the middle for values at one moment [default: what format, names of columns or hours
-    /// 1 to 24 say; start for plain CSV]
+    /// Place of a time stamp in its interval, the middle for values at one moment [default: what
+    /// format, names of columns or hours 1 to 24 say; start for plain CSV]
     #[arg(long, value_parser = choice::<StampedAt>())]
     pub weather_stamp: Option<StampedAt>,
-    /// Order of its dates of three numbers, such as 01/06/2021 [default: what the whole column shows]
+    /// Order of day and month in dates of three numbers, such as 01/06/2021 [default: what the
+    /// whole column shows]
     #[arg(long, value_parser = choice::<DateOrder>())]
     pub date_order: Option<DateOrder>,
 }
 
 impl WeatherArgs {
-    /// What the reader is told.
+    /// Returns the options for the reader of weather files.
     pub fn options(&self, with_air: bool) -> WeatherOptions {
         WeatherOptions { latitude_deg: self.latitude, longitude_deg: self.longitude, ..self.clock.options(with_air) }
     }
 }
 
 impl ClockArgs {
-    /// What the reader is told.
+    /// Returns the options for the reader of weather files.
     pub fn options(&self, with_air: bool) -> WeatherOptions {
         WeatherOptions {
             zone_hours: self.time_zone,
@@ -63,7 +67,7 @@ impl ClockArgs {
     }
 }
 
-/// As on the command line, each option with a blank before it.
+/// Writes the options as on the command line, each behind a space.
 impl fmt::Display for ClockArgs {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(zone) = self.time_zone {
@@ -88,12 +92,13 @@ pub fn parse_time_zone(text: &str) -> Result<f64, String> {
     parse_zone(text).ok_or_else(|| "give hours ahead of UTC, -12 to 14, such as +01:00, -7, 5.5 or UTC".into())
 }
 
-/// The options of [`ClockArgs`], where weather is not needed: they say nothing without it.
+/// Returns the group of the options of [`ClockArgs`] for commands that need no weather: they
+/// require the argument `weather`.
 pub fn clock_of(weather: &'static str) -> ArgGroup {
     ArgGroup::new("clock").args(["time_zone", "shift", "weather_stamp", "date_order"]).multiple(true).requires(weather)
 }
 
-/// Weather files that what is said of the clock can be about.
+/// Returns the group of weather files that the options of the clock may describe.
 pub fn weather_files() -> ArgGroup {
     ArgGroup::new("weather_files").args(["error_weather", "weather"]).multiple(true)
 }

@@ -1,11 +1,11 @@
-//! Values of the library's types by their names on the command line.
+//! Values of the library's types by name. In: names on the command line. Out: values.
 
 use heliotile_core::named::NamedValues;
 use heliotile_results::outputs::tables::format::Format;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-/// Takes one of the names.
+/// Parses one of the names of a type's values.
 pub fn choice<T: NamedValues>() -> impl TypedValueParser<Value = T> {
     let values = T::VALUES.iter().map(|(name, meaning, _)| PossibleValue::new(*name).help(*meaning));
     PossibleValuesParser::new(values).try_map(|given| {
@@ -14,12 +14,13 @@ pub fn choice<T: NamedValues>() -> impl TypedValueParser<Value = T> {
     })
 }
 
-/// Takes the ending of a table, which chooses its format.
+/// Parses the extension of a table, which chooses its format.
 pub fn table_endings() -> PossibleValuesParser {
     PossibleValuesParser::new(Format::ENDINGS.map(|(ending, ..)| ending))
 }
 
-/// Help of an option that names a table to write: what the table is, and the endings of its name.
+/// Returns the help of an option that names a table to write: the subject of the table, and the
+/// extensions of its name.
 pub fn table_help(table: &str) -> String {
     format!("{table}: {}", Format::described())
 }
@@ -30,7 +31,7 @@ mod tests {
     use heliotile_core::named::name_of;
     use heliotile_results::outputs::periods::Every;
 
-    /// The five periods are taken by their names and called by them again; `week` is refused.
+    /// The five periods are parsed from their names and print them again; `week` is refused.
     #[test]
     fn names() {
         let command = clap::Command::new("heliotile").arg(clap::Arg::new("every").value_parser(choice::<Every>()));

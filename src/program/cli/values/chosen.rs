@@ -7,15 +7,15 @@ use clap::Args;
 use crate::cli::values::parse_bounds;
 use heliotile_builder::transfer::{Bounds, Selection};
 
-/// Some of the receivers: one of these, or none of them for all.
+/// Choice of receivers: one of these options, or none for all receivers.
 #[derive(Args, Debug)]
 #[group(id = "selection", multiple = false)]
 pub struct SelectionArgs {
     /// Only the receivers of a CSV file: ids in a column `receiver`
     #[arg(long, short, value_name = "FILE")]
     pub receivers: Option<PathBuf>,
-    /// Only the receivers in a box, scene coordinates in metres: xmin,ymin,xmax,ymax and optionally zmin,zmax; of an atlas, no other part is
-    /// opened
+    /// Only the receivers in a box, scene coordinates in metres: xmin,ymin,xmax,ymax and optionally
+    /// zmin,zmax; of an atlas, no other part is opened
     #[arg(long, value_name = "BOX", allow_hyphen_values = true, value_parser = parse_bounds)]
     pub bbox: Option<Bounds>,
     /// Only the receivers of these surfaces
@@ -27,7 +27,7 @@ pub struct SelectionArgs {
 }
 
 impl SelectionArgs {
-    /// What is chosen, if not all.
+    /// Returns the selection, or `None` for all receivers.
     pub fn selection(&self) -> Option<Selection> {
         let names = |names: &Vec<String>| (!names.is_empty()).then(|| names.clone());
         let listed = self.receivers.clone().map(Selection::Receivers);

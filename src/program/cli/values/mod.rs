@@ -1,4 +1,4 @@
-//! Values of options.
+//! Values of options: names, selections of receivers, numbers with units.
 
 mod choice;
 mod chosen;

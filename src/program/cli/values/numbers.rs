@@ -1,12 +1,13 @@
-//! Numbers with units and several at once, as command lines give them. In: text. Out: bytes, boxes, depths; what is wrong with them.
+//! Numbers with units and lists of numbers. In: text of the command line. Out: bytes, boxes,
+//! depths, or an error.
 
 use heliotile_builder::transfer::Bounds;
 use heliotile_core::units::Bytes;
 
-/// Less than this leaves no room for a tile.
+/// Least memory, bytes: less leaves no room for a tile.
 const LEAST_MEMORY: u64 = 64 << 20;
 
-/// Memory to work in.
+/// Parses the memory to work in.
 pub fn parse_memory(text: &str) -> Result<Bytes, String> {
     match text.parse()? {
         Bytes(bytes) if bytes < LEAST_MEMORY => Err("the least is 64MiB".into()),
@@ -14,7 +15,7 @@ pub fn parse_memory(text: &str) -> Result<Bytes, String> {
     }
 }
 
-/// A box of positions: `xmin,ymin,xmax,ymax` of any height, or with `zmin,zmax` behind.
+/// Parses a box of positions: `xmin,ymin,xmax,ymax` of any height, or with `zmin,zmax` behind.
 pub fn parse_bounds(text: &str) -> Result<Bounds, String> {
     let number = |part: &str| match part.trim().parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
@@ -23,7 +24,7 @@ pub fn parse_bounds(text: &str) -> Result<Bounds, String> {
     Bounds::of(&text.split(',').map(number).collect::<Result<Vec<f64>, _>>()?)
 }
 
-/// A number of reflections.
+/// Parses a number of diffuse reflections.
 pub fn parse_depth(text: &str) -> Result<heliotile_core::light::radiosity::MaxBounces, String> {
     use heliotile_core::light::radiosity::MaxBounces;
     match (text, text.parse::<u32>()) {

@@ -1,4 +1,5 @@
-//! Ctrl-C and its like: the first one asks long work to stop where it can go on later, the second one ends the program.
+//! Ctrl-C and SIGTERM: the first signal asks long work to stop where it can be resumed, the second
+//! one ends the program. In: signals. Out: a flag, an exit code.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -10,27 +11,28 @@ use signal_hook::flag;
 
 use super::voice::aside;
 
-/// What signals set.
+/// State that signals set.
 struct Signals {
-    /// The first one that came, 0 for none.
+    /// Number of the first signal that arrived, 0 for none.
     first: Arc<AtomicUsize>,
-    /// Whether the next one ends the program.
+    /// True if the next signal ends the program.
     at_once: Arc<AtomicBool>,
 }
 
-/// Shells count a program that a signal ended so.
+/// Offset of exit codes of programs that a signal ended, as shells report them.
 const ENDED_BY_SIGNAL: i32 = 128;
 
-/// How often is looked whether a signal came, to say so.
+/// Interval between two checks for a signal, after which a message is printed.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// Empty until a command wants to know of signals.
+/// State of signals; empty until a command watches for signals.
 static SIGNALS: OnceLock<Signals> = OnceLock::new();
 
 fn registered() -> Signals {
     let signals = Signals { first: Arc::default(), at_once: Arc::default() };
     for signal in [SIGINT, SIGTERM] {
-        // In this order: the signal that sets the flag must not meet it. Where the system refuses, a signal ends the program as ever.
+        // The order matters: the signal that sets the flag must not meet it. Where the system
+        // refuses to register, a signal ends the program as usual.
         let _ = flag::register_conditional_shutdown(signal, ENDED_BY_SIGNAL + signal, Arc::clone(&signals.at_once));
         let _ = flag::register(signal, Arc::clone(&signals.at_once));
         let _ = flag::register_usize(signal, Arc::clone(&signals.first), signal as usize);
@@ -45,10 +47,10 @@ fn registered() -> Signals {
     signals
 }
 
-/// While it lives, Ctrl-C is a request.
+/// Guard of a watch: while it lives, Ctrl-C is a request to stop.
 pub struct Watch(());
 
-/// From now on, until the value is dropped, Ctrl-C is a request.
+/// Starts a watch: until the guard is dropped, Ctrl-C is a request to stop.
 pub fn watch() -> Watch {
     let signals = SIGNALS.get_or_init(registered);
     signals.at_once.store(requested(), Ordering::Relaxed);
@@ -61,17 +63,17 @@ impl Drop for Watch {
     }
 }
 
-/// Whether the user wants the work to stop.
+/// Returns true if the user asked the work to stop.
 pub fn requested() -> bool {
     first() != 0
 }
 
-/// The first signal that came, 0 for none.
+/// Returns the number of the first signal that arrived, 0 for none.
 fn first() -> usize {
     SIGNALS.get().map_or(0, |signals| signals.first.load(Ordering::Relaxed))
 }
 
-/// The exit code of work that was stopped: 130 for Ctrl-C, 143 for SIGTERM.
+/// Returns the exit code of work that was stopped: 130 for Ctrl-C, 143 for SIGTERM.
 pub fn exit_code() -> u8 {
     let signal = match first() {
         0 => SIGINT,

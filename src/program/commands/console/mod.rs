@@ -1,4 +1,4 @@
-//! What a person at the console meets besides results: sentences ([`voice`]), bars or lines of
+//! Output for a person at the console besides results: sentences ([`voice`]), bars or lines of
 //! progress ([`terminal`]), and Ctrl-C ([`interrupt`]).
 
 pub mod interrupt;

@@ -1,4 +1,5 @@
-//! Progress where no terminal draws a bar, such as in a log. In: stages and how much of them is done. Out: a plain line now and then.
+//! Progress where no terminal draws a bar, such as in a log. In: stages and their progress. Out:
+//! plain lines at growing intervals.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -6,10 +7,10 @@ use std::time::{Duration, Instant};
 
 use indicatif::HumanCount;
 
-/// When the first line comes; the next ones at growing intervals.
+/// Time of the first line; the next lines follow at growing intervals.
 pub const FIRST_LINE: Duration = Duration::from_secs(10);
 
-/// Stages under way, and the thread that tells of them.
+/// Stages under way, and the thread that prints their progress.
 pub struct ProgressLines {
     shared: Arc<Shared>,
     teller: Option<JoinHandle<()>>,
@@ -23,7 +24,7 @@ struct Shared {
 
 #[derive(Default)]
 struct State {
-    /// The newest last.
+    /// Stages under way, the newest last.
     stages: Vec<StageUnderWay>,
     ended: bool,
 }
@@ -37,13 +38,14 @@ struct StageUnderWay {
 
 impl Shared {
     fn state(&self) -> MutexGuard<'_, State> {
-        // What a thread left that ended badly is still a count.
+        // A thread that panicked leaves a usable count.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl ProgressLines {
-    /// Lines are due `first` after `start`, and then as [`next_after`] says; `tell` gets them.
+    /// Starts the thread. Lines are due `first` after `start`, and then as [`next_after`] says;
+    /// `tell` prints them.
     pub fn new(start: Instant, first: Duration, tell: impl Fn(&str) + Send + 'static) -> Self {
         let shared = Arc::new(Shared::default());
         let seen = Arc::clone(&shared);
@@ -89,24 +91,24 @@ impl Drop for ProgressLines {
         self.shared.state().ended = true;
         self.shared.wake.notify_all();
         if let Some(teller) = self.teller.take() {
-            // It can only have ended badly while it told something.
+            // The thread can only have panicked while it printed.
             let _ = teller.join();
         }
     }
 }
 
-/// The first time after `passed` at which a line is due: with `first` 10 s after 10, 40, 70, 100, 130, 162 s and so on, a quarter longer
-/// each time.
+/// Returns the first time after `passed` at which a line is due. With `first` of 10 s lines are due
+/// after 10, 40, 70, 100, 130, 162 s and so on, a quarter longer each time.
 fn next_after(passed: Duration, first: Duration) -> Duration {
     let mut due = first;
-    // Growing intervals: a year has 60 of them.
+    // The intervals grow, so the loop is short: a year has 60 of them.
     while due <= passed {
         due += (3 * first).max(due / 4);
     }
     due
 }
 
-/// What is said of a stage.
+/// Words the progress of a stage.
 fn line(name: &str, items: Option<u64>, done: u64, passed: Duration) -> String {
     let Some(items) = items.filter(|items| *items > 0) else {
         return format!("{name}: {} so far", HumanCount(done));
@@ -120,7 +122,7 @@ fn line(name: &str, items: Option<u64>, done: u64, passed: Duration) -> String {
     format!("{name}: {:.0} % ({} of {}){left}", percent.floor(), HumanCount(done), HumanCount(items))
 }
 
-/// A duration as one digit or two say it.
+/// Words a duration with one or two digits.
 fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 90.0 => format!("{:.0} s", (s / 10.0).ceil() * 10.0),
@@ -134,7 +136,8 @@ mod tests {
     use super::*;
     use std::sync::mpsc;
 
-    /// 12,000 of 35,000 after 62 s are 34 % and two minutes to go; what has no end or has not begun is counted alone.
+    /// 12,000 of 35,000 after 62 s are 34 % and two minutes to go. A stage without an end, or with
+    /// nothing done yet, gets its count alone.
     #[test]
     fn lines() {
         let after = |s| Duration::from_secs(s);
@@ -146,7 +149,7 @@ mod tests {
         assert_eq!([31.0, 600.0, 9000.0].map(duration), ["40 s", "10 min", "2 h"]);
     }
 
-    /// Lines come after 10 and 40 s, every 30 s at first; in a day there are 35 of them at most.
+    /// Lines come after 10 and 40 s, every 30 s at first; a day has at most 35.
     #[test]
     fn intervals_grow() {
         let (first, mut at, mut times) = (Duration::from_secs(10), Duration::ZERO, Vec::new());
@@ -159,7 +162,8 @@ mod tests {
         assert!(times.array_windows().all(|[a, b]| b - a >= 30));
     }
 
-    /// A stage of 8 items of which 2 are done is told of with these numbers, the newest of two first; none is told of once it has ended.
+    /// A stage of 8 items of which 2 are done is printed with these numbers, the newest of two
+    /// first; no line is printed once it has ended.
     #[test]
     fn stages_are_told_of() {
         let (sender, lines) = mpsc::channel();

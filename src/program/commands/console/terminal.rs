@@ -1,5 +1,6 @@
-//! What a person sees of long work: a bar on a terminal, a line now and then elsewhere, nothing with `--quiet`; warnings on standard error,
-//! and Ctrl-C as the wish to stop.
+//! The observer of commands. In: stages, messages. Out: a progress bar on a terminal, a line now
+//! and then elsewhere, nothing with `--quiet`; warnings on standard error; Ctrl-C as a request to
+//! stop.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -15,23 +16,23 @@ use super::voice::{aside, is_quiet, note, remark, remark_aside, warn};
 use crate::cli::worded_text;
 use heliotile_core::observer::Observer;
 
-/// The observer of every command.
+/// Observer of every command.
 pub struct Terminal {
     progress: Progress,
-    /// Of work that can go on later: while it lives, Ctrl-C is a request.
+    /// Guard for work that can be resumed: while it lives, Ctrl-C is a request to stop.
     _watch: Option<Watch>,
-    /// Whether standard output is a table, beside which reports go to standard error.
+    /// True if standard output is a table, so that reports go to standard error.
     is_beside_table: bool,
 }
 
 enum Progress {
     Bars(Mutex<HashMap<&'static str, ProgressBar>>),
-    /// Once the first stage began.
+    /// Plain lines; the thread starts with the first stage.
     Lines(OnceLock<ProgressLines>),
     Nothing,
 }
 
-/// When the command began, near enough: lines of progress count from there.
+/// Time when the command began, approximately: lines of progress count from here.
 static START: LazyLock<Instant> = LazyLock::new(Instant::now);
 
 impl Default for Terminal {
@@ -47,12 +48,13 @@ impl Default for Terminal {
 }
 
 impl Terminal {
-    /// The observer of work that Ctrl-C stops where it can go on later.
+    /// Returns the observer of work that Ctrl-C stops where it can be resumed.
     pub fn watching() -> Self {
         Terminal { _watch: Some(interrupt::watch()), ..Terminal::default() }
     }
 
-    /// The observer of work that Ctrl-C stops, of a command whose standard output may be a table.
+    /// Returns the observer of work that Ctrl-C stops, for a command whose standard output may be a
+    /// table.
     pub fn watching_beside_table() -> Self {
         Terminal { is_beside_table: true, ..Terminal::watching() }
     }
@@ -61,7 +63,7 @@ impl Terminal {
 fn locked<'a>(
     bars: &'a Mutex<HashMap<&'static str, ProgressBar>>,
 ) -> MutexGuard<'a, HashMap<&'static str, ProgressBar>> {
-    // A bar of a thread that ended badly is still a bar.
+    // A thread that panicked leaves usable bars.
     bars.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -110,7 +112,7 @@ impl Observer for Terminal {
             remark_aside(text);
             return;
         }
-        // A reader of standard output that went away ends no work.
+        // A closed standard output does not end the work.
         let _ = remark(text);
     }
 
@@ -119,7 +121,7 @@ impl Observer for Terminal {
     }
 }
 
-/// A bar over `total` items named `what`; `None` counts without an end.
+/// Returns a bar over `total` items named `what`; `None` counts without an end.
 fn bar(what: &'static str, total: Option<u64>) -> ProgressBar {
     let template = match total {
         Some(_) => "{prefix:>10} [{bar:30}] {human_pos}/{human_len} {rate} {eta} left",
@@ -129,7 +131,7 @@ fn bar(what: &'static str, total: Option<u64>) -> ProgressBar {
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style.with_key("rate", |state: &ProgressState, out: &mut dyn Write| {
             let per_s = state.per_sec();
-            // Three digits at least, no more than a person reads.
+            // Three digits at least, and no more than a person reads.
             let decimals = if per_s < 10.0 { 2 } else { 0 };
             let _ = write!(out, "{per_s:.decimals$}/s");
         }));

@@ -1,5 +1,5 @@
-//! What a file is by its first bytes and, where these do not say it, by its name. In: a file. Out: a kind that is certain, or none: then
-//! its reader decides.
+//! Kind of a file, from its first bytes and, where these do not tell, from its name. In: a file.
+//! Out: a kind that is certain, or none: then its reader decides.
 
 use std::fs::File;
 use std::io::Read;
@@ -9,7 +9,7 @@ use heliotile_core::archive::format;
 use heliotile_core::error::{Error, Result};
 use heliotile_scene::format_of_name;
 
-/// What a command takes a file for.
+/// Kind of file that a command expects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wanted {
     Scene,
@@ -18,29 +18,29 @@ pub enum Wanted {
     Weather,
     Receivers,
     Conditions,
-    /// Whatever it is, its reader decides.
+    /// Any file; its reader decides.
     Other,
 }
 
-/// What a file certainly is.
+/// Kind that a file certainly is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Archive,
-    /// Of this format.
+    /// A weather file, with its format.
     Weather(&'static str),
-    /// Of this format.
+    /// A scene, with its format.
     Scene(&'static str),
     Receivers,
     Conditions,
-    /// A table that the program wrote.
+    /// A table that heliotile wrote.
     Results,
 }
 
-/// This much of a file says what it is.
+/// Number of first bytes that are read.
 const HEAD: u64 = 4096;
 
 impl Wanted {
-    /// Refuses a file that is certainly something else, with what to do with it.
+    /// Refuses a file that is certainly something else, with a hint what to do with it.
     pub fn check(self, path: &Path) -> Result<()> {
         let Some(kind) = kind_of(path) else { return Ok(()) };
         let good = matches!(
@@ -110,10 +110,10 @@ impl Kind {
 
 fn kind_of(path: &Path) -> Option<Kind> {
     let mut head = Vec::new();
-    // A pipe would lose what is read here.
+    // Only regular files are read: a pipe would lose the bytes that are read here.
     let file = File::open(path).ok().filter(|file| file.metadata().is_ok_and(|about| about.is_file()))?;
     file.take(HEAD).read_to_end(&mut head).ok()?;
-    // Formats of text can begin with anything.
+    // The content alone cannot tell text formats such as OBJ apart, so the name counts, too.
     by_content(&head).or_else(|| format_of_name(path).map(Kind::Scene))
 }
 
@@ -154,7 +154,7 @@ fn by_content(head: &[u8]) -> Option<Kind> {
 mod tests {
     use super::*;
 
-    /// Of 11 beginnings each is taken for what it is, or for nothing where that is not certain.
+    /// Each of 11 beginnings is taken for its kind, or for nothing where that is not certain.
     #[test]
     fn beginnings() {
         for (head, kind) in [

@@ -1,5 +1,6 @@
-//! What is looked at before a command begins its work. In: a command line. Out: a refusal where a file that it reads is not there or is of
-//! another kind, or a file that it writes has a wrong ending or no folder: at once, not after an hour.
+//! Checks before a command begins its work. In: a command line. Out: a refusal if a file to read is
+//! not there or is of another kind, or a file to write has a wrong extension or no folder: at once,
+//! not after an hour.
 
 mod kind;
 
@@ -19,29 +20,29 @@ use heliotile_results::outputs::tables::format::Format;
 use heliotile_scene::input;
 use kind::Wanted;
 
-/// What is written.
+/// Kind of output.
 enum Written {
     Archive,
-    /// In a format by its ending.
+    /// A table, in the format of its extension.
     Table,
-    /// A table or a map, likewise.
+    /// A table or a map, in the format of its extension.
     Results {
         geo: bool,
     },
-    /// A table that is CSV.
+    /// A table as CSV.
     Csv,
-    /// Any other file, whose command looks at the ending.
+    /// Any other file, whose command checks the extension.
     File,
     Folder,
 }
 
-/// Refuses what cannot work.
+/// Refuses a command line whose files cannot work.
 pub fn check(command: &Command) -> Result<()> {
     let mut files = Files::default();
     files.collect(command);
     files.outputs.iter().try_for_each(|(path, written)| check_output(path, written))?;
     files.inputs.iter().try_for_each(|(path, wanted)| match wanted {
-        // Whoever opens it finds out.
+        // The reader of an address checks it when it opens it.
         Wanted::Archive | Wanted::SceneOrArchive if is_address(path) => Ok(()),
         _ => {
             require_file(path, "only archives are read from there")?;
@@ -92,7 +93,7 @@ impl<'a> Files<'a> {
                 self.read_if(&args.along, Wanted::Other);
             }
             Command::Build(args) => {
-                // What is an atlas is seen when it is read.
+                // An atlas is recognised when it is read.
                 if args.part.is_none() {
                     self.scene(&args.scene);
                     self.read_if(&args.from, Wanted::Archive);
@@ -236,7 +237,7 @@ impl<'a> Files<'a> {
             },
             Command::Man(args) => self.write(&args.output, Written::Folder),
             Command::Catalogue(args) => self.read(&args.atlas, Wanted::Other),
-            // What is an atlas is seen when it is read.
+            // An atlas is recognised when it is read.
             Command::Find(_) | Command::Store(_) | Command::Completions(_) | Command::Rules(_) => {}
         }
     }
@@ -296,7 +297,7 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
     match written {
         Written::Archive => check_archive_name(path)?,
         Written::Table => drop(Format::of(path)?),
-        // `replay` says what else it takes.
+        // `replay` names the other formats that it writes.
         Written::Results { .. } if is_city_model(path) => {}
         Written::Results { geo } => drop(ResultFormat::of(path, *geo)?),
         Written::Csv => check_name(path)?,
@@ -308,7 +309,7 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
             let what = "is a file, and the output is a folder";
             return Err(Error::input(path, None, what, "give the folder a name of its own"));
         }
-        // It is made with those above it.
+        // The folder is made together with its parents.
         Written::Folder => return Ok(()),
         Written::File => {}
     }
@@ -323,13 +324,13 @@ fn check_output(path: &Path, written: &Written) -> Result<()> {
     Err(Error::input(path, None, what, hint))
 }
 
-/// Endings that no folder is meant to have.
+/// Extensions that no folder is meant to have.
 const FILES: [&str; 19] = [
     "helio", "csv", "parquet", "arrow", "feather", "npy", "npz", "json", "geojson", "gpkg", "ply", "obj", "epw",
     "toml", "png", "exr", "svg", "html", "txt",
 ];
 
-/// Ending of an output's name, in small letters: one that is packed is none.
+/// Returns the extension of an output's name, in small letters.
 fn ending(path: &Path) -> String {
     path.extension().map_or(String::new(), |ending| ending.to_string_lossy().to_lowercase())
 }

@@ -1,5 +1,5 @@
-//! Studies: what the paper measured, done again with this program. In: what to vary. Out: tables and pictures. They trace scenes of their
-//! own and touch no archive.
+//! Studies: the measurements of the paper, repeated with this program. In: parameters to vary. Out:
+//! tables and pictures. Studies trace scenes of their own and use no archive.
 
 mod wall;
 

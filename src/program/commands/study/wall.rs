@@ -1,4 +1,5 @@
-//! The paper's Fig. 5: a wall, rays of several maps -> form factors beside the closed form, as a table and two pictures.
+//! Fig. 5 of the paper. In: a wall, rays of several maps of the hemisphere. Out: form factors
+//! beside the closed form, as a table and two pictures.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -20,14 +21,14 @@ use heliotile_results::outputs::pictures::plot::{Axis, Plot, Series, Style};
 use heliotile_results::outputs::sink::write_texts;
 use heliotile_scene::Scene;
 
-/// Edge of the wall, and of the receiver over which points are spread, metres.
+/// Edges of the wall, and of the receiver over which points are spread, metres.
 const WALL_M: f64 = 10.0;
 const RECEIVER_M: f64 = 1.0;
 
-/// What is written.
+/// File names of the results.
 const NAMES: [&str; 3] = ["wall.csv", "wall.svg", "wall_error.svg"];
 
-/// Pixels of the pictures.
+/// Size of the pictures, pixels.
 const PICTURE: (u32, u32) = (720, 440);
 
 /// One row of the table.
@@ -57,7 +58,7 @@ pub fn run(args: &WallArgs) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// A wall at one distance, ready for rays.
+/// A wall at one distance, with its tracer.
 struct Faced {
     wall: Wall,
     tracer: Tracer,
@@ -70,14 +71,14 @@ impl Faced {
         Ok(Faced { wall, tracer: Tracer::new(&scene.mesh)? })
     }
 
-    /// From a point (x, z) of the receiver.
+    /// Traces the form factor from a point (x, z) of the receiver.
     fn form_factor(&self, point: DVec2, rays: &[MappedRay]) -> f64 {
         let position = DVec3::new(point.x, 0.0, point.y);
         Viewpoint { position, normal: DVec3::Y }.form_factor(rays, &self.tracer)
     }
 }
 
-/// Form factors by every map and number of rays at every distance, in this order.
+/// Computes form factors by every map and number of rays at every distance, in this order.
 fn rows(args: &WallArgs) -> Result<Vec<Row>> {
     let walls: Vec<Faced> = args.distances.0.iter().map(|d| Faced::new(*d)).collect::<Result<_>>()?;
     let points = spread(args.points);
@@ -95,20 +96,21 @@ fn rows(args: &WallArgs) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// Points evenly over the receiver, x and z in metres, a single one in its middle: steps of the golden ratio (Niederreiter, "Random Number
-/// Generation and Quasi-Monte Carlo Methods", 1992, multiples of irrational numbers), good for any number of points.
+/// Returns points spread evenly over the receiver, x and z in metres, a single one in its middle:
+/// steps of the golden ratio (Niederreiter, "Random Number Generation and Quasi-Monte Carlo
+/// Methods", 1992, multiples of irrational numbers), good for any number of points.
 fn spread(points: u32) -> Vec<DVec2> {
     let golden = (5_f64.sqrt() - 1.0) / 2.0;
     let place = |i: u32| DVec2::new((f64::from(i) + 0.5) / f64::from(points), (0.5 + f64::from(i) * golden).fract());
     (0..points).map(|i| (place(i) - 0.5) * RECEIVER_M).collect()
 }
 
-/// The rows of a map and a number of rays.
+/// Returns the rows of a map and a number of rays.
 fn of(rows: &[Row], mapping: HemisphereMapping, rays: RaySquare) -> impl Iterator<Item = &Row> {
     rows.iter().filter(move |row| row.mapping == mapping && row.rays == rays)
 }
 
-/// Mean over the distances of what is made of the error, percent.
+/// Returns the mean over the distances of `of_error` of the error in percent.
 fn mean_error(rows: &[Row], mapping: HemisphereMapping, rays: RaySquare, of_error: fn(f64) -> f64) -> f64 {
     let (sum, count) =
         of(rows, mapping, rays).fold((0.0, 0.0), |(s, n), row| (s + of_error(row.error_percent()), n + 1.0));
@@ -126,7 +128,7 @@ fn table(rows: &[Row], points: u32) -> String {
     text
 }
 
-/// Form factor against distance: the middle number of rays, and the closed form.
+/// Plots the form factor against distance: the middle number of rays, and the closed form.
 fn curves(rows: &[Row], args: &WallArgs) -> Plot {
     let sorted = sorted(args);
     let rays = sorted[sorted.len() / 2];
@@ -150,7 +152,7 @@ fn curves(rows: &[Row], args: &WallArgs) -> Plot {
     }
 }
 
-/// Mean error against rays, one line a map.
+/// Plots the mean error against the number of rays, one line a map.
 fn errors(rows: &[Row], args: &WallArgs) -> Plot {
     let by_map = |mapping: HemisphereMapping| {
         let point = |rays: RaySquare| (rays.count() as f64, mean_error(rows, mapping, rays, f64::abs));
@@ -164,12 +166,12 @@ fn errors(rows: &[Row], args: &WallArgs) -> Plot {
     }
 }
 
-/// Maps, each once.
+/// Returns the maps to use, each once.
 fn maps(args: &WallArgs) -> Vec<HemisphereMapping> {
     HemisphereMapping::ALL.into_iter().filter(|mapping| args.mapping.contains(mapping)).collect()
 }
 
-/// Numbers of rays, rising, each once.
+/// Returns the numbers of rays, ascending, each once.
 fn sorted(args: &WallArgs) -> Vec<RaySquare> {
     let mut rays = args.rays.clone();
     rays.sort_unstable();
@@ -177,7 +179,7 @@ fn sorted(args: &WallArgs) -> Vec<RaySquare> {
     rays
 }
 
-/// The short table: a line a number of rays, a column a map.
+/// Returns the short table: a line for each number of rays, a column for each map.
 fn report(rows: &[Row], args: &WallArgs) -> String {
     let (near, far) = rows
         .iter()

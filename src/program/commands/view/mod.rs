@@ -1,4 +1,5 @@
-//! `heliotile view`: an archive, two of them, or the parts of an atlas in the browser. In: archives, weather. Out: a page on an address of this machine, until Ctrl-C.
+//! `heliotile view`: an archive, two of them, or the parts of an atlas in the browser. In:
+//! archives, weather. Out: a page on an address of this machine, until Ctrl-C.
 
 mod server;
 
@@ -23,12 +24,12 @@ use heliotile_scene::input;
 use heliotile_scene::input::weather::read_weather_as;
 use server::{Served, ServedArchive, serve};
 
-/// Where the page is, unless something else is there already.
+/// Default port of the page; if it is taken, any free port is used.
 const PORT: u16 = 8017;
 
 /// `heliotile view`.
 pub fn run(args: &ViewArgs) -> Result<Outcome> {
-    // The first is what is seen first; whatever it holds, the others are opened by the page.
+    // The first archive is shown first; the page itself opens the others.
     let (parts, first) = match Atlas::find(&args.archive)? {
         Some(atlas) if atlas.folder.is_remote() => {
             let hint =
@@ -89,7 +90,8 @@ pub fn run(args: &ViewArgs) -> Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// How the archive at a place is served, whose file is at `path` unless it is an address.
+/// Returns the way to serve the archive at a place; `path` is its file unless the place is an
+/// address.
 fn served(place: &Path, path: &Path) -> Result<ServedArchive> {
     Ok(match is_address(place) {
         true => ServedArchive::Held(hold(place)?.into()),
@@ -97,7 +99,7 @@ fn served(place: &Path, path: &Path) -> Result<ServedArchive> {
     })
 }
 
-/// The port that was asked for, or the usual one, or any.
+/// Listens on the given port, or on the default one, or on any free one.
 fn listen(port: Option<u16>) -> Result<TcpListener> {
     let bind = |port| TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
     match port {

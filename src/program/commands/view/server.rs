@@ -1,4 +1,5 @@
-//! The page and its files on an address of this machine. In: a listener, what is served. Out: answers to browsers of this machine, for ever.
+//! The web server of the page. In: a listener, the files to serve. Out: answers to browsers of this
+//! machine, until the process ends.
 
 use std::collections::HashMap;
 use std::net::TcpListener;
@@ -19,37 +20,38 @@ use heliotile_atlas::page::PARTS;
 use heliotile_core::archive::ReadAt;
 use heliotile_core::error::{Error, Result};
 
-/// Addresses of the page's files, relative to it.
+/// Addresses of the archive, of the one after a change and of the weather, relative to the page.
 pub const ARCHIVE: &str = "site.helio";
 pub const AFTER: &str = "after.helio";
 pub const WEATHER: &str = "weather";
 
-/// Bytes of one answer, of what is passed on.
+/// Largest answer that is passed on from a remote archive, bytes.
 const MOST: u64 = 16 << 20;
 
-/// What is served; everything else is not found.
+/// Contents of the server; every other address is not found.
 pub struct Served {
     pub page: String,
-    /// The page packed by gzip, for browsers that take it.
+    /// The page compressed by gzip, for browsers that accept it.
     pub packed_page: Vec<u8>,
     pub archive: ServedArchive,
-    /// What it is compared with.
+    /// Archive after the change, for comparison.
     pub after: Option<ServedArchive>,
     pub weather: Option<Vec<u8>>,
 }
 
-/// The archive's bytes.
+/// Source of the archive's bytes.
 pub enum ServedArchive {
-    /// In a file.
+    /// A local file.
     File(PathBuf),
-    /// From afar: the page's ranges are passed on.
+    /// A remote archive: ranges that the page requests are passed on.
     Held(Arc<dyn ReadAt>),
     /// Files of the parts of an atlas by their addresses, and the list of them.
     Parts { list: String, files: HashMap<String, PathBuf> },
 }
 
 impl ServedArchive {
-    /// With the routes to these bytes, at a name relative to the page; parts have names of their own.
+    /// Adds the routes to these bytes at a name relative to the page; parts have names of their
+    /// own.
     fn routed(self, router: Router, name: &str) -> Router {
         let at = format!("/{name}");
         match self {
@@ -98,7 +100,7 @@ fn router(served: Served, port: u16) -> Router {
     router.layer(middleware::from_fn_with_state(hosts, guard))
 }
 
-/// The file of an address that is known; no other path is looked at.
+/// Serves the file of a known address; no other path is read.
 async fn part_of(files: &HashMap<String, PathBuf>, request: Request) -> Response {
     let Some(path) = files.get(request.uri().path()) else { return StatusCode::NOT_FOUND.into_response() };
     match ServeFile::new(path).try_call(request).await {
@@ -107,7 +109,8 @@ async fn part_of(files: &HashMap<String, PathBuf>, request: Request) -> Response
     }
 }
 
-/// A range of bytes that are held elsewhere, which is what the page asks for; no part of them is larger than a few of its pages.
+/// Serves a range of a remote archive, at most [`MOST`] bytes. Requests without a range are
+/// refused.
 async fn passed_on(bytes: Arc<dyn ReadAt>, headers: HeaderMap) -> Response {
     let length = bytes.length();
     let asked = headers.get(header::RANGE).and_then(|value| value.to_str().ok());
@@ -123,7 +126,7 @@ async fn passed_on(bytes: Arc<dyn ReadAt>, headers: HeaderMap) -> Response {
             .into_response();
     };
     let count = usize::try_from(last - first + 1).unwrap_or(0);
-    // Whoever holds them may wait.
+    // Reading may wait for the network, so it runs on a blocking thread.
     let read = tokio::task::spawn_blocking(move || bytes.copy_at(first, count)).await;
     match read.map_err(std::io::Error::other).and_then(|read| read) {
         Ok(part) => {
@@ -134,7 +137,7 @@ async fn passed_on(bytes: Arc<dyn ReadAt>, headers: HeaderMap) -> Response {
     }
 }
 
-/// Whether a browser names gzip among what it unpacks, and not as what it refuses.
+/// Returns true if a browser accepts gzip.
 fn takes_gzip(headers: &HeaderMap) -> bool {
     let named = headers.get(header::ACCEPT_ENCODING).and_then(|value| value.to_str().ok()).unwrap_or_default();
     let refused = |weight: &str| weight.trim().strip_prefix("q=").is_some_and(|q| q.parse() == Ok(0.0));
@@ -144,8 +147,9 @@ fn takes_gzip(headers: &HeaderMap) -> bool {
     })
 }
 
-/// Answers only to the address that was printed: a page of elsewhere whose name leads to this machine gets nothing. What is answered is
-/// neither guessed at nor kept nor shown inside other pages.
+/// Answers only requests to the address that was printed, so that a foreign page whose host name
+/// leads to this machine gets nothing. Headers keep browsers from guessing types, caching answers
+/// and showing them inside other pages.
 async fn guard(State(hosts): State<[String; 2]>, request: Request, next: Next) -> Response {
     let host = request.headers().get(header::HOST).and_then(|host| host.to_str().ok()).unwrap_or_default();
     if !hosts.iter().any(|own| own.eq_ignore_ascii_case(host)) {
