@@ -6,7 +6,8 @@
 //! each other (a test reads the imports).
 //!
 //! ```text
-//! error units text named memory hemisphere | observer | dome | orientation | site | layers | archive | opened weather | sky | light | replay | sunlight comfort
+//! error units text named memory hemisphere | observer | dome | orientation | site | layers | archive
+//!   | opened weather | sky | light | replay | sunlight comfort
 //! ```
 //!
 //! | module | in | out |

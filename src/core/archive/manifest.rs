@@ -212,6 +212,7 @@ impl Manifest {
             return wrong(format!("tile_size {size}"), format!("1 to {MAX_TILE_RECEIVERS}"));
         }
         let (mut tiles, mut count) = (0_u32, 0_u64);
+        // Tiles are numbered from 0 without a gap.
         for entry in entries.iter().filter(|entry| entry.kind == RECEIVERS) {
             if entry.tile != TileNumber(tiles) {
                 return wrong(entry.name(), format::block_name(RECEIVERS, TileNumber(tiles)));

@@ -202,6 +202,7 @@ pub fn check_entries(path: &Path, entries: &[Entry], slot: &Slot) -> Result<()> 
             return wrong(entry, format!("{} bytes at {}", entry.stored, entry.offset), expected);
         }
     }
+    // Blocks of equal content may share their bytes; any other overlap is damage.
     let places = by_place(entries);
     for (entry, next) in places.iter().zip(places.iter().skip(1)) {
         let shared = (entry.offset, entry.stored, entry.content) == (next.offset, next.stored, next.content);

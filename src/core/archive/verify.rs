@@ -449,6 +449,7 @@ fn padding(archive: &Archive) -> Result<Vec<Problem>> {
     let mut end = 0;
     for (start, next) in slots.chain(blocks).chain(tables) {
         while end < start {
+            // A forged gap may be large, so it is read in pieces.
             let length = start.saturating_sub(end).min(FIRST_BLOCK);
             let bytes = archive.source().read(end, length)?;
             if let Some(place) = bytes.iter().position(|byte| *byte != 0) {

@@ -48,6 +48,7 @@ pub fn bracketed_root(function: impl Fn(f64) -> f64, bracket: &Bracket) -> Optio
         if best.y == 0.0 || width <= bracket.tolerance {
             return Some(best.x);
         }
+        // Half a tolerance from either end at least, so that the bracket shrinks to it.
         let least = (0.5 * bracket.tolerance / width).min(0.5);
         share = next_share(newest, opposite, former).clamp(least, 1.0 - least);
     }

@@ -62,6 +62,7 @@ pub fn pet_c(climate: &PetClimate, person: &PetPerson) -> Option<f64> {
     };
     let clothing = Clothing::of(person.clothing_clo, &body);
     let nodes = HeatBalance::new(&body, &clothing, &outdoors, MET_W * person.activity_met).nodes()?;
+    // The room keeps the temperatures of core, skin and clothing of the real climate.
     let room_clothing = Clothing::of(ROOM_CLOTHING_CLO, &body);
     let convection_w_m2_k = body.convection_w_m2_k(ROOM_WIND_M_S, relative_pressure);
     let sum_in_room_w_m2 = |room_c| {

@@ -411,6 +411,7 @@ impl SixPlanes<OnPlane> {
         let constant = 0.25 * of_sides.iter().map(|side| side.constant).sum::<f64>();
         let by_up = 0.25 * of_sides.iter().map(|side| side.by_up).sum::<f64>();
         let up = &self.up;
+        // Share of a change of the upper plane that returns to it by ground and obstructions.
         let kept = up.by_ground + up.by_obstruction * by_up;
         let up_changes = (up.w_m2 - planes.up + up.by_obstruction * constant) / (1.0 - kept).max(LEAST_LOSS);
         let sides_change = constant + by_up * up_changes;

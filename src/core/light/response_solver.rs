@@ -109,6 +109,7 @@ impl ResponseSolver {
     /// Returns the responses of all receivers of some tiles: `[tile][state][receiver]`.
     /// Neighbouring tiles share cells and so take less time.
     pub fn derive(&self, tables: &Tables, tiles: &[TileView]) -> Result<Vec<Vec<Vec<Response>>>> {
+        // A group that does not fit the memory is halved; a single tile is always solved.
         let Some(group) = self.group(tables, tiles)? else {
             let (first, second) = tiles.split_at(tiles.len() / 2);
             let mut responses = self.derive(tables, first)?;
@@ -147,6 +148,7 @@ impl ResponseSolver {
         let first_only = self.rules.depth == MaxBounces::Count(1);
         let mut known = CellSet::default();
         let mut fine: Vec<Cells> = Vec::new();
+        // A wave holds the cells that the wave before sees. Closed cells end it: they are solved.
         let mut wave: Vec<CellKey> = if first_only { Vec::new() } else { probes.reached().collect() };
         while !wave.is_empty() {
             wave.retain(|key| known.insert(*key) && !self.rules.closes(key));
@@ -168,6 +170,7 @@ impl ResponseSolver {
             .map(|i| surround(probes.keys[i], probes.normals[i], probes.bits_of(i), &self.centres))
             .collect();
         let mut keys: Vec<CellKey> = known.into_iter().collect();
+        // Coarser cells come first, because finer cells follow from them.
         keys.sort_unstable_by(|a, b| b.level.cmp(&a.level).then_with(|| a.cmp(b)));
         let places = keys.iter().zip(0..).map(|(&key, i)| (key, i)).collect();
         let find = |key: &CellKey| {

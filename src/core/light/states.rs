@@ -70,8 +70,10 @@ impl States {
             schedules.iter().any(of_canopy) && powers_off(&chebyshev(values, nodes)) > MOST_OFF
         };
         let any_steep = |nodes| series.iter().any(|values| steep(values, nodes));
+        // Powers of transmittances that bend too much for the few nodes take the finer ones.
         let nodes = NODES[usize::from(finer || any_steep(NODES[0]))];
         let count = nodes.checked_pow(series.len() as u32).filter(|count| *count <= MOST && !any_steep(nodes));
+        // Interpolation pays only if it needs fewer states than there are sets of values.
         let Some(count) = count.filter(|count| *count < distinct.reflectances.len()) else {
             let found = distinct.reflectances.len();
             if found > MOST && any_steep(nodes) {

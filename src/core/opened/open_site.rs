@@ -109,7 +109,7 @@ impl<'a> OpenSite<'a> {
         self
     }
 
-    /// The site with the values that its materials have in `band`.
+    /// Returns the site with the values that its materials have in `band`.
     #[must_use]
     pub fn in_band(&self, band: Band) -> Self {
         let materials: Vec<Material> = self.materials().iter().map(|material| material.in_band(band)).collect();

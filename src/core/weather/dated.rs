@@ -40,6 +40,7 @@ impl DatedRows {
         let at = |date: Date| Date::new(year, date.month, date.day);
         let moved: Vec<Interval> =
             rows.iter().map(|row| Interval { date: at(row.date).unwrap_or(row.date), ..*row }).collect();
+        // In a file of several years the span chooses by these; else it names the new year.
         let several = Years::of(rows.iter().map(|row| row.date)) == Years::Several;
         let mut chosen = span.rows_of(if several { rows } else { &moved }, file)?;
         let taken = || rows.iter().zip(&chosen).filter_map(|(row, chosen)| chosen.then_some(row.date));

@@ -133,6 +133,7 @@ impl NamesTable {
             }
             let utf8 = std::str::from_utf8(&name).map_err(|_| flaw("a name that is no UTF-8", "text"))?;
             let found = NameRow { of: *of, name: utf8.to_owned(), tile };
+            // Look-ups bisect the rows, so they must ascend strictly.
             if names.last().is_some_and(|last| *last >= found) {
                 return Err(flaw("a name after one that belongs behind it", "names in order"));
             }

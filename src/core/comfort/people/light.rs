@@ -47,6 +47,8 @@ impl PersonLight {
                 SunOnPerson::Box => mean_radiant_temperature_c(&field, &model.body),
                 SunOnPerson::Cylinder => {
                     let direct = at_hour(&self.direct, hour);
+                    // The cylinder takes direct sun by its altitude, so the planes keep the rest
+                    // only.
                     let diffuse = shortwave.less(&direct).into();
                     let field = RadiationField { shortwave: diffuse, ..field };
                     mean_radiant_temperature_of_cylinder_c(&field, &sun_of(&direct), &model.body)

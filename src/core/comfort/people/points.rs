@@ -81,6 +81,7 @@ impl PersonPoints {
             let SixPlanes { up, down, sides: [north, east, south, west] } = planes;
             points.planes.push([up, down, north, east, south, west].map(|plane| plane.place));
         }
+        // Planes that are left belong to no receiver that faces up.
         match found.into_keys().min() {
             Some(point) => Err(format!("point `{point}` has no receiver `{point}` that looks up")),
             None => Ok(points),

@@ -165,6 +165,7 @@ impl OrderFinder {
         self.seen = true;
         self.dotted &= numbers.separator == '.';
         let mut changed = false;
+        // In the right order days follow each other; in the wrong one they jump.
         for (place, order) in ORDERS.into_iter().enumerate() {
             let Some(date) = numbers.date(Some(order)) else {
                 self.can[place] = false;

@@ -115,6 +115,7 @@ fn of_digits(text: &str) -> Option<StampText> {
         let seconds = text.parse::<i64>().ok()?.div_euclid(per_second);
         Some(StampText { seconds, zone_hours: Some(0.0), ends_day: false, has_time: true })
     };
+    // Digits that make a date from 1900 to 2099 are more likely one than a count of seconds.
     dated().or_else(counted)
 }
 

@@ -162,6 +162,7 @@ fn judged_row(raw: &RawRow, site: &Location) -> (WeatherRow, Vec<Finding>) {
             findings.push(Finding::AboveExtraterrestrial);
         }
     }
+    // Only values of the file are compared: computed ones fit by construction.
     if let (Some(ghi), Some(dhi)) = (raw.ghi, raw.dhi)
         && dhi > SMALLEST_JUDGED_DHI_W_M2
         && dhi > LARGEST_DIFFUSE_RATIO * ghi

@@ -50,6 +50,7 @@ impl Station {
         let mut latitude = options.latitude_deg.or(self.latitude_deg);
         let mut longitude = options.longitude_deg.or(self.longitude_deg);
         let mut note = None;
+        // A latitude of the file with a longitude of the scene would be a third place.
         if latitude.is_none()
             && longitude.is_none()
             && let Some(Place { latitude_deg, longitude_deg, .. }) = scene()?

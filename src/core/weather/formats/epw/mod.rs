@@ -74,6 +74,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
         if let Some(before) = raw.last()
             && !before.is_followed_by(&row)
         {
+            // Each further period that the header states may start after a gap.
             if gaps_left == 0 {
                 let what = format!(
                     "the row starts at {}, the row before does not end there: steps of {} min are expected",

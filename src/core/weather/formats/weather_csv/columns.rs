@@ -93,6 +93,7 @@ impl Columns {
     pub fn read(path: &Path, head: &Head, with_air: bool, warnings: &mut Vec<String>) -> Result<Self> {
         let mut find = |quantity: Quantity| match find(path, head, quantity) {
             Err(_) if quantity.is_of_air() && !with_air => Ok(None),
+            // Few replays need the ground's columns, so a bad one is only left out.
             Err(error) if quantity.is_of_ground() => {
                 let told = error.to_string().replace("\n  to fix: ", ", and it is left out: ");
                 warnings.push(told);

@@ -165,6 +165,7 @@ impl Head {
             let mut ahead = *lines;
             let Some(line) = ahead.next_plain() else { return Ok(()) };
             let cells = split(&line, self.delimiter);
+            // TOA5 has rows of units and of kinds of values below its names.
             let has_units = self.kind == Kind::Datalogger && self.lines < 4;
             if !(has_units || self.is_row_of_units(&cells)) {
                 self.first_row = cells;

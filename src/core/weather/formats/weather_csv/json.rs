@@ -45,6 +45,7 @@ pub fn table(path: &Path, bytes: &[u8]) -> Result<JsonTable> {
         Error::input(path, (error.line() > 0).then_some(error.line()), what, "the file may be cut off; fetch it again")
     })?;
     let mut head = Head::empty(path);
+    // Known services come first, because only they state units and zones in known members.
     let found = open_meteo(path, &document, &mut head)?
         .or_else(|| nasa_power(&document, &mut head))
         .or_else(|| split_table(&document))
