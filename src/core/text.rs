@@ -112,7 +112,7 @@ mod tests {
         assert_eq!((excerpt("ab\u{e9}\nd", 5), excerpt("abcde", 4)), ("ab\u{e9} d".into(), "abcd...".into()));
     }
 
-    /// Five addresses are told from 4 paths. Nine places lose user, password and signature.
+    /// Five addresses and 4 paths are told apart. Nine places lose user, password and signature.
     #[test]
     fn addresses() {
         for address in ["s3://b/a.helio", "gs://b/a", "az://c@account/a", "https://h/a", "abfs+x://c/a"] {

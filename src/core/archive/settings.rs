@@ -175,12 +175,12 @@ macro_rules! as_f64 {
 for_each_setting!(declare);
 
 impl Settings {
-    /// Returns the number of sky patches of a replay without one of its own.
+    /// Returns the default number of sky patches at replay.
     pub fn patches(&self) -> usize {
         self.patches as usize
     }
 
-    /// Returns the number of sun positions an hour of a replay without one of its own.
+    /// Returns the default number of sun positions an hour at replay.
     pub fn steps(&self) -> u16 {
         self.steps
     }

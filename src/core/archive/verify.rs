@@ -125,6 +125,7 @@ struct Site {
     orientations: u64,
     /// First keys of the chunks of probes, by the index; empty if the index cannot be read.
     probes: Vec<CellKey>,
+    /// First keys of the chunks of bounce cells, by the index; empty if the index cannot be read.
     bounces: Vec<CellKey>,
     /// Keys of all cells, for a deep check.
     keys: Option<Keys>,

@@ -10,6 +10,7 @@ const STEP_K: f64 = 1.0;
 
 /// Distance from the air temperature down to the first node, K.
 const BELOW_K: f64 = 35.0;
+/// Distance from the air temperature up to the last node, K.
 const ABOVE_K: f64 = 90.0;
 
 /// Values of an index in one hour, by mean radiant temperature.

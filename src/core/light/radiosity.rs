@@ -301,6 +301,7 @@ struct System<'a> {
     shares: Vec<Option<Vec<f32>>>,
     /// Starts of the cells' rows in `rows`.
     starts: Vec<usize>,
+    /// Rows of all cells, one after the other: (cell, weight).
     rows: Weighted<u32>,
     /// `[cell]`: light that comes by mirrors.
     lit: Vec<MirroredLight>,

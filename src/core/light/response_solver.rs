@@ -51,6 +51,7 @@ pub struct ResponseSolver {
     closed: RadiositySolution,
     /// Mean directions of the texels of the probes' sky texture.
     centres: Vec<[f32; 3]>,
+    /// Mean directions of the texels of the bounce cells' sky texture.
     bounce_centres: Vec<[f32; 3]>,
     /// `[texel of G]`: the four texels of the bounce texture and their weights.
     upsample: Vec<[(usize, f64); 4]>,

@@ -103,7 +103,7 @@ impl<'a> OpenSite<'a> {
         OpenSite { blocks, facts }
     }
 
-    /// Returns the site with y for true north, whatever its place.
+    /// Returns the site with y for true north, without the direction that its place gives.
     pub fn with_y_for_north(mut self) -> Self {
         Arc::make_mut(&mut self.facts).north = North::default();
         self

@@ -1,5 +1,4 @@
-//! Crossings: how often one ray passes leaves or screens of one material. In: nothing. Out: the
-//! type.
+//! Crossings: how often one ray passes leaves or screens of one material.
 
 /// A ray of a list and the canopy material that it passes on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

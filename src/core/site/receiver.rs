@@ -1,5 +1,4 @@
-//! Receivers: points that get irradiance, and the number of them in a tile. In: nothing. Out: the
-//! type.
+//! Receivers: points that get irradiance, and the number of them in a tile.
 
 use glam::DVec3;
 

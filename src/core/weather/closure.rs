@@ -15,7 +15,9 @@ use crate::weather::time::sun::Location;
 /// Largest shift that is tried, half a day each way, minutes: first coarsely (the residual changes
 /// over hours), then by the minute.
 const HALF_DAY_MIN: i32 = 720;
+/// Step of the coarse shifts, minutes.
 const COARSE_MIN: i32 = 30;
+/// Number of coarse shifts to either side.
 const STEPS: i32 = HALF_DAY_MIN / COARSE_MIN;
 
 /// Largest ratio of the RMSE at a tenth of a minute to that at the whole minute for which the tenth

@@ -1,4 +1,4 @@
-//! One row of a weather file, checked. In: nothing. Out: the type.
+//! One row of a weather file, checked.
 
 use glam::DVec3;
 

@@ -51,6 +51,7 @@ table!(CellsTable, [PROBES, BOUNCE]);
 
 /// Flag of a ray below the horizon.
 const DOWN: u16 = 1 << 15;
+/// Row of a ray that met nothing, in 16 bits.
 const MISS: u16 = DOWN - 1;
 
 impl CellsTable {

@@ -28,7 +28,7 @@ pub enum ComfortColumn {
 }
 
 impl ComfortColumn {
-    /// Columns of results without a choice.
+    /// Default columns of results.
     pub const USUAL: [ComfortColumn; 3] = [ComfortColumn::MeanRadiant, ComfortColumn::Utci, ComfortColumn::Pet];
 
     /// Returns true if it is an index of comfort, which depends on humidity and wind.

@@ -9,6 +9,7 @@ struct Numbers {
     values: [u32; 3],
     /// Number of digits of the first number.
     first_digits: usize,
+    /// Number of digits of the last number.
     last_digits: usize,
     separator: char,
 }

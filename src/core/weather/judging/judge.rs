@@ -22,6 +22,7 @@ const FARTHEST_CLOCK_HOURS: f64 = 3.0;
 /// Largest DHI / GHI with the sun above 3 deg and GHI above 50 W/m2. Long and Dutton, "BSRN Global
 /// Network recommended QC tests, V2.0", 2002: it stays below 1.10.
 const LARGEST_DIFFUSE_RATIO: f64 = 1.10;
+/// Least DHI to which the ratio applies, W/m2.
 const SMALLEST_JUDGED_DHI_W_M2: f64 = 50.0;
 
 /// Hours of a year that is not a leap year.

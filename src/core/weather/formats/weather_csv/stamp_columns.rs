@@ -36,8 +36,10 @@ const TIME: &[&str] = &[
 /// Names of a column of stamps at the start of intervals.
 const START: &[&str] =
     &["periodstart", "intervalstart", "starttime", "timestart", "start", "from", "begin", "hourbeginning", "startdate"];
+/// Names of a column of stamps at the end of intervals.
 const END: &[&str] =
     &["periodend", "intervalend", "endtime", "timeend", "end", "to", "hourending", "enddate", "periodending"];
+/// Names of a column of stamps in the middle of intervals.
 const MIDDLE: &[&str] =
     &["periodmid", "periodmiddle", "midtime", "timemid", "intervalmid", "periodcenter", "periodcentre"];
 
