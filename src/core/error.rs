@@ -1,5 +1,7 @@
-//! The one error type of the crate: every message says what was being done, to which file, what was found, what to do. It names fields of
-//! requests and commands in braces, as in `{every}` and `{command:verify}`; who shows it puts it into a user's words first ([`Error::in_words`]).
+//! The one error type of the crate. Every message says what was being done, to which file, what was
+//! found and what to do. A message names fields of requests and commands in braces, as in `{every}`
+//! and `{command:verify}`; the program that shows it first puts the names that its user knows in
+//! their place ([`Error::in_words`]).
 
 use std::fmt;
 use std::io;
@@ -7,10 +9,11 @@ use std::path::{Path, PathBuf};
 
 use crate::text::{Named, Words, with_fields};
 
-/// Result of everything that can fail.
+/// Result of every function that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why an operation could not be done. None of these is a panic; all of them end the program with exit code 2.
+/// Reason why an operation could not be done. Errors are never panics, and each ends the program
+/// with exit code 2.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Error {
@@ -18,34 +21,35 @@ pub enum Error {
     Input {
         /// The file, as it was named.
         file: PathBuf,
-        /// 1-based line, where the format has lines.
+        /// Line, counted from 1, where the format has lines.
         line: Option<usize>,
-        /// What was found.
+        /// Description of what was found.
         what: String,
-        /// What to do.
+        /// Advice on what to do.
         hint: String,
     },
-    /// An interrupted build lies where an archive is to be written; what can be done depends on the command.
+    /// An interrupted build lies where an archive is to be written. The possible remedies depend on
+    /// the command.
     Incomplete {
         /// The file of the interrupted build.
         partial: PathBuf,
-        /// What it is.
+        /// Description of the file.
         what: String,
-        /// What to do.
+        /// Advice on what to do.
         hint: String,
     },
-    /// Work that the user asked to stop; what was finished is kept where that is said.
+    /// The user asked for the work to stop. Finished work is kept where `what` says so.
     Stopped {
-        /// What had been done by then.
+        /// Description of what had been done by then.
         what: String,
     },
-    /// The operating system refused.
+    /// The operating system refused an operation.
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What was tried: `read`, `create`, `sync`.
+        /// The operation: `read`, `create`, `sync`.
         action: &'static str,
-        /// What the system said.
+        /// The error of the system.
         source: io::Error,
     },
     /// An archive's bytes are not what was written.
@@ -54,56 +58,57 @@ pub enum Error {
         path: PathBuf,
         /// Name of the block, such as `sky/3`, or of the part (`header`, `directory`, `manifest`).
         block: String,
-        /// Where that starts in the file, bytes.
+        /// Offset in the file where the block or part starts, bytes.
         offset: u64,
-        /// What was found.
+        /// Description of what was found.
         got: String,
-        /// What stands there in a good archive.
+        /// Description of what stands there in a good archive.
         expected: String,
-        /// What to do.
+        /// Advice on what to do.
         hint: Box<str>,
     },
-    /// What is read is another one than when it was opened; nothing of both was mixed.
+    /// The archive has changed since it was opened. Data of the two versions were not mixed.
     SourceChanged {
         /// The archive.
         path: PathBuf,
-        /// How that showed.
+        /// Description of the sign of the change.
         what: String,
     },
-    /// Blocks that are each as they were written do not fit together: what was checked when they were read does not hold.
+    /// Blocks that are intact each by itself do not fit together: an invariant that was checked
+    /// when they were read does not hold.
     Defect {
         /// The archive.
         path: PathBuf,
-        /// Name of the block that says something of another, such as `probes/3`.
+        /// Name of the block with the broken reference, such as `probes/3`.
         block: String,
-        /// Its part.
+        /// Field of the block.
         field: &'static str,
-        /// What does not hold.
+        /// Description of what does not hold.
         what: String,
-        /// What to do.
+        /// Advice on what to do.
         hint: Box<str>,
     },
     /// A field of a request has a value that cannot be used.
     Argument {
-        /// The field, `set`, or several: `latitude, longitude`.
+        /// Name of the field, such as `set`, or several: `latitude, longitude`.
         argument: String,
-        /// What is wrong with it.
+        /// Description of what is wrong with the value.
         what: String,
-        /// What to do.
+        /// Advice on what to do.
         hint: String,
     },
     /// The file or the request is valid, but this release cannot do it.
     Unsupported {
-        /// What was being done, to which file.
+        /// Description of what was being done, to which file.
         what: String,
-        /// What was found.
+        /// Description of what was found.
         found: String,
-        /// What this release can do.
+        /// Description of what this release supports.
         supported: String,
     },
     /// A number is beyond a stated limit.
     Limit {
-        /// What the number counts.
+        /// Description of what the number counts.
         what: String,
         /// The number.
         value: u64,
@@ -113,7 +118,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// An error in a line of an input file.
+    /// Returns the error of a line of an input file.
     pub fn input(
         file: &Path,
         line: impl Into<Option<usize>>,
@@ -123,7 +128,8 @@ impl Error {
         Error::Input { file: file.to_path_buf(), line: line.into(), what: what.into(), hint: hint.into() }
     }
 
-    /// Bytes of a block, or of another part of an archive, that are not those that were written.
+    /// Returns the error of a block, or of another part of an archive, whose bytes are not those
+    /// that were written.
     pub fn corrupt(
         path: &Path,
         block: impl Into<String>,
@@ -139,7 +145,7 @@ impl Error {
         Error::Corrupt { path, block, offset, got: got.into(), expected: expected.into(), hint }
     }
 
-    /// A broken invariant of a block.
+    /// Returns the error of a broken invariant of a block.
     pub fn defect(path: &Path, block: impl Into<String>, field: &'static str, what: impl Into<String>) -> Self {
         let hint = format!(
             "run `{{command:verify_deep}} {}`; if it finds nothing, report this defect with the archive's root",
@@ -148,12 +154,13 @@ impl Error {
         Error::Defect { path: path.to_path_buf(), block: block.into(), field, what: what.into(), hint: hint.into() }
     }
 
-    /// A wrong value of a field of a request.
+    /// Returns the error of a wrong value of a field of a request.
     pub fn argument(argument: impl Into<String>, what: impl Into<String>, hint: impl Into<String>) -> Self {
         Error::Argument { argument: argument.into(), what: what.into(), hint: hint.into() }
     }
 
-    /// The error with the names that a user knows, of fields of requests and of commands, which its texts hold in braces, as in `{every}`.
+    /// Returns the error with the user's names in place of the names in braces, such as `{every}`,
+    /// of request fields and commands.
     pub fn in_words(self, words: &Words) -> Self {
         let text = |text: String| with_fields(&text, words);
         let field = |field: &str| words(Named::Field(field)).unwrap_or_else(|| field.to_owned());
@@ -178,7 +185,7 @@ impl Error {
             }
             Error::Io { path, action, source } => {
                 let kind = source.kind();
-                // Who holds bytes from afar says more of them.
+                // The inner error, from a remote reader for example, has braces of its own to fill.
                 let source = source.downcast::<Error>().map(|inner| io::Error::new(kind, inner.in_words(words)));
                 Error::Io { path, action, source: source.unwrap_or_else(|source| source) }
             }
@@ -186,7 +193,8 @@ impl Error {
         }
     }
 
-    /// What the command that runs offers where an interrupted build lies.
+    /// Replaces the hint of [`Error::Incomplete`] by the advice of the command that runs; other
+    /// errors stay.
     pub fn advise(self, advice: &str) -> Self {
         match self {
             Error::Incomplete { partial, what, .. } => Error::Incomplete { partial, what, hint: advice.to_string() },
@@ -194,12 +202,13 @@ impl Error {
         }
     }
 
-    /// Bytes that could not be read, for `map_err`; who holds them from afar may know more of it than a file system does.
+    /// Returns a function for `map_err` on reads. It unpacks an [`Error`] that a remote reader put
+    /// into the I/O error, because that error tells more than a file system does.
     pub fn unread(path: &Path) -> impl FnOnce(io::Error) -> Self + '_ {
         move |error| error.downcast::<Error>().unwrap_or_else(Error::io(path, "read"))
     }
 
-    /// For `map_err`: `File::open(p).map_err(Error::io(p, "open"))`.
+    /// Returns a function for `map_err`: `File::open(p).map_err(Error::io(p, "open"))`.
     pub fn io<'a>(path: &'a Path, action: &'static str) -> impl FnOnce(io::Error) -> Self + 'a {
         move |source| Error::Io { path: path.to_path_buf(), action, source }
     }
@@ -261,8 +270,9 @@ impl std::error::Error for Error {
 mod tests {
     use super::*;
 
-    /// Both messages of two lines name what is wrong and what to do: a defect its file, block and field, an argument the field of the request;
-    /// the 3 names in them are said in the words of a face.
+    /// A message has two lines: what is wrong, and what to do. A defect names its file, block and
+    /// field, an argument its request field. The 3 names in braces become the words of the
+    /// interface.
     #[test]
     fn messages() {
         let text = Error::defect(Path::new("a.helio"), "probes/3", "seen", "names no cell").to_string();

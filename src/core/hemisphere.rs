@@ -1,14 +1,16 @@
-//! The equal-solid-angle square: texels <-> directions of a hemisphere, and the local frame of a normal.
+//! Conversion between directions of a hemisphere and texels of the equal-solid-angle square, and
+//! the local frame of a normal.
 //!
-//! In: texture coordinates or unit directions. Out: the other one. Shirley and Chiu, "A low distortion map between disk
-//! and square", Journal of Graphics Tools 2(3), 1997, followed by the lift z = 1 - r^2, which keeps areas: every texel of
-//! an n x n texture covers 2 pi / n^2 sr.
+//! In: texture coordinates or unit directions. Out: the other of the two. Shirley and Chiu, "A low
+//! distortion map between disk and square", Journal of Graphics Tools 2(3), 1997, followed by the
+//! lift z = 1 - r^2, which keeps areas: every texel of an n x n texture covers 2 pi / n^2 sr.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// Sine and cosine for |x| <= pi/4 by their Taylor series, error below 1e-16. The C library's own differ in the last bit
-/// between processors (with and without FMA), and archives must not.
+/// Returns the sine and cosine for |x| <= pi/4 by their Taylor series, error below 1e-16. The
+/// functions of the C library differ in the last bit between processors (with and without FMA), and
+/// archives must not.
 fn sin_cos_octant(x: f64) -> (f64, f64) {
     // Powers of -1 over factorials: x^3, x^5, ... and x^2, x^4, ...
     const SIN: [f64; 8] = [
@@ -36,7 +38,8 @@ fn sin_cos_octant(x: f64) -> (f64, f64) {
     (x * series(SIN), series(COS))
 }
 
-/// 64-bit finaliser of splitmix64 (Steele, Lea, Flood 2014) over a running value: seeds of jitter.
+/// Mixes `value` into `state` by the 64-bit finaliser of splitmix64 (Steele, Lea, Flood 2014). The
+/// result seeds jitter.
 pub fn mix(state: u64, value: u64) -> u64 {
     let mut z = (state ^ value).wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -44,18 +47,19 @@ pub fn mix(state: u64, value: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Uniform number in [0, 1) of the upper bits of a mixed value.
+/// Returns a uniform number in [0, 1) made of the upper 53 bits of a mixed value.
 pub fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// Point of the unit square drawn by `seed` for item `index`.
+/// Returns the point of the unit square that `seed` draws for item `index`.
 pub fn jitter(seed: u64, index: u64) -> DVec2 {
     let a = mix(seed, index);
     DVec2::new(unit(a), unit(mix(a, 1)))
 }
 
-/// Points of the unit square that are spread evenly however many are taken: the plane's analogue of the golden ratio (Roberts 2018, R2).
+/// Returns point `index` of a sequence that covers the unit square evenly however many points are
+/// taken: the plane's analogue of the golden ratio (Roberts 2018, R2).
 pub fn r2(index: f64, start: DVec2) -> DVec2 {
     (index * DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3) + start).fract()
 }
@@ -63,15 +67,17 @@ pub fn r2(index: f64, start: DVec2) -> DVec2 {
 /// Solid angle of a hemisphere, sr.
 pub const HEMISPHERE_SR: f64 = 2.0 * PI;
 
-/// Direction (unit, z >= 0, hemisphere frame) of a point of the unit square; (0, 0) is the corner at u = v = -1
-/// (south-west in the world frame), u grows with x (east), v with y (north).
+/// Returns the direction (unit, z >= 0, hemisphere frame) of a point of the unit square. The point
+/// (0, 0) is the corner at u = v = -1 (south-west in the world frame), u grows with x (east), v
+/// with y (north).
 pub fn direction_of(square: DVec2) -> DVec3 {
     let a = 2.0 * square.x - 1.0;
     let b = 2.0 * square.y - 1.0;
     if a == 0.0 && b == 0.0 {
         return DVec3::Z;
     }
-    // The angle is measured from the dominant axis, so it stays within an octant and the quotient is at most 1.
+    // The angle is measured from the dominant axis, so it stays within an octant and the quotient
+    // is at most 1.
     let (r, other, x_dominant) = if a.abs() >= b.abs() { (a, b, true) } else { (b, a, false) };
     let (sin, cos) = sin_cos_octant(FRAC_PI_4 * (other / r));
     let z = 1.0 - r * r;
@@ -83,17 +89,20 @@ pub fn direction_of(square: DVec2) -> DVec3 {
     }
 }
 
-/// Cosine-distributed direction about z for a point of the unit square: Malley's method over Shirley and Chiu's disc.
+/// Returns a cosine-distributed direction about z for a point of the unit square: Malley's method
+/// over Shirley and Chiu's disc.
 pub fn cosine_direction_of(square: DVec2) -> DVec3 {
-    // The equal-solid-angle lift has z = 1 - r^2; the cosine lift of the same disc point has z = sqrt(1 - r^2).
+    // The equal-solid-angle lift has z = 1 - r^2; the cosine lift of the same disc point has z =
+    // sqrt(1 - r^2).
     let d = direction_of(square);
     let r2 = (1.0 - d.z).clamp(0.0, 1.0);
     let stretch = 1.0 / (2.0 - r2).sqrt();
     DVec3::new(d.x * stretch, d.y * stretch, (1.0 - r2).sqrt())
 }
 
-/// Azimuth, turns clockwise from north in 0..=1, and z of the direction of a point of the unit square, without trigonometry: the
-/// map is linear in the azimuth within each quarter.
+/// Returns the azimuth, turns clockwise from north in 0..=1, and z of the direction of a point of
+/// the unit square. It needs no trigonometry, because the map is linear in the azimuth within each
+/// quarter.
 pub fn azimuth_and_z(square: DVec2) -> (f64, f64) {
     let a = 2.0 * square.x - 1.0;
     let b = 2.0 * square.y - 1.0;
@@ -107,8 +116,8 @@ pub fn azimuth_and_z(square: DVec2) -> (f64, f64) {
     (if turns > 1.0 { turns - 1.0 } else { turns }, (1.0 - r * r).max(0.0))
 }
 
-/// Inverse of [`direction_of`]: point of the unit square of a unit direction. Directions below the horizon (z < 0) are
-/// clamped to the rim above them.
+/// Inverse of [`direction_of`]: returns the point of the unit square of a unit direction. A
+/// direction below the horizon (z < 0) is clamped to the rim above it.
 pub fn square_of(direction: DVec3) -> DVec2 {
     let r = (1.0 - direction.z.clamp(0.0, 1.0)).max(0.0).sqrt();
     let (x, y) = (direction.x, direction.y);
@@ -126,24 +135,27 @@ pub fn square_of(direction: DVec3) -> DVec2 {
     DVec2::new(((a + 1.0) * 0.5).clamp(0.0, 1.0), ((b + 1.0) * 0.5).clamp(0.0, 1.0))
 }
 
-/// Texel (column, row) of an n x n texture that a unit direction falls in; row 0 is at v = 0.
+/// Returns the texel (column, row) of an n x n texture that a unit direction falls in; row 0 is at
+/// v = 0.
 pub fn texel_of(direction: DVec3, n: usize) -> (usize, usize) {
     let p = square_of(direction) * n as f64;
     ((p.x as usize).min(n - 1), (p.y as usize).min(n - 1))
 }
 
-/// Direction at the position (0..1, 0..1) inside texel (column, row) of an n x n texture.
+/// Returns the direction at the position (0..1, 0..1) inside texel (column, row) of an n x n
+/// texture.
 pub fn texel_direction(column: usize, row: usize, n: usize, inside: DVec2) -> DVec3 {
     direction_of((DVec2::new(column as f64, row as f64) + inside) / n as f64)
 }
 
-/// Bit `index` of a packed texture, lowest bit of a byte first.
+/// Returns bit `index` of a packed texture; bytes hold their lowest bit first.
 #[inline]
 pub fn bit(bits: &[u8], index: usize) -> bool {
     bits[index / 8] >> (index % 8) & 1 == 1
 }
 
-/// Texels (column, row) of an n x n texture, 4 x 4 block by block: neighbours in the list are neighbours on the sphere.
+/// Iterates over the texels (column, row) of an n x n texture in blocks of 4 x 4, so that
+/// neighbours in the list are neighbours on the sphere.
 pub fn texels_in_blocks(n: usize) -> impl Iterator<Item = (usize, usize)> {
     let blocks = n.div_ceil(4);
     (0..blocks * blocks * 16)
@@ -154,13 +166,14 @@ pub fn texels_in_blocks(n: usize) -> impl Iterator<Item = (usize, usize)> {
         .filter(move |&(column, row)| column < n && row < n)
 }
 
-/// Unit directions of all texel centres of an n x n texture, row-major, texel 0 = (column 0, row 0).
+/// Returns the unit directions of all texel centres of an n x n texture, row-major, texel 0 =
+/// (column 0, row 0).
 pub fn texel_centres(n: usize) -> Vec<DVec3> {
     (0..n * n).map(|t| texel_direction(t % n, t / n, n, DVec2::splat(0.5))).collect()
 }
 
-/// Right-handed frame of a unit normal: `u` horizontal, `v` up the surface, `n` the normal.
-/// For a vertical normal u = east, v = north (up) or south (down).
+/// Right-handed frame of a unit normal: `u` horizontal, `v` up the surface, `n` the normal. For a
+/// vertical normal u = east, v = north (up) or south (down).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// Horizontal, unit: the direction in which columns of a texture grow.
@@ -172,7 +185,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Frame of a unit normal.
+    /// Returns the frame of a unit normal.
     pub fn of(normal: DVec3) -> Self {
         let horizontal = (normal.x * normal.x + normal.y * normal.y).sqrt();
         // Below this tilt (6e-5 deg) the horizontal direction is rounding noise.
@@ -182,18 +195,19 @@ impl Frame {
         Frame { u: v.cross(normal), v, n: normal }
     }
 
-    /// World direction of a direction given in this frame.
+    /// Returns the world direction of a direction given in this frame.
     pub fn to_world(&self, local: DVec3) -> DVec3 {
         self.u * local.x + self.v * local.y + self.n * local.z
     }
 
-    /// Direction in this frame of a direction of the world.
+    /// Returns the direction in this frame of a direction given in the world frame.
     pub fn to_local(&self, world: DVec3) -> DVec3 {
         DVec3::new(self.u.dot(world), self.v.dot(world), self.n.dot(world))
     }
 }
 
-/// The four texels and weights (sum 1) that a bilinear lookup in an n x n texture reads; clamped at the horizon.
+/// Returns the four texels and weights (sum 1) that a bilinear lookup in an n x n texture reads;
+/// the lookup is clamped at the horizon.
 pub fn bilinear(direction: DVec3, n: usize) -> [(usize, f64); 4] {
     let p = square_of(direction) * n as f64 - 0.5;
     let last = (n - 1) as f64;
@@ -214,7 +228,8 @@ pub fn bilinear(direction: DVec3, n: usize) -> [(usize, f64); 4] {
 mod tests {
     use super::*;
 
-    /// Square and hemisphere are inverse to each other to 1e-7, over the whole square with its diagonals and axes.
+    /// Square to hemisphere and back is the identity to 1e-7, over the whole square with its
+    /// diagonals and axes.
     #[test]
     fn round_trip() {
         let mut worst = 0.0_f64;
@@ -229,7 +244,8 @@ mod tests {
         assert!(worst < 1e-7, "{worst}");
     }
 
-    /// Texels have equal solid angle: the cosine-weighted mean over the texels of a horizontal surface is pi within 2e-4.
+    /// Texels have equal solid angle: the cosine-weighted mean over the texels of a horizontal
+    /// surface is pi within 2e-4.
     #[test]
     fn equal_solid_angle() {
         let n = 128;
@@ -250,7 +266,8 @@ mod tests {
         }
     }
 
-    /// Frames are right-handed and orthonormal to 1e-12, also for vertical normals; to the world and back is where one was.
+    /// Frames are right-handed and orthonormal to 1e-12, also for vertical normals. A direction
+    /// that goes to the world frame and back is unchanged.
     #[test]
     fn frames() {
         for n in [DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::new(1e-9, 0.0, 1.0), DVec3::new(0.3, -0.5, 0.81)] {

@@ -1,54 +1,65 @@
-//! What an archive is, and how it is replayed: the only place of every formula.
+//! The content of an archive and its replay. Every formula stands here, and only here.
 //!
 //! # Map
 //!
-//! Rooms from left to right; none imports one to its right, and no two import each other (a test reads the imports).
+//! The modules below stand from left to right. None imports one to its right, and no two import
+//! each other (a test reads the imports).
 //!
 //! ```text
-//! error units text named memory hemisphere | observer | dome | orientation | site | layers | archive | opened weather | sky | light | replay | sunlight comfort
+//! error units text named memory hemisphere | observer | dome | orientation | site | layers | archive
+//!   | opened weather | sky | light | replay | sunlight comfort
 //! ```
 //!
-//! | room | in | out |
+//! | module | in | out |
 //! | --- | --- | --- |
-//! | [`orientation`] | limits of tilt and azimuth, what some turns of a surface get | turns to try, and the best one |
+//! | [`orientation`] | limits of tilt and azimuth, results of some orientations of a surface | orientations to try, and the best one |
 //! | [`site`] | numbers of readers and archives | the nouns: cell keys, materials, receivers, chains of mirrors, the place |
 //! | [`layers`] | bits, keys, vectors | raw bytes of a tile's blocks, and back |
-//! | [`archive`] | bytes held anywhere | checked blocks by (kind, tile), the manifest, the settings |
+//! | [`archive`] | bytes of a file, of memory or of a remote | checked blocks by (kind, tile), the manifest, the settings |
 //! | [`opened`] | an archive, or blocks that are being written | a site that was checked once: settings, materials, mirrors, layers of tiles |
-//! | [`dome`] | bytes of tables and matrices of the sky, pixels of photographs | numbers of the dome's patches by row, on any subdivision |
-//! | [`weather`] | bytes of weather files | conditions with the sun's positions, and what is doubtful about them |
+//! | [`dome`] | bytes of tables and matrices of the sky, pixels of photographs | values of the sky's patches by row, on any subdivision |
+//! | [`weather`] | bytes of weather files | conditions with the sun's positions, and findings about doubtful data |
 //! | [`sky`] | a condition, a model | radiances of the sky's patches and texels |
-//! | [`light`] | layers and tables of an open site, reflectances | responses: what arrives by way of surfaces, one vector a sky texel |
+//! | [`light`] | layers and tables of an open site, reflectances | responses: light that arrives by way of surfaces, one vector a sky texel |
 //! | [`replay`] | an open site, conditions | irradiance of each receiver by component |
 //! | [`sunlight`] | a site, dates, sky bits | when receivers see the sun, with a bound |
 //! | [`comfort`] | irradiance around a person, air, wind | mean radiant temperature, UTCI, PET |
 //!
 //! # What never happens
 //!
-//! - No ray is cast: nothing here could.
-//! - Nothing is printed, and no file is opened but by [`archive::Archive::open`] and [`archive::verify()`]: bytes of archives come through
-//!   [`archive::ReadAt`], weather and conditions as bytes, temporary storage is what the caller gives ([`light::scratch`]).
-//! - Nothing is allocated from a number that was not checked; a changed byte is an error that names the block.
-//! - What is opened is checked once ([`opened::OpenSite`]) and trusted from then on.
-//! - Results do not depend on the number of threads; without threads everything runs on one.
+//! - No ray is cast: the crate has no ray tracer.
+//! - Nothing is printed. Only [`archive::Archive::open`] and [`archive::verify()`] open files:
+//!   bytes of archives come through [`archive::ReadAt`], weather and conditions come as bytes, and
+//!   the caller gives the temporary storage ([`light::scratch`]).
+//! - Nothing is allocated from a number that was not checked. A changed byte is an error that names
+//!   the block.
+//! - An opened site is checked once ([`opened::OpenSite`]) and trusted from then on.
+//! - Results do not depend on the number of threads. Without threads everything runs on one.
 //!
 //! # Ten words
 //!
 //! - **receiver**: a point with a normal that gets irradiance.
-//! - **cell**: the surfaces of one material that face one way inside one voxel; its key is its name.
-//! - **probe**: what is known of a cell that receivers see: which part of the sky it sees, and which cells around it.
-//! - **bounce cell**: a coarser cell that probes see; the closed system of radiosity is made of them.
+//! - **cell**: the surfaces of one material that face one way inside one voxel; its key is its
+//!   name.
+//! - **probe**: the record of a cell that receivers see: which part of the sky it sees, and which
+//!   cells around it.
+//! - **bounce cell**: a coarser cell that probes see; the closed system of radiosity is made of
+//!   them.
 //! - **texture**: a square map of a hemisphere, Shirley-Chiu, texels of equal solid angle.
-//! - **layer**: one kind of texture; **tile**: 64 neighbouring receivers, whose layers are compressed together.
-//! - **response**: per sky texel the vector whose product with a direction is the diffuse light that a receiver gets from there.
-//! - **condition**: the sun's direction, DNI, DHI and what else holds for an hour; **weather**: a series of them.
-//! - **component**: one light path, a column of results; the six add up to `total`.
-//! - **state**: one set of reflectances and transmittances; conditions of one state share a response.
-//!
+//! - **layer**: one kind of texture; **tile**: 64 neighbouring receivers, whose layers are
+//!   compressed together.
+//! - **response**: one vector a sky texel; its product with a direction is the diffuse light that a
+//!   receiver gets from that texel.
+//! - **condition**: the sun's direction, DNI, DHI and the other inputs of an hour; **weather**: a
+//!   series of conditions.
+//! - **component**: one light path, a column of results; the six components add up to `total`.
+//! - **state**: one set of reflectances and transmittances; conditions of one state share a
+//!   response.
 //! # Features
 //!
-//! `zstd` (default) reads and writes blocks with the C library; without it `ruzstd` reads them. `mmap` (default) opens files through a
-//! mapping. Without both the crate needs no C compiler and builds for `wasm32-unknown-unknown`.
+//! `zstd` (default) reads and writes blocks with the C library; without it `ruzstd` reads them.
+//! `mmap` (default) opens files through a mapping. Without both the crate needs no C compiler and
+//! builds for `wasm32-unknown-unknown`.
 
 #![deny(missing_docs)]
 

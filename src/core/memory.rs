@@ -1,12 +1,13 @@
-//! How the bytes of `--memory` are divided: one table for all commands. A test adds up what is alive at one time.
+//! Division of the bytes of `--memory` among their uses: one table for all commands. A test adds up
+//! the uses that are alive at one time.
 
 use crate::units::Bytes;
 
-/// Bytes to work in, besides a scene and its tree.
+/// Bytes of working memory, besides a scene and its tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryBudget(u64);
 
-/// What takes memory.
+/// A use of working memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Use {
     /// Receivers sorted along the Morton curve, from the beginning of a build to its end.
@@ -15,32 +16,34 @@ pub enum Use {
     CellKeys,
     /// Bounce cells, while a build traces them.
     BounceCells,
-    /// Radiosities of the closed system.
+    /// Radiosities of the closed system of bounce cells.
     Radiosity,
-    /// Tiles whose responses are derived together, and what they see.
+    /// Tiles whose responses are derived together, and the cells that they see.
     TileGroup,
     /// Sums by surface, while results are written.
     SurfaceSums,
-    /// Values of an archive that is compared with another one, until the same receivers of that are replayed.
+    /// Values of one archive in a comparison, until the same receivers of the other one are
+    /// replayed.
     ComparedValues,
     /// Sums by surface of both archives, while a comparison is written.
     ComparedSums,
-    /// Rows of a map, until all are there.
+    /// Rows of a map, until the map is complete.
     MapRows,
-    /// Patches of receivers, until those of a surface stand together.
+    /// Patches of receivers, until all patches of a surface are there.
     MapPatches,
-    /// The receivers of a list, and those of an archive, while they are matched.
+    /// The receivers of a list and those of an archive, while they are matched.
     ReceiverList,
-    /// Names of receivers, while archives are merged; of one of two archives that are compared.
+    /// Names of receivers, while archives are merged; names of one of two archives that are
+    /// compared.
     ReceiverIds,
-    /// Names of receivers and what they stand for, while those of all tiles are put in order.
+    /// Names of receivers and the places that they stand for, while those of all tiles are sorted.
     NameIndex,
-    /// One list of keys of cells, while an archive is extracted from.
+    /// One list of cell keys, while a part of an archive is extracted.
     ExtractedKeys,
 }
 
 impl Use {
-    /// Share of the whole, in sixteenths.
+    /// Returns the share of the use in the whole, in sixteenths.
     const fn sixteenths(self) -> u64 {
         match self {
             Use::SortedReceivers | Use::NameIndex | Use::CellKeys | Use::BounceCells | Use::ComparedValues => 2,
@@ -56,7 +59,7 @@ impl Use {
     }
 }
 
-/// What is alive together, by the time of its command when most is.
+/// Uses that are alive together, at the moment of each command when most are.
 pub const TOGETHER: [(&str, &[Use]); 9] = [
     ("build, cells", &[Use::SortedReceivers, Use::CellKeys, Use::BounceCells]),
     ("build, responses", &[Use::SortedReceivers, Use::Radiosity, Use::TileGroup]),
@@ -69,7 +72,7 @@ pub const TOGETHER: [(&str, &[Use]); 9] = [
     ("replay, choice of receivers", &[Use::ReceiverList]),
     ("glare", &[Use::ReceiverList, Use::TileGroup, Use::ComparedValues, Use::MapRows, Use::MapPatches]),
     ("merge, diff", &[Use::ReceiverIds, Use::ReceiverIds]),
-    // Hits, what probes see, and two waves of what bounce cells see.
+    // Hits, cells that probes see, and two waves of the cells that bounce cells see.
     ("extract", &[Use::ExtractedKeys, Use::ExtractedKeys, Use::ExtractedKeys, Use::ExtractedKeys]),
 ];
 
@@ -80,25 +83,25 @@ impl From<Bytes> for MemoryBudget {
 }
 
 impl MemoryBudget {
-    /// What commands take if they are not told otherwise: 4 GiB.
+    /// Memory of a command without `--memory`: 4 GiB.
     pub const DEFAULT: MemoryBudget = MemoryBudget(4 << 30);
 
-    /// So many bytes.
+    /// Returns a budget of `bytes` bytes.
     pub fn new(bytes: u64) -> Self {
         MemoryBudget(bytes)
     }
 
-    /// All of them.
+    /// Returns the whole budget, bytes.
     pub fn total(self) -> u64 {
         self.0
     }
 
-    /// What one use of them may take, bytes.
+    /// Returns the bytes that one use may take.
     pub fn share(self, of: Use) -> u64 {
         self.0 / 16 * of.sixteenths()
     }
 
-    /// The same as a length in memory.
+    /// Returns [`MemoryBudget::share`] as a length in memory.
     pub fn length(self, of: Use) -> usize {
         usize::try_from(self.share(of)).unwrap_or(usize::MAX)
     }
@@ -108,7 +111,7 @@ impl MemoryBudget {
 mod tests {
     use super::*;
 
-    /// What is alive together takes at most all: 8 of 8 times.
+    /// Uses that are alive together take at most the whole budget: 9 of 9 times.
     #[test]
     fn the_parts_add_up() {
         let budget = MemoryBudget::new(1 << 30);

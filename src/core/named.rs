@@ -1,22 +1,22 @@
-//! Values by their names, the same on the command line, in Python and on the page. In: a type with a few values. Out: their names and meanings,
-//! the value of a name.
+//! Values by their names, which are equal on the command line, in Python and on the page. In: a
+//! type with a few values. Out: their names and meanings, the value of a name.
 
 use crate::error::{Error, Result};
 
 /// A type with a few values that have names.
 pub trait NamedValues: Clone + Send + Sync + 'static {
-    /// Name, meaning, value.
+    /// Name, meaning and value of each.
     const VALUES: &'static [(&'static str, &'static str, Self)];
 }
 
-/// The value of a name; `argument` is the field that messages name.
+/// Returns the value of a name; `argument` is the field that an error names.
 pub fn by_name<T: NamedValues>(argument: &str, name: &str) -> Result<T> {
     let refuse =
         |_| Error::argument(argument, format!("`{name}` is none of its values"), format!("give {}", names::<T>()));
     of_name(name).map_err(refuse)
 }
 
-/// The value of a name, or a sentence on the names that there are.
+/// Returns the value of a name, or a sentence that lists the known names.
 pub fn of_name<T: NamedValues>(name: &str) -> std::result::Result<T, String> {
     let found = T::VALUES.iter().find(|(known, _, _)| *known == name);
     found.map(|(_, _, value)| value.clone()).ok_or_else(|| format!("`{name}` is none of {}", names::<T>()))
@@ -26,7 +26,7 @@ fn names<T: NamedValues>() -> String {
     T::VALUES.iter().map(|(name, ..)| *name).collect::<Vec<_>>().join(", ")
 }
 
-/// The name of a value.
+/// Returns the name of a value.
 pub fn name_of<T: NamedValues + PartialEq>(value: &T) -> &'static str {
     T::VALUES.iter().find(|(.., other)| other == value).map_or("", |(name, ..)| name)
 }
@@ -55,7 +55,8 @@ mod tests {
     use super::*;
     use crate::weather::options::StampedAt;
 
-    /// The three places of a time stamp are found by their names and called by them again; `noon` is refused with all of them.
+    /// The three places of a time stamp come back from their names. The error for `noon` lists all
+    /// three.
     #[test]
     fn names_and_values() {
         for at in [StampedAt::Start, StampedAt::Middle, StampedAt::End] {

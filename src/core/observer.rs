@@ -1,66 +1,69 @@
-//! What long work tells while it runs, and asks. In: nothing. Out: calls that a program turns into bars, lines or nothing. The library itself
-//! never prints.
+//! Progress of long work, and the question if it is to stop. In: nothing. Out: calls that a program
+//! turns into bars, lines or nothing. The library itself never prints.
 
 use crate::error::{Error, Result};
 use crate::text::{Named, with_fields};
 
-/// Who is told. All methods may be called from any thread.
+/// Receiver of the progress and the messages of long work. All methods may be called from any
+/// thread.
 pub trait Observer: Sync {
-    /// A stage begins, of so many items if that is known.
+    /// Begins a stage, of `items` items if their number is known.
     fn begin(&self, _stage: &'static str, _items: Option<u64>) {}
 
-    /// So many more items of a stage are done.
+    /// Adds `items` to the finished items of a stage.
     fn advance(&self, _stage: &'static str, _items: u64) {}
 
-    /// A stage has ended.
+    /// Ends a stage.
     fn end(&self, _stage: &'static str) {}
 
-    /// Something that the user should know of; the work goes on.
+    /// Takes a warning that the user should see; the work goes on.
     fn warn(&self, _text: &str) {}
 
-    /// Something that the user may want to know, and that nothing is wrong with.
+    /// Takes a note that the user may want to see; nothing is wrong.
     fn note(&self, _text: &str) {}
 
-    /// What was done or is about to be done, in lines that end with a line break.
+    /// Takes a report of work that is done or about to begin, in lines that end with a line break.
     fn report(&self, _text: &str) {}
 
-    /// Returns a text with the fields that it names, as in `{every}`, in the words of this observer's user.
+    /// Returns `text` with the fields that it names in braces, as in `{every}`, in the words of
+    /// this observer's user.
     fn in_words(&self, text: &str) -> String {
         with_fields(text, &|named| match named {
             Named::Field(name) | Named::Command(name) => Some(name.to_owned()),
         })
     }
 
-    /// Whether the work is to stop at the next place where it can go on later.
+    /// Returns true if the work is to stop at the next place where it can go on later.
     fn cancelled(&self) -> bool {
         false
     }
 
-    /// Stops between two steps of the work, if that is wanted. An error: [`Error::Stopped`], which says what was going on.
+    /// Returns [`Error::Stopped`] with `what`, which says what was going on, if the work is to
+    /// stop; called between two steps.
     fn stop_if_cancelled(&self, what: &str) -> Result<()> {
         if self.cancelled() { Err(Error::Stopped { what: what.to_owned() }) } else { Ok(()) }
     }
 }
-/// An observer that passes over everything and never stops the work.
+/// Observer that ignores everything and never stops the work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
 impl Observer for Silent {}
 
-/// A stage under way; it ends with this value.
+/// A stage under way; dropping the value ends it.
 pub struct Stage<'a> {
     observer: &'a dyn Observer,
     name: &'static str,
 }
 
 impl<'a> Stage<'a> {
-    /// Begins a stage of so many items, if that is known.
+    /// Begins a stage, of `items` items if their number is known.
     pub fn begin(observer: &'a dyn Observer, name: &'static str, items: Option<u64>) -> Self {
         observer.begin(name, items);
         Stage { observer, name }
     }
 
-    /// So many more items are done.
+    /// Adds `items` to the finished items.
     pub fn advance(&self, items: u64) {
         self.observer.advance(self.name, items);
     }

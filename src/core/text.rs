@@ -1,17 +1,18 @@
-//! Words of messages.
+//! Texts of messages. In: numbers, names and places. Out: the words of a message, without secrets.
 
-/// A number of things: "1 tile", "2 tiles".
+/// Returns a number of things in words: "1 tile", "2 tiles".
 pub fn counted(count: u64, thing: &str) -> String {
     format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
-/// The start of a text that may be long, with `...` behind it if that is not all, and on one line: for messages.
+/// Returns the first `most` characters of a text on one line, followed by `...` if the text is
+/// longer: for messages.
 pub fn excerpt(text: &str, most: usize) -> String {
     let shown: String = text.chars().take(most).map(|c| if c.is_control() { ' ' } else { c }).collect();
     if text.chars().nth(most).is_some() { shown + "..." } else { shown }
 }
 
-/// Whether a place is an address, such as `s3://bucket/site.helio`, and not a path.
+/// Returns true if a place is an address, such as `s3://bucket/site.helio`, and not a path.
 pub fn is_address(place: &str) -> bool {
     place.split_once("://").is_some_and(|(scheme, _)| {
         // A drive of Windows has one letter.
@@ -19,29 +20,29 @@ pub fn is_address(place: &str) -> bool {
     })
 }
 
-/// A place as messages, tables and pages name it: of an address neither user nor password nor what stands behind `?` or `#`, which may be
-/// a signature.
+/// Returns a place as messages, tables and pages name it. An address loses its user and password,
+/// and everything behind `?` or `#`, which may be a signature.
 pub fn without_secrets(place: &str) -> String {
     let Some((scheme, rest)) = place.split_once("://").filter(|_| is_address(place)) else { return place.to_owned() };
     let rest = rest.split(['?', '#']).next().unwrap_or_default();
-    // Some readers of addresses pass over slashes where a host is missing.
+    // Some parsers of addresses skip slashes where a host is missing.
     let slashes = rest.len() - rest.trim_start_matches('/').len();
     let host_at = if scheme.eq_ignore_ascii_case("file") { 0 } else { slashes };
     let (host, path) =
         rest[host_at..].find('/').map_or((&rest[host_at..], ""), |slash| rest[host_at..].split_at(slash));
-    // Containers of Azure stand where users do: `az://container@account`.
+    // Azure puts the container where other addresses have the user: `az://container@account`.
     let is_container = scheme.eq_ignore_ascii_case("az") && !host.contains(':');
     let user_and_host = host.rsplit_once('@').filter(|_| !is_container);
     let host = user_and_host.map_or(host, |(_, host)| host);
     format!("{scheme}://{host}{path}")
 }
 
-/// A sentence with a list behind it, a line each: who shows it may stop after the first line.
+/// Returns a sentence followed by a list, one item a line. A program may show the first line only.
 pub fn with_list(sentence: &str, list: impl IntoIterator<Item = String>) -> String {
     list.into_iter().fold(sentence.to_owned(), |text, item| text + "\n  " + &item)
 }
 
-/// What to do about the first line of a table that is not separated by commas, if that is why no column is found.
+/// Returns advice for the header of a table that is not separated by commas; `None` if it is.
 pub fn separator_hint(header: &str) -> Option<&'static str> {
     match (header.contains(';'), header.contains('\t')) {
         _ if header.contains(',') => None,
@@ -54,12 +55,13 @@ pub fn separator_hint(header: &str) -> Option<&'static str> {
     }
 }
 
-/// What a text names in braces, for each face to say in its own words.
+/// A name in braces in a text, which each interface replaces by its own words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Named<'a> {
     /// A field of a request, as in `{every} month`.
     Field(&'a str),
-    /// A command on files, as in `{command:verify} site.helio`; behind an underscore stands what it is to do besides: `{command:verify_deep}`.
+    /// A command on files, as in `{command:verify} site.helio`. An underscore precedes its mode:
+    /// `{command:verify_deep}`.
     Command(&'a str),
 }
 
@@ -74,11 +76,12 @@ impl<'a> Named<'a> {
     }
 }
 
-/// What a user knows a thing by; none if there is no such thing.
+/// Function from a name in a text to the user's name of the thing; `None` if there is no such
+/// thing.
 pub type Words<'a> = dyn Fn(Named) -> Option<String> + 'a;
 
-/// A text that names fields of requests and commands, as in `{every} month`, with the names that a user knows them by. Braces around
-/// anything else stay.
+/// Returns a text with the user's names in place of the request fields and commands that it names
+/// in braces, as in `{every} month`. Braces around anything else stay.
 pub fn with_fields(text: &str, words: &Words) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
@@ -109,7 +112,7 @@ mod tests {
         assert_eq!((excerpt("ab\u{e9}\nd", 5), excerpt("abcde", 4)), ("ab\u{e9} d".into(), "abcd...".into()));
     }
 
-    /// 5 addresses are told from 4 paths, and of 9 places named without user, password and signature.
+    /// Five addresses and 4 paths are told apart. Nine places lose user, password and signature.
     #[test]
     fn addresses() {
         for address in ["s3://b/a.helio", "gs://b/a", "az://c@account/a", "https://h/a", "abfs+x://c/a"] {
@@ -133,7 +136,7 @@ mod tests {
         }
     }
 
-    /// Of 5 first lines the 2 with other separators get a hint, the 3 others none.
+    /// Two of 5 header lines, those with other separators, get a hint, the 3 others none.
     #[test]
     fn separators() {
         assert!(separator_hint("receiver;x;y;z").is_some_and(|hint| hint.contains("semicolons")));
@@ -143,7 +146,8 @@ mod tests {
         }
     }
 
-    /// Fields and commands get the names of a user, 3 of 3; braces around other text and around unknown names stay.
+    /// Three of 3 fields and commands get the user's names. Braces around other text and around
+    /// unknown names stay.
     #[test]
     fn fields_in_texts() {
         let words = |named: Named| match named {

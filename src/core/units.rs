@@ -1,4 +1,5 @@
-//! Units and the world frame: x east, y north, z up, metres; irradiance in W/m2, angles inside the library in radians.
+//! Units and the world frame: x east, y north, z up, metres; irradiance in W/m2, angles inside the
+//! library in radians.
 
 use std::str::FromStr;
 
@@ -7,20 +8,23 @@ use glam::DVec3;
 /// Half the apparent diameter of the sun's disc (0.533 deg, mean over the year), in radians.
 pub const SUN_RADIUS_RAD: f64 = 0.533 / 2.0 * std::f64::consts::PI / 180.0;
 
-/// Unit vector towards a point of the sky. Azimuth is clockwise from north, altitude above the horizon, both in degrees.
+/// Returns the unit vector towards a point of the sky. Azimuth is clockwise from north, altitude
+/// above the horizon, both in degrees.
 pub fn direction_from_degrees(azimuth_deg: f64, altitude_deg: f64) -> DVec3 {
     let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();
     let (sin_altitude, cos_altitude) = altitude_deg.to_radians().sin_cos();
     DVec3::new(cos_altitude * sin_azimuth, cos_altitude * cos_azimuth, sin_altitude)
 }
 
-/// Sums over a period are reported in kWh/m2: watts held for one hour, over 1000.
+/// Returns an energy in kWh/m2: a mean of W/m2 times hours, over 1000. Sums over a period are
+/// reported in this unit.
 pub fn kwh_from_w(mean_w_m2: f64, hours: f64) -> f64 {
     mean_w_m2 * hours / 1000.0
 }
 
-/// Where a surface looks: tilt in degrees, 0 up, 90 level, 180 down, and azimuth in degrees clockwise from y (north), 0 up to 360. A
-/// surface that looks straight up or down has azimuth 0.
+/// Returns the orientation of a surface: tilt in degrees (0 up, 90 level, 180 down) and azimuth in
+/// degrees clockwise from y (north), 0 up to 360. A surface that faces straight up or down has
+/// azimuth 0.
 pub fn tilt_and_azimuth(normal: DVec3) -> (f64, f64) {
     let level = normal.x.hypot(normal.y);
     let azimuth = normal.x.atan2(normal.y).to_degrees();
@@ -32,7 +36,7 @@ pub fn tilt_and_azimuth(normal: DVec3) -> (f64, f64) {
 /// A number of bytes: `2GiB`, `512MiB`, `800MB`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bytes(
-    /// The number.
+    /// The number of bytes.
     pub u64,
 );
 
@@ -61,7 +65,7 @@ impl FromStr for Bytes {
 mod tests {
     use super::*;
 
-    /// Six normals have the tilt and azimuth of their compass, within 1e-12 degrees.
+    /// Six normals have the tilt and azimuth of the compass, within 1e-12 degrees.
     #[test]
     fn compass() {
         let half = 0.5_f64.sqrt();

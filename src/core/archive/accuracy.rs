@@ -1,23 +1,24 @@
-//! What a build estimated of its own error: a part of the manifest.
+//! Estimate that a build made of its own error: a part of the manifest. In: numbers of a build.
+//! Out: the error to expect of other hours.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// Errors of the hourly total and its parts, from a sample of the receivers built with finer settings, too. RMSE over receivers and
-/// conditions, in percent of the mean total.
+/// Errors of the hourly total and its parts, from a sample of the receivers that was built with
+/// finer settings, too. RMSE over receivers and conditions, in percent of the mean total.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Accuracy {
-    /// What was asked for.
+    /// Target that the user gave, percent.
     pub target_percent: f64,
-    /// What was expected when the settings were chosen.
+    /// Expectation when the settings were chosen, percent.
     pub predicted_percent: f64,
-    /// What was found, the finer settings' own error included.
+    /// RMSE that was found, percent; it includes the error of the finer settings.
     pub rmse_percent: f64,
     /// Mean error of the totals, percent of their mean: above 0 if they come out too large.
     pub bias_percent: f64,
-    /// Of the means over all conditions.
+    /// RMSE of the means over all conditions, percent.
     pub yearly_percent: f64,
     /// RMSE of each component, in percent of the mean total, by its column's name.
     pub components_percent: BTreeMap<String, f64>,
@@ -25,21 +26,21 @@ pub struct Accuracy {
     pub sample: u64,
     /// Number of conditions.
     pub conditions: u64,
-    /// Where they come from: the name of a weather file, or `suns from all sides`.
+    /// Source of the conditions: the name of a weather file, or `suns from all sides`.
     pub weather: String,
     /// Mean total of the sample, W/m2.
     pub mean_w_m2: f64,
     /// RMSE of groups of the sample by the sky that they see, from little to much.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub groups: Vec<GroupError>,
-    /// RMSE in hours when the sun lights what receivers see and not the receivers: `no direct sun`, and `mostly reflected`. Empty
-    /// where there are hardly any such hours.
+    /// RMSE in hours when the sun lights the surfaces that receivers see and not the receivers: `no
+    /// direct sun`, and `mostly reflected`. Empty where there are hardly any such hours.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hours: Vec<HoursError>,
-    /// RMSE of receivers of the sample by tiles; tiles between two are like the nearest.
+    /// RMSE of receivers of the sample by tiles; a tile without a value is like the nearest one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tiles: Vec<TileError>,
-    /// Keys that this release does not know, kept as they are.
+    /// Keys that this release does not know, kept unchanged.
     #[serde(flatten)]
     pub other: BTreeMap<String, Value>,
 }
@@ -53,27 +54,29 @@ pub struct GroupError {
     pub receivers: u32,
     /// Mean of their totals, W/m2.
     pub mean_w_m2: f64,
-    /// W/m2.
+    /// RMSE, W/m2.
     pub rmse_w_m2: f64,
 }
 
 /// RMSE of the totals of the sample in hours of one kind.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HoursError {
-    /// Which hours. `no direct sun`: the sun lights what a receiver sees, by which it gives it more than 1 % of its total, straight or by mirrors less than 1 %.
-    /// `mostly reflected`: of these hours those in which more than half of its total comes from matt surfaces.
+    /// Name of the kind of hours. `no direct sun`: the sun lights surfaces that a receiver sees and
+    /// that give it more than 1 % of its total by way of this, while straight or by mirrors the sun
+    /// gives less than 1 %. `mostly reflected`: of these hours, those in which more than half of
+    /// the total comes from matt surfaces.
     pub hours: String,
-    /// Share of all hours of all receivers of the sample.
+    /// Share of these hours in all hours of all receivers of the sample.
     pub share_percent: f64,
     /// Receivers of the sample that have such hours.
     pub receivers: u32,
     /// Mean of their totals in these hours, W/m2.
     pub mean_w_m2: f64,
-    /// Of the totals, W/m2.
+    /// RMSE of the totals, W/m2.
     pub rmse_w_m2: f64,
-    /// Mean of what matt surfaces reflect in these hours, W/m2.
+    /// Mean of the light that matt surfaces reflect in these hours, W/m2.
     pub reflected_mean_w_m2: f64,
-    /// Of what matt surfaces reflect, W/m2.
+    /// RMSE of the light that matt surfaces reflect, W/m2.
     pub reflected_w_m2: f64,
 }
 
@@ -84,23 +87,25 @@ pub struct TileError {
     pub tile: u32,
     /// Receivers of the sample in this tile.
     pub receivers: u32,
-    /// The six components and the total, in the order of results.
+    /// RMSE of the six components and the total, in the order of results.
     pub rmse_w_m2: [f64; 7],
 }
 
 impl Accuracy {
-    /// RMSE of the totals, W/m2.
+    /// Returns the RMSE of the totals, W/m2.
     pub fn rmse_w_m2(&self) -> f64 {
         self.rmse_percent / 100.0 * self.mean_w_m2
     }
 
-    /// The RMSE of totals that this states for other hours, W/m2: in each kind of hours the same percentages of what matt surfaces reflect and of
-    /// the other light. `mix` says what hours of each kind, each of which holds the next, make up of them; `mean_w_m2` is the mean of all.
+    /// Returns the RMSE of totals to expect of other hours, W/m2. It assumes that in each kind of
+    /// hours the percentages of the light from matt surfaces and of the other light stay. `mix`
+    /// gives the share of each kind in the other hours; each kind holds the next. `mean_w_m2` is
+    /// the mean of all.
     pub fn expected_w_m2(&self, mix: &[HoursMix], mean_w_m2: f64) -> f64 {
         if self.hours.is_empty() {
             return self.rmse_percent / 100.0 * mean_w_m2;
         }
-        // All hours, then each kind that is stated, as the archive and as the mix have them.
+        // All hours, then each kind that is stated, in the archive and in the mix.
         let mut stated = vec![Portion::of(1.0, [self.mean_w_m2, self.rmse_w_m2()], [0.0; 2])];
         let mut there = vec![Portion::of(1.0, [mean_w_m2, 0.0], [0.0; 2])];
         for hours in &self.hours {
@@ -114,7 +119,7 @@ impl Accuracy {
         pairs.map(|(stated, there)| stated.square_of(&there)).sum::<f64>().sqrt()
     }
 
-    /// For other tiles.
+    /// Returns the estimate without errors by tile, for an archive with other tiles.
     #[must_use]
     pub fn without_tiles(self) -> Self {
         Accuracy { tiles: Vec::new(), ..self }
@@ -122,41 +127,42 @@ impl Accuracy {
 }
 
 impl HoursError {
-    /// RMSE of the totals in percent of their mean; 0 in the dark.
+    /// Returns the RMSE of the totals in percent of their mean; 0 in the dark.
     pub fn rmse_percent(&self) -> f64 {
         if self.mean_w_m2 > 0.0 { self.rmse_w_m2 / self.mean_w_m2 * 100.0 } else { 0.0 }
     }
 
-    /// RMSE of what matt surfaces reflect in percent of its mean; 0 in the dark.
+    /// Returns the RMSE of the light that matt surfaces reflect in percent of its mean; 0 in the
+    /// dark.
     pub fn reflected_percent(&self) -> f64 {
         if self.reflected_mean_w_m2 > 0.0 { self.reflected_w_m2 / self.reflected_mean_w_m2 * 100.0 } else { 0.0 }
     }
 }
 
-/// What hours of a kind make up of some hours.
+/// Share of one kind of hours in some hours, with its means.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HoursMix<'a> {
-    /// The kind, as [`HoursError::hours`].
+    /// Name of the kind, as in [`HoursError::hours`].
     pub hours: &'a str,
-    /// Share of all.
+    /// Share of all hours.
     pub share: f64,
     /// Mean of their totals, W/m2.
     pub mean_w_m2: f64,
-    /// Mean of what matt surfaces reflect in them, W/m2.
+    /// Mean of the light that matt surfaces reflect in them, W/m2.
     pub reflected_mean_w_m2: f64,
 }
 
-/// What some hours add to a mean over all.
+/// Contribution of some hours to a mean over all.
 #[derive(Clone, Copy, Debug, Default)]
 struct Portion {
     /// Share of all hours.
     share: f64,
     total: Part,
-    /// What matt surfaces reflect; nothing where that is not known.
+    /// Light that matt surfaces reflect; zero where that is not known.
     matt: Part,
 }
 
-/// A part of the light.
+/// A part of the light: its sum and its square error.
 #[derive(Clone, Copy, Debug, Default)]
 struct Part {
     /// Share of the hours times mean, W/m2.
@@ -171,20 +177,20 @@ impl Part {
     }
 }
 
-/// Each portion without the next one, which it holds.
+/// Returns each portion without the next one, which it holds.
 fn alone(portions: &[Portion]) -> Vec<Portion> {
     let next = portions.iter().skip(1).map(Some).chain([None]);
     portions.iter().zip(next).map(|(portion, next)| portion.without(next)).collect()
 }
 
 impl Portion {
-    /// Mean and RMSE, W/m2, of the total and of what is reflected.
+    /// Returns a portion of mean and RMSE, W/m2, of the total and of the reflected light.
     fn of(share: f64, total: [f64; 2], matt: [f64; 2]) -> Self {
         let part = |[mean, rmse]: [f64; 2]| Part { light: share * mean, square: share * rmse * rmse };
         Portion { share, total: part(total), matt: part(matt) }
     }
 
-    /// Without hours of a kind that these hold.
+    /// Returns the portion without the hours of an inner kind that it holds.
     fn without(self, inner: Option<&Portion>) -> Self {
         let inner = inner.copied().unwrap_or_default();
         Portion {
@@ -194,7 +200,8 @@ impl Portion {
         }
     }
 
-    /// The mean square error of other hours that are off by the same percentages, times their share.
+    /// Returns the mean square error of other hours with equal percentages of error, times their
+    /// share.
     fn square_of(&self, there: &Portion) -> f64 {
         let scaled = |part: Part, light: f64| match self.share * part.light > 0.0 && there.share > 0.0 {
             // (RMSE / mean)^2 as stated, times the mean there, squared.
@@ -210,9 +217,10 @@ impl Portion {
 mod tests {
     use super::*;
 
-    /// An archive states 1 % of 200 W/m2, and in the half of its hours without direct sun 1.5 W/m2 of 75, of which 1.2 W/m2 of 60 are reflected. Of
-    /// the same hours 2 W/m2 are expected; of hours without direct sun alone in which 150 W/m2 are reflected and there is no sky 3 W/m2, 2 % as stated;
-    /// one that states nothing of hours expects 1 % of any mean.
+    /// An archive states 1 % of 200 W/m2, and for the half of its hours without direct sun 1.5 W/m2
+    /// of 75, of which 1.2 W/m2 of 60 are reflected. For the same hours 2 W/m2 are expected. For
+    /// hours without direct sun alone, in which 150 W/m2 are reflected and there is no sky, 3 W/m2
+    /// are expected, 2 % as stated. An archive without kinds of hours expects 1 % of any mean.
     #[test]
     fn what_is_stated_holds_for_other_hours() {
         let stated = Accuracy {

@@ -1,4 +1,4 @@
-//! Where blocks come from: an archive, or one that is still being written.
+//! Source of blocks: an archive, or one that is still being written.
 
 use std::path::Path;
 
@@ -7,17 +7,17 @@ use crate::archive::format::{BlockKind, TileNumber};
 use crate::archive::reader::Archive;
 use crate::error::Result;
 
-/// Checked blocks by (kind, tile), for many threads.
+/// Source of checked blocks by (kind, tile), for many threads.
 pub trait Blocks: Sync {
-    /// The file, for messages.
+    /// Returns the file, for messages.
     fn path(&self) -> &Path;
-    /// Whether there is such a block.
+    /// Returns true if there is such a block.
     fn has(&self, kind: BlockKind, tile: TileNumber) -> bool;
-    /// Number of rows of such a block, by the directory.
+    /// Returns the number of rows of such a block, by the directory.
     fn rows(&self, kind: BlockKind, tile: TileNumber) -> Option<u32>;
-    /// The block, checked and decoded.
+    /// Returns the block, checked and decoded.
     fn block(&self, kind: BlockKind, tile: TileNumber) -> Result<Block>;
-    /// Tells of blocks that will be read soon; see [`Archive::expect`].
+    /// Announces blocks that will be read soon; see [`Archive::expect`].
     fn expect(&self, _blocks: &[(BlockKind, TileNumber)]) {}
 }
 

@@ -1,5 +1,5 @@
-//! The header: which slot counts, and whether its numbers can be true. In: a source. Out: a slot that can be trusted with
-//! allocations, section 4 steps 1 to 5 of `schema/heliotile-1.md`.
+//! The header: choice of the current slot, and a check of its numbers. In: a source. Out: a slot
+//! whose numbers are safe to allocate by, section 4 steps 1 to 5 of `schema/heliotile-1.md`.
 
 use std::path::Path;
 
@@ -11,12 +11,12 @@ use crate::archive::format::{
 use crate::archive::source::Source;
 use crate::error::{Error, Result};
 
-/// Both slots of a file, and the one that counts.
+/// The current slot of a file, and the damaged ones.
 #[derive(Clone, Debug)]
 pub struct Header {
     /// The slot of the current generation.
     pub slot: Slot,
-    /// Names of the slots that do not count because they are damaged.
+    /// Names of the slots that are ignored because they are damaged.
     pub damaged: Vec<&'static str>,
 }
 
@@ -44,7 +44,7 @@ pub fn read(source: &Source) -> Result<Header> {
         });
     }
     valid.iter().try_for_each(|slot| check_supported(path, slot))?;
-    // Of equal generations the first one counts.
+    // The first of equal generations counts.
     let newest = |best: Option<Slot>, slot: Slot| best.filter(|b| b.generation >= slot.generation).or(Some(slot));
     let Some(slot) = valid.into_iter().filter(|slot| slot.state == COMPLETE).fold(None, newest) else {
         let hint = "build it again: only a finished archive can be read";
@@ -54,7 +54,8 @@ pub fn read(source: &Source) -> Result<Header> {
     Ok(Header { slot, damaged })
 }
 
-/// Refuses a slot of another format, or with a required bit that is not known: the rest cannot be understood.
+/// Refuses a slot of another format, or with an unknown required bit, because the rest cannot be
+/// understood.
 fn check_supported(path: &Path, slot: &Slot) -> Result<()> {
     if (slot.major, slot.minor) != (MAJOR, MINOR) {
         return Err(Error::Unsupported {
@@ -75,7 +76,8 @@ fn check_supported(path: &Path, slot: &Slot) -> Result<()> {
     })
 }
 
-/// Whether every number of a slot fits the file, the limits and the other numbers: (found, expected) where not.
+/// Checks that every number of a slot fits the file, the limits and the other numbers; the error is
+/// (found, expected).
 fn check_numbers(slot: &Slot, length: u64) -> std::result::Result<(), (String, String)> {
     let same = |what: &str, got: u64, expected: Option<u64>| match expected {
         Some(right) if right == got => Ok(()),
@@ -121,7 +123,8 @@ mod tests {
         Slot { state: COMPLETE, generation, ..Slot::building() }
     }
 
-    /// The highest complete generation counts: 3 of (3, 2), 2 of (1, 2), 4 of (4, 5 still building).
+    /// The highest complete generation counts: 3 of (3, 2), 2 of (1, 2), 4 of (4, 5 still
+    /// building).
     #[test]
     fn the_newest_complete_slot_counts() {
         let building = Slot { generation: 5, ..Slot::building() };
@@ -134,8 +137,9 @@ mod tests {
         assert!(error.contains("was not finished"), "{error}");
     }
 
-    /// Formats 1.0, 1.5, 1.7 and 2.6 are refused with the file, what was found, what is read and what to do, 4 of 4; required bit 7 is
-    /// refused by its number, and an optional one is passed over.
+    /// Formats 1.0, 1.5, 1.7 and 2.6 are refused, 4 of 4, with the file, the format found, the one
+    /// supported and what to do. Required bit 7 is refused by its number, and an optional one is
+    /// ignored.
     #[test]
     fn other_formats_are_refused_by_name() {
         for (major, minor) in [(1, 0), (1, 5), (1, 7), (2, 6)] {
@@ -151,7 +155,7 @@ mod tests {
         assert_eq!(read_slots([Slot { optional: 99, ..complete(1) }; 2], 8192).unwrap().slot.optional, 99);
     }
 
-    /// Each of 10 lying numbers, with right checksums, is damage of the header.
+    /// Each of 10 false numbers, with right checksums, is damage of the header.
     #[test]
     fn lying_numbers_are_refused() {
         let good = complete(1);

@@ -1,6 +1,8 @@
-//! The manifest: what an archive holds, how it was made and how exact it is, as JSON for people and programs.
+//! The manifest: an archive's content, its making and its accuracy, as JSON for people and
+//! programs. In: JSON, or numbers of a build. Out: a checked manifest, or canonical JSON.
 //!
-//! It names no time, host or path, so equal sites have equal bytes. Keys of later releases are kept as they are.
+//! It names no time, host or path, so equal sites have equal bytes. Keys of later releases are kept
+//! unchanged.
 
 use std::collections::BTreeMap;
 
@@ -20,38 +22,39 @@ use crate::site::place::Place;
 /// Keys that this release does not know.
 pub type Unknown = BTreeMap<String, Value>;
 
-/// The whole manifest; `schema/manifest.schema.json` says the same.
+/// The whole manifest; `schema/manifest.schema.json` describes the same keys.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
-    /// `heliotile`.
+    /// Name of the format: `heliotile`.
     pub format: String,
     /// Program and version that wrote it.
     pub creator: Creator,
     /// True before release 1.0.
     pub experimental: bool,
-    /// What was traced.
+    /// Summary of the traced scene.
     pub scene: SceneSummary,
-    /// How many receivers, and how they are cut into tiles.
+    /// Number of receivers and of their tiles.
     pub receivers: ReceiverSummary,
-    /// Sizes of textures and cells, effects left out: what decides the content beside scene and receivers.
+    /// Sizes of textures and cells, and effects that were left out. With scene and receivers they
+    /// decide the content.
     pub settings: Settings,
-    /// How many cells the archive holds.
+    /// Numbers of cells in the archive.
     pub counts: CellCounts,
     /// One row a kind, by rising kind; [`summarize`] makes them.
     pub layers: Vec<LayerSummary>,
-    /// What the build estimated of its own error, if it did.
+    /// Error that the build estimated, if it did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
-    /// Why effects were left out, if that rests on some weather.
+    /// Reasons why effects were left out, if they rest on some weather.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub negligible: Option<Negligible>,
-    /// What was not derived again after a change of the scene; only a preview says so.
+    /// Bound of a preview: parts that were not derived again after a change of the scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub preview: Option<Preview>,
-    /// Where on Earth the scene lies, if its files say so.
+    /// Place of the scene on Earth, if its files state it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<Place>,
-    /// What the ground reflects by month, if the model states it.
+    /// Ground reflectance by month, if the model states it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ground: Option<MonthlyGround>,
     /// Keys of later releases at the top of the manifest.
@@ -64,7 +67,7 @@ pub struct Manifest {
 pub struct Creator {
     /// Name of the program: `heliotile`.
     pub name: String,
-    /// Its version, such as `0.1.0`.
+    /// Version of the program, such as `0.1.0`.
     pub version: String,
 }
 
@@ -73,7 +76,7 @@ pub struct Creator {
 pub struct SceneSummary {
     /// BLAKE3 of the checked geometry and materials, hexadecimal.
     pub content_hash: String,
-    /// Number of triangles, those left out not counted.
+    /// Number of triangles without those that were left out.
     pub triangles: u64,
     /// Number of distinct corners.
     pub vertices: u64,
@@ -81,11 +84,11 @@ pub struct SceneSummary {
     pub materials: u64,
     /// Triangles without area that were left out.
     pub degenerate_dropped: u64,
-    /// Input coordinates of the point that vertices and rays are relative to.
+    /// Origin that vertices and rays are relative to, input coordinates, metres.
     pub origin_m: [f64; 3],
     /// Step of the grid that vertices lie on, metres.
     pub grid_step_m: f64,
-    /// Lowest and highest corner, input coordinates.
+    /// Lowest and highest corner, input coordinates, metres.
     pub bounds_m: [[f64; 3]; 2],
     /// Keys of later releases about the scene.
     #[serde(flatten)]
@@ -97,7 +100,7 @@ pub struct SceneSummary {
 pub struct ReceiverSummary {
     /// Number of receivers.
     pub count: u64,
-    /// Most receivers of a tile, 1 to 4096.
+    /// Largest number of receivers of a tile, 1 to 4096.
     pub tile_size: u32,
     /// Number of tiles, which are numbered from 0.
     pub tiles: u32,
@@ -106,12 +109,12 @@ pub struct ReceiverSummary {
     pub other: Unknown,
 }
 
-/// How much was traced.
+/// Numbers of traced cells.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CellCounts {
     /// Cells that receivers see.
     pub probes: u64,
-    /// Coarser cells that probes and each other see.
+    /// Coarser cells that probes and bounce cells see.
     pub bounce_cells: u64,
 }
 
@@ -124,13 +127,14 @@ pub struct LayerSummary {
     pub kind: BlockKind,
     /// Number of blocks.
     pub blocks: u64,
-    /// Sum of their lengths after decoding.
+    /// Sum of the lengths after decoding, bytes.
     pub raw_bytes: u64,
-    /// Sum of their lengths in the file.
+    /// Sum of the lengths in the file, bytes.
     pub stored_bytes: u64,
 }
 
-/// One row a kind for a sorted directory. The sums cannot overflow: 2^26 entries of 32-bit lengths at most.
+/// Returns one row a kind for a sorted directory. The sums cannot overflow: 2^26 entries of 32-bit
+/// lengths at most.
 pub fn summarize<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<LayerSummary> {
     let mut rows: BTreeMap<BlockKind, LayerSummary> = BTreeMap::new();
     for entry in entries {
@@ -146,17 +150,17 @@ pub fn summarize<'a>(entries: impl IntoIterator<Item = &'a Entry>) -> Vec<LayerS
     rows.into_values().collect()
 }
 
-/// What is wrong with a manifest.
+/// Error in a manifest.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mismatch {
-    /// What the manifest says.
+    /// Statement of the manifest.
     pub got: String,
-    /// What it must say.
+    /// Statement that would be right.
     pub expected: String,
 }
 
 impl Manifest {
-    /// A manifest of this release; the caller fills in the rest.
+    /// Returns a manifest of this release; the caller fills in the rest.
     pub fn new() -> Self {
         Manifest {
             format: "heliotile".to_string(),
@@ -166,7 +170,8 @@ impl Manifest {
         }
     }
 
-    /// Canonical JSON: keys sorted, two spaces. Refuses numbers that JSON cannot hold (NaN, infinite) and more than 1 MiB.
+    /// Returns canonical JSON: keys sorted, two spaces. Refuses numbers that JSON cannot hold (NaN,
+    /// infinite) and more than 1 MiB.
     pub fn to_json(&self) -> Result<Vec<u8>> {
         let refuse = |found: String| Error::Unsupported {
             what: "writing the manifest".to_string(),
@@ -188,7 +193,7 @@ impl Manifest {
         }
     }
 
-    /// Reads JSON; the caller has checked its length.
+    /// Reads JSON, whose length the caller has checked.
     pub fn from_json(bytes: &[u8]) -> std::result::Result<Self, Mismatch> {
         let manifest: Manifest = serde_json::from_slice(bytes)
             .map_err(|e| Mismatch { got: e.to_string(), expected: "a manifest".to_string() })?;
@@ -199,7 +204,7 @@ impl Manifest {
         Ok(manifest)
     }
 
-    /// Whether manifest and directory tell the same. The directory is sorted.
+    /// Checks that the manifest agrees with a sorted directory.
     pub fn check(&self, entries: &[Entry]) -> std::result::Result<(), Mismatch> {
         let wrong = |got: String, expected: String| Err(Mismatch { got, expected });
         let size = self.receivers.tile_size;
@@ -207,6 +212,7 @@ impl Manifest {
             return wrong(format!("tile_size {size}"), format!("1 to {MAX_TILE_RECEIVERS}"));
         }
         let (mut tiles, mut count) = (0_u32, 0_u64);
+        // Tiles are numbered from 0 without a gap.
         for entry in entries.iter().filter(|entry| entry.kind == RECEIVERS) {
             if entry.tile != TileNumber(tiles) {
                 return wrong(entry.name(), format::block_name(RECEIVERS, TileNumber(tiles)));
@@ -238,7 +244,8 @@ impl Manifest {
 mod tests {
     use super::*;
 
-    /// A manifest with unknown keys on 4 levels and a float of 17 digits comes back equal, and its JSON is the same bytes.
+    /// A manifest with unknown keys on 4 levels and a float of 17 digits comes back equal, and its
+    /// JSON has the same bytes again.
     #[test]
     fn json_round_trips() {
         let mut manifest = Manifest::new();
@@ -258,7 +265,8 @@ mod tests {
         assert_eq!(String::from_utf8(json).unwrap().matches("\"later\"").count(), 4);
     }
 
-    /// The hash of settings is the known one, stays through JSON, and each of 3 changes, one under a key of a later release, gives another.
+    /// The hash of settings is the known one and stays through JSON. Each of 3 changes, one of them
+    /// under a key of a later release, gives another hash.
     #[test]
     fn settings_have_a_name() {
         let mut manifest = Manifest::new();
@@ -278,7 +286,8 @@ mod tests {
         assert_eq!(changed.iter().filter(|other| **other != name(&settings)).count(), 3);
     }
 
-    /// NaN, a known key among the unknown ones, and 1 MiB + of JSON are refused on writing: 3 of 3.
+    /// NaN, a known key among the unknown ones, and more than 1 MiB of JSON are refused on writing:
+    /// 3 of 3.
     #[test]
     fn what_json_cannot_hold_is_refused() {
         let mut nan = Manifest::new();
@@ -291,7 +300,8 @@ mod tests {
         assert_eq!(refused, 3);
     }
 
-    /// 200 000 nested arrays, a truncated text and another format are errors, not a full stack.
+    /// 200 000 nested arrays, a truncated text and another format are errors and do not overflow
+    /// the stack.
     #[test]
     fn hostile_json_is_refused() {
         let deep = format!("{{\"later\":{}", "[".repeat(200_000)).into_bytes();

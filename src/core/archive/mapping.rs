@@ -1,6 +1,7 @@
-//! A file mapped into memory. In: an open file. Out: copies of its bytes. The only `unsafe` of the crate.
+//! A file mapped into memory. In: an open file. Out: copies of its bytes. This file has the only
+//! `unsafe` of the crate.
 //!
-//! Everything is copied out, so no reference into a mapping lives longer than a copy.
+//! All bytes are copied out, so no reference into a mapping lives longer than a copy.
 
 use std::fs::File;
 use std::io;
@@ -9,10 +10,10 @@ use memmap2::Mmap;
 
 use crate::archive::read_at::{ReadAt, range};
 
-/// Bytes of a file through a mapping.
+/// File that is read through a mapping.
 #[derive(Debug)]
 pub struct MappedFile {
-    /// `None` for an empty file, which cannot be mapped.
+    /// The mapping; `None` for an empty file, which cannot be mapped.
     map: Option<Mmap>,
 }
 
@@ -23,11 +24,12 @@ impl MappedFile {
         if file.metadata()?.len() == 0 {
             return Ok(MappedFile { map: None });
         }
-        // SAFETY: the mapping must not change or shrink while a reference into it lives. Archives are published by rename and
-        // never written in place (`writer.rs`), so no process of ours does that. If another one does, the copies below are the only
-        // places that hold a reference, for the time of a copy: changed bytes are then a wrong checksum of that copy; a
-        // file that is shortened ends the process by SIGBUS, which `Access::Read` avoids. Test that would break it:
-        // `access_agrees`.
+        // SAFETY: the mapping must not change or shrink while a reference into it lives. Archives
+        // are published by rename and never written in place (`writer.rs`), so no process of ours
+        // does that. If another one does, the copies below are the only places that hold a
+        // reference, for the time of a copy: changed bytes are then a wrong checksum of that copy;
+        // a file that is shortened ends the process by SIGBUS, which `Access::Read` avoids. Test
+        // that would break it: `access_agrees`.
         unsafe { Mmap::map(file) }.map(|map| MappedFile { map: Some(map) })
     }
 

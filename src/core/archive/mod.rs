@@ -1,9 +1,10 @@
-//! The archive: one file that holds a traced site. In: encoded blocks and a manifest. Out: the same blocks, checked, by
-//! (kind, tile).
+//! The archive: one file that holds a traced site. In: encoded blocks and a manifest. Out: the same
+//! blocks, checked, by (kind, tile).
 //!
-//! What it promises: a file is whole or has not got its name; a changed byte is an error that names the block, never other
-//! numbers; no input ends the program; equal input gives equal bytes. It never casts a ray and knows no physics. The bytes
-//! are told in `schema/heliotile-1.md`, which comes first: tests compare it with this code.
+//! It promises four things. A file is whole or does not have its name. A changed byte is an error
+//! that names the block, never other numbers. No input ends the program. Equal input gives equal
+//! bytes. It never casts a ray and knows no physics. `schema/heliotile-1.md` defines the bytes and
+//! comes first: tests compare it with this code.
 
 #![deny(
     clippy::unwrap_used,

@@ -1,4 +1,5 @@
-//! What a build left out because it brings little under some weather: a part of the manifest.
+//! Effects that a build left out because they bring little under some weather: a part of the
+//! manifest. In: effects and bounds. Out: a record and its text.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -6,21 +7,22 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// Why effects were left out: over the time of a weather file they bring no group of receivers more than was allowed.
+/// Reason why effects were left out: over the time of a weather file they bring no group of
+/// receivers more than the allowed share.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Negligible {
-    /// What was allowed, of all that is left out, percent of the sum of a group of receivers.
+    /// Allowed share of all that is left out, percent of the sum of a group of receivers.
     pub percent: f64,
-    /// The weather file's name.
+    /// Name of the weather file.
     pub weather: String,
-    /// The most that each effect that was left out brings any group, percent of its sum.
+    /// Largest contribution of each effect to any group, percent of its sum.
     pub bound_percent: BTreeMap<String, f64>,
-    /// Keys that this release does not know, kept as they are.
+    /// Keys that this release does not know, kept unchanged.
     #[serde(flatten)]
     pub other: BTreeMap<String, Value>,
 }
 
-/// What was left out and what it brings at most, as people read it.
+/// Text for people: each effect that was left out with its largest contribution.
 impl fmt::Display for Negligible {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let each = self.bound_percent.iter().map(|(effect, percent)| format!("{effect} (at most {percent} %)"));

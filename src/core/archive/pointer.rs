@@ -1,7 +1,9 @@
-//! A pointer: the small object that stands under an archive's name where the archive itself lies beside it, as `schema/pointer.md` says. In:
-//! bytes. Out: root, length and name of the archive; and back.
+//! A pointer: the small object that stands under an archive's name where the archive itself lies
+//! beside it, as `schema/pointer.md` says. In: bytes. Out: root, length and name of the archive;
+//! and back.
 //!
-//! Object stores cannot create a large object on the condition that none is there. They can do that with a small one, so it is written last.
+//! An object store cannot create a large object on the condition that none is there. It can do that
+//! with a small one, so the pointer is written last.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,41 +12,44 @@ use crate::archive::format;
 /// Longest pointer, bytes.
 pub const MAX_POINTER: usize = 4096;
 
-/// How all pointers begin.
+/// First bytes of every pointer.
 const START: &[u8] = b"{\"heliotile_pointer\":";
 
-/// Where an archive lies whose name this is.
+/// Name, length and root of the archive that a pointer leads to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Pointer {
-    /// 1, the layout of this text.
+    /// Version of the layout of this text, 1.
     heliotile_pointer: u32,
     /// Name of the archive, in the same folder.
     pub name: String,
-    /// Its number of bytes.
+    /// Length of the archive, bytes.
     pub length: u64,
-    /// Its root, hexadecimal.
+    /// Root hash of the archive, hexadecimal.
     pub root: String,
 }
 
 impl Pointer {
-    /// To an archive of so many bytes, which lies beside the pointer: `site.ROOT.helio` of `site.helio`.
+    /// Returns a pointer to an archive of `length` bytes, which lies beside it: `site.ROOT.helio`
+    /// for a pointer `site.helio`.
     pub fn new(own_name: &str, root: &[u8; 32], length: u64) -> Self {
         let root = format::hex(root);
         Pointer { heliotile_pointer: 1, name: Pointer::name_of(own_name, &root), length, root }
     }
 
-    /// Name of the archive that a pointer of a name leads to: `site.ROOT.helio` of `site.helio`.
+    /// Returns the name of the archive that a pointer leads to: `site.ROOT.helio` for a pointer
+    /// `site.helio`.
     fn name_of(own_name: &str, root: &str) -> String {
         let stem = own_name.strip_suffix(".helio").unwrap_or(own_name);
         format!("{stem}.{root}.helio")
     }
 
-    /// Whether bytes begin as a pointer does.
+    /// Returns true if bytes begin as a pointer does.
     pub fn begins(head: &[u8]) -> bool {
         head.starts_with(START)
     }
 
-    /// What bytes say; `None` if they are no pointer that this release understands, or one that leaves its folder.
+    /// Reads a pointer; `None` if the bytes are no pointer that this release understands, or lead
+    /// out of their folder.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let bytes = Some(bytes).filter(|bytes| bytes.len() <= MAX_POINTER && Pointer::begins(bytes))?;
         let pointer: Pointer = serde_json::from_slice(bytes).ok()?;
@@ -55,9 +60,9 @@ impl Pointer {
         (pointer.heliotile_pointer == 1 && plain && hex && !name.contains(char::is_control)).then_some(pointer)
     }
 
-    /// The bytes of the pointer.
+    /// Returns the bytes of the pointer.
     pub fn to_bytes(&self) -> Vec<u8> {
-        // Text and numbers always become JSON.
+        // Texts and numbers always become JSON.
         serde_json::to_vec(self).unwrap_or_default()
     }
 }
@@ -66,8 +71,8 @@ impl Pointer {
 mod tests {
     use super::*;
 
-    /// A pointer comes back from its 201 bytes; 9 others are none: of another layout, cut, longer than 4096 bytes, with a root that is none, or a
-    /// name in another folder.
+    /// A pointer comes back from its 201 bytes. Nine other texts are no pointer: with another
+    /// layout, cut, longer than 4096 bytes, with a bad root, or with a name in another folder.
     #[test]
     fn round_trip() {
         let pointer = Pointer::new("site.helio", &[7; 32], 145_284_198);

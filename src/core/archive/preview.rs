@@ -1,4 +1,5 @@
-//! What an archive of a changed scene kept although the change alters it a little: a part of the manifest.
+//! Preview: parts that an archive of a changed scene kept although the change alters them a little.
+//! A part of the manifest. In: a bound. Out: a record and its text.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,17 +10,17 @@ use serde_json::Value;
 /// The bound of a preview.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Preview {
-    /// Most by which the light of any receiver is off: under a uniform sky, or in the mean over suns everywhere in the sky, percent of what open
-    /// ground gets.
+    /// Largest error of the light of any receiver, percent of the light on open ground: under a
+    /// uniform sky, or in the mean over suns everywhere in the sky.
     pub bound_percent: f64,
-    /// Receivers whose reflected light is that of the scene before it was changed.
+    /// Number of receivers whose reflected light is that of the scene before the change.
     pub kept_receivers: u64,
-    /// Keys that this release does not know, kept as they are.
+    /// Keys that this release does not know, kept unchanged.
     #[serde(flatten)]
     pub other: BTreeMap<String, Value>,
 }
 
-/// As people read it.
+/// Text for people.
 impl fmt::Display for Preview {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Preview { bound_percent, kept_receivers, .. } = self;

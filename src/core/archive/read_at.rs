@@ -1,5 +1,6 @@
-//! Bytes by position. In: what holds an archive's bytes (memory, an open file, a mapping, ranges of a server). Out: owned copies of
-//! ranges, so that what was checked is what is used.
+//! Bytes by position. In: a holder of an archive's bytes (memory, an open file, a mapping, ranges
+//! of a server). Out: owned copies of ranges, so that the bytes that were checked are the bytes
+//! that are used.
 
 use std::fmt::Debug;
 #[cfg(any(unix, windows))]
@@ -9,34 +10,36 @@ use std::sync::Arc;
 
 use crate::archive::format::Entry;
 
-/// Bytes of a fixed number that many threads may read.
+/// Source of a fixed number of bytes that many threads may read.
 pub trait ReadAt: Debug + Send + Sync {
-    /// Number of bytes; it does not change.
+    /// Returns the number of bytes; it does not change.
     fn length(&self) -> u64;
 
-    /// Fills `bytes` from a position; an error of kind `UnexpectedEof` if there are not as many.
+    /// Fills `bytes` from a position; an error of kind `UnexpectedEof` if the source ends before.
     fn read_at(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()>;
 
-    /// A copy of `length` bytes from a position, for which the caller has made sure that they exist. What holds its bytes in memory
-    /// copies them into fresh memory without clearing that first.
+    /// Returns a copy of `length` bytes from a position. The caller has made sure that they exist.
+    /// A source in memory copies them into fresh memory without clearing that first.
     fn copy_at(&self, offset: u64, length: usize) -> io::Result<Vec<u8>> {
         let mut bytes = vec![0; length];
         self.read_at(offset, &mut bytes)?;
         Ok(bytes)
     }
 
-    /// Blocks that will be read soon, in any order: who fetches from afar may begin now and ask for neighbours at once. Nothing fails
-    /// here, and who holds the bytes already does nothing.
+    /// Announces blocks that will be read soon, in any order. A remote may begin to fetch them now,
+    /// neighbours in one request. A source that holds the bytes already does nothing. The call
+    /// never fails.
     fn expect(&self, _blocks: &[Entry]) {}
 
-    /// The stored bytes of a block, for which the caller has made sure that they are inside. Whether they are right is for the caller to
-    /// check: an entry has their checksum, by which others may keep copies of blocks.
+    /// Returns the stored bytes of a block. The caller has made sure that they lie inside, and
+    /// checks that they are right. The entry has their checksum, by which a cache may keep copies
+    /// of blocks.
     fn copy_block(&self, block: &Entry) -> io::Result<Vec<u8>> {
         self.copy_at(block.offset, usize::try_from(block.stored).map_err(|_| io::ErrorKind::UnexpectedEof)?)
     }
 }
 
-/// A range of bytes in memory, or `UnexpectedEof`.
+/// Returns a range of bytes in memory, or `UnexpectedEof`.
 pub(super) fn range(bytes: &[u8], offset: u64, length: usize) -> io::Result<&[u8]> {
     let start = usize::try_from(offset).ok();
     let range = start.and_then(|start| Some(start..start.checked_add(length)?));
@@ -73,7 +76,8 @@ impl ReadAt for Vec<u8> {
     }
 }
 
-/// An open file, read at positions: for files that others may shorten, and network file systems.
+/// An open file, read at positions: for files that other programs may shorten, and network file
+/// systems.
 #[cfg(any(unix, windows))]
 #[derive(Debug)]
 pub struct OpenFile {
@@ -83,7 +87,8 @@ pub struct OpenFile {
 
 #[cfg(any(unix, windows))]
 impl OpenFile {
-    /// Takes the file's length now; bytes beyond it do not count, and a file that is shortened gives errors.
+    /// Takes the file's length now. Bytes that are added later do not count, and a file that is
+    /// shortened gives errors.
     pub fn new(file: File) -> io::Result<Self> {
         let length = file.metadata()?.len();
         Ok(OpenFile { file, length })

@@ -1,4 +1,5 @@
-//! Reading an archive. In: a path, or bytes from anywhere. Out: checked blocks by (kind, tile), each copied out before it is decoded.
+//! Reading of an archive. In: a path, or bytes from any source. Out: checked blocks by (kind,
+//! tile), each copied out before it is decoded.
 
 use std::path::Path;
 
@@ -17,7 +18,8 @@ use crate::archive::source::Access;
 use crate::archive::source::Source;
 use crate::error::{Error, Result};
 
-/// An open archive whose header, directory and manifest were checked. Many threads may read from it.
+/// An open archive whose header, directory and manifest were checked. Many threads may read from
+/// it.
 #[derive(Debug)]
 pub struct Archive {
     source: Source,
@@ -27,26 +29,28 @@ pub struct Archive {
 }
 
 impl Archive {
-    /// Opens a finished archive of a file system through a mapping. An error: no archive, one that was not finished, one of a later format,
-    /// or a header, directory or manifest that is damaged.
+    /// Opens a finished archive of a file system through a mapping. It is an error if the file is
+    /// no archive, was not finished or has another format, or if its header, directory or manifest
+    /// is damaged.
     #[cfg(any(unix, windows))]
     pub fn open(path: &Path) -> Result<Self> {
         Archive::open_with(path, Access::default())
     }
 
-    /// The same, read as `access` says.
+    /// Opens a finished archive of a file system, read as `access` says; errors as in
+    /// `Archive::open`.
     #[cfg(any(unix, windows))]
     pub fn open_with(path: &Path, access: Access) -> Result<Self> {
         Archive::read(Source::open(path, access)?)
     }
 
-    /// Opens a finished archive whose bytes are held anywhere, without a file system; `name` is what messages call it. The errors
-    /// are those of `Archive::open`.
+    /// Opens a finished archive whose bytes come from any source, without a file system. Messages
+    /// call it `name`. Errors as in `Archive::open`.
     pub fn of(name: impl AsRef<Path>, bytes: impl ReadAt + 'static) -> Result<Self> {
         Archive::read(Source::new(name.as_ref(), Box::new(bytes)))
     }
 
-    /// Checks everything but the blocks, which are checked when they are read.
+    /// Checks header, directory and manifest. Blocks are checked when they are read.
     pub(super) fn read(source: Source) -> Result<Self> {
         let path = source.path();
         let header = header::read(&source)?;
@@ -69,55 +73,56 @@ impl Archive {
         Ok(Archive { source, header, entries, manifest })
     }
 
-    /// The file's path, or the name that the bytes were given.
+    /// Returns the file's path, or the name that was given with the bytes.
     pub fn path(&self) -> &Path {
         self.source.path()
     }
 
-    /// Number of bytes of all of it, as they are stored.
+    /// Returns the number of bytes of the whole archive, as stored.
     pub fn length(&self) -> u64 {
         self.source.length()
     }
 
-    /// The manifest, read when the archive was opened.
+    /// Returns the manifest, read when the archive was opened.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// Hash of directory and manifest: names the content of the whole archive.
+    /// Returns the hash of directory and manifest, which identifies the content of the whole
+    /// archive.
     pub fn root(&self) -> [u8; 32] {
         self.header.slot.root
     }
 
-    /// The directory, sorted by (kind, tile), with blocks of unknown kinds.
+    /// Returns the directory, sorted by (kind, tile), with blocks of unknown kinds.
     pub fn entries(&self) -> &[Entry] {
         &self.entries
     }
 
-    /// The directory entries of one kind, by tile.
+    /// Returns the directory entries of one kind, by tile.
     pub fn entries_of(&self, kind: BlockKind) -> &[Entry] {
         let start = self.entries.partition_point(|entry| entry.kind < kind);
         let end = self.entries.partition_point(|entry| entry.kind <= kind);
         self.entries.get(start..end).unwrap_or(&[])
     }
 
-    /// Number of receiver tiles; they are numbered from 0.
+    /// Returns the number of receiver tiles; they are numbered from 0.
     pub fn tiles(&self) -> u32 {
         self.manifest.receivers.tiles
     }
 
-    /// The directory entry of a block.
+    /// Returns the directory entry of a block.
     pub fn entry(&self, kind: BlockKind, tile: TileNumber) -> Option<&Entry> {
         let row = self.entries.binary_search_by_key(&(kind, tile), Entry::key).ok()?;
         self.entries.get(row)
     }
 
-    /// Whether the archive holds a block.
+    /// Returns true if the archive holds a block.
     pub fn has(&self, kind: BlockKind, tile: TileNumber) -> bool {
         self.entry(kind, tile).is_some()
     }
 
-    /// A block, checked and decoded; an error if it is damaged or not there.
+    /// Returns a block, checked and decoded; it is an error if the block is damaged or missing.
     pub fn block(&self, kind: BlockKind, tile: TileNumber) -> Result<Block> {
         match self.entry(kind, tile) {
             Some(entry) => self.fetch(entry),
@@ -128,50 +133,54 @@ impl Archive {
         }
     }
 
-    /// All blocks of one kind, by tile; a bad one is an error in its place and the rest follow.
+    /// Iterates over all blocks of one kind, by tile. A damaged block is an error in its place, and
+    /// the rest follow.
     pub fn scan(&self, kind: BlockKind) -> impl Iterator<Item = Result<Block>> + '_ {
         self.entries_of(kind).iter().map(|entry| self.fetch(entry))
     }
 
-    /// Tells where the bytes are held that blocks will be read soon, in any order: from afar they come together. A hint, which costs nothing
-    /// where bytes are at hand; blocks that do not exist are passed over.
+    /// Announces blocks that will be read soon, in any order, so that a remote fetches them
+    /// together. It is a hint and costs nothing where the bytes are local. Blocks that do not exist
+    /// are ignored.
     pub fn expect(&self, blocks: impl IntoIterator<Item = (BlockKind, TileNumber)>) {
         let found = blocks.into_iter().filter_map(|(kind, tile)| self.entry(kind, tile).copied());
         self.source.expect(&found.collect::<Vec<_>>());
     }
 
-    /// The same for all blocks of a kind.
+    /// Announces that all blocks of a kind will be read soon.
     pub fn expect_all(&self, kind: BlockKind) {
         self.source.expect(self.entries_of(kind));
     }
 
-    /// A block as it is stored, for another archive: of any kind, packed in any way.
+    /// Returns a block as it is stored, for another archive: of any kind and codec.
     pub fn copy(&self, entry: &Entry) -> Result<EncodedBlock> {
         let stored = self.source.read_block(entry)?;
         block::check_stored(self.path(), entry, &stored)?;
         Ok(EncodedBlock { entry: *entry, stored })
     }
 
-    /// Reads, checks and decodes the block of a directory entry; one whose layout this release does not know is an error.
+    /// Reads, checks and decodes the block of a directory entry. A layout of a known kind that this
+    /// release does not know is an error.
     pub fn fetch(&self, entry: &Entry) -> Result<Block> {
         let stored = self.source.read_block(entry)?;
         let block = block::decode(self.source.path(), entry, &stored)?;
-        // A layout that this release does not know must not be read as the one it knows.
+        // An unknown layout must not be read as the known one.
         if format::schema_of(entry.kind).is_some() { block.require(&[entry.kind]).map(|()| block) } else { Ok(block) }
     }
 
-    /// The bytes that it is read from.
+    /// Returns the source of the bytes.
     pub(crate) fn source(&self) -> &Source {
         &self.source
     }
 
-    /// Both header slots as they were when it was opened.
+    /// Returns the header as it was when the archive was opened.
     pub fn header(&self) -> &Header {
         &self.header
     }
 }
 
-/// Whether the directory is in order and no entry points where it must not: section 4 step 7 of the format.
+/// Checks that the directory is in order and no entry points outside the blocks or into another
+/// one: section 4 step 7 of the format.
 pub fn check_entries(path: &Path, entries: &[Entry], slot: &Slot) -> Result<()> {
     let wrong = |entry: &Entry, got: String, expected: String| Err(block::corrupt(path, entry, got, expected));
     for (entry, next) in entries.iter().zip(entries.iter().skip(1)) {
@@ -193,6 +202,7 @@ pub fn check_entries(path: &Path, entries: &[Entry], slot: &Slot) -> Result<()> 
             return wrong(entry, format!("{} bytes at {}", entry.stored, entry.offset), expected);
         }
     }
+    // Blocks of equal content may share their bytes; any other overlap is damage.
     let places = by_place(entries);
     for (entry, next) in places.iter().zip(places.iter().skip(1)) {
         let shared = (entry.offset, entry.stored, entry.content) == (next.offset, next.stored, next.content);
@@ -203,7 +213,7 @@ pub fn check_entries(path: &Path, entries: &[Entry], slot: &Slot) -> Result<()> 
     Ok(())
 }
 
-/// Entries in the order of their places in the file.
+/// Returns the entries sorted by their places in the file.
 pub fn by_place(entries: &[Entry]) -> Vec<&Entry> {
     let mut all: Vec<&Entry> = entries.iter().collect();
     all.sort_unstable_by_key(|entry| (entry.offset, entry.stored, entry.key()));

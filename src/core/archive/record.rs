@@ -1,10 +1,11 @@
-//! Records of fixed layout, little-endian: header slots, directory entries, journals.
+//! Records of fixed layout, little-endian: header slots, directory entries, journals. In: fields.
+//! Out: bytes, and back.
 
 /// A number or byte string of fixed size, little-endian.
 pub trait Plain: Sized {
-    /// Adds its bytes.
+    /// Adds the bytes of the value to `out`.
     fn put(&self, out: &mut Vec<u8>);
-    /// The value and the bytes after it.
+    /// Returns the value at the start of `bytes` and the bytes after it.
     fn take(bytes: &[u8]) -> Option<(Self, &[u8])>;
 }
 
@@ -31,7 +32,8 @@ impl<const N: usize> Plain for [u8; N] {
     }
 }
 
-/// A record of the file: its fields in file order, without gaps. `FIELDS` is what a test compares with the text.
+/// Declares a record of the file: its fields in file order, without gaps. A test compares `FIELDS`
+/// with the format's text.
 #[macro_export]
 macro_rules! record {
     ($(#[$about:meta])* $name:ident { $($(#[$field_about:meta])* $field:ident: $kind:ty,)* }) => {
@@ -43,12 +45,12 @@ macro_rules! record {
             /// Name and size of every field, in file order.
             pub const FIELDS: &'static [(&'static str, usize)] = &[$((stringify!($field), size_of::<$kind>())),*];
 
-            /// Adds its bytes.
+            /// Adds the bytes of the record to `out`.
             pub fn put(&self, out: &mut Vec<u8>) {
                 $($crate::archive::record::Plain::put(&self.$field, out);)*
             }
 
-            /// The record at the start of `bytes`, and the bytes after it.
+            /// Returns the record at the start of `bytes`, and the bytes after it.
             pub fn take(bytes: &[u8]) -> Option<(Self, &[u8])> {
                 $(let ($field, bytes) = $crate::archive::record::Plain::take(bytes)?;)*
                 Some(($name { $($field,)* }, bytes))

@@ -1,6 +1,8 @@
-//! The settings of a build. Each number is declared once, in [`for_each_setting`](crate::for_each_setting): its name, its type in the manifest and in a program,
-//! its range, the rungs of its accuracy ladder from coarse to fine, and its meaning. The manifest's fields, `--set`, `info`, the ladder and
-//! the descriptions in `schema/manifest.schema.json` follow from that.
+//! The settings of a build. Each number is declared once, in
+//! [`for_each_setting`](crate::for_each_setting): its name, its type in the manifest and in a
+//! program, its range, the rungs of its accuracy ladder from coarse to fine, and its meaning. The
+//! manifest's fields, `--set`, `info`, the ladder and the descriptions in
+//! `schema/manifest.schema.json` follow from that.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -10,7 +12,8 @@ use serde_json::Value;
 
 use crate::error::{Error, Result};
 
-/// Hands the declarations to a macro: name, type in the manifest, type in a program, range, ladder and values of its rungs, meaning.
+/// Hands the declarations to a macro: name, type in the manifest, type in a program, range, ladder
+/// and values of its rungs, meaning.
 #[macro_export]
 macro_rules! for_each_setting {
     ($with:ident) => {
@@ -43,7 +46,7 @@ macro_rules! for_each_setting {
     };
 }
 
-/// What a number may be.
+/// Range of values that a setting accepts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SettingRange {
     /// A power of two, from the first to the second.
@@ -52,17 +55,17 @@ pub enum SettingRange {
     Whole(u32, u32),
     /// Any number from the first to the second.
     Real(f64, f64),
-    /// One of a list.
+    /// One number of a list.
     OneOf(&'static [u32]),
 }
 
 impl SettingRange {
-    /// Whether it can have no part behind the point.
+    /// Returns true if the range holds whole numbers only.
     pub fn is_whole(self) -> bool {
         !matches!(self, SettingRange::Real(..))
     }
 
-    /// Whether a number is inside.
+    /// Returns true if a number is inside.
     pub fn contains(self, number: f64) -> bool {
         let inside = |low: u32, high: u32| (f64::from(low)..=f64::from(high)).contains(&number);
         let whole = number.fract() == 0.0;
@@ -93,37 +96,38 @@ impl fmt::Display for SettingRange {
     }
 }
 
-/// The source of error that a setting belongs to. Errors of different sources are independent, so each has a ladder of its own.
+/// Source of error that a setting belongs to. Errors of different sources are independent, so each
+/// has its own ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ladder {
     /// Sky textures: sun and sky seen directly or in mirrors.
     Sky,
     /// Cells that receivers see: one diffuse reflection.
     Seen,
-    /// What cells see: further reflections.
+    /// Cells that cells see: further reflections.
     Bounced,
-    /// The sky's own resolution at replay.
+    /// Resolution of the sky at replay.
     Patches,
 }
 
-/// The declaration of a number.
+/// Declaration of one numeric setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// Its key in the manifest, and in `--set`.
+    /// Key in the manifest, and in `--set`.
     pub name: &'static str,
-    /// A sentence that says what it is, with its unit.
+    /// Sentence that says what the setting is, with its unit.
     pub meaning: &'static str,
     /// Values that a build accepts.
     pub range: SettingRange,
-    /// The source of error that it belongs to.
+    /// Source of error that it belongs to.
     pub ladder: Ladder,
-    /// Its value on each rung of its ladder, from coarse to fine.
+    /// Values on the rungs of its ladder, from coarse to fine.
     pub rungs: &'static [f64],
 }
 
 macro_rules! declare {
     ($($name:ident: $stored:ty as $native:ty, $range:ident($($bound:expr),*), $ladder:ident $rungs:tt, $meaning:literal;)*) => {
-        /// All numbers, in the order of the manifest's text.
+        /// All numeric settings, in the order of the manifest's text.
         pub const SETTINGS: &[Setting] = &[$(Setting {
             name: stringify!($name),
             meaning: $meaning,
@@ -135,17 +139,19 @@ macro_rules! declare {
         /// The settings of a build, as the manifest states them.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         pub struct Settings {
-            /// Name of the rung of the accuracy ladder, such as `fine`; empty if the settings are not those of a named one.
+            /// Name of the rung of the accuracy ladder, such as `fine`; empty if the settings are
+            /// not those of a named one.
             pub quality: String,
             $(#[doc = $meaning] pub $name: $stored,)*
-            /// Who shares probes: `cells`, or `none` for the reference with a hemisphere a hit.
+            /// Sharing of probes: `cells`, or `none` for the reference with a hemisphere a hit.
             pub share: String,
-            /// Bounces that the response holds: `all`, or a number.
+            /// Number of bounces that the response holds: `all`, or a number.
             pub bounces: String,
             /// Effects that the scene has and that were not traced.
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             pub left_out: Vec<String>,
-            /// Version of the tracing: releases that trace the same scene differently state another one.
+            /// Version of the tracing. A release that traces the same scene differently states
+            /// another one.
             pub tracing: u32,
             /// Keys that this release does not know.
             #[serde(flatten)]
@@ -153,7 +159,7 @@ macro_rules! declare {
         }
 
         impl Settings {
-            /// The numbers with their declarations.
+            /// Iterates over the numbers with their declarations.
             pub fn numbers(&self) -> impl Iterator<Item = (&'static Setting, f64)> {
                 SETTINGS.iter().zip([$(f64::from(self.$name)),*])
             }
@@ -161,7 +167,7 @@ macro_rules! declare {
     };
 }
 
-/// Numbers of any type as a list of f64.
+/// Returns numbers of any type as a list of f64.
 macro_rules! as_f64 {
     ([$($number:literal),*]) => { &[$($number as f64),*] };
 }
@@ -169,23 +175,24 @@ macro_rules! as_f64 {
 for_each_setting!(declare);
 
 impl Settings {
-    /// Sky patches that replay takes if it is not told otherwise.
+    /// Returns the default number of sky patches at replay.
     pub fn patches(&self) -> usize {
         self.patches as usize
     }
 
-    /// Sun positions an hour, the same.
+    /// Returns the default number of sun positions an hour at replay.
     pub fn steps(&self) -> u16 {
         self.steps
     }
 
-    /// Names the settings, by their JSON: other ones, those of a later release too, have another hash.
+    /// Returns the hash of the settings, made of their JSON. Other settings, also those of a later
+    /// release, have another hash.
     pub fn hash(&self) -> Result<[u8; 32]> {
         let json = serde_json::to_vec(self).map_err(unnamed)?;
         Ok(*blake3::hash(&json).as_bytes())
     }
 
-    /// Settings whose value is another one now: `hit 16, now 24`.
+    /// Returns the settings that have another value now, in words: `hit 16, now 24`.
     pub fn differences(&self, now: &Self) -> Result<Vec<String>> {
         let stated = |settings: &Self| -> Result<BTreeMap<String, Value>> {
             serde_json::to_value(settings).and_then(serde_json::from_value).map_err(unnamed)
@@ -210,7 +217,8 @@ fn unnamed(error: serde_json::Error) -> Error {
 mod tests {
     use super::*;
 
-    /// Of the 12 numbers every rung lies in its range, rungs of one ladder are equally many (6, 8, 6, 3), and 0, -1 and NaN are in no range.
+    /// Every rung of the 12 numbers lies in its range. The numbers of one ladder have equally many
+    /// rungs (6, 8, 6, 3). No range holds 0, -1 or NaN.
     #[test]
     fn rungs_lie_in_their_ranges() {
         for setting in SETTINGS {

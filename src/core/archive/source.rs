@@ -1,4 +1,5 @@
-//! An archive's bytes with the name that messages give them. In: a path, or any [`ReadAt`]. Out: owned copies of ranges.
+//! Bytes of an archive with the name that messages give them. In: a path, or any [`ReadAt`]. Out:
+//! owned copies of ranges.
 
 #[cfg(any(unix, windows))]
 use std::fs::File;
@@ -15,18 +16,19 @@ use crate::archive::read_at::ReadAt;
 use crate::error::{Error, Result};
 use crate::named::NamedValues;
 
-/// How an archive is read from a file system.
+/// Way in which an archive is read from a file system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Access {
-    /// Through a mapping: fastest once the file is in memory. Without the feature `mmap` the same as [`Access::Read`].
+    /// Access through a mapping: fastest once the file is in memory. Without the feature `mmap` it
+    /// is [`Access::Read`].
     #[default]
     Mapped,
-    /// By reads at a position: for files that others may shorten, and network file systems
+    /// Reads at a position: for files that other programs may shorten, and network file systems.
     Read,
 }
 
-/// Bytes of a fixed number, and their name.
+/// A fixed number of bytes, and their name.
 #[derive(Debug)]
 pub struct Source {
     name: Arc<Path>,
@@ -35,12 +37,12 @@ pub struct Source {
 }
 
 impl Source {
-    /// Bytes from anywhere; `name` is what messages call them.
+    /// Returns a source of bytes from any holder; messages call it `name`.
     pub fn new(name: &Path, bytes: Box<dyn ReadAt>) -> Self {
         Source { name: Arc::from(name), length: bytes.length(), bytes }
     }
 
-    /// Opens a file for reading; its length is taken now and does not change.
+    /// Opens a file for reading. Its length is taken now and does not change.
     #[cfg(any(unix, windows))]
     pub fn open(path: &Path, access: Access) -> Result<Self> {
         let file = File::open(path).map_err(Error::io(path, "open"))?;
@@ -51,29 +53,30 @@ impl Source {
         Ok(Source::new(path, bytes_of(file, access).map_err(Error::io(path, "map"))?))
     }
 
-    /// The file's path, or the name that the bytes were given.
+    /// Returns the file's path, or the name that was given with the bytes.
     pub fn path(&self) -> &Arc<Path> {
         &self.name
     }
 
-    /// Number of bytes.
+    /// Returns the number of bytes.
     pub fn length(&self) -> u64 {
         self.length
     }
 
-    /// A copy of `length` bytes at `offset`. Nothing is allocated for a range that is not inside the file.
+    /// Returns a copy of `length` bytes at `offset`. Nothing is allocated for a range outside the
+    /// file.
     pub fn read(&self, offset: u64, length: u64) -> Result<Vec<u8>> {
         let copied = self.inside(offset, length).and_then(|length| self.bytes.copy_at(offset, length));
         copied.map_err(Error::unread(&self.name))
     }
 
-    /// The stored bytes of a block; likewise.
+    /// Returns the stored bytes of a block. Nothing is allocated for a block outside the file.
     pub fn read_block(&self, block: &Entry) -> Result<Vec<u8>> {
         let copied = self.inside(block.offset, block.stored.into()).and_then(|_| self.bytes.copy_block(block));
         copied.map_err(Error::unread(&self.name))
     }
 
-    /// Tells of blocks that will be read soon.
+    /// Announces blocks that will be read soon.
     pub fn expect(&self, blocks: &[Entry]) {
         self.bytes.expect(blocks);
     }
@@ -110,8 +113,8 @@ crate::serde_by_name!(Access);
 mod tests {
     use super::*;
 
-    /// MappedFile, plain reads, a vector and shared memory give the same bytes for all 10 011 ranges of 140 bytes, copied out and read into a
-    /// buffer, and the same error outside them.
+    /// A mapping, plain reads, a vector and shared memory give the same bytes for all 10 011 ranges
+    /// of 140 bytes, copied out and read into a buffer, and the same error outside them.
     #[test]
     fn access_agrees() {
         let folder = tempfile::tempdir().unwrap();
@@ -145,7 +148,8 @@ mod tests {
         }
     }
 
-    /// A file shortened under plain reads is an error of that read, not the end of the process; an empty file has 0 bytes either way.
+    /// A file that is shortened under plain reads is an error of that read and does not end the
+    /// process. An empty file has 0 bytes with either access.
     #[test]
     fn a_shortened_file_is_an_error() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! The full check of an archive. In: a path, or bytes from anywhere. Out: every part that is not as it was written, by name and with the reason.
+//! The full check of an archive. In: a path, or bytes from any source. Out: every part that is not
+//! as it was written, by name and with the reason.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -32,22 +33,23 @@ use crate::layers::sky::SkyTexture;
 use crate::site::cells::CellKey;
 use crate::site::chain::{Chain, MirrorStep};
 
-/// What the check found. The archive is good if `problems` is empty.
+/// Result of the check. The archive is good if `problems` is empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct VerifyReport {
     /// Root hash, if header, directory and manifest are good.
     pub root: Option<[u8; 32]>,
-    /// Blocks that were read, of all kinds.
+    /// Number of blocks that were read, of all kinds.
     pub blocks: u64,
-    /// Blocks among them of kinds that this release does not know: their content was compared, their meaning was not.
+    /// Number of blocks among them of kinds that this release does not know. Their content hash was
+    /// checked, their meaning was not.
     pub unknown_blocks: u64,
-    /// Their length in the file, all blocks together.
+    /// Length of all blocks in the file, bytes.
     pub stored_bytes: u64,
-    /// Their length after decoding, as their entries state it, all blocks together.
+    /// Length of all blocks after decoding, as their entries state it, bytes.
     pub raw_bytes: u64,
-    /// Bytes after the end of the archive; they are ignored.
+    /// Number of bytes after the end of the archive; they are ignored.
     pub trailing_bytes: u64,
-    /// All that is wrong.
+    /// All parts that are wrong.
     pub problems: Vec<Problem>,
 }
 
@@ -56,21 +58,23 @@ pub struct VerifyReport {
 pub struct Problem {
     /// Name of the block, such as `sky/3`, or of the part.
     pub part: String,
-    /// Where it starts in the file.
+    /// Offset of the part in the file.
     pub offset: u64,
-    /// What is wrong with it.
+    /// Description of what is wrong with the part.
     pub reason: String,
 }
 
-/// Checks every byte of an archive in a file; see [`verify_bytes`]. By plain reads, a file that changes meanwhile cannot end the process.
+/// Checks every byte of an archive in a file; see [`verify_bytes`]. With plain reads, a file that
+/// changes meanwhile cannot end the process.
 #[cfg(any(unix, windows))]
 pub fn verify(path: &Path, access: Access, deep: bool) -> Result<VerifyReport> {
     verify_source(Source::open(path, access)?, deep)
 }
 
-/// Checks every byte of an archive that is held anywhere; goes on after a bad block. An error means that the check could not be made: no
-/// archive, a later format, or bytes that cannot be read. `deep` also decodes every layer and follows every reference, for which the keys
-/// of all cells are held in memory, 20 bytes each.
+/// Checks every byte of an archive from any source, and goes on after a bad block. An error means
+/// that the check was not possible: the bytes are no archive, have another format or cannot be
+/// read. `deep` also decodes every layer and follows every reference. For this it holds the keys of
+/// all cells in memory, 20 bytes each.
 pub fn verify_bytes(name: impl AsRef<Path>, bytes: impl ReadAt + 'static, deep: bool) -> Result<VerifyReport> {
     verify_source(Source::new(name.as_ref(), Box::new(bytes)), deep)
 }
@@ -112,21 +116,22 @@ fn verify_source(source: Source, deep: bool) -> Result<VerifyReport> {
     Ok(report)
 }
 
-/// What blocks must know of each other.
+/// Facts by which blocks are checked against each other.
 struct Site {
     materials: u64,
-    /// By material: 1 for canopies.
+    /// `[material]`: 1 for canopies.
     canopies: Vec<u8>,
-    /// Orientations of mirrors.
+    /// Number of orientations of mirrors.
     orientations: u64,
-    /// First keys of the chunks, as the index says; empty if it cannot be read.
+    /// First keys of the chunks of probes, by the index; empty if the index cannot be read.
     probes: Vec<CellKey>,
+    /// First keys of the chunks of bounce cells, by the index; empty if the index cannot be read.
     bounces: Vec<CellKey>,
-    /// All keys, for a deep check.
+    /// Keys of all cells, for a deep check.
     keys: Option<Keys>,
 }
 
-/// Keys of all cells whose chunks are good, sorted.
+/// Sorted keys of all cells whose chunks are good.
 struct Keys {
     probes: Vec<CellKey>,
     bounces: Vec<CellKey>,
@@ -159,7 +164,7 @@ impl Site {
     }
 }
 
-/// Reads one block and asks everything that can be asked of it.
+/// Reads one block and makes all checks of its kind.
 fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
     let block = match archive.fetch(entry) {
         // A later release may pack its own kinds in its own way; the checksum was right.
@@ -233,7 +238,8 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
     }
 }
 
-/// Boxes of tiles: as many as there are, and, in a deep check, those of the receivers.
+/// Checks the boxes of tiles: their number and, in a deep check, that they are those of the
+/// receivers.
 fn check_extents(archive: &Archive, block: &Block, deep: bool) -> Result<()> {
     let table = ExtentsTable::from_block(block)?;
     let first = (block.entry().tile.0 as usize).saturating_mul(TILES_A_CHUNK);
@@ -243,7 +249,7 @@ fn check_extents(archive: &Archive, block: &Block, deep: bool) -> Result<()> {
     }
     let held = archive.entries_of(RECEIVERS).iter().skip(first);
     for (entry, stated) in held.zip(table.boxes()).filter(|_| deep) {
-        // Receivers that cannot be read are named by themselves.
+        // Receivers that cannot be read are a problem of their own block.
         let Ok(receivers) = archive.fetch(entry).and_then(|block| ReceiversTable::from_block(&block)) else { continue };
         if ExtentsTable::around(receivers.position.iter().map(|&p| p.into())) != Some(stated) {
             return Err(block.corrupt(format!("another box of tile {}", entry.tile), "that of its receivers"));
@@ -252,7 +258,8 @@ fn check_extents(archive: &Archive, block: &Block, deep: bool) -> Result<()> {
     Ok(())
 }
 
-/// All chunks of names, by the chunk that tells of them: they ascend from chunk to chunk, begin as it says, and are the names of the receivers.
+/// Checks all chunks of names by the chunk of first names: they ascend from chunk to chunk, begin
+/// as it states, and are the names of the receivers.
 fn check_names(archive: &Archive, block: &Block) -> Result<()> {
     let firsts = NamesTable::from_block(block)?.names();
     let chunks = archive.entries_of(NAMES).get(1..).unwrap_or_default();
@@ -261,7 +268,7 @@ fn check_names(archive: &Archive, block: &Block) -> Result<()> {
         return Err(block.corrupt(format!("first names of {} chunks", firsts.len()), format!("{}", chunks.len())));
     }
     for (first, entry) in firsts.iter().zip(chunks) {
-        // A chunk that cannot be read is named by itself.
+        // A chunk that cannot be read is a problem of its own block.
         let Ok(rows) = archive.fetch(entry).and_then(|block| Ok(NamesTable::from_block(&block)?.names())) else {
             return Ok(());
         };
@@ -281,7 +288,7 @@ fn check_names(archive: &Archive, block: &Block) -> Result<()> {
     if held == stated { Ok(()) } else { Err(block.corrupt("other names", "those of the receivers")) }
 }
 
-/// Tells one set of names from another, whatever their order.
+/// Digest by which two sets of names are compared, in any order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct NameDigest {
     count: u64,
@@ -296,7 +303,7 @@ impl NameDigest {
     }
 }
 
-/// A block has as many rows as the block of another kind whose rows it is about.
+/// Checks that a block has as many rows as the block of kind `of` with its number.
 fn same_rows(archive: &Archive, block: &Block, of: BlockKind) -> Result<()> {
     let (tile, rows) = (block.entry().tile, block.items());
     let of_kind = archive.entries_of(of).iter().find(|entry| entry.tile == tile).map(|entry| entry.items);
@@ -306,7 +313,8 @@ fn same_rows(archive: &Archive, block: &Block, of: BlockKind) -> Result<()> {
     Err(block.corrupt(format!("{rows} rows"), format!("as many as {}", format::block_name(of, tile))))
 }
 
-/// Crossings of the rows of a block of another kind: `sides` of both squares of rays, or a number of rays for the second.
+/// Checks the crossings of the rows of a block of another kind. `sides` are those of the two
+/// squares of rays; `seen` replaces the second square by a number of rays.
 fn check_canopies(
     archive: &Archive,
     block: &Block,
@@ -327,7 +335,8 @@ fn check_canopies(
     }
 }
 
-/// One chunk of cells: known materials, in its place among the chunks, and seeing cells that exist.
+/// Checks one chunk of cells: its materials exist, it is in its place among the chunks, and in a
+/// deep check the cells that it sees exist.
 fn check_cells(block: &Block, firsts: &[CellKey], site: &Site) -> Result<()> {
     let cells = CellsTable::from_block(block)?.into_cells();
     check_materials(block, cells.keys.iter().chain(&cells.seen).map(|key| key.material), site)?;
@@ -344,8 +353,8 @@ fn check_cells(block: &Block, firsts: &[CellKey], site: &Site) -> Result<()> {
     }
 }
 
-/// What receivers or cells see in mirrors: as many rows as there are of them, and, in a deep check, windows that can be read, and
-/// mirrors, materials and cells that exist.
+/// Checks the mirror layer of receivers or cells: it has as many rows as they do. A deep check also
+/// reads its windows, and checks that its mirrors, materials and cells exist.
 fn check_mirrors(archive: &Archive, block: &Block, site: &Site) -> Result<()> {
     let (entry, settings) = (block.entry(), &archive.manifest().settings);
     let (of, side) = match entry.kind {
@@ -368,7 +377,7 @@ fn check_mirrors(archive: &Archive, block: &Block, site: &Site) -> Result<()> {
         let (chains, steps, mut cells): (Vec<Chain>, Vec<Vec<MirrorStep>>, Vec<CellKey>);
         let known;
         if entry.kind == MIRROR {
-            // Written again, a key of another region shows.
+            // Writing the row again reveals a key of another region.
             let found = ReceiverMirrors::from_bytes(&row, base, side).filter(|found| found.to_bytes() == row);
             let found = found.ok_or_else(bad)?;
             let doubled = fine.checked_div(base).unwrap_or(0);
@@ -402,10 +411,11 @@ fn check_mirrors(archive: &Archive, block: &Block, site: &Site) -> Result<()> {
     Ok(())
 }
 
-/// Largest side of a refined sky, as `schema/layers.md` states it: above it a few bytes could stand for gigabytes.
+/// Largest side of a refined sky, as `schema/layers.md` states it. With a larger one a few bytes
+/// could stand for gigabytes.
 const MOST_FINE: usize = 4096;
 
-/// Whether all keys are among the known ones.
+/// Checks that all keys are among the known ones.
 fn check_references(block: &Block, keys: &[CellKey], known: &[CellKey]) -> Result<()> {
     match keys.iter().find(|key| known.binary_search(key).is_err()) {
         Some(key) => Err(block.corrupt(format!("{key:?}, which does not exist"), "cells that exist")),
@@ -422,7 +432,8 @@ fn check_materials(block: &Block, materials: impl Iterator<Item = u16>, site: &S
     }
 }
 
-/// Bytes between the parts that are not zero. Later generations leave old blocks there, so only the first one is asked.
+/// Returns the bytes between the parts that are not zero. Later generations leave old blocks there,
+/// so only the first generation is checked.
 fn padding(archive: &Archive) -> Result<Vec<Problem>> {
     let slot = &archive.header().slot;
     let mut problems = Vec::new();
@@ -439,6 +450,7 @@ fn padding(archive: &Archive) -> Result<Vec<Problem>> {
     let mut end = 0;
     for (start, next) in slots.chain(blocks).chain(tables) {
         while end < start {
+            // A forged gap may be large, so it is read in pieces.
             let length = start.saturating_sub(end).min(FIRST_BLOCK);
             let bytes = archive.source().read(end, length)?;
             if let Some(place) = bytes.iter().position(|byte| *byte != 0) {

@@ -6,7 +6,7 @@
 //! quadratic interpolation where that is safe, else bisection. A jump over zero is found as well as
 //! a root: the point of the jump is returned.
 
-/// More steps than bisection needs for doubles.
+/// Largest number of steps; bisection of doubles needs fewer.
 const MOST_STEPS: usize = 200;
 
 /// A point of the function's graph.
@@ -16,19 +16,19 @@ struct Point {
     y: f64,
 }
 
-/// Where to look for a root.
+/// Interval in which a root is looked for.
 #[derive(Clone, Copy, Debug)]
 pub struct Bracket {
-    /// The lower end.
+    /// Lower end.
     pub low: f64,
-    /// The upper end.
+    /// Upper end.
     pub high: f64,
     /// Width of the bracket at which the search ends.
     pub tolerance: f64,
 }
 
-/// Finds where `function` changes its sign inside `bracket`; `None` if the signs at both ends are
-/// equal or a value is not a number.
+/// Returns the point inside `bracket` where `function` changes its sign; `None` if the signs at its
+/// ends are equal or a value is not a number.
 pub fn bracketed_root(function: impl Fn(f64) -> f64, bracket: &Bracket) -> Option<f64> {
     let point = |x: f64| Some(Point { x, y: function(x) }).filter(|point| point.y.is_finite());
     let (mut newest, mut opposite) = (point(bracket.high)?, point(bracket.low)?);
@@ -48,14 +48,15 @@ pub fn bracketed_root(function: impl Fn(f64) -> f64, bracket: &Bracket) -> Optio
         if best.y == 0.0 || width <= bracket.tolerance {
             return Some(best.x);
         }
+        // Half a tolerance from either end at least, so that the bracket shrinks to it.
         let least = (0.5 * bracket.tolerance / width).min(0.5);
         share = next_share(newest, opposite, former).clamp(least, 1.0 - least);
     }
     None
 }
 
-/// Share of the way from the newest point to the opposite one at which the function is evaluated
-/// next.
+/// Returns the share of the way from the newest point to the opposite one at which the function is
+/// evaluated next.
 fn next_share(a: Point, b: Point, c: Point) -> f64 {
     let xi = (a.x - b.x) / (c.x - b.x);
     let phi = (a.y - b.y) / (c.y - b.y);
@@ -76,7 +77,7 @@ mod tests {
         bracketed_root(function, &Bracket { low: -10.0, high: 20.0, tolerance: 1e-10 })
     }
 
-    /// The roots of a cubic, an exponential, roots at both ends and a jump from 1 to -1 are found
+    /// The roots of a cubic, of an exponential and at either end, and a jump from 1 to -1 are found
     /// within 1e-10.
     #[test]
     fn roots_and_jumps() {
@@ -93,7 +94,7 @@ mod tests {
         }
     }
 
-    /// Without a change of sign there is no root, and a function that is not a number has 0 roots.
+    /// Without a change of sign there is no root, and a function that gives NaN has none.
     #[test]
     fn no_root() {
         assert_eq!(root(|x| x * x + 1.0), None);

@@ -1,9 +1,11 @@
-//! How the longwave radiance of a clear sky falls towards the zenith. In: the sky that planes see. Out: how much of what a clear sky lacks beside a black one
-//! they miss.
+//! Decrease of a clear sky's longwave radiance towards the zenith. In: the sky that planes see.
+//! Out: the share that they miss of the difference between a clear and a black sky.
 //!
-//! P. Martin and P. Berdahl, "Characteristics of infrared sky radiation in the United States", Solar Energy 33, 1984: the emissivity towards a zenith
-//! angle z is 1 - (1 - e) exp(b (1.7 - 1 / cos z)) with b = 0.308, where e is that of the whole sky. Cloud bases are nearly black, so that
-//! the formula holds for what all of the sky lacks. A court that sees the zenith only gets less than an isotropic sky would give it.
+//! P. Martin and P. Berdahl, "Characteristics of infrared sky radiation in the United States",
+//! Solar Energy 33, 1984: the emissivity towards a zenith angle z is 1 - (1 - e) exp(b (1.7 - 1 /
+//! cos z)) with b = 0.308, where e is that of the whole sky. Cloud bases are nearly black, so the
+//! formula holds for the deficit of any sky beside a black one. A court that sees the zenith only
+//! gets less than from an isotropic sky.
 
 use glam::{DVec2, DVec3};
 
@@ -13,18 +15,19 @@ use crate::layers::sky_bitmap::SkyBitmap;
 /// Exponent b.
 const EXPONENT: f64 = 0.308;
 
-/// Cosine of the zenith angle below which the sky is taken as there.
+/// Cosine of the zenith angle below which the sky is taken as at that angle.
 const LEAST_COSINE: f64 = 0.01;
 
-/// Texels of a sky, and what the sky lacks in their directions.
+/// Texels of a sky, with the deficit of a clear sky beside a black one in their directions.
 pub struct ClearSky {
     side: usize,
-    /// `[texel]`: direction of its middle, times what it lacks x solid angle / pi; the horizontal plane that sees all of them gets 1.
+    /// `[texel]`: direction of its middle, times deficit x solid angle / pi, scaled so that the
+    /// horizontal plane that sees all texels gets 1.
     lacking: Vec<DVec3>,
 }
 
 impl ClearSky {
-    /// Of skies with so many base texels a side.
+    /// Returns the deficits of skies with `side` base texels a side.
     pub fn of(side: usize) -> Self {
         let texel_sr = HEMISPHERE_SR / (side * side) as f64;
         let of_texel = |texel: usize| {
@@ -39,12 +42,13 @@ impl ClearSky {
         ClearSky { side, lacking }
     }
 
-    /// Base texels a side.
+    /// Returns the number of base texels a side.
     pub fn side(&self) -> usize {
         self.side
     }
 
-    /// What a plane misses of the sky that it sees, beside a black one, in shares of what the open horizontal plane misses.
+    /// Returns the deficit of the sky that a plane sees, beside a black one, as a share of the
+    /// deficit of the open horizontal plane.
     pub fn missed(&self, normal: DVec3, sky: &SkyBitmap) -> f64 {
         let mut sum = 0.0;
         sky.for_visible(|texel, share| {
@@ -71,8 +75,11 @@ mod tests {
         SkyBitmap::of(&bits, side)
     }
 
-    /// The open horizontal plane misses 1, a wall before an open horizon 0.345 and not the half of it that it sees: the zenith lacks most. Of the cone
-    /// above a sine of the altitude of 0.75, which has 0.4375 of the horizontal's sky, 0.5194 is missed (both by the trapezoid rule with 2 million points in numpy).
+    /// The deficit of the open horizontal plane is 1, and that of a wall before an open horizon
+    /// 0.345, less than the half of the sky that it sees, because the zenith has the largest
+    /// deficit. The cone above a sine of the altitude of 0.75 is 0.4375 of the horizontal's sky and
+    /// has 0.5194 of the deficit (the two numbers by the trapezoid rule with 2 million points in
+    /// numpy).
     #[test]
     fn zenith_and_horizon() {
         let clear = ClearSky::of(128);

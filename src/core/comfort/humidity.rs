@@ -7,15 +7,15 @@
 use crate::weather::emission::ZERO_CELSIUS_K;
 use std::ops::RangeInclusive;
 
-/// Range of the saturation pressure, degrees Celsius.
+/// Range of temperatures of the saturation pressure, degrees Celsius.
 const RANGE_C: RangeInclusive<f64> = -100.0..=100.0;
 
-/// Saturation pressure of water vapour over liquid water, hPa, or `None` outside -100..=100 degrees
-/// Celsius.
+/// Returns the saturation pressure of water vapour over liquid water, hPa, or `None` outside
+/// -100..=100 degrees Celsius.
 ///
 /// Hardy, "ITS-90 formulations for vapor pressure, frostpoint temperature, dewpoint temperature,
 /// and enhancement factors in the range -100 to +100 C", Third International Symposium on Humidity
-/// and Moisture, 1998. The operational UTCI uses the same formula (function `es` of UTCI_approx,
+/// and Moisture, 1998. The operational UTCI uses this formula, too (function `es` of UTCI_approx,
 /// version a 0.002).
 pub fn saturation_pressure_hpa(temperature_c: f64) -> Option<f64> {
     RANGE_C.contains(&temperature_c).then(|| {
@@ -26,15 +26,15 @@ pub fn saturation_pressure_hpa(temperature_c: f64) -> Option<f64> {
     })
 }
 
-/// Vapour pressure of air, hPa, from its temperature and relative humidity, or `None` outside
-/// -100..=100 degrees Celsius or 0..=100 %.
+/// Returns the vapour pressure of air, hPa, from its temperature and relative humidity, or `None`
+/// outside -100..=100 degrees Celsius or 0..=100 %.
 pub fn vapour_pressure_hpa(air_temperature_c: f64, relative_humidity_percent: f64) -> Option<f64> {
     let share = Some(relative_humidity_percent / 100.0).filter(|share| (0.0..=1.0).contains(share))?;
     Some(share * saturation_pressure_hpa(air_temperature_c)?)
 }
 
-/// Relative humidity of air, percent, from its temperature and dew point, or `None` outside
-/// -100..=100 degrees Celsius.
+/// Returns the relative humidity of air, percent, from its temperature and dew point, or `None`
+/// outside -100..=100 degrees Celsius.
 ///
 /// A dew point above the temperature is an error of the weather file; the air then counts as
 /// saturated, 100 %.
@@ -43,8 +43,8 @@ pub fn relative_humidity_percent(air_temperature_c: f64, dew_point_c: f64) -> Op
     Some(100.0 * share.min(1.0))
 }
 
-/// Saturation pressure as the PET takes it, hPa: over ice below 0 degrees Celsius, over water from
-/// there on.
+/// Returns the saturation pressure that the PET uses, hPa: over ice below 0 degrees Celsius, over
+/// water from there on.
 ///
 /// ASHRAE Handbook Fundamentals, 2017, chapter 1, equations 5 and 6, after Hyland and Wexler, 1983;
 /// -100 to 200 degrees Celsius. The reference implementation pythermalcomfort uses it, so that
@@ -75,8 +75,8 @@ mod tests {
         }
     }
 
-    /// The pressure of the PET is that of ITS-90 within 0.1 % above 0 degrees Celsius, and at -20
-    /// it is the one over ice, 1.0326 hPa (IAPWS), within 0.1 %.
+    /// The pressure of the PET agrees with ITS-90 within 0.1 % above 0 degrees Celsius. At -20 it
+    /// is the pressure over ice, 1.0326 hPa (IAPWS), within 0.1 %.
     #[test]
     fn two_formulas_agree() {
         for temperature_c in 0..=99 {
@@ -88,8 +88,8 @@ mod tests {
         assert!((ashrae_saturation_pressure_hpa(-20.0) / 1.0326 - 1.0).abs() < 1e-3);
     }
 
-    /// Half saturated air has half the pressure; humidity from a dew point gives the dew point's
-    /// pressure back within 1e-12 of it; a dew point above the temperature is 100 %.
+    /// Half saturated air has half the pressure. Humidity from a dew point gives back the dew
+    /// point's pressure within 1e-12 of it. A dew point above the temperature is 100 %.
     #[test]
     fn humidity_and_dew_point() {
         let full = saturation_pressure_hpa(25.0).expect("within the range");
@@ -103,7 +103,7 @@ mod tests {
         assert_eq!(relative_humidity_percent(10.0, 12.0), Some(100.0));
     }
 
-    /// NaN, infinity and what lies outside the ranges give `None`: 5 of 5.
+    /// NaN, infinity and values outside the ranges give `None`: 5 of 5.
     #[test]
     fn outside_the_range() {
         assert_eq!(saturation_pressure_hpa(f64::NAN), None);

@@ -1,24 +1,29 @@
-//! An index of an hour over the mean radiant temperature. In: the index as a function. Out: its values between nodes of 1 K.
+//! An index of an hour as a function of the mean radiant temperature. In: the index as a function.
+//! Out: its values between nodes of 1 K.
 //!
-//! Air, wind and humidity of an hour are the same at all places; an index that costs microseconds is computed once an hour, not once a place.
+//! Air, wind and humidity of an hour are equal at all places. An index takes microseconds, so it is
+//! computed at some nodes an hour and not at each place.
 
-/// Distance of nodes, K. Linear between them the UTCI and the PET are off by at most 0.01 K (a test).
+/// Distance of nodes, K. With linear interpolation the UTCI and the PET are off by at most 0.01 K
+/// (a test).
 const STEP_K: f64 = 1.0;
 
-/// Nodes lie from so far below the air temperature to so far above it, K.
+/// Distance from the air temperature down to the first node, K.
 const BELOW_K: f64 = 35.0;
+/// Distance from the air temperature up to the last node, K.
 const ABOVE_K: f64 = 90.0;
 
-/// An index of one hour.
+/// Values of an index in one hour, by mean radiant temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndexCurve {
     first_c: f64,
-    /// NaN where the index has no value.
+    /// `[node]`: the index, or NaN where it has no value.
     values: Vec<f32>,
 }
 
 impl IndexCurve {
-    /// Of an hour of so warm air; `index` gives a value for a mean radiant temperature, or none.
+    /// Returns the curve of an hour with air of `air_c` degrees Celsius. `index` gives a value for
+    /// a mean radiant temperature, or `None`.
     pub fn of(air_c: f64, index: impl Fn(f64) -> Option<f64>) -> Self {
         let first_c = air_c - BELOW_K;
         let count = ((BELOW_K + ABOVE_K) / STEP_K) as usize;
@@ -26,7 +31,8 @@ impl IndexCurve {
         IndexCurve { first_c, values: (0..=count).map(node).collect() }
     }
 
-    /// The index at a mean radiant temperature; none where it has no value.
+    /// Returns the index at a mean radiant temperature, degrees Celsius, or `None` where it has no
+    /// value.
     pub fn at(&self, mean_radiant_c: f64) -> Option<f64> {
         let place = (mean_radiant_c - self.first_c) / STEP_K;
         if place.is_nan() || place < 0.0 {
@@ -50,7 +56,8 @@ mod tests {
     use crate::comfort::pet::{PetClimate, PetPerson, SEA_LEVEL_HPA, pet_c};
     use crate::comfort::utci::{UtciInput, utci_c};
 
-    /// Between nodes UTCI and PET of four climates are off by less than 0.01 K; outside of their ranges there is no value.
+    /// Between nodes UTCI and PET of four climates are off by less than 0.01 K. Outside of their
+    /// ranges there is no value.
     #[test]
     fn between_nodes() {
         for (air_c, wind_m_s, humidity) in [(-12.0, 6.0, 80.0), (5.0, 0.5, 95.0), (22.0, 2.0, 50.0), (36.0, 1.0, 30.0)]

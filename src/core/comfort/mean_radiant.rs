@@ -1,5 +1,5 @@
 //! Mean radiant temperature. In: shortwave and longwave irradiance of six directions, direct sun.
-//! Out: the temperature of black surroundings that a person absorbs as much of.
+//! Out: the temperature of black surroundings from which a person absorbs the same radiation.
 //!
 //! Six directions: Höppe, "Ein neues Verfahren zur Bestimmung der mittleren Strahlungstemperatur im
 //! Freien", Wetter und Leben 44, 1992; VDI 3787 part 2; Thorsson, Lindberg, Eliasson and Holmer,
@@ -10,7 +10,7 @@
 //!
 //! A box gets too much sun from some azimuths and too little from others. The second function
 //! counts the beam on a cylinder instead: Holmer, Lindberg, Rayner and Thorsson, "How to transform
-//! the standing man from a box to a cylinder", 9th International Conference on Urban Climate, 2015;
+//! the standing man from a box to a cylinder", 9th International Conference on Urban Climate, 2015.
 //! SOLWEIG does so by default.
 
 use crate::weather::emission::black_body_c;
@@ -19,22 +19,22 @@ use crate::weather::emission::black_body_c;
 /// azimuths need not be those of the compass, but two neighbours are 90 degrees apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DirectionalIrradiance {
-    /// On a horizontal surface that looks up, W/m2.
+    /// Irradiance of a horizontal surface that faces up, W/m2.
     pub from_above_w_m2: f64,
-    /// On a horizontal surface that looks down, W/m2.
+    /// Irradiance of a horizontal surface that faces down, W/m2.
     pub from_below_w_m2: f64,
-    /// On an upright surface that looks north, W/m2.
+    /// Irradiance of an upright surface that faces north, W/m2.
     pub from_north_w_m2: f64,
-    /// On an upright surface that looks east, W/m2.
+    /// Irradiance of an upright surface that faces east, W/m2.
     pub from_east_w_m2: f64,
-    /// On an upright surface that looks south, W/m2.
+    /// Irradiance of an upright surface that faces south, W/m2.
     pub from_south_w_m2: f64,
-    /// On an upright surface that looks west, W/m2.
+    /// Irradiance of an upright surface that faces west, W/m2.
     pub from_west_w_m2: f64,
 }
 
 impl DirectionalIrradiance {
-    /// Of one irradiance from all directions.
+    /// Returns one irradiance from all directions.
     pub fn uniform(w_m2: f64) -> Self {
         DirectionalIrradiance {
             from_above_w_m2: w_m2,
@@ -46,7 +46,7 @@ impl DirectionalIrradiance {
         }
     }
 
-    /// Mean over the body, W/m2: directions weighted by their angular factors.
+    /// Returns the mean over the body, W/m2: directions weighted by their angular factors.
     fn on_body_w_m2(&self, body: &RadiantBody) -> f64 {
         let sides = self.from_north_w_m2 + self.from_east_w_m2 + self.from_south_w_m2 + self.from_west_w_m2;
         body.side_factor * sides + body.vertical_factor * (self.from_above_w_m2 + self.from_below_w_m2)
@@ -56,9 +56,9 @@ impl DirectionalIrradiance {
 /// Radiation around a person.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RadiationField {
-    /// Of the sun, the sky and what reflects them.
+    /// Shortwave irradiance from the sun, the sky and surfaces that reflect them.
     pub shortwave: DirectionalIrradiance,
-    /// Of the heat of the sky, the ground and obstructions.
+    /// Longwave irradiance from the sky, the ground and obstructions.
     pub longwave: DirectionalIrradiance,
 }
 
@@ -76,10 +76,11 @@ pub struct DirectSun {
 pub struct RadiantBody {
     /// Angular factor of each of the four sides.
     pub side_factor: f64,
-    /// Angular factor of above, and that of below. Four sides and these two make 1.
+    /// Angular factor of the direction above, and that of the one below. Four sides and these two
+    /// make 1.
     pub vertical_factor: f64,
     /// Share of the body's surface that a horizontal beam falls on at right angles, from any
-    /// azimuth. Only [`mean_radiant_temperature_of_cylinder_c`] takes it.
+    /// azimuth. Only [`mean_radiant_temperature_of_cylinder_c`] uses it.
     pub cylinder_factor: f64,
     /// Share of shortwave irradiance that the body absorbs.
     pub shortwave_absorptivity: f64,
@@ -103,25 +104,27 @@ impl RadiantBody {
         longwave_emissivity: 0.97,
     };
 
-    /// A sitting person by ISO 7726:1998 in the same way: 0.18, 0.22 and 0.30 give 0.18 / 1.4 =
-    /// 0.13 and 0.26 / 1.4 = 0.185. The cylinder's factor, 0.20, is that of SOLWEIG.
+    /// A sitting person by ISO 7726:1998, computed as for [`RadiantBody::STANDING`]: 0.18, 0.22 and
+    /// 0.30 give 0.18 / 1.4 = 0.13 and 0.26 / 1.4 = 0.185. The cylinder's factor, 0.20, is that of
+    /// SOLWEIG.
     pub const SITTING: RadiantBody =
         RadiantBody { side_factor: 0.185, vertical_factor: 0.13, cylinder_factor: 0.20, ..Self::STANDING };
 }
 
-/// Mean radiant temperature of a box, degrees Celsius, from irradiance of six directions; the
-/// shortwave part includes direct sun.
+/// Returns the mean radiant temperature of a box, degrees Celsius, from irradiance of six
+/// directions. The shortwave part includes direct sun.
 ///
-/// `None` if what the body absorbs is negative, infinite or NaN.
+/// `None` if the absorbed radiation is negative, infinite or NaN.
 pub fn mean_radiant_temperature_c(field: &RadiationField, body: &RadiantBody) -> Option<f64> {
     temperature_c(field.shortwave.on_body_w_m2(body), field, body)
 }
 
-/// Mean radiant temperature of an upright cylinder, degrees Celsius. The shortwave part of `field`
-/// is diffuse and reflected light only: direct sun is counted from `sun`.
+/// Returns the mean radiant temperature of an upright cylinder, degrees Celsius. The shortwave part
+/// of `field` is diffuse and reflected light only: direct sun comes from `sun`.
 ///
 /// The beam I of a sun at altitude h adds I cos h times the cylinder's factor, and I sin h times
-/// the factor of above. `None` if what the body absorbs is negative, infinite or NaN.
+/// the factor of the direction above. `None` if the absorbed radiation is negative, infinite or
+/// NaN.
 pub fn mean_radiant_temperature_of_cylinder_c(
     field: &RadiationField,
     sun: &DirectSun,
@@ -136,7 +139,7 @@ pub fn mean_radiant_temperature_of_cylinder_c(
     temperature_c(field.shortwave.on_body_w_m2(body) + beam_w_m2, field, body)
 }
 
-/// Temperature of black surroundings that send what the body absorbs.
+/// Returns the temperature of black surroundings that send the radiation that the body absorbs.
 fn temperature_c(shortwave_w_m2: f64, field: &RadiationField, body: &RadiantBody) -> Option<f64> {
     let longwave_w_m2 = field.longwave.on_body_w_m2(body);
     let black_w_m2 = body.shortwave_absorptivity / body.longwave_emissivity * shortwave_w_m2 + longwave_w_m2;
@@ -160,8 +163,8 @@ mod tests {
         RadiationField { longwave, ..RadiationField::default() }
     }
 
-    /// The six angular factors of each body make 1, and those of standing and sitting are ISO
-    /// 7726's within 0.001.
+    /// The six angular factors of each body make 1. The factors of standing and sitting agree with
+    /// ISO 7726 within 0.002 (above and below) and 0.001 (sides).
     #[test]
     fn factors_make_one() {
         for body in BODIES {
@@ -176,7 +179,7 @@ mod tests {
         }
     }
 
-    /// Among black surroundings of one temperature without sun the mean radiant temperature is that
+    /// In black surroundings of one temperature, without sun, the mean radiant temperature is that
     /// temperature within 1e-9 K.
     #[test]
     fn uniform_field() {
@@ -199,8 +202,8 @@ mod tests {
         assert!((got - expected).abs() < 1e-9, "{got} {expected}");
     }
 
-    /// Uniform shortwave irradiance K adds 0.7 / 0.97 K to the longwave irradiance: 418.77 + 144.33
-    /// W/m2 are those of 42.534 degrees, within 0.01.
+    /// Uniform shortwave irradiance K adds 0.7 / 0.97 K to the longwave irradiance: the sum of
+    /// 418.77 and 144.33 W/m2 belongs to 42.534 degrees, within 0.01.
     #[test]
     fn uniform_sunshine() {
         let field = RadiationField { shortwave: DirectionalIrradiance::uniform(200.0), longwave: black(20.0) };
@@ -212,7 +215,7 @@ mod tests {
     }
 
     /// A beam of 800 W/m2 adds 0.28 of it to a cylinder at altitude 0, 0.06 at 90, 0.28 cos 30 +
-    /// 0.06 sin 30 at 30 and nothing at -1 degrees: the absorbed shortwave irradiance is that
+    /// 0.06 sin 30 at 30 and nothing at -1 degrees. The absorbed shortwave irradiance is that
     /// within 1e-9 W/m2.
     #[test]
     fn beam_on_cylinder() {
@@ -227,8 +230,8 @@ mod tests {
         }
     }
 
-    /// Over all azimuths a box gets 0.22 (4 / pi) = 0.2801 of a horizontal beam, which is the
-    /// cylinder's 0.28 within 0.0002.
+    /// In the mean over all azimuths a box gets 0.22 (4 / pi) = 0.2801 of a horizontal beam, which
+    /// is the cylinder's 0.28 within 0.0002.
     #[test]
     fn box_and_cylinder_agree_in_the_mean() {
         let steps = 3600;
@@ -247,7 +250,7 @@ mod tests {
         assert!((mean - RadiantBody::STANDING.cylinder_factor).abs() < 2e-4, "{mean}");
     }
 
-    /// NaN in a field or in the sun, negative absorption and an infinite beam give `None`; a field
+    /// NaN in a field or in the sun, negative absorption and an infinite beam give `None`. A field
     /// of 0 W/m2 is at absolute zero, -273.15.
     #[test]
     fn no_temperature() {

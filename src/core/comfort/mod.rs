@@ -1,17 +1,17 @@
-//! Outdoor thermal comfort: what air, wind, humidity and radiation mean to a person. In: numbers of
-//! one place and moment. Out: mean radiant temperature, UTCI, PET, solar gain.
+//! Outdoor thermal comfort: the effect of air, wind, humidity and radiation on a person. In:
+//! numbers of one place and moment. Out: mean radiant temperature, UTCI, PET, solar gain.
 //!
-//! | file | what it holds |
+//! | file | content |
 //! | --- | --- |
 //! | `mean_radiant` | mean radiant temperature from irradiance of six directions, and of a sun on a cylinder |
 //! | `utci` | Universal Thermal Climate Index and its ten stress categories |
 //! | `utci_polynomial` | the 210 published coefficients of the UTCI |
 //! | `pet` | Physiological Equivalent Temperature |
 //! | `pet_balance`, `pet_body` | heat balance of a person behind the PET |
-//! | `clear_sky` | how a clear sky's longwave radiance falls towards the zenith |
+//! | `clear_sky` | decrease of a clear sky's longwave radiance towards the zenith |
 //! | `surroundings` | longwave irradiance of six planes from sky, ground and obstructions |
 //! | `index_curve` | an index of an hour at many places |
-//! | `people` | points of an archive: their planes, the climate of an hour, their numbers |
+//! | `people` | points of an archive: their planes, the climate of an hour, their values |
 //! | `solar_gain` | SolarCal of ASHRAE 55: effective radiant field of the sun |
 //! | `humidity` | saturation pressure and vapour pressure of water |
 //! | `wind` | wind at the height of a body |
@@ -19,7 +19,7 @@
 //!
 //! Temperatures are in degrees Celsius, irradiance in W/m2, wind in m/s, pressures in hPa, relative
 //! humidity in percent. A function returns `None` where an input is missing (NaN), infinite or
-//! outside the range of its formula; NaN never comes out.
+//! outside the range of its formula. It never returns NaN.
 //!
 //! Nothing here reads files, opens archives, or keeps state.
 

@@ -3,9 +3,9 @@
 //!
 //! The PET is the air temperature of a room without sun and draught in which the body's heat
 //! balance is the same, with core and skin as warm as in the real climate. The room has a mean
-//! radiant temperature as of the air, 0.1 m/s of wind and 12 hPa of vapour; the person wears 0.9
-//! clo and works at 80 W there. Sources: Höppe, 1999; Walther and Goestchel, 2018; titles in
-//! `pet_body`. The results are those of `pet_steady` in pythermalcomfort 4.8.1 (MIT licence).
+//! radiant temperature equal to that of the air, 0.1 m/s of wind and 12 hPa of vapour. The person
+//! wears 0.9 clo and works at 80 W there. Sources: Höppe, 1999; Walther and Goestchel, 2018; titles
+//! in `pet_body`. The results are those of `pet_steady` in pythermalcomfort 4.8.1 (MIT licence).
 
 use crate::comfort::bracketed_root::{Bracket, bracketed_root};
 use crate::comfort::humidity::ashrae_saturation_pressure_hpa;
@@ -37,10 +37,10 @@ pub struct PetClimate {
 const ROOM_WIND_M_S: f64 = 0.1;
 /// Vapour pressure of the reference room, hPa.
 const ROOM_VAPOUR_HPA: f64 = 12.0;
-/// Among which temperatures of the room the PET is looked for, degrees Celsius.
+/// Range of room temperatures in which the PET is looked for, degrees Celsius.
 const ROOM_BRACKET: Bracket = Bracket { low: -150.0, high: 180.0, tolerance: 1e-8 };
 
-/// The PET, degrees Celsius, or `None` if an input is outside its range or NaN.
+/// Returns the PET, degrees Celsius, or `None` if an input is outside its range or NaN.
 ///
 /// In air of more than 50 hPa of vapour, a dew point of 33 degrees Celsius, the model's sweating
 /// may jump at the balance (see `pet_balance`). The value is then that of the jump. The solver of
@@ -62,6 +62,7 @@ pub fn pet_c(climate: &PetClimate, person: &PetPerson) -> Option<f64> {
     };
     let clothing = Clothing::of(person.clothing_clo, &body);
     let nodes = HeatBalance::new(&body, &clothing, &outdoors, MET_W * person.activity_met).nodes()?;
+    // The room keeps the temperatures of core, skin and clothing of the real climate.
     let room_clothing = Clothing::of(ROOM_CLOTHING_CLO, &body);
     let convection_w_m2_k = body.convection_w_m2_k(ROOM_WIND_M_S, relative_pressure);
     let sum_in_room_w_m2 = |room_c| {
@@ -102,7 +103,7 @@ mod tests {
         }
     }
 
-    /// In the reference room the PET is the air temperature within 1e-6 K, for both postures.
+    /// In the reference room the PET is the air temperature within 1e-6 K, for the two postures.
     #[test]
     fn reference_room() {
         for room_c in [12.0, 18.0, 21.0, 25.0, 35.0, 45.0] {
@@ -115,9 +116,9 @@ mod tests {
         }
     }
 
-    /// On a grid of 9 air temperatures, 25 mean radiant temperatures, 8 winds and 6 humidities, -30
-    /// to 50 and -30 to 90 degrees, 0.05 to 15 m/s and 5 to 100 %, each of the 10800 cases has a
-    /// PET, and each rises with the mean radiant temperature.
+    /// On a grid of 9 air temperatures, 25 mean radiant temperatures, 8 winds and 6 humidities (-30
+    /// to 50 and -30 to 90 degrees, 0.05 to 15 m/s, 5 to 100 %) each of the 10800 cases has a PET,
+    /// and each PET rises with the mean radiant temperature.
     #[test]
     fn converges_and_rises_with_radiation() {
         let mut cases = 0;
@@ -238,7 +239,7 @@ mod tests {
         }
     }
 
-    /// At the corners of the ranges, 2048 climates and persons, there is a finite PET.
+    /// There is a finite PET at the corners of the ranges, 2048 climates and persons.
     #[test]
     fn corners_of_the_ranges() {
         let corner = |bits: u32, place: u32, low: f64, high: f64| if bits >> place & 1 == 0 { low } else { high };

@@ -2,11 +2,10 @@
 //! clothing at which all heat flows cancel.
 //!
 //! The model has three nodes: MEMI (Höppe 1984) as Walther and Goestchel, 2018, corrected it;
-//! sources as in `pet_body`. All flows are per m2 of the naked body, into the body positive. Once
-//! the temperature of the clothing is assumed, that of the skin and then that of the core follow in
-//! closed form, so that one equation with one unknown is left. Its left side falls with the
-//! temperature of the clothing for activities up to 3.5 met; up to 6 met it was found to have one
-//! root.
+//! sources as in `pet_body`. All flows are per m2 of the naked body, positive into the body. The
+//! temperature of the clothing gives that of the skin and then that of the core in closed form, so
+//! that one equation with one unknown is left. Its left side falls with the temperature of the
+//! clothing for activities up to 3.5 met; up to 6 met it was found to have one root.
 
 use crate::comfort::bracketed_root::{Bracket, bracketed_root};
 use crate::comfort::humidity::ashrae_saturation_pressure_hpa;
@@ -27,7 +26,7 @@ const CLOTHING_EMISSIVITY: f64 = 0.95;
 const LEWIS_K_HPA: f64 = 1.67;
 /// Woodcock's ratio of vapour transfer through clothing.
 const WOODCOCK: f64 = 0.38;
-/// Core temperature above which the body loses heat on purpose, degrees Celsius.
+/// Core temperature above which the body gives off heat, degrees Celsius.
 const CORE_SET_C: f64 = 36.6;
 /// Skin temperature below which the body saves heat, degrees Celsius.
 const SKIN_SET_C: f64 = 34.0;
@@ -46,11 +45,11 @@ const SWEAT_GAIN_G_M2_H_K: f64 = 304.94;
 /// Limit of the sweat, g/m2 h.
 const MOST_SWEAT_G_M2_H: f64 = 500.0;
 
-/// Among which temperatures of the clothing the balance is looked for, degrees Celsius.
+/// Range of clothing temperatures in which the balance is looked for, degrees Celsius.
 const CLOTHING_BRACKET: Bracket = Bracket { low: -100.0, high: 150.0, tolerance: 1e-9 };
-/// Skin temperatures below this one count as it: they occur during the search only.
+/// Lower limit of the skin temperature, degrees Celsius. It is met during the search only.
 const LEAST_SKIN_C: f64 = -90.0;
-/// Skin temperatures above this one count as it: they occur during the search only.
+/// Upper limit of the skin temperature, degrees Celsius. It is met during the search only.
 const MOST_SKIN_C: f64 = 130.0;
 
 /// Climate at a body.
@@ -85,7 +84,7 @@ pub struct HeatBalance {
     clothing: Clothing,
     climate: BodyClimate,
     radiant_share: f64,
-    /// Metabolism less what breathing takes, W/m2: what the core gives to the skin.
+    /// Heat that the core gives to the skin, W/m2: metabolism less the losses by breathing.
     core_w_m2: f64,
     /// Black radiation of the surroundings, W/m2.
     surroundings_w_m2: f64,
@@ -95,13 +94,13 @@ pub struct HeatBalance {
     diffusion_w_m2_hpa: f64,
 }
 
-/// Black radiation of a temperature, W/m2.
+/// Returns the black-body radiation at a temperature, W/m2.
 fn black_w_m2(temperature_c: f64) -> f64 {
     STEFAN_BOLTZMANN * (temperature_c + ZERO_CELSIUS_K).powi(4)
 }
 
 impl HeatBalance {
-    /// The balance of a body that works at `activity_w`, W, besides its basal metabolism.
+    /// Returns the balance of a body that works at `activity_w`, W, besides its basal metabolism.
     pub fn new(body: &Body, clothing: &Clothing, climate: &BodyClimate, activity_w: f64) -> Self {
         let metabolism_w_m2 = (activity_w + body.basal_w) / body.surface_m2;
         let convection = climate.convection_w_m2_k;
@@ -118,8 +117,8 @@ impl HeatBalance {
         }
     }
 
-    /// The temperatures at which the balance of each node is 0, or `None` if there are none in the
-    /// range of the model.
+    /// Returns the temperatures at which the balance of each node is 0, or `None` if there are none
+    /// in the range of the model.
     ///
     /// Evaporation jumps where the vapour pressure of sweating skin equals that of the air, above
     /// 50 hPa. If the balance changes its sign there, the jump is taken as the balance.
@@ -128,7 +127,7 @@ impl HeatBalance {
         Some(self.nodes_at(clothing_c))
     }
 
-    /// Sum of all heat flows of the body, W/m2.
+    /// Returns the sum of all heat flows of the body, W/m2.
     pub fn sum_w_m2(&self, nodes: &Nodes) -> f64 {
         let bare = self.exchange_w_m2(nodes.skin_c, SKIN_EMISSIVITY);
         let clothed = self.exchange_w_m2(nodes.clothing_c, CLOTHING_EMISSIVITY);
@@ -136,29 +135,29 @@ impl HeatBalance {
         self.core_w_m2 + dry - self.evaporation_w_m2(nodes)
     }
 
-    /// Radiation and convection of a surface, W/m2 of it.
+    /// Returns the radiation and convection of a surface, W/m2 of that surface.
     fn exchange_w_m2(&self, surface_c: f64, emissivity: f64) -> f64 {
         let radiation = self.radiant_share * emissivity * (self.surroundings_w_m2 - black_w_m2(surface_c));
         radiation + self.climate.convection_w_m2_k * (self.climate.air_c - surface_c)
     }
 
-    /// Skin and core under clothing of a temperature: the balances of clothing and core are 0 by
-    /// construction.
+    /// Returns the temperatures of skin and core under clothing of a temperature. The balances of
+    /// clothing and core are 0 by construction.
     fn nodes_at(&self, clothing_c: f64) -> Nodes {
         let clothed = self.clothing.outer_share * self.exchange_w_m2(clothing_c, CLOTHING_EMISSIVITY);
         let skin_c = (clothing_c - clothed / self.clothing.conductance_w_m2_k).clamp(LEAST_SKIN_C, MOST_SKIN_C);
         Nodes { core_c: self.core_c(skin_c), skin_c, clothing_c }
     }
 
-    /// Core temperature at which blood and tissue carry the core's heat to the skin: three cases of
-    /// the blood flow.
+    /// Returns the core temperature at which blood and tissue carry the core's heat to the skin.
+    /// The blood flow has three cases.
     fn core_c(&self, skin_c: f64) -> f64 {
         let narrowing = narrowing(skin_c);
         let cool_core_c = skin_c + self.core_w_m2 / (BLOOD_SET_KG_M2_H * narrowing * BLOOD_W_H_KG_K + TISSUE_W_M2_K);
         if cool_core_c <= CORE_SET_C {
             return cool_core_c;
         }
-        // (per_degree x + at_set) (x + below) = core_w_m2, where x is how much the core is above
+        // (per_degree x + at_set) (x + below) = core_w_m2, where x is the excess of the core above
         // its set temperature.
         let per_degree = BLOOD_GAIN_KG_M2_H_K * narrowing * BLOOD_W_H_KG_K;
         let at_set = BLOOD_SET_KG_M2_H * narrowing * BLOOD_W_H_KG_K + TISSUE_W_M2_K;
@@ -173,11 +172,11 @@ impl HeatBalance {
         skin_c + self.core_w_m2 / (MOST_BLOOD_KG_M2_H * BLOOD_W_H_KG_K + TISSUE_W_M2_K)
     }
 
-    /// What diffusion and sweat take from the skin, W/m2.
+    /// Returns the heat that diffusion and sweat take from the skin, W/m2.
     ///
-    /// As in the published code sweat evaporates whole even where the air takes less (the
-    /// comparison that should limit it to E_max never holds there); only the wettedness of the
-    /// skin, which diffusion is lessened by, is at most 1.
+    /// As in the published code, all sweat evaporates, even where the air takes less: the
+    /// comparison that should limit it to E_max never holds there. Only the wettedness of the skin,
+    /// which reduces diffusion, is at most 1.
     fn evaporation_w_m2(&self, nodes: &Nodes) -> f64 {
         let deficit_hpa = ashrae_saturation_pressure_hpa(nodes.skin_c) - self.climate.vapour_hpa;
         let sweat_w_m2 = sweat_w_m2(nodes);
@@ -187,7 +186,7 @@ impl HeatBalance {
     }
 }
 
-/// What breathing adds to the body, W/m2; negative in all but hot and humid air.
+/// Returns the heat that breathing adds to the body, W/m2; negative in all but hot and humid air.
 fn breathing_w_m2(metabolism_w_m2: f64, climate: &BodyClimate) -> f64 {
     let expired_c = 0.47 * climate.air_c + 21.0;
     let flow_kg_m2_s = 1.44e-6 * metabolism_w_m2;
@@ -197,18 +196,19 @@ fn breathing_w_m2(metabolism_w_m2: f64, climate: &BodyClimate) -> f64 {
     flow_kg_m2_s * (sensible + latent)
 }
 
-/// How much cold skin narrows its vessels: 1 from the set temperature on, less below.
+/// Returns the factor by which cold skin narrows its vessels: 1 from the set temperature on, less
+/// below.
 fn narrowing(skin_c: f64) -> f64 {
     1.0 / (1.0 + 0.5 * (SKIN_SET_C - skin_c).max(0.0))
 }
 
-/// Blood flow from core to skin, kg/m2 h.
+/// Returns the blood flow from core to skin, kg/m2 h.
 fn blood_kg_m2_h(core_excess_k: f64, narrowing: f64) -> f64 {
     let flow = (BLOOD_SET_KG_M2_H + BLOOD_GAIN_KG_M2_H_K * core_excess_k.max(0.0)) * narrowing;
     flow.min(MOST_BLOOD_KG_M2_H)
 }
 
-/// Heat that would evaporate the sweat, W/m2.
+/// Returns the heat that would evaporate the sweat, W/m2.
 fn sweat_w_m2(nodes: &Nodes) -> f64 {
     let blood = blood_kg_m2_h(nodes.core_c - CORE_SET_C, narrowing(nodes.skin_c));
     let skin_share = 0.0417737 + 0.7451833 / (blood + 0.585417);

@@ -33,10 +33,11 @@ pub enum Sex {
 /// Person whose PET is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PetPerson {
-    /// Activity besides basal metabolism, met: 0.5 to 4. As in pythermalcomfort 1 met is 58.2 W of
-    /// the whole body here.
+    /// Activity besides basal metabolism, met: 0.5 to 4. Here, as in pythermalcomfort, 1 met is
+    /// 58.2 W of the whole body.
     pub activity_met: f64,
-    /// Insulation of the clothing, clo: 0.05 to 2.5, where the model has nothing bare left.
+    /// Insulation of the clothing, clo: 0.05 to 2.5. At the upper end the model leaves nothing
+    /// bare.
     pub clothing_clo: f64,
     /// Posture.
     pub posture: PetPosture,
@@ -65,8 +66,8 @@ impl PetPerson {
 }
 
 impl Default for PetPerson {
-    /// The person that pythermalcomfort assumes: a sitting man of 23 years, 75 kg and 1.8 m; with
-    /// the 1.37 met and 0.9 clo of the reference room.
+    /// Returns the person that pythermalcomfort assumes: a sitting man of 23 years, 75 kg and 1.8
+    /// m, with the 1.37 met and 0.9 clo of the reference room.
     fn default() -> Self {
         PetPerson {
             activity_met: 1.37,
@@ -78,7 +79,7 @@ impl Default for PetPerson {
     }
 }
 
-/// What metabolism, convection and radiation depend on, besides the climate.
+/// Properties of a body that metabolism, convection and radiation depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Body {
     /// Surface of the naked body, m2 (DuBois and DuBois 1916; the factor 0.202 as in
@@ -90,12 +91,12 @@ pub struct Body {
     pub height_m: f64,
     /// Share of the surface that exchanges radiation with the surroundings, f_eff.
     pub radiant_share: f64,
-    /// What the body's convection follows.
+    /// Posture, which convection depends on.
     pub posture: PetPosture,
 }
 
 impl Body {
-    /// The body of a person.
+    /// Returns the body of a person.
     ///
     /// f_eff is 0.725 sitting and 0.696 standing, as in pythermalcomfort, whose table of validation
     /// needs it (0.57 K in its row of -5 and 40 degrees). Fanger and the Fortran code have 0.696
@@ -117,8 +118,8 @@ impl Body {
         Body { surface_m2, basal_w, height_m, radiant_share, posture: person.posture }
     }
 
-    /// Heat transfer coefficient of convection, W/m2 K, in wind at the body in m/s and at a
-    /// pressure in relation to 1013.25 hPa.
+    /// Returns the heat transfer coefficient of convection, W/m2 K, in wind at the body in m/s and
+    /// at a pressure relative to 1013.25 hPa.
     pub fn convection_w_m2_k(&self, wind_m_s: f64, relative_pressure: f64) -> f64 {
         let forced = match self.posture {
             PetPosture::Sitting => 2.67 + 6.5 * wind_m_s.powf(0.67),
@@ -141,12 +142,12 @@ pub struct Clothing {
     pub enlargement: f64,
     /// Thermal resistance of the clothing, m2 K/W.
     pub resistance_m2_k_w: f64,
-    /// Conductance from skin to the outer surface, W/m2 K, h_tcl: of a hollow cylinder.
+    /// Conductance from skin to the outer surface, W/m2 K, h_tcl: that of a hollow cylinder.
     pub conductance_w_m2_k: f64,
 }
 
 impl Clothing {
-    /// Clothing of an insulation, clo, on a body.
+    /// Returns the clothing of an insulation, clo, on a body.
     pub fn of(clo: f64, body: &Body) -> Self {
         /// Two pi as the model has it.
         #[allow(clippy::approx_constant)]
@@ -166,7 +167,7 @@ impl Clothing {
     }
 }
 
-/// Share of the body's height that clothing of an insulation covers.
+/// Returns the share of the body's height that clothing of an insulation covers.
 fn covered_height_share(clo: f64, height_m: f64) -> f64 {
     match clo {
         _ if clo >= 2.0 => 1.0,
@@ -200,8 +201,8 @@ mod tests {
         assert!(body.convection_w_m2_k(1.0, 0.7) < 9.17);
     }
 
-    /// Clothing of 0.9 clo covers 86.24 % of the body, and its conductance is near the inverse of
-    /// its resistance, 0.9 / 6.45 (within 30 %); at 2.5 clo nothing is bare.
+    /// Clothing of 0.9 clo covers 86.24 % of the body, and its conductance is within 30 % of the
+    /// inverse of its resistance, 0.9 / 6.45. At 2.5 clo nothing is bare.
     #[test]
     fn clothing() {
         let body = Body::of(&PetPerson::default());

@@ -1,5 +1,5 @@
-//! SolarCal: what sun adds to the mean radiant temperature. In: sun, sky, shading, posture. Out:
-//! effective radiant field and increase of the mean radiant temperature.
+//! SolarCal: increase of the mean radiant temperature by the sun. In: sun, sky, shading, posture.
+//! Out: effective radiant field and increase of the mean radiant temperature.
 //!
 //! ANSI/ASHRAE Standard 55, appendix C (2017 to 2023), after Arens, Hoyt, Zhou, Huang, Zhang and
 //! Schiavon, "Modeling the comfort effects of short-wave solar radiation indoors", Building and
@@ -19,8 +19,8 @@ pub enum SunPosture {
 }
 
 impl SunPosture {
-    /// Share of the body's surface that exchanges radiation with the surroundings (appendix C,
-    /// f_eff).
+    /// Returns the share of the body's surface that exchanges radiation with the surroundings
+    /// (appendix C, f_eff).
     const fn radiant_share(self) -> f64 {
         match self {
             SunPosture::Sitting => 0.696,
@@ -29,22 +29,22 @@ impl SunPosture {
     }
 }
 
-/// Where the sun stands.
+/// Position of the sun relative to a person.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunAngles {
     /// Altitude of the sun above the horizon, degrees: 0 to 90.
     pub altitude_deg: f64,
-    /// Horizontal angle between the sun and the direction in which the person looks, degrees: 0 to
-    /// 180. The standard calls it SHARP.
+    /// Horizontal angle between the sun and the direction that the person faces, degrees: 0 to 180.
+    /// The standard calls it SHARP.
     pub from_front_deg: f64,
 }
 
 /// A person in the sun.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolarGainInput {
-    /// Where the sun stands.
+    /// Position of the sun.
     pub sun: SunAngles,
-    /// Direct normal irradiance, W/m2; 0 or more. The standard speaks of 200 to 1000.
+    /// Direct normal irradiance, W/m2; 0 or more. The standard states a range of 200 to 1000.
     pub beam_normal_w_m2: f64,
     /// Diffuse horizontal irradiance, W/m2; `None` for the standard's assumption of 0.2 of the
     /// direct normal irradiance.
@@ -63,7 +63,7 @@ pub struct SolarGainInput {
     pub posture: SunPosture,
 }
 
-/// What the sun does to a person.
+/// Effect of the sun on a person.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolarGain {
     /// Effective radiant field: net gain over the body's surface as longwave irradiance, W/m2.
@@ -79,7 +79,8 @@ const RADIATION_COEFFICIENT_W_M2_K: f64 = 6.0;
 /// Diffuse horizontal irradiance over direct normal irradiance (appendix C).
 const STANDARD_DIFFUSE_SHARE: f64 = 0.2;
 
-/// Solar gain of a person by appendix C, or `None` if an input is NaN or outside its range.
+/// Returns the solar gain of a person by appendix C, or `None` if an input is NaN or outside its
+/// range.
 pub fn solar_gain(input: &SolarGainInput) -> Option<SolarGain> {
     let shares = [
         input.transmittance,
@@ -106,8 +107,8 @@ pub fn solar_gain(input: &SolarGainInput) -> Option<SolarGain> {
     Some(SolarGain { effective_radiant_field_w_m2, mean_radiant_increase_k })
 }
 
-/// Projected area of a person towards the sun over the body's radiant surface (f_p), bilinear in
-/// the standard's table; `None` for NaN and angles outside 0..=90 and 0..=180 degrees.
+/// Returns the projected area of a person towards the sun over the body's radiant surface (f_p),
+/// bilinear in the standard's table; `None` for NaN and angles outside 0..=90 and 0..=180 degrees.
 pub fn projected_area_factor(sun: &SunAngles, posture: SunPosture) -> Option<f64> {
     const ALTITUDES_DEG: RangeInclusive<f64> = 0.0..=90.0;
     const FROM_FRONT_DEG: RangeInclusive<f64> = 0.0..=180.0;
@@ -121,8 +122,8 @@ pub fn projected_area_factor(sun: &SunAngles, posture: SunPosture) -> Option<f64
     }
 }
 
-/// The sun in the frame of a supine person: the feet point to where the person would look if
-/// sitting up, and the face looks up (appendix C).
+/// Returns the sun in the frame of a supine person: the feet point to where the person would face
+/// if sitting up, and the face looks up (appendix C).
 fn as_seen_by_supine(sun: &SunAngles) -> SunAngles {
     let (sin_altitude, cos_altitude) = sun.altitude_deg.to_radians().sin_cos();
     let (sin_front, cos_front) = sun.from_front_deg.to_radians().sin_cos();
@@ -139,7 +140,8 @@ const ROWS: usize = 13;
 /// Columns of the tables: altitudes.
 const COLUMNS: usize = 7;
 
-/// Between which two entries of a table an angle lies, and how far from the first one: 0 to 1.
+/// Two neighbouring entries of a table around an angle, and the angle's distance from the first
+/// one: 0 to 1.
 struct Between {
     first: usize,
     share: f64,
@@ -159,7 +161,7 @@ impl Between {
     }
 }
 
-/// Bilinear interpolation.
+/// Interpolates bilinearly in a table.
 fn in_table(table: &[[f64; COLUMNS]; ROWS], sun: &SunAngles) -> Option<f64> {
     let (row, column) = (Between::of(sun.from_front_deg, ROWS), Between::of(sun.altitude_deg, COLUMNS));
     let [first, second, ..] = table.get(row.first..)? else { return None };
@@ -186,7 +188,8 @@ const STANDING_FACTORS: [[f64; COLUMNS]; ROWS] = [
     [0.347, 0.347, 0.308, 0.246, 0.191, 0.128, 0.082],
 ];
 
-/// As [`STANDING_FACTORS`], of a sitting person.
+/// Projected area factors of a sitting person, indexed as [`STANDING_FACTORS`], from the same
+/// source.
 const SITTING_FACTORS: [[f64; COLUMNS]; ROWS] = [
     [0.290, 0.324, 0.305, 0.303, 0.262, 0.224, 0.177],
     [0.292, 0.328, 0.294, 0.288, 0.268, 0.227, 0.177],
@@ -240,8 +243,8 @@ mod tests {
     }
 
     /// A sun at the zenith meets a supine person as a horizontal sun in front meets a standing one,
-    /// 0.35; one at the feet or the head as the zenith does, 0.082; one at the side as a horizontal
-    /// one at the side, 0.230.
+    /// 0.35. A sun at the feet or the head does as the zenith, 0.082, and one at the side as a
+    /// horizontal sun at the side, 0.230.
     #[test]
     fn supine() {
         for (altitude, front, expected) in
@@ -269,7 +272,7 @@ mod tests {
         assert_ne!(of(None), of(Some(100.0)));
     }
 
-    /// NaN and what lies outside the ranges give `None`: 8 of 8.
+    /// NaN and values outside the ranges give `None`: 8 of 8.
     #[test]
     fn outside_the_range() {
         let at = |altitude_deg, from_front_deg| SunAngles { altitude_deg, from_front_deg };

@@ -1,54 +1,61 @@
-//! Heat that a person gets from the sky and from surfaces around. In: shares of six hemispheres that are sky, ground and obstructions,
-//! shortwave irradiance of the same six planes, air. Out: longwave irradiance of the planes.
+//! Longwave radiation on a person from the sky and the surfaces around. In: shares of six
+//! hemispheres that are sky, ground and obstructions, shortwave irradiance of the six planes, air.
+//! Out: longwave irradiance of the planes.
 //!
-//! A surface sends epsilon sigma T^4 and reflects the rest of what it gets. What a surface gets is taken from the planes at the point itself:
-//! ground gets what the plane gets that looks up, and an obstruction that a side sees gets what the opposite side gets. Those that are seen above and below
-//! get the mean of the four sides. The temperature of a surface is given, or it is the sol-air temperature: that at which a surface without storage
-//! is in balance. Where materials differ, emissivity and absorptance are means over what a plane sees of obstructions; of ground, over what all planes
-//! see.
+//! A surface sends epsilon sigma T^4 and reflects the rest of its irradiance. The irradiance of a
+//! surface is taken from the planes at the point itself: ground gets that of the plane that faces
+//! up, and an obstruction that a side sees gets that of the opposite side. Obstructions that are
+//! seen above and below get the mean of the four sides. The temperature of a surface is given, or
+//! it is the sol-air temperature, at which a surface without storage is in balance. Where materials
+//! differ, emissivity and absorptance of obstructions are means over those that a plane sees, and
+//! those of ground are means over what all planes see.
 //!
-//! Sol-air temperature: ASHRAE Handbook Fundamentals, 2017, chapter 18, equation 29: T = T_air + (a K + e (L - sigma T_air^4)) / h, where K and L are
-//! what the surface gets of shortwave and longwave irradiance, and h holds what it radiates. That is the tangent of the balance that is solved here,
-//! h_c (T - T_air) = a K + e (L - sigma T^4) with h_c = h - 4 e sigma T_air^3: sunny walls of a court, which warm each other, would have no end by the
-//! tangent.
+//! Sol-air temperature: ASHRAE Handbook Fundamentals, 2017, chapter 18, equation 29: T = T_air + (a
+//! K + e (L - sigma T_air^4)) / h, where K and L are the shortwave and longwave irradiance of the
+//! surface, and h includes its own radiation. That is the tangent of the balance that is solved
+//! here, h_c (T - T_air) = a K + e (L - sigma T^4) with h_c = h - 4 e sigma T_air^3. By the
+//! tangent, sunny walls of a court, which warm each other, would have no finite temperature.
 
 use crate::comfort::mean_radiant::DirectionalIrradiance;
 use crate::weather::emission::{ZERO_CELSIUS_K, black_body_w_m2};
 
-/// Heat transfer coefficient between surfaces and air, radiation included, W/m2K: that of ASHRAE's sol-air temperatures, for a wind of 3.4 m/s.
+/// Heat transfer coefficient between surfaces and air, radiation included, W/m2K: the value of
+/// ASHRAE's sol-air temperatures, for a wind of 3.4 m/s.
 pub const USUAL_FILM_W_M2_K: f64 = 17.0;
 
-/// Emissivity of ground: that of SOLWEIG (Lindberg, Holmer and Thorsson 2008).
+/// Emissivity of ground in SOLWEIG (Lindberg, Holmer and Thorsson 2008).
 pub const USUAL_GROUND_EMISSIVITY: f64 = 0.95;
 
-/// Emissivity of walls: that of SOLWEIG.
+/// Emissivity of walls in SOLWEIG.
 pub const USUAL_OBSTRUCTION_EMISSIVITY: f64 = 0.90;
 
-/// Newton's method, which finds planes and temperatures together, stops when no plane changes by more than this, W/m2. The planes are then within
-/// 0.1 of the balance (a test).
+/// Change of a plane, W/m2, below which Newton's method stops. It finds planes and temperatures
+/// together. The planes are then within 0.1 of the balance (a test).
 const ENOUGH_W_M2: f64 = 0.05;
 
-/// Steps of Newton's method at most; three are usual.
+/// Largest number of steps of Newton's method; three are usual.
 const MOST_STEPS: usize = 20;
 
-/// Surfaces keep at least this share of what they get from one another: below it heat would have no way out.
+/// Least share of the radiation between surfaces that is lost. Without it heat would have no way
+/// out.
 const LEAST_LOSS: f64 = 1e-3;
 
-/// Least heat transfer coefficient, W/m2K: it holds what surfaces radiate, 4 sigma T^3, which is 7 at 40 degrees.
+/// Least heat transfer coefficient, W/m2K. It includes the radiation of surfaces, 4 sigma T^3,
+/// which is 7 at 40 degrees.
 pub const LEAST_FILM_W_M2_K: f64 = 10.0;
 
-/// A number for each of the six planes.
+/// A value for each of the six planes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SixPlanes<T> {
-    /// Of the plane that looks up.
+    /// Value of the plane that faces up.
     pub up: T,
-    /// Of the plane that looks down.
+    /// Value of the plane that faces down.
     pub down: T,
-    /// Of the planes that look north, east, south and west.
+    /// Values of the planes that face north, east, south and west.
     pub sides: [T; 4],
 }
 
-/// Means over surfaces.
+/// Mean emissivity and absorptance over surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceMean {
     /// Longwave emissivity.
@@ -57,48 +64,50 @@ pub struct SurfaceMean {
     pub absorptance: f64,
 }
 
-/// Means over the surfaces that a plane sees, weighted by the cosine. None: those of the class count, as where all its materials are alike.
+/// Means over the surfaces that a plane sees, weighted by the cosine. `None`: the values of the
+/// class are used, as where all its materials are equal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SeenSurfaces {
-    /// Of ground.
+    /// Mean over ground.
     pub ground: Option<SurfaceMean>,
-    /// Of obstructions.
+    /// Mean over obstructions.
     pub obstruction: Option<SurfaceMean>,
 }
 
 /// Shares of a hemisphere, weighted by the cosine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ViewShares {
-    /// What is sky.
+    /// Share that is sky.
     pub sky: f64,
-    /// What is obstructions; all else is ground.
+    /// Share that is obstructions; the rest is ground.
     pub obstruction: f64,
-    /// What is missed of the sky's longwave irradiance beside a black sky, in shares of what an open horizontal plane misses
-    /// ([`crate::comfort::clear_sky`]); with the share of the sky in its place the sky is isotropic.
+    /// Deficit of the sky's longwave irradiance beside a black sky, as a share of that of an open
+    /// horizontal plane ([`crate::comfort::clear_sky`]). If it equals the share of the sky, the sky
+    /// is isotropic.
     pub missed: f64,
-    /// What the surfaces are made of.
+    /// Means over the surfaces that are seen.
     pub surfaces: SeenSurfaces,
 }
 
-/// How warm the surfaces of a class are.
+/// Temperature of the surfaces of a class.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SurfaceHeat {
-    /// They send what a black surface of a given temperature would send, W/m2.
+    /// Given: the exitance of a black surface of their temperature, W/m2.
     Given(f64),
-    /// They have their sol-air temperature; the share of shortwave irradiance that they absorb.
+    /// Sol-air temperature, with the share of shortwave irradiance that they absorb.
     SolAir(f64),
 }
 
-/// The surfaces of a class.
+/// Temperature and emissivity of the surfaces of a class.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClassSurfaces {
-    /// How warm they are.
+    /// Temperature of the surfaces.
     pub heat: SurfaceHeat,
     /// Longwave emissivity.
     pub emissivity: f64,
 }
 
-/// What surrounds a person in an hour.
+/// Sky, air and surfaces around a person in an hour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeatAround {
     /// Longwave irradiance of an open horizontal plane, W/m2.
@@ -107,14 +116,14 @@ pub struct HeatAround {
     pub air_c: f64,
     /// Heat transfer coefficient between surfaces and air, W/m2K.
     pub film_w_m2_k: f64,
-    /// The ground.
+    /// Ground.
     pub ground: ClassSurfaces,
     /// Obstructions.
     pub obstruction: ClassSurfaces,
 }
 
 impl SurfaceMean {
-    /// The mean of some means, each with its weight; none of nothing.
+    /// Returns the weighted mean of some means, or `None` without any.
     pub fn of(parts: impl IntoIterator<Item = (f64, Option<SurfaceMean>)>) -> Option<Self> {
         let (mut weight, mut emissivity, mut absorptance) = (0.0, 0.0, 0.0);
         for (of_part, mean) in parts {
@@ -128,19 +137,19 @@ impl SurfaceMean {
 }
 
 impl ViewShares {
-    /// What is ground.
+    /// Returns the share that is ground.
     pub fn ground(&self) -> f64 {
         (1.0 - self.sky - self.obstruction).max(0.0)
     }
 
-    /// Obstructions and their mean.
+    /// Returns the share of obstructions and their mean.
     fn obstructions(&self) -> (f64, Option<SurfaceMean>) {
         (self.obstruction, self.surfaces.obstruction)
     }
 }
 
 impl ClassSurfaces {
-    /// The same of materials of this mean.
+    /// Returns the surfaces with the values of materials of this mean.
     fn of_mean(self, mean: Option<SurfaceMean>) -> Self {
         let Some(SurfaceMean { emissivity, absorptance }) = mean else { return self };
         let heat = match self.heat {
@@ -158,12 +167,12 @@ impl<T> SixPlanes<T> {
 }
 
 impl SixPlanes<f64> {
-    /// The values in their order: up, down, north, east, south, west.
+    /// Calls `of` with each value in the order up, down, north, east, south, west.
     pub fn each(&self, of: impl FnMut(f64)) {
         [self.up, self.down].into_iter().chain(self.sides).for_each(of);
     }
 
-    /// What is left without a part.
+    /// Returns the values less those of `part`.
     pub fn less(&self, part: &SixPlanes<f64>) -> SixPlanes<f64> {
         let mut sides = self.sides;
         sides.iter_mut().zip(part.sides).for_each(|(side, part)| *side -= part);
@@ -174,7 +183,7 @@ impl SixPlanes<f64> {
         0.25 * self.sides.iter().sum::<f64>()
     }
 
-    /// What obstructions get that each plane sees.
+    /// Returns the irradiance of the obstructions that each plane sees.
     fn on_obstructions(&self) -> SixPlanes<f64> {
         let [north, east, south, west] = self.sides;
         let mean = self.mean_of_sides();
@@ -198,7 +207,8 @@ impl From<SixPlanes<f64>> for DirectionalIrradiance {
 }
 
 impl HeatAround {
-    /// Longwave irradiance of the six planes, W/m2; `shortwave` is their shortwave irradiance.
+    /// Returns the longwave irradiance of the six planes, W/m2; `shortwave` is their shortwave
+    /// irradiance.
     pub fn longwave(&self, views: &SixPlanes<ViewShares>, shortwave: &SixPlanes<f64>) -> SixPlanes<f64> {
         let balances = self.balances(views);
         let mut sent = balances.at_first();
@@ -236,33 +246,33 @@ impl HeatAround {
     }
 }
 
-/// What the balances of all surfaces share.
+/// Balances of all surfaces, with the values that they share.
 struct Balances {
     air_c: f64,
-    /// What a black surface sends that is as warm as the air.
+    /// Exitance of a black surface as warm as the air, W/m2.
     air_w_m2: f64,
     sky_w_m2: f64,
     ground: Balance,
-    /// Of the obstructions that are seen above and below.
+    /// Balance of the obstructions that are seen above and below.
     ends: Balance,
-    /// Of those that each side sees.
+    /// Balances of the obstructions that each side sees.
     sides: [Balance; 4],
 }
 
-/// The balance of surfaces of a class.
+/// Balance of the surfaces of a class.
 struct Balance {
     class: ClassSurfaces,
-    /// What is left of the heat transfer coefficient of the surface without what it radiates at the air's temperature.
+    /// Heat transfer coefficient of the surface without its radiation at the air's temperature.
     convection_w_m2_k: f64,
-    /// What it radiates at the air's temperature.
+    /// Radiative coefficient at the air's temperature.
     radiation_w_m2_k: f64,
 }
 
-/// What ground and obstructions send.
+/// Exitances of ground and obstructions.
 #[derive(Clone, Copy)]
 struct Exitances {
     ground: Exitance,
-    /// Those that each plane sees.
+    /// Exitances of the obstructions that each plane sees.
     obstructions: SixPlanes<Exitance>,
 }
 
@@ -270,18 +280,19 @@ struct Exitances {
 #[derive(Clone, Copy, Debug, Default)]
 struct Exitance {
     w_m2: f64,
-    /// Its change by that of the longwave irradiance of the surface.
+    /// Its derivative by the longwave irradiance of the surface.
     by_irradiance: f64,
     /// Temperature of the surface above that of the air, K.
     warmer_k: f64,
-    /// Exitance of a black surface of that temperature.
+    /// Exitance of a black surface of that temperature, W/m2.
     black_w_m2: f64,
-    /// Change of what the surface itself radiates, by K.
+    /// Derivative of the surface's own radiation by temperature.
     radiation_w_m2_k: f64,
 }
 
 impl Balances {
-    /// Before anything is known of what surfaces get: black, and as warm as the air or as they are given.
+    /// Returns the exitances before any irradiance is known: black surfaces, as warm as the air or
+    /// as given.
     fn at_first(&self) -> Exitances {
         let first = |of: &Balance| {
             let w_m2 = match of.class.heat {
@@ -295,10 +306,11 @@ impl Balances {
         Exitances { ground: first(&self.ground), obstructions: SixPlanes { up: ends, down: ends, sides } }
     }
 
-    /// What surfaces send that get what follows from `planes`; `before` is what they sent before.
+    /// Returns the exitances of surfaces whose irradiance follows from `planes`; `before` are those
+    /// of the step before.
     fn sent_back(&self, before: &Exitances, shortwave: &SixPlanes<f64>, planes: &SixPlanes<f64>) -> Exitances {
         let (got, light) = (planes.on_obstructions(), shortwave.on_obstructions());
-        // What is seen above and below gets the same.
+        // Obstructions seen above and below have one irradiance.
         let ends = self.exitance(&self.ends, &before.obstructions.up, got.up, light.up);
         let mut sides = before.obstructions.sides;
         for ((side, of), (got, light)) in sides.iter_mut().zip(&self.sides).zip(got.sides.into_iter().zip(light.sides))
@@ -311,7 +323,8 @@ impl Balances {
         }
     }
 
-    /// What a surface sends and reflects that gets so much longwave and shortwave irradiance: a step of Newton's method from the temperature that it had.
+    /// Returns the exitance of a surface of this longwave and shortwave irradiance: a step of
+    /// Newton's method from the temperature that it had.
     fn exitance(&self, of: &Balance, before: &Exitance, longwave_w_m2: f64, shortwave_w_m2: f64) -> Exitance {
         let emissivity = of.class.emissivity;
         let reflected_w_m2 = (1.0 - emissivity) * longwave_w_m2;
@@ -340,7 +353,8 @@ impl Balances {
         }
     }
 
-    /// What planes get from the sky, from ground and from the obstructions that each of them sees.
+    /// Returns the irradiance of planes from the sky, from ground and from the obstructions that
+    /// each of them sees.
     fn on_planes(&self, views: &SixPlanes<ViewShares>, sent: &Exitances) -> SixPlanes<OnPlane> {
         let Exitances { ground, obstructions } = sent;
         let on_plane = |view: &ViewShares, obstruction: &Exitance| {
@@ -360,7 +374,7 @@ impl Balances {
     }
 }
 
-/// What a surface radiates more for each K that it is warmer, W/m2K: 4 epsilon sigma T^3.
+/// Returns the derivative of a surface's radiation by its temperature, W/m2K: 4 epsilon sigma T^3.
 fn radiation_w_m2_k(emissivity: f64, black_w_m2: f64, celsius: f64) -> f64 {
     4.0 * emissivity * black_w_m2 / (celsius + ZERO_CELSIUS_K)
 }
@@ -369,13 +383,13 @@ fn radiation_w_m2_k(emissivity: f64, black_w_m2: f64, celsius: f64) -> f64 {
 #[derive(Clone, Copy, Debug, Default)]
 struct OnPlane {
     w_m2: f64,
-    /// Its change by the longwave irradiance of the obstructions that it sees.
+    /// Its derivative by the longwave irradiance of the obstructions that it sees.
     by_obstruction: f64,
-    /// Its change by the longwave irradiance of the ground.
+    /// Its derivative by the longwave irradiance of the ground.
     by_ground: f64,
 }
 
-/// How much an irradiance changes, over how much that of the plane that looks up changes.
+/// Change of an irradiance as a linear function of the change of that of the plane that faces up.
 #[derive(Clone, Copy)]
 struct Change {
     constant: f64,
@@ -383,7 +397,8 @@ struct Change {
 }
 
 impl SixPlanes<OnPlane> {
-    /// Irradiances that agree with what they cause, as far as all is linear about `planes`, from which these follow: one step of Newton's method.
+    /// Returns irradiances that agree with the exitances that they cause, linearised about
+    /// `planes`, from which the exitances follow: one step of Newton's method.
     fn solved_about(&self, planes: &SixPlanes<f64>) -> SixPlanes<f64> {
         let [north, east, south, west] = &self.sides;
         let [at_north, at_east, at_south, at_west] = planes.sides;
@@ -396,6 +411,7 @@ impl SixPlanes<OnPlane> {
         let constant = 0.25 * of_sides.iter().map(|side| side.constant).sum::<f64>();
         let by_up = 0.25 * of_sides.iter().map(|side| side.by_up).sum::<f64>();
         let up = &self.up;
+        // Share of a change of the upper plane that returns to it by ground and obstructions.
         let kept = up.by_ground + up.by_obstruction * by_up;
         let up_changes = (up.w_m2 - planes.up + up.by_obstruction * constant) / (1.0 - kept).max(LEAST_LOSS);
         let sides_change = constant + by_up * up_changes;
@@ -412,7 +428,8 @@ impl SixPlanes<OnPlane> {
 }
 
 impl OnPlane {
-    /// The change of a side at `at` beside one that looks the other way, whose light falls on the obstructions that this one sees, and the other way round.
+    /// Returns the change of a side at `at` together with the opposite side. The light on each
+    /// falls on the obstructions that the other one sees.
     fn facing(&self, at: f64, opposite: &OnPlane, opposite_at: f64) -> Change {
         let gain = 1.0 / (1.0 - self.by_obstruction * opposite.by_obstruction).max(LEAST_LOSS);
         let solve = |own: f64, other: f64| (own + self.by_obstruction * other) * gain;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::hemisphere::{mix, unit};
 
-/// A plane among surfaces whose materials are alike.
+/// A plane among surfaces whose materials are equal.
 const VIEW: ViewShares =
     ViewShares { sky: 0.0, obstruction: 0.0, missed: 0.0, surfaces: SeenSurfaces { ground: None, obstruction: None } };
 
@@ -27,8 +27,9 @@ fn around(ground: ClassSurfaces, obstruction: ClassSurfaces) -> HeatAround {
     HeatAround { sky_w_m2: 300.0, air_c: 20.0, film_w_m2_k: USUAL_FILM_W_M2_K, ground, obstruction }
 }
 
-/// On an open plain of 40 degrees and emissivity 0.95 below a sky of 300 W/m2: 300 from above, 0.95 sigma 313.15^4 + 0.05 x 300 =
-/// 533.0 from below, the mean of the two on the sides, within 0.05.
+/// On an open plain of 40 degrees and emissivity 0.95 below a sky of 300 W/m2, a plane gets 300
+/// from above, 0.95 sigma 313.15^4 + 0.05 x 300 = 533.0 from below, and the mean of the two on the
+/// sides, within 1e-9.
 #[test]
 fn open_plain() {
     let found = around(given(40.0, 0.95), given(0.0, 0.9)).longwave(&OPEN, &SixPlanes::default());
@@ -37,8 +38,9 @@ fn open_plain() {
     assert!(found.sides.iter().all(|side| (side - 0.5 * (300.0 + below)).abs() < 1e-9), "{found:?}");
 }
 
-/// Between an endless roof and the ground, both gray, what each sends is that of two endless plates, J1 = e1 B1 + (1 - e1) J2 and so on,
-/// within 5 W/m2 from above and 0.5 from below; where both are as warm as each other it is sigma T^4 within 1e-9.
+/// Between an endless gray roof and gray ground, the exitances are those of two endless plates, J1
+/// = e1 B1 + (1 - e1) J2 and so on, within 5 W/m2 from above and 0.5 from below. Where the two are
+/// equally warm the exitance is sigma T^4 within 1e-9.
 #[test]
 fn below_a_roof() {
     let (ground, roof) = (given(30.0, 0.95), given(12.0, 0.9));
@@ -46,14 +48,16 @@ fn below_a_roof() {
     let (warm, cold) = (black_body_w_m2(30.0), black_body_w_m2(12.0));
     let of_roof = (0.9 * cold + 0.1 * 0.95 * warm) / (1.0 - 0.1 * 0.05);
     let of_ground = 0.95 * warm + 0.05 * of_roof;
-    // What the roof gets is taken as the mean of the sides, half of it from the roof itself: a tenth of half the difference is lost.
+    // The irradiance of the roof is taken as the mean of the sides, half of it from the roof
+    // itself: a tenth of half the difference is lost.
     assert!((found.up - of_roof).abs() < 5.0 && (found.down - of_ground).abs() < 0.5, "{found:?} {of_roof}");
     let even = around(given(20.0, 0.95), given(20.0, 0.9)).longwave(&UNDER_ROOF, &SixPlanes::default());
     assert!((even.up - black_body_w_m2(20.0)).abs() < 1e-9, "{even:?}");
 }
 
-/// By hand: ground that absorbs 0.8 of 850 W/m2 below a sky that sends as much as the air is 37.5 K warmer than it: 11.57 x 37.5 = 434 W/m2 go to the
-/// air, 0.95 sigma (330.65^4 - 293.15^4) = 246 are radiated, 680 in all. By the tangent it would be 40 K.
+/// By hand: ground that absorbs 0.8 of 850 W/m2 below a sky as warm as the air is 37.5 K warmer
+/// than the air: 11.57 x 37.5 = 434 W/m2 go to the air, 0.95 sigma (330.65^4 - 293.15^4) = 246 are
+/// radiated, 680 in all. By the tangent it would be 40 K.
 #[test]
 fn sol_air() {
     let ground = ClassSurfaces { heat: SurfaceHeat::SolAir(0.8), emissivity: 0.95 };
@@ -64,8 +68,10 @@ fn sol_air() {
     assert!((found.down - expected).abs() < 0.2, "{found:?} {expected}");
 }
 
-/// A wall in the south that the sun does not reach is colder than one in the north that it shines on: of walls all around, with 400 W/m2 on planes
-/// that look south, the side that looks north sees a wall that is some 16 K warmer (400 x 0.7 / 17 by the tangent); the wall across from it is warmed by that one.
+/// A wall in the sun is warmer than one in shade. With walls all around and 400 W/m2 on planes that
+/// face south, the side that faces north sees a wall that is some 16 K warmer (400 x 0.7 / 17 by
+/// the tangent): it gets more than 80 W/m2 more than the side that faces east. The side that faces
+/// south gets less than 60 W/m2 more, because the warm wall heats the wall across from it.
 #[test]
 fn opposite_walls() {
     let wall = ClassSurfaces { heat: SurfaceHeat::SolAir(0.7), emissivity: 1.0 };
@@ -82,9 +88,10 @@ fn opposite_walls() {
     assert!(north > colder + 80.0 && south - colder < 60.0, "{found:?}");
 }
 
-/// A street between a metal wall of emissivity 0.2 in the north and one of 0.9 in the south, both of 40 degrees, over black ground of 40 degrees, below a sky
-/// of as much: all planes get sigma T^4. Below a cold sky, the plane that looks north gets from the metal 0.2 of that and 0.8 of what the plane gets that
-/// looks south, within 1e-9.
+/// A street has a metal wall of emissivity 0.2 in the north and one of 0.9 in the south, both of 40
+/// degrees. Over black ground of 40 degrees and below a sky of as much, all planes get sigma T^4.
+/// Below a cold sky, the plane that faces north gets from the metal 0.2 of that and 0.8 of the
+/// irradiance of the plane that faces south, within 1e-9.
 #[test]
 fn materials_that_differ() {
     let mean =
@@ -105,8 +112,9 @@ fn materials_that_differ() {
     assert!((south - 0.5 * (0.9 * black + 0.1 * north) - 0.5 * ground).abs() < 1e-9, "{found:?}");
 }
 
-/// In a sunny court with gray walls of sol-air temperature surfaces send what follows from what they get, within 0.01 W/m2. With the least
-/// coefficient the plane that looks up gets more, and less than from a black body of 120 degrees.
+/// In a sunny court with gray walls of sol-air temperature the exitances of surfaces agree with
+/// their irradiance, within 0.01 W/m2. With the least coefficient the plane that faces up gets
+/// more, and less than from a black body of 120 degrees.
 #[test]
 fn courts_are_in_balance() {
     let views = SixPlanes {
@@ -118,7 +126,7 @@ fn courts_are_in_balance() {
     let class = |absorbed, emissivity| ClassSurfaces { heat: SurfaceHeat::SolAir(absorbed), emissivity };
     let court = around(class(0.8, 0.95), class(0.7, 0.9));
     let found = court.longwave(&views, &light);
-    // The balance itself: ground and walls send what follows from what they get.
+    // The balance itself: the exitances of ground and walls follow from their irradiance.
     let balances = court.balances(&views);
     let air_w_m2 = balances.air_w_m2;
     let settled = |of: &Balance, got: f64, lit: f64| {
@@ -143,8 +151,9 @@ fn courts_are_in_balance() {
     assert!(calm.up > found.up && calm.up < black_body_w_m2(120.0), "{calm:?}");
 }
 
-/// In 3,000 places with any shares of sky, obstructions and ground, from calm air to wind, half of them of materials that differ, planes are within 0.1 W/m2 of those that 400 passes
-/// from surface to surface give.
+/// In 3,000 places with any shares of sky, obstructions and ground, from calm air to wind, half of
+/// them with materials that differ, planes are within 0.1 W/m2 of the result of 400 passes from
+/// surface to surface.
 #[test]
 fn as_many_passes() {
     let mut state = 7;

@@ -1,10 +1,10 @@
 //! Universal Thermal Climate Index. In: air temperature, mean radiant temperature, wind at 10 m,
-//! relative humidity. Out: the UTCI in degrees Celsius, and what it means.
+//! relative humidity. Out: the UTCI in degrees Celsius, and its stress category.
 //!
 //! The UTCI is the air temperature of a reference climate that strains a walking person as much as
-//! the real climate does. The reference has 50 % relative humidity (at most 20 hPa), radiation as
-//! of the air, and 0.5 m/s of wind at 10 m. Sources: Bröde and others, 2012, as in
-//! `utci_polynomial`.
+//! the real climate does. The reference has 50 % relative humidity (at most 20 hPa), a mean radiant
+//! temperature equal to that of the air, and 0.5 m/s of wind at 10 m. Sources: Bröde and others,
+//! 2012, as in `utci_polynomial`.
 
 use crate::comfort::humidity::vapour_pressure_hpa;
 use crate::comfort::utci_polynomial::{PolynomialInput, utci_excess_k};
@@ -19,8 +19,8 @@ const AIR_RANGE_C: RangeInclusive<f64> = -50.0..=50.0;
 const RADIANT_EXCESS_RANGE_K: RangeInclusive<f64> = -30.0..=70.0;
 /// Range of the wind at 10 m, m/s.
 const WIND_RANGE_M_S: RangeInclusive<f64> = CALM_M_S..=17.0;
-/// Most vapour pressure, hPa: a dew point of 32.9 degrees Celsius. UTCI_a002.f90 refuses more,
-/// since the polynomial was not fitted there.
+/// Largest vapour pressure, hPa: a dew point of 32.9 degrees Celsius. UTCI_a002.f90 refuses more,
+/// because the polynomial was not fitted there.
 const MOST_VAPOUR_HPA: f64 = 50.0;
 
 /// Climate that a UTCI is computed for.
@@ -38,18 +38,18 @@ pub struct UtciInput {
 }
 
 impl UtciInput {
-    /// This climate with at least 0.5 m/s of wind.
+    /// Returns this climate with at least 0.5 m/s of wind.
     ///
     /// The UTCI is not defined below 0.5 m/s. Outdoor studies count calm air as 0.5 m/s, the wind
-    /// of the reference climate (so ladybug-comfort): a walking person makes more wind than that.
-    /// Winds above 17 m/s, below 0 and NaN stay as they are.
+    /// of the reference climate (as does ladybug-comfort), because a walking person makes more wind
+    /// than that. Winds above 17 m/s, below 0 and NaN stay unchanged.
     pub fn with_calm_raised(self) -> Self {
         let is_calm = (0.0..CALM_M_S).contains(&self.wind_10m_m_s);
         UtciInput { wind_10m_m_s: if is_calm { CALM_M_S } else { self.wind_10m_m_s }, ..self }
     }
 }
 
-/// The UTCI, degrees Celsius, or `None` if an input is outside its range or NaN.
+/// Returns the UTCI, degrees Celsius, or `None` if an input is outside its range or NaN.
 ///
 /// Wind below 0.5 m/s gives `None`: [`UtciInput::with_calm_raised`] is for users who count it as
 /// 0.5 m/s.
@@ -65,7 +65,7 @@ pub fn utci_c(input: &UtciInput) -> Option<f64> {
     Some(air_temperature_c + utci_excess_k(&input))
 }
 
-/// What a UTCI means: the ten categories of thermal stress by Bröde and others, 2012, from cold to
+/// Category of thermal stress of a UTCI: the ten categories by Bröde and others, 2012, from cold to
 /// hot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum StressCategory {
@@ -106,13 +106,13 @@ impl StressCategory {
         StressCategory::ExtremeHeatStress,
     ];
 
-    /// The category of a UTCI; `None` for NaN. A UTCI on a limit belongs to the colder category, as
-    /// in pythermalcomfort.
+    /// Returns the category of a UTCI; `None` for NaN. A UTCI on a limit belongs to the colder
+    /// category, as in pythermalcomfort.
     pub fn of(utci_c: f64) -> Option<Self> {
         Self::ALL.into_iter().find(|category| utci_c <= category.upper_limit_c())
     }
 
-    /// The highest UTCI of the category, degrees Celsius; infinity for the hottest one.
+    /// Returns the highest UTCI of the category, degrees Celsius; infinity for the hottest one.
     pub const fn upper_limit_c(self) -> f64 {
         match self {
             StressCategory::ExtremeColdStress => -40.0,
@@ -128,7 +128,7 @@ impl StressCategory {
         }
     }
 
-    /// The name in the literature.
+    /// Returns the name in the literature.
     pub const fn name(self) -> &'static str {
         match self {
             StressCategory::ExtremeColdStress => "extreme cold stress",
@@ -183,7 +183,7 @@ mod tests {
         }
     }
 
-    /// NaN in any input, and each input just outside its range, give `None`: 15 of 15; on the
+    /// NaN in any input, and each input just outside its range, give `None`: 15 of 15. On the
     /// limits there is a value.
     #[test]
     fn outside_the_range() {
@@ -209,8 +209,8 @@ mod tests {
         assert_eq!(utci_c(&input([50.0, 50.0, 1.0, 41.0])), None, "50.6 hPa of vapour");
     }
 
-    /// Calm air counts as 0.5 m/s once it is raised, and other winds, 17.5, -1 and NaN m/s among
-    /// them, stay.
+    /// Calm air that is raised counts as 0.5 m/s. Other winds, 17.5, -1 and NaN m/s among them,
+    /// stay.
     #[test]
     fn calm_air() {
         let of = |wind| input([25.0, 40.0, wind, 50.0]).with_calm_raised();
@@ -221,8 +221,8 @@ mod tests {
         }
     }
 
-    /// Categories are in order, each ends where the next begins, and the limits -40, 9, 26 and 46
-    /// belong to the colder one.
+    /// Categories are in order, each ends where the next begins, and a UTCI on a limit, such as
+    /// -40, 9, 26 and 46, belongs to the colder one.
     #[test]
     fn categories() {
         for (colder, hotter) in StressCategory::ALL.into_iter().zip(StressCategory::ALL.into_iter().skip(1)) {

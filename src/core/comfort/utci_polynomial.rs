@@ -1,5 +1,5 @@
 //! The polynomial of the UTCI. In: air temperature, wind, excess of the mean radiant temperature,
-//! vapour pressure. Out: how much the UTCI lies above the air temperature.
+//! vapour pressure. Out: UTCI less air temperature.
 //!
 //! UTCI_approx, version a 0.002, October 2009 (Bröde, ISB Commission 6 and COST Action 730,
 //! www.utci.org), published with Bröde and others, "Deriving the operational procedure for the
@@ -8,7 +8,7 @@
 //! 2012. The coefficients were compared term by term with those of pythermalcomfort 4.8.1, of
 //! thermofeel and of a transcript of the Fortran code (Rojj/Climate-Analysis): all are equal.
 
-/// What the polynomial is evaluated for. [`utci`](super::utci) checks the ranges.
+/// Variables of the polynomial. [`utci`](super::utci) checks their ranges.
 #[derive(Clone, Copy, Debug)]
 pub struct PolynomialInput {
     /// Air temperature, degrees Celsius.
@@ -21,7 +21,7 @@ pub struct PolynomialInput {
     pub vapour_pressure_kpa: f64,
 }
 
-/// UTCI less air temperature, K.
+/// Returns UTCI less air temperature, K.
 pub fn utci_excess_k(input: &PolynomialInput) -> f64 {
     let mut rows = ROWS.iter();
     let mut sum = 0.0;
@@ -45,9 +45,9 @@ pub fn utci_excess_k(input: &PolynomialInput) -> f64 {
 /// Order of the polynomial.
 const ORDER: usize = 6;
 
-/// `[row][exponent of the air temperature]`; rows by exponents of vapour pressure, then radiant
-/// excess, then wind, each from 0 on: row 0 has none of the three, row 1 wind, row 7 radiant
-/// excess, row 28 vapour pressure. A row holds the terms up to order 6.
+/// Coefficients, `[row][exponent of the air temperature]`. Rows are in the order of the exponents
+/// of vapour pressure, then radiant excess, then wind, each from 0 on: row 0 has none of the three,
+/// row 1 wind, row 7 radiant excess, row 28 vapour pressure. A row holds the terms up to order 6.
 const ROWS: [&[f64]; 84] = [
     &[6.07562052e-1, -2.27712343e-2, 8.06470249e-4, -1.54271372e-4, -3.24651735e-6, 7.32602852e-8, 1.35959073e-9],
     &[-2.25836520e0, 8.80326035e-2, 2.16844454e-3, -1.53347087e-5, -5.72983704e-7, -2.55090145e-9],
@@ -153,8 +153,8 @@ mod tests {
         assert_eq!(lengths.iter().sum::<usize>(), 210);
     }
 
-    /// Without wind, radiant excess and vapour the first row is left: at 1 degree Celsius its sum,
-    /// 0.585442 K, and at 0 its first number.
+    /// Without wind, radiant excess and vapour only the first row counts: at 1 degree Celsius its
+    /// sum, 0.585440 K, and at 0 its first number.
     #[test]
     fn first_row() {
         let still = |air_temperature_c| PolynomialInput {

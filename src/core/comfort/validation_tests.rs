@@ -1,6 +1,6 @@
-//! Tables of others: FedericoTartarini/validation-data-comfort-models at 038795d (MIT licence),
-//! with which pythermalcomfort, jsthermalcomfort and the R package comf are tested. In: files of
-//! `tests/data/comfort`. Every row counts, also those that are kept from R.
+//! Validation against published tables: FedericoTartarini/validation-data-comfort-models at 038795d
+//! (MIT licence), with which pythermalcomfort, jsthermalcomfort and the R package comf are tested.
+//! In: files of `tests/data/comfort`. Every row counts, also those that are kept from R.
 
 use crate::comfort::pet::{PetClimate, PetPerson, SEA_LEVEL_HPA, pet_c};
 use crate::comfort::solar_gain::{SolarGainInput, SunAngles, SunPosture, solar_gain};
@@ -28,20 +28,20 @@ impl Table {
     }
 }
 
-/// A value, or one of an array of values; null where there is none.
+/// Returns a value, or one of an array of values; null where there is none.
 fn one_of(value: Option<&Value>, place: usize) -> Value {
     let value = value.unwrap_or(&Value::Null);
     let one = if value.is_array() { value.get(place) } else { Some(value) };
     one.cloned().unwrap_or_default()
 }
 
-/// A number, or one of an array of numbers.
+/// Returns a number, or one of an array of numbers.
 fn number(row: &Value, name: &str, place: usize) -> f64 {
     one_of(row.get(name), place).as_f64().expect("a number")
 }
 
 /// All 21 UTCI of the 13 rows, of which two hold arrays and one is in Fahrenheit and feet per
-/// second, are met within 0.1 K, the four that are null are `None`, and the four categories are
+/// second, are met within 0.1 K. The four that are null are `None`, and the four categories are
 /// equal.
 #[test]
 fn utci_table() {
@@ -75,7 +75,7 @@ fn utci_table() {
     assert_eq!((table.rows().count(), values, nulls, categories), (13, 21, 4, 4));
 }
 
-/// All 9 PET are met within 0.1 K, and within 0.006 K, which the table's rounding leaves.
+/// All 9 PET are met within 0.1 K, and within 0.006 K, the rounding of the table.
 #[test]
 fn pet_table() {
     let table =

@@ -11,7 +11,7 @@ pub const BODY_HEIGHT_M: f64 = 1.1;
 /// Roughness length of short grass, metres, which the UTCI assumes.
 pub const GRASS_ROUGHNESS_M: f64 = 0.01;
 
-/// Where the wind is wanted.
+/// Height and ground for which the wind is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindProfile {
     /// Height above the ground, metres; more than the roughness length.
@@ -21,21 +21,21 @@ pub struct WindProfile {
 }
 
 impl Default for WindProfile {
-    /// A standing person on short grass.
+    /// Returns the profile at a standing person on short grass.
     fn default() -> Self {
         WindProfile { height_m: BODY_HEIGHT_M, roughness_m: GRASS_ROUGHNESS_M }
     }
 }
 
-/// Wind at a height, m/s, from the wind at 10 m by the logarithmic profile, or `None` where the
-/// profile has no value.
+/// Returns the wind at a height, m/s, from the wind at 10 m by the logarithmic profile, or `None`
+/// where the profile has no value.
 ///
 /// v(z) = v(10 m) ln(z / z0) / ln(10 m / z0): neutral air over open, even ground. With z0 = 0.01 m
 /// it is the profile of the UTCI (Bröde and others, "Deriving the operational procedure for the
 /// Universal Thermal Climate Index (UTCI)", International Journal of Biometeorology 56, 2012),
 /// which makes 0.68 of the wind at 1.1 m. Between buildings wind is not a function of height: Lee,
-/// Park and Mayer, the same journal, 2024, found up to 7 K in the UTCI. To know the wind there
-/// takes a model of the flow.
+/// Park and Mayer, International Journal of Biometeorology, 2024, found errors of up to 7 K in the
+/// UTCI. The wind there needs a model of the flow.
 pub fn wind_at_height_m_s(wind_10m_m_s: f64, profile: &WindProfile) -> Option<f64> {
     let WindProfile { height_m, roughness_m } = *profile;
     let is_profile = roughness_m > 0.0 && roughness_m < STATION_HEIGHT_M && height_m > roughness_m;
@@ -47,8 +47,8 @@ pub fn wind_at_height_m_s(wind_10m_m_s: f64, profile: &WindProfile) -> Option<f6
 mod tests {
     use super::*;
 
-    /// At 10 m the wind is that of the station; at 1.1 m over grass 0.5 m/s are 0.34 (ln 110 / ln
-    /// 1000 = 0.68046), within 1e-4.
+    /// At 10 m the wind is that of the station. At 1.1 m over grass 0.5 m/s become 0.34 (ln 110 /
+    /// ln 1000 = 0.68046), within 1e-4.
     #[test]
     fn by_hand() {
         let at = |height_m| WindProfile { height_m, ..WindProfile::default() };

@@ -1,22 +1,22 @@
-//! Subdivisions of the sky. In: a factor, or a number of patches. Out: the patches' borders and solid angles, and what numbers of one
-//! subdivision are on another one.
+//! Subdivisions of the sky. In: a factor, or a number of patches. Out: the patches' borders and
+//! solid angles, and resampling from one subdivision to another.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use glam::DVec3;
 
-/// Patches of Tregenza's rows, from the horizon up; the cap makes 145.
+/// Numbers of patches in Tregenza's rows, from the horizon up; with the cap there are 145.
 const TREGENZA: [usize; 7] = [30, 30, 24, 24, 18, 12, 6];
 
 /// A ring of patches between two altitudes.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Band {
-    /// Sine of the lower and upper altitude.
+    /// Sine of the lower altitude.
     pub low: f64,
-    /// Of the upper one.
+    /// Sine of the upper altitude.
     pub high: f64,
-    /// Patches are `first..first + count`.
+    /// Number of the first patch; patches are `first..first + count`.
     pub first: usize,
     /// Number of patches.
     pub count: usize,
@@ -27,22 +27,24 @@ impl Band {
         self.first..self.first + self.count
     }
 
-    /// Solid angle of one of its patches, sr: zone of the sphere over the number of patches.
+    /// Returns the solid angle of one of its patches, sr: zone of the sphere over the number of
+    /// patches.
     fn solid_angle_sr(&self) -> f64 {
         TAU * (self.high - self.low) / self.count as f64
     }
 
-    /// Solid angle x mean cosine on a horizontal surface of one of its patches, sr.
+    /// Returns solid angle x mean cosine on a horizontal surface of one of its patches, sr.
     fn horizontal_sr(&self) -> f64 {
         PI * (self.high * self.high - self.low * self.low) / self.count as f64
     }
 
-    /// Share of its zone that lies in the zone of another band.
+    /// Returns the share of its zone that lies in the zone of another band.
     fn share_in(&self, other: &Band) -> f64 {
         ((self.high.min(other.high) - self.low.max(other.low)) / (self.high - self.low)).max(0.0)
     }
 
-    /// Mean of the numbers of its patches over a part of its circle; `from` and `width` in turns clockwise from north.
+    /// Returns the mean of the values of its patches over a part of its circle; `from` and `width`
+    /// in turns clockwise from north.
     fn mean(&self, numbers: &[f32], from: f64, width: f64) -> f64 {
         let count = self.count as f64;
         // The first patch is centred on north.
@@ -58,11 +60,12 @@ impl Band {
     }
 }
 
-/// A subdivision of the sky: Tregenza's, or Reinhart's of it, in which each of the seven rows is split so many times in altitude and in
-/// azimuth. [`crate::sky::patches`] names the sources and the order of patches.
+/// A subdivision of the sky: Tregenza's, or Reinhart's refinement, which splits each of the seven
+/// rows by a factor in altitude and in azimuth. [`crate::sky::patches`] names the sources and the
+/// order of patches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PatchGrid {
-    /// From the horizon up; the cap is the last.
+    /// Bands from the horizon up; the cap is the last.
     bands: Vec<Band>,
 }
 
@@ -70,7 +73,7 @@ impl PatchGrid {
     /// Factors of the subdivisions that skies and files have: 145, 577 and 2305 patches.
     pub const FACTORS: [usize; 3] = [1, 2, 4];
 
-    /// Each row split `factor` times: 144 x factor^2 + 1 patches.
+    /// Returns the subdivision with each row split `factor` times: 144 x factor^2 + 1 patches.
     pub fn of_factor(factor: usize) -> Self {
         let factor = factor.max(1);
         let rows = TREGENZA.len() * factor;
@@ -92,7 +95,7 @@ impl PatchGrid {
         PatchGrid { bands }
     }
 
-    /// The subdivision of 145, 577 or 2305 patches.
+    /// Returns the subdivision of 145, 577 or 2305 patches.
     pub fn of_count(count: usize) -> Option<Self> {
         let factor = Self::FACTORS.into_iter().find(|factor| 144 * factor * factor + 1 == count)?;
         Some(PatchGrid::of_factor(factor))
@@ -102,41 +105,43 @@ impl PatchGrid {
         &self.bands
     }
 
-    /// Number of patches.
+    /// Returns the number of patches.
     #[expect(clippy::len_without_is_empty, reason = "a sky has at least 145 patches")]
     pub fn len(&self) -> usize {
         self.bands.last().map_or(0, |cap| cap.first + cap.count)
     }
 
-    /// Patch of a unit direction; directions below the horizon count as on it.
+    /// Returns the patch of a unit direction; a direction below the horizon counts as on it.
     pub fn patch_of(&self, direction: DVec3) -> usize {
         self.patch_at((direction.x.atan2(direction.y) / TAU).rem_euclid(1.0), direction.z)
     }
 
-    /// Patch at an azimuth, turns clockwise from north in 0..=1, and the sine of an altitude.
+    /// Returns the patch at an azimuth, turns clockwise from north in 0..=1, and the sine of an
+    /// altitude.
     pub fn patch_at(&self, turns: f64, z: f64) -> usize {
         self.patch_in(self.row_at(z), turns).unwrap_or_default()
     }
 
-    /// Row of patches, from the horizon up, at the sine of an altitude.
+    /// Returns the row of patches, from the horizon up, at the sine of an altitude.
     pub(crate) fn row_at(&self, z: f64) -> usize {
         let above = self.bands.iter().take_while(|b| b.high <= z).count();
         above.min(self.bands.len().saturating_sub(1))
     }
 
-    /// Patch of a row at an azimuth, turns clockwise from north in 0..=1.
+    /// Returns the patch of a row at an azimuth, turns clockwise from north in 0..=1.
     pub(crate) fn patch_in(&self, row: usize, turns: f64) -> Option<usize> {
         let band = self.bands.get(row)?;
         let place = (turns * band.count as f64 + 0.5) as usize;
         Some(band.first + if place >= band.count { 0 } else { place })
     }
 
-    /// Exact solid angle of each patch, sr.
+    /// Returns the exact solid angle of each patch, sr.
     pub fn solid_angles_sr(&self) -> Vec<f64> {
         self.bands.iter().flat_map(|b| std::iter::repeat_n(b.solid_angle_sr(), b.count)).collect()
     }
 
-    /// Irradiance of an open horizontal surface under numbers that are radiances of the patches, W/m2/sr: the exact integral, W/m2.
+    /// Returns the irradiance of an open horizontal surface, W/m2, under radiances of the patches,
+    /// W/m2/sr: the exact integral.
     pub fn horizontal_w_m2(&self, radiances: &[f32]) -> f64 {
         let of_band = |b: &Band| {
             let ring = radiances.get(b.places()).unwrap_or_default();
@@ -145,8 +150,9 @@ impl PatchGrid {
         self.bands.iter().map(of_band).sum()
     }
 
-    /// Numbers of these patches on another subdivision, whose north lies `turns` clockwise of north here: means by solid angle over what the
-    /// patches have in common. Patches of the same borders keep their numbers to the bit.
+    /// Returns the values on another subdivision, whose north lies `turns` clockwise of north here:
+    /// means by solid angle over the overlap of the patches. Patches of the same borders keep their
+    /// values to the bit.
     pub fn resampled(&self, numbers: &[f32], to: &PatchGrid, turns: f64) -> Vec<f64> {
         if self == to && turns == 0.0 {
             return numbers.iter().map(|number| f64::from(*number)).collect();
@@ -174,8 +180,9 @@ impl PatchGrid {
 mod tests {
     use super::*;
 
-    /// Means of 145, 577 and 2305 patches on each other keep the integral over solid angle (1e-12), numbers that are all 1 stay 1 (1e-12),
-    /// and on their own subdivision they stay as they are; the integral with the cosine moves by at most 1 % where patches are halved.
+    /// Means of 145, 577 and 2305 patches on each other keep the integral over solid angle (1e-12),
+    /// and values that are all 1 stay 1 (1e-12). On their own subdivision values stay unchanged.
+    /// The integral with the cosine moves by at most 1 % where patches are halved.
     #[test]
     fn resampling_keeps_the_integral() {
         for from in [1, 2, 4].map(PatchGrid::of_factor) {
@@ -200,8 +207,8 @@ mod tests {
         }
     }
 
-    /// What lies in the east (patch 7.5 of 30) lies in the north of axes whose north is the east, at a quarter of a turn; turns by whole
-    /// patches move numbers by as many places.
+    /// A value in the east (patch 15 of 60) lies in the north of axes that are turned by a quarter,
+    /// whose north is the east.
     #[test]
     fn turns_are_clockwise() {
         let grid = PatchGrid::of_factor(2);
@@ -213,7 +220,8 @@ mod tests {
         assert_eq!(east, 15);
     }
 
-    /// 145, 577 and 2305 patches are known by their number, 146 and 1297 are not; the horizontal integral of radiance 1 is pi (1e-12).
+    /// 145, 577 and 2305 patches are known by their number, 146 and 1297 are not. The horizontal
+    /// integral of radiance 1 is pi (1e-12).
     #[test]
     fn known_counts() {
         for count in [145, 577, 2305] {

@@ -1,9 +1,10 @@
-//! Photographs of the sky. In: the pixels of a square picture in the equidistant (angular) projection of fisheye lenses. Out: the pixel in a
-//! direction, means of patches.
+//! Photographs of the sky. In: the pixels of a square picture in the equidistant (angular)
+//! projection of fisheye lenses. Out: the pixel in a direction, means of patches.
 //!
-//! The camera looks up: the circle that fits into the square is the horizon, its middle the zenith, and the distance from the middle is
-//! proportional to the zenith angle. With north at the top, east is on the left, as in hemispherical photography from below; Radiance's
-//! `-vta -vh 180 -vv 180 -vd 0 0 1 -vu 0 1 0` makes the same picture.
+//! The camera faces up: the circle that fits into the square is the horizon, its middle the zenith,
+//! and the distance from the middle is proportional to the zenith angle. With north at the top,
+//! east is on the left, as in hemispherical photography from below. Radiance's `-vta -vh 180 -vv
+//! 180 -vd 0 0 1 -vu 0 1 0` makes the same picture.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::{Arc, OnceLock};
@@ -16,28 +17,30 @@ use crate::dome::series::PatchSeries;
 /// Factor of the subdivision that photographs are averaged on: 9217 patches, rows of 1.6 degrees.
 const FACTOR: usize = 8;
 
-/// Points across a picture at least, so that each patch has some.
+/// Least number of points across a picture, so that each patch has some.
 const POINTS: usize = 1024;
 
-/// Sectors that a picture is summed over before its top is turned: each patch has a whole number of them, and a degree has sixteen.
+/// Number of sectors that a picture is summed over before its top is turned: each patch has a whole
+/// number of them, and a degree has sixteen.
 const SECTORS: usize = 5760;
 
-/// A square picture of the dome, one number a pixel. Copies share the pixels.
+/// A square picture of the sky, one number a pixel. Copies share the pixels.
 #[derive(Clone, Debug)]
 pub struct DomeImage {
     side: usize,
-    /// `[row][column]`, the first row is the top.
+    /// `[row][column]`: values of the pixels; the first row is the top.
     numbers: Arc<[f32]>,
-    /// Sums over sectors, once they are asked for: the same whatever the azimuth of the top.
+    /// Sums over sectors, computed at the first use; they do not depend on the azimuth of the top.
     sectors: Arc<OnceLock<Vec<DVec2>>>,
     /// Azimuth of the top, turns clockwise from true north.
     top_turns: f64,
-    /// Its sine and cosine.
+    /// Sine and cosine of the azimuth of the top.
     top: DVec2,
 }
 
 impl DomeImage {
-    /// A picture of `side` x `side` pixels whose top has this azimuth; none if there are not so many pixels.
+    /// Returns a picture of `side` x `side` pixels whose top has this azimuth; `None` if the number
+    /// of pixels is another one.
     pub fn new(side: usize, numbers: Vec<f32>, top_azimuth_deg: f64) -> Option<Self> {
         let fits = side > 0 && numbers.len() == side * side;
         let (numbers, sectors) = (numbers.into(), Arc::default());
@@ -45,14 +48,14 @@ impl DomeImage {
         fits.then(|| image.turned(top_azimuth_deg))
     }
 
-    /// A copy of the picture whose top has the azimuth `top_azimuth_deg`.
+    /// Returns a copy of the picture whose top has the azimuth `top_azimuth_deg`.
     #[must_use]
     pub fn turned(&self, top_azimuth_deg: f64) -> Self {
         let (sin, cos) = top_azimuth_deg.to_radians().sin_cos();
         DomeImage { top_turns: top_azimuth_deg / 360.0, top: DVec2::new(sin, cos), ..self.clone() }
     }
 
-    /// Pixels inside the circle: column, row, number.
+    /// Iterates over the pixels inside the circle: column, row, value.
     pub fn inside(&self) -> impl Iterator<Item = (usize, usize, f32)> {
         let (side, half) = (self.side, 0.5 * self.side as f64);
         self.numbers.iter().enumerate().map(move |(i, number)| (i % side, i / side, *number)).filter(
@@ -60,32 +63,35 @@ impl DomeImage {
         )
     }
 
-    /// Number of the pixel in a direction by true east, true north and up; that at the horizon for directions below it.
+    /// Returns the value of the pixel in a direction by true east, true north and up. A direction
+    /// below the horizon gets the pixel at the horizon.
     pub fn at(&self, direction: DVec3) -> f32 {
         let radius = direction.z.clamp(0.0, 1.0).acos() / FRAC_PI_2;
-        // Of the azimuth, counted from the top.
+        // Sine and cosine of the azimuth counted from the top.
         let (DVec2 { x: sin, y: cos }, top) = (direction.truncate().normalize_or_zero(), self.top);
         self.level(-radius * DVec2::new(sin * top.y - cos * top.x, cos * top.y + sin * top.x))
     }
 
-    /// Number at a point of the unit circle, right and down of its middle. Of pixels on the horizon whose middle is outside the circle the
-    /// next one inwards counts: what is outside may be anything.
+    /// Returns the value at a point of the unit circle, right and down of its middle. If the middle
+    /// of its pixel is outside the circle, the next pixel inwards is taken, because pixels outside
+    /// may hold anything.
     fn level(&self, point: DVec2) -> f32 {
         let half = 0.5 * self.side as f64;
         let place = |offset: f64| ((half * (1.0 + offset)).max(0.0) as usize).min(self.side - 1);
         let middle = |offset: f64| (place(offset) as f64 + 0.5) / half - 1.0;
         let is_outside = DVec2::new(middle(point.x), middle(point.y)).length() > 1.0;
-        // By half a diagonal of a pixel: the middle of where that lies is inside.
+        // Moving by half a diagonal of a pixel gives a pixel whose middle is inside.
         let point = if is_outside { point * (1.0 - 1.42 / self.side as f64).max(0.0) } else { point };
         self.numbers.get(place(point.y) * self.side + place(point.x)).copied().unwrap_or_default()
     }
 
-    /// Means by solid angle of 9217 patches (Reinhart's subdivision by 8), as a series of one row.
+    /// Returns means by solid angle of 9217 patches (Reinhart's subdivision by 8), as a series of
+    /// one row.
     pub fn on_patches(&self) -> Option<PatchSeries> {
         let grid = PatchGrid::of_factor(FACTOR);
         let sectors = self.sectors.get_or_init(|| self.sector_sums(&grid));
         let turned = (self.top_turns * SECTORS as f64).rem_euclid(SECTORS as f64);
-        // A sector that comes to lie across a border of sectors is shared by both.
+        // Two sectors share a sector that is turned across a border of sectors.
         let (whole, part) = (turned as usize, turned.fract());
         let mut sums = vec![DVec2::ZERO; grid.len()];
         for (row, of_row) in sectors.chunks_exact(SECTORS).enumerate() {
@@ -101,7 +107,8 @@ impl DomeImage {
         PatchSeries::new(grid, sums.iter().map(|sum| (sum.x / sum.y.max(f64::MIN_POSITIVE)) as f32).collect())
     }
 
-    /// `[row of patches][sector clockwise from the top]`: number x solid angle, and solid angle.
+    /// Returns `[row of patches][sector clockwise from the top]`: value x solid angle, and solid
+    /// angle.
     fn sector_sums(&self, grid: &PatchGrid) -> Vec<DVec2> {
         let mut sums = vec![DVec2::ZERO; grid.bands().len() * SECTORS];
         let fine = POINTS.div_ceil(self.side).max(1);
@@ -136,8 +143,8 @@ mod tests {
     use super::*;
     use crate::units::direction_from_degrees;
 
-    /// A bright pixel left of the middle lies in the east, one at the top in the north; with a top of 90 degrees the top is the east. Its
-    /// patch is bright too.
+    /// A bright pixel left of the middle lies in the east, one at the top in the north. With a top
+    /// of 90 degrees the top is the east. The patch of the pixel is bright, too.
     #[test]
     fn east_is_left() {
         let side = 65;
@@ -158,8 +165,9 @@ mod tests {
         }
     }
 
-    /// A picture of squares has the patches of direct sums over its pixels (1e-6), at tops of 0, 1, 37, 180 and 359 degrees, and so has its
-    /// copy that is turned there; at 12.34 degrees, which is no border of sectors, no patch is off by more than 0.02.
+    /// A picture of squares has the patches of direct sums over its pixels (1e-6), at tops of 0, 1,
+    /// 37, 180 and 359 degrees, and so has a copy that is turned there. At 12.34 degrees, which is
+    /// no border of sectors, no patch is off by more than 0.02.
     #[test]
     fn turned_is_summed_anew() {
         let side = 1024;
@@ -188,8 +196,9 @@ mod tests {
         }
     }
 
-    /// A picture of one level, and NaN outside of the circle, gives all 9217 patches and the horizon that level, of 3, 65 and 1500 pixels a side; one of the cosine of the zenith angle 2 pi / 3 on
-    /// the horizontal within 2e-4, which levels of whole patches lose.
+    /// A picture of one level, with NaN outside of the circle, gives that level to all 9217 patches
+    /// and to the horizon, at 3, 65 and 1500 pixels a side. A picture of the cosine of the zenith
+    /// angle gives 2 pi / 3 on the horizontal within 2e-4, the error of constant patches.
     #[test]
     fn levels() {
         for side in [3, 65, 1500] {

@@ -1,8 +1,9 @@
-//! Canopies at replay. In: canopy layers of an archive, transmittances by material. Out: the share of light that comes through along
-//! each ray, and what the leaves weigh that scatter light.
+//! Canopies at replay. In: canopy layers of an archive, transmittances by material. Out: the share
+//! of light that comes through along each ray, and the weights of the leaves that scatter light.
 //!
-//! A leaf scatters the same light to both sides (a bi-Lambertian leaf whose reflectance equals its transmittance: Goudriaan 1977, "Crop
-//! micrometeorology: a simulation study"): the radiosity of either side is its `diffuse` times the mean irradiance of both.
+//! A leaf scatters the same light to its two sides (a bi-Lambertian leaf whose reflectance equals
+//! its transmittance: Goudriaan 1977, "Crop micrometeorology: a simulation study"). The radiosity
+//! of either side is its `diffuse` times the mean irradiance of the two.
 
 use crate::layers::canopy::{Powers, SEEN, SKY};
 use crate::layers::cells::Cells;
@@ -11,18 +12,19 @@ use crate::site::cells::CellKey;
 use crate::site::material::Material;
 use crate::weather::time::bins::Bins;
 
-/// The transmittances that some states have, each set of them once.
+/// The distinct sets of canopy transmittances ("leafages") that some states have.
 #[derive(Clone, Debug, Default)]
 pub struct TransmittanceStates {
-    /// `[leafage]`
+    /// `[leafage]`: transmittances to the power of the number of crossings, by material.
     pub powers: Vec<Powers>,
-    /// `[state]`: its leafage.
+    /// `[state]`: index of its leafage.
     of_state: Vec<usize>,
 }
 
 impl TransmittanceStates {
-    /// Takes the transmittances out of states that hold a value by material ([`Reflector::variable`]), and leaves reflectances, of canopies
-    /// what their leaves scatter. Without canopies all states have one leafage.
+    /// Takes the transmittances out of states that hold a value by material
+    /// ([`Reflector::variable`]). The states keep reflectances; for a canopy that is the share that
+    /// its leaves scatter. Without canopies all states have one leafage.
     pub fn split(reflectors: &[Reflector], states: &mut [Vec<f64>]) -> Self {
         let canopies: Vec<usize> = (0..reflectors.len()).filter(|&m| reflectors[m].transmittance.is_some()).collect();
         let mut known: Vec<Vec<f64>> = Vec::new();
@@ -42,7 +44,8 @@ impl TransmittanceStates {
         leafages
     }
 
-    /// How conditions add to the results with each leafage, of how they do in each state.
+    /// Returns for each leafage its powers and its bins. The weight of a condition is the sum of
+    /// its weights in the states of the leafage.
     pub fn ways(&self, states: &[Bins]) -> Vec<(Powers, Bins)> {
         let none = |bins: &Bins| Bins {
             count: bins.count,
@@ -57,13 +60,13 @@ impl TransmittanceStates {
         ways
     }
 
-    /// States of a leafage.
+    /// Iterates over the states of a leafage.
     pub fn states(&self, leafage: usize) -> impl Iterator<Item = usize> + '_ {
         (0..self.of_state.len()).filter(move |&state| self.of_state[state] == leafage)
     }
 }
 
-/// Beer and Lambert: what k crossings of a transmittance leave.
+/// Returns the share of light left after 0 to 255 crossings of a transmittance (Beer and Lambert).
 fn powers(tau: f64) -> [f32; 256] {
     std::array::from_fn(|k| tau.powi(k as i32) as f32)
 }
@@ -71,17 +74,17 @@ fn powers(tau: f64) -> [f32; 256] {
 /// Shares of the light that come through to a cell.
 #[derive(Clone, Debug, Default)]
 pub struct Shade {
-    /// `[texel of its sky]`: what the cell's normal is multiplied with; `None` where that is 1. Of a cell of leaves half of the share, and
-    /// negative for light on their other side.
+    /// `[texel of its sky]`: factor of the cell's normal; `None` where all are 1. For a cell of
+    /// leaves it is half of the share, negative for light on their other side.
     pub sky: Option<Vec<f32>>,
-    /// `[ray]` to what it sees: the share that comes through; `None` where nothing is crossed.
+    /// `[ray]` to the cells it sees: the share that comes through; `None` where nothing is crossed.
     pub seen: Option<Vec<f32>>,
-    /// Cells of leaves that it sees, and the shares of its hemisphere that come from them.
+    /// Cells of leaves that it sees, with the shares of its hemisphere that come from them.
     pub leaves: Vec<(CellKey, f32)>,
 }
 
 impl Shade {
-    /// Of cell `i` of a table whose sky has texels with these centres.
+    /// Returns the shares of cell `i` of a table whose sky has texels with these centres.
     pub fn of(cells: &Cells, i: usize, powers: &Powers, centres: &[[f32; 3]]) -> Self {
         let canopy = cells.canopy_of(i);
         let through = |list| canopy.and_then(|canopy| canopy.through(list, powers));
@@ -95,7 +98,8 @@ impl Shade {
     }
 }
 
-/// Shares that come through by the transmittances that materials have; none if no one is a canopy.
+/// Returns the shares that come through by the transmittances of the materials as stored; empty if
+/// none is a canopy.
 pub fn stored(materials: &[Material]) -> Powers {
     let rows = (0..=u16::MAX).zip(materials);
     rows.filter_map(|(m, material)| Some((m, powers(material.transmittance?)))).collect()

@@ -1,5 +1,5 @@
-//! Specular reflectance of mirrors and of clear glass. In: a material and the cosine of the angle of incidence. Out: the share of
-//! unpolarised light that is reflected.
+//! Specular reflectance of mirrors and of clear glass. In: a material and the cosine of the angle
+//! of incidence. Out: the share of unpolarised light that is reflected.
 
 use crate::light::reflector::Reflector;
 use crate::site::material::Material;
@@ -7,8 +7,9 @@ use crate::site::material::Material;
 /// Refractive index of window glass.
 pub const GLASS: f64 = 1.52;
 
-/// What one surface between air and a dielectric of index `n` reflects of light polarised perpendicular and parallel to the plane of
-/// incidence (Fresnel's equations, as in Born and Wolf 1999, 1.5.2 (21) and (21a), squared).
+/// Returns the reflectances of one surface between air and a dielectric of index `n` for light
+/// polarised perpendicular and parallel to the plane of incidence (Fresnel's equations, as in Born
+/// and Wolf 1999, 1.5.2 (21) and (21a), squared).
 pub fn surface(n: f64, cos: f64) -> [f64; 2] {
     let cos = cos.clamp(0.0, 1.0);
     // At least n^2 - 1, so above 0 for n > 1.
@@ -17,8 +18,9 @@ pub fn surface(n: f64, cos: f64) -> [f64; 2] {
     [across(cos, refracted), across(n * n * cos, refracted)]
 }
 
-/// Reflectance of panes of clear glass that absorb nothing: 2 surfaces a pane, light goes to and fro between them all (Stokes 1862, "On
-/// the intensity of the light reflected from or transmitted through a pile of plates": m r / (1 + (m - 1) r) for m surfaces).
+/// Returns the reflectance of panes of clear glass that absorb nothing. A pane has 2 surfaces, and
+/// light goes to and fro between all of them (Stokes 1862, "On the intensity of the light reflected
+/// from or transmitted through a pile of plates": m r / (1 + (m - 1) r) for m surfaces).
 pub fn panes(count: u8, cos: f64) -> f64 {
     let surfaces = 2.0 * f64::from(count);
     let pile = |r: f64| surfaces * r / (1.0 + (surfaces - 1.0) * r);
@@ -26,19 +28,20 @@ pub fn panes(count: u8, cos: f64) -> f64 {
     if count == 0 { 0.0 } else { 0.5 * (pile(s) + pile(p)) }
 }
 
-/// Mean of [`panes`] for light that comes from everywhere alike.
+/// Returns the mean of [`panes`] for uniform diffuse light.
 pub fn panes_mean(count: u8) -> f64 {
     const STEPS: u32 = 1024;
     let at = |i: u32| panes(count, ((f64::from(i) + 0.5) / f64::from(STEPS)).sqrt());
     (0..STEPS).map(at).sum::<f64>() / f64::from(STEPS)
 }
 
-/// What a material reflects like a mirror of light that comes from everywhere alike.
+/// Returns the share of uniform diffuse light that a material reflects like a mirror.
 pub fn specular_mean(material: &Material) -> f64 {
     material.glass.map_or(material.specular, |glass| panes_mean(glass.panes()))
 }
 
-/// Specular reflectance of a material; with its diffuse reflectance never more than arrives.
+/// Returns the specular reflectance of a material, limited so that it and the diffuse reflectance
+/// add up to at most 1.
 pub fn specular(material: &Reflector, cos: f64) -> f64 {
     let reflected = if material.panes > 0 { panes(material.panes, cos) } else { material.specular };
     reflected.min(1.0 - material.diffuse).max(0.0)
@@ -48,8 +51,10 @@ pub fn specular(material: &Reflector, cos: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// At 0, 45, 60, 75, 85 and 89.9 degrees one surface of n = 1.52 reflects what Fresnel's sines and tangents say, to 1e-12; a single
-    /// pane 8.17 % and two 15.10 % at normal incidence, and nearly all at 89.9 degrees.
+    /// At 45, 60, 75, 85 and 89.9 degrees one surface of n = 1.52 reflects what Fresnel's sines and
+    /// tangents give, to 1e-12, and at 0 degrees what the refractive index gives, to 1e-15. A
+    /// single pane reflects 8.17 % and two 15.10 % at normal incidence, and one pane more than 98 %
+    /// at 89.9 degrees.
     #[test]
     fn angles() {
         for degrees in [45.0_f64, 60.0, 75.0, 85.0, 89.9] {
@@ -67,7 +72,8 @@ mod tests {
         assert!(panes(1, 89.9_f64.to_radians().cos()) > 0.98 && panes(2, 0.0) == 1.0);
     }
 
-    /// Over the hemisphere one surface reflects what Walsh's closed formula (1926) says, to 1e-6, for n = 1.52 (9.47 %) and 1.33.
+    /// The mean over the hemisphere of one surface agrees with Walsh's closed formula (1926), to
+    /// 1e-6, for n = 1.52 (9.47 %) and 1.33.
     #[test]
     fn hemisphere() {
         for n in [1.52_f64, 1.33] {
@@ -88,14 +94,16 @@ mod tests {
         }
     }
 
-    /// Panes reflect 15.4 % and 23.5 % of light that comes from everywhere alike, to 0.1 %, and no pane nothing.
+    /// One pane and two panes reflect 15.4 % and 23.5 % of uniform diffuse light, to 0.1 %, and no
+    /// pane reflects nothing.
     #[test]
     fn from_everywhere() {
         let means = [panes_mean(0), panes_mean(1), panes_mean(2)];
         assert!((means[1] - 0.1536).abs() < 1e-3 && (means[2] - 0.2354).abs() < 1e-3 && means[0] == 0.0, "{means:?}");
     }
 
-    /// Glass with a diffuse reflectance of 0.3 reflects 0.7 like a mirror at the most: with 0.3 it is all that arrives.
+    /// Glass with a diffuse reflectance of 0.3 reflects at most 0.7 like a mirror: together all
+    /// that arrives.
     #[test]
     fn never_more_than_arrives() {
         let class = crate::site::material::Class::Obstruction;

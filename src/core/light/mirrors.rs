@@ -1,5 +1,6 @@
-//! Chains of mirrors with what they reflect. In: orientations, materials and a chain, or the mirrors on a way. Out: where light from a
-//! direction of the sky seems to come from, and how much of it is left.
+//! Chains of mirrors with their reflectances. In: orientations, materials and a chain, or the
+//! mirrors on a path. Out: the mirrored direction of light from a direction of the sky, and the
+//! share of it that is left.
 
 use std::collections::HashMap;
 
@@ -12,17 +13,17 @@ use crate::light::reflector::Reflector;
 use crate::opened::{CellSource, OpenSite};
 use crate::site::chain::{Chain, MirrorPlane, MirrorStep};
 
-/// The mirrors of an archive: their orientations, and what materials reflect.
+/// The mirrors of an archive: their orientations, and the reflectances of materials.
 #[derive(Clone, Debug)]
 pub struct MirrorTable {
-    /// `[number]`: the orientations that chains name.
+    /// `[number]`: the orientations that chains refer to.
     pub orientations: Vec<MirrorPlane>,
-    /// By material.
+    /// `[material]`: reflectances.
     pub reflectors: Vec<Reflector>,
 }
 
 impl MirrorTable {
-    /// The mirrors of a site.
+    /// Returns the mirrors of a site.
     pub fn of(site: &OpenSite) -> Self {
         MirrorTable {
             orientations: site.orientations().to_vec(),
@@ -31,17 +32,18 @@ impl MirrorTable {
     }
 }
 
-/// One chain.
+/// One chain of mirrors with its reflectances.
 #[derive(Clone, Debug)]
 pub struct Reflection {
-    /// From a direction of the sky to the one in which it is seen.
+    /// Map from a direction of the sky to the direction in which it is seen.
     map: DMat3,
-    /// From the observer on.
+    /// Mirrors in the order from the observer on.
     mirrors: Vec<(MirrorPlane, Reflector)>,
 }
 
 impl Reflection {
-    /// `None` if the chain names an orientation or a material that does not exist.
+    /// Returns the reflection of a chain, or `None` if it names an orientation or a material that
+    /// does not exist.
     pub fn new(chain: Chain, table: &MirrorTable) -> Option<Self> {
         let mirror = |number: u16| {
             let orientation = *table.orientations.get(usize::from(number))?;
@@ -51,22 +53,23 @@ impl Reflection {
         Some(Reflection { map: chain.seen_from(&table.orientations)?, mirrors })
     }
 
-    /// The normal of the surface's image: light from direction s falls on the surface as if it came straight to the image.
+    /// Returns the normal of the surface's image: light from direction s falls on the surface as if
+    /// it came straight to the image.
     pub fn image(&self, normal: DVec3) -> DVec3 {
         self.map.transpose() * normal
     }
 
-    /// The direction in which light from a direction of the sky is seen.
+    /// Returns the direction in which light from a direction of the sky is seen.
     pub fn mirrored(&self, sky: DVec3) -> DVec3 {
         self.map * sky
     }
 
-    /// The direction of the sky that light seen in a direction comes from.
+    /// Returns the direction of the sky that light seen in a direction comes from.
     pub fn unmirrored(&self, seen: DVec3) -> DVec3 {
         self.map.transpose() * seen
     }
 
-    /// Share of the light from a direction of the sky that is left.
+    /// Returns the share of the light from a direction of the sky that is left after all mirrors.
     pub fn share(&self, sky: DVec3) -> f64 {
         let mut direction = sky;
         self.mirrors.iter().rev().fold(1.0, |share, (orientation, reflector)| {
@@ -77,22 +80,22 @@ impl Reflection {
     }
 }
 
-/// Share of the light that is left after some mirrors, whose materials exist.
+/// Returns the share of the light that is left after some mirrors. Their materials must exist.
 pub fn left(steps: &[MirrorStep], reflectors: &[Reflector]) -> f64 {
     let of = |&(material, cosine): &MirrorStep| specular(&reflectors[usize::from(material)], f64::from(cosine) / 255.0);
     steps.iter().map(of).product()
 }
 
-/// By which chains some cells see the sky.
+/// The chains of mirrors by which some cells see the sky.
 #[derive(Clone, Debug, Default)]
 pub struct Chains {
-    /// Each chain once.
+    /// Each distinct chain once.
     all: Vec<OnTexels>,
-    /// `[cell][window]`: its chain; empty where no cell sees anything in mirrors.
+    /// `[cell][window]`: index of its chain; empty where a cell sees nothing in mirrors.
     of_cells: Vec<Vec<usize>>,
 }
 
-/// A chain on the texels of the cells' sky.
+/// A chain with its reflectances on the texels of the cells' sky.
 #[derive(Clone, Debug)]
 struct OnTexels {
     reflection: Reflection,
@@ -100,18 +103,19 @@ struct OnTexels {
     shares: Vec<f32>,
 }
 
-/// What a cell sees of the sky by one chain.
+/// Part of the sky that a cell sees by one chain.
 pub struct Lookout<'c> {
     /// Normal of the cell's image.
     pub image: [f32; 3],
-    /// `[texel]`: share that is left of light from there.
+    /// `[texel]`: share that is left of light from that texel.
     pub shares: &'c [f32],
     /// The texels that are seen.
     pub texels: &'c [u16],
 }
 
 impl Chains {
-    /// The chains of some cells of a source, on texels with these centres.
+    /// Returns the chains of some cells of a source, on texels with these centres. A chain that
+    /// names a missing mirror is a defect.
     pub fn of_cells(cells: &Cells, source: &CellSource, table: &MirrorTable, centres: &[[f32; 3]]) -> Result<Self> {
         let mut numbers: HashMap<Chain, usize> = HashMap::new();
         let mut chains = Chains::default();
@@ -133,7 +137,8 @@ impl Chains {
         Ok(chains)
     }
 
-    /// What cell `i` of those that the chains were made of sees by each of its chains.
+    /// Iterates over the parts of the sky that cell `i` of the cells given to [`Chains::of_cells`]
+    /// sees, one by chain.
     pub fn lookouts<'c>(&'c self, cells: &'c Cells, i: usize) -> impl Iterator<Item = Lookout<'c>> {
         let numbers = self.of_cells.get(i).map_or(&[][..], Vec::as_slice);
         let windows = cells.mirrors_of(i).map_or(&[][..], |mirrors| &mirrors.windows);

@@ -1,5 +1,5 @@
-//! Light: what arrives by way of surfaces. In: layers and tables of an archive, reflectances. Out: responses, one vector per sky texel.
-//! Never: weather of an hour, rays.
+//! Light that arrives by way of surfaces. In: layers and tables of an archive, reflectances. Out:
+//! responses, one vector per sky texel. Never: weather of an hour, rays.
 
 pub mod canopies;
 pub mod fresnel;

@@ -1,28 +1,33 @@
-//! Which light counts. In: names. Out: how many diffuse reflections are followed, and what mirrors add to them.
+//! The light paths that count. In: names. Out: the number of diffuse reflections that are followed,
+//! and the paths by mirrors.
 
 use std::str::FromStr;
 
 use crate::light::radiosity::MaxBounces;
 
-/// Light beyond what comes straight from sun and sky, by one diffuse reflection, or from the sun in mirrors, which always count.
+/// Light paths that may be left out. Light straight from sun and sky, by one diffuse reflection, or
+/// from the sun in mirrors always counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightPaths {
-    /// How many diffuse reflections are followed.
+    /// Number of diffuse reflections that are followed.
     pub depth: MaxBounces,
-    /// Diffusely reflected light that meets a mirror, too: what mirrors throw on surfaces, and surfaces that are seen in mirrors.
+    /// True if diffusely reflected light that also meets a mirror counts: light that mirrors throw
+    /// on surfaces, and surfaces that are seen in mirrors.
     pub mirror_diffuse: bool,
-    /// The sky that is seen in mirrors, column `sky_specular`.
+    /// True if the sky that is seen in mirrors counts, column `sky_specular`.
     pub mirror_sky: bool,
 }
 
 impl LightPaths {
-    /// All of it.
+    /// All light paths.
     pub const ALL: LightPaths = LightPaths { depth: MaxBounces::All, mirror_diffuse: true, mirror_sky: true };
 
-    /// None of it: the light paths of EnergyPlus (Engineering Reference, "Solar Radiation Reflected from Exterior Surfaces").
+    /// None of the optional paths: the light paths of EnergyPlus (Engineering Reference, "Solar
+    /// Radiation Reflected from Exterior Surfaces").
     pub const FIRST: LightPaths = LightPaths { depth: MaxBounces::Count(1), mirror_diffuse: false, mirror_sky: false };
 
-    /// The same with at most so many diffuse reflections. An error: several, where but one is to count.
+    /// Returns the paths with at most `depth` diffuse reflections. It is an error to ask for
+    /// several where only the first counts.
     pub fn with_depth(self, depth: MaxBounces) -> Result<Self, String> {
         match (self.depth, depth) {
             (MaxBounces::All, depth) => Ok(LightPaths { depth, ..self }),
@@ -34,17 +39,17 @@ impl LightPaths {
     }
 }
 
-/// At most so many diffuse reflections, and all that mirrors add.
+/// All paths by mirrors, and at most the given number of diffuse reflections.
 impl From<MaxBounces> for LightPaths {
     fn from(depth: MaxBounces) -> Self {
         LightPaths { depth, ..LightPaths::ALL }
     }
 }
 
-/// Names of the three, in the order of the fields.
+/// Names of the three options, in the order of the fields.
 const NAMES: [&str; 3] = ["bounces", "mirror-diffuse", "mirror-sky"];
 
-/// `all`, `none`, or some of `bounces,mirror-diffuse,mirror-sky`.
+/// Parses `all`, `none`, or some of `bounces,mirror-diffuse,mirror-sky`.
 impl FromStr for LightPaths {
     type Err = String;
 
@@ -73,7 +78,8 @@ impl FromStr for LightPaths {
 mod tests {
     use super::*;
 
-    /// All three names are `all`, in any order; one leaves the other two out; 4 texts of 4 are refused.
+    /// The three names together, in any order, are `all`. One name leaves the other two out. 4 of 4
+    /// bad texts are refused.
     #[test]
     fn names() {
         let of = |text: &str| text.parse::<LightPaths>();
@@ -85,7 +91,8 @@ mod tests {
         }
     }
 
-    /// A number of reflections counts among all paths, 1 of 1, and not where only the first counts: 3 is refused, 1 and all are 1.
+    /// A limit of 3 reflections is accepted among all paths, and refused where only the first
+    /// counts. There, 1 and all give 1.
     #[test]
     fn depths() {
         let three = MaxBounces::Count(3);

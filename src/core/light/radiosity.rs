@@ -1,10 +1,11 @@
-//! Second and later bounces. In: the closed system of coarse cells and their reflectances. Out: each cell's radiosity per unit
-//! of irradiance from each direction of the sky.
+//! Second and later bounces. In: the closed system of coarse cells and their reflectances. Out:
+//! each cell's radiosity per unit of irradiance from each direction of the sky.
 //!
-//! `X_j[t] = rho_j ( b_j[t] n_j + sum_k F_jk X_k[t] )` for every sky texel t (one 3-vector each, as for the receiver's response;
-//! Goral et al. 1984 for the radiosity system). Only cells from the closed level up see each other in circles; they
-//! are solved together, by a fixed number of Jacobi steps. Finer cells see coarser ones only and follow once, level by level. So the result for a cell
-//! depends on the cells reachable from it, not on which others are in the table.
+//! `X_j[t] = rho_j ( b_j[t] n_j + sum_k F_jk X_k[t] )` for every sky texel t (one 3-vector each, as
+//! for the receiver's response; Goral et al. 1984 for the radiosity system). Only cells from the
+//! closed level up see each other in circles. They are solved together, by a fixed number of Jacobi
+//! steps. Finer cells see coarser ones only and follow once, level by level. So the result for a
+//! cell depends on the cells reachable from it, not on the other cells in the table.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -24,18 +25,18 @@ use crate::light::scratch::ScratchSpace;
 use crate::light::tables::Tables;
 use crate::site::cells::{CellKey, CellMap};
 
-/// How many times light may be reflected; as JSON a number, or null for all.
+/// Limit on the number of diffuse reflections; as JSON a number, or null for all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "Option<u32>", try_from = "Option<u32>")]
 pub enum MaxBounces {
-    /// Until less than [`TOLERANCE`] of the light is left.
+    /// Reflections until less than [`TOLERANCE`] of the light is left.
     All,
-    /// At most this many diffuse reflections; 1 is the paper's model.
+    /// At most this many diffuse reflections; 1 is the model of the paper.
     Count(u32),
 }
 
 impl MaxBounces {
-    /// Numbers of diffuse reflections that can be asked for.
+    /// Limits that a user may set.
     pub const COUNTS: RangeInclusive<u32> = 1..=64;
 }
 
@@ -63,41 +64,42 @@ impl TryFrom<Option<u32>> for MaxBounces {
 /// Share of the reflected light that `MaxBounces::All` may leave out.
 pub const TOLERANCE: f64 = 1e-3;
 
-/// Columns of the system solved together: small enough for a core's cache.
+/// Number of columns that are solved together: small enough for a core's cache.
 pub const BLOCK: usize = 32;
 
-/// A cell's values in these columns.
+/// Values of one cell in the columns of a block.
 pub type ColumnBlock = [f32; BLOCK];
 
-/// out += weight x values.
+/// Adds weight x values to `out`.
 #[inline(always)]
 pub fn add_block(out: &mut ColumnBlock, weight: f32, values: &ColumnBlock) {
     out.iter_mut().zip(values).for_each(|(o, x)| *o += weight * x);
 }
 
-/// How the system is made and solved.
+/// Options by which the radiosity system is made and solved.
 #[derive(Clone, Debug)]
 pub struct RadiosityOptions {
     /// Side of the cells' sky texture.
     pub side: usize,
-    /// Cells from this level up are solved together.
+    /// Level from which on cells are solved together.
     pub closed_level: i8,
-    /// How many diffuse reflections are followed.
+    /// Number of diffuse reflections that are followed.
     pub depth: MaxBounces,
 }
 
-/// Reflectance of a cell, whose material exists.
+/// Returns the reflectance of a cell. Its material must exist.
 pub fn reflectance_of(reflectance: &Reflectance, key: &CellKey) -> f32 {
     reflectance[usize::from(key.material)] as f32
 }
 
 impl RadiosityOptions {
-    /// Values of one cell: `[axis][texel]`.
+    /// Returns the number of values of one cell: `[axis][texel]`.
     pub fn width(&self) -> usize {
         3 * self.side * self.side
     }
 
-    /// Whether a cell belongs to the closed system; with a bounded number of reflections every cell takes each step.
+    /// Returns true if a cell belongs to the closed system. With a bounded number of reflections
+    /// every cell does, because each takes part in each step.
     pub fn closes(&self, key: &CellKey) -> bool {
         match self.depth {
             MaxBounces::All => key.level >= self.closed_level,
@@ -105,7 +107,8 @@ impl RadiosityOptions {
         }
     }
 
-    /// Jacobi steps. The first reflection is the fine probe's, the second is the source term.
+    /// Returns the number of Jacobi steps. The first reflection is that of the fine probe, the
+    /// second is the source term.
     fn steps(&self, reflectance: &Reflectance) -> usize {
         match self.depth {
             MaxBounces::Count(bounces) => (bounces as usize).saturating_sub(2),
@@ -116,7 +119,8 @@ impl RadiosityOptions {
         }
     }
 
-    /// What cell `i` of a table sees, some of it in mirrors, and leaves, with the shares of its hemisphere that reach it.
+    /// Returns the cells that cell `i` of a table sees, straight, in mirrors and as leaves, with
+    /// the shares of its hemisphere that they fill.
     pub fn row(
         &self,
         cells: &Cells,
@@ -138,8 +142,9 @@ impl RadiosityOptions {
         row
     }
 
-    /// Source term of cell `i` of a table in some columns: its reflectance times its normal where it sees the sky, times the share of
-    /// the sky's light that comes through, if not all does; and what comes by mirrors.
+    /// Writes the source term of cell `i` of a table in some columns: its reflectance times its
+    /// normal where it sees the sky, times the share of the sky's light that comes through
+    /// canopies, plus the light that comes by mirrors.
     pub fn source(&self, cells: &Cells, i: usize, light: CellLight, columns: Range<usize>, out: &mut [f32]) {
         let CellLight { reflectance, shares, by_mirrors } = light;
         let (texels, bits) = (self.side * self.side, cells.bits_of(i));
@@ -158,30 +163,31 @@ impl RadiosityOptions {
         here.for_each(|&(column, value)| out[column as usize - columns.start] += reflectance * value);
     }
 
-    /// Columns of a block.
+    /// Returns the columns of a block.
     pub fn columns(&self, block: usize) -> Range<usize> {
         block * BLOCK..self.width().min((block + 1) * BLOCK)
     }
 }
 
-/// The closed system, solved for some states of its reflectances: each of its cells' radiosity per unit normal irradiance from
-/// direction s is s . X.
+/// The closed system, solved for some states of its reflectances. The radiosity of a cell per unit
+/// normal irradiance from direction s is s . X.
 pub struct RadiositySolution {
-    /// Sorted.
+    /// Sorted keys of the cells.
     keys: Vec<CellKey>,
     width: usize,
-    /// `[state]`
+    /// `[state]`: solution.
     values: Vec<Values>,
 }
 
-/// `[block of columns][cell][column]`.
+/// Values of one state: `[block of columns][cell][column]`.
 enum Values {
     Memory(Vec<Vec<ColumnBlock>>),
     Scratch(Box<dyn Scratch>),
 }
 
 impl RadiositySolution {
-    /// Solves the system of an archive's cells for each state and its leaves. Values beyond `memory` bytes go to `storage`.
+    /// Solves the system of an archive's cells for each state, with the canopies of its leafage.
+    /// Values beyond `memory` bytes go to `storage`.
     pub fn solve(
         tables: &Tables,
         rules: &RadiosityOptions,
@@ -200,7 +206,8 @@ impl RadiositySolution {
         }
         let blocks = width.div_ceil(BLOCK);
         let bytes = (states.len() * keys.len() * blocks * size_of::<ColumnBlock>()) as u64;
-        // A thread that solves a block holds three of its size: no more of them at a time than fit.
+        // A thread that solves a block holds three buffers of its size, so only as many threads run
+        // at a time as fit.
         let of_thread = 3 * (keys.len() * size_of::<ColumnBlock>()) as u64;
         let at_once = (memory / of_thread.max(1)).clamp(1, rayon::current_num_threads() as u64) as usize;
         let solve = |system: &System, state: &Reflectance| {
@@ -226,17 +233,18 @@ impl RadiositySolution {
                 values.push((state, solve(&system, &states[state])?));
             }
         }
-        // Each state has one leafage.
+        // Each state has one leafage, so each comes once.
         values.sort_unstable_by_key(|of_state| of_state.0);
         Ok(RadiositySolution { keys, width, values: values.into_iter().map(|of_state| of_state.1).collect() })
     }
 
-    /// Place of a cell.
+    /// Returns the index of a cell.
     pub fn find(&self, key: &CellKey) -> Option<usize> {
         self.keys.binary_search(key).ok()
     }
 
-    /// Largest value of a linear combination of the states, as a share of the largest value of all; of some thousand cells.
+    /// Returns the largest value of a linear combination of the states, as a share of the largest
+    /// value of any state. It looks at some thousand cells only.
     pub fn combination(&self, coefficients: &[f64]) -> Result<f64> {
         let step = self.keys.len().div_ceil(4096).max(1);
         let cells: Vec<usize> = (0..self.keys.len()).step_by(step).collect();
@@ -265,7 +273,8 @@ impl RadiositySolution {
         Ok(())
     }
 
-    /// The values of one cell in a state in a block of columns; beyond the last column they mean nothing.
+    /// Returns the values of one cell in a state in a block of columns; values beyond the last
+    /// column mean nothing.
     pub fn block(&self, state: usize, block: usize, cell: usize) -> Result<ColumnBlock> {
         match &self.values[state] {
             Values::Memory(blocks) => Ok(blocks[block][cell]),
@@ -286,19 +295,21 @@ impl RadiositySolution {
 /// The closed system in memory: about 0.3 kB a cell.
 struct System<'a> {
     rules: &'a RadiosityOptions,
-    /// The cells' keys, normals and sky bits; what they see is in `rows`.
+    /// Keys, normals and sky bits of the cells; the cells that they see are in `rows`.
     cells: Cells,
-    /// `[cell][texel]`: share of the sky's light that comes through, where not all does.
+    /// `[cell][texel]`: share of the sky's light that comes through; `None` where all does.
     shares: Vec<Option<Vec<f32>>>,
-    /// Starts of the cells' rows, and all rows: (cell, weight).
+    /// Starts of the cells' rows in `rows`.
     starts: Vec<usize>,
+    /// Rows of all cells, one after the other: (cell, weight).
     rows: Weighted<u32>,
-    /// What the cells get by mirrors.
+    /// `[cell]`: light that comes by mirrors.
     lit: Vec<MirroredLight>,
 }
 
 impl<'a> System<'a> {
-    /// Reads the cells of `keys`, which are all closed cells in order, behind leaves of some transmittances.
+    /// Reads the cells of `keys`, which are all closed cells in order. `powers` are the
+    /// transmittances of the canopies before them.
     fn load(tables: &Tables, rules: &'a RadiosityOptions, keys: &[CellKey], powers: &Powers) -> Result<Self> {
         let (source, centres) = (&tables.bounces, centres_f32(rules.side));
         let (shares, rows, lit) = (Vec::new(), Vec::new(), Vec::new());
@@ -330,7 +341,8 @@ impl<'a> System<'a> {
         Ok(system)
     }
 
-    /// One block of columns for a state. `space`: two buffers that serve block after block.
+    /// Solves one block of columns for a state. `space` holds two buffers that serve block after
+    /// block.
     fn solve(&self, state: &Reflectance, block: usize, space: &mut [Vec<ColumnBlock>; 2]) -> Vec<ColumnBlock> {
         let [source, next] = space;
         let columns = self.rules.columns(block);
@@ -351,8 +363,8 @@ impl<'a> System<'a> {
     }
 }
 
-/// One Jacobi step, compiled for the processor at hand (as the body of a closure would not be); sums and products only, so with
-/// the same bits everywhere.
+/// One Jacobi step, compiled for the processor at hand; the body of a closure would not be. It
+/// takes sums and products only, so its results have the same bits everywhere.
 struct Step<'a> {
     system: &'a System<'a>,
     state: &'a Reflectance,
@@ -377,38 +389,41 @@ impl WithSimd for Step<'_> {
     }
 }
 
-/// The sides of a cell: one of a surface, both of leaves.
+/// The sides of a cell that light falls on: one of a surface, two of leaves.
 #[derive(Clone, Copy, Debug)]
 pub struct SidesOf(pub CellKey);
 
 impl SidesOf {
-    /// What light weighs, by the cosine between its direction and the normal.
+    /// Returns the weight of light by the cosine between its direction and the normal.
     pub fn cosine(self, cosine: f32) -> f32 {
         if self.0.is_leaf() { 0.5 * cosine.abs() } else { cosine.max(0.0) }
     }
 
-    /// Cosine-weighted share that lies above the horizon, for a normal of this z.
+    /// Returns the cosine-weighted share of the hemisphere above the horizon, for a normal of this
+    /// z.
     pub fn above(self, normal_z: f64) -> f64 {
         if self.0.is_leaf() { 0.5 } else { (1.0 + normal_z) / 2.0 }
     }
 
-    /// Cosine-weighted share that lies below the horizon.
+    /// Returns the cosine-weighted share of the hemisphere below the horizon, for a normal of this
+    /// z.
     pub fn below(self, normal_z: f64) -> f64 {
         if self.0.is_leaf() { 0.5 } else { (1.0 - normal_z) / 2.0 }
     }
 }
 
-/// How one cell's two kinds of rays share its surroundings.
+/// Shares of a cell's hemisphere that its two kinds of rays stand for.
 #[derive(Clone, Copy, Debug)]
 pub struct Surround {
     /// Cosine-weighted share of the hemisphere above the horizon that is not sky.
     pub up: f64,
-    /// Cosine-weighted share below the horizon.
+    /// Cosine-weighted share of the hemisphere below the horizon.
     pub down: f64,
 }
 
-/// Shares of a cell with mean normal n and n x n sky bits. The share above the horizon is what the sky bits leave, so that
-/// sky and surroundings always add up to the whole hemisphere: a white furnace stays white. Of leaves the mean of both hemispheres.
+/// Returns the shares of a cell with mean normal n and n x n sky bits. The share above the horizon
+/// is the rest beside the sky bits, so that sky and surroundings always add up to the whole
+/// hemisphere: a white furnace stays white. For leaves it is the mean of the two hemispheres.
 pub fn surround(key: CellKey, normal: [f32; 3], bits: &[u8], centres: &[[f32; 3]]) -> Surround {
     let sides = SidesOf(key);
     let share = 2.0 / centres.len() as f64;
@@ -422,21 +437,22 @@ pub fn surround(key: CellKey, normal: [f32; 3], bits: &[u8], centres: &[[f32; 3]
     Surround { up: (half - sky * share).max(0.0), down: (1.0 - half).max(0.0) }
 }
 
-/// Texel centres of an n x n texture in f32.
+/// Returns the texel centres of an n x n texture in f32.
 pub fn centres_f32(n: usize) -> Vec<[f32; 3]> {
     texel_centres(n).iter().map(|d| d.as_vec3().to_array()).collect()
 }
 
-/// Cells and their weights.
+/// Cells with their weights.
 pub type Weighted<T> = Vec<(T, f32)>;
 
-/// Columns and what a cell gets in them per unit of reflectance; sorted by column, some come more than once.
+/// Columns with the light that a cell gets in them per unit of reflectance; sorted by column, some
+/// columns come more than once.
 pub type MirroredLight = Vec<(u32, f32)>;
 
-/// What a cell reflects of the sky's light, and how that light reaches it.
+/// Light of the sky on a cell: how much of it arrives and is reflected.
 #[derive(Clone, Copy, Debug)]
 pub struct CellLight<'a> {
-    /// Of the cell's material.
+    /// Reflectance of the cell's material.
     pub reflectance: f32,
     /// `[texel]`: shares of the sky's light that come through canopies; `None` if all of it does.
     pub shares: Option<&'a [f32]>,
@@ -444,14 +460,15 @@ pub struct CellLight<'a> {
     pub by_mirrors: &'a MirroredLight,
 }
 
-/// Share of a cell's hemisphere that each of its rays stands for: below the horizon, above it.
+/// Returns the share of a cell's hemisphere that each of its rays stands for: below the horizon,
+/// above it.
 pub fn each_ray(hits: &[u32], around: Surround) -> [f64; 2] {
     let below = hits.iter().filter(|&&h| h & DOWN != 0).count();
     let above = hits.iter().filter(|&&h| h & DOWN == 0 && h != MISS).count();
     [around.down / below.max(1) as f64, around.up / above.max(1) as f64]
 }
 
-/// What a bounce cell gets by mirrors per unit of reflectance: column and value.
+/// Returns the light that a bounce cell gets by mirrors per unit of reflectance: column and value.
 pub fn in_mirrors_lit(cells: &Cells, row: usize, chains: &Chains) -> MirroredLight {
     let mut lit: MirroredLight = Vec::new();
     for Lookout { image, shares, texels } in chains.lookouts(cells, row) {
@@ -459,14 +476,15 @@ pub fn in_mirrors_lit(cells: &Cells, row: usize, chains: &Chains) -> MirroredLig
             lit.extend((0..3).map(|axis| ((axis * shares.len() + t) as u32, image[axis] * shares[t])));
         }
     }
-    // Stable: what comes in one column is always added in the same order.
+    // The sort is stable, so the values of one column are always added in the same order.
     lit.sort_by_key(|lit| lit.0);
     lit
 }
 
-/// Weights of the cells that one cell sees, for its rays above and below the horizon apart: each list sums to the share of
-/// rays that met something (of the rays that met something, for the upper ones). Sorted by first ray. `shares` of the light that
-/// come through along each ray, if not all does.
+/// Returns the weights of the cells that one cell sees, separately for its rays above and below the
+/// horizon. Each list sums to the share of rays that met something (for the upper rays, of those
+/// that met something). Lists are in the order of the first ray. `shares` gives the light that
+/// comes through along each ray, if not all does.
 pub fn seen(hits: &[u32], shares: Option<&[f32]>) -> (Weighted<u32>, Weighted<u32>) {
     let rays = || hits.iter().enumerate().map(|(ray, &hit)| (hit, shares.map_or(1.0, |shares| shares[ray])));
     let below: Weighted<u32> = rays().filter(|(h, _)| h & DOWN != 0).map(|(h, share)| (h & !DOWN, share)).collect();

@@ -1,33 +1,37 @@
-//! What materials do with light. In: the materials of a scene or of an archive. Out: the numbers that light is computed with.
+//! Optical numbers of materials. In: the materials of a scene or of an archive. Out: the numbers
+//! that light is computed with.
 
 use crate::site::material::{Class, Glass, Material};
 
 /// Diffuse reflectance by material.
 pub type Reflectance = Vec<f64>;
 
-/// Optical properties of a material that recombination needs.
+/// Optical properties of a material that replay needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Reflector {
-    /// Diffuse reflectance, 0 to 1; of a canopy the share that its leaves scatter, half of it to each side.
+    /// Diffuse reflectance, 0 to 1. For a canopy, the share that its leaves scatter, half of it to
+    /// each side.
     pub diffuse: f64,
     /// First-hit class that its light counts for.
     pub class: Class,
     /// Specular reflectance at any angle; 0 for glass.
     pub specular: f64,
-    /// Panes of clear glass.
+    /// Number of panes of clear glass; 0 for other materials.
     pub panes: u8,
-    /// Of a canopy; `None` is opaque.
+    /// Transmittance of a canopy; `None` is opaque.
     pub transmittance: Option<f64>,
 }
 
 impl Reflector {
-    /// What a replay may change: of a canopy its transmittance, else the diffuse reflectance.
+    /// Returns the value that a replay may change: the transmittance of a canopy, else the diffuse
+    /// reflectance.
     pub fn variable(&self) -> f64 {
         self.transmittance.unwrap_or(self.diffuse)
     }
 
-    /// What is scattered of the light in a state of [`Reflector::variable`]. A canopy of another transmittance has more or fewer leaves, which
-    /// scatter the same share of the light that they stop.
+    /// Returns the share of the light that is scattered when [`Reflector::variable`] has this
+    /// value. A canopy of another transmittance has more or fewer leaves, which scatter the same
+    /// share of the light that they stop.
     pub fn scattered(&self, variable: f64) -> f64 {
         match self.transmittance {
             None => variable,
@@ -37,7 +41,7 @@ impl Reflector {
         }
     }
 
-    /// The properties of a material of the scene.
+    /// Returns the properties of a material of the scene.
     pub fn of(material: &Material) -> Self {
         Reflector {
             diffuse: material.diffuse,
@@ -48,7 +52,7 @@ impl Reflector {
         }
     }
 
-    /// Whether it reflects like a mirror.
+    /// Returns true if it reflects like a mirror.
     pub fn mirrors(&self) -> bool {
         self.specular > 0.0 || self.panes > 0
     }
@@ -58,8 +62,9 @@ impl Reflector {
 mod tests {
     use super::*;
 
-    /// Leaves that let 0.2 through and scatter 0.4 scatter 0.2 where 0.6 comes through, and nothing where all does. A canopy that lets all light
-    /// through and scatters a rounding error scatters nothing, no NaN: 2 of 2 transmittances. An opaque surface has its own reflectance.
+    /// Leaves that let 0.2 through and scatter 0.4 scatter 0.2 where 0.6 comes through, and nothing
+    /// where all does. A canopy that lets all light through and scatters a rounding error scatters
+    /// nothing, not NaN: 2 of 2 transmittances. An opaque surface has its own reflectance.
     #[test]
     fn fewer_leaves_scatter_less() {
         let of = |transmittance, diffuse| {

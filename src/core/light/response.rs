@@ -1,5 +1,5 @@
-//! What a receiver makes of its hits and of its response texture. In: a tile's hits, or a response and a direction. Out: the
-//! weight of every cell that it sees, its view factors, its diffuse irradiance.
+//! Weights of a receiver's hits. In: a tile's hits, and a receiver. Out: the weight of every cell
+//! that the receiver sees, and its view factors.
 
 use glam::DVec3;
 
@@ -8,7 +8,7 @@ use crate::layers::hit::HitTile;
 use crate::layers::response::CLASSES;
 use crate::light::reflector::Reflector;
 
-/// What is needed of a receiver besides its hits.
+/// Properties of a receiver that the weights of its hits need.
 #[derive(Clone, Copy, Debug)]
 pub struct Viewer {
     /// Unit normal, world frame.
@@ -26,7 +26,8 @@ pub struct HitWeights {
     pub cells: Vec<(usize, f64)>,
 }
 
-/// Weights of the hits of a receiver, cell by cell. `shares` of the light that come through along each ray, if not all does.
+/// Returns the weights of the hits of a receiver, cell by cell. `shares` gives the light that comes
+/// through along each ray, if not all does.
 pub fn hit_weights(texels: &[u32], viewer: &Viewer, shares: Option<&[f32]>) -> HitWeights {
     let mut weights = texel_weights(texels, viewer);
     if let Some(shares) = shares {
@@ -49,8 +50,9 @@ pub fn hit_weights(texels: &[u32], viewer: &Viewer, shares: Option<&[f32]>) -> H
     HitWeights { cells: hits }
 }
 
-/// Cosine-weighted share of the hemisphere that each texel stands for; 0 where nothing is met. Rays above the horizon share what the
-/// (much finer) sky texture leaves, rays below share the lower part of the hemisphere; so sky and surfaces add up to one exactly.
+/// Returns the cosine-weighted share of the hemisphere that each texel stands for; 0 where the ray
+/// met nothing. Rays above the horizon divide the share that the (much finer) sky texture leaves.
+/// Rays below divide the lower part of the hemisphere. So sky and surfaces add up to one exactly.
 pub fn texel_weights(texels: &[u32], viewer: &Viewer) -> Vec<f64> {
     let n = texels.len().isqrt();
     let frame = Frame::of(viewer.normal);
@@ -78,11 +80,12 @@ pub fn texel_weights(texels: &[u32], viewer: &Viewer) -> Vec<f64> {
     texels.iter().zip(rays).map(weight).collect()
 }
 
-/// Shares of a receiver's hemisphere whose first hit is ground and obstruction; canopies hide nothing.
+/// Returns the shares of a receiver's hemisphere whose first hit is ground and obstruction;
+/// canopies hide nothing.
 pub fn view_factors(texels: &[u32], tile: &HitTile, reflectors: &[Reflector], viewer: &Viewer) -> [f64; CLASSES] {
     let mut shares = [0.0; CLASSES];
     for (cell, weight) in hit_weights(texels, viewer, None).cells {
-        // The palette's materials were checked when it was read, or met when it was traced.
+        // The palette's materials were checked when it was read or traced.
         shares[reflectors[usize::from(tile.palette[cell].material)].class.index()] += weight;
     }
     shares

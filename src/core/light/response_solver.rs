@@ -1,8 +1,10 @@
-//! The response texture G. In: receivers' hits, the probes they see, the bounce cells, reflectances. Out: one 3-vector per sky
-//! texel and first-hit class: diffuse light of any source is s . G at the source's texel. Several states of the reflectances
-//! share all that does not depend on them: what is seen, and the first bounce by material.
+//! The response texture G. In: receivers' hits, the probes they see, the bounce cells,
+//! reflectances. Out: one 3-vector per sky texel and first-hit class. Diffuse light of any source
+//! is s . G at the source's texel. Several states of the reflectances share all that does not
+//! depend on them: visibility, and the first bounce by material.
 //!
-//! `G[t] = sum_p w_p rho_p ( b_p[t] n_p + indirect_p[t] )`: linear in the sources, so one texture serves every sun and sky.
+//! `G[t] = sum_p w_p rho_p ( b_p[t] n_p + indirect_p[t] )`: linear in the sources, so one texture
+//! serves every sun and sky.
 
 use std::collections::hash_map::Entry;
 use std::ops::Range;
@@ -32,11 +34,13 @@ use crate::memory::{MemoryBudget, Use};
 use crate::opened::{CellSource, SiteSettings};
 use crate::site::cells::{CellKey, CellMap, CellSet};
 
-/// Most by which radiosity may differ from an interpolation with half of the nodes. The error with all of them is about its square.
+/// Largest difference of radiosity from an interpolation with half of the nodes, as a share. The
+/// error with all nodes is about its square.
 const MOST_BENT: f64 = 5e-3;
 
-/// Derives responses from an archive's cells for some states of its reflectances. Only the closed system is solved as a whole; the
-/// cells near some tiles are read and solved when these tiles are asked for.
+/// Derives responses from an archive's cells for some states of its reflectances. Only the closed
+/// system is solved as a whole. The cells near a group of tiles are read and solved when
+/// [`ResponseSolver::derive`] is called for these tiles.
 pub struct ResponseSolver {
     settings: SiteSettings,
     reflectors: Vec<Reflector>,
@@ -45,24 +49,26 @@ pub struct ResponseSolver {
     slots: Slots,
     rules: RadiosityOptions,
     closed: RadiositySolution,
-    /// Mean directions of the texels of the probes', and of the bounce cells' sky texture.
+    /// Mean directions of the texels of the probes' sky texture.
     centres: Vec<[f32; 3]>,
+    /// Mean directions of the texels of the bounce cells' sky texture.
     bounce_centres: Vec<[f32; 3]>,
-    /// For each texel of G the four texels of the bounce texture and their weights.
+    /// `[texel of G]`: the four texels of the bounce texture and their weights.
     upsample: Vec<[(usize, f64); 4]>,
     /// Bytes that the radiosities of a group of tiles may take.
     memory: u64,
 }
 
 impl ResponseSolver {
-    /// Solves the closed system with the tables' reflectances. What does not fit its share of `memory` goes to
-    /// `storage`.
+    /// Solves the closed system with the tables' reflectances. Values beyond the share of `memory`
+    /// go to `storage`.
     pub fn new(tables: &Tables, depth: MaxBounces, memory: MemoryBudget, storage: &dyn ScratchSpace) -> Result<Self> {
         let stored = tables.mirrors.reflectors.iter().map(Reflector::variable).collect();
         ResponseSolver::with_states(tables, vec![stored], depth, memory, storage)
     }
 
-    /// Solves it for other values by material ([`Reflector::variable`]), one state after the other.
+    /// Solves the closed system for other values by material ([`Reflector::variable`]), one state
+    /// after the other.
     pub fn with_states(
         tables: &Tables,
         mut states: Vec<Vec<f64>>,
@@ -90,7 +96,8 @@ impl ResponseSolver {
         })
     }
 
-    /// Whether states are close enough to be interpolated between, see [`States::checks`](crate::light::states::States::checks).
+    /// Returns true if the states are close enough to interpolate between them, see
+    /// [`States::checks`](crate::light::states::States::checks).
     pub fn interpolates(&self, checks: &[Vec<f64>]) -> Result<bool> {
         for check in checks {
             if self.closed.combination(check)? > MOST_BENT {
@@ -100,8 +107,10 @@ impl ResponseSolver {
         Ok(true)
     }
 
-    /// Responses of all receivers of some tiles, which had better be neighbours: `[tile][state][receiver]`.
+    /// Returns the responses of all receivers of some tiles: `[tile][state][receiver]`.
+    /// Neighbouring tiles share cells and so take less time.
     pub fn derive(&self, tables: &Tables, tiles: &[TileView]) -> Result<Vec<Vec<Vec<Response>>>> {
+        // A group that does not fit the memory is halved; a single tile is always solved.
         let Some(group) = self.group(tables, tiles)? else {
             let (first, second) = tiles.split_at(tiles.len() / 2);
             let mut responses = self.derive(tables, first)?;
@@ -126,7 +135,8 @@ impl ResponseSolver {
         Ok(responses)
     }
 
-    /// Reads and solves what some tiles need; `None` if it is too much for more than one tile at a time.
+    /// Reads and solves the cells that some tiles need; `None` if those of more than one tile do
+    /// not fit the memory.
     fn group(&self, tables: &Tables, tiles: &[TileView]) -> Result<Option<Group<'_>>> {
         let mut keys: Vec<CellKey> = tiles.iter().flat_map(TileView::reached).collect();
         keys.sort_unstable();
@@ -139,6 +149,7 @@ impl ResponseSolver {
         let first_only = self.rules.depth == MaxBounces::Count(1);
         let mut known = CellSet::default();
         let mut fine: Vec<Cells> = Vec::new();
+        // A wave holds the cells that the wave before sees. Closed cells end it: they are solved.
         let mut wave: Vec<CellKey> = if first_only { Vec::new() } else { probes.reached().collect() };
         while !wave.is_empty() {
             wave.retain(|key| known.insert(*key) && !self.rules.closes(key));
@@ -160,6 +171,7 @@ impl ResponseSolver {
             .map(|i| surround(probes.keys[i], probes.normals[i], probes.bits_of(i), &self.centres))
             .collect();
         let mut keys: Vec<CellKey> = known.into_iter().collect();
+        // Coarser cells come first, because finer cells follow from them.
         keys.sort_unstable_by(|a, b| b.level.cmp(&a.level).then_with(|| a.cmp(b)));
         let places = keys.iter().zip(0..).map(|(&key, i)| (key, i)).collect();
         let find = |key: &CellKey| {
@@ -199,7 +211,8 @@ impl ResponseSolver {
     }
 }
 
-/// Name of the block of that one of some probes and bounce cells that sees a bounce cell.
+/// Returns the name of the block of a cell, among some probes and bounce cells, that sees a given
+/// bounce cell.
 fn seen_by(probes: &Cells, fine: &[Cells], tables: &Tables, key: &CellKey) -> String {
     let of_source =
         |source: &CellSource, cells: &Cells| cells.observer_of(key).map(|observer| source.block_of(&observer));
@@ -207,47 +220,51 @@ fn seen_by(probes: &Cells, fine: &[Cells], tables: &Tables, key: &CellKey) -> St
     of_source(&tables.probes, probes).or_else(of_fine).unwrap_or_else(|| "probes".to_string())
 }
 
-/// Everything that some neighbouring tiles see.
+/// The cells that some neighbouring tiles see.
 struct Group<'r> {
     responder: &'r ResponseSolver,
     probes: Cells,
     surrounds: Vec<Surround>,
-    /// Place in `keys` of each cell that probes see, then of those that they see only in mirrors, and of leaves.
+    /// Index in `keys` of each cell that probes see, then of the cells that they see only in
+    /// mirrors, and of leaves.
     seen: Vec<usize>,
-    /// Where in `seen` each cell stands that probes see in mirrors, and each of leaves; empty where there are none.
+    /// Index in `seen` of each cell that probes see in mirrors, and of leaves; empty where there
+    /// are none.
     besides: CellMap<usize>,
-    /// By which chains probes see the sky.
+    /// The chains of mirrors by which probes see the sky.
     chains: Chains,
-    /// Bounce cells, coarser first: closed ones, then those of `fine`.
+    /// Keys of the bounce cells, coarser first: closed ones, then those of `fine`.
     keys: Vec<CellKey>,
-    /// Where the closed ones stand in the closed system.
+    /// `[closed cell]`: index in the closed system.
     closed: Vec<usize>,
-    /// Their places in `keys`, by key.
+    /// Index in `keys` of each bounce cell.
     places: CellMap<u32>,
     fine: Vec<Cells>,
 }
 
-/// A fine bounce cell: its place in the group's keys, where its textures are, how much of the sky's light comes through, and the places
-/// and weights of what it sees.
+/// A fine bounce cell: its index in the group's keys, the place of its textures, the share of the
+/// sky's light that comes through, and the indices and weights of the cells that it sees.
 struct Row {
     place: usize,
     part: usize,
     row: usize,
     shares: Option<Vec<f32>>,
     seen: Weighted<u32>,
-    /// By mirrors.
+    /// Light that comes by mirrors.
     lit: MirroredLight,
 }
 
-/// What a receiver sees, before reflectances that vary.
+/// Light transport to a receiver, before the reflectances that vary.
 struct Transport {
-    /// `[slot]`: first bounces, the fixed materials together, those that vary per unit of reflectance.
+    /// `[slot]`: first bounces. Slot 0 holds those of fixed materials; the others hold them per
+    /// unit of the slot's factor.
     first: Vec<Vec<f32>>,
-    /// By cell and class.
+    /// Weights of the bounce cells, by cell and class.
     indirect: Vec<IndirectTerm>,
 }
 
-/// What a bounce cell's radiosity weighs for a receiver; its place in the group's `seen`.
+/// Weight of a bounce cell's radiosity for a receiver, by slot; `cell` is its index in the group's
+/// `seen`.
 #[derive(Clone, Copy)]
 struct IndirectTerm {
     cell: usize,
@@ -256,7 +273,8 @@ struct IndirectTerm {
     weight: f32,
 }
 
-/// What a bounce cell's radiosity weighs for a receiver in a state; its place in the group's `keys`.
+/// Weight of a bounce cell's radiosity for a receiver in a state; `place` is its index in the
+/// group's `keys`.
 #[derive(Clone, Copy)]
 struct WeightedCell {
     place: usize,
@@ -265,7 +283,7 @@ struct WeightedCell {
 }
 
 impl Group<'_> {
-    /// Place of a bounce cell in `keys`.
+    /// Returns the index of a bounce cell in `keys`.
     fn place(&self, tables: &Tables, key: &CellKey) -> Result<usize> {
         self.places
             .get(key)
@@ -273,7 +291,7 @@ impl Group<'_> {
             .ok_or_else(|| tables.bounces.missing(key, seen_by(&self.probes, &self.fine, tables, key)))
     }
 
-    /// The fine bounce cells behind the leaves of a leafage, by place.
+    /// Returns the fine bounce cells with the canopies of a leafage, sorted by index.
     fn rows(&self, tables: &Tables, leafage: usize) -> Result<Vec<Row>> {
         let ResponseSolver { rules, leafages, bounce_centres, reflectors, .. } = self.responder;
         let mut rows: Vec<Row> = Vec::with_capacity(self.keys.len() - self.closed.len());
@@ -290,7 +308,8 @@ impl Group<'_> {
         }
         rows.sort_unstable_by_key(|row| row.place);
         for level in rows.chunk_by(|a, b| self.keys[a.place].level == self.keys[b.place].level) {
-            // A cell sees coarser ones only, or this would never end.
+            // A cell sees coarser ones only. Otherwise the levels could not be solved one after the
+            // other.
             let first = level[0].place;
             if let Some(row) = level.iter().find(|row| row.seen.iter().any(|seen| seen.0 as usize >= first)) {
                 let key = &self.keys[row.place];
@@ -304,8 +323,9 @@ impl Group<'_> {
         Ok(rows)
     }
 
-    /// Radiosities in a state in a block of columns, by cell of `keys`, per unit normal irradiance: closed cells as solved, the others
-    /// from those that they see, given in `rows`.
+    /// Computes the radiosities in a state in a block of columns, by cell of `keys`, per unit
+    /// normal irradiance. Closed cells are taken as solved, the others follow from the cells that
+    /// they see, given in `rows`.
     fn solve(&self, rows: &[Row], state: usize, block: usize, values: &mut Vec<ColumnBlock>) -> Result<()> {
         let ResponseSolver { rules, closed, states, .. } = self.responder;
         values.clear();
@@ -318,7 +338,8 @@ impl Group<'_> {
         Ok(())
     }
 
-    /// What receiver `index` of a tile of the group sees through the leaves of a leafage.
+    /// Returns the light transport to receiver `index` of a tile of the group through the canopies
+    /// of a leafage.
     fn light(
         &self,
         tables: &Tables,
@@ -341,9 +362,10 @@ impl Group<'_> {
         });
         let paths = tile.mirrors.get(index).map_or(&[][..], |mirrors| &mirrors.paths);
         let on_texels = if paths.is_empty() { Vec::new() } else { texel_weights(texels_of, viewer) };
-        // The class is that of what is seen first: the mirror.
+        // The class is that of the first surface on the path: the mirror.
         let in_mirrors = paths.iter().map(|path| {
-            // Texels and materials were checked when the tile was read, and a way has at least one mirror.
+            // Texels and materials were checked when the tile was read, and a path has at least one
+            // mirror.
             let weight = on_texels[path.texel as usize] * left(&path.steps, reflectors);
             (path.cell, path.steps[0].0, weight)
         });
@@ -385,7 +407,7 @@ impl Group<'_> {
                 let each = each_ray(self.probes.hits_of(probe), around);
                 for path in self.probes.mirrors_of(probe).into_iter().flat_map(|mirrors| &mirrors.paths) {
                     let share = each[usize::from(path.up)] * left(&path.steps, reflectors) * weight;
-                    // The group holds all that its probes see.
+                    // The group holds all cells that its probes see.
                     let no_cell = || tables.bounces.missing(&path.cell, tables.probes.block_of(&key));
                     let cell = *self.besides.get(&path.cell).ok_or_else(no_cell)?;
                     indirect.push(IndirectTerm { cell, class, slot, weight: share as f32 });
@@ -403,7 +425,8 @@ impl Group<'_> {
         Ok(Transport { first, indirect: indirect.chunk_by(same).map(merge).collect() })
     }
 
-    /// Responses in a state: `[tile][receiver]`. A block of columns is solved at a time, so that the cells' values stay in a core's cache.
+    /// Returns the responses in a state: `[tile][receiver]`. It solves one block of columns at a
+    /// time, so that the cells' values stay in a core's cache.
     fn responses(&self, rows: &[Row], state: usize, lights: &[Vec<Transport>]) -> Result<Vec<Vec<Response>>> {
         let ResponseSolver { rules, slots, .. } = self.responder;
         let factors = slots.factors(state);
@@ -422,7 +445,7 @@ impl Group<'_> {
         Ok(lights.iter().map(|of_tile| responses.by_ref().take(of_tile.len()).collect()).collect())
     }
 
-    /// What the cells weigh that a receiver's probes see, by cell and class.
+    /// Returns the weights of the cells that a receiver's probes see, by cell and class.
     fn weighted(&self, indirect: &[IndirectTerm], factors: &[f32]) -> Vec<WeightedCell> {
         let of_cells = indirect.chunk_by(|a, b| (a.cell, a.class) == (b.cell, b.class));
         let weighted = |of_cell: &[IndirectTerm]| WeightedCell {
@@ -433,7 +456,8 @@ impl Group<'_> {
         of_cells.map(weighted).collect()
     }
 
-    /// The response of a receiver of a number; `coarse` is what the probes themselves get from other surfaces, by block and receiver.
+    /// Returns the response of receiver `number` of all lights. `coarse` is the light that the
+    /// probes themselves get from other surfaces, by block and receiver.
     fn response(
         &self,
         light: &Transport,
@@ -461,7 +485,8 @@ impl Group<'_> {
     }
 }
 
-/// Finer cells from those that they see, in a block of columns, compiled as [`crate::light::radiosity`] compiles its steps.
+/// Computes finer cells from the cells that they see, in a block of columns, compiled for the
+/// processor as the steps of [`crate::light::radiosity`] are.
 struct Follow<'a> {
     group: &'a Group<'a>,
     rows: &'a [Row],
@@ -487,7 +512,7 @@ impl WithSimd for Follow<'_> {
     }
 }
 
-/// What the cells of one block of columns give a receiver, by class.
+/// Sums the light of the cells of one block of columns at a receiver, by class.
 struct Gather<'a> {
     terms: &'a [WeightedCell],
     values: &'a [ColumnBlock],
@@ -505,7 +530,7 @@ impl WithSimd for Gather<'_> {
     }
 }
 
-/// out[axis][t] += normal[axis] x shares[t] for some texels t.
+/// Adds normal[axis] x shares[t] to out[axis][t] for some texels t.
 fn add_texels(out: &mut [f32], texels: &[u16], normal: [f32; 3], shares: &[f32]) {
     for (plane, n) in out.chunks_mut(shares.len().max(1)).zip(normal) {
         for t in texels.iter().map(|t| usize::from(*t)) {
@@ -514,7 +539,7 @@ fn add_texels(out: &mut [f32], texels: &[u16], normal: [f32; 3], shares: &[f32])
     }
 }
 
-/// out[axis][t] += normal[axis] where bit t is set.
+/// Adds normal[axis] to out[axis][t] where bit t is set.
 fn add_bits(out: &mut [f32], bits: &[u8], normal: [f32; 3], texels: usize) {
     for (plane, n) in out.chunks_mut(texels).zip(normal) {
         for (eight, &byte) in plane.chunks_mut(8).zip(bits) {
@@ -525,7 +550,8 @@ fn add_bits(out: &mut [f32], bits: &[u8], normal: [f32; 3], texels: usize) {
     }
 }
 
-/// out[axis][t] += normal[axis] x the share of light that is left on its way, where bit t is set.
+/// Adds normal[axis] x shares[t], the share of light that is left on its way, to out[axis][t] where
+/// bit t is set.
 fn add_shares(out: &mut [f32], bits: &[u8], normal: [f32; 3], shares: &[f32]) {
     for (plane, n) in out.chunks_mut(shares.len()).zip(normal) {
         for (t, (value, share)) in plane.iter_mut().zip(shares).enumerate() {

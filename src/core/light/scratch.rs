@@ -1,27 +1,30 @@
-//! Temporary storage for values that need not stay in memory. In: bytes by position. Out: the same. Whoever calls the engine says where it
-//! lies; without a word it is memory.
+//! Temporary storage for values that need not stay in memory. In: bytes by position. Out: the bytes
+//! again. The caller of the engine chooses where it lies; [`InMemory`] keeps it in memory.
 
 use std::fmt::Debug;
 use std::sync::{PoisonError, RwLock};
 
 use crate::error::{Error, Result};
 
-/// Bytes by position, which are gone when it is dropped. Many threads may use it at once.
+/// Temporary storage of bytes by position. Its bytes are gone when it is dropped. Many threads may
+/// use it at once.
 pub trait Scratch: Send + Sync {
-    /// Writes all bytes at a position; what lies before it and was not written yet is zero.
+    /// Writes all bytes at a position. Bytes before the position that were not written yet are
+    /// zero.
     fn write(&self, offset: u64, bytes: &[u8]) -> Result<()>;
 
     /// Fills `bytes` from a position; all of them must have been written.
     fn read(&self, offset: u64, bytes: &mut [u8]) -> Result<()>;
 }
 
-/// Where temporary storage lies.
+/// Place where temporary storage is made.
 pub trait ScratchSpace: Debug + Sync {
-    /// A new empty one.
+    /// Returns new, empty storage.
     fn scratch(&self) -> Result<Box<dyn Scratch>>;
 }
 
-/// Temporary storage in memory: for those who have no file system. What a budget of memory sends there still counts as memory.
+/// Temporary storage in memory, for programs without a file system. Bytes that a memory budget
+/// sends there still take memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct InMemory;
 
@@ -38,7 +41,8 @@ struct MemoryScratch {
 
 impl Scratch for MemoryScratch {
     fn write(&self, offset: u64, bytes: &[u8]) -> Result<()> {
-        // A thread that panicked while it held the lock has left whole bytes: they can only be copied.
+        // A thread that panicked while it held the lock has left whole bytes, because bytes are
+        // only copied.
         let mut all = self.bytes.write().unwrap_or_else(PoisonError::into_inner);
         let (start, end) = range(offset, bytes.len())?;
         if all.len() < end {
@@ -69,7 +73,7 @@ fn range(offset: u64, length: usize) -> Result<(usize, usize)> {
     range.filter(|&(_, end)| isize::try_from(end).is_ok()).ok_or_else(|| too_much(offset, length))
 }
 
-/// More bytes than there are addresses, or memory.
+/// Returns the error for more bytes than there are addresses or memory.
 fn too_much(offset: u64, length: usize) -> Error {
     Error::Limit {
         what: "bytes of temporary storage, which lies in memory here".to_string(),
@@ -82,8 +86,8 @@ fn too_much(offset: u64, length: usize) -> Error {
 mod tests {
     use super::*;
 
-    /// 200 pieces of 7 bytes come back whichever way round they are written; what was skipped is 0; reading one byte too far and writing
-    /// at 2^64 - 4 are errors.
+    /// 200 pieces of 7 bytes that are written in reverse order come back, and skipped bytes are 0.
+    /// It is an error to read one byte too far and to write at 2^64 - 4.
     #[test]
     fn bytes_come_back() {
         let scratch = InMemory.scratch().expect("memory");

@@ -1,19 +1,21 @@
-//! Materials grouped by how their reflectances change. In: the reflectances of some states. Out: for each material a slot; light
-//! by way of a slot is linear in one factor a state.
+//! Materials grouped by how their reflectances change. In: the reflectances of some states. Out: a
+//! slot for each material. Light by way of a slot is linear in one factor a state.
 
 use crate::light::reflector::Reflectance;
 
-/// Slot 0 holds all materials that never change, with factor 1; every other slot those that change alike.
+/// Slots of materials. Slot 0 holds all materials that never change, with factor 1. Each other slot
+/// holds materials that change alike.
 #[derive(Clone, Debug)]
 pub struct Slots {
-    /// `[material]`: its slot, and the reflectance that does not change: 1 where the slot's factor is the reflectance.
+    /// `[material]`: its slot, and the reflectance that does not change: 1 where the slot's factor
+    /// is the reflectance.
     of_material: Vec<(usize, f64)>,
-    /// `[state][slot]`
+    /// `[state][slot]`: factor.
     factors: Vec<Vec<f32>>,
 }
 
 impl Slots {
-    /// `states`: at least one; all have the same materials.
+    /// Groups the materials of `states`: at least one state; all states have the same materials.
     pub fn new(states: &[Reflectance]) -> Self {
         let mut histories: Vec<Vec<f64>> = vec![vec![1.0; states.len()]];
         let of_material = (0..states.first().map_or(0, Vec::len))
@@ -34,17 +36,17 @@ impl Slots {
         Slots { of_material, factors: (0..states.len()).map(factors_of).collect() }
     }
 
-    /// Number of slots, at least 1.
+    /// Returns the number of slots, at least 1.
     pub fn len(&self) -> usize {
         self.factors.first().map_or(1, Vec::len)
     }
 
-    /// Slot of a material, which exists, and its unchanging reflectance.
+    /// Returns the slot of a material, which must exist, and its unchanging reflectance.
     pub fn of(&self, material: u16) -> (usize, f64) {
         self.of_material[usize::from(material)]
     }
 
-    /// Factor of each slot in a state.
+    /// Returns the factor of each slot in a state.
     pub fn factors(&self, state: usize) -> &[f32] {
         &self.factors[state]
     }
@@ -54,8 +56,9 @@ impl Slots {
 mod tests {
     use super::*;
 
-    /// Of five materials in three states two never change, two change alike and one alone: 3 slots, and factor x fixed share is the
-    /// reflectance of each in each state (15 values).
+    /// Five materials in three states, of which two never change, two change alike and one changes
+    /// alone, have 3 slots. Factor x fixed share is the reflectance of each in each state (15
+    /// values).
     #[test]
     fn histories() {
         let states = vec![vec![0.2, 0.1, 0.3, 0.1, 0.5], vec![0.2, 0.4, 0.3, 0.4, 0.6], vec![0.2, 0.1, 0.3, 0.1, 0.7]];

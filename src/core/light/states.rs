@@ -1,31 +1,35 @@
-//! Reflectances that change from condition to condition. In: the stored reflectances and schedules. Out: a few states that are each
-//! solved once, and how much of each condition belongs to each.
+//! Reflectances that change from condition to condition. In: the stored reflectances and schedules.
+//! Out: a few states that are each solved once, and the share of each state in each condition.
 //!
-//! All light is an analytic function of a reflectance, without poles up to 1. So where a schedule has too many values to solve each,
-//! states are solved at Chebyshev's nodes between the smallest and the largest, and results are interpolated (Trefethen,
-//! "Approximation Theory and Approximation Practice", 2013, theorem 8.2: the error falls with the power of the number of nodes).
+//! All light is an analytic function of a reflectance, without poles up to 1. So where a schedule
+//! has too many values to solve each, states are solved at Chebyshev's nodes between the smallest
+//! and the largest, and results are interpolated (Trefethen, "Approximation Theory and
+//! Approximation Practice", 2013, theorem 8.2: the error falls with the power of the number of
+//! nodes).
 
 use crate::error::{Error, Result};
 use crate::light::reflector::Reflectance;
 use crate::weather::time::bins::Bins;
 
-/// Nodes of an interpolation, and of a finer one; the former are among the latter.
+/// Numbers of nodes of an interpolation, and of a finer one; the nodes of the first are among those
+/// of the second.
 const NODES: [usize; 2] = [5, 9];
 
-/// Most by which an interpolated power of a transmittance may be off, for any number of crossings: the largest error of light as a
-/// share of what open canopies let through, since all light is a sum of such powers.
+/// Largest error of an interpolated power of a transmittance, for any number of crossings. It
+/// bounds the error of light as a share of the light that open canopies let through, since all
+/// light is a sum of such powers.
 const MOST_OFF: f64 = 1e-4;
 
-/// Crossings of a path that are asked for: four counts as large as can be.
+/// Largest number of crossings of a path that is checked: four counts of 255.
 const MOST_CROSSINGS: usize = 1020;
 
-/// Most states that are solved as they are, where they cannot be interpolated.
+/// Largest number of states that are solved as they are, where they cannot be interpolated.
 const MOST: usize = 100;
 
 /// Reflectances of some materials, or transmittances of some canopies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
-    /// Numbers of the materials that share the values, rows of the materials table.
+    /// Rows of the materials that share the values, in the materials table.
     pub materials: Vec<usize>,
     /// `[condition]`: diffuse reflectance, or transmittance at each crossing, 0 to 1.
     pub values: Vec<f64>,
@@ -34,17 +38,20 @@ pub struct Schedule {
 /// States of the reflectances of a replay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct States {
-    /// By material; of a canopy its transmittance, from which it follows what it scatters.
+    /// `[state][material]`: diffuse reflectance, or transmittance of a canopy, from which its
+    /// scattering follows.
     pub reflectances: Vec<Reflectance>,
     /// `[condition]`: states and their shares, which sum to 1.
     pub of_condition: Vec<Vec<(usize, f64)>>,
-    /// Combinations of states that show how far light is from what half of the nodes give; none where nothing is interpolated.
+    /// Combinations of states that show the difference of light from an interpolation with half of
+    /// the nodes; empty where nothing is interpolated.
     pub checks: Vec<Vec<f64>>,
 }
 
 impl States {
-    /// Where several schedules name a material, the last one counts. `lets_through` says which materials are canopies. `finer`
-    /// interpolates between more nodes.
+    /// Returns the states of some schedules. Where several schedules name a material, the last one
+    /// counts. `lets_through` says which materials are canopies. `finer` interpolates between more
+    /// nodes. It is an error if there are too many states and they cannot be interpolated.
     pub fn new(
         stored: &Reflectance,
         lets_through: &[bool],
@@ -63,8 +70,10 @@ impl States {
             schedules.iter().any(of_canopy) && powers_off(&chebyshev(values, nodes)) > MOST_OFF
         };
         let any_steep = |nodes| series.iter().any(|values| steep(values, nodes));
+        // Powers of transmittances that bend too much for the few nodes take the finer ones.
         let nodes = NODES[usize::from(finer || any_steep(NODES[0]))];
         let count = nodes.checked_pow(series.len() as u32).filter(|count| *count <= MOST && !any_steep(nodes));
+        // Interpolation pays only if it needs fewer states than there are sets of values.
         let Some(count) = count.filter(|count| *count < distinct.reflectances.len()) else {
             let found = distinct.reflectances.len();
             if found > MOST && any_steep(nodes) {
@@ -104,7 +113,7 @@ impl States {
         })
     }
 
-    /// A state for every set of reflectances that occurs.
+    /// Returns a state for every set of reflectances that occurs.
     fn distinct(stored: &Reflectance, schedules: &[Schedule], conditions: usize) -> States {
         let of_condition = Vec::with_capacity(conditions);
         let mut states = States { reflectances: Vec::new(), of_condition, checks: Vec::new() };
@@ -125,7 +134,7 @@ impl States {
         states
     }
 
-    /// For each state, how conditions add to the results by way of it.
+    /// Returns bins for each state: the weight of a condition times the share of the state in it.
     pub fn ways(&self, bins: &Bins) -> Vec<Bins> {
         let none = Bins { count: bins.count, of_condition: bins.of_condition.iter().map(|b| (b.0, 0.0)).collect() };
         let mut ways = vec![none; self.reflectances.len()];
@@ -136,17 +145,19 @@ impl States {
     }
 }
 
-/// Chebyshev's points of the second kind between the smallest and the largest of some values.
+/// Returns Chebyshev's points of the second kind between the smallest and the largest of some
+/// values.
 fn chebyshev(values: &[f64], nodes: usize) -> Vec<f64> {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let last = (nodes - 1) as f64;
     let node = |k: usize| (low + high) / 2.0 - (high - low) / 2.0 * (std::f64::consts::PI * k as f64 / last).cos();
-    // The ends are met exactly: nothing is extrapolated.
+    // Clamping meets the ends exactly, so nothing is extrapolated.
     (0..nodes).map(|k| node(k).clamp(low, high)).collect()
 }
 
-/// Largest error of the powers of a transmittance, interpolated between nodes, at 200 points between the first and the last.
+/// Returns the largest error of the powers of a transmittance that are interpolated between nodes,
+/// at 200 points between the first and the last.
 fn powers_off(nodes: &[f64]) -> f64 {
     let (low, high) = (nodes[0], nodes[nodes.len() - 1]);
     let of_point = |i: usize| {
@@ -163,14 +174,14 @@ fn powers_off(nodes: &[f64]) -> f64 {
     (0..200).map(of_point).fold(0.0, f64::max)
 }
 
-/// For every second node of an axis: the state there less its interpolation between the other nodes of the axis, the other axes at
-/// their first nodes.
+/// Returns for every second node of an axis the combination "state at the node minus its
+/// interpolation between the other nodes of the axis". The other axes are at their first nodes.
 fn checks(axis: &[f64], states: usize, place: impl Fn(usize) -> usize) -> Vec<Vec<f64>> {
     let even: Vec<f64> = axis.iter().step_by(2).copied().collect();
     let check = |node: usize| {
         let weights = lagrange(&even, axis[node]);
         let mut check = vec![0.0; states];
-        // The first state of each place on the axis has all others at their first nodes.
+        // The first state of each index on the axis has all other axes at their first nodes.
         for k in 0..axis.len() {
             let coefficient = if k % 2 == 0 { -weights[k / 2] } else { f64::from(u8::from(k == node)) };
             if let Some(state) = (0..states).find(|&state| place(state) == k) {
@@ -182,7 +193,7 @@ fn checks(axis: &[f64], states: usize, place: impl Fn(usize) -> usize) -> Vec<Ve
     (1..axis.len()).step_by(2).map(check).collect()
 }
 
-/// Values of Lagrange's polynomials of some nodes at a point.
+/// Returns the values of Lagrange's polynomials of some nodes at a point.
 fn lagrange(nodes: &[f64], at: f64) -> Vec<f64> {
     let polynomial = |k: usize| -> f64 {
         let others = nodes.iter().enumerate().filter(|(j, _)| *j != k);
@@ -199,7 +210,8 @@ mod tests {
         Schedule { materials: materials.to_vec(), values: values.to_vec() }
     }
 
-    /// Three values in five conditions are three states in order of first use; a later schedule wins; no schedules are one state.
+    /// Three values in five conditions are three states in order of first use. A later schedule
+    /// overrides an earlier one. Without schedules there is one state.
     #[test]
     fn few_values() {
         let stored = vec![0.1, 0.2, 0.3];
@@ -214,8 +226,10 @@ mod tests {
         assert_eq!((none.reflectances, none.of_condition.len()), (vec![stored], 2));
     }
 
-    /// 1,000 values of one group are 5 or 9 states, of two groups 25 or 81; the shares reproduce 1 / (1 - rho / 2) and the like to 1e-3 and
-    /// 1e-6, and the checks are of the size of the square root of it; three independent groups are refused, 20 values are not.
+    /// 1,000 values of one group are 5 or 9 states, of two groups 25 or 81. The shares reproduce
+    /// sums of 1 / (1 - rho / 2) and rho / (1 - rho / 3) to 1e-4 and 1e-7 for one group, and to
+    /// 1e-3 and 1e-6 for two. The checks lie between that and 10 times its square root. Three
+    /// independent groups of 1,000 values are refused, of 20 values not.
     #[test]
     fn many_values() {
         let stored = vec![0.3; 3];
@@ -251,8 +265,9 @@ mod tests {
         assert_eq!(States::new(&stored, &[], &few, 20, false).expect("states").reflectances.len(), 20);
     }
 
-    /// 1,000 transmittances from 0.1 to 0.6 are 9 states whose shares reproduce tau^k within 1e-4 for k of 1 to 40; from 0.1 to 1, where
-    /// powers bend too much, 1,000 are refused with the way out, and 90 are 90 states. As reflectances they are 5.
+    /// 1,000 transmittances from 0.1 to 0.6 are 9 states whose shares reproduce tau^k within 1e-4
+    /// for k of 1 to 40. From 0.1 to 1, where powers bend too much, 1,000 are refused with advice,
+    /// and 90 are 90 states. As reflectances 1,000 are 5 states.
     #[test]
     fn transmittances() {
         let value = |i: u32, high: f64| 0.1 + (high - 0.1) * (f64::from(i) * 0.37).sin().abs();

@@ -1,5 +1,5 @@
-//! All that responses are derived from. In: a site that was opened. Out: its settings, what its materials and mirrors do, and its cells,
-//! which stay in their blocks until they are asked for.
+//! Data that responses are derived from. In: a site that was opened. Out: its settings, the optics
+//! of its materials and mirrors, and its cells, which stay in their blocks until they are needed.
 
 use crate::error::Result;
 use crate::light::mirrors::MirrorTable;
@@ -10,16 +10,16 @@ use crate::opened::{CellSource, OpenSite, SiteSettings};
 pub struct Tables<'a> {
     /// Sides of textures, rays of cells, the closed level.
     pub settings: SiteSettings,
-    /// Orientations of the mirrors, and what materials reflect.
+    /// Orientations of the mirrors, and reflectances of the materials.
     pub mirrors: MirrorTable,
     /// The cells that receivers see.
     pub probes: CellSource<'a>,
-    /// The coarser cells that probes and each other see.
+    /// The coarser cells that probes and bounce cells see.
     pub bounces: CellSource<'a>,
 }
 
 impl<'a> Tables<'a> {
-    /// The tables of a site; reads the indices of its cells.
+    /// Returns the tables of a site; reads the indices of its cells.
     pub fn of(site: &OpenSite<'a>) -> Result<Self> {
         Ok(Tables {
             settings: *site.settings(),
@@ -29,7 +29,7 @@ impl<'a> Tables<'a> {
         })
     }
 
-    /// The same with mirrors that reflect nothing.
+    /// Returns the tables with mirrors that reflect nothing.
     pub fn without_mirrors(mut self) -> Self {
         self.mirrors.reflectors.iter_mut().for_each(|reflector| {
             *reflector = Reflector { specular: 0.0, panes: 0, ..*reflector };

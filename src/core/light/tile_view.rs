@@ -1,4 +1,5 @@
-//! Receivers of one tile and what they see: enough to derive their response. In: a site that was opened. Out: its layers, each read once.
+//! Receivers of one tile and the cells they see: enough to derive their response. In: a site that
+//! was opened. Out: its layers, each read once.
 
 use glam::DVec3;
 
@@ -17,20 +18,20 @@ use crate::site::cells::{CellKey, receiver_seed};
 pub struct TileView {
     /// Number of the tile in the archive.
     pub number: u32,
-    /// The tile's table of receivers; all lists here have its order.
+    /// Table of the tile's receivers; all lists here have its order.
     pub receivers: tables::ReceiversTable,
     /// `[receiver]`: normal, seed and view of the sky.
     pub viewers: Vec<Viewer>,
-    /// `[receiver][texel]`: the cells that are met.
+    /// `[receiver][texel]`: the cells that rays met.
     pub hits: HitTile,
-    /// `[receiver]`: what is seen in mirrors; empty where no receiver sees anything.
+    /// `[receiver]`: the cells seen in mirrors; empty where no receiver of the tile sees any.
     pub mirrors: Vec<ReceiverMirrors>,
-    /// `[receiver]`: what its rays cross; empty where none of the tile's does.
+    /// `[receiver]`: the canopies that its rays cross; empty where no ray of the tile crosses any.
     pub canopies: Vec<Canopy>,
 }
 
 impl TileView {
-    /// What is read of a tile.
+    /// Kinds of blocks that are read of a tile.
     pub const KINDS: [BlockKind; 4] = [format::RECEIVERS, format::HIT, format::MIRROR, format::CANOPY];
 
     /// Reads a tile.
@@ -38,7 +39,7 @@ impl TileView {
         TileView::of(site, number, site.tile_receivers(number)?)
     }
 
-    /// The view of a tile whose receivers are read.
+    /// Returns the view of a tile whose table of receivers is read already.
     pub fn of(site: &OpenSite, number: u32, receivers: tables::ReceiversTable) -> Result<Self> {
         let rows = receivers.rows();
         let viewer = |i: usize| {
@@ -56,13 +57,13 @@ impl TileView {
         })
     }
 
-    /// All cells that its receivers see.
+    /// Iterates over all cells that its receivers see, some more than once.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
         let besides = self.mirrors.iter().flat_map(ReceiverMirrors::cells);
         self.hits.palette.iter().copied().chain(besides).chain(self.canopies.iter().flat_map(Canopy::cells))
     }
 
-    /// Name of the block by which its receivers see a cell.
+    /// Returns the name of the block by which its receivers see a cell.
     pub fn block_that_sees(&self, key: &CellKey) -> String {
         let kind = match () {
             () if self.hits.palette.contains(key) => format::HIT,

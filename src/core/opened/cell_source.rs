@@ -1,5 +1,5 @@
-//! Cells of a site, read chunk by chunk. In: a site that was opened. Out: cells whose shape is that of the settings, and whose materials
-//! and mirrors exist; and errors of references to cells that do not.
+//! Cells of a site, read chunk by chunk. In: a site that was opened. Out: cells that have the shape
+//! of the settings, and whose materials and mirrors exist; errors for references to missing cells.
 
 use rayon::prelude::*;
 
@@ -14,7 +14,7 @@ use crate::opened::open_site::OpenSite;
 use crate::site::cells::CellKey;
 
 impl OpenSite<'_> {
-    /// Texels of the sky, and rays, of a cell of a kind.
+    /// Returns the numbers of sky texels and of rays of a cell of a kind.
     fn rays_of(&self, kind: CellKind) -> [usize; 2] {
         let settings = self.settings();
         match kind {
@@ -23,7 +23,8 @@ impl OpenSite<'_> {
         }
     }
 
-    /// The cells of a chunk with all their layers; their place among the chunks is for [`CellSource::chunk`] to check.
+    /// Returns the cells of a chunk with all their layers. [`CellSource::chunk`] checks that they
+    /// belong between the chunks beside it.
     pub fn cells(&self, kind: CellKind, chunk: TileNumber) -> Result<Cells> {
         self.cells_in(kind, &self.block(kind.chunks(), chunk)?)
     }
@@ -46,7 +47,7 @@ impl OpenSite<'_> {
         Ok(cells)
     }
 
-    /// What so many cells with so many texels see in mirrors.
+    /// Returns the light that `rows` cells, of `texels` sky texels each, see in mirrors.
     fn cell_mirrors(&self, block: &Block, rows: usize, texels: usize) -> Result<Vec<CellMirrors>> {
         let row = |row: &Vec<u8>| CellMirrors::from_bytes(row, texels.div_ceil(8));
         let found: Vec<CellMirrors> = extras::unpack(block.bytes(), rows)
@@ -64,7 +65,7 @@ impl OpenSite<'_> {
         Ok(found)
     }
 
-    /// What the rays of so many cells cross.
+    /// Returns the canopies that the rays of `rows` cells cross.
     fn cell_canopies(&self, block: &Block, rows: usize, rays: [usize; 2]) -> Result<Vec<Canopy>> {
         let row = |row: &Vec<u8>| Canopy::from_bytes(row, rays, |material| self.is_canopy(material));
         let found = extras::unpack(block.bytes(), rows).and_then(|rows| rows.iter().map(row).collect());
@@ -73,7 +74,7 @@ impl OpenSite<'_> {
     }
 }
 
-/// Cells of one kind by the index of their chunks.
+/// Cells of one kind, found by the index of their chunks.
 #[derive(Clone)]
 pub struct CellSource<'a> {
     site: OpenSite<'a>,
@@ -83,12 +84,12 @@ pub struct CellSource<'a> {
 }
 
 impl<'a> CellSource<'a> {
-    /// The probes of a site.
+    /// Returns the probes of a site.
     pub fn probes(site: &OpenSite<'a>) -> Result<Self> {
         CellSource::open(site, CellKind::Probes)
     }
 
-    /// The bounce cells of a site.
+    /// Returns the bounce cells of a site.
     pub fn bounces(site: &OpenSite<'a>) -> Result<Self> {
         CellSource::open(site, CellKind::Bounces)
     }
@@ -103,28 +104,28 @@ impl<'a> CellSource<'a> {
         Ok(CellSource { site: site.clone(), kind, firsts })
     }
 
-    /// Number of chunks.
+    /// Returns the number of chunks.
     pub fn chunks(&self) -> usize {
         self.firsts.len()
     }
 
-    /// First key of every chunk.
+    /// Returns the first key of every chunk.
     pub fn firsts(&self) -> &[CellKey] {
         &self.firsts
     }
 
-    /// The only chunk that can hold a cell.
+    /// Returns the only chunk that can hold a cell.
     pub fn chunk_of(&self, key: &CellKey) -> Option<usize> {
         self.firsts.partition_point(|first| first <= key).checked_sub(1)
     }
 
-    /// Tells of chunks that will be read soon, with all their layers.
+    /// Announces chunks that will be read soon, with all their layers.
     pub fn expect(&self, chunks: impl IntoIterator<Item = usize>) {
         let [mirror, canopy] = self.kind.extras();
         self.site.expect(&[self.kind.chunks(), mirror, canopy], chunks.into_iter().map(|chunk| chunk as u32));
     }
 
-    /// All cells of a chunk.
+    /// Returns all cells of a chunk.
     pub fn chunk(&self, chunk: usize) -> Result<Cells> {
         let block = self.site.block(self.kind.chunks(), TileNumber(chunk as u32))?;
         let cells = self.site.cells_in(self.kind, &block)?;
@@ -137,8 +138,8 @@ impl<'a> CellSource<'a> {
         Ok(cells)
     }
 
-    /// The cells of these keys, which are sorted; one that does not exist is an error, in which `referring` names the block that asks
-    /// for it.
+    /// Returns the cells of these keys, which must be sorted. A key without a cell is an error, in
+    /// which `referring` names the block that refers to it.
     pub fn fetch(&self, keys: &[CellKey], referring: impl Fn(&CellKey) -> String + Sync) -> Result<Cells> {
         let parts: Vec<&[CellKey]> = keys.chunk_by(|a, b| self.chunk_of(a) == self.chunk_of(b)).collect();
         let missing = |key: &CellKey| self.missing(key, referring(key));
@@ -154,7 +155,7 @@ impl<'a> CellSource<'a> {
         Ok(Cells::join(&found))
     }
 
-    /// Name of the block that holds a cell.
+    /// Returns the name of the block that holds a cell.
     pub fn block_of(&self, key: &CellKey) -> String {
         self.chunk_of(key).map_or_else(
             || format::kind_name(self.kind.chunks()),
@@ -162,18 +163,19 @@ impl<'a> CellSource<'a> {
         )
     }
 
-    /// Name of the block of that one of some cells of this source that sees another cell.
+    /// Returns the name of the block of a cell, among some cells of this source, that sees another
+    /// cell.
     pub fn observer_of(&self, cells: &Cells, seen: &CellKey) -> String {
         cells.observer_of(seen).map_or_else(|| format::kind_name(self.kind.chunks()), |key| self.block_of(&key))
     }
 
-    /// The error of a reference of some block to a cell that does not exist.
+    /// Returns the error of a reference from a block to a cell that does not exist.
     pub fn missing(&self, key: &CellKey, referring: impl Into<String>) -> Error {
         let what = format!("names {key:?}, which block {} does not hold", self.block_of(key));
         Error::defect(self.site.path(), referring, "cells that are seen", what)
     }
 
-    /// The error of cells of this source that do not fit together.
+    /// Returns the error of cells of this source that do not fit together.
     pub fn defect(&self, key: &CellKey, field: &'static str, what: impl Into<String>) -> Error {
         Error::defect(self.site.path(), self.block_of(key), field, what)
     }

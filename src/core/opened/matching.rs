@@ -1,5 +1,5 @@
-//! Which receivers of two archives are the same ones. In: names, places and normals of both sides. Out: pairs, and what is left of each side.
-//! Never: files, archives, light.
+//! Matching of the receivers of two archives. In: names, places and normals of the two sides. Out:
+//! pairs, and the unmatched receivers of each side. Never: files, archives, light.
 
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
@@ -8,58 +8,61 @@ use glam::DVec3;
 
 use crate::site::receiver::Receiver;
 
-/// Receivers as far apart as this stand at one place, metres.
+/// Largest distance between receivers at one place, metres.
 pub const SAME_PLACE_M: f64 = 0.01;
 
-/// Normals that differ by this angle are one, degrees.
+/// Largest angle between normals that count as equal, degrees.
 pub const SAME_NORMAL_DEG: f64 = 0.5;
 
-/// Coordinates of 1e7 m are rounded by less, metres.
+/// Bound on the rounding of coordinates of 1e7 m, metres.
 const ROUNDING_M: f64 = 1e-8;
 
-/// Edge of the cells that receivers are looked up in, metres: some [`SAME_PLACE_M`], so that most searches read one cell.
+/// Edge of the cells that receivers are looked up in, metres: some [`SAME_PLACE_M`], so that most
+/// searches read one cell.
 const CELL_M: f64 = 0.1;
 
-/// What a receiver is recognised by.
+/// Name, place and normal by which a receiver is matched.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReceiverPlace {
-    /// Its name.
+    /// Name of the receiver.
     pub id: String,
-    /// Metres; both sides are of one coordinate system.
+    /// Position, metres; the two sides have one coordinate system.
     pub position: DVec3,
-    /// Unit length.
+    /// Normal of unit length.
     pub normal: DVec3,
 }
 
-/// A receiver of both sides.
+/// A receiver that exists on the two sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReceiverPair {
-    /// Its number among the receivers before.
+    /// Index among the receivers before.
     pub before: usize,
-    /// Its number among the receivers after.
+    /// Index among the receivers after.
     pub after: usize,
-    /// Whether only the name says that it is the same: it stands at another place, or looks another way.
+    /// True if only the name matches: the receiver stands at another place, or faces another way.
     pub is_moved: bool,
 }
 
-/// Which receivers of two sides are the same ones.
+/// Receivers of two sides in pairs, and those without a partner.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ReceiverMatching {
-    /// Receivers of both sides, in the order before. No receiver stands in two pairs.
+    /// Receivers that exist on the two sides, in the order before. No receiver stands in two pairs.
     pub pairs: Vec<ReceiverPair>,
-    /// Numbers of the receivers that exist before only, ascending.
+    /// Indices of the receivers that exist before only, ascending.
     pub only_before: Vec<usize>,
-    /// Numbers of the receivers that exist after only, ascending.
+    /// Indices of the receivers that exist after only, ascending.
     pub only_after: Vec<usize>,
 }
 
 impl ReceiverMatching {
     /// Matches the receivers of two sides, one to one:
-    /// 1. those of equal name, place ([`SAME_PLACE_M`]) and normal ([`SAME_NORMAL_DEG`]);
-    /// 2. those of equal place and normal, whatever their names (an edit may number them anew), the nearest first;
-    /// 3. those of equal name at another place, which are called moved.
+    /// 1. receivers of equal name, place ([`SAME_PLACE_M`]) and normal ([`SAME_NORMAL_DEG`]);
+    /// 2. receivers of equal place and normal, whatever their names (an edit may number them anew),
+    ///    the nearest first;
+    /// 3. receivers of equal name at another place, which count as moved.
     ///
-    /// The pairs depend on the order of the receivers only where distances are equal: the earlier ones are matched first then.
+    /// The pairs depend on the order of the receivers only where distances are equal: the earlier
+    /// ones are then matched first.
     pub fn of(before: &[ReceiverPlace], after: &[ReceiverPlace]) -> Self {
         let mut search = Search {
             before,
@@ -78,7 +81,7 @@ impl ReceiverMatching {
         search.matching()
     }
 
-    /// Number of the pairs that only the name makes.
+    /// Returns the number of pairs that only the name makes.
     pub fn moved(&self) -> usize {
         self.pairs.iter().filter(|pair| pair.is_moved).count()
     }
@@ -91,14 +94,14 @@ impl From<&Receiver> for ReceiverPlace {
 }
 
 impl ReceiverPlace {
-    /// The distance to another receiver that counts as the same place, metres; none if it stands elsewhere or looks another way.
+    /// Returns the distance to another receiver, metres, if the two have one place and one normal.
     fn distance_m(&self, other: &ReceiverPlace) -> Option<f64> {
         let distance_m = self.position.distance(other.position);
         let is_near = distance_m <= SAME_PLACE_M + ROUNDING_M;
         (is_near && self.normal.dot(other.normal) >= SAME_NORMAL_DEG.to_radians().cos()).then_some(distance_m)
     }
 
-    /// All bits of place and normal; -0 is 0.
+    /// Returns all bits of place and normal; -0 counts as 0.
     fn bits(&self) -> [u64; 6] {
         let [x, y, z] = self.position.to_array();
         let [nx, ny, nz] = self.normal.to_array();
@@ -111,17 +114,17 @@ impl ReceiverPlace {
 }
 
 fn cell_of(position: DVec3) -> [i64; 3] {
-    // Saturates: numbers beyond 64 bits share a cell, and distances tell them apart.
+    // `as` saturates: numbers beyond 64 bits share a cell, and distances tell them apart.
     position.to_array().map(|along| (along / CELL_M).floor() as i64)
 }
 
-/// A matching that is being made.
+/// A matching under way.
 struct Search<'p> {
     before: &'p [ReceiverPlace],
     after: &'p [ReceiverPlace],
-    /// `[before]`: its partner, and whether that is moved.
+    /// `[before]`: its partner, if it has one.
     partner: Vec<Option<Partner>>,
-    /// `[after]`
+    /// `[after]`: true if it has a partner.
     is_taken: Vec<bool>,
     by_name: HashMap<&'p str, usize>,
 }
@@ -132,7 +135,7 @@ struct Partner {
     is_moved: bool,
 }
 
-/// A pair that may be made. The greatest of a heap is the nearest, of equal ones the earliest.
+/// A possible pair. The greatest is the nearest, of equal ones the earliest.
 struct Candidate {
     distance_m: f64,
     before: usize,
@@ -140,7 +143,7 @@ struct Candidate {
 }
 
 impl<'p> Search<'p> {
-    /// Matches receivers of equal names: those at one place, or wherever they are.
+    /// Matches receivers of equal names: at one place, or at any place if `is_moved`.
     fn by_name(&mut self, is_moved: bool) {
         for (number, place) in self.before.iter().enumerate() {
             let Some(&after) = self.by_name.get(place.id.as_str()) else { continue };
@@ -180,13 +183,13 @@ impl<'p> Search<'p> {
             if self.is_free(before, after) {
                 self.pair(before, Partner { after, is_moved: false });
             } else {
-                // Another receiver took it: the next one of those that are left.
+                // Another receiver took it: try the next of the free ones.
                 nearest.extend(self.nearest(before, &cells));
             }
         }
     }
 
-    /// The nearest receiver at the place of one before that nothing is matched with.
+    /// Returns the nearest receiver without a partner at the place of `before`.
     fn nearest(&self, before: usize, cells: &HashMap<[i64; 3], Vec<usize>>) -> Option<Candidate> {
         let place = &self.before[before];
         let reach = DVec3::splat(SAME_PLACE_M + ROUNDING_M);
@@ -267,7 +270,8 @@ mod tests {
         matching.pairs.iter().map(|pair| [pair.before, pair.after]).collect()
     }
 
-    /// Of 4 receivers one goes, one comes in front, and the names are numbered anew: 3 pairs by place, none moved, 1 left on either side.
+    /// One of 4 receivers goes, one comes in front, and the names are numbered anew: 3 pairs by
+    /// place, none moved, 1 left on either side.
     #[test]
     fn names_may_be_numbered_anew() {
         let before = ["r1", "r2", "r3", "r4"].into_iter().zip([1.0, 2.0, 3.0, 4.0]).map(|(id, x)| flat(id, x));
@@ -277,7 +281,8 @@ mod tests {
         assert_eq!((found.moved(), found.only_before, found.only_after), (0, vec![2], vec![0]));
     }
 
-    /// A receiver 9 mm and 0.4 degrees away is the same; one 11 mm or 0.6 degrees away is matched by its name only, and counts as moved: 1 and 2.
+    /// A receiver 9 mm and 0.4 degrees away counts as the same: 1 pair. A receiver 11 mm or 0.6
+    /// degrees away is matched by its name only and counts as moved: 2 pairs.
     #[test]
     fn places_are_equal_within_a_centimetre_and_half_a_degree() {
         let tilted = |degrees: f64| DVec3::new(degrees.to_radians().tan(), 0.0, 1.0);
@@ -294,7 +299,8 @@ mod tests {
         assert_eq!((found.moved(), found.only_before, found.only_after), (2, vec![3], vec![3]));
     }
 
-    /// The nearest of several is taken, each once, across the edges of cells; of equal distances the earlier: 3 pairs, whatever the order after.
+    /// The nearest of several receivers is taken, each once, across the edges of cells, and of
+    /// equal distances the earlier: 3 pairs, in either order of the receivers after.
     #[test]
     fn the_nearest_is_taken_first() {
         let before = [flat("a", 0.099), flat("b", 0.104), flat("c", 7.0)];
@@ -305,7 +311,8 @@ mod tests {
         assert_eq!(pairs(&ReceiverMatching::of(&before, &after)), [[0, 0], [1, 1], [2, 2]]);
     }
 
-    /// Both sides of a wall stand at one place and are told apart by their normals, though their names are exchanged: 2 pairs.
+    /// The two sides of a wall stand at one place and are told apart by their normals, though their
+    /// names are exchanged: 2 pairs.
     #[test]
     fn sides_are_told_apart() {
         let before = [place("in", [0.0; 3], DVec3::X), place("out", [0.0; 3], DVec3::NEG_X)];
@@ -313,8 +320,8 @@ mod tests {
         assert_eq!(pairs(&ReceiverMatching::of(&before, &after)), [[0, 1], [1, 0]]);
     }
 
-    /// No receivers, names that stand there twice, no numbers and infinities are no panics: of 3 places that are no numbers and have
-    /// other names none is matched.
+    /// No receivers, repeated names, NaN and infinities do not panic. Of 3 places that are no
+    /// numbers and have other names none is matched.
     #[test]
     fn odd_places() {
         let odd = |id: &str| {
@@ -327,7 +334,8 @@ mod tests {
         assert_eq!(ReceiverMatching::of(&odd("a"), &odd("b")).only_before.len(), 3);
     }
 
-    /// 70,000 receivers that are renamed and moved by 3 mm find themselves, and 70,000 at one place each find another: in under 5 s.
+    /// 70,000 receivers that are renamed and moved by 3 mm are matched with themselves, and 70,000
+    /// at one place with one other each, in under 5 s.
     #[test]
     fn many_receivers() {
         let begun = std::time::Instant::now();

@@ -1,4 +1,5 @@
-//! Materials and mirrors of a site. In: the tables of an archive. Out: the nouns of the scene, checked against each other.
+//! Materials and mirrors of a site. In: the tables of an archive. Out: the nouns of the scene,
+//! checked against each other.
 
 use glam::DVec3;
 
@@ -9,8 +10,8 @@ use crate::site::bands::BandOptics;
 use crate::site::chain::MirrorPlane;
 use crate::site::material::{Glass, Material};
 
-/// The materials in the rows of their table; without a table of optics all are opaque and no glass, without one of bands all
-/// light is alike to them.
+/// Reads the materials in the order of their table. Without a table of optics all are opaque and no
+/// glass. Without a table of bands they have one value for all light.
 pub(super) fn materials(blocks: &dyn Blocks) -> Result<Vec<Material>> {
     let block = blocks.block(format::MATERIALS, TileNumber::FIRST)?;
     let table = tables::MaterialsTable::from_block(&block)?;
@@ -35,7 +36,8 @@ pub(super) fn materials(blocks: &dyn Blocks) -> Result<Vec<Material>> {
     (0..table.rows()).map(material).collect()
 }
 
-/// What so many materials do besides reflecting diffusely, if some do.
+/// Reads the optics of `materials` materials beside diffuse reflection, if the archive has the
+/// table.
 fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::OpticsTable>> {
     if !blocks.has(format::OPTICS, TileNumber::FIRST) {
         return Ok(None);
@@ -48,7 +50,8 @@ fn optics(blocks: &dyn Blocks, materials: usize) -> Result<Option<tables::Optics
     Ok(Some(optics))
 }
 
-/// What so many materials do in bands of the light; empty if none states it.
+/// Reads the values of `materials` materials in bands of the light; empty if the archive has no
+/// table.
 fn bands(blocks: &dyn Blocks, materials: usize) -> Result<Vec<BandOptics>> {
     if !blocks.has(format::BANDS, TileNumber::FIRST) {
         return Ok(Vec::new());
@@ -58,7 +61,8 @@ fn bands(blocks: &dyn Blocks, materials: usize) -> Result<Vec<BandOptics>> {
     bands.ok_or_else(|| block.corrupt("an unknown material", "rows of the materials table"))
 }
 
-/// Orientations of the mirrors, of so many materials; none where nothing is a mirror.
+/// Reads the orientations of the mirrors and checks that their materials are among `materials`;
+/// empty where the archive has no mirrors.
 pub(super) fn orientations(blocks: &dyn Blocks, materials: usize) -> Result<Vec<MirrorPlane>> {
     if !blocks.has(format::MIRRORS, TileNumber::FIRST) {
         return Ok(Vec::new());

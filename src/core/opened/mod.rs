@@ -1,6 +1,7 @@
-//! Opened: a site whose archive was checked as a whole. In: blocks and a manifest. Out: settings, materials and mirrors as values in
-//! range, and layers of receivers and cells whose references exist. What comes from here is trusted and checked no more. Of two sites: which
-//! receivers are the same. Never: light, weather.
+//! Opened: a site whose archive was checked as a whole. In: blocks and a manifest. Out: settings,
+//! materials and mirrors as values in range, and layers of receivers and cells whose references
+//! exist. Later code trusts these values and does not check them again. From two sites: the
+//! matching of their receivers. Never: light, weather.
 
 mod cell_source;
 mod matching;

@@ -1,4 +1,5 @@
-//! Where receivers stand. In: a site, names or a box. Out: the tiles that hold them, found without reading the others.
+//! Search for receivers. In: a site, names or a box. Out: the tiles that hold them, found without
+//! reading the others.
 
 use glam::DVec3;
 
@@ -8,18 +9,19 @@ use crate::archive::tables::{ExtentsTable, NameOf, NameRow, NamesTable, TILES_A_
 use crate::error::Result;
 use crate::opened::open_site::OpenSite;
 
-/// Names of a site's receivers, surfaces, objects and buildings, and the tiles that hold each. Names are asked for in any order; in that of the
-/// archive (what they are of, then bytes) every chunk is read once.
+/// Index of the names of a site's receivers, surfaces, objects and buildings, and of the tiles that
+/// hold each. Names may be looked up in any order. In the order of the archive (the kind of name,
+/// then bytes) every chunk is read once.
 pub struct NameIndex<'a> {
     site: OpenSite<'a>,
     /// First row of every chunk, with the chunk's number in place of the tile's.
     firsts: Vec<NameRow>,
-    /// The chunk that was read last.
+    /// Chunk that was read last.
     held: Option<(u32, Vec<NameRow>)>,
 }
 
 impl<'a> NameIndex<'a> {
-    /// The names of a site.
+    /// Returns the index of the names of a site.
     pub fn of(site: &OpenSite<'a>) -> Result<Self> {
         // A site without receivers has no names.
         let firsts = match site.receivers() {
@@ -29,14 +31,14 @@ impl<'a> NameIndex<'a> {
         Ok(NameIndex { site: site.clone(), firsts, held: None })
     }
 
-    /// Tells that some names will be asked for soon: from afar their chunks come together.
+    /// Announces names that will be looked up soon: a remote then fetches their chunks together.
     pub fn expect<'n>(&self, names: impl IntoIterator<Item = (NameOf, &'n str)>) {
         let mut chunks: Vec<u32> = names.into_iter().flat_map(|(of, name)| self.chunks(of, name)).collect();
         chunks.dedup();
         self.site.expect(&[format::NAMES], chunks);
     }
 
-    /// Numbers of the tiles that hold a name, ascending; none if nothing has it.
+    /// Returns the numbers of the tiles that hold a name, ascending; empty if nothing has the name.
     pub fn tiles(&mut self, of: NameOf, name: &str) -> Result<Vec<u32>> {
         let mut tiles = Vec::new();
         for chunk in self.chunks(of, name) {
@@ -55,9 +57,9 @@ impl<'a> NameIndex<'a> {
         }
     }
 
-    /// Numbers of the chunks that may hold a name.
+    /// Returns the numbers of the chunks that may hold a name.
     fn chunks(&self, of: NameOf, name: &str) -> Vec<u32> {
-        // It may begin behind the first row of the chunk before.
+        // The name may begin behind the first row of the chunk before.
         let from = self.firsts.partition_point(|first| (first.of, first.name.as_str()) < (of, name)).saturating_sub(1);
         let behind = self.firsts.partition_point(|first| (first.of, first.name.as_str()) <= (of, name));
         self.firsts.get(from..behind).unwrap_or_default().iter().map(|first| first.tile).collect()
@@ -72,7 +74,8 @@ impl<'a> NameIndex<'a> {
     }
 }
 
-/// Numbers of the tiles whose receivers' boxes meet a box, its faces included, ascending; input coordinates, metres.
+/// Returns the numbers of the tiles whose receivers' boxes meet a box, its faces included,
+/// ascending; input coordinates, metres.
 pub fn tiles_within(site: &OpenSite, [low, high]: [DVec3; 2]) -> Result<Vec<u32>> {
     let chunks = (site.tiles() as usize).div_ceil(TILES_A_CHUNK) as u32;
     site.expect(&[format::EXTENTS], 0..chunks);

@@ -1,4 +1,5 @@
-//! A site that was opened. In: blocks and a manifest. Out: everything that all of its layers depend on, checked once.
+//! A site that was opened. In: blocks and a manifest. Out: the facts that all of its layers depend
+//! on, checked once.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -17,12 +18,12 @@ use crate::site::chain::MirrorPlane;
 use crate::site::material::{Class, Material};
 use crate::site::north::North;
 
-/// What is known of a site besides its blocks, every number in range and every reference followed.
+/// Facts about a site besides its blocks, with every number in range and every reference followed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SiteFacts {
     settings: SiteSettings,
     materials: Vec<Material>,
-    /// Whether the materials are those that the responses of the blocks were derived for.
+    /// True if the materials are those that the responses of the blocks were derived for.
     as_stored: bool,
     orientations: Vec<MirrorPlane>,
     north: North,
@@ -31,8 +32,9 @@ pub struct SiteFacts {
 }
 
 impl SiteFacts {
-    /// Of a scene's own materials and mirrors: those of an archive that is being written, or whose tables may be damaged. `path` is
-    /// named where a number is out of range.
+    /// Returns the facts of a scene with its own materials and mirrors: for an archive that is
+    /// being written, or whose tables may be damaged. Errors name `path` where a number is out of
+    /// range.
     pub fn given(
         path: &Path,
         stated: &Settings,
@@ -51,18 +53,18 @@ impl SiteFacts {
         Ok(SiteFacts { settings, materials, as_stored: true, orientations, north, receivers, tiles })
     }
 
-    /// By the numbers in cell keys.
+    /// Returns the materials; the numbers in cell keys are their indices.
     pub fn materials(&self) -> &[Material] {
         &self.materials
     }
 
-    /// By the numbers in chains of mirrors.
+    /// Returns the orientations of mirrors; the numbers in chains are their indices.
     pub fn orientations(&self) -> &[MirrorPlane] {
         &self.orientations
     }
 }
 
-/// Blocks whose common facts were checked. Cheap to copy; many threads may read from it.
+/// Blocks whose common facts were checked. It is cheap to copy, and many threads may read from it.
 #[derive(Clone)]
 pub struct OpenSite<'a> {
     blocks: &'a dyn Blocks,
@@ -70,15 +72,16 @@ pub struct OpenSite<'a> {
 }
 
 impl<'a> OpenSite<'a> {
-    /// The site of an archive. An error: settings out of range, tables of materials or mirrors that are damaged or name what is not there.
+    /// Opens the site of an archive. It is an error if settings are out of range, or if tables of
+    /// materials or mirrors are damaged or refer to missing rows.
     pub fn of(archive: &'a Archive) -> Result<Self> {
         OpenSite::new(archive, archive.manifest())
     }
 
-    /// The site of blocks that a manifest tells of; errors as of [`OpenSite::of`].
+    /// Opens the site of blocks that a manifest describes; errors as in [`OpenSite::of`].
     pub fn new(blocks: &'a dyn Blocks, manifest: &Manifest) -> Result<Self> {
         let (origin, path) = (DVec3::from(manifest.scene.origin_m), blocks.path());
-        // Before any block: what the manifest says is wrong in all of them.
+        // Settings come first: an error in the manifest concerns all blocks.
         SiteSettings::of(&manifest.settings, path)?;
         let materials = materials::materials(blocks)?;
         let orientations = materials::orientations(blocks, materials.len())?;
@@ -94,18 +97,19 @@ impl<'a> OpenSite<'a> {
         Ok(OpenSite { blocks, facts: Arc::new(facts) })
     }
 
-    /// A site whose facts are known: of blocks that have grown since, or whose tables may be damaged.
+    /// Returns a site whose facts are known, for blocks that have grown since or whose tables may
+    /// be damaged.
     pub fn over(blocks: &'a dyn Blocks, facts: Arc<SiteFacts>) -> Self {
         OpenSite { blocks, facts }
     }
 
-    /// The same with y for true north, whatever the place says.
+    /// Returns the site with y for true north, without the direction that its place gives.
     pub fn with_y_for_north(mut self) -> Self {
         Arc::make_mut(&mut self.facts).north = North::default();
         self
     }
 
-    /// The site with the values that its materials have in `band`.
+    /// Returns the site with the values that its materials have in `band`.
     #[must_use]
     pub fn in_band(&self, band: Band) -> Self {
         let materials: Vec<Material> = self.materials().iter().map(|material| material.in_band(band)).collect();
@@ -119,59 +123,60 @@ impl<'a> OpenSite<'a> {
         site
     }
 
-    /// Whether materials do what the stored responses were derived for.
+    /// Returns true if the materials are those that the stored responses were derived for.
     pub fn is_as_stored(&self) -> bool {
         self.facts.as_stored
     }
 
-    /// Where true north lies: replay turns suns by it.
+    /// Returns the direction of true north, by which replay turns suns.
     pub fn north(&self) -> North {
         self.facts.north
     }
 
-    /// The file, for messages.
+    /// Returns the file, for messages.
     pub fn path(&self) -> &'a Path {
         self.blocks.path()
     }
 
-    /// Sides of textures, rays of cells, the closed level, all in range.
+    /// Returns the settings, all in range: sides of textures, rays of cells, the closed level.
     pub fn settings(&self) -> &SiteSettings {
         &self.facts.settings
     }
 
-    /// By the numbers in cell keys.
+    /// Returns the materials; the numbers in cell keys are their indices.
     pub fn materials(&self) -> &[Material] {
         &self.facts.materials
     }
 
-    /// By the numbers in chains of mirrors.
+    /// Returns the orientations of mirrors; the numbers in chains are their indices.
     pub fn orientations(&self) -> &[MirrorPlane] {
         &self.facts.orientations
     }
 
-    /// Number of receivers, of all tiles.
+    /// Returns the number of receivers in all tiles.
     pub fn receivers(&self) -> u64 {
         self.facts.receivers
     }
 
-    /// Number of tiles: those from 0 up to it exist.
+    /// Returns the number of tiles; they have the numbers from 0 up to it.
     pub fn tiles(&self) -> u32 {
         self.facts.tiles
     }
 
-    /// Whether a number is one of a material.
+    /// Returns true if a material has this number.
     pub(super) fn has_material(&self, number: u16) -> bool {
         usize::from(number) < self.facts.materials.len()
     }
 
-    /// Numbers of the materials of class ground that reflect: what a reflectance of the ground is said of.
+    /// Returns the numbers of the opaque materials of class ground, which a ground reflectance
+    /// applies to.
     pub fn grounds(&self) -> Vec<usize> {
         let reflects = |material: &Material| material.class == Class::Ground && material.transmittance.is_none();
         let numbered = self.materials().iter().enumerate();
         numbered.filter(|(_, material)| reflects(material)).map(|(number, _)| number).collect()
     }
 
-    /// Whether a number is one of a material that lets light through.
+    /// Returns true if a material has this number and lets light through.
     pub(crate) fn is_canopy(&self, number: u16) -> bool {
         self.facts.materials.get(usize::from(number)).is_some_and(|material| material.transmittance.is_some())
     }
@@ -184,19 +189,20 @@ impl<'a> OpenSite<'a> {
         self.blocks.has(kind, tile)
     }
 
-    /// Number of receivers of a tile, by the directory; 0 if there is no such tile.
+    /// Returns the number of receivers of a tile, by the directory; 0 if there is no such tile.
     pub fn tile_rows(&self, tile: u32) -> usize {
         self.blocks.rows(format::RECEIVERS, TileNumber(tile)).unwrap_or(0) as usize
     }
 
-    /// Tells of layers of some tiles that will be read soon: from afar they come together. Kinds that a tile does not have are passed over.
+    /// Announces layers of some tiles that will be read soon: a remote then fetches them together.
+    /// Kinds that a tile does not have are skipped.
     pub fn expect(&self, kinds: &[BlockKind], tiles: impl IntoIterator<Item = u32>) {
         let numbers = tiles.into_iter().map(TileNumber);
         let blocks: Vec<_> = numbers.flat_map(|tile| kinds.iter().map(move |&kind| (kind, tile))).collect();
         self.blocks.expect(&blocks);
     }
 
-    /// A block, checked and decoded; an error if it is damaged or not there.
+    /// Returns a block, checked and decoded; it is an error if the block is damaged or missing.
     pub fn block(&self, kind: BlockKind, tile: TileNumber) -> Result<Block> {
         self.blocks.block(kind, tile)
     }

@@ -1,5 +1,5 @@
-//! Layers of the receivers of a tile. In: a site that was opened. Out: the layers of one tile, one value a receiver, whose materials and
-//! mirrors exist.
+//! Layers of the receivers of a tile. In: a site that was opened. Out: the layers of one tile, one
+//! value a receiver, whose materials and mirrors exist.
 
 use crate::archive::format::TileNumber;
 use crate::archive::{Block, format, tables};
@@ -16,40 +16,43 @@ use crate::opened::open_site::OpenSite;
 use crate::site::chain::{Chain, MirrorStep};
 use crate::site::receiver::Receiver;
 
-/// Most bytes of a tile's sky once it is refined, and of what it sees in mirrors: a small block can stand for large textures.
+/// Limit on the bytes of a tile's refined sky. A small block can stand for large textures.
 pub const MAX_SKY: usize = 256 << 20;
 
 impl OpenSite<'_> {
-    /// The receivers of a tile.
+    /// Reads the table of receivers of a tile.
     pub fn tile_receivers(&self, tile: u32) -> Result<tables::ReceiversTable> {
         tables::ReceiversTable::from_block(&self.block(format::RECEIVERS, TileNumber(tile))?)
     }
 
-    /// The same one by one, with what they stand for in their model.
+    /// Returns the receivers of a tile's table one by one, with their parts of the model.
     pub fn tile_parts(&self, tile: u32, table: &tables::ReceiversTable) -> Result<Vec<Receiver>> {
         let mut receivers = table.receivers();
         tables::PartsTable::join(self.blocks(), tile, &mut receivers)?;
         Ok(receivers)
     }
 
-    /// What is drawn of a tile of so many receivers; `None` where the archive does not show it.
+    /// Reads the table by which a tile of `rows` receivers is drawn; `None` where the archive does
+    /// not have it.
     pub fn tile_overview(&self, tile: u32, rows: usize) -> Result<Option<tables::OverviewTable>> {
         tables::OverviewTable::of_tile(self.blocks(), tile, rows)
     }
 
-    /// Sky textures of a tile of so many receivers, ready to be looked up.
+    /// Reads the sky textures of a tile of `rows` receivers, ready for look-ups.
     pub fn tile_sky(&self, tile: u32, rows: usize) -> Result<Vec<SkyBitmap>> {
         let (block, settings) = (self.sky_block(tile, rows)?, self.settings());
         SkyBitmap::unpack(block.bytes(), rows, settings.sky_base, settings.sky_fine).ok_or_else(|| other_sky(&block))
     }
 
-    /// The same as they are stored, each with the bits that it describes.
+    /// Reads the sky textures of a tile of `rows` receivers as they are stored, each with the bits
+    /// that it describes.
     pub fn tile_sky_textures(&self, tile: u32, rows: usize) -> Result<Vec<(SkyTexture, BitSquare)>> {
         let (block, settings) = (self.sky_block(tile, rows)?, self.settings());
         SkyTexture::split(block.bytes(), rows, settings.sky_base, settings.sky_fine).ok_or_else(|| other_sky(&block))
     }
 
-    /// The sky of a tile of so many receivers, not larger than can be decoded.
+    /// Reads the sky block of a tile of `rows` receivers; refuses one that decodes to more than
+    /// [`MAX_SKY`].
     fn sky_block(&self, tile: u32, rows: usize) -> Result<Block> {
         let (block, fine) = (self.block(format::SKY, TileNumber(tile))?, self.settings().sky_fine);
         let bytes = rows.saturating_mul(fine * fine / 8);
@@ -59,7 +62,7 @@ impl OpenSite<'_> {
         Ok(block)
     }
 
-    /// The hits of a tile of so many receivers.
+    /// Reads the hits of a tile of `rows` receivers.
     pub fn tile_hits(&self, tile: u32, rows: usize) -> Result<HitTile> {
         let (block, side) = (self.block(format::HIT, TileNumber(tile))?, self.settings().hit);
         let hits = HitTile::unpack(block.bytes(), rows.saturating_mul(side * side))
@@ -68,7 +71,8 @@ impl OpenSite<'_> {
         Ok(hits)
     }
 
-    /// What the receivers of a tile of so many rows see in mirrors; empty where none sees any.
+    /// Reads the light that `rows` receivers of a tile see in mirrors; empty where the tile has no
+    /// such layer.
     pub fn tile_mirrors(&self, tile: u32, rows: usize) -> Result<Vec<ReceiverMirrors>> {
         if !self.has(format::MIRROR, TileNumber(tile)) {
             return Ok(Vec::new());
@@ -86,7 +90,8 @@ impl OpenSite<'_> {
         Ok(found)
     }
 
-    /// What the rays of a tile's receivers cross; empty where none crosses anything.
+    /// Reads the canopies that the rays of a tile's receivers cross; empty where the tile has no
+    /// such layer.
     pub fn tile_canopies(&self, tile: u32, rows: usize) -> Result<Vec<Canopy>> {
         if !self.has(format::CANOPY, TileNumber(tile)) {
             return Ok(Vec::new());
@@ -97,23 +102,23 @@ impl OpenSite<'_> {
         found.ok_or_else(|| block.corrupt("crossings of another shape", "those of the settings' textures, of canopies"))
     }
 
-    /// Both for each receiver.
+    /// Reads mirrors and canopies, one value of each for every receiver.
     pub fn tile_extras(&self, tile: u32, rows: usize) -> Result<Vec<ReceiverExtras>> {
         let (mut mirrors, mut canopies) = (self.tile_mirrors(tile, rows)?, self.tile_canopies(tile, rows)?);
-        // A layer that is not there is empty for every receiver.
+        // A missing layer is empty for every receiver.
         mirrors.resize_with(rows, ReceiverMirrors::default);
         canopies.resize_with(rows, Canopy::default);
         Ok(mirrors.into_iter().zip(canopies).map(|(mirrors, canopy)| ReceiverExtras { mirrors, canopy }).collect())
     }
 
-    /// The responses that the build derived: its reflectances, all bounces.
+    /// Reads the responses that the build derived: for its own reflectances and all bounces.
     pub fn tile_responses(&self, tile: u32) -> Result<Vec<Response>> {
         let block = self.block(format::RESPONSE, TileNumber(tile))?;
         response::unpack(block.bytes(), block.items() as usize, self.settings().probe)
             .ok_or_else(|| block.corrupt("responses of another shape", "responses of the manifest's shape"))
     }
 
-    /// Refuses a block that names a material that does not exist.
+    /// Refuses a block that names a missing material.
     pub(super) fn check_materials(&self, block: &Block, mut materials: impl Iterator<Item = u16>) -> Result<()> {
         match materials.find(|&material| !self.has_material(material)) {
             Some(material) => Err(block.corrupt(format!("material {material}"), "rows of the materials table")),
@@ -121,7 +126,7 @@ impl OpenSite<'_> {
         }
     }
 
-    /// Refuses chains of mirrors that do not exist.
+    /// Refuses a block with chains of missing mirrors.
     pub(super) fn check_chains(&self, block: &Block, mut chains: impl Iterator<Item = Chain>) -> Result<()> {
         let count = self.orientations().len();
         let unknown = |number: &u16| usize::from(*number) >= count;
@@ -131,7 +136,7 @@ impl OpenSite<'_> {
         }
     }
 
-    /// Refuses ways by mirrors of materials that do not exist.
+    /// Refuses a block with paths by mirrors of missing materials.
     pub(super) fn check_steps<'s>(&self, block: &Block, steps: impl Iterator<Item = &'s [MirrorStep]>) -> Result<()> {
         self.check_materials(block, steps.flatten().map(|step| step.0))
     }

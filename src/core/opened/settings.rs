@@ -1,4 +1,4 @@
-//! Settings of a site. In: what a manifest states. Out: numbers in range.
+//! Settings of a site. In: the settings of a manifest. Out: numbers in range.
 
 use std::path::Path;
 
@@ -9,37 +9,39 @@ use crate::layers::cells::CHUNK_SEEN;
 use crate::layers::sides::TextureSides;
 use crate::site::cells::level_of;
 
-/// Largest sides of textures: of a receiver's sky before refinement and its hits, of the refined sky, of cells' skies.
+/// Largest sides of textures: of a receiver's sky before refinement and its hits, of the refined
+/// sky, of cells' skies.
 const MAX_SIDES: [u32; 3] = [1024, 4096, 256];
 
-/// Settings that give no layer its shape: replay takes them if it is not told otherwise.
+/// Settings that do not shape a layer: defaults of a replay.
 const OF_REPLAY: [&str; 2] = ["patches", "steps"];
 
-/// What gives the layers of a site their shape.
+/// Settings that give the layers of a site their shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SiteSettings {
     /// Side of the receivers' sky texture before it is refined.
     pub sky_base: usize,
-    /// Side of its finest level: the base doubled some times.
+    /// Side of the finest level of the receivers' sky texture: the base doubled some times.
     pub sky_fine: usize,
     /// Side of the hit texture.
     pub hit: usize,
     /// Side of the probes' sky texture, and of the response.
     pub probe: usize,
-    /// Rays of a probe to what is around it.
+    /// Number of rays from a probe to its surroundings.
     pub probe_hits: usize,
     /// Side of the bounce cells' sky texture.
     pub bounce_sky: usize,
-    /// Rays of a bounce cell to what is around it.
+    /// Number of rays from a bounce cell to its surroundings.
     pub bounce_hits: usize,
-    /// Level of the bounce cells at middle distance: from here up cells see each other in circles.
+    /// Level of the bounce cells at middle distance: from this level up cells see each other in
+    /// circles.
     pub closed_level: i8,
-    /// Whether diffuse reflections were traced, or there are none.
+    /// True if diffuse reflections were traced.
     pub diffuse: bool,
 }
 
 impl SiteSettings {
-    /// Settings that textures and rays can have; `path` of the archive, for messages.
+    /// Returns the settings if textures and rays can have them; errors name the archive by `path`.
     pub fn of(stated: &Settings, path: &Path) -> Result<Self> {
         let refuse = |found: String, supported: String| {
             let what = format!("{}: settings in the manifest", path.display());
@@ -84,12 +86,13 @@ impl SiteSettings {
         })
     }
 
-    /// Sides of the textures that weather is looked up in.
+    /// Returns the sides of the textures that skies and suns are looked up in.
     pub fn sides(&self) -> TextureSides {
         TextureSides { sky_base: self.sky_base, sky_fine: self.sky_fine, response: self.probe }
     }
 
-    /// Rays of a receiver that may cross canopies: to the texels of its sky, and to what it sees.
+    /// Returns the numbers of rays of a receiver that may cross canopies: to the texels of its sky,
+    /// and to its hits.
     pub fn receiver_rays(&self) -> [usize; 2] {
         let side = sky_side(self.sky_base, self.sky_fine);
         [side * side, self.hit * self.hit]
@@ -100,7 +103,8 @@ impl SiteSettings {
 mod tests {
     use super::*;
 
-    /// The settings of `standard` are taken as they are, and 11 lies about numbers and sizes are refused by their names.
+    /// The settings of `standard` are taken as they are. Eleven bad numbers and sizes are refused
+    /// by name.
     #[test]
     fn range() {
         let good = Settings {

@@ -1,23 +1,26 @@
-//! The best of the turns near one. In: what some turns around it get. Out: the best turn and what it gets, by least squares.
+//! The best orientation near a given one. In: values of some orientations around it. Out: the best
+//! orientation and its value, by least squares.
 
 use crate::orientation::fan::{Orientation, OrientationLimits, TangentPlane};
 
-/// Terms of the surface that is fitted: all products of powers of two coordinates up to the third.
+/// Number of terms of the surface that is fitted: all products of powers of two coordinates up to
+/// the third.
 const TERMS: usize = 10;
 
-/// Turns are compared so finely, degrees.
+/// Step between orientations that are compared, degrees.
 const STEP_DEG: f64 = 0.1;
 
-/// A turn and what it gets.
+/// An orientation and its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientationValue {
-    /// How it is turned.
+    /// Orientation of the surface.
     pub turn: Orientation,
-    /// In the unit of what was given.
+    /// Value of the orientation, in the unit of the input.
     pub value: f64,
 }
 
-/// A smooth surface over the turns near one: a polynomial of third degree in the coordinates of a [`TangentPlane`].
+/// Smooth function of the orientations near one: a polynomial of third degree in the coordinates of
+/// a [`TangentPlane`].
 #[derive(Clone, Debug)]
 pub struct OrientationSurface {
     plane: TangentPlane,
@@ -28,7 +31,8 @@ pub struct OrientationSurface {
 }
 
 impl OrientationSurface {
-    /// Fits by least squares to what is found within a radius of the middle, degrees; `None` from too few turns, or from turns on a line.
+    /// Fits a polynomial by least squares to values within a radius of the middle, degrees; `None`
+    /// for too few orientations, or orientations on a line.
     pub fn fit(middle: Orientation, radius_deg: f64, found: &[OrientationValue]) -> Option<Self> {
         let plane = TangentPlane::at(middle);
         let mut normal = [[0.0; TERMS + 1]; TERMS];
@@ -45,12 +49,13 @@ impl OrientationSurface {
         Some(surface)
     }
 
-    /// Standard deviation of what was found off the surface: what one turn's value is worth, in its unit.
+    /// Returns the standard deviation of the values from the fit, in their unit: the uncertainty of
+    /// one value.
     pub fn scatter(&self) -> f64 {
         self.scatter
     }
 
-    /// What a turn gets.
+    /// Returns the fitted value of an orientation.
     pub fn value(&self, turn: Orientation) -> f64 {
         self.at(self.plane.place(turn))
     }
@@ -60,8 +65,8 @@ impl OrientationSurface {
         terms.iter().zip(self.weights).map(|(term, weight)| term * weight).sum()
     }
 
-    /// The best of all turns that are allowed and lie within the radius, to a tenth of a degree, then on the peak of the fit; `None` where
-    /// none is allowed.
+    /// Returns the best of all orientations that are allowed and lie within the radius, to a tenth
+    /// of a degree, with its fitted value; `None` where none is allowed.
     pub fn best(&self, limits: &OrientationLimits) -> Option<OrientationValue> {
         let mut best: Option<OrientationValue> = None;
         let mut look = |turn: Orientation| {
@@ -73,13 +78,13 @@ impl OrientationSurface {
                 }
             }
         };
-        // By tilt and azimuth, so that limits are met to the bit ...
+        // Search by tilt and azimuth, so that limits are met to the bit ...
         let near = |tilt: f64| (tilt - self.middle.tilt_deg).abs() <= self.radius_deg;
         let fine = OrientationLimits { tilts_deg: self.window(limits), ..*limits };
         for tilt_deg in steps(fine.tilts_deg).filter(|tilt| near(*tilt)) {
             self.azimuths(limits, tilt_deg).for_each(|azimuth_deg| look(Orientation { tilt_deg, azimuth_deg }));
         }
-        // ... and in the plane, where azimuths lose their meaning near the zenith.
+        // ... and in the plane, because azimuths lose their meaning near the zenith.
         let count = (self.radius_deg / STEP_DEG) as i32;
         for a in -count..=count {
             for b in -count..=count {
@@ -89,13 +94,13 @@ impl OrientationSurface {
         best
     }
 
-    /// Tilts that are allowed and near.
+    /// Returns the range of tilts that are allowed and near.
     fn window(&self, limits: &OrientationLimits) -> [f64; 2] {
         let [least, most] = limits.tilts_deg;
         [least.max(self.middle.tilt_deg - self.radius_deg), most.min(self.middle.tilt_deg + self.radius_deg)]
     }
 
-    /// Azimuths of a tilt that are allowed and near, finely.
+    /// Iterates in small steps over the azimuths of a tilt that are allowed and near.
     fn azimuths(&self, limits: &OrientationLimits, tilt_deg: f64) -> impl Iterator<Item = f64> {
         let [first, last] = limits.azimuths_deg;
         let most = (self.radius_deg / tilt_deg.to_radians().sin().max(1e-3)).min(180.0);
@@ -110,7 +115,7 @@ impl OrientationSurface {
     }
 }
 
-/// From one number to another, both among them; none if the second is smaller.
+/// Iterates from one number to another, both included; nothing if the second is smaller.
 fn steps([from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
     let parts = ((to - from) / STEP_DEG).ceil();
     let count = if to < from { 0 } else { parts as usize + 1 };
@@ -121,7 +126,8 @@ fn terms([a, b]: [f64; 2]) -> [f64; TERMS] {
     [1.0, a, b, a * a, a * b, b * b, a * a * a, a * a * b, a * b * b, b * b * b]
 }
 
-/// Solves normal equations by Gauss' elimination with the largest pivot.
+/// Solves normal equations by Gauss' elimination with the largest pivot; `None` if they are
+/// singular.
 fn solved(mut rows: [[f64; TERMS + 1]; TERMS]) -> Option<[f64; TERMS]> {
     let size = rows.iter().flatten().fold(0.0, |most: f64, value| most.max(value.abs()));
     for column in 0..TERMS {
@@ -155,8 +161,9 @@ mod tests {
         OrientationSurface::fit(middle, 12.0, &found).expect("a fit")
     }
 
-    /// Where light comes from one direction, the best turn is found within 0.1 degrees and 0.003 % from 61 turns around another one 6 degrees
-    /// off, steep, nearly flat and over north; their scatter is below 0.005 %.
+    /// With light from one direction, the best orientation is found within 0.1 degrees and 0.003 %
+    /// from 61 orientations around another one 6 degrees off: steep, nearly flat and over north.
+    /// Their scatter is below 0.005 %.
     #[test]
     fn one_source() {
         for (tilt, azimuth) in [(40.0, 180.0), (2.0, 90.0), (60.0, 359.0)] {
@@ -169,8 +176,8 @@ mod tests {
         }
     }
 
-    /// With limits the best turn is on the limit: 35 of 40 degrees and azimuth 170 of 180, to 1e-6 degrees; where nothing near is allowed there
-    /// is none.
+    /// With limits the best orientation is on the limit: 35 of 40 degrees and azimuth 170 of 180,
+    /// to 1e-6 degrees. Where nothing near is allowed there is none.
     #[test]
     fn on_a_limit() {
         let surface = found(
@@ -183,7 +190,7 @@ mod tests {
         assert_eq!(surface.best(&OrientationLimits { tilts_deg: [70.0, 90.0], ..limits }), None);
     }
 
-    /// Five turns, or many on one line, make no surface: 2 of 2.
+    /// Five orientations, or many on one line, give no fit: 2 of 2.
     #[test]
     fn too_few() {
         let turns = |count: usize, step: f64| -> Vec<OrientationValue> {

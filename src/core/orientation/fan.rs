@@ -1,29 +1,31 @@
-//! Fans of turns. In: limits, steps. Out: tilts and azimuths that lie evenly on the sphere.
+//! Sets of orientations. In: limits, steps. Out: tilts and azimuths that lie evenly on the sphere.
 
 use glam::DVec3;
 
 use crate::units::{direction_from_degrees, tilt_and_azimuth};
 
-/// How a surface is turned: tilt 0 up, 90 level, 180 down; azimuth clockwise from true north, 180 is south. Degrees.
+/// Orientation of a surface: tilt 0 up, 90 level, 180 down; azimuth clockwise from true north, 180
+/// is south. Degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orientation {
-    /// 0..=180.
+    /// Tilt, 0..=180.
     pub tilt_deg: f64,
-    /// 0 up to 360.
+    /// Azimuth, 0 up to 360.
     pub azimuth_deg: f64,
 }
 
 impl Orientation {
-    /// That of a surface which looks straight up.
+    /// Orientation of a surface that faces straight up.
     pub const FLAT: Orientation = Orientation { tilt_deg: 0.0, azimuth_deg: 0.0 };
 
-    /// Of a unit normal by true east, true north and up.
+    /// Returns the orientation of a unit normal by true east, true north and up.
     pub fn of(normal: DVec3) -> Orientation {
         let (tilt_deg, azimuth_deg) = tilt_and_azimuth(normal);
         Orientation { tilt_deg, azimuth_deg }
     }
 
-    /// The unit normal by true east, true north and up; up and down are exactly that, whatever the azimuth.
+    /// Returns the unit normal by true east, true north and up. Straight up and down are exact at
+    /// any azimuth.
     pub fn normal(self) -> DVec3 {
         match self.tilt_deg {
             0.0 => DVec3::Z,
@@ -33,25 +35,27 @@ impl Orientation {
     }
 }
 
-/// Which turns are allowed, degrees.
+/// Limits of allowed orientations, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientationLimits {
     /// Least and greatest tilt, within 0..=180.
     pub tilts_deg: [f64; 2],
-    /// First and last azimuth, clockwise: the last is not below the first, and at most 360 beyond it.
+    /// First and last azimuth, clockwise: the last is not below the first, and at most 360 beyond
+    /// it.
     pub azimuths_deg: [f64; 2],
 }
 
-/// What rounding may do to an angle, degrees.
+/// Largest effect of rounding on an angle, degrees.
 const ROUNDING_DEG: f64 = 1e-6;
 
 impl OrientationLimits {
-    /// Whether all azimuths are allowed.
+    /// Returns true if all azimuths are allowed.
     pub fn is_full_circle(&self) -> bool {
         self.azimuths_deg[1] - self.azimuths_deg[0] >= 360.0 - ROUNDING_DEG
     }
 
-    /// Whether a turn keeps within the limits; what looks straight up or down has all azimuths.
+    /// Returns true if an orientation keeps within the limits. Straight up or down has all
+    /// azimuths.
     pub fn allow(&self, turn: Orientation) -> bool {
         let [least, most] = self.tilts_deg;
         let level = turn.tilt_deg.to_radians().sin() > 1e-9;
@@ -61,7 +65,8 @@ impl OrientationLimits {
         (least - ROUNDING_DEG..=most + ROUNDING_DEG).contains(&turn.tilt_deg) && (in_sector || !level)
     }
 
-    /// Rings of turns about so far apart, degrees: the limits themselves are among them.
+    /// Returns rings of orientations about `step_deg` degrees apart, with the limits themselves
+    /// among them.
     pub fn rings(&self, step_deg: f64) -> Vec<Ring> {
         let [least, most] = self.tilts_deg;
         let parts = ((most - least) / step_deg - ROUNDING_DEG).ceil().max(0.0);
@@ -85,23 +90,24 @@ impl OrientationLimits {
     }
 }
 
-/// Turns of one tilt.
+/// Orientations of one tilt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ring {
-    /// Their tilt, degrees.
+    /// Tilt of the ring, degrees.
     pub tilt_deg: f64,
-    /// Their azimuths, degrees.
+    /// Azimuths of the ring, degrees.
     pub azimuths_deg: Vec<f64>,
 }
 
 impl Ring {
-    /// Its turns.
+    /// Iterates over the orientations of the ring.
     pub fn turns(&self) -> impl Iterator<Item = Orientation> + '_ {
         self.azimuths_deg.iter().map(|&azimuth_deg| Orientation { tilt_deg: self.tilt_deg, azimuth_deg })
     }
 }
 
-/// Turns around one, in so many circles out to a radius, degrees: 6 on the first circle, 12 on the second and so on, 1 in the middle.
+/// Returns orientations around one, in `circles` circles out to a radius, degrees: 1 in the middle,
+/// 6 on the first circle, 12 on the second and so on.
 pub fn around(middle: Orientation, radius_deg: f64, circles: usize) -> Vec<Orientation> {
     let plane = TangentPlane::at(middle);
     let circle = |ring: usize| {
@@ -115,7 +121,8 @@ pub fn around(middle: Orientation, radius_deg: f64, circles: usize) -> Vec<Orien
     std::iter::once(middle).chain(offs.map(|(a, b)| plane.turn(a, b))).collect()
 }
 
-/// Turns near one by two coordinates, degrees off it: level to the side, and up the surface. Distances from the middle are true angles.
+/// Plane of orientations near one, by two coordinates in degrees off it: level to the side, and up
+/// the surface. Distances from the middle are true angles.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentPlane {
     middle: DVec3,
@@ -124,14 +131,14 @@ pub struct TangentPlane {
 }
 
 impl TangentPlane {
-    /// The plane of a turn; of one that looks straight up or down by its azimuth.
+    /// Returns the plane of an orientation; for straight up or down the azimuth gives the axes.
     pub fn at(turn: Orientation) -> Self {
         let (sin, cos) = turn.azimuth_deg.to_radians().sin_cos();
         let (middle, side) = (turn.normal(), DVec3::new(-cos, sin, 0.0));
         TangentPlane { middle, side, up: middle.cross(side) }
     }
 
-    /// The turn at a place of the plane.
+    /// Returns the orientation at a place of the plane.
     pub fn turn(&self, a_deg: f64, b_deg: f64) -> Orientation {
         let off = a_deg.hypot(b_deg);
         if off == 0.0 {
@@ -142,7 +149,7 @@ impl TangentPlane {
         Orientation::of((self.middle * cos + way * sin).normalize())
     }
 
-    /// Where a turn lies in the plane, degrees.
+    /// Returns the place of an orientation in the plane, degrees.
     pub fn place(&self, turn: Orientation) -> [f64; 2] {
         let normal = turn.normal();
         let [a, b] = [self.side.dot(normal), self.up.dot(normal)];
@@ -161,8 +168,9 @@ mod tests {
 
     const ALL: OrientationLimits = OrientationLimits { tilts_deg: [0.0, 90.0], azimuths_deg: [0.0, 360.0] };
 
-    /// A fan of 10 degrees over the upper half has 10 rings and 229 turns, one of them up, none of them nearer than 6 degrees to another or
-    /// outside the limits; of one azimuth there are 10.
+    /// Rings 10 degrees apart over the upper half are 10 rings and 229 orientations. One of them is
+    /// up, and none is nearer than 6 degrees to another or outside the limits. With one azimuth
+    /// there are 10.
     #[test]
     fn evenly() {
         let rings = ALL.rings(10.0);
@@ -178,7 +186,8 @@ mod tests {
         assert!(turns.len() == 10 && turns.iter().all(|turn| turn.azimuth_deg == 180.0), "{turns:?}");
     }
 
-    /// From 300 over north to 60 degrees 350 and 10 are allowed, 180 is not, and flat is; a fan has both ends.
+    /// Limits from 300 over north to 60 degrees allow 350 and 10, not 180, and flat. A ring has
+    /// both ends.
     #[test]
     fn over_north() {
         let limits = OrientationLimits { tilts_deg: [0.0, 30.0], azimuths_deg: [300.0, 420.0] };
@@ -189,8 +198,8 @@ mod tests {
         assert_eq!((last.azimuths_deg.first(), last.azimuths_deg.last()), (Some(&300.0), Some(&60.0)));
     }
 
-    /// Of 37 turns within 12 degrees of three others, up among them, none is farther than that, and each is found again in the plane within
-    /// 1e-9 degrees.
+    /// None of 37 orientations within 12 degrees of three others, up among them, is farther than
+    /// that, and each comes back from its place in the plane within 1e-7 radians.
     #[test]
     fn near_a_turn() {
         for middle in [

@@ -1,39 +1,41 @@
-//! Bands of sunlight. In: what a material states for some of them. Out: their limits, their shares of the light of sun and sky, and what the
-//! material does in each.
+//! Bands of sunlight. In: the values that a material states for some bands. Out: the limits of the
+//! bands, their shares of the light of sun and sky, and the values of the material in each.
 //!
-//! The shares are integrals of ASTM G173-03 (2012), "Standard tables for reference solar spectral irradiances: direct normal and hemispherical on
-//! 37 degree tilted surface", from 280 to 4000 nm, by the trapezoidal rule on its 2002 wavelengths as pvlib 0.16 has them
-//! (`pvlib.spectrum.get_reference_spectra`): the sun's of the direct normal spectrum, 900.14 W/m2, the sky's of what the hemispherical one has
-//! beyond it on the tilted plane, 117.34 W/m2. `tools/peers/bands.py` computes them. That sky is clear, of an air mass of 1.5; under clouds the
-//! light of the sky is less blue.
+//! The shares are integrals of ASTM G173-03 (2012), "Standard tables for reference solar spectral
+//! irradiances: direct normal and hemispherical on 37 degree tilted surface", from 280 to 4000 nm,
+//! by the trapezoidal rule on its 2002 wavelengths as pvlib 0.16 has them
+//! (`pvlib.spectrum.get_reference_spectra`). The sun's share is that of the direct normal spectrum,
+//! 900.14 W/m2. The sky's share is that of the part of the hemispherical spectrum beyond the direct
+//! one on the tilted plane, 117.34 W/m2. `tools/peers/bands.py` computes them. That sky is clear,
+//! of an air mass of 1.5; under clouds the light of the sky is less blue.
 
-/// A band of sunlight by its wavelengths.
+/// Band of sunlight, a range of wavelengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Band {
     /// Ultraviolet, 280 to 380 nm.
     Uv,
-    /// What is seen, 380 to 780 nm.
+    /// Visible light, 380 to 780 nm.
     Visible,
-    /// What plants live on (photosynthetically active radiation), 400 to 700 nm: a part of what is seen.
+    /// Photosynthetically active radiation, 400 to 700 nm: a part of the visible light.
     Par,
     /// Near infrared, 780 to 4000 nm.
     Nir,
 }
 
-/// Factors of the light of the sun and of the sky.
+/// Factors that scale the light of the sun and the light of the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourceScale {
-    /// Of the sun's disc.
+    /// Factor of the sun's disc.
     pub sun: f64,
-    /// Of the sky.
+    /// Factor of the sky.
     pub sky: f64,
 }
 
 impl SourceScale {
-    /// The light as it is.
+    /// Factors that leave the light as it is: 1 and 1.
     pub const WHOLE: SourceScale = SourceScale { sun: 1.0, sky: 1.0 };
 
-    /// Both times a number.
+    /// Returns the two factors multiplied by a number.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         SourceScale { sun: self.sun * factor, sky: self.sky * factor }
@@ -41,10 +43,11 @@ impl SourceScale {
 }
 
 impl Band {
-    /// All of them, in the order of their codes. Ultraviolet, visible and near infrared are the whole of the light.
+    /// All bands, in the order of their codes. Ultraviolet, visible and near infrared together are
+    /// the whole of the light.
     pub const ALL: [Band; 4] = [Band::Uv, Band::Visible, Band::Par, Band::Nir];
 
-    /// Its name, wherever users give one.
+    /// Returns the name of the band, as users write it.
     pub const fn name(self) -> &'static str {
         match self {
             Band::Uv => "uv",
@@ -54,22 +57,22 @@ impl Band {
         }
     }
 
-    /// The band of a name.
+    /// Returns the band of a name.
     pub fn of_name(name: &str) -> Option<Self> {
         Band::ALL.into_iter().find(|band| band.name() == name)
     }
 
-    /// The band as a number in archives.
+    /// Returns the code of the band in archives.
     pub const fn code(self) -> u8 {
         self as u8
     }
 
-    /// The band of a [`Band::code`]; `None` for any other number.
+    /// Returns the band of a [`Band::code`]; `None` for any other number.
     pub fn of_code(code: u8) -> Option<Self> {
         Band::ALL.get(usize::from(code)).copied()
     }
 
-    /// Shares of the light of the sun and of the sky that lie in the band.
+    /// Returns the shares of the light of the sun and of the sky that lie in the band.
     pub const fn shares(self) -> SourceScale {
         match self {
             Band::Uv => SourceScale { sun: 0.0226, sky: 0.1047 },
@@ -92,10 +95,10 @@ pub enum BandProperty {
 }
 
 impl BandProperty {
-    /// All of them, in the order of their codes.
+    /// All properties, in the order of their codes.
     pub const ALL: [BandProperty; 3] = [BandProperty::Diffuse, BandProperty::Specular, BandProperty::Transmittance];
 
-    /// Its key where materials are stated.
+    /// Returns the key of the property in descriptions of materials.
     pub const fn name(self) -> &'static str {
         match self {
             BandProperty::Diffuse => "diffuse",
@@ -104,28 +107,28 @@ impl BandProperty {
         }
     }
 
-    /// The property as a number in archives.
+    /// Returns the code of the property in archives.
     pub const fn code(self) -> u8 {
         self as u8
     }
 
-    /// The property of a [`BandProperty::code`]; `None` for any other number.
+    /// Returns the property of a [`BandProperty::code`]; `None` for any other number.
     pub fn of_code(code: u8) -> Option<Self> {
         BandProperty::ALL.get(usize::from(code)).copied()
     }
 }
 
-/// What is stated of one property, by band: `None` where nothing is.
+/// Stated values of one property by band; `None` for a band without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BandValues([Option<f64>; 4]);
 
 impl BandValues {
-    /// One value.
+    /// Returns values that state one band.
     pub fn of(band: Band, value: f64) -> Self {
         BandValues::default().with(band, value)
     }
 
-    /// The same with a value for a band.
+    /// Returns the values with one more band stated.
     #[must_use]
     pub fn with(mut self, band: Band, value: f64) -> Self {
         if let Some(place) = self.0.get_mut(usize::from(band.code())) {
@@ -134,22 +137,24 @@ impl BandValues {
         self
     }
 
-    /// What is stated for a band.
+    /// Returns the stated value of a band.
     pub fn stated(&self, band: Band) -> Option<f64> {
         self.0.get(usize::from(band.code())).copied().flatten()
     }
 
-    /// Bands with a value, in the order of their codes.
+    /// Iterates over bands with a value, in the order of their codes.
     pub fn all(&self) -> impl Iterator<Item = (Band, f64)> {
         Band::ALL.into_iter().zip(self.0).filter_map(|(band, value)| Some((band, value?)))
     }
 
-    /// The value in a band of a property that has the value `solar` for all light. What is not stated follows:
+    /// Returns the value in a band of a property that has the value `solar` for all light. A value
+    /// that is not stated follows from the others:
     ///
-    /// - what is seen and what plants live on stand for one another, and without either are as `solar`;
-    /// - ultraviolet is as what is seen;
-    /// - near infrared is what is left of `solar`, so that the three make it up under the sun's own shares: solar = the sum of share x value.
-    ///   It may lie outside 0..=1 where the numbers do not fit.
+    /// - visible and PAR stand for one another, and are `solar` if neither is stated;
+    /// - ultraviolet is as visible;
+    /// - near infrared is the rest of `solar`, so that the three bands add up to it under the sun's
+    ///   own shares: solar = the sum of share x value. It may lie outside 0..=1 where the numbers
+    ///   do not fit.
     pub fn value(&self, band: Band, solar: f64) -> f64 {
         let either = |one, other| self.stated(one).or_else(|| self.stated(other));
         let visible = either(Band::Visible, Band::Par);
@@ -169,7 +174,7 @@ impl BandValues {
     }
 }
 
-/// What a material states by band besides its values for all light; nothing for most.
+/// Stated values of a material by band, besides its values for all light; empty for most materials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BandOptics {
     /// Diffuse reflectances.
@@ -178,12 +183,12 @@ pub struct BandOptics {
     pub specular: BandValues,
     /// Transmittances of a canopy.
     pub transmittance: BandValues,
-    /// Longwave emissivity, beyond 4000 nm: no light of the sun, so no band of it.
+    /// Longwave emissivity, beyond 4000 nm. No sunlight lies there, so it is no band.
     pub emissivity: Option<f64>,
 }
 
 impl BandOptics {
-    /// What is stated of a property.
+    /// Returns the stated values of a property.
     pub fn of(&self, property: BandProperty) -> &BandValues {
         match property {
             BandProperty::Diffuse => &self.diffuse,
@@ -192,7 +197,7 @@ impl BandOptics {
         }
     }
 
-    /// What is stated of a property, to be changed.
+    /// Returns the stated values of a property, to be changed.
     pub fn of_mut(&mut self, property: BandProperty) -> &mut BandValues {
         match property {
             BandProperty::Diffuse => &mut self.diffuse,
@@ -201,12 +206,13 @@ impl BandOptics {
         }
     }
 
-    /// Whether nothing is stated for bands of the light.
+    /// Returns true if nothing is stated for bands of the light.
     pub fn is_empty(&self) -> bool {
         self.all().next().is_none()
     }
 
-    /// All that is stated for bands of the light: property, band, value; in the order of archives.
+    /// Iterates over all stated values of bands of the light: property, band, value; in the order
+    /// of archives.
     pub fn all(&self) -> impl Iterator<Item = (BandProperty, Band, f64)> {
         let of = |property: BandProperty| self.of(property).all().map(move |(band, value)| (property, band, value));
         BandProperty::ALL.into_iter().flat_map(of)
@@ -217,8 +223,8 @@ impl BandOptics {
 mod tests {
     use super::*;
 
-    /// Ultraviolet, visible and near infrared light add up to all of it, of the sun and of the sky, to 1e-12; the 4 bands and 3 properties come
-    /// back from their codes and names.
+    /// Ultraviolet, visible and near infrared shares add up to 1, for the sun and for the sky, to
+    /// 1e-12. The 4 bands and 3 properties come back from their codes and names.
     #[test]
     fn shares_and_codes() {
         let of = |part: fn(SourceScale) -> f64| [Band::Uv, Band::Visible, Band::Nir].map(|band| part(band.shares()));
@@ -234,8 +240,9 @@ mod tests {
         assert_eq!((Band::of_code(4), BandProperty::of_code(3), Band::of_name("red")), (None, None, None));
     }
 
-    /// The diffuse share of a day's PAR is that of Spitters et al. 1986 (pvlib 0.16.1, `diffuse_par_spitters`, zenith angle 50 degrees) within 0.03
-    /// for diffuse shares of all light of 0.1 to 1: 7 of 7.
+    /// The diffuse share of a day's PAR agrees with Spitters et al. 1986 (pvlib 0.16.1,
+    /// `diffuse_par_spitters`, zenith angle 50 degrees) within 0.03 for diffuse shares of all light
+    /// of 0.1 to 1: 7 of 7.
     #[test]
     fn par_beside_spitters() {
         let SourceScale { sun, sky } = Band::Par.shares();
@@ -247,9 +254,10 @@ mod tests {
         }
     }
 
-    /// A leaf of 0.25 that reflects 0.08 of what is seen reflects 0.4514 of the near infrared, so that all three make 0.25 again, to 1e-12; with
-    /// nothing stated every band has 0.25; par stands for visible and the other way; a stated near infrared stays 0.45; 0.9 of what is seen
-    /// leaves less than nothing.
+    /// A leaf of 0.25 that reflects 0.08 of the visible light reflects 0.4514 of the near infrared,
+    /// so that the three bands make 0.25 again, to 1e-12. With nothing stated every band has 0.25.
+    /// PAR stands for visible and the other way. A stated near infrared stays 0.45. A visible value
+    /// of 0.9 makes the near infrared negative.
     #[test]
     fn what_is_not_stated_follows() {
         let leaf = BandValues::of(Band::Visible, 0.08);

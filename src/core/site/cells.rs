@@ -1,7 +1,9 @@
-//! Cells: how surfaces are cut into patches that probes stand for. In: a hit (point, normal, material, distance). Out: its key.
+//! Cells: the patches that surfaces are cut into, one probe each. In: a hit (point, normal,
+//! material, distance). Out: its key.
 //!
-//! A key depends on the surface point and a cell size only, never on who asked. Sizes are powers of two and their grids
-//! nest, so the cell of a coarser level holds whole cells of every finer one.
+//! A key depends on the surface point and a cell size only, never on the ray or receiver that hit
+//! it. Sizes are powers of two and their grids nest, so the cell of a coarser level holds whole
+//! cells of every finer one.
 
 use std::cmp::Ordering;
 use std::collections::{HashMap, HashSet};
@@ -12,40 +14,47 @@ use glam::DVec3;
 use crate::hemisphere::mix;
 use crate::site::morton::{BITS as MORTON_BITS, morton_cmp, spread};
 
-/// The voxel grid is shifted by this much (metres), so that walls and floors on round coordinates do not lie in the boundary between
-/// two voxels at any level: odd multiples of 2^-15, half a step of the grid that vertices lie on, near the multiples of the golden
-/// ratio's powers 0.1382, 0.2090 and 0.0729.
+/// Shift of the voxel grid, metres. It keeps walls and floors on round coordinates off the boundary
+/// between two voxels at any level. The values are odd multiples of 2^-15, half a step of the grid
+/// that vertices lie on, near the multiples of the golden ratio's powers 0.1382, 0.2090 and 0.0729.
 pub const GRID_SHIFT_M: DVec3 = DVec3::new(4529.0 / 32_768.0, 6849.0 / 32_768.0, 2391.0 / 32_768.0);
 
-/// Levels of cells that surfaces are cut into: 1 mm to 2^20 m.
+/// Finest and coarsest level of cells: 1 mm to 2^20 m.
 const LEVELS: (i8, i8) = (-10, 20);
 
-/// Voxels are counted from the coordinates of the input modulo 2^22 m, from -2^21 to 2^21 m: 32 bits at the finest level. A scene reaches at
-/// most 2^20 m from its origin ([`grid::MOST_M`](crate::site::grid::MOST_M)), so no two of its places have one voxel.
+/// Level of the window, 2^22 m, in which voxels are counted: the input's coordinates modulo the
+/// window, from -2^21 to 2^21 m, take 32 bits at the finest level. A scene reaches at most 2^20 m
+/// from its origin ([`grid::MOST_M`](crate::site::grid::MOST_M)), so no two of its places have one
+/// voxel.
 const WINDOW_LEVEL: i8 = 22;
 
-/// Number of facing bins of fine cells: six cube faces of 3 x 3. Codes from here on name whole faces, for coarse cells.
+/// Number of facing bins of fine cells: six cube faces of 3 x 3. Codes from here on name whole
+/// faces, for coarse cells.
 const FACINGS: u8 = 54;
 
-/// Added to the facing of cells that are the back of their triangles. Light on the outside of a wall is not seen from
-/// inside the solid, though both sides of two neighbours may share a voxel and a facing.
+/// Number added to the facing of cells on the back of their triangles. Light on the outside of a
+/// wall is not seen from inside the solid, though the two sides may share a voxel and a facing with
+/// their neighbours.
 const BACK: u8 = 64;
 
-/// Added to the facing of cells of leaves, which are both sides of their triangles: a leaf sends the same light to either side.
+/// Number added to the facing of cells of leaves, which hold both sides of their triangles: a leaf
+/// sends the same light to either side.
 const LEAF: u8 = 128;
 
-/// Name of a surface patch: the surfaces of one material that face one way inside one voxel of edge 2^level metres. Voxels are those of
-/// the input's coordinates, whatever scene holds the patch.
-/// `facing` is one of 54 bins, or 54 + cube face for the coarse cells of the bounce system, plus 64 for the triangles' back, or 128 for both sides
-/// of leaves.
+/// Key of a cell: the surfaces of one material that face one way inside one voxel of edge 2^level
+/// metres. Voxels are those of the input's coordinates, in every scene that holds the cell.
+/// `facing` is one of 54 bins, or 54 + cube face for the coarse cells of the bounce system, plus 64
+/// for the triangles' back, or 128 for both sides of leaves.
 ///
-/// Keys are ordered by place first: by the Morton code of a region, then by the fields as they stand. So what is near each
-/// other lies near each other in an archive, and a part of a site needs a part of its cells.
+/// Keys are ordered by place first: by the Morton code of a region, then by the fields in the order
+/// below. So neighbours lie near each other in an archive, and a part of a site needs a part of its
+/// cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CellKey {
     /// Edge of the voxel: 2^level metres.
     pub level: i8,
-    /// Part of a cube's face that the normal points to; 64 is added for the back of triangles, 128 for leaves.
+    /// Part of a cube's face that the normal points to; 64 is added for the back of triangles, 128
+    /// for leaves.
     pub facing: u8,
     /// Row of the materials table.
     pub material: u16,
@@ -53,7 +62,7 @@ pub struct CellKey {
     pub voxel: [i32; 3],
 }
 
-/// Regions that order cells have this level: 64 m.
+/// Level of the regions that order cells: 64 m.
 const REGION_LEVEL: i8 = 6;
 
 impl Ord for CellKey {
@@ -70,7 +79,7 @@ impl Hash for CellKey {
     }
 }
 
-/// Hashes of keys in few instructions, the same in every run.
+/// Hasher of cell keys: few instructions, equal in every run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct KeyHasher(u64);
 
@@ -86,10 +95,10 @@ impl Hasher for KeyHasher {
     }
 }
 
-/// Values by cell; their order means nothing.
+/// Map from cells to values, without an order.
 pub type CellMap<T> = HashMap<CellKey, T, BuildHasherDefault<KeyHasher>>;
 
-/// Cells, each once; their order means nothing.
+/// Set of cells, without an order.
 pub type CellSet = HashSet<CellKey, BuildHasherDefault<KeyHasher>>;
 
 impl PartialOrd for CellKey {
@@ -99,16 +108,16 @@ impl PartialOrd for CellKey {
 }
 
 impl CellKey {
-    /// Bytes of [`CellKey::to_bytes`].
+    /// Length of [`CellKey::to_bytes`].
     pub const BYTES: usize = 24;
 
-    /// Morton code of the region that holds the cell's lowest corner.
+    /// Returns the Morton code of the region that holds the cell's lowest corner.
     fn region(self) -> u64 {
         let [x, y, z] = self.region_voxel().map(|v| spread(u64::from(v)));
         x | y << 1 | z << 2
     }
 
-    /// All fields as one number that sorts as they do.
+    /// Returns all fields as one number that sorts as they do.
     pub fn number(self) -> u128 {
         // Flipping the sign bit makes signed numbers sort as unsigned ones.
         let [level] = self.level.to_be_bytes();
@@ -128,7 +137,7 @@ impl CellKey {
         }
     }
 
-    /// Voxel of the region, 21 bits an axis.
+    /// Returns the voxel of the region, 21 bits an axis.
     fn region_voxel(self) -> [u32; 3] {
         let finer = u32::from(REGION_LEVEL.saturating_sub(self.level).max(0).unsigned_abs()).min(31);
         let coarser = u32::from(self.level.saturating_sub(REGION_LEVEL).max(0).unsigned_abs()).min(31);
@@ -139,7 +148,7 @@ impl CellKey {
         })
     }
 
-    /// Bytes that sort as keys do, for sorting outside memory.
+    /// Returns bytes that sort as keys do, for sorting outside memory.
     pub fn to_bytes(self) -> [u8; CellKey::BYTES] {
         let mut bytes = [0; CellKey::BYTES];
         let (region, number) = bytes.split_at_mut(8);
@@ -154,32 +163,35 @@ impl CellKey {
         CellKey::from_number(u128::from_be_bytes(number))
     }
 
-    /// Cell of edge 2^level metres that holds a surface point (input coordinates); `outward` is the triangle's normal, `back` says that
-    /// its other side is seen.
+    /// Returns the cell of edge 2^level metres that holds a surface point (input coordinates).
+    /// `outward` is the triangle's normal; `back` says that its other side is seen.
     pub fn new(point: DVec3, outward: DVec3, back: bool, material: u16, level: i8) -> Self {
         let p = (point + GRID_SHIFT_M) / size_of(level);
         let voxel = p.to_array().map(|x| wrapped(floor(x), level));
         CellKey { level, facing: facing_code(outward, back), material, voxel }
     }
 
-    /// Cell of edge 2^level metres that holds a point of a leaf (input coordinates), whichever of its sides is seen.
+    /// Returns the cell of edge 2^level metres that holds a point of a leaf (input coordinates),
+    /// the same for its two sides.
     pub fn leaf(point: DVec3, outward: DVec3, material: u16, level: i8) -> Self {
         let key = CellKey::new(point, upper(outward), false, material, level);
         CellKey { facing: key.facing + LEAF, ..key }
     }
 
-    /// Whether this is a cell of leaves, both sides of them.
+    /// Returns true if this is a cell of leaves, which holds both of their sides.
     pub fn is_leaf(self) -> bool {
         self.facing & LEAF != 0
     }
 
-    /// A cell without any surface, so without light: its voxel lies half a window from the coordinates' origin on each axis, farther than a scene
-    /// reaches. Receivers that no light comes to see nothing else.
+    /// Returns a cell without any surface, so without light. Its voxel lies half a window from the
+    /// coordinates' origin on each axis, farther than a scene reaches. A receiver that no light
+    /// reaches sees this cell only.
     pub fn dark(material: u16) -> Self {
         CellKey { level: LEVELS.0, facing: 0, material, voxel: [i32::MIN; 3] }
     }
 
-    /// The coarse cell of at least level `level` that this cell lies in: a whole cube face of directions.
+    /// Returns the coarse cell, of level `level` or this cell's own if that is higher, that this
+    /// cell lies in. It takes a whole cube face of directions.
     pub fn coarse(self, level: i8) -> Self {
         let shift = u32::from(level.saturating_sub(self.level).max(0).unsigned_abs()).min(31);
         CellKey {
@@ -190,7 +202,7 @@ impl CellKey {
         }
     }
 
-    /// The normal of this cell's side of a triangle, if the triangle belongs to the cell.
+    /// Returns the normal of this cell's side of a triangle, if the triangle belongs to the cell.
     pub fn side_of(self, outward: DVec3) -> Option<DVec3> {
         let back = self.is_back();
         let outward = if self.is_leaf() { upper(outward) } else { outward };
@@ -198,7 +210,7 @@ impl CellKey {
         belongs.then_some(if back { -outward } else { outward })
     }
 
-    /// Whether a triangle of this tag belongs to the cell.
+    /// Returns true if a triangle of this tag belongs to the cell.
     pub fn holds(self, tag: FaceTag) -> bool {
         let [front, back] = tag.bins;
         let bin = match () {
@@ -215,7 +227,7 @@ impl CellKey {
         tag.material == self.material && if self.bin() < FACINGS { self.bin() == bin } else { self.face() == bin / 9 }
     }
 
-    /// Whether this is the back of its triangles.
+    /// Returns true if this is the back of its triangles.
     pub fn is_back(self) -> bool {
         self.facing & BACK != 0
     }
@@ -224,89 +236,93 @@ impl CellKey {
         self.facing & !(BACK | LEAF)
     }
 
-    /// Cube face 0..6: x+, x-, y+, y-, z+, z-.
+    /// Returns the cube face 0..6: x+, x-, y+, y-, z+, z-.
     fn face(self) -> u8 {
         if self.bin() < FACINGS { self.bin() / 9 } else { (self.bin() - FACINGS) % 6 }
     }
 
-    /// Lowest corner of the voxel before the shift by [`GRID_SHIFT_M`], input coordinates: of all voxels of that number the one that is
-    /// nearest to a point, such as the scene's origin. It is a multiple of the cell's size.
+    /// Returns the lowest corner of the voxel before the shift by [`GRID_SHIFT_M`], input
+    /// coordinates. Of all voxels with that number it takes the one nearest to `near`, such as the
+    /// scene's origin. The corner is a multiple of the cell's size.
     pub fn corner(self, near: DVec3) -> DVec3 {
         let (size, window) = (size_of(self.level), size_of(WINDOW_LEVEL));
         let corner = DVec3::from(self.voxel.map(f64::from)) * size;
         corner + ((near - corner - 0.5 * size) / window).round() * window
     }
 
-    /// Axis (0 x, 1 y, 2 z) and sign of the cube face that this cell's facing lies on.
+    /// Returns the axis (0 x, 1 y, 2 z) and sign of the cube face that this cell's facing lies on.
     pub fn axis(self) -> (usize, f64) {
         let face = self.face();
         (usize::from(face / 2), if face.is_multiple_of(2) { 1.0 } else { -1.0 })
     }
 
-    /// Seed of everything random about this cell. It leaves out the material, whose number is another one where a variant of the
-    /// site has one material more.
+    /// Returns the seed of everything random about this cell. It leaves out the material, because a
+    /// variant of the site with one more material numbers them otherwise.
     pub fn seed(self) -> u64 {
         let head = (u64::from(self.level as u8) << 32) | (u64::from(self.facing) << 16);
         self.voxel.iter().fold(mix(0x6365_6c6c, head), |state, &v| mix(state, u64::from(v as u32)))
     }
 }
 
-/// What cells ask of a triangle, in four bytes.
+/// Facts about a triangle that decide to which cells it belongs, in four bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FaceTag {
     material: u16,
-    /// Of its normal, and of the opposite one.
+    /// Facing bins of its normal and of the opposite one.
     bins: [u8; 2],
 }
 
 impl FaceTag {
-    /// Of a triangle with this unit normal.
+    /// Returns the tag of a triangle with this unit normal.
     pub fn of(outward: DVec3, material: u16) -> Self {
         FaceTag { material, bins: [facing_bin(outward), facing_bin(-outward)] }
     }
 }
 
-/// Edge of a cell of this level, metres.
+/// Returns the edge of a cell of this level, metres.
 pub fn size_of(level: i8) -> f64 {
-    // The exponent of a power of two.
+    // The exponent bits of a power of two.
     f64::from_bits((1023 + i64::from(level)).cast_unsigned() << 52)
 }
 
-/// The largest integer that is not above a number, without a call of the C library; what lies beyond i64 is taken to its end.
+/// Returns the largest integer not above `x`, saturated to i64, without a call of the C library.
 fn floor(x: f64) -> i64 {
-    // `as` saturates: no input can overflow. Integers that f64 does not hold come from numbers without a fraction.
+    // `as` saturates: no input can overflow. Integers that f64 does not hold come from numbers
+    // without a fraction.
     let towards_zero = x as i64;
     if towards_zero as f64 > x { towards_zero.saturating_sub(1) } else { towards_zero }
 }
 
-/// Number of a voxel in the window: its lowest bits, with a sign. So the number of a coarser voxel is that of a finer one shifted.
+/// Returns the number of a voxel in the window: its lowest bits, with a sign. So the number of a
+/// coarser voxel is that of a finer one, shifted.
 fn wrapped(number: i64, level: i8) -> i32 {
     let bits = u32::from(WINDOW_LEVEL.saturating_sub(level).max(1).unsigned_abs()).min(32);
     ((number << (64 - bits)) >> (64 - bits)) as i32
 }
 
-/// Level from -10 to 20 whose size is nearest (as a ratio) to `size_m`; exact exponent arithmetic, equal on every processor.
+/// Returns the level from -10 to 20 whose size is nearest (as a ratio) to `size_m`, by exact
+/// exponent arithmetic, equal on every processor.
 pub fn level_of(size_m: f64) -> i8 {
     let exponent = ((size_m * std::f64::consts::SQRT_2).to_bits() >> 52) as i64 - 1023;
     exponent.clamp(i64::from(LEVELS.0), i64::from(LEVELS.1)) as i8
 }
 
-/// Facing of one side of a triangle with this unit normal.
+/// Returns the facing of one side of a triangle with this unit normal.
 fn facing_code(outward: DVec3, back: bool) -> u8 {
     if back { facing_bin(-outward) + BACK } else { facing_bin(outward) }
 }
 
-/// That of the two normals of a leaf whose largest component is positive.
+/// Returns the one of the two normals of a leaf whose largest component is positive.
 fn upper(normal: DVec3) -> DVec3 {
     if is_upper(facing_bin(normal)) { normal } else { -normal }
 }
 
-/// Whether the largest component of the normals of a bin is positive.
+/// Returns true if the largest component of the normals of a bin is positive.
 fn is_upper(bin: u8) -> bool {
     (bin / 9).is_multiple_of(2)
 }
 
-/// Bin of a unit vector: cube face (x+, x-, y+, y-, z+, z-), then its 3 x 3 part.
+/// Returns the bin of a unit vector: cube face (x+, x-, y+, y-, z+, z-), then its 3 x 3 part.
 fn facing_bin(n: DVec3) -> u8 {
     let a = n.abs();
     let (axis, p, q, major) = if a.z >= a.x && a.z >= a.y {
@@ -324,11 +340,13 @@ fn facing_bin(n: DVec3) -> u8 {
     (axis * 2 + u8::from(major < 0.0)) * 9 + third(p) * 3 + third(q)
 }
 
-/// Added to a receiver's place, so that round coordinates do not lie between two millimetres.
+/// Shift of a receiver's place, metres, so that round coordinates do not lie between two
+/// millimetres.
 const PLACE_SHIFT_M: DVec3 = DVec3::new(0.138_196_6, 0.209_017_0, 0.072_949_0);
 
-/// Seed of a receiver's own jitter: its position in input coordinates to the millimetre, modulo 2^22 m as voxels are, and its normal, so
-/// that neither its name nor its order counts.
+/// Returns the seed of a receiver's own jitter. It depends on the position in input coordinates to
+/// the millimetre, modulo 2^22 m as voxels are, and on the normal, so that neither the receiver's
+/// name nor its order counts.
 pub fn receiver_seed(position: DVec3, normal: DVec3) -> u64 {
     let q = |v: f64, unit: f64| ((v / unit + 0.381_966).floor() as i64) as u64;
     let window = size_of(WINDOW_LEVEL);
@@ -343,7 +361,8 @@ mod tests {
     use super::*;
     use crate::hemisphere::unit;
 
-    /// Grids nest: the coarse cell of a point's fine cell is the point's own, for 1,000 points and 8 levels.
+    /// Grids nest: the coarse cell of a point's fine cell is the point's own coarse cell, for 1,000
+    /// points and 8 levels.
     #[test]
     fn grids_nest() {
         let mut state = 1;
@@ -360,8 +379,8 @@ mod tests {
         }
     }
 
-    /// Bytes and numbers come back as the key, bytes sort as keys do, and 4,000 keys of 8 levels lie region by region: each of the 418
-    /// regions of 64 m is met once.
+    /// Keys come back from their bytes and numbers, and bytes sort as keys do. 4,000 keys of 8
+    /// levels lie region by region: each of the 418 regions of 64 m is met once.
     #[test]
     fn order_is_by_place() {
         let mut keys = Vec::new();
@@ -398,7 +417,8 @@ mod tests {
         assert_eq!(seen.len(), usize::from(FACINGS));
     }
 
-    /// The back of a triangle that faces up is a cell that faces down, and no front belongs to it: 2 of 4 pairs match.
+    /// The back of a triangle that faces up is a cell that faces down, and no front belongs to it:
+    /// 2 of 4 pairs match.
     #[test]
     fn sides() {
         let cells = [false, true].map(|back| CellKey::new(DVec3::ONE, DVec3::Z, back, 0, 1));
@@ -407,8 +427,9 @@ mod tests {
         assert_eq!(cells.map(CellKey::axis), [(2, 1.0), (2, -1.0)]);
     }
 
-    /// Leaves of normals that are opposite lie in one cell, which has the normal of the larger component, also when it is coarser: 2 of 2; no
-    /// side of an opaque surface belongs to it by its facing's number, and 128 is added to that.
+    /// Leaves of opposite normals lie in one cell, which has the normal of the larger component,
+    /// also when the cell is coarser: 2 of 2. The facing is that of an opaque cell plus 128, and a
+    /// triangle that faces elsewhere does not belong.
     #[test]
     fn leaves() {
         for (normal, side) in [(DVec3::new(0.6, 0.0, -0.8), -1.0), (DVec3::new(0.8, 0.0, -0.6), 1.0)] {
@@ -422,7 +443,8 @@ mod tests {
         }
     }
 
-    /// Levels round to the nearest power of two: 0.5 m is -1, 1.4 m is 0, 1.5 m is 1, 30 m is 5; all 256 have the size 2^level.
+    /// Levels round to the nearest power of two: 0.5 m is -1, 1.4 m is 0, 1.5 m is 1, 30 m is 5;
+    /// all 256 have the size 2^level.
     #[test]
     fn levels() {
         assert_eq!([0.5, 1.4, 1.5, 4.0, 30.0].map(level_of), [-1, 0, 1, 2, 5]);
@@ -431,8 +453,9 @@ mod tests {
         }
     }
 
-    /// At 12 places from -9,000 km to 9,000 km voxels of 31 levels hold the point that they were made of, to 4e-9 m, if they are looked for
-    /// around a point up to 1,000 km away; grids nest there, and seeds do not depend on the material.
+    /// At 12 places from -9,000 km to 9,000 km voxels of 31 levels hold the point that they were
+    /// made of, to 4e-9 m, if their corner is looked for around a point up to 1,000 km away. Grids
+    /// nest there, and seeds do not depend on the material.
     #[test]
     fn far_places() {
         for i in 0..12_u64 {
@@ -449,7 +472,8 @@ mod tests {
         }
     }
 
-    /// Twelve numbers, also beyond i32 and i64 and none, have the floor that the library gives them.
+    /// Twelve numbers, also beyond i32 and i64 and NaN, have the floor that the standard library
+    /// gives them.
     #[test]
     fn floors() {
         let far = 2147483648.0;

@@ -1,77 +1,81 @@
-//! Planar mirrors: orientations, and chains of them with what they do to directions.
+//! Planar mirrors: orientations, and chains of them with their effect on directions. In: normals
+//! and materials, directions. Out: mirrored directions and linear maps.
 //!
-//! What a mirror does to a direction depends on its normal only. So all parallel mirrors of one material are one orientation, a
-//! hundred recessed windows as well as a single pane; a curved mirror is many.
+//! The effect of a mirror on a direction depends on its normal only. So all parallel mirrors of one
+//! material are one orientation, a hundred recessed windows as well as a single pane. A curved
+//! mirror is many orientations.
 
 use glam::{DMat3, DVec3};
 
-/// Most mirrors that light meets one after the other.
+/// Largest number of mirrors that light meets one after the other.
 pub const MOST_MIRRORS: usize = 3;
 
-/// The parallel mirrors of one material.
+/// Orientation of the parallel mirrors of one material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MirrorPlane {
-    /// Unit normal; its sign means nothing.
+    /// Unit normal of either sign.
     pub normal: DVec3,
     /// Row of the materials table.
     pub material: u16,
 }
 
 impl MirrorPlane {
-    /// A direction after reflection, or before it.
+    /// Returns a direction mirrored: after reflection, or before it.
     pub fn reflect(&self, direction: DVec3) -> DVec3 {
         direction - self.normal * (2.0 * self.normal.dot(direction))
     }
 
-    /// The same as a linear map.
+    /// Returns the reflection as a linear map.
     pub fn map(&self) -> DMat3 {
         let n = self.normal;
         DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z) * 2.0
     }
 }
 
-/// A mirror on the way to a surface: the number of its material, and the cosine of the angle of incidence in 255ths.
+/// Mirror on the way to a surface: the number of its material, and the cosine of the angle of
+/// incidence in 255ths.
 pub type MirrorStep = (u16, u8);
 
-/// Orientations met one after the other from the observer on; at most [`MOST_MIRRORS`].
+/// Chain of mirror orientations in the order from the observer on; at most [`MOST_MIRRORS`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Chain {
-    /// Numbers + 1; 0 is none.
+    /// Numbers of the orientations + 1; 0 is none.
     links: [u32; MOST_MIRRORS],
 }
 
 impl Chain {
-    /// The chain of these orientations, from the looker on; those beyond [`MOST_MIRRORS`] are left out.
+    /// Returns the chain of these orientations, from the observer on; those beyond [`MOST_MIRRORS`]
+    /// are left out.
     pub fn new(numbers: &[u16]) -> Self {
         let mut chain = Chain::default();
         chain.links.iter_mut().zip(numbers).for_each(|(link, &number)| *link = u32::from(number) + 1);
         chain
     }
 
-    /// One mirror more, if there is room for it.
+    /// Returns the chain with one more mirror, or `None` if it is full.
     pub fn then(mut self, number: u16) -> Option<Self> {
         let link = self.links.iter_mut().find(|link| **link == 0)?;
         *link = u32::from(number) + 1;
         Some(self)
     }
 
-    /// Numbers of its orientations, from the looker on.
+    /// Iterates over the numbers of the orientations, from the observer on.
     pub fn numbers(&self) -> impl Iterator<Item = u16> + Clone + '_ {
         self.links.iter().take_while(|link| **link > 0).map(|link| (link - 1) as u16)
     }
 
-    /// Number of its mirrors, 0 to [`MOST_MIRRORS`].
+    /// Returns the number of mirrors, 0 to [`MOST_MIRRORS`].
     pub fn len(&self) -> usize {
         self.numbers().count()
     }
 
-    /// Whether it has no mirror.
+    /// Returns true if the chain has no mirror.
     pub fn is_empty(&self) -> bool {
         self.links == [0; MOST_MIRRORS]
     }
 
-    /// The linear map from the direction in which light comes from behind the last mirror to the direction in which the observer
-    /// sees it; `None` if an orientation does not exist.
+    /// Returns the linear map from the direction in which light comes from behind the last mirror
+    /// to the direction in which the observer sees it; `None` if an orientation does not exist.
     pub fn seen_from(&self, orientations: &[MirrorPlane]) -> Option<DMat3> {
         self.numbers().try_fold(DMat3::IDENTITY, |map, number| Some(map * orientations.get(usize::from(number))?.map()))
     }
@@ -81,8 +85,8 @@ impl Chain {
 mod tests {
     use super::*;
 
-    /// A ray that meets two mirrors is sent by the chain's map from the direction that it leaves in to the one that it started in, to
-    /// 1e-15; chains hold 3 mirrors and no fourth.
+    /// The chain's map takes the direction in which a ray leaves two mirrors to the direction in
+    /// which it started, to 1e-15. Chains hold 3 mirrors and no fourth.
     #[test]
     fn chains() {
         let orientation = |normal: DVec3| MirrorPlane { normal: normal.normalize(), material: 0 };

@@ -1,42 +1,49 @@
-//! The absolute frame: where a scene has its origin, and the grid that vertices and origins of rays lie on. In: coordinates of the
-//! input. Out: coordinates relative to the origin that f32 holds exactly, and back.
+//! The absolute frame: the origin of a scene, and the grid that vertices and origins of rays lie
+//! on. In: coordinates of the input. Out: coordinates relative to the origin that f32 holds
+//! exactly, and back.
 //!
-//! Nothing here depends on the middle of a scene beyond a choice among multiples of 256 m. So two scenes that hold the same surfaces
-//! (neighbouring parts of a region, variants of a site) hold them at the same places, to the bit, and whatever is computed from
-//! differences of vertices and origins of rays is the same number in both.
+//! Nothing here depends on the middle of a scene beyond a choice among multiples of 256 m. So two
+//! scenes that hold the same surfaces (neighbouring parts of a region, variants of a site) hold
+//! them at the same places, to the bit. Results that are computed from differences of vertices and
+//! origins of rays are then the same numbers in the two scenes.
 
 use glam::DVec3;
 
 /// Distance between planes of the grid: 2^-14 m, 61 um.
 pub const STEP_M: f64 = 1.0 / 16_384.0;
 
-/// The origin is a multiple of so many steps on each axis: 256 m.
+/// Steps between possible origins on each axis: 256 m.
 const ORIGIN_STEPS: f64 = 4_194_304.0;
 
-/// Up to so many steps from the origin f32 holds each plane of the grid: 1024 m. Beyond, f32 rounds to coarser planes of it.
+/// Distance from the origin, in steps, up to which f32 holds each plane of the grid: 1024 m.
+/// Beyond, f32 rounds to coarser planes of it.
 const EXACT_STEPS: f64 = 16_777_216.0;
 
-/// A scene is at least so many steps wide, or takes a finer step: one of less than 4 m.
+/// Least width of a scene in steps. A scene of less than 4 m takes a finer step to reach it.
 const LEAST_STEPS: f64 = 65_536.0;
 
-/// Rays start so many steps off their surface. Both ends of this gap are rounded, by at most 0.87 steps (half the diagonal of a step) each.
+/// Distance of a ray's start from its surface, in steps. The two ends of this gap are rounded by at
+/// most 0.87 steps (half the diagonal of a step) each.
 const OFFSET_STEPS: f64 = 4.0;
 
-/// A surface that lies so many steps outside of a voxel may have been met inside of it: 1 mm.
+/// Distance outside of a voxel, in steps, at which a surface may still have been hit inside of it:
+/// 1 mm.
 const SLACK_STEPS: f64 = 16.0;
 
-/// Beyond what f32 holds exactly, gaps are this share of the largest coordinate: some 30 roundings of f32.
+/// Gap beyond the range that f32 holds exactly, as a share of the largest coordinate: some 30
+/// roundings of f32.
 const FAR_SHARE: f64 = 2e-6;
 
-/// Scenes reach at most so far from their origin on each axis, metres (2^20): keys of cells repeat after four times that.
+/// Largest distance of a scene from its origin on each axis, metres (2^20). Keys of cells repeat
+/// after four times that.
 pub const MOST_M: f64 = 1_048_576.0;
 
 /// The frame of one scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// Input coordinates, metres; a multiple of 2^22 steps.
+    /// Origin in input coordinates, metres; a multiple of 2^22 steps.
     pub origin: DVec3,
-    /// Metres; a power of two.
+    /// Distance between planes of the grid, metres; a power of two.
     pub step: f64,
 }
 
@@ -47,9 +54,11 @@ impl Default for Grid {
 }
 
 impl Grid {
-    /// The frame of a scene around some middle; `extent_m` is the longest side of its bounding box.
+    /// Returns the frame of a scene around `middle`; `extent_m` is the longest side of its bounding
+    /// box.
     pub fn of(middle: DVec3, extent_m: f64) -> Self {
-        // The largest power of two that is not above: an exponent without mantissa. Below 2^-40 m there is nothing to see.
+        // An exponent without mantissa is the largest power of two that is not above. Scenes below
+        // 2^-40 m hold nothing to see.
         let whole = f64::from_bits(extent_m.max(1e-12).to_bits() >> 52 << 52);
         let step = (whole / LEAST_STEPS).min(STEP_M);
         let coarse = step * ORIGIN_STEPS;
@@ -57,36 +66,41 @@ impl Grid {
         Grid { origin: (middle / coarse).round() * coarse + 0.0, step }
     }
 
-    /// The nearest point of the grid, relative to the origin, as f32 holds it. Up to 1024 m it is exact.
+    /// Returns the nearest point of the grid, relative to the origin, as f32 holds it. Up to 1024 m
+    /// it is exact.
     pub fn relative(&self, point: DVec3) -> DVec3 {
         let snapped = DVec3::from((point / self.step).to_array().map(nearest)) * self.step;
         (snapped - self.origin).as_vec3().as_dvec3() + 0.0
     }
 
-    /// Input coordinates of a point relative to the origin; exact for points of the grid.
+    /// Returns the input coordinates of a point relative to the origin; exact for points of the
+    /// grid.
     pub fn absolute(&self, relative: DVec3) -> DVec3 {
         relative + self.origin
     }
 
-    /// Where rays of a surface point (input coordinates) start, relative to the origin: off its surface, on the grid.
+    /// Returns the start of rays from a surface point (input coordinates), relative to the origin:
+    /// off the surface, on the grid.
     pub fn lifted(&self, point: DVec3, normal: DVec3) -> [f32; 3] {
         self.relative(point + normal * self.offset_m(point)).as_vec3().to_array()
     }
 
-    /// Distance by which a ray's origin leaves its surface, metres: above the rounding of coordinates at that place (input
-    /// coordinates), far below the details of a building.
+    /// Returns the distance by which a ray's origin leaves its surface, metres. It is above the
+    /// rounding of coordinates at that place (input coordinates), and far below the details of a
+    /// building.
     pub fn offset_m(&self, point: DVec3) -> f64 {
         self.gap_m(point, OFFSET_STEPS)
     }
 
-    /// How far outside of a voxel (its lowest corner in input coordinates, its edge) surfaces count as inside, metres: a hit is known to about
-    /// 1e-6 of its distance. The place of the voxel that is nearest to the origin decides: a large voxel may have corners far beyond the scene,
-    /// and scenes with other origins have to agree.
+    /// Returns the distance outside of a voxel (its lowest corner in input coordinates, its edge)
+    /// at which surfaces count as inside, metres, because a hit is known to about 1e-6 of its
+    /// distance. The point of the voxel that is nearest to the origin decides: a large voxel may
+    /// have corners far beyond the scene, and scenes with other origins have to agree.
     pub fn slack_m(&self, low: DVec3, size_m: f64) -> f64 {
         self.gap_m(self.origin.clamp(low, low + size_m), SLACK_STEPS)
     }
 
-    /// Whether f32 holds all of the grid around a point relative to the origin.
+    /// Returns true if f32 holds all of the grid around a point relative to the origin.
     pub fn holds_exactly(&self, relative: DVec3) -> bool {
         relative.abs().max_element() <= EXACT_STEPS * self.step
     }
@@ -98,7 +112,8 @@ impl Grid {
     }
 }
 
-/// The nearest integer, the even one of two: without a call of the C library, since scenes have millions of vertices.
+/// Returns the nearest integer, the even one of two at equal distance, without a call of the C
+/// library, since scenes have millions of vertices.
 fn nearest(x: f64) -> f64 {
     // From 2^52 on a double has no room for a fraction.
     const SHIFT: f64 = 1.5 * 4_503_599_627_370_496.0;
@@ -110,8 +125,9 @@ mod tests {
     use super::*;
     use crate::hemisphere::{mix, unit};
 
-    /// Of scenes of 4 m to 100 km the step is 2^-14 m and the origin a multiple of 256 m, at most 128 m from the middle; smaller ones, down
-    /// to a micrometre, are at least 65,536 steps wide and at most 32 times as far from the origin as they are wide.
+    /// For scenes of 4 m to 100 km the step is 2^-14 m and the origin a multiple of 256 m, at most
+    /// 128 m from the middle. Smaller scenes, down to a micrometre, are at least 65,536 steps wide
+    /// and at most 32 times as far from the origin as they are wide.
     #[test]
     fn frames() {
         let middle = DVec3::new(78_005.125, -457_005.5, 131.0);
@@ -127,8 +143,9 @@ mod tests {
         assert_eq!(Grid::of(DVec3::splat(-0.1), 10.0).origin.to_array().map(f64::to_bits), [0; 3]);
     }
 
-    /// 10,000 points within 700 m of two origins 512 m apart lie at the same place to the bit, at most 0.87 steps from where they are stated;
-    /// so do the points where their rays start, which are 3 to 5 steps off the surface.
+    /// 10,000 points within 700 m of two origins 512 m apart lie at the same place to the bit in
+    /// the two frames, at most 0.87 steps from their stated place. The starts of their rays do,
+    /// too, 3 to 5 steps off the surface.
     #[test]
     fn equal_in_two_frames() {
         let [a, b] = [85_100.0, 85_612.0].map(|x| Grid::of(DVec3::new(x, 446_333.0, 10.0), 900.0));
@@ -147,7 +164,8 @@ mod tests {
         }
     }
 
-    /// Eleven numbers, halves and such beyond 2^51 among them, have the nearest integer that the library gives them.
+    /// Eleven numbers, among them halves and numbers beyond 2^51, have the nearest integer that the
+    /// standard library gives them.
     #[test]
     fn nearest_integers() {
         let far = 2_251_799_813_685_248.0;
@@ -156,8 +174,9 @@ mod tests {
         }
     }
 
-    /// Beyond 1024 m of the origin gaps grow with the distance: 0.24 mm at 1 km, 20 mm at 10 km. A voxel of 2048 m that reaches to 100 m from
-    /// the origin has the slack of a near one.
+    /// Gaps beyond 1024 m of the origin grow with the distance: the offset is 0.24 mm at 1 km and
+    /// 20 mm at 10 km, the slack 4 mm at 2 km. A voxel of 2048 m that reaches to 100 m from the
+    /// origin has the slack of a near one.
     #[test]
     fn gaps() {
         let grid = Grid::default();

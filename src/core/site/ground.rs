@@ -1,21 +1,22 @@
-//! What the ground of an EnergyPlus model reflects, month by month and under snow. In: twelve numbers and a factor. Out: the reflectance
-//! of an hour.
+//! Ground reflectance of an EnergyPlus model, month by month and under snow. In: twelve numbers and
+//! a factor. Out: the reflectance of an hour.
 
 use serde::{Deserialize, Serialize};
 
-/// Reflectances of a material by month, as `Site:GroundReflectance` and `Site:GroundReflectance:SnowModifier` state them.
+/// Reflectances of a material by month, as `Site:GroundReflectance` and
+/// `Site:GroundReflectance:SnowModifier` state them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Stated")]
 pub struct MonthlyGround {
-    /// Name of the material that follows the months.
+    /// Name of the material that has these reflectances.
     pub material: String,
-    /// January to December, each 0 to 1.
+    /// Reflectances of January to December, each 0 to 1.
     pub reflectance: [f64; 12],
-    /// Factor of the reflectance while snow lies, 0 or more; what is above 1 then counts as 1.
+    /// Factor of the reflectance while snow lies, 0 or more; a product above 1 counts as 1.
     pub snow_modifier: f64,
 }
 
-/// As archives hold it, before it is checked.
+/// The record as archives hold it, before it is checked.
 #[derive(Deserialize)]
 struct Stated {
     material: String,
@@ -39,15 +40,16 @@ impl TryFrom<Stated> for MonthlyGround {
 }
 
 impl MonthlyGround {
-    /// Mean of the twelve months without snow: what counts where there is no date.
+    /// Returns the mean of the twelve months without snow, used where there is no date.
     pub fn mean(&self) -> f64 {
         let [first, ..] = self.reflectance;
-        // 12 x 0.2 / 12 is not 0.2.
+        // The sum of differences is exact for equal months: 12 x 0.2 / 12 is not 0.2.
         first + self.reflectance.iter().map(|value| value - first).sum::<f64>() / 12.0
     }
 
-    /// In a month from 1 to 12, held within 0 and 1 (Engineering Reference of EnergyPlus, "Ground Reflectances (Snow)"). EnergyPlus calls
-    /// it snow wherever the weather file's snow depth is above 0.
+    /// Returns the reflectance in a month from 1 to 12, held within 0 and 1 (Engineering Reference
+    /// of EnergyPlus, "Ground Reflectances (Snow)"). Snow lies where the weather file's snow depth
+    /// is above 0, as in EnergyPlus.
     pub fn of(&self, month: u32, snow_depth_cm: Option<f64>) -> f64 {
         let bare = self.reflectance.get(month.saturating_sub(1) as usize).copied().unwrap_or_else(|| self.mean());
         match snow_depth_cm {
@@ -61,7 +63,8 @@ impl MonthlyGround {
 mod tests {
     use super::*;
 
-    /// The third month's 0.3 becomes 0.45 under 0.2 cm of snow, the twelfth's 0.8 no more than 1; without depth both stay. The mean of all is 0.25.
+    /// The third month's 0.3 becomes 0.45 under 0.2 cm of snow, the twelfth's 0.8 no more than 1.
+    /// Without a depth they stay. The mean of the year is 0.25.
     #[test]
     fn months_and_snow() {
         let mut reflectance = [0.19; 12];
@@ -73,7 +76,8 @@ mod tests {
         assert!((ground.mean() - 0.25).abs() < 1e-12);
     }
 
-    /// A reflectance of 1.2, a modifier of -1 and eleven months are refused, 3 of 3; twelve good ones come back as they were.
+    /// A reflectance of 1.2, a modifier of -1 and eleven months are refused, 3 of 3. Twelve good
+    /// months come back unchanged.
     #[test]
     fn checked_on_reading() {
         let json = |first: &str, modifier: &str, months: usize| {

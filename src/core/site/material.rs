@@ -1,13 +1,13 @@
-//! A surface's optical properties. In: shares of the light. Out: one checked material.
+//! Optical properties of a surface. In: shares of the light. Out: one checked material.
 
 use crate::site::bands::{Band, BandOptics, BandProperty};
 
-/// Which of the two first-hit classes a surface counts for (the five EnergyPlus factors need them apart).
+/// First-hit class of a surface (the five EnergyPlus factors need the two apart).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// Ground: terrain, streets, water.
     Ground,
-    /// Whatever stands on it: buildings, trees.
+    /// Objects on the ground: buildings, trees.
     Obstruction,
 }
 
@@ -15,7 +15,8 @@ impl Class {
     /// The classes in the order of their codes.
     pub const ALL: [Class; 2] = [Class::Ground, Class::Obstruction];
 
-    /// The class as a number: in archives, in hashes, and as the place in arrays that have one value a class.
+    /// Returns the code of the class: in archives, in hashes, and as the index in arrays that have
+    /// one value a class.
     pub const fn code(self) -> u8 {
         match self {
             Class::Ground => 0,
@@ -23,12 +24,12 @@ impl Class {
         }
     }
 
-    /// The class of a [`Class::code`]; `None` for any other number.
+    /// Returns the class of a [`Class::code`]; `None` for any other number.
     pub fn of_code(code: u8) -> Option<Self> {
         Class::ALL.get(usize::from(code)).copied()
     }
 
-    /// Its name, wherever users give one.
+    /// Returns the name of the class, as users write it.
     pub const fn name(self) -> &'static str {
         match self {
             Class::Ground => "ground",
@@ -36,12 +37,12 @@ impl Class {
         }
     }
 
-    /// The class of a name.
+    /// Returns the class of a name.
     pub fn of_name(name: &str) -> Option<Self> {
         Class::ALL.into_iter().find(|class| class.name() == name)
     }
 
-    /// Place in arrays that have one value a class.
+    /// Returns the index in arrays that have one value a class.
     pub const fn index(self) -> usize {
         self.code() as usize
     }
@@ -57,7 +58,7 @@ pub enum Glass {
 }
 
 impl Glass {
-    /// Of a number of panes; `None` for no glass.
+    /// Returns the glass of `panes` panes, or `None` for 0 or more than 2.
     pub fn of_panes(panes: u8) -> Option<Self> {
         match panes {
             1 => Some(Glass::Single),
@@ -66,7 +67,7 @@ impl Glass {
         }
     }
 
-    /// Number of panes.
+    /// Returns the number of panes.
     pub fn panes(self) -> u8 {
         match self {
             Glass::Single => 1,
@@ -75,45 +76,48 @@ impl Glass {
     }
 }
 
-/// Checked optical properties of one material; `diffuse + specular <= 1`, `diffuse + transmittance <= 1`, each in 0..=1.
+/// Checked optical properties of one material; `diffuse + specular <= 1`, `diffuse + transmittance
+/// <= 1`, each in 0..=1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Name in the files of the scene.
     pub name: String,
-    /// Diffuse reflectance of both sides, 0 to 1. Of a canopy the share of the light that its leaves scatter, half of it to each side.
+    /// Diffuse reflectance of the two sides, 0 to 1. For a canopy, the share of the light that its
+    /// leaves scatter, half of it to each side.
     pub diffuse: f64,
     /// Specular reflectance at any angle; 0 for glass.
     pub specular: f64,
-    /// Clear glass, whose specular reflectance follows from the angle; `None` for all else.
+    /// Clear glass, whose specular reflectance follows from the angle; `None` for other materials.
     pub glass: Option<Glass>,
-    /// Share of the light that goes straight on at each crossing of a canopy or a screen. `None` is opaque.
+    /// Share of the light that goes straight on at each crossing of a canopy or a screen. `None` is
+    /// opaque.
     pub transmittance: Option<f64>,
     /// First-hit class that its light counts for.
     pub class: Class,
-    /// Materials of one group may follow a schedule at replay.
+    /// Group of materials that may follow one schedule at replay.
     pub group: Option<String>,
     /// Values for bands of the light, beside those for all of it, and for longwave radiation.
     pub bands: BandOptics,
 }
 
 impl Material {
-    /// A material without mirrors, panes or gaps.
+    /// Returns a material without mirrors, panes or gaps.
     pub fn matt(name: impl Into<String>, diffuse: f64, class: Class) -> Self {
         let (name, bands) = (name.into(), BandOptics::default());
         Material { name, diffuse, specular: 0.0, glass: None, transmittance: None, class, group: None, bands }
     }
 
-    /// Whether rays that meet it go on as from a mirror.
+    /// Returns true if rays that meet it go on as from a mirror.
     pub fn mirrors(&self) -> bool {
         self.specular > 0.0 || self.glass.is_some()
     }
 
-    /// Whether it is a canopy whose leaves scatter light.
+    /// Returns true if it is a canopy whose leaves scatter light.
     pub fn scatters(&self) -> bool {
         self.transmittance.is_some() && self.diffuse > 0.0
     }
 
-    /// What it does with light, in words.
+    /// Returns the optical properties in words.
     pub fn optics(&self) -> String {
         let diffuse = rounded(self.diffuse);
         match (self.transmittance, self.glass) {
@@ -128,8 +132,9 @@ impl Material {
         }
     }
 
-    /// The value of a property for all light, if the material has the property: of a specular reflectance, a transmittance or what leaves scatter
-    /// only what is traced as a mirror, a canopy or one that scatters has one.
+    /// Returns the value of a property for all light, or `None` if the material lacks the property.
+    /// Only a material traced as a mirror has a specular reflectance, only a canopy or screen a
+    /// transmittance, and among canopies only one that scatters a diffuse reflectance.
     fn solar(&self, property: BandProperty) -> Option<f64> {
         match property {
             BandProperty::Diffuse => {
@@ -140,7 +145,8 @@ impl Material {
         }
     }
 
-    /// The material in a band, as its values make it: they may not be those of a material where the band's follow from others.
+    /// Returns the material in a band without a check. Values that follow from those of other bands
+    /// may be outside 0..=1 or add up to more than 1.
     fn unclipped(&self, band: Band) -> Material {
         let value = |property| Some(self.bands.of(property).value(band, self.solar(property)?));
         Material {
@@ -152,8 +158,9 @@ impl Material {
         }
     }
 
-    /// The material in a band of the light: its values there are those for all light. What follows from other values and lies outside 0..=1 is
-    /// moved there, and what then gives back more than arrives is dimmed.
+    /// Returns the material in a band of the light: its values for all light are those of the band.
+    /// A derived value outside 0..=1 is clamped, and values that together give back more than
+    /// arrives are scaled down to 1.
     #[must_use]
     pub fn in_band(&self, band: Band) -> Material {
         if self.bands.is_empty() {
@@ -169,23 +176,24 @@ impl Material {
         material
     }
 
-    /// Share of the light that is reflected or goes on.
+    /// Returns the share of the light that is reflected or goes on.
     fn given_back(&self) -> f64 {
         self.diffuse + self.specular + self.transmittance.unwrap_or_default()
     }
 
-    /// What follows from the values of other bands and is no share of the light, in words: [`Material::in_band`] moves it to one.
+    /// Describes a value that follows from those of other bands and is no share of the light;
+    /// `None` if all are. [`Material::in_band`] clamps it.
     pub fn misfit(&self, band: Band) -> Option<String> {
         let value = |property| Some((property, self.bands.of(property).value(band, self.solar(property)?)));
         let mut values = BandProperty::ALL.into_iter().filter_map(value);
-        // 0.25 of 0.25 is what is left of 0.25, but for the last digit.
+        // The rest of 0.25 after 0.25 is 0 but for the last digit.
         let outside = values.find(|(_, value)| !(-1e-9..=1.0 + 1e-9).contains(value));
         let outside = outside.map(|(property, value)| format!("`{}` would be {}", property.name(), rounded(value)));
         let all = self.unclipped(band).given_back();
         outside.or_else(|| (all > 1.0 + 1e-9).then(|| format!("it would give back {} of the light", rounded(all))))
     }
 
-    /// Says what is wrong with values by band.
+    /// Checks the values by band; the error says what is wrong.
     fn check_bands(&self) -> std::result::Result<(), String> {
         if let Some(emissivity) = self.bands.emissivity.filter(|share| !(0.0..=1.0).contains(share)) {
             return Err(format!("`emissivity` is {emissivity}, not from 0 to 1"));
@@ -209,7 +217,7 @@ impl Material {
         Ok(())
     }
 
-    /// Says what is wrong with properties that this type must not hold.
+    /// Checks the properties; the error says what is wrong.
     pub fn check(&self) -> std::result::Result<(), String> {
         let Material { diffuse, specular, .. } = *self;
         let transmittance = self.transmittance.unwrap_or(0.0);
@@ -239,7 +247,7 @@ impl Material {
     }
 }
 
-/// A share of light with at most four digits behind the point, as people read it.
+/// Returns a share of light rounded to four digits behind the point, for display.
 pub fn rounded(share: f64) -> f64 {
     (share * 1e4).round() / 1e4
 }
@@ -256,8 +264,9 @@ mod tests {
         assert_eq!(shown, ["diffuse 0.2", "diffuse 0.0625", "diffuse 0.1235"]);
     }
 
-    /// A mirror of 0.2 + 0.5 whose `visible` values are 0.1 and 0.3 has 0.3185 + 0.7370 of the near infrared: more than arrives, which is said
-    /// (1.0555) and dimmed to 1; the other 3 bands fit. 6 of 6 statements that no material can have are refused.
+    /// A mirror of 0.2 + 0.5 with `visible` values of 0.1 and 0.3 has 0.3185 + 0.7370 of the near
+    /// infrared, more than arrives: `misfit` reports 1.0555, and `in_band` scales it down to 1. The
+    /// other 3 bands fit. 6 of 6 statements that no material can have are refused.
     #[test]
     fn bands() {
         let mut mirror = Material { specular: 0.5, ..Material::matt("m", 0.2, Class::Obstruction) };
@@ -291,7 +300,8 @@ mod tests {
         }
     }
 
-    /// Both classes come back from their codes 0 and 1, which are their places in arrays; the other 254 numbers are none.
+    /// The two classes come back from their codes 0 and 1, which are their indices in arrays. The
+    /// other 254 numbers are no class.
     #[test]
     fn codes() {
         assert_eq!([Class::Ground, Class::Obstruction].map(Class::code), [0, 1]);

@@ -1,5 +1,7 @@
-//! The nouns of a site: cells, materials, bands of sunlight, the ground by month, receivers and their parts of a model, objects, chains of mirrors, the place and its
-//! north. In: numbers of readers and of archives. Out: types that both the builder and replay speak of. Never: files, rays, weather.
+//! The nouns of a site: cells, materials, bands of sunlight, the ground by month, receivers and
+//! their parts of a model, objects, chains of mirrors, the place and its north. In: numbers of
+//! readers and of archives. Out: types that the builder and the replay share. Never: files, rays,
+//! weather.
 
 pub mod bands;
 pub mod cells;

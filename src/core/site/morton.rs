@@ -1,4 +1,5 @@
-//! In: receivers in file order. Out: the order along a Morton curve, in which neighbours share tiles.
+//! Morton order. In: receivers in file order. Out: the order along a Morton curve, in which
+//! neighbours share tiles.
 
 use std::cmp::Ordering;
 
@@ -9,11 +10,12 @@ use crate::site::receiver::Receiver;
 
 /// Edge of the curve's cells; with 21 bits an axis it repeats after 524 km.
 const CELL_M: f64 = 0.25;
-/// Bits an axis of a code of 63.
+/// Bits an axis of a 63-bit code.
 pub const BITS: u32 = 21;
 
-/// Indices of the receivers by 63-bit Morton code of the position (input coordinates), then by exact position, normal and id, so that
-/// neither the order of the file nor the scene around them matters. Codes repeat after 524 km, the order stays total.
+/// Returns the indices of the receivers sorted by 63-bit Morton code of the position (input
+/// coordinates), then by exact position, normal and id. So neither the order of the file nor the
+/// scene around them matters. Codes repeat after 524 km, the order stays total.
 pub fn morton_order(receivers: &[Receiver]) -> Vec<usize> {
     let mut keyed: Vec<(u64, &Receiver, usize)> =
         receivers.iter().enumerate().map(|(i, receiver)| (morton_code(receiver.position), receiver, i)).collect();
@@ -21,7 +23,8 @@ pub fn morton_order(receivers: &[Receiver]) -> Vec<usize> {
     keyed.into_iter().map(|(_, _, i)| i).collect()
 }
 
-/// Bytes that sort receivers as [`morton_order`] does: the code, the exact position and normal, the id.
+/// Returns bytes that sort receivers as [`morton_order`] does: the code, the exact position and
+/// normal, the id.
 pub fn morton_key(receiver: &Receiver) -> Vec<u8> {
     let mut key = morton_code(receiver.position).to_be_bytes().to_vec();
     for part in [receiver.position, receiver.normal] {
@@ -31,7 +34,8 @@ pub fn morton_key(receiver: &Receiver) -> Vec<u8> {
     key
 }
 
-/// The receiver of a [`morton_key`], which says nothing of its area, surface and part; `None` for other bytes.
+/// Returns the receiver of a [`morton_key`], without its area, surface and part, which the key does
+/// not hold; `None` for other bytes.
 pub fn receiver_of_key(key: &[u8]) -> Option<Receiver> {
     let (_code, rest) = key.split_first_chunk::<8>()?;
     let (numbers, id) = rest.split_first_chunk::<48>()?;
@@ -46,18 +50,19 @@ fn exact_order(a: &Receiver, b: &Receiver) -> Ordering {
     lexicographic(a.position, b.position).then_with(|| lexicographic(a.normal, b.normal)).then_with(|| a.id.cmp(&b.id))
 }
 
-/// Interleaves the cell numbers of the axes, x in the lowest bit (G. M. Morton, 1966).
+/// Returns the Morton code of a position: the cell numbers of the axes interleaved, x in the lowest
+/// bit (G. M. Morton, 1966).
 fn morton_code(position: DVec3) -> u64 {
     let [x, y, z] = position.to_array().map(|metres| {
         let middle = f64::from(1_u32 << (BITS - 1));
-        // `as` takes what is not a number to 0, and `spread` the lowest 21 bits.
+        // `as` maps NaN to 0; `spread` takes the lowest 21 bits.
         spread(((metres / CELL_M + middle).floor() as i64).cast_unsigned())
     });
     x | y << 1 | z << 2
 }
 
-/// Order of the codes of two voxels, x in the lowest bit, without making them: the axis whose highest differing bit is the
-/// highest decides (Chan 2002).
+/// Compares the codes of two voxels, x in the lowest bit, without making them: the axis whose
+/// highest differing bit is the highest decides (Chan 2002).
 pub fn morton_cmp(a: [u32; 3], b: [u32; 3]) -> Ordering {
     let ([ax, ay, az], [bx, by, bz]) = (a, b);
     let mut decides = (az, bz);
@@ -71,7 +76,7 @@ pub fn morton_cmp(a: [u32; 3], b: [u32; 3]) -> Ordering {
     decides.0.cmp(&decides.1)
 }
 
-/// Total order of positions by x, then y, then z.
+/// Compares positions by x, then y, then z; a total order.
 pub fn lexicographic(a: DVec3, b: DVec3) -> Ordering {
     a.x.total_cmp(&b.x).then_with(|| a.y.total_cmp(&b.y)).then_with(|| a.z.total_cmp(&b.z))
 }
@@ -99,7 +104,8 @@ mod tests {
         Receiver::new(id.to_owned(), position.into(), DVec3::Z)
     }
 
-    /// The code's bits are x, y, z of the cell in turn; its middle is 0, and it repeats after 2^19 m.
+    /// The code's bits are x, y, z of the cell in turn; its middle is 0, and it repeats after 2^19
+    /// m.
     #[test]
     fn code() {
         assert_eq!(spread(0x1f_ffff), 0x1249_2492_4924_9249);
@@ -113,7 +119,7 @@ mod tests {
         assert_eq!(morton_code(place), morton_code(place - 3.0 * 524_288.0));
     }
 
-    /// Any order of the file gives the same order of receivers, equal cells and equal places included.
+    /// Receivers have one order whatever that of the file, equal cells and equal places included.
     #[test]
     fn independent_of_file_order() {
         let mut receivers: Vec<Receiver> = (0..300_u32)
@@ -134,8 +140,8 @@ mod tests {
         assert_eq!(ids(&receivers), expected);
     }
 
-    /// Keys of 400 receivers, many at equal places and with negative or no coordinates, sort as the receivers do, and give
-    /// them back to the bit.
+    /// Keys of 400 receivers, many at equal places and with negative coordinates or either zero,
+    /// sort as the receivers do, and give them back to the bit.
     #[test]
     fn keys_sort_as_receivers() {
         let receivers: Vec<Receiver> = (0..400_u32)

@@ -1,45 +1,47 @@
-//! Where true north lies in a site's coordinates. In: the place of the site. Out: directions turned between true north, which suns are
-//! given by, and the y axis, which geometry is given by.
+//! True north in a site's coordinates. In: the place of the site. Out: directions turned between
+//! true north, which suns refer to, and the y axis, which geometry refers to.
 
 use glam::DVec3;
 
 use crate::site::place::Place;
 use crate::units::tilt_and_azimuth;
 
-/// Direction of a site's y axis clockwise from true north, as seen from above. Zero where no place is known: y is then taken for north.
+/// Direction of a site's y axis clockwise from true north, as seen from above. Zero where no place
+/// is known: y is then taken for north.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct North {
     y_deg: f64,
 }
 
 impl North {
-    /// That of a place; y is north without one.
+    /// Returns the north of a place; y is north without one.
     pub fn of(place: Option<&Place>) -> North {
         North { y_deg: place.map_or(0.0, |place| place.convergence_deg) }
     }
 
-    /// Direction of y clockwise from true north, degrees.
+    /// Returns the direction of y clockwise from true north, degrees.
     pub fn y_deg(self) -> f64 {
         self.y_deg
     }
 
-    /// Whether y is true north: directions stay as they are, to the bit.
+    /// Returns true if y is true north: directions then stay as they are, to the bit.
     pub fn is_y(self) -> bool {
         self.y_deg == 0.0
     }
 
-    /// A direction given by true east, true north and up, in the site's axes.
+    /// Returns a direction given by true east, true north and up, in the site's axes.
     pub fn to_axes(self, direction: DVec3) -> DVec3 {
-        // Counterclockwise by the angle that the axes lie clockwise.
+        // The axes lie clockwise of true north, so directions turn counterclockwise.
         self.turned(direction, self.y_deg)
     }
 
-    /// A direction in the site's axes, by true east, true north and up.
+    /// Returns a direction given in the site's axes, by true east, true north and up.
     pub fn to_true(self, direction: DVec3) -> DVec3 {
         self.turned(direction, -self.y_deg)
     }
 
-    /// Azimuth of a direction in the site's axes, degrees clockwise from true north, 0..360; 0 for a vertical one.
+    /// Returns the azimuth of a direction in the site's axes, degrees clockwise from true north,
+    /// 0..360; 0 for a vertical one.
     pub fn azimuth_deg(self, direction: DVec3) -> f64 {
         tilt_and_azimuth(self.to_true(direction)).1
     }
@@ -63,8 +65,9 @@ mod tests {
         North::of(Some(&Place { latitude_deg: 50.0, longitude_deg: 9.0, convergence_deg, epsg: None }))
     }
 
-    /// With y 30 degrees clockwise of north (a building's north axis of 30), the sun in the south (180) stands at 150 from y, and back; what
-    /// looks along x has azimuth 120; height and length stay, to 1e-15.
+    /// With y 30 degrees clockwise of north (a building's north axis of 30), the sun in the south
+    /// (180) stands at 150 from y, and back. A normal along x has azimuth 120. Height and length
+    /// stay, to 1e-15.
     #[test]
     fn turns() {
         let sun = direction_from_degrees(180.0, 40.0);

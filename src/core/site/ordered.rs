@@ -1,14 +1,14 @@
-//! Numbers as bytes whose order is that of the numbers.
+//! Bytes that sort as numbers do. In: numbers. Out: bytes, and back.
 
 const SIGN: u64 = 1 << 63;
 
-/// Big-endian bytes in the order of `f64::total_cmp`.
+/// Returns big-endian bytes in the order of `f64::total_cmp`.
 pub fn ordered_f64(value: f64) -> [u8; 8] {
     let bits = value.to_bits();
     (if bits & SIGN == 0 { bits | SIGN } else { !bits }).to_be_bytes()
 }
 
-/// The number, to the bit, that [`ordered_f64`] was given.
+/// Inverse of [`ordered_f64`], exact to the bit.
 pub fn from_ordered_f64(bytes: [u8; 8]) -> f64 {
     let bits = u64::from_be_bytes(bytes);
     f64::from_bits(if bits & SIGN == 0 { !bits } else { bits ^ SIGN })
@@ -18,7 +18,8 @@ pub fn from_ordered_f64(bytes: [u8; 8]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Ten numbers from -infinity to infinity, both zeros among them, keep their order and their bits.
+    /// Ten numbers from -infinity to infinity, both zeros among them, keep their order and their
+    /// bits.
     #[test]
     fn order() {
         let numbers = [f64::NEG_INFINITY, -1e9, -1.5, -1e-310, -0.0, 0.0, 1e-310, 1.5, 1e9, f64::INFINITY];

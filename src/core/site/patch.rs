@@ -1,4 +1,5 @@
-//! The part of a surface that a receiver stands for: convex polygons around it.
+//! Patches: the part of a surface that a receiver stands for, convex polygons around it. In:
+//! triangles or a text. Out: polygons in mm around the receiver.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,33 +8,36 @@ use glam::DVec3;
 
 use crate::hemisphere::Frame;
 
-/// Polygons of a patch at most.
+/// Largest number of polygons of a patch.
 pub const MAX_POLYGONS: usize = 255;
-/// Corners of a polygon at most.
+/// Largest number of corners of a polygon.
 pub const MAX_CORNERS: usize = 255;
-/// Farthest that a corner may lie from its receiver along an axis, mm: as far as scenes reach.
+/// Largest distance of a corner from its receiver along an axis, mm: as far as scenes reach.
 pub const MAX_OFFSET_MM: i32 = 1 << 30;
 
 /// Offset of a corner from the receiver, mm along x, y and z.
 pub type Offset = [i32; 3];
 
-/// Polygons that make up the part of a surface that a receiver stands for; none where nobody says. Each is convex and turns
-/// anticlockwise as seen from in front, so it is the fan of triangles from its first corner.
+/// Polygons that make up the part of a surface that a receiver stands for; none where that part is
+/// unknown. Each is convex and turns anticlockwise as seen from in front, so it is the fan of
+/// triangles from its first corner.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Patch {
     polygons: Vec<Vec<Offset>>,
 }
 
 impl Patch {
-    /// Of polygons; `None` if there are too many, or one has less than 3 corners, too many, or corners too far away.
+    /// Returns the patch of polygons; `None` if there are too many, or one has less than 3 corners,
+    /// too many, or corners too far away.
     pub fn new(polygons: Vec<Vec<Offset>>) -> Option<Self> {
         let near = |corner: &Offset| corner.iter().all(|mm| mm.unsigned_abs() <= MAX_OFFSET_MM as u32);
         let good = |polygon: &Vec<Offset>| (3..=MAX_CORNERS).contains(&polygon.len()) && polygon.iter().all(near);
         (polygons.len() <= MAX_POLYGONS && polygons.iter().all(good)).then_some(Patch { polygons })
     }
 
-    /// Of triangles around a position, in its coordinates, metres: neighbours in one plane become one polygon as long as that is
-    /// convex, and corners on straight edges go. Empty if there are too many of them.
+    /// Returns the patch of triangles around a position, in its coordinates, metres. Neighbours in
+    /// one plane become one polygon as long as that is convex, and corners on straight edges are
+    /// removed. The patch is empty if there are too many of them.
     pub fn of_triangles(position: DVec3, normal: DVec3, triangles: &[[DVec3; 3]]) -> Self {
         let rounded = |corner: DVec3| ((corner - position) * 1e3).round().to_array().map(|mm| mm as i32);
         let mut polygons: Vec<Vec<Offset>> = Vec::new();
@@ -54,7 +58,8 @@ impl Patch {
         Patch::new(polygons).unwrap_or_default()
     }
 
-    /// A square of an area in m2 that faces along a unit normal, two sides level: what is drawn for a receiver whose patch nobody knows.
+    /// Returns a square of an area in m2 that faces along a unit normal, two sides level. It is
+    /// drawn for a receiver whose patch is unknown.
     pub fn square(normal: DVec3, area_m2: f64) -> Self {
         let half = area_m2.max(0.0).sqrt() / 2.0;
         let Frame { u, v, .. } = Frame::of(normal);
@@ -64,17 +69,17 @@ impl Patch {
         Patch::of_triangles(DVec3::ZERO, normal, &[[a, b, c], [a, c, d]])
     }
 
-    /// The polygons.
+    /// Returns the polygons.
     pub fn polygons(&self) -> &[Vec<Offset>] {
         &self.polygons
     }
 
-    /// Whether nobody knows it.
+    /// Returns true if the patch is unknown.
     pub fn is_empty(&self) -> bool {
         self.polygons.is_empty()
     }
 
-    /// Triangles that it is made of.
+    /// Iterates over the triangles of the polygons.
     pub fn triangles(&self) -> impl Iterator<Item = [Offset; 3]> {
         self.polygons.iter().flat_map(|polygon| {
             let pairs = polygon.iter().skip(1).zip(polygon.iter().skip(2));
@@ -83,7 +88,8 @@ impl Patch {
     }
 }
 
-/// As a table of receivers holds it: `x y z` in mm, corners apart by `;`, polygons by `|`.
+/// Text of a patch in a table of receivers: `x y z` in mm, corners separated by `;`, polygons by
+/// `|`.
 impl fmt::Display for Patch {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         for (i, polygon) in self.polygons.iter().enumerate() {
@@ -119,18 +125,20 @@ fn exact(offset: Offset) -> DVec3 {
     DVec3::from_array(offset.map(f64::from))
 }
 
-/// Twice the area of a triangle as a vector, mm2.
+/// Returns twice the area of a triangle as a vector, mm2.
 fn across([a, b, c]: &[Offset; 3]) -> DVec3 {
     (exact(*b) - exact(*a)).cross(exact(*c) - exact(*a))
 }
 
-/// Whether a polygon's corner lies on the line through its neighbours, within 1 mm, or turns to the left of it.
+/// Returns true if a polygon's corner turns to the left, or lies on the line through its neighbours
+/// within 1 mm.
 fn turns_left(before: Offset, corner: Offset, after: Offset, normal: DVec3) -> bool {
     let across = across(&[before, corner, after]).dot(normal);
     across >= -(exact(after) - exact(before)).length()
 }
 
-/// Adds a triangle that lies in a polygon's plane on the other side of one of its edges, if the two are convex together.
+/// Adds a triangle that lies in a polygon's plane on the other side of one of its edges, if the two
+/// are convex together. Returns true if it was added.
 fn joined(polygon: &mut Vec<Offset>, triangle: [Offset; 3]) -> bool {
     let count = polygon.len();
     let at = |i: usize| polygon[i % count];
@@ -154,7 +162,7 @@ fn joined(polygon: &mut Vec<Offset>, triangle: [Offset; 3]) -> bool {
     false
 }
 
-/// Takes away corners on straight edges.
+/// Removes corners on straight edges, within 1 mm.
 fn straighten(polygon: &mut Vec<Offset>) {
     let mut i = 0;
     while polygon.len() > 3 && i < polygon.len() {
@@ -177,8 +185,9 @@ mod tests {
         patch.triangles().map(|triangle| across(&triangle).length()).sum::<f64>() / 2e6
     }
 
-    /// Eight triangles of a square of 2 m with its middle and the middles of its sides, of either winding, are two halves of a square of 4 m2; two
-    /// that stand at an angle stay two polygons; a hole of 1 m2 leaves an area of 3 m2.
+    /// Eight triangles of a square of 2 m, around its middle and with the middles of its sides,
+    /// become two halves of a square of 4 m2. Two triangles at an angle stay two polygons. A ring
+    /// around a hole of 1 m2 keeps its area of 3 m2.
     #[test]
     fn triangles_are_joined() {
         let at = DVec3::new(78_000.0, 457_000.0, 3.0);
@@ -215,7 +224,7 @@ mod tests {
         }
     }
 
-    /// Texts come back: 3 of 3; 7 that are no patches are refused.
+    /// Three of 3 texts come back. Seven texts that are no patches are refused.
     #[test]
     fn texts_come_back() {
         for text in ["", "-500 -500 0;500 -500 0;500 500 -12", "0 0 0;1 0 0;0 1 0|5 5 5;6 5 5;5 6 5;4 5 5"] {

@@ -1,31 +1,36 @@
-//! Where on Earth a site lies.
+//! Place of a site on Earth. In: latitude, longitude and the direction of y. Out: comparisons of
+//! places, words and distances.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Smaller angles between y and true north are not worth a word: the sun's disc is 0.5 degrees wide.
+/// Smallest angle between y and true north that is reported, degrees. The sun's disc is 0.5 degrees
+/// wide.
 const NOTED_DEG: f64 = 0.1;
 
-/// A tenth of a millimetre on the ground.
+/// Difference of angles below which they are equal, degrees: a tenth of a millimetre on the ground.
 const SAME_DEG: f64 = 1e-9;
 
-/// Scenes of one site have their middles this near, degrees of latitude and longitude.
+/// Largest difference between the middles of two scenes of one site, degrees of latitude and
+/// longitude.
 const SAME_SITE_DEG: f64 = 0.1;
 
-/// Axes of one coordinate system differ by less between the middles of two scenes of a site, degrees.
+/// Largest difference between the axes of one coordinate system at the middles of two scenes of a
+/// site, degrees.
 const SAME_NORTH_DEG: f64 = 0.5;
 
-/// Where a scene lies.
+/// Place of a scene on Earth and the direction of its y axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
-    /// -90..=90, north positive.
+    /// Latitude, -90..=90, north positive.
     pub latitude_deg: f64,
-    /// -180..=180, east positive.
+    /// Longitude, -180..=180, east positive.
     pub longitude_deg: f64,
-    /// Direction of y clockwise from true north: the convergence of the grid, and how far the model is turned.
+    /// Direction of y clockwise from true north: the convergence of the grid plus the rotation of
+    /// the model.
     pub convergence_deg: f64,
-    /// Horizontal coordinate reference system, if that is how the place is known.
+    /// Horizontal coordinate reference system, if the place follows from one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub epsg: Option<u32>,
 }
@@ -39,7 +44,7 @@ impl fmt::Display for Place {
 }
 
 impl Place {
-    /// Where y points: `0.73 degrees west of true north`.
+    /// Returns the direction of y in words: `0.73 degrees west of true north`.
     fn y(&self) -> String {
         let (size, side) = (self.convergence_deg.abs(), if self.convergence_deg < 0.0 { "west" } else { "east" });
         match format!("{size:.2}") {
@@ -48,14 +53,15 @@ impl Place {
         }
     }
 
-    /// Says by how much suns are turned, if that is worth a word.
+    /// Returns a sentence on the angle by which suns are turned, if it is above 0.1 degrees.
     pub fn note(&self) -> Option<String> {
         let grid = self.epsg.map_or(String::new(), |epsg| format!(" in EPSG:{epsg}"));
         let noted = self.convergence_deg.abs() > NOTED_DEG;
         noted.then(|| format!("y lies {}{grid}: suns are turned by that", self.y()))
     }
 
-    /// Whether two places are one, but for the last digits that are lost when they are written down.
+    /// Returns true if two places are equal but for the last digits that are lost when they are
+    /// written down.
     pub fn is_same(&self, other: &Place) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() < SAME_DEG;
         near(self.latitude_deg, other.latitude_deg)
@@ -64,7 +70,8 @@ impl Place {
             && self.epsg == other.epsg
     }
 
-    /// Whether two scenes may be of one site, in coordinates of one system; `None` is a scene without a place.
+    /// Returns true if two scenes may belong to one site, in coordinates of one system; `None` is a
+    /// scene without a place.
     pub fn is_one_site(before: Option<&Place>, after: Option<&Place>) -> bool {
         let near = |a: f64, b: f64, most: f64| (a - b).abs() <= most;
         match (before, after) {
@@ -79,7 +86,8 @@ impl Place {
         }
     }
 
-    /// Great-circle distance to another place, km (haversine formula, on a sphere of 6371 km; good to 0.5 %).
+    /// Returns the great-circle distance to another place, km (haversine formula, on a sphere of
+    /// 6371 km; good to 0.5 %).
     pub fn distance_km(&self, latitude_deg: f64, longitude_deg: f64) -> f64 {
         let (a, b) = (self.latitude_deg.to_radians(), latitude_deg.to_radians());
         let half = |angle: f64| (0.5 * angle).sin().powi(2);
@@ -92,8 +100,8 @@ impl Place {
 mod tests {
     use super::*;
 
-    /// Turns of -0.73, 0.004 and 30 degrees are spelt with their side; only those of more than 0.1 degrees are noted, and 1 of 3 changed
-    /// places is the same.
+    /// Convergences of -0.73, -0.004 and 30 degrees are put in words with their side. An angle of
+    /// 0.1 degrees is not noted. Of 3 changed places, 1 is the same.
     #[test]
     fn words() {
         let place = |convergence_deg, epsg| Place { latitude_deg: 52.0, longitude_deg: 4.0, convergence_deg, epsg };
@@ -110,8 +118,9 @@ mod tests {
         assert_eq!(same.iter().filter(|other| grid.is_same(other)).count(), 1);
     }
 
-    /// A scene that grew by a kilometre is of the site; another system, another town, another north, no number and no place are not: 1 of 6. Two
-    /// of nowhere may be.
+    /// A scene that grew by a kilometre belongs to the site. One with another system, another town,
+    /// another north, no number or no place does not: 1 of 6 belongs. Two scenes without a place
+    /// may belong together.
     #[test]
     fn sites() {
         let here = Place { latitude_deg: 52.07, longitude_deg: 4.3, convergence_deg: 0.4, epsg: Some(28992) };

@@ -1,4 +1,4 @@
-//! A point that gets irradiance, and how many of them stand together.
+//! Receivers: points that get irradiance, and the number of them in a tile.
 
 use glam::DVec3;
 
@@ -8,27 +8,27 @@ use crate::site::patch::Patch;
 /// Receivers of one tile: neighbours along the Morton curve that share compressed blocks.
 pub const TILE: usize = 64;
 
-/// A point and its unit normal that gets irradiance.
+/// Point that gets irradiance, with its unit normal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Receiver {
-    /// Name in results; no two receivers of an archive have one.
+    /// Name in results, unique in an archive.
     pub id: String,
-    /// Input coordinates, metres.
+    /// Position in input coordinates, metres.
     pub position: DVec3,
-    /// Unit length.
+    /// Normal of unit length.
     pub normal: DVec3,
-    /// m2, > 0 where given.
+    /// Area, m2, > 0 where given.
     pub area: Option<f64>,
     /// Name of the surface that it stands for, if it has one.
     pub surface: Option<String>,
-    /// What of the model it stands for.
+    /// Part of the model that it stands for.
     pub part: ModelPart,
-    /// The part of its surface that it stands for, if anyone says.
+    /// Part of its surface that it stands for; empty if unknown.
     pub patch: Patch,
 }
 
 impl Receiver {
-    /// One of which only the place is known; `normal` is of unit length.
+    /// Returns a receiver with a name, a position and a unit normal only.
     pub fn new(id: String, position: DVec3, normal: DVec3) -> Self {
         Receiver {
             id,
@@ -42,5 +42,5 @@ impl Receiver {
     }
 }
 
-/// Longest name that an archive holds.
+/// Length of the longest name that an archive holds, bytes.
 pub const MAX_NAME_BYTES: usize = 1024;

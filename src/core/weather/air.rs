@@ -1,9 +1,9 @@
-//! Air and sky of a weather file's row, as far as heat goes. In: what the row says. Out: the longwave irradiance of the open sky,
-//! as given or computed.
+//! Air and sky of a weather file's row, as far as longwave radiation needs them. In: the cells of a
+//! row. Out: the longwave irradiance of the open sky, as given or computed.
 
 use crate::weather::emission::{ZERO_CELSIUS_K, black_body_w_m2};
 
-/// What a row says; `None` where it is missing.
+/// Air of a row; `None` for a missing value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Air {
     /// Temperature of the air, degrees Celsius.
@@ -12,20 +12,22 @@ pub struct Air {
     pub dew_point_c: Option<f64>,
     /// Horizontal infrared radiation intensity, W/m2.
     pub infrared_w_m2: Option<f64>,
-    /// Tenths of the sky that clouds hide.
+    /// Opaque sky cover, tenths.
     pub opaque_sky_tenths: Option<f64>,
     /// Wind at 10 m above the ground, m/s.
     pub wind_m_s: Option<f64>,
 }
 
 impl Air {
-    /// Air of a temperature and a relative humidity in percent, above 0, of which nothing else is known.
+    /// Returns air of a temperature and a relative humidity in percent, above 0, without other
+    /// values.
     pub fn of_humidity(dry_bulb_c: f64, humidity_percent: f64) -> Self {
         let dew_point_c = Some(dew_point_c(dry_bulb_c, humidity_percent));
         Air { dry_bulb_c: Some(dry_bulb_c), dew_point_c, ..Air::default() }
     }
 
-    /// Longwave irradiance of an open horizontal surface: as given, else computed; `None` if it cannot be.
+    /// Returns the longwave irradiance of an open horizontal surface, W/m2: as given, else
+    /// computed; `None` if it cannot be computed.
     pub fn sky_w_m2(&self) -> Option<f64> {
         let computed = || {
             let emissivity = sky_emissivity(self.dry_bulb_c?, self.dew_point_c?, self.opaque_sky_tenths?);
@@ -34,7 +36,7 @@ impl Air {
         self.infrared_w_m2.or_else(computed)
     }
 
-    /// Names of what computing would need and the row lacks.
+    /// Returns the names of the values that the computation needs and the row lacks.
     pub fn lacks(&self) -> Vec<&'static str> {
         let needed = [
             (self.dry_bulb_c, "dry bulb temperature"),
@@ -45,12 +47,14 @@ impl Air {
     }
 }
 
-/// Emissivity of the sky: Clark and Allen, "The estimation of atmospheric radiation for clear and cloudy skies", 1978, for its clear
-/// part, times Walton, "Thermal analysis research program reference manual", 1983, p. 21, for clouds; both as in EnergyPlus,
+/// Returns the emissivity of the sky: Clark and Allen, "The estimation of atmospheric radiation for
+/// clear and cloudy skies", 1978, for its clear part, times Walton, "Thermal analysis research
+/// program reference manual", 1983, p. 21, for clouds. Both are taken as in EnergyPlus,
 /// "Engineering reference", section "Sky radiation modeling", which states no range.
 ///
-/// There 0 degrees Celsius is 273 K. With 273.15 K, as in EnergyPlus itself, the column of a file that was computed so comes
-/// out within its rounding. A dew point above the temperature is an error of the file; more than a black body sends is none.
+/// There 0 degrees Celsius is 273 K. With 273.15 K, as in EnergyPlus itself, the column of a file
+/// that was computed so comes out within its rounding. A dew point above the temperature is an
+/// error of the file. The result is at most 1, that of a black body.
 fn sky_emissivity(dry_bulb_c: f64, dew_point_c: f64, opaque_sky_tenths: f64) -> f64 {
     let dew_point_k = dry_bulb_c.min(dew_point_c) + ZERO_CELSIUS_K;
     let n = opaque_sky_tenths;
@@ -58,9 +62,10 @@ fn sky_emissivity(dry_bulb_c: f64, dew_point_c: f64, opaque_sky_tenths: f64) -> 
     (clear * (1.0 + 0.0224 * n - 0.0035 * n * n + 0.00028 * n * n * n)).min(1.0)
 }
 
-/// Dew point from temperature and relative humidity in percent, above 0, by the Magnus formula over water with the coefficients of
-/// Alduchov and Eskridge, "Improved Magnus form approximation of saturation vapor pressure", Journal of Applied Meteorology 35, 1996,
-/// eq. 21 (0.4 % of the pressure from -40 to 50 degrees Celsius).
+/// Returns the dew point from temperature and relative humidity in percent, above 0, by the Magnus
+/// formula over water with the coefficients of Alduchov and Eskridge, "Improved Magnus form
+/// approximation of saturation vapor pressure", Journal of Applied Meteorology 35, 1996, eq. 21
+/// (0.4 % of the pressure from -40 to 50 degrees Celsius).
 pub(super) fn dew_point_c(dry_bulb_c: f64, humidity_percent: f64) -> f64 {
     const A: f64 = 17.625;
     const B_C: f64 = 243.04;
@@ -77,9 +82,10 @@ mod tests {
         Air { dry_bulb_c, dew_point_c, opaque_sky_tenths, ..Air::default() }
     }
 
-    /// By hand: at 20 and a dew point of 10 degrees Celsius a clear sky has an emissivity of 0.787 + 0.764 ln(283.15 / 273.15) =
-    /// 0.81447, 341.1 W/m2; full cover times 1.154 makes it 0.93990, 393.6; half cover times 1.0595, 361.4. The example of the
-    /// engineering reference, 293 and 283 K, is 340.6 there and 340.2 here.
+    /// By hand: at 20 and a dew point of 10 degrees Celsius a clear sky has an emissivity of 0.787
+    /// + 0.764 ln(283.15 / 273.15) = 0.81447, 341.1 W/m2. Full cover times 1.154 makes it 0.93990,
+    /// 393.6 W/m2; half cover times 1.0595, 361.4 W/m2. The example of the engineering reference,
+    /// 293 and 283 K, is 340.6 there and 340.2 here.
     #[test]
     fn by_hand() {
         for (air, expected) in [
@@ -89,7 +95,8 @@ mod tests {
             (air(19.85, 9.85, 0.0), 340.21),
             // A dew point above the temperature counts as the temperature: 0.787 sigma 273.15^4.
             (air(0.0, 9.0, 0.0), 248.42),
-            // 0.787 + 0.764 ln(308.15 / 273.15) = 0.87911, x 1.154 = 1.0145 is cut to 1: sigma 308.15^4.
+            // 0.787 + 0.764 ln(308.15 / 273.15) = 0.87911, x 1.154 = 1.0145 is cut to 1: sigma
+            // 308.15^4.
             (air(35.0, 35.0, 10.0), 511.28),
         ] {
             let got = air.sky_w_m2().expect("all is given");
@@ -97,8 +104,8 @@ mod tests {
         }
     }
 
-    /// Saturated air is at its dew point, and at 25 degrees Celsius and 50 % it is 13.85 (by hand: ln 0.5 + 17.625 x 25 / 268.04 = 0.95072,
-    /// x 243.04 / 16.67428), to 0.01.
+    /// Saturated air is at its dew point. At 25 degrees Celsius and 50 % the dew point is 13.86 (by
+    /// hand: ln 0.5 + 17.625 x 25 / 268.04 = 0.95072, x 243.04 / 16.67428), to 0.01.
     #[test]
     fn dew_points() {
         for (dry_bulb_c, humidity, expected) in [(25.0, 50.0, 13.857), (-5.0, 100.0, -5.0), (30.0, 100.0, 30.0)] {
@@ -106,7 +113,8 @@ mod tests {
         }
     }
 
-    /// What is given is taken, 237 W/m2; without one of the three nothing is computed, and its name is said: 3 of 3.
+    /// A given value, 237 W/m2, is taken. Without one of the three inputs nothing is computed, and
+    /// its name is reported: 3 of 3.
     #[test]
     fn given_and_missing() {
         let whole = air(20.0, 10.0, 5.0);

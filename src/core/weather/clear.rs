@@ -1,4 +1,5 @@
-//! Clear skies of a place, where no weather is at hand. In: an altitude of the sun, or a place. Out: DNI and DHI, or conditions of a year.
+//! Clear skies of a place, for use without weather. In: an altitude of the sun, or a place. Out:
+//! DNI and DHI, or conditions of a year.
 
 use glam::DVec3;
 
@@ -8,8 +9,9 @@ use crate::weather::time::bins::Bins;
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Location;
 
-/// DNI and DHI in W/m2 under a clear sky, the sun this high (sine of the altitude above 0). DNI is 1361 x 0.72^(m^0.678), m the air mass
-/// (Meinel and Meinel 1976, with 0.7 for 0.72; Kasten and Young 1989); DHI is a round number of the size that weather files have.
+/// Returns DNI and DHI in W/m2 under a clear sky for the sine of the sun's altitude, above 0. DNI
+/// is 1361 x 0.72^(m^0.678), m the air mass (Meinel and Meinel 1976, with 0.7 for 0.72; Kasten and
+/// Young 1989). DHI is a round number of the size that weather files have.
 pub fn clear_sky(sine: f64) -> (f64, f64) {
     let sine = sine.clamp(0.0, 1.0);
     let altitude_deg = sine.asin().to_degrees();
@@ -17,7 +19,7 @@ pub fn clear_sky(sine: f64) -> (f64, f64) {
     (1361.0 * 0.72_f64.powf(air_mass.powf(0.678)), 60.0 + 60.0 * sine)
 }
 
-/// Sun, DNI and DHI of a clear moment; no light below the horizon.
+/// Returns the condition of a clear moment; no light with the sun below the horizon.
 pub fn clear_moment(label: String, sun: DVec3) -> Condition {
     if sun.z <= 0.0 {
         return Condition::new(label, &[], sun, 0.0, 0.0);
@@ -26,7 +28,8 @@ pub fn clear_moment(label: String, sun: DVec3) -> Condition {
     Condition::new(label, &[sun], sun, dni, dhi)
 }
 
-/// The day whose declination is the mean of its month, and the days that the month has (Klein 1977, table 1).
+/// Day of each month whose declination is the mean of the month, and the number of days of the
+/// month (Klein 1977, table 1).
 const MEAN_DAYS: [(u32, u32); 12] = [
     (17, 31),
     (16, 28),
@@ -42,14 +45,14 @@ const MEAN_DAYS: [(u32, u32); 12] = [
     (10, 31),
 ];
 
-/// A year that counts in the clear year.
+/// Year of the clear year; it has no leap day.
 const YEAR: i32 = 2001;
 
-/// The clear year of a place: the hours of twelve days, the sun by true north where it is in their middle, and the weights that add them
-/// up to kWh/m2.
+/// Returns the clear year of a place: the hours of twelve days with the sun in their middle, by
+/// true north, and the weights that add them up to kWh/m2.
 pub fn clear_year(place: &Place) -> (Vec<Condition>, Bins) {
     let none = || (Vec::new(), Bins { count: 1, of_condition: Vec::new() });
-    // Hours are counted from midnight of the meridian: the day is whole in any zone.
+    // Hours are counted from midnight of the meridian, so that the day is whole in any zone.
     let zone_hours = (place.longitude_deg / 15.0).round().clamp(-12.0, 14.0);
     let Ok(location) = Location::new(place.latitude_deg, place.longitude_deg, zone_hours, 0.0) else { return none() };
     let mut conditions = Vec::new();
@@ -71,9 +74,10 @@ pub fn clear_year(place: &Place) -> (Vec<Condition>, Bins) {
 mod tests {
     use super::*;
 
-    /// GHI of the clear year lies within 6 % of the sums of Haurwitz' clear sky (1945) that pvlib gives for all half hours of 2001: 1,722
-    /// kWh/m2 at 52 degrees north, 2,680 at the equator, 2,188 at 35 degrees south; the pole has 4,300 to 4,460 lit hours, and every DNI is
-    /// below 1,000 W/m2.
+    /// GHI of the clear year lies within 6 % of the sums of Haurwitz' clear sky (1945) that pvlib
+    /// gives for all half hours of 2001: 1,722 kWh/m2 at 52 degrees north, 2,680 at the equator,
+    /// 2,188 at 35 degrees south. The pole has 4,300 to 4,460 lit hours, and every DNI is below
+    /// 1,000 W/m2.
     #[test]
     fn sums_of_clear_years() {
         for (latitude_deg, expected) in [(52.0, 1722.0), (0.0, 2680.0), (-35.0, 2188.0)] {

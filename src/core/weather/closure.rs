@@ -1,7 +1,9 @@
-//! Closure of a weather file: does GHI = DHI + DNI cos z hold with the sun at mid-interval, or at another time?
+//! Closure of a weather file: the check if GHI = DHI + DNI cos z holds with the sun at
+//! mid-interval, or at another time. In: rows and a location. Out: residuals and a warning.
 //!
-//! A wrong time zone, a longitude of the wrong sign, rows in UT, or labels at the wrong end of the interval show as a smaller
-//! residual at a shifted sun. Nothing is shifted silently: the reader warns.
+//! A wrong time zone, a longitude of the wrong sign, rows in UT, or labels at the wrong end of the
+//! interval show as a smaller residual at a shifted sun. Nothing is shifted silently: the reader
+//! warns.
 
 use std::ops::RangeInclusive;
 
@@ -10,42 +12,51 @@ use rayon::prelude::*;
 use crate::weather::row::WeatherRow;
 use crate::weather::time::sun::Location;
 
-/// Shifts tried: half a day each way, first coarsely (the residual changes over hours), then by the minute.
+/// Largest shift that is tried, half a day each way, minutes: first coarsely (the residual changes
+/// over hours), then by the minute.
 const HALF_DAY_MIN: i32 = 720;
+/// Step of the coarse shifts, minutes.
 const COARSE_MIN: i32 = 30;
+/// Number of coarse shifts to either side.
 const STEPS: i32 = HALF_DAY_MIN / COARSE_MIN;
 
-/// A tenth of a minute is worth saying if it takes this share of the RMSE, or less, to the whole minute's.
+/// Largest ratio of the RMSE at a tenth of a minute to that at the whole minute for which the tenth
+/// is reported.
 const CLEARLY_BETTER: f64 = 0.95;
 
-/// Rows with less light say little: the sun is low, or its interval is cut by the horizon.
+/// Least GHI of a row that is used, W/m2. With less light the sun is low, or its interval is cut by
+/// the horizon.
 const SMALLEST_GHI_W_M2: f64 = 50.0;
 
-/// Fewer rows prove nothing.
+/// Least number of rows; fewer prove nothing.
 const FEWEST_ROWS: usize = 24;
 
-/// More rows are thinned to this: the check must not cost more than reading.
+/// Largest number of rows; more are thinned to this, so that the check does not cost more than
+/// reading.
 const MOST_ROWS: usize = 4_000;
 
-/// If the best shift leaves more than this share of GHI - DHI unexplained, time is not what is wrong.
+/// Largest share of GHI - DHI that the best shift may leave unexplained. Beyond it, time is not the
+/// cause.
 const LARGEST_SHARE: f64 = 0.2;
 
-/// Root mean square of GHI - (DHI + DNI cos z) over the rows with DNI and a GHI above 50 W/m2: rows that the sun's place
-/// matters for, chosen without it.
+/// Root mean square of GHI - (DHI + DNI cos z) over the rows with DNI and a GHI above 50 W/m2. The
+/// choice of these rows, for which the sun's position matters, does not depend on that position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closure {
-    /// With the sun at mid-interval.
+    /// RMSE with the sun at mid-interval, W/m2.
     pub rmse_w_m2: f64,
-    /// At the best of the shifts tried.
+    /// RMSE at the best of the shifts tried, W/m2.
     pub best_rmse_w_m2: f64,
-    /// Best shift, minutes after mid-interval (negative: before): whole ones, or tenths where these fit clearly better.
+    /// Best shift, minutes after mid-interval (negative: before): whole minutes, or tenths where
+    /// these fit clearly better.
     pub best_shift_min: f64,
-    /// Root mean square of GHI - DHI: what is left if no sun is put in at all.
+    /// Root mean square of GHI - DHI, the residual without any sun, W/m2.
     pub sunless_rmse_w_m2: f64,
 }
 
 impl Closure {
-    /// The check over rows for which GHI, DNI and DHI were all in the file.
+    /// Checks the rows for which GHI, DNI and DHI were all in the file; `None` if there are too
+    /// few.
     pub fn of<'r>(site: &Location, rows: impl Iterator<Item = &'r WeatherRow>) -> Option<Self> {
         let mut usable: Vec<(&WeatherRow, f64)> = rows
             .filter(|row| row.dni_w_m2 > 0.0)
@@ -88,13 +99,13 @@ impl Closure {
         })
     }
 
-    /// The shift if it fits better than none by a factor of two and by more than 5 W/m2.
+    /// Returns the shift if it fits better than none by a factor of two and by more than 5 W/m2.
     pub fn better_shift_min(&self) -> Option<f64> {
         let better = self.rmse_w_m2 > 2.0 * self.best_rmse_w_m2 && self.rmse_w_m2 - self.best_rmse_w_m2 > 5.0;
         (better && self.fits_somewhere()).then_some(self.best_shift_min)
     }
 
-    /// Whether the sun fits where it is.
+    /// Returns true if the sun fits at mid-interval.
     pub fn holds(&self) -> bool {
         self.fits_somewhere() && self.better_shift_min().is_none()
     }
@@ -103,8 +114,9 @@ impl Closure {
         self.best_rmse_w_m2 <= LARGEST_SHARE * self.sunless_rmse_w_m2
     }
 
-    /// A sentence if another time fits better, or if none fits. `moved_min`: how far time stamps were moved already; `zone_is_certain`: the
-    /// time stamps say their zone, so that another one would move days and no sun.
+    /// Returns a sentence if another time fits better, or if none fits. `moved_min` is the shift
+    /// that time stamps have already. `zone_is_certain` says that the time stamps state their zone,
+    /// so that another zone would move days and no sun.
     pub fn warning(&self, site: &Location, moved_min: f64, zone_is_certain: bool) -> Option<String> {
         let Closure { rmse_w_m2, best_rmse_w_m2, sunless_rmse_w_m2, .. } = *self;
         if !self.fits_somewhere() {
@@ -116,7 +128,7 @@ impl Closure {
         }
         self.better_shift_min().map(|shift_min| {
             let hours = shift_min / 60.0;
-            // Into the ranges that the header allows.
+            // The suggested values stay in the ranges that the header allows.
             let zone = (site.zone_hours - hours + 12.0).rem_euclid(24.0) - 12.0;
             let longitude = (site.longitude_deg + 15.0 * hours + 180.0).rem_euclid(360.0) - 180.0;
             // Binary fractions of tenths are not worth printing.

@@ -1,7 +1,8 @@
-//! Conditions: what the sun and the sky do in one result row. In: `conditions.csv`. Out: checked [`Condition`]s.
+//! Conditions: sun and sky of one result row. In: `conditions.csv`. Out: checked [`Condition`]s.
 //!
-//! A query row is one condition with one sun. A replay hour is one condition with the suns of its sub-steps (see
-//! [`crate::weather::series`]). The mean over the interval of the sun on a surface is DNI x sum of weight x cos over the suns.
+//! A query row is one condition with one sun. A replay hour is one condition with the suns of its
+//! sub-steps (see [`crate::weather::series`]). The mean over the interval of the sun on a surface
+//! is DNI x sum of weight x cos over the suns.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -20,70 +21,80 @@ use crate::weather::emission::Emission;
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::SOLAR_CONSTANT_W_M2;
 
-/// One position of the sun in a condition: by true east, true north and up where conditions are made, in a site's axes behind
-/// [`Condition::in_axes`].
+/// One position of the sun in a condition. Its axes are true east, true north and up in new
+/// conditions, and those of a site after [`Condition::in_axes`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant {
-    /// Unit, towards the centre of the sun, above the horizon (z > 0): suns below it are not listed.
+    /// Unit vector towards the centre of the sun, above the horizon (z > 0): suns below it are not
+    /// listed.
     pub sun: DVec3,
-    /// Share of the condition's direct energy that comes from here; the weights of a condition sum to 1.
+    /// Share of the condition's direct energy that comes from this position; the weights of a
+    /// condition sum to 1.
     pub weight: f64,
-    /// Share of the sun's disc's light that clouds let through ([`Condition::clouds`]): 1 without them.
+    /// Share of the light of the sun's disc that clouds let through ([`Condition::clouds`]): 1
+    /// without them.
     pub unclouded: f64,
 }
 
 impl Instant {
-    /// Share of the condition's direct energy that comes from here and passes the clouds.
+    /// Returns the share of the condition's direct energy that comes from this position and passes
+    /// the clouds.
     pub fn lit(&self) -> f64 {
         self.weight * self.unclouded
     }
 }
 
-/// When a replay condition was.
+/// Date and interval of a replay condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stamp {
     /// Date of the row; months of a typical year come from different years.
     pub date: Date,
-    /// When the interval begins, minutes after local midnight.
+    /// Start of the interval, minutes after local midnight.
     pub start_min: f64,
-    /// Length of the interval.
+    /// Length of the interval, hours.
     pub hours: f64,
 }
 
 /// Sun and sky of one result row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
-    /// Name of the row in the results: the `condition` of a query, the start of the interval of a replay.
+    /// Name of the row in the results: the `condition` of a query, the start of the interval of a
+    /// replay.
     pub label: String,
-    /// Empty when the sun is down the whole time: the sun parts are then zero.
+    /// Positions of the sun; empty when the sun is down the whole time: the sun parts are then
+    /// zero.
     pub suns: Vec<Instant>,
-    /// Sun position that the sky's radiance distribution is built on: unit, z >= 0. The normalised mean of the suns; when
-    /// there are none, the sun's azimuth at altitude 0.
+    /// Sun position that the sky's radiance distribution is built on: unit, z >= 0. It is the
+    /// normalised mean of the suns or, without any, the sun's azimuth at altitude 0.
     pub sky_sun: DVec3,
-    /// Direct normal irradiance, mean over the interval, also where the sun is up for a part of it only.
+    /// Direct normal irradiance, W/m2, mean over the interval, also where the sun is up for a part
+    /// of it only.
     pub dni_w_m2: f64,
-    /// Diffuse irradiance on an open horizontal surface, mean over the interval.
+    /// Diffuse irradiance on an open horizontal surface, W/m2, mean over the interval.
     pub dhi_w_m2: f64,
-    /// Normal irradiance outside the atmosphere, which Perez' sky brightness is relative to: the solar constant in a query, that of
-    /// the day in a replay.
+    /// Normal irradiance outside the atmosphere, W/m2, which Perez' sky brightness is relative to:
+    /// the solar constant in a query, the value of the day in a replay.
     pub extraterrestrial_w_m2: f64,
-    /// Present in a replay only.
+    /// Date and interval, in a replay only.
     pub stamp: Option<Stamp>,
-    /// Present where longwave irradiance is asked for.
+    /// Longwave emission, where results need it.
     pub emission: Option<Emission>,
-    /// The air of the hour, where the weather was read with it.
+    /// Air of the hour, where the weather was read with it.
     pub air: Option<Air>,
-    /// Radiances of the sky's patches where a file gives them in place of a model; they are scaled to DHI, so only their ratios count.
+    /// Radiances of the sky's patches where a file gives them in place of a model. They are scaled
+    /// to DHI, so only their ratios count.
     pub own_sky: Option<PatchRow>,
-    /// What clouds before the sky let through, by patch; the suns' shares are in [`Instant::unclouded`].
+    /// Transmittances of clouds before the sky, by patch; the suns' shares are in
+    /// [`Instant::unclouded`].
     pub clouds: Option<PatchRow>,
-    /// What the light of the sun and of the sky is taken times in results: shares of a band, or another unit. How the sky's light is spread
-    /// follows from the irradiances as they are.
+    /// Factors of the light of the sun and of the sky in results: shares of a band, or another
+    /// unit. The distribution of the sky's light follows from the irradiances without them.
     pub scale: SourceScale,
 }
 
 impl Condition {
-    /// A condition with equally weighted suns (those above the horizon); `below` is where the sun stands if there is none.
+    /// Returns a condition with equally weighted suns (those above the horizon); `below` is the
+    /// sun's direction if there is none.
     pub fn new(label: String, suns: &[DVec3], below: DVec3, dni_w_m2: f64, dhi_w_m2: f64) -> Self {
         let up: Vec<DVec3> = suns.iter().copied().filter(|s| s.z > 0.0).collect();
         let weight = 1.0 / up.len().max(1) as f64;
@@ -107,7 +118,8 @@ impl Condition {
         }
     }
 
-    /// The same, its suns and what patches it has turned from true north into the axes of a site: nowhere else are they turned.
+    /// Returns the condition with its suns and patches turned from true north into the axes of a
+    /// site. Nowhere else are they turned.
     pub fn in_axes(mut self, north: North) -> Self {
         self.suns.iter_mut().for_each(|instant| instant.sun = north.to_axes(instant.sun));
         self.sky_sun = north.to_axes(self.sky_sun);
@@ -118,7 +130,7 @@ impl Condition {
     }
 }
 
-/// Conditions, whose suns go by true north, in the axes of a site.
+/// Returns conditions, whose suns refer to true north, in the axes of a site.
 pub fn in_axes(conditions: &[Condition], north: North) -> Cow<'_, [Condition]> {
     if north.is_y() {
         return Cow::Borrowed(conditions);
@@ -126,15 +138,15 @@ pub fn in_axes(conditions: &[Condition], north: North) -> Cow<'_, [Condition]> {
     Cow::Owned(conditions.iter().map(|condition| condition.clone().in_axes(north)).collect())
 }
 
-/// The direction with its altitude set to 0; north for a vertical one.
+/// Returns the direction with its altitude set to 0; north for a vertical one.
 fn on_horizon(direction: DVec3) -> DVec3 {
     DVec3::new(direction.x, direction.y, 0.0).try_normalize().unwrap_or(DVec3::Y)
 }
 
-/// Conditions of a query, and what the user should know about them.
+/// Conditions of a query, with warnings for the user.
 #[derive(Debug)]
 pub struct ConditionsFile {
-    /// In the order of the file, at least one.
+    /// Conditions in the order of the file, at least one.
     pub conditions: Vec<Condition>,
     /// Sentences for the user, each naming file and line.
     pub warnings: Vec<String>,
@@ -143,11 +155,12 @@ pub struct ConditionsFile {
 /// The columns of `conditions.csv`, in any order; further columns are ignored.
 const COLUMNS: [&str; 5] = ["condition", "sun_azimuth_deg", "sun_altitude_deg", "dni_w_m2", "dhi_w_m2"];
 
-/// No irradiance on Earth comes near; above it the number is a slip of units or of columns.
+/// Largest irradiance, W/m2. No irradiance on Earth comes near, so a larger number is a mistake of
+/// units or of columns.
 const MAX_IRRADIANCE_W_M2: f64 = 1e6;
 
-/// Reads and checks the bytes of `conditions.csv` (UTF-8, with or without byte order mark, any line ending); `path` is its name in
-/// messages.
+/// Reads and checks the bytes of `conditions.csv` (UTF-8, with or without byte order mark, any line
+/// ending); messages call it `path`.
 pub fn parse_conditions(path: &Path, bytes: &[u8]) -> Result<ConditionsFile> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(bytes);
@@ -232,8 +245,8 @@ mod tests {
         parse_conditions(Path::new("c.csv"), text.as_bytes())
     }
 
-    /// Columns in another order, a byte order mark, CRLF and an extra column give the same condition: sun in the south at 30
-    /// deg, weight 1, E0 1367 W/m2.
+    /// Columns in another order, a byte order mark, CRLF and an extra column give one and the same
+    /// condition: sun in the south at 30 deg, weight 1, E0 1367 W/m2.
     #[test]
     fn any_layout() {
         let file = read(
@@ -281,8 +294,8 @@ mod tests {
         assert!(parse_conditions(Path::new("c.csv"), &bytes).is_err());
     }
 
-    /// DNI with the sun at or below the horizon is accepted with one warning a row; there are no suns, and the sky's sun is
-    /// the same azimuth at altitude 0 (exactly z = 0), also at the nadir.
+    /// DNI with the sun at or below the horizon is accepted with one warning a row. There are no
+    /// suns, and the sky's sun has that azimuth at altitude 0 (exactly z = 0), also at the nadir.
     #[test]
     fn sun_below_horizon() {
         let rows = "a,90,-5,300,20\nb,90,0,300,20\nc,0,-90,0,20\n";
@@ -296,9 +309,10 @@ mod tests {
         assert!((file.conditions[0].sky_sun - DVec3::X).length() < 1e-12);
     }
 
-    /// At 54 N 6.2 E, where grid north of UTM zone 32 lies 2.26587 degrees west of true north (PROJ by pyproj 3.7.2), the sun and the sky's
-    /// sun of 2024-06-21 07:30, 12:00 and 17:15 UT stand in the grid where NREL's SPA (pvlib 0.16.1) and that convergence put them, to
-    /// 0.001 degrees; without a place they are where they were, to the bit.
+    /// At 54 N 6.2 E, grid north of UTM zone 32 lies 2.26587 degrees west of true north (PROJ by
+    /// pyproj 3.7.2). The sun and the sky's sun of 2024-06-21 07:30, 12:00 and 17:15 UT stand in
+    /// the grid where NREL's SPA (pvlib 0.16.1) and that convergence put them, to 0.001 degrees.
+    /// Without a place they stay, to the bit.
     #[test]
     fn against_pvlib_and_proj() {
         let place = Place { latitude_deg: 54.0, longitude_deg: 6.2, convergence_deg: -2.26587, epsg: Some(25832) };

@@ -1,7 +1,8 @@
-//! Which rows of a weather file results are made of, and the dates that they are given. In: a file's intervals, a span, perhaps a year
-//! to put them into. Out: a choice of rows, each with its date.
+//! Choice of the rows of a weather file that results are made of, and their dates. In: a file's
+//! intervals, a span, perhaps a year to put them into. Out: a choice of rows, each with its date.
 //!
-//! Only dates of results change: the suns of a row stay those of the date in the file, which its irradiances were measured under.
+//! Only dates of results change. The suns of a row stay those of the date in the file, under which
+//! its irradiances were measured.
 
 use std::path::Path;
 
@@ -14,30 +15,32 @@ use crate::weather::time::years::Years;
 /// Rows of a weather file with the dates that results give them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DatedRows {
-    /// `[row]` of the file: whether it counts.
+    /// `[row]` of the file: true if it is used.
     pub chosen: Vec<bool>,
     /// `[row]` of the file: its date in results.
     pub dates: Vec<Date>,
-    /// What the years of all these dates stand for.
+    /// Meaning of the years of all these dates.
     pub years: Years,
     /// Sentences for the user, each naming the file.
     pub warnings: Vec<String>,
 }
 
 impl DatedRows {
-    /// The rows of a span with the dates of the file.
+    /// Returns the rows of a span with the dates of the file.
     pub fn of_file(rows: &[Interval], file: &Path, span: &Span) -> Result<Self> {
         let dates: Vec<Date> = rows.iter().map(|row| row.date).collect();
         let (chosen, years) = (span.rows_of(rows, file)?, Years::of(dates.iter().copied()));
         Ok(DatedRows { chosen, dates, years, warnings: Vec::new() })
     }
 
-    /// The rows of a span with their dates put into one year. 29 February is left out, with a warning, where that year has none. Years
-    /// in the span are the one year, but for a file of several: there they say which of them is meant.
+    /// Returns the rows of a span with their dates put into one year. 29 February is left out, with
+    /// a warning, where that year has none. Years in the span are the new year, except for a file
+    /// of several years: there they choose among these.
     pub fn in_year(rows: &[Interval], file: &Path, span: &Span, year: i32) -> Result<Self> {
         let at = |date: Date| Date::new(year, date.month, date.day);
         let moved: Vec<Interval> =
             rows.iter().map(|row| Interval { date: at(row.date).unwrap_or(row.date), ..*row }).collect();
+        // In a file of several years the span chooses by these; else it names the new year.
         let several = Years::of(rows.iter().map(|row| row.date)) == Years::Several;
         let mut chosen = span.rows_of(if several { rows } else { &moved }, file)?;
         let taken = || rows.iter().zip(&chosen).filter_map(|(row, chosen)| chosen.then_some(row.date));
@@ -77,7 +80,7 @@ impl DatedRows {
 mod tests {
     use super::*;
 
-    /// Twelve-hour halves of some days.
+    /// Returns the twelve-hour halves of some days.
     fn halves(days: &[(i32, u32, u32)]) -> Vec<Interval> {
         let half = |&(year, month, day): &(i32, u32, u32), start_min: f64| {
             let date = Date::new(year, month, day).expect("a date");
@@ -99,7 +102,8 @@ mod tests {
         rows.chosen.iter().filter(|chosen| **chosen).count()
     }
 
-    /// A typical year of 1999 and 1996 keeps these years, or gets 2019 with all of its 6 rows; dates of 2019 then choose 2 of them.
+    /// A typical year of 1999 and 1996 keeps these years, or gets 2019 with all of its 6 rows.
+    /// Dates of 2019 then choose 2 of them.
     #[test]
     fn typical_year() {
         let days = [(1999, 1, 31), (1996, 2, 1), (1996, 2, 28)];
@@ -113,8 +117,8 @@ mod tests {
         assert!(text.contains("holds 2019-01-31T00:00 to 2019-02-28T24:00, nothing from 1996-02-01"), "{text}");
     }
 
-    /// 29 February of 2020 is left out of 2019, 2 of 6 rows, and stays in 2024; alone it is refused. A year without it leaves 2020
-    /// without it, which is said once.
+    /// 29 February of 2020 is left out of 2019, 2 of 6 rows, and stays in 2024. Alone it is
+    /// refused. A file without it leaves 2020 without it, with one warning.
     #[test]
     fn leap_days() {
         let leap = [(2020, 2, 28), (2020, 2, 29), (2020, 3, 1)];
@@ -131,7 +135,8 @@ mod tests {
         assert_eq!(in_year(&[(2019, 3, 1)], "", "", 2020).expect("rows").warnings.len(), 0);
     }
 
-    /// Two Januaries do not go into one year; one of them, chosen by its own year, does: 2 of 4 rows.
+    /// Two Januaries do not go into one year. One of them, chosen by its own year, does: 2 of 4
+    /// rows.
     #[test]
     fn several_years() {
         let days = [(2007, 1, 1), (2008, 1, 1)];

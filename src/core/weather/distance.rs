@@ -1,12 +1,12 @@
-//! Whether a weather file is of a scene's place. In: both. Out: a sentence if they are far apart.
+//! Distance between a weather file and a scene. In: both. Out: a sentence if they are far apart.
 
 use crate::site::place::Place;
 use crate::weather::series::Weather;
 
-/// Weather is taken from this far without a word, km: between stations of a typical-year set.
+/// Largest distance without a warning, km: the distance between stations of a typical-year set.
 const FAR_KM: f64 = 100.0;
 
-/// A warning if the weather is that of another place.
+/// Returns a warning if the weather belongs to another place.
 pub fn far_apart(place: &Place, weather: &Weather) -> Option<String> {
     let (latitude, longitude) = (weather.site.latitude_deg, weather.site.longitude_deg);
     let distance = place.distance_km(latitude, longitude);
@@ -31,7 +31,8 @@ mod tests {
     use super::*;
     use crate::weather::formats::weather_file::parse_weather;
 
-    /// The weather of Golden is 7,750 km from The Hague, which is said with both places, and 16 km from Denver, which is not.
+    /// The weather of Golden is 7,750 km from The Hague, which gives a warning with both places,
+    /// and 16 km from Denver, which gives none.
     #[test]
     fn golden() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_tmy3.epw");

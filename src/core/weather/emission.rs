@@ -1,4 +1,5 @@
-//! What black surfaces and the sky send by their temperatures: what a condition needs for longwave irradiance.
+//! Longwave emission of black surfaces and the sky. In: temperatures. Out: the emission that a
+//! condition needs for longwave irradiance.
 
 /// Stefan-Boltzmann constant, W/m2 K4 (CODATA 2018).
 const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
@@ -6,24 +7,25 @@ const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
 /// 0 degrees Celsius, K.
 pub const ZERO_CELSIUS_K: f64 = 273.15;
 
-/// What a black surface of a temperature sends (Stefan 1879, Boltzmann 1884): sigma T^4.
+/// Returns the exitance of a black surface, W/m2 (Stefan 1879, Boltzmann 1884): sigma T^4.
 pub fn black_body_w_m2(celsius: f64) -> f64 {
     STEFAN_BOLTZMANN * (celsius + ZERO_CELSIUS_K).powi(4)
 }
 
-/// The temperature of a black surface that sends so much, degrees Celsius: the inverse of [`black_body_w_m2`]. None below 0 W/m2.
+/// Returns the temperature of a black surface of this exitance, degrees Celsius: the inverse of
+/// [`black_body_w_m2`]. `None` below 0 W/m2.
 pub fn black_body_c(w_m2: f64) -> Option<f64> {
     (0.0..f64::INFINITY).contains(&w_m2).then(|| (w_m2 / STEFAN_BOLTZMANN).sqrt().sqrt() - ZERO_CELSIUS_K)
 }
 
-/// What a receiver gets that sees nothing but sky, ground or obstructions, W/m2.
+/// Longwave irradiance of a receiver that sees nothing but sky, ground or obstructions, W/m2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
-    /// From the open sky, horizontal.
+    /// Irradiance from the open sky, horizontal.
     pub sky_w_m2: f64,
-    /// From the ground, a black body.
+    /// Irradiance from the ground, a black body.
     pub ground_w_m2: f64,
-    /// From obstructions, black bodies.
+    /// Irradiance from obstructions, black bodies.
     pub obstruction_w_m2: f64,
 }
 
@@ -31,8 +33,8 @@ pub struct Emission {
 mod tests {
     use super::*;
 
-    /// A black surface sends 315.66 W/m2 at 0 degrees Celsius, 418.77 at 20 and nothing at absolute zero (sigma 273.15^4 and 293.15^4
-    /// by hand, to 0.01).
+    /// A black surface emits 315.66 W/m2 at 0 degrees Celsius, 418.77 at 20 and nothing at absolute
+    /// zero (sigma 273.15^4 and 293.15^4 by hand, to 0.01).
     #[test]
     fn black_bodies() {
         for (celsius, expected) in [(0.0, 315.66), (20.0, 418.77), (-273.15, 0.0)] {

@@ -1,9 +1,10 @@
 //! Diffuse share of global irradiance, for files that hold GHI only.
 //!
-//! Erbs, Klein and Duffie, "Estimation of the diffuse radiation fraction for hourly, daily and monthly-average global
-//! radiation", Solar Energy 28(4), 1982, equation 1: hourly data of four sites in the USA.
+//! Erbs, Klein and Duffie, "Estimation of the diffuse radiation fraction for hourly, daily and
+//! monthly-average global radiation", Solar Energy 28(4), 1982, equation 1: hourly data of four
+//! sites in the USA.
 
-/// DHI / GHI for a clearness index kt = GHI / (extraterrestrial irradiance x cos z).
+/// Returns DHI / GHI for a clearness index kt = GHI / (extraterrestrial irradiance x cos z).
 pub fn diffuse_fraction(clearness_index: f64) -> f64 {
     let k = clearness_index;
     match k {
@@ -17,7 +18,8 @@ pub fn diffuse_fraction(clearness_index: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The three pieces meet within 0.002 at kt 0.22 and 0.80; by hand it is 0.659 at kt 0.5, 1 at 0 and 0.165 above.
+    /// The three pieces meet within 0.002 at kt 0.22 and 0.80. By hand the share is 0.659 at kt
+    /// 0.5, 1 at 0 and 0.165 above.
     #[test]
     fn pieces_meet() {
         for k in [0.22, 0.80] {

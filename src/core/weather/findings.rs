@@ -1,28 +1,30 @@
-//! What is odd about the rows of a weather file: counted by kind, told in one sentence a kind.
+//! Findings about the rows of a weather file. In: rows of each kind. Out: counts, and one sentence
+//! a kind.
 
 use crate::units::kwh_from_w;
 
-/// Kinds of oddities. The first four are gaps: which of GHI, DNI and DHI a row lacks decides what is done.
+/// Kinds of findings. The first four are gaps: the values that a row lacks among GHI, DNI and DHI
+/// decide how it is filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Finding {
-    /// DNI is missing, computed from GHI and DHI.
+    /// DNI is missing and is computed from GHI and DHI.
     ComputedDni,
-    /// DHI is missing, computed from GHI and DNI.
+    /// DHI is missing and is computed from GHI and DNI.
     ComputedDhi,
-    /// DNI and DHI are both missing, GHI is split.
+    /// DNI and DHI are both missing, and GHI is split.
     SplitGhi,
-    /// GHI is missing as well.
+    /// DNI or DHI is missing and so is GHI; the row is set to 0.
     Zeroed,
-    /// Small negative irradiances, taken as 0.
+    /// Small negative irradiances are taken as 0.
     Negative,
-    /// DNI with the sun below the horizon throughout, left out.
+    /// DNI with the sun below the horizon throughout is left out.
     BelowHorizon,
-    /// DNI above what arrives outside the atmosphere, used as it stands.
+    /// DNI is above the irradiance outside the atmosphere and is used unchanged.
     AboveExtraterrestrial,
-    /// DHI above GHI by more than 10 %, used as it stands.
+    /// DHI is above GHI by more than 10 % and is used unchanged.
     DhiAboveGhi,
-    /// Infrared radiation is missing, computed from temperature, dew point and clouds.
+    /// Infrared radiation is missing and is computed from temperature, dew point and clouds.
     ComputedInfrared,
 }
 
@@ -38,27 +40,27 @@ const KINDS: [Finding; 9] = [
     Finding::ComputedInfrared,
 ];
 
-/// Rows of one kind.
+/// Count of the rows of one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Number of rows.
     pub rows: usize,
-    /// Their length, all together.
+    /// Total length of the rows, hours.
     pub hours: f64,
-    /// DNI of these rows.
+    /// Energy of the DNI of these rows, kWh/m2.
     pub dni_kwh_m2: f64,
-    /// Line of the first, 1-based.
+    /// Line of the first row, counted from 1.
     pub first_line: usize,
 }
 
 impl Tally {
-    /// Its hours without the noise of adding minutes.
+    /// Returns the hours, rounded to remove the noise of adding minutes.
     pub fn tidy_hours(&self) -> f64 {
         (self.hours * 1e3).round() / 1e3
     }
 }
 
-/// Tallies of all kinds.
+/// Counts of all kinds.
 #[derive(Clone, Debug, Default)]
 pub struct Findings([Tally; KINDS.len()]);
 
@@ -75,12 +77,12 @@ impl Findings {
         }
     }
 
-    /// The tally of one kind; zeros where it does not occur.
+    /// Returns the count of one kind; zeros where it does not occur.
     pub fn of(&self, kind: Finding) -> Tally {
         self.0.get(kind as usize).copied().unwrap_or_default()
     }
 
-    /// A sentence for each kind that occurs, with the line of its first row.
+    /// Iterates over a sentence for each kind that occurs, with the line of its first row.
     pub fn sentences(&self) -> impl Iterator<Item = (usize, String)> {
         KINDS.into_iter().map(|kind| (kind, self.of(kind))).filter(|(_, tally)| tally.rows > 0).map(|(kind, tally)| {
             let Tally { dni_kwh_m2, first_line, .. } = tally;
@@ -120,8 +122,8 @@ impl Findings {
 mod tests {
     use super::*;
 
-    /// Kinds stand in the list in the order of their numbers, 9 of 9, so that each is counted in its own place; the first
-    /// line is kept, hours and energy add up to 1.5 h and 1.6 kWh/m2.
+    /// Kinds stand in the list in the order of their numbers, 9 of 9, so that each is counted in
+    /// its own place. The first line is kept, hours and energy add up to 1.5 h and 1.6 kWh/m2.
     #[test]
     fn tallies() {
         assert!(KINDS.iter().enumerate().all(|(i, kind)| *kind as usize == i));

@@ -1,5 +1,6 @@
-//! Weather: series of conditions and the sun above them. In: bytes of weather files. Out: checked rows, conditions with the sun's
-//! position, and what is doubtful about them. Never: layers, reflectances, results.
+//! Weather: series of conditions and the sun above them. In: bytes of weather files. Out: checked
+//! rows, conditions with the sun's position, and findings about doubtful data. Never: layers,
+//! reflectances, results.
 
 pub mod air;
 pub mod clear;

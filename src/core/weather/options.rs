@@ -1,4 +1,5 @@
-//! What a user says about a weather file that the file does not say, or says wrongly. In: options as text. Out: checked values.
+//! Statements of a user about a weather file, where the file makes none or wrong ones. In: options
+//! as text. Out: checked values.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -6,24 +7,26 @@ use serde::{Deserialize, Deserializer, Serialize};
 use crate::named::NamedValues;
 use std::str::FromStr;
 
-/// What is to be made of a weather file; the default believes the file.
+/// Options for reading a weather file. The default takes the statements of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WeatherOptions {
-    /// North positive, in place of the file's.
+    /// Latitude, north positive, in place of the file's.
     pub latitude_deg: Option<f64>,
-    /// East positive, in place of the file's.
+    /// Longitude, east positive, in place of the file's.
     pub longitude_deg: Option<f64>,
-    /// Hours that the clock is ahead of UTC, in place of the file's; in JSON a number, or a text such as `+01:00`.
+    /// Hours that the clock is ahead of UTC, in place of the file's; in JSON a number, or a text
+    /// such as `+01:00`.
     #[serde(deserialize_with = "zone_of")]
     pub zone_hours: Option<f64>,
-    /// How far time stamps are moved.
+    /// Shift of the time stamps.
     pub shift: TimeShift,
-    /// Where in its interval a time stamp stands, in place of what is usual for the format.
+    /// Place of a time stamp in its interval, in place of what is usual for the format.
     pub stamped_at: Option<StampedAt>,
-    /// How dates that start with a day or a month are written, in place of what the whole column shows.
+    /// Order of dates that start with a day or a month, in place of the order that the whole column
+    /// shows.
     pub date_order: Option<DateOrder>,
-    /// Whether the air of every row is read too, which longwave irradiance is made of.
+    /// True if the air of every row is read, too, from which longwave irradiance is computed.
     pub with_air: bool,
 }
 
@@ -48,20 +51,20 @@ fn zone_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D:
     }
 }
 
-/// Where in its interval the time stamp of a row stands, in weather files and in results.
+/// Place of a row's time stamp in its interval, in weather files and in results.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StampedAt {
-    /// The interval starts there.
+    /// Start of the interval.
     #[default]
     Start,
-    /// It is the middle of the interval; values at one moment are taken for means around it.
+    /// Middle of the interval; values at one moment are taken for means around it.
     Middle,
-    /// The interval ends there.
+    /// End of the interval.
     End,
 }
 
 impl StampedAt {
-    /// As it is written on the command line.
+    /// Returns the name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             StampedAt::Start => "start",
@@ -70,7 +73,7 @@ impl StampedAt {
         }
     }
 
-    /// Share of the interval that lies before the stamp.
+    /// Returns the share of the interval that lies before the stamp.
     pub fn share_before(self) -> f64 {
         match self {
             StampedAt::Start => 0.0,
@@ -80,7 +83,7 @@ impl StampedAt {
     }
 }
 
-/// How a date of three numbers is written.
+/// Order of the three numbers of a date.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DateOrder {
     /// 2021-06-01: the year first.
@@ -92,10 +95,10 @@ pub enum DateOrder {
 }
 
 impl DateOrder {
-    /// All of them.
+    /// All orders.
     pub const ALL: [DateOrder; 3] = [DateOrder::Ymd, DateOrder::Dmy, DateOrder::Mdy];
 
-    /// As it is written on the command line.
+    /// Returns the name on the command line.
     pub const fn name(self) -> &'static str {
         match self {
             DateOrder::Ymd => "ymd",
@@ -105,13 +108,13 @@ impl DateOrder {
     }
 }
 
-/// How far the time stamps of a file are moved before the sun is computed: `auto`, or minutes as in `41min`.
+/// Shift of the time stamps of a file before the sun is computed: `auto`, or minutes as in `41min`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub enum TimeShift {
-    /// So many minutes, later if positive.
+    /// A number of minutes, later if positive.
     Minutes(f64),
-    /// To where GHI = DHI + DNI cos z fits best, if it fits clearly better there.
+    /// Shift at which GHI = DHI + DNI cos z fits best, if it fits clearly better there.
     Auto,
 }
 
@@ -138,10 +141,10 @@ impl Default for TimeShift {
     }
 }
 
-/// Farther is a slip.
+/// Largest shift, minutes; a larger one is a mistake.
 const LARGEST_SHIFT_MIN: f64 = 1440.0;
 
-/// `41min`, `-30min`, `0.5h` or `auto`.
+/// Parses `41min`, `-30min`, `0.5h` or `auto`.
 impl FromStr for TimeShift {
     type Err = String;
 
@@ -161,7 +164,7 @@ impl FromStr for TimeShift {
     }
 }
 
-/// Hours ahead of UTC: `+01:00`, `-0330`, `1`, `5.5`, `UTC`, `Z`, `UTC+1`.
+/// Reads hours ahead of UTC: `+01:00`, `-0330`, `1`, `5.5`, `UTC`, `Z`, `UTC+1`.
 pub fn parse_zone(text: &str) -> Option<f64> {
     if ["UTC", "GMT", "Z"].iter().any(|name| text.eq_ignore_ascii_case(name)) {
         return Some(0.0);
@@ -217,7 +220,7 @@ crate::serde_by_name!(StampedAt, DateOrder);
 mod tests {
     use super::*;
 
-    /// Fourteen ways to write a zone give their hours; ten that are none are refused.
+    /// Fourteen spellings of a zone give its hours; ten texts that are no zone are refused.
     #[test]
     fn zones() {
         for (text, hours) in [
@@ -243,7 +246,8 @@ mod tests {
         }
     }
 
-    /// Options are read again as they were written, whose zone is a number, a text or none, 3 of 3; a zone that is none is refused.
+    /// Options come back from their JSON, with a zone that is a number, a text or none, 3 of 3. A
+    /// text that is no zone is refused.
     #[test]
     fn options_are_kept() {
         let read = |zone: &str| serde_json::from_str::<WeatherOptions>(&format!("{{\"zone_hours\": {zone}}}"));
@@ -256,7 +260,8 @@ mod tests {
         assert!(read("\"CET\"").expect_err("no zone").to_string().contains("`CET` is no time zone"));
     }
 
-    /// 41min, -30min, 0.5h, 1h and 90s are 41, -30, 30, 60 and 1.5 minutes; 7 others are refused with what to write.
+    /// 41min, -30min, 0.5h, 1h and 90s are 41, -30, 30, 60 and 1.5 minutes. Seven other texts are
+    /// refused with advice.
     #[test]
     fn shifts() {
         for (text, minutes) in [("41min", 41.0), ("-30min", -30.0), ("0.5h", 30.0), ("1h", 60.0), ("90s", 1.5)] {

@@ -1,10 +1,12 @@
-//! A weather file's rows, checked, and the conditions of its intervals. Reading is in [`crate::weather::formats`].
+//! The checked rows of a weather file, and the conditions of its intervals. In: rows, a number of
+//! sub-steps. Out: conditions. [`crate::weather::formats`] reads the files.
 //!
-//! DNI acts only while the sun is up: intervals with a sunrise or sunset are cut to their sunlit part before the sub-step
-//! mid-points are taken, and the DNI, an interval mean of energy, is spread over that part (weights sum to 1). The mean of the
-//! sun on a surface is thus DNI x the mean over the sunlit part of the cosine. Where DNI is given for an interval with
-//! the sun below the horizon throughout (refraction, clock errors) there are no suns and that energy is lost; the report
-//! counts it.
+//! DNI acts only while the sun is up. So an interval with a sunrise or sunset is cut to its sunlit
+//! part before the sub-step mid-points are taken, and the DNI, an interval mean of energy, is
+//! spread over that part (weights sum to 1). The mean of the sun on a surface is thus DNI x the
+//! mean over the sunlit part of the cosine. Where DNI is given for an interval with the sun below
+//! the horizon throughout (refraction, clock errors) there are no suns and that energy is lost; the
+//! report counts it.
 
 use rayon::prelude::*;
 
@@ -15,10 +17,10 @@ use crate::weather::findings::Findings;
 use crate::weather::row::WeatherRow;
 use crate::weather::time::sun::{Location, extraterrestrial_w_m2};
 
-/// What the reader found, for the user.
+/// Findings of the reader, for the user.
 #[derive(Clone, Debug, Default)]
 pub struct WeatherReport {
-    /// Rows that are odd, by kind.
+    /// Counts of doubtful rows, by kind.
     pub findings: Findings,
     /// Check of the time stamps; `None` if too few rows have GHI, DNI and DHI.
     pub closure: Option<Closure>,
@@ -31,30 +33,32 @@ pub struct WeatherReport {
 pub struct Weather {
     /// City and country of the header.
     pub place: String,
-    /// Where the station is, and its standard time.
+    /// Place of the station, and its standard time.
     pub site: Location,
-    /// In file order.
+    /// Rows in file order.
     pub rows: Vec<WeatherRow>,
     /// `[row]`: its air; empty if only light was read.
     pub air: Vec<Air>,
-    /// Length of every row's interval.
+    /// Length of every row's interval, hours.
     pub interval_hours: f64,
-    /// How far the user had its time stamps moved, minutes, later if positive: what was asked for, or found.
+    /// Shift of the time stamps that the user gave or had the reader find, minutes, later if
+    /// positive.
     pub moved_min: f64,
-    /// What was odd about it.
+    /// Findings and warnings.
     pub report: WeatherReport,
 }
 
 impl Weather {
-    /// Sun positions of an interval where an hour has so many: the sun moves as far from one to the next.
+    /// Returns the number of sun positions of an interval, if an hour has `steps_an_hour`. The sun
+    /// moves equally far from one position to the next.
     pub fn steps_of(&self, steps_an_hour: u16) -> usize {
-        // What falls short of a whole step by a rounding error is one.
+        // A count that exceeds a whole number by a rounding error is that number.
         ((f64::from(steps_an_hour) * self.interval_hours - 1e-9).ceil() as usize).max(1)
     }
 
-    /// One condition per row, in file order, with the sun at `steps` mid-points of the sunlit part of its interval (at least
-    /// one). The label is the START of the interval in local standard time, `YYYY-MM-DDTHH:MM`: hour 1 of EPW is 00:00.
-    /// Rows without light get no suns.
+    /// Returns one condition per row, in file order, with the sun at `steps` mid-points of the
+    /// sunlit part of its interval (at least one). The label is the START of the interval in local
+    /// standard time, `YYYY-MM-DDTHH:MM`: hour 1 of EPW is 00:00. Rows without light get no suns.
     pub fn conditions(&self, steps: usize) -> Vec<Condition> {
         self.rows
             .par_iter()
@@ -109,8 +113,9 @@ mod tests {
         }
     }
 
-    /// In a sunrise hour all of the DNI goes to the sunlit part: six suns, all up, weights sum 1; labels are the start of the
-    /// interval and E0 is the day's value (1378 W/m2 on 21 March, within 2).
+    /// All of the DNI of a sunrise hour goes to the sunlit part: six suns, all up, weights sum to
+    /// 1. Labels are the start of the interval, and E0 is the day's value (1378 W/m2 on 21 March,
+    /// within 2).
     #[test]
     fn sunrise_hour() {
         let site = Location::new(51.5, 0.0, 0.0, 10.0).expect("a site");
@@ -124,7 +129,8 @@ mod tests {
         }
         assert_eq!(all[0].label, "2021-03-21T06:00");
         assert_eq!(all[0].stamp.map(|s| s.start_min), Some(360.0));
-        // The sun is above 0 deg from 06:05 on: the mean sine altitude of the lit part is that of its middle, 4.2 deg.
+        // The sun is above 0 deg from 06:05 on: the mean sine altitude of the lit part is that of
+        // its middle, 4.2 deg.
         let mean: f64 = all[0].suns.iter().map(|i| i.weight * i.sun.z).sum();
         assert!((mean - 0.074).abs() < 0.006, "{mean}");
     }

@@ -1,4 +1,5 @@
-//! A part of a weather file, `--from` and `--to`. In: two moments as a user writes them. Out: which rows are meant.
+//! A part of a weather file, `--from` and `--to`. In: two moments as a user writes them. Out: the
+//! rows of the part.
 
 use std::fmt;
 use std::path::Path;
@@ -9,14 +10,15 @@ use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
 use crate::weather::time::years::Years;
 
-/// A day or a time of one, `2019-03-01`, `03-01`, `2019-03-01T06:30`, in the local standard time of the file.
+/// A day or a time of a day, `2019-03-01`, `03-01`, `2019-03-01T06:30`, in the local standard time
+/// of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// Absent: every year.
+    /// Year; `None` for every year.
     year: Option<i32>,
     month: u32,
     day: u32,
-    /// Minutes of the day, to 1440; absent: the whole day.
+    /// Minutes of the day, to 1440; `None` for the whole day.
     minutes: Option<u32>,
 }
 
@@ -61,7 +63,8 @@ impl FromStr for Moment {
 }
 
 impl Moment {
-    /// The day that it is, in a year if it names none (29 February in the year before where that has none); none of a time of a day.
+    /// Returns the day of the moment, in `year` if it names none (29 February in the year before if
+    /// `year` has none); `None` for a time of a day.
     pub fn day_in(&self, year: i32) -> Option<Date> {
         let of = |year: i32| Date::new(year, self.month, self.day);
         if self.minutes.is_some() {
@@ -73,7 +76,7 @@ impl Moment {
         }
     }
 
-    /// Whether it is of one year.
+    /// Returns true if it names a year.
     pub fn has_year(&self) -> bool {
         self.year.is_some()
     }
@@ -92,10 +95,10 @@ impl fmt::Display for Moment {
     }
 }
 
-/// Sorts moments; without a year, moments of any year.
+/// Sort key of a moment; the year is 0 for a moment of any year.
 type Place = (i32, u32, u32, f64);
 
-/// From one moment to another, the whole of both days.
+/// Part from one moment to another; days at its ends are included whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
     from: Option<Moment>,
@@ -103,7 +106,8 @@ pub struct Span {
 }
 
 impl Span {
-    /// Both moments with a year, in order; or both without: then the first may be the later one, over the new year.
+    /// Returns the span of two moments. The two have a year and are in order, or neither has one:
+    /// then the first may be the later one, over the new year.
     pub fn new(from: Option<Moment>, to: Option<Moment>) -> Result<Self> {
         let span = Span { from, to };
         let refuse = |supported: &str| {
@@ -119,8 +123,8 @@ impl Span {
         }
     }
 
-    /// For each row of a file whether all of its interval is meant. No row at all is an error, and so is a year where the
-    /// file's months come from different ones.
+    /// Returns for each row of a file true if all of its interval lies in the span. It is an error
+    /// if no row does, or if the span names a year and the file's months come from different ones.
     pub fn rows_of(&self, rows: &[Interval], file: &Path) -> Result<Vec<bool>> {
         let has_year = [self.from, self.to].into_iter().flatten().any(|moment| moment.year.is_some());
         if has_year && Years::of(rows.iter().map(|row| row.date)) == Years::Typical {
@@ -141,7 +145,8 @@ impl Span {
 
     fn contains(&self, interval: &Interval) -> bool {
         let (start, end) = (interval.start(), interval.end());
-        // Whole days compare with the day that the interval counts to, times with when it really was.
+        // Whole days compare with the day that the interval counts to, times with the moment of its
+        // light.
         let place = |moment: Moment, (date, minutes): (Date, f64)| {
             let Date { year, month, day } = if moment.minutes.is_some() { date } else { interval.date };
             (moment.year.map_or(0, |_| year), month, day, minutes)
@@ -150,7 +155,8 @@ impl Span {
             return self.from.is_none_or(|from| place(from, start) >= from.start())
                 && self.to.is_none_or(|to| place(to, end) <= to.end());
         };
-        // Both of both: over the new year an interval may start late in a year and end early in one.
+        // Start and end of the interval are each compared with the two ends of the span, because
+        // over the new year an interval may start late in a year and end early in one.
         let after = |moment| place(from, moment) >= from.start();
         let before = |moment| place(to, moment) <= to.end();
         match from.start() > to.end() {
@@ -161,7 +167,8 @@ impl Span {
 }
 
 impl Moment {
-    /// A whole day has all intervals that count to it, also where they reach over its midnights.
+    /// Returns the sort key of its start. A whole day has all intervals that count to it, also
+    /// those that reach over its midnights.
     fn start(&self) -> Place {
         self.place(f64::NEG_INFINITY)
     }
@@ -190,7 +197,7 @@ impl fmt::Display for Span {
 mod tests {
     use super::*;
 
-    /// Hours of some days, given as (year, month, day).
+    /// Returns the hours of some days, given as (year, month, day).
     fn hours_of(days: &[(i32, u32, u32)]) -> Vec<Interval> {
         let hour = |&(year, month, day): &(i32, u32, u32), hour: u32| {
             let date = Date::new(year, month, day).expect("a date");
@@ -205,7 +212,8 @@ mod tests {
         Span::new(moment(from), moment(to))
     }
 
-    /// Hours that spans take of six days of 2019: whole days, parts of days, over the new year, one side open.
+    /// Spans take the expected hours of six days of 2019: whole days, parts of days, over the new
+    /// year, one side open.
     #[test]
     fn hours_taken() {
         let file = hours_of(&[(2019, 1, 1), (2019, 2, 28), (2019, 3, 1), (2019, 3, 31), (2019, 11, 1), (2019, 12, 31)]);
@@ -233,8 +241,9 @@ mod tests {
         }
     }
 
-    /// A day of hours that begin 41 minutes before the clock's, or 30 after, and so reach over midnight: times take those that were within them
-    /// whole, days the 24 that count to them, also at the new year; the message names when the file really begins and ends.
+    /// Days have hours that begin 41 minutes before the clock's, or 30 after, and so reach over
+    /// midnight. Times take the hours that lie within them whole, days the 24 that count to them,
+    /// also at the new year. The message names the true begin and end of the file.
     #[test]
     fn shifted_hours() {
         let moved = |days: &[(i32, u32, u32)], minutes: f64| {
@@ -275,7 +284,8 @@ mod tests {
         }
     }
 
-    /// A year is refused for a file whose months come from two years, and taken for one of two years: 24 of 48 hours.
+    /// A year is refused for a file whose months come from two years, and accepted for a file of
+    /// two whole years: 24 of 48 hours.
     #[test]
     fn years_of_files() {
         let file = Path::new("w.epw");
@@ -288,7 +298,8 @@ mod tests {
         assert_eq!(every.iter().filter(|c| **c).count(), 48);
     }
 
-    /// Days that do not exist and times of no clock are refused, 12 of 12, and so are a year on one side and a wrong order.
+    /// Days that do not exist and times of no clock are refused, 12 of 12, and so are a year on one
+    /// side only and a wrong order.
     #[test]
     fn refusals() {
         for text in [

@@ -1,5 +1,5 @@
-//! Temperatures of the surfaces that receivers see. In: what the user gives, the air of a weather file. Out: what sky, ground and
-//! obstructions send in each chosen row.
+//! Temperatures of the surfaces that receivers see. In: temperatures from the user, the air of a
+//! weather file. Out: the emission of sky, ground and obstructions in each chosen row.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -10,29 +10,31 @@ use crate::weather::emission::{Emission, black_body_w_m2};
 use crate::weather::formats::schedule_csv::{Column, ReadFile, Rows, parse_schedule};
 use crate::weather::series::Weather;
 
-/// Temperatures of a schedule; below lies no surface on Earth, and above a kelvin stands where a degree Celsius is asked for.
+/// Column of a schedule, with the range of its temperatures. No surface on Earth is colder, and a
+/// higher number is in kelvin, not in degrees Celsius.
 const CELSIUS: Column = Column { name: "temperature_c", low: -100.0, high: 150.0 };
 
-/// A temperature that a user gives: `ground=12.5` degrees Celsius, or `obstruction=walls.csv`, a schedule.
+/// A temperature that a user gives: `ground=12.5` degrees Celsius, or `obstruction=walls.csv`, a
+/// schedule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Temperature {
-    /// What has it: ground or obstructions.
+    /// Class of the surfaces: ground or obstructions.
     pub class: Class,
-    /// How warm it is.
+    /// Temperature of the surfaces.
     pub of: Given,
 }
 
-/// In degrees Celsius.
+/// A temperature in degrees Celsius, constant or from a schedule.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Given {
-    /// The same in all rows.
+    /// One temperature for all rows.
     Constant(f64),
     /// A file with a column `temperature_c`.
     Schedule(PathBuf),
 }
 
 impl Temperature {
-    /// The file of a schedule.
+    /// Returns the file of a schedule.
     pub fn file(&self) -> Option<&Path> {
         match &self.of {
             Given::Constant(_) => None,
@@ -59,8 +61,9 @@ impl FromStr for Temperature {
     }
 }
 
-/// What is sent in the rows of a weather file, read from `file` with its air, that are chosen. Surfaces without a given temperature
-/// have that of the air; of several given ones the last counts. `files` gives the bytes of schedules.
+/// Returns the emission in the chosen rows of a weather file, which was read from `file` with its
+/// air. Surfaces without a given temperature have that of the air; of several given ones the last
+/// counts. `files` returns the bytes of schedules.
 pub fn emissions(
     weather: &Weather,
     file: &Path,
@@ -111,7 +114,8 @@ mod tests {
     use super::*;
     use crate::weather::formats::epw::parse_epw_with_air;
 
-    /// 12.5 is a constant, a name a file; 6 wrong ones are refused with what is allowed, a number in kelvin among them.
+    /// 12.5 is a constant, a name a file. Six wrong texts, one of them a number in kelvin, are
+    /// refused with the values allowed.
     #[test]
     fn command_line() {
         let read = |text: &str| text.parse::<Temperature>();
@@ -131,9 +135,9 @@ mod tests {
         }
     }
 
-    /// Of the 72 rows of Golden 24 are chosen; the first has the file's 237 W/m2, ground and obstructions at its -5.7 degrees Celsius send
-    /// 290.1; with 12.5 and then 0 given for the ground it sends 315.7, and a schedule of March at 20 makes obstructions
-    /// send 418.8.
+    /// 24 of the 72 rows of Golden are chosen. The first has the file's 237 W/m2, and ground and
+    /// obstructions at its -5.7 degrees Celsius send 290.1. With 12.5 and then 0 given for the
+    /// ground it sends 315.7, and a schedule of 20 in March makes obstructions send 418.8.
     #[test]
     fn golden() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_3_days.epw");

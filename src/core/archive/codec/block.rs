@@ -1,5 +1,6 @@
-//! Blocks as they are stored. In: stored bytes and their directory entry. Out: raw bytes of a layer or table, guarded: nothing is
-//! decoded before its checksum is right, and nothing decodes into more than the entry's length, 8 MiB at most.
+//! Blocks as they are stored. In: stored bytes and their directory entry. Out: raw bytes of a layer
+//! or table, guarded: nothing is decoded before its checksum is right, and nothing decodes into
+//! more than the entry's length, 8 MiB at most.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -18,25 +19,26 @@ pub type AlignedBytes = AlignedVec<16>;
 /// A block that is ready to be written; its entry has no offset yet.
 #[derive(Clone, Debug)]
 pub struct EncodedBlock {
-    /// Kind, tile, lengths, checksum and content id; offset 0 until a writer places it.
+    /// Directory entry: kind, tile, lengths, checksum and content id. The offset is 0 until a
+    /// writer places the block.
     pub entry: Entry,
     /// Bytes as they go into the file, by `entry.codec`.
     pub stored: Vec<u8>,
 }
 
 impl EncodedBlock {
-    /// Bytes as they stand in the file.
+    /// Returns the bytes as they stand in the file.
     pub fn stored(&self) -> &[u8] {
         &self.stored
     }
 
-    /// What the directory will say of it; the offset is set on writing.
+    /// Returns the directory entry; its offset is set on writing.
     pub fn entry(&self) -> &Entry {
         &self.entry
     }
 }
 
-/// A block as it was before it was packed.
+/// A decoded block.
 #[derive(Clone, Debug)]
 pub struct Block {
     path: Arc<Path>,
@@ -45,27 +47,27 @@ pub struct Block {
 }
 
 impl Block {
-    /// Raw bytes; the first one is 16-byte aligned.
+    /// Returns the raw bytes; the first one is 16-byte aligned.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// Rows of the block.
+    /// Returns the number of rows of the block.
     pub fn items(&self) -> u32 {
         self.entry.items
     }
 
-    /// The directory entry that the block was found by.
+    /// Returns the directory entry that the block was found by.
     pub fn entry(&self) -> &Entry {
         &self.entry
     }
 
-    /// An error that names this block, for readers of its content.
+    /// Returns an error that names this block, for readers of its content.
     pub fn corrupt(&self, got: impl Into<String>, expected: impl Into<String>) -> Error {
         corrupt(&self.path, &self.entry, got, expected)
     }
 
-    /// Refuses a block of none of these kinds, or of a layout that this release does not know.
+    /// Refuses a block of other kinds than these, or of a layout that this release does not know.
     pub fn require(&self, kinds: &[BlockKind]) -> Result<()> {
         if !kinds.contains(&self.entry.kind) {
             let names: Vec<String> = kinds.iter().map(|kind| format::kind_name(*kind)).collect();
@@ -85,8 +87,9 @@ impl Block {
         })
     }
 
-    /// Whether the raw bytes are those that the directory names; the checksum of stored bytes, which every read checks,
-    /// finds damage, and this finds a block that was swapped with knowledge.
+    /// Checks that the raw bytes are those that the directory names. The checksum of stored bytes,
+    /// which every read checks, finds damage. This check also finds a block that was swapped on
+    /// purpose.
     pub fn check_content(&self) -> Result<()> {
         let found = format::content_id(self.entry.kind, self.entry.schema, &self.bytes);
         if found == self.entry.content {
@@ -99,7 +102,7 @@ impl Block {
     }
 }
 
-/// Checks and decodes stored bytes, which the caller owns: nobody else can change them meanwhile.
+/// Checks and decodes stored bytes. The caller owns them, so they cannot change meanwhile.
 pub fn decode(path: &Arc<Path>, entry: &Entry, stored: &[u8]) -> Result<Block> {
     decode_by(UNPACK, path, entry, stored)
 }
@@ -107,7 +110,8 @@ pub fn decode(path: &Arc<Path>, entry: &Entry, stored: &[u8]) -> Result<Block> {
 fn decode_by(unpack: Unpack, path: &Arc<Path>, entry: &Entry, stored: &[u8]) -> Result<Block> {
     let wrong = |got: String, expected: String| corrupt(path, entry, got, expected);
     check_stored(path, entry, stored)?;
-    // The reader asked this when it opened the directory; it stands here too because here it is allocated.
+    // The reader checked this when it opened the directory. The check is repeated here because
+    // memory is allocated by it.
     let length = usize::try_from(entry.raw).unwrap_or(usize::MAX);
     if length == 0 || length > MAX_RAW {
         return Err(wrong(format!("raw length {length}"), format!("1 to {MAX_RAW}")));
@@ -138,7 +142,7 @@ fn decode_by(unpack: Unpack, path: &Arc<Path>, entry: &Entry, stored: &[u8]) -> 
     Ok(Block { path: Arc::clone(path), entry: *entry, bytes })
 }
 
-/// Whether stored bytes are those that were written.
+/// Checks that stored bytes are those that were written.
 pub fn check_stored(path: &Path, entry: &Entry, stored: &[u8]) -> Result<()> {
     let found = format::checksum(stored);
     if found == entry.checksum {
@@ -148,7 +152,8 @@ pub fn check_stored(path: &Path, entry: &Entry, stored: &[u8]) -> Result<()> {
     Err(corrupt(path, entry, got, expected))
 }
 
-/// One whole frame that says it holds `length` bytes: a bomb is refused before anything is decoded.
+/// Checks that the bytes are one whole frame that declares `length` bytes, so that a decompression
+/// bomb is refused before anything is decoded.
 fn check_frame(stored: &[u8], length: usize) -> std::result::Result<(), (String, String)> {
     let frame = ZstdFrame::at_start_of(stored);
     let frame = frame.ok_or_else(|| ("no zstd frame".to_string(), format!("a zstd frame of {length} bytes")))?;
@@ -164,7 +169,7 @@ fn check_frame(stored: &[u8], length: usize) -> std::result::Result<(), (String,
     }
 }
 
-/// Damage of one block.
+/// Returns the error of a damaged block.
 pub fn corrupt(path: &Path, entry: &Entry, got: impl Into<String>, expected: impl Into<String>) -> Error {
     Error::corrupt(path, entry.name(), entry.offset, got, expected)
 }
@@ -179,7 +184,8 @@ mod tests {
         Arc::from(Path::new("site.helio"))
     }
 
-    /// Bytes come back as they were by both decoders, 16-byte aligned: 4000 equal ones in fewer than 40, 256 different ones raw.
+    /// Bytes come back unchanged from the two decoders, 16-byte aligned: 4000 equal ones are stored
+    /// in fewer than 40, 256 different ones raw.
     #[test]
     fn blocks_round_trip() {
         for (raw, codec) in [(vec![7_u8; 4000], CODEC_ZSTD), ((0..=255).collect(), CODEC_RAW)] {
@@ -195,8 +201,9 @@ mod tests {
         }
     }
 
-    /// A frame of 1 GiB in 33 kB, a frame without a size, two frames and a truncated frame are errors, each with a right
-    /// checksum: 4 of 4 are refused by both decoders, none allocates more than the 1000 bytes that the entry states.
+    /// A frame of 1 GiB in 33 kB, a frame without a size, two frames and a truncated frame are
+    /// errors, each with a right checksum: 4 of 4 are refused by the two decoders, and none
+    /// allocates more than the 1000 bytes that the entry states.
     #[test]
     fn bombs_are_refused() {
         let good = encode(format::SKY, format::TileNumber::FIRST, 1, 1, &[0; 1000], 9).unwrap();

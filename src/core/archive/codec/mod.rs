@@ -1,5 +1,6 @@
-//! From stored to raw bytes and back. In: bytes of a block and its directory entry. Out: the other ones, checked. Decoding is in C (`zstd`) or in
-//! Rust (`ruzstd`), with the same result; packing is in C only.
+//! Conversion from stored to raw bytes and back. In: bytes of a block and its directory entry. Out:
+//! the raw or stored bytes, checked. Decoding is in C (`zstd`) or in Rust (`ruzstd`), with equal
+//! results; packing is in C only.
 
 pub mod block;
 mod frame;

@@ -1,4 +1,5 @@
-//! Packing of blocks. In: raw bytes of a layer or table. Out: stored bytes with their directory entry.
+//! Packing of blocks. In: raw bytes of a layer or table. Out: stored bytes with their directory
+//! entry.
 
 use zstd::zstd_safe::{self, CParameter};
 
@@ -7,16 +8,17 @@ use crate::archive::format;
 use crate::archive::format::{BlockKind, CODEC_RAW, CODEC_ZSTD, Entry, MAX_RAW, TileNumber};
 use crate::error::{Error, Result};
 
-/// Compression of finished archives: 295 MB/s on tiles of sky bits; level 19 takes 15 times as long for 10-25 % less.
+/// Compression level of finished archives: 295 MB/s on tiles of sky bits. Level 19 takes 15 times
+/// as long for 10-25 % less.
 pub const DEFAULT_LEVEL: i32 = 9;
 
-/// Version of the library that compresses: another one may give other bytes.
+/// Returns the version of the library that compresses; another version may give other bytes.
 pub fn compressor_version() -> &'static str {
     zstd_safe::version_string()
 }
 
-/// Compresses a block (levels 1 to 22; use [`DEFAULT_LEVEL`]), or keeps it raw where that is no longer. Equal input gives
-/// equal bytes, on any thread.
+/// Compresses a block (levels 1 to 22; use [`DEFAULT_LEVEL`]), or keeps it raw where that is not
+/// longer. Equal input gives equal bytes, on any thread.
 pub fn encode(
     kind: BlockKind,
     tile: TileNumber,
@@ -56,7 +58,7 @@ pub fn encode(
     Ok(EncodedBlock { entry, stored })
 }
 
-/// One frame with its content size, without checksum, dictionary or threads.
+/// Returns one frame with its content size, without checksum, dictionary or threads.
 fn compress(raw: &[u8], level: i32) -> std::result::Result<Vec<u8>, String> {
     if !(1..=22).contains(&level) {
         return Err(format!("level {level}"));
@@ -87,7 +89,7 @@ mod tests {
         assert!(encode(format::SKY, format::TileNumber::FIRST, 1, 1, b"a", 23).is_err());
     }
 
-    /// Eight threads compress one block to the same bytes as the first.
+    /// Eight threads compress one block to the same bytes as a first run.
     #[test]
     fn threads_agree() {
         let raw: Vec<u8> = (0..200_000_u32).map(|i| (i.wrapping_mul(i) >> 9) as u8).collect();

@@ -1,9 +1,11 @@
-//! Decoders of zstd frames. In: a frame whose header was checked, and room for exactly what it holds. Out: the bytes, or why not.
-//! The C library where it is compiled, otherwise a decoder in Rust; both give the same bytes.
+//! Decoders of zstd frames. In: a frame whose header was checked, and room for exactly the bytes it
+//! declares. Out: the bytes, or an error. The decoder is the C library where it is compiled,
+//! otherwise one in Rust; the two give the same bytes.
 
 use std::cell::RefCell;
 
-/// Fills the room from a frame: the number of bytes, at most as many as there is room for, or why the frame cannot be decoded.
+/// Function that decodes a frame into the room. It returns the number of bytes, at most the length
+/// of the room, or the reason why the frame cannot be decoded.
 pub type Unpack = fn(&[u8], &mut [u8]) -> Result<usize, String>;
 
 /// The decoder that archives are read with.
@@ -14,18 +16,19 @@ pub const UNPACK: Unpack = by_zstd;
 #[cfg(not(feature = "zstd"))]
 pub const UNPACK: Unpack = by_ruzstd;
 
-/// The C library.
+/// Decodes with the C library.
 #[cfg(feature = "zstd")]
 pub fn by_zstd(frame: &[u8], room: &mut [u8]) -> Result<usize, String> {
     thread_local! {
-        /// One decoder a thread: making one takes longer (10 us) than decoding a small block.
+        /// One decoder a thread, because making one takes longer (10 us) than decoding a small
+        /// block.
         static DECODER: RefCell<zstd::bulk::Decompressor<'static>> = RefCell::default();
     }
     DECODER.with_borrow_mut(|decoder| decoder.decompress_to_buffer(frame, room)).map_err(|error| error.to_string())
 }
 
-/// The decoder in Rust. It holds a window, which a frame may choose freely, before it copies: one that is larger than any block is
-/// refused before it is allocated.
+/// Decodes with the decoder in Rust. It allocates a window, whose size the frame states, before it
+/// copies. A window that is larger than any block is refused before that.
 #[cfg(any(test, not(feature = "zstd")))]
 pub fn by_ruzstd(frame: &[u8], room: &mut [u8]) -> Result<usize, String> {
     use ruzstd::decoding::FrameDecoder;
@@ -71,8 +74,8 @@ pub mod tests {
         packer.compress(raw).unwrap()
     }
 
-    /// Raw bytes and their frames: runs, noise, counters, bits and repeated pieces of many lengths, packed at three levels, and one of
-    /// 8 MiB whose window is smaller.
+    /// Returns raw bytes and their frames: runs, noise, counters, bits and repeated pieces of many
+    /// lengths, packed at three levels, and one of 8 MiB whose window is smaller.
     pub fn frames() -> Vec<(Vec<u8>, Vec<u8>)> {
         let mut random = Random(7);
         let mut frames = Vec::new();
@@ -106,11 +109,12 @@ pub mod tests {
         frames
     }
 
-    /// The frame with one to three bytes changed, a piece cut out or its end cut off, most of it in the first hundred bytes.
+    /// Iterates over copies of the frame with one to three bytes changed, one byte removed or the
+    /// end cut off; most changes lie in the first hundred bytes.
     pub fn mutations(frame: &[u8], count: u64) -> impl Iterator<Item = Vec<u8>> {
         (0..count).map(move |seed| {
             let mut random = Random(0x9e37_79b9 + seed * 77 + frame.len() as u64);
-            // Long frames are cut first: what a decoder makes of them shows early.
+            // Long frames are cut first, because a decoder fails or not in the first bytes.
             let mut bytes = frame[..frame.len().min(6000)].to_vec();
             random.next();
             match random.below(6) {
@@ -131,7 +135,7 @@ pub mod tests {
         })
     }
 
-    /// Both decoders give back the raw bytes of 56 frames.
+    /// The two decoders give back the raw bytes of 56 frames.
     #[test]
     fn decoders_agree() {
         let frames = frames();
@@ -145,8 +149,8 @@ pub mod tests {
         assert_eq!(frames.len(), 56);
     }
 
-    /// Of 28,000 changed frames none ends the program or writes past its room, whatever the decoder; where both take one they give the
-    /// same bytes, more than 1000 times.
+    /// None of 28,000 changed frames ends the program or writes past its room, with either decoder.
+    /// Where both decode one, more than 1000 times, they give the same bytes.
     #[test]
     fn damage_is_survived_alike() {
         let (mut both, mut count) = (0, 0);
@@ -165,10 +169,12 @@ pub mod tests {
         assert!(both > 1000, "only {both} were decoded by both");
     }
 
-    /// A window of 16 MiB that no block needs is refused by the decoder that would allocate it; one of 8 MiB is not.
+    /// A window of 16 MiB that no block needs is refused by the decoder that would allocate it; one
+    /// of 8 MiB is not.
     #[test]
     fn windows_are_limited() {
-        // Magic, content size of 2 bytes, window, 744 + 256 bytes; one last block that repeats a byte 1000 times.
+        // Magic, content size of 2 bytes, window, 744 + 256 bytes; one last block that repeats a
+        // byte 1000 times.
         let frame =
             |window: u8| [&[0x28, 0xb5, 0x2f, 0xfd, 0x40, window, 0xe8, 0x02][..], &[0x43, 0x1f, 0, 7][..]].concat();
         let mut room = [0; 1000];

@@ -1,4 +1,5 @@
-//! What materials do in bands of the light, and their longwave emissivity. Only in archives of scenes whose materials state it.
+//! Values of materials in bands of the light, and their longwave emissivity; only in archives of
+//! scenes whose materials state some. In: optics by band. Out: a table, and back.
 
 use rkyv::{Archive, Deserialize, Serialize};
 
@@ -6,32 +7,34 @@ use crate::archive::format::{BANDS, MAX_MATERIALS};
 use crate::archive::tables::{Flaw, column, is_share, table};
 use crate::site::bands::{Band, BandOptics, BandProperty};
 
-/// All values of all materials.
+/// Largest number of values of all materials.
 const MOST_VALUES: usize = MAX_MATERIALS * (BandProperty::ALL.len() * Band::ALL.len() + 1);
 
-/// Property of an emissivity: the code behind those of [`BandProperty`].
+/// Property code of an emissivity: the code after those of [`BandProperty`].
 const EMISSIVITY: u8 = 3;
 
-/// Band of an emissivity: the code behind those of [`Band`].
+/// Band code of an emissivity: the code after those of [`Band`].
 const LONGWAVE: u8 = 4;
 
-/// A row for each value that a material states for a band, schema 2, strictly ascending by material, property and band.
+/// Table with a row for each value that a material states for a band, schema 2, strictly ascending
+/// by material, property and band.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct BandsTable {
     /// Row of the materials table.
     pub material: Vec<u16>,
-    /// [`BandProperty::code`], or 3 for an emissivity.
+    /// Property: [`BandProperty::code`], or 3 for an emissivity.
     pub property: Vec<u8>,
-    /// [`Band::code`], or 4 for longwave radiation, of emissivities alone.
+    /// Band: [`Band::code`], or 4 for longwave radiation, which only emissivities have.
     pub band: Vec<u8>,
-    /// Reflectance, transmittance or emissivity.
+    /// Reflectance, transmittance or emissivity, 0 to 1.
     pub value: Vec<f64>,
 }
 
 table!(BandsTable, [BANDS]);
 
 impl BandsTable {
-    /// What materials state by band, in the order of their rows; `None` where none states anything.
+    /// Returns the table of stated values by band, for materials in the order of their rows; `None`
+    /// where none states any.
     pub fn of<'a>(materials: impl IntoIterator<Item = &'a BandOptics>) -> Option<Self> {
         let mut table = BandsTable::default();
         for (material, optics) in (0..=u16::MAX).zip(materials) {
@@ -46,7 +49,8 @@ impl BandsTable {
         (table.rows() > 0).then_some(table)
     }
 
-    /// What each of some materials states; `None` if a row is of another one.
+    /// Returns the stated values of each of `materials` materials; `None` if a row refers to
+    /// another one.
     pub fn optics(&self, materials: usize) -> Option<Vec<BandOptics>> {
         let mut found = vec![BandOptics::default(); materials];
         let columns = self.material.iter().zip(&self.property).zip(self.band.iter().zip(&self.value));
@@ -62,7 +66,7 @@ impl BandsTable {
         Some(found)
     }
 
-    /// Number of values.
+    /// Returns the number of values.
     pub fn rows(&self) -> usize {
         self.material.len()
     }
@@ -103,7 +107,8 @@ mod tests {
         BandsTable::of([&wall, &BandOptics::default(), &leaf]).expect("some are stated")
     }
 
-    /// Four values of three materials have the known bytes and come back, of each material its own; with two materials a row is of none.
+    /// Four values of three materials have the known bytes and come back, each with its own
+    /// material. With two materials a row refers to none.
     #[test]
     fn layout_is_frozen() {
         let table = known();
@@ -117,7 +122,7 @@ mod tests {
         assert!(table.optics(2).is_none() && BandsTable::of([&BandOptics::default()]).is_none());
     }
 
-    /// Each of 8 values out of range is refused; only an emissivity is of longwave radiation.
+    /// Each of 8 values out of range is refused. Only an emissivity may have the longwave band.
     #[test]
     fn ranges_are_checked() {
         let flaws: [fn(&mut BandsTable); 8] = [
@@ -138,7 +143,8 @@ mod tests {
         assert_eq!(refused.count(), 8);
     }
 
-    /// No change of a bit and no cut ends the program, though checksums fit; all cuts are refused.
+    /// No change of a bit and no cut ends the program, though checksums are right. All cuts are
+    /// refused.
     #[test]
     fn hostile_bytes_are_survived() {
         let raw = known().to_bytes().unwrap();

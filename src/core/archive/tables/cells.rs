@@ -1,4 +1,5 @@
-//! A chunk of cells, sorted by key: probes and bounce cells have the same columns.
+//! A chunk of cells, sorted by key; probes and bounce cells have the same columns. In: cells. Out:
+//! a table, and back.
 
 use rkyv::{Archive, Deserialize, Serialize};
 
@@ -8,25 +9,25 @@ use crate::layers::cells;
 use crate::layers::cells::CHUNK_SEEN;
 use crate::site::cells::CellKey;
 
-/// Level and facing of a cell as one number that sorts as they do.
+/// Returns level and facing of a cell as one number that sorts as they do.
 pub fn pack_tag(level: i8, facing: u8) -> u32 {
     let [level] = level.to_be_bytes();
-    // Flipping the sign bit is adding 128: -128 becomes 0.
+    // Flipping the sign bit adds 128: -128 becomes 0.
     u32::from(level ^ 0x80) << 8 | u32::from(facing)
 }
 
-/// Level and facing of a tag; `None` beyond 16 bits.
+/// Returns level and facing of a tag; `None` beyond 16 bits.
 pub fn unpack_tag(tag: u32) -> Option<(i8, u8)> {
     let [level, facing] = u16::try_from(tag).ok()?.to_be_bytes();
     Some((i8::from_be_bytes([level ^ 0x80]), facing))
 }
 
-/// Columns of one chunk, schema 4.
+/// Table of the cells of one chunk, schema 4.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct CellsTable {
     /// Voxel of the cell at its level.
     pub voxel: Vec<[i32; 3]>,
-    /// [`pack_tag`].
+    /// Level and facing: [`pack_tag`].
     pub tag: Vec<u32>,
     /// Row of the materials table.
     pub material: Vec<u16>,
@@ -34,13 +35,13 @@ pub struct CellsTable {
     pub normal: Vec<[f32; 3]>,
     /// `[cell][byte]`: sky bits, world frame, lowest bit first.
     pub bits: Vec<u8>,
-    /// Keys of the bounce cells that rays of the chunk met.
+    /// Voxels of the bounce cells that rays of the chunk met.
     pub seen_voxel: Vec<[i32; 3]>,
-    /// [`pack_tag`], row by row as `seen_voxel`.
+    /// Levels and facings ([`pack_tag`]), row by row as `seen_voxel`.
     pub seen_tag: Vec<u32>,
-    /// Row of the materials table, row by row as `seen_voxel`.
+    /// Rows of the materials table, row by row as `seen_voxel`.
     pub seen_material: Vec<u16>,
-    /// `[cell][ray]`: row of `seen`, and a flag; see `schema/layers.md`.
+    /// `[cell][ray]`: row of the cells seen, and a flag; see `schema/layers.md`.
     pub hits: Vec<u16>,
     /// `[cell]`: 1 where some of the cell's points seemed hidden, else 0.
     pub doubtful: Vec<u8>,
@@ -48,12 +49,13 @@ pub struct CellsTable {
 
 table!(CellsTable, [PROBES, BOUNCE]);
 
-/// Flag of a ray below the horizon, and the row of a ray that met nothing, in 16 bits.
+/// Flag of a ray below the horizon.
 const DOWN: u16 = 1 << 15;
+/// Row of a ray that met nothing, in 16 bits.
 const MISS: u16 = DOWN - 1;
 
 impl CellsTable {
-    /// The table of a chunk; at most 32,767 cells are seen.
+    /// Returns the table of a chunk, which sees at most 32,767 cells.
     pub fn new(cells: &cells::Cells) -> Self {
         let narrow = |&hit: &u32| {
             let down = if hit & cells::DOWN == 0 { 0 } else { DOWN };
@@ -73,7 +75,7 @@ impl CellsTable {
         }
     }
 
-    /// The cells of a table.
+    /// Returns the cells of the table.
     pub fn into_cells(self) -> cells::Cells {
         let widen = |&hit: &u16| {
             let down = if hit & DOWN == 0 { 0 } else { cells::DOWN };
@@ -92,7 +94,7 @@ impl CellsTable {
         }
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub fn rows(&self) -> usize {
         self.voxel.len()
     }
@@ -122,7 +124,7 @@ fn tag_of(key: &CellKey) -> u32 {
     pack_tag(key.level, key.facing)
 }
 
-/// Keys of three checked columns.
+/// Iterates over the keys that three checked columns hold.
 pub fn keys<'a>(tag: &'a [u32], material: &'a [u16], voxel: &'a [[i32; 3]]) -> impl Iterator<Item = CellKey> + 'a {
     tag.iter().zip(material).zip(voxel).map(|((&tag, &material), &voxel)| {
         let (level, facing) = unpack_tag(tag).unwrap_or_default();
@@ -130,7 +132,7 @@ pub fn keys<'a>(tag: &'a [u32], material: &'a [u16], voxel: &'a [[i32; 3]]) -> i
     })
 }
 
-/// Columns of keys in rising order.
+/// Checks that columns hold keys in ascending order.
 pub fn check_keys(name: &str, voxel: &[[i32; 3]], tag: &[u32], material: &[u16]) -> Result<(), Flaw> {
     let rows = voxel.len();
     column("tag", tag, rows, "a level and a facing: below 65536", |tag| unpack_tag(*tag).is_some())?;
@@ -178,7 +180,8 @@ mod tests {
         assert_eq!((last, unpack_tag(65_536)), (Some(65_535), None));
     }
 
-    /// The known value has the known bytes, so the layout of schema 4 is what it was; it reads back as it was, for both kinds.
+    /// The known value has the known bytes, so the layout of schema 4 is unchanged. It reads back
+    /// equal, for the two kinds of cells.
     #[test]
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
@@ -191,7 +194,8 @@ mod tests {
         assert!(known().encode(format::SKY, TileNumber::FIRST, 9).is_err());
     }
 
-    /// A value out of range in any of 12 ways is refused on writing and, under right checksums, on reading.
+    /// A value out of range in any of 12 ways is refused on writing and, under right checksums, on
+    /// reading.
     #[test]
     fn ranges_are_checked() {
         let flaws: [fn(&mut CellsTable); 12] = [
@@ -221,7 +225,8 @@ mod tests {
         }
     }
 
-    /// No change of one bit and no cut ends the program, though checksums fit; all cuts are refused.
+    /// No change of one bit and no cut ends the program, though checksums are right. All cuts are
+    /// refused.
     #[test]
     fn hostile_bytes_are_survived() {
         let raw = known().to_bytes().unwrap();

@@ -1,4 +1,5 @@
-//! Boxes of receivers, tile by tile: what a reader needs to find those of a place.
+//! Boxes of receivers, tile by tile, by which a reader finds the receivers of a place. In: boxes.
+//! Out: a table, and back.
 
 use glam::DVec3;
 use rkyv::{Archive, Deserialize, Serialize};
@@ -6,39 +7,39 @@ use rkyv::{Archive, Deserialize, Serialize};
 use crate::archive::format::EXTENTS;
 use crate::archive::tables::{Flaw, column, table};
 
-/// Boxes of some tiles, schema 1, a row each: chunk 0 is about tiles 0 to 4095, chunk 1 about the next ones. All corners are positions of the
-/// receivers themselves, input coordinates, metres.
+/// Table of the boxes of some tiles, schema 1, a row each: chunk 0 holds tiles 0 to 4095, chunk 1
+/// the next ones. All corners are positions of the receivers themselves, input coordinates, metres.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct ExtentsTable {
     /// Lowest coordinates of the tile's receivers.
     pub low: Vec<[f64; 3]>,
-    /// Highest ones, not below `low`.
+    /// Highest coordinates of the tile's receivers, not below `low`.
     pub high: Vec<[f64; 3]>,
 }
 
 table!(ExtentsTable, [EXTENTS]);
 
-/// Tiles of a chunk; the last one has less.
+/// Number of tiles of a chunk; the last chunk may have fewer.
 pub const TILES_A_CHUNK: usize = 4096;
 
 impl ExtentsTable {
-    /// Of some tiles' boxes, each with its lowest and its highest corner.
+    /// Returns the table of some tiles' boxes, each with its lowest and its highest corner.
     pub fn new(boxes: &[[DVec3; 2]]) -> Self {
         let corner = |number: usize| boxes.iter().map(|of| of.get(number).map_or([0.0; 3], DVec3::to_array)).collect();
         ExtentsTable { low: corner(0), high: corner(1) }
     }
 
-    /// Lowest and highest corner of each tile.
+    /// Iterates over the lowest and highest corner of each tile.
     pub fn boxes(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
         self.low.iter().zip(&self.high).map(|(&low, &high)| [DVec3::from_array(low), DVec3::from_array(high)])
     }
 
-    /// The box of some positions; `None` without any.
+    /// Returns the box of some positions; `None` without any.
     pub fn around(positions: impl IntoIterator<Item = DVec3>) -> Option<[DVec3; 2]> {
         positions.into_iter().map(|p| [p, p]).reduce(|[low, high], [p, _]| [low.min(p), high.max(p)])
     }
 
-    /// Number of tiles.
+    /// Returns the number of tiles.
     pub fn rows(&self) -> usize {
         self.low.len()
     }
@@ -70,7 +71,8 @@ mod tests {
         ExtentsTable::new(&[ExtentsTable::around(points).unwrap(), ExtentsTable::around([points[0]]).unwrap()])
     }
 
-    /// Known values have the known bytes, 112, and come back; of all changes of a bit and all cuts none is misread beyond its numbers: 1007.
+    /// Known values have the known 112 bytes and come back. None of the 1007 changes of a bit and
+    /// cuts ends the program.
     #[test]
     fn layout_is_frozen() {
         let (known, raw) = (two(), two().to_bytes().unwrap());
@@ -84,7 +86,7 @@ mod tests {
         assert!(refused > 100 && refused + accepted == 1007, "{refused} {accepted}");
     }
 
-    /// Each of 5 tables that are none is refused.
+    /// Each of 5 invalid tables is refused.
     #[test]
     fn ranges_are_checked() {
         let flaws: [fn(&mut ExtentsTable); 5] = [

@@ -1,4 +1,4 @@
-//! Triangles of the scene.
+//! Triangles of the scene. In: vertices and triangles. Out: a table, and back.
 
 use rkyv::{Archive, Deserialize, Serialize};
 
@@ -6,13 +6,13 @@ use crate::archive::format::{MAX_MATERIALS, SCENE};
 use crate::archive::tables::{Flaw, column, table};
 use crate::site::grid::MOST_M;
 
-/// Triangles of a chunk, a row each, and the vertices that they name, schema 1. Chunks hold the scene's triangles in its order, each with its own
-/// vertices.
+/// Table of the triangles of a chunk, a row each, and of their vertices, schema 1. Chunks hold the
+/// scene's triangles in its order, each with its own vertices.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct GeometryTable {
     /// Positions relative to the scene's origin, metres, as they were traced.
     pub vertex: Vec<[f32; 3]>,
-    /// Rows of `vertex`, in the winding of the input.
+    /// Corners of the triangle, rows of `vertex`, in the winding of the input.
     pub corner: Vec<[u32; 3]>,
     /// Row of the materials table.
     pub material: Vec<u16>,
@@ -20,11 +20,11 @@ pub struct GeometryTable {
 
 table!(GeometryTable, [SCENE]);
 
-/// Triangles of a chunk at most.
+/// Largest number of triangles of a chunk.
 pub const MAX_TRIANGLES: usize = 1 << 16;
 
 impl GeometryTable {
-    /// Number of triangles.
+    /// Returns the number of triangles.
     pub fn rows(&self) -> usize {
         self.corner.len()
     }
@@ -60,7 +60,8 @@ mod tests {
         }
     }
 
-    /// Known values have the known bytes, 100, and come back; of all changes of a bit and all cuts none is misread beyond its numbers: 800 or more.
+    /// Known values have the known 100 bytes and come back. None of more than 800 changes of a bit
+    /// and cuts ends the program.
     #[test]
     fn layout_is_frozen() {
         let (known, raw) = (two(), two().to_bytes().unwrap());

@@ -1,4 +1,5 @@
-//! The first key of every chunk of cells: what a reader needs to find a cell.
+//! The first key of every chunk of cells, by which a reader finds a cell. In: keys. Out: a table,
+//! and back.
 
 use rkyv::{Archive, Deserialize, Serialize};
 
@@ -7,21 +8,21 @@ use crate::archive::tables::cells::{check_keys, keys, pack_tag};
 use crate::archive::tables::{Flaw, table};
 use crate::site::cells::CellKey;
 
-/// Columns of the index of one kind of cells, schema 1: one row a chunk.
+/// Table that indexes one kind of cells, schema 1: one row a chunk.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct IndexTable {
     /// Voxel of the chunk's first key.
     pub voxel: Vec<[i32; 3]>,
-    /// Its [`pack_tag`].
+    /// Level and facing of the chunk's first key: [`pack_tag`].
     pub tag: Vec<u32>,
-    /// Its row of the materials table.
+    /// Row of the materials table of the chunk's first key.
     pub material: Vec<u16>,
 }
 
 table!(IndexTable, [INDEX]);
 
 impl IndexTable {
-    /// The index of chunks that start with these keys.
+    /// Returns the index of chunks that start with these keys.
     pub fn new(firsts: &[CellKey]) -> Self {
         IndexTable {
             voxel: firsts.iter().map(|k| k.voxel).collect(),
@@ -30,12 +31,12 @@ impl IndexTable {
         }
     }
 
-    /// First key of every chunk.
+    /// Returns the first key of every chunk.
     pub fn firsts(&self) -> Vec<CellKey> {
         keys(&self.tag, &self.material, &self.voxel).collect()
     }
 
-    /// Number of chunks.
+    /// Returns the number of chunks.
     pub fn rows(&self) -> usize {
         self.voxel.len()
     }
@@ -53,7 +54,8 @@ mod tests {
     use crate::archive::format::TileNumber;
     use crate::archive::tables::tests::block;
 
-    /// Two keys have the known bytes and come back; keys out of order, and none, are refused.
+    /// Two keys have the known bytes and come back. Keys out of order, and an empty index, are
+    /// refused.
     #[test]
     fn layout_is_frozen() {
         let key = |x| CellKey { level: 3, facing: 54, material: 1, voxel: [x, 0, 0] };

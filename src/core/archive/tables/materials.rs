@@ -1,4 +1,4 @@
-//! The materials of the scene.
+//! The materials of the scene. In: names, reflectances, classes and groups. Out: a table, and back.
 
 use std::collections::HashSet;
 
@@ -8,7 +8,7 @@ use crate::archive::format::{MATERIALS, MAX_MATERIALS, MAX_STRING};
 use crate::archive::tables::{Flaw, column, is_share, table};
 use crate::site::material::Class;
 
-/// Columns of all materials, schema 2; the row is the material's number in cell keys.
+/// Table of all materials, schema 2; the row is the material's number in cell keys.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct MaterialsTable {
     /// Names of the input, no two equal.
@@ -17,21 +17,21 @@ pub struct MaterialsTable {
     pub diffuse: Vec<f64>,
     /// Specular reflectance; the sum with `diffuse` is at most 1.
     pub specular: Vec<f64>,
-    /// [`Class::code`].
+    /// Class: [`Class::code`].
     pub class: Vec<u8>,
-    /// Group whose reflectance may follow a schedule; empty is "none".
+    /// Group whose reflectance may follow a schedule; empty for none.
     pub group: Vec<String>,
 }
 
 table!(MaterialsTable, [MATERIALS]);
 
 impl MaterialsTable {
-    /// Number of materials.
+    /// Returns the number of materials.
     pub fn rows(&self) -> usize {
         self.name.len()
     }
 
-    /// Class of a material. Panics beyond the last row, as a slice does.
+    /// Returns the class of a material. Panics beyond the last row, as a slice does.
     #[allow(clippy::indexing_slicing)]
     pub fn class_of(&self, row: usize) -> Class {
         // `check` lets no other code pass.
@@ -75,8 +75,9 @@ mod tests {
         }
     }
 
-    /// The known value has the known 124 bytes, so the layout of schema 2 is what it was; it reads back as it was, ground as ground. The
-    /// same bytes as of schema 1 are refused by name.
+    /// The known value has the known 124 bytes, so the layout of schema 2 is unchanged. It reads
+    /// back equal, ground as ground. The same bytes under schema id 1 are refused, with the name of
+    /// the block.
     #[test]
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
@@ -91,7 +92,8 @@ mod tests {
         assert!(other.to_string().contains("block materials/0: found schema id 1"), "{other}");
     }
 
-    /// A value out of range in any of 7 ways is refused on writing and, under right checksums, on reading.
+    /// A value out of range in any of 7 ways is refused on writing and, under right checksums, on
+    /// reading.
     #[test]
     fn ranges_are_checked() {
         let flaws: [fn(&mut MaterialsTable); 7] = [
@@ -115,7 +117,8 @@ mod tests {
         }
     }
 
-    /// No change of one of 992 bits and none of 123 cuts ends the program, though checksums fit; all cuts are refused.
+    /// None of 992 changes of a bit and none of 123 cuts ends the program, though checksums are
+    /// right. All cuts are refused.
     #[test]
     fn hostile_bytes_are_survived() {
         let raw = known().to_bytes().unwrap();

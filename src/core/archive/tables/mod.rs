@@ -1,5 +1,6 @@
-//! Tables: rkyv columns inside blocks, by kind and schema id. In: a block, or columns. Out: columns that hold only checked
-//! values, or a block's raw bytes. A layout that was released never changes: a test of each table holds its bytes.
+//! Tables: rkyv columns inside blocks, by kind and schema id. In: a block, or columns. Out: columns
+//! that hold only checked values, or a block's raw bytes. A layout that was released never changes:
+//! a test of each table holds its bytes.
 
 mod bands;
 mod cells;
@@ -31,7 +32,7 @@ pub use overview::{NORMAL_STEPS, OverviewTable};
 pub use parts::PartsTable;
 pub use receivers::ReceiversTable;
 
-/// What is wrong with a table's values.
+/// Error in a table's values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Flaw {
     got: String,
@@ -43,7 +44,7 @@ impl Flaw {
         Flaw { got: got.into(), expected: expected.into() }
     }
 
-    /// The error of a table that cannot be written.
+    /// Returns the error of a table that cannot be written.
     fn refuse(self, what: String) -> Error {
         Error::Unsupported { what, found: self.got, supported: self.expected }
     }
@@ -71,25 +72,26 @@ fn flat_column(name: &str, length: usize, rows: usize) -> Result<(), Flaw> {
     }
 }
 
-/// Whether a vector's length lies in a range that is widened by 1e-6; false for NaN.
+/// Returns true if a vector's length lies in a range that is widened by 1e-6; false for NaN.
 fn length_in(vector: [f64; 3], low: f64, high: f64) -> bool {
     let [x, y, z] = vector;
     (low - 1e-6..=high + 1e-6).contains(&(x * x + y * y + z * z).sqrt())
 }
 
-/// A share of a whole; false for NaN.
+/// Returns true if a value is a share of a whole, 0 to 1; false for NaN.
 fn is_share(value: f64) -> bool {
     (0.0..=1.0).contains(&value)
 }
 
-/// The way between a table and blocks of its kinds, for a type with `rows` and `check`.
+/// Implements the conversion between a table and blocks of its kinds, for a type with `rows` and
+/// `check`.
 macro_rules! table {
     ($name:ident, $kinds:expr) => {
         impl $name {
             /// Kinds of the table's blocks.
             pub const KINDS: &'static [crate::archive::format::BlockKind] = &$kinds;
 
-            /// Raw bytes of a block, if all values are in range.
+            /// Returns the raw bytes of a block, if all values are in range.
             pub fn to_bytes(&self) -> crate::error::Result<Vec<u8>> {
                 let what = format!("writing a table of {}", stringify!($name).to_lowercase());
                 let refuse = |flaw: crate::archive::tables::Flaw| flaw.refuse(what);
@@ -104,7 +106,7 @@ macro_rules! table {
                 }
             }
 
-            /// A block of one of the table's kinds that is ready to be written.
+            /// Returns a block of one of the table's kinds, ready to be written.
             #[cfg(feature = "zstd")]
             pub fn encode(
                 &self,
@@ -123,7 +125,7 @@ macro_rules! table {
                 crate::archive::encode(kind, tile, schema, items, &raw, level)
             }
 
-            /// The table of a block, all values checked.
+            /// Returns the table of a block, all values checked.
             pub fn from_block(block: &crate::archive::Block) -> crate::error::Result<Self> {
                 block.require(Self::KINDS)?;
                 let name = || format!("a table of {}", crate::archive::format::kind_name(block.entry().kind));
@@ -143,7 +145,7 @@ macro_rules! table {
 }
 use table;
 
-/// What the tests of all tables ask.
+/// Helpers for the tests of all tables.
 #[cfg(all(test, feature = "zstd"))]
 mod tests {
     use std::path::Path;
@@ -152,12 +154,13 @@ mod tests {
     use crate::archive::{Block, EncodedBlock, format};
     use crate::error::Result;
 
-    /// A block as a reader gets it.
+    /// Returns a block as a reader gets it.
     pub fn block(encoded: &EncodedBlock) -> Block {
         block::decode(&Path::new("site.helio").into(), encoded.entry(), &encoded.stored).unwrap()
     }
 
-    /// Reads every single-bit change of raw bytes, with right checksums, and a cut of every length: (refused, accepted).
+    /// Reads every single-bit change of raw bytes, with right checksums, and a cut of every length.
+    /// Returns the numbers (refused, accepted).
     pub fn hostile<T>(
         kind: format::BlockKind,
         items: u32,

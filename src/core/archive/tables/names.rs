@@ -1,4 +1,5 @@
-//! Names in order, with the tiles that hold them: what a reader needs to find receivers by name.
+//! Names in order, with the tiles that hold them, by which a reader finds receivers by name. In:
+//! rows. Out: a table, and back.
 
 use rkyv::{Archive, Deserialize, Serialize};
 
@@ -6,11 +7,11 @@ use crate::archive::format::{MAX_STRING, NAMES};
 use crate::archive::tables::{Flaw, column, table};
 use crate::site::receiver::Receiver;
 
-/// What a name is a name of.
+/// Kind of thing that a name belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum NameOf {
-    /// A receiver: its id.
+    /// A receiver, by its id.
     Receiver = 0,
     /// A surface.
     Surface = 1,
@@ -21,10 +22,10 @@ pub enum NameOf {
 }
 
 impl NameOf {
-    /// All of them, by their numbers.
+    /// All kinds, in the order of their numbers.
     pub const ALL: [NameOf; 4] = [NameOf::Receiver, NameOf::Surface, NameOf::Object, NameOf::Building];
 
-    /// The names of a receiver; an empty one is not given.
+    /// Returns the names of a receiver; an empty name is not given.
     pub fn names(receiver: &Receiver) -> [(NameOf, &str); 4] {
         [
             (NameOf::Receiver, &receiver.id),
@@ -35,28 +36,29 @@ impl NameOf {
     }
 }
 
-/// A name, and a tile that holds it; in chunk 0 the first name of a chunk, and the number of that chunk.
+/// A name, and a tile that holds it. In chunk 0 it is the first name of a chunk, and the number of
+/// that chunk.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct NameRow {
-    /// What it is a name of.
+    /// Kind of thing that the name belongs to.
     pub of: NameOf,
-    /// 1 to 1024 bytes.
+    /// The name, 1 to 1024 bytes.
     pub name: String,
     /// Number of the tile, or of the chunk.
     pub tile: u32,
 }
 
-/// Rows in strictly ascending order of (what it is of, bytes of the name, tile), schema 1. Names tell what they do not share with the
-/// name before.
+/// Table of names in strictly ascending order of (kind, bytes of the name, tile), schema 1. A row
+/// stores only the bytes that differ from the beginning of the name before.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct NamesTable {
-    /// 0 receiver, 1 surface, 2 object, 3 building.
+    /// Kind: 0 receiver, 1 surface, 2 object, 3 building.
     pub of: Vec<u8>,
-    /// Bytes that the name begins with as the name of the row before does; 0 in row 0.
+    /// Number of first bytes that the name shares with the name of the row before; 0 in row 0.
     pub shared: Vec<u16>,
-    /// Number of its other bytes.
+    /// Number of the name's other bytes.
     pub own: Vec<u16>,
-    /// The other bytes, row by row.
+    /// The other bytes of all names, row by row.
     pub text: Vec<u8>,
     /// Number of the tile, or of the chunk.
     pub tile: Vec<u32>,
@@ -64,11 +66,11 @@ pub struct NamesTable {
 
 table!(NamesTable, [NAMES]);
 
-/// Rows of a chunk; the last one has less.
+/// Number of rows of a chunk; the last chunk may have fewer.
 pub const NAMES_A_CHUNK: usize = 2048;
 
 impl NamesTable {
-    /// Of rows, in order.
+    /// Returns the table of rows, which must be in order.
     pub fn new(rows: &[NameRow]) -> Self {
         let mut table = NamesTable::default();
         let mut before: &[u8] = &[];
@@ -76,7 +78,7 @@ impl NamesTable {
             let name = name.as_bytes();
             let shared = before.iter().zip(name).take_while(|(a, b)| a == b).count();
             let own = name.get(shared..).unwrap_or_default();
-            // Longer names than a table may hold are refused when it is written.
+            // A name that is too long is refused when the table is written.
             let length = |bytes: usize| u16::try_from(bytes).unwrap_or(u16::MAX);
             table.of.push(*of as u8);
             table.shared.push(length(shared));
@@ -88,13 +90,13 @@ impl NamesTable {
         table
     }
 
-    /// The rows.
+    /// Returns the rows.
     pub fn names(&self) -> Vec<NameRow> {
-        // What was read or written was checked.
+        // The table was checked when it was read or written.
         self.decoded().unwrap_or_default()
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.of.len()
     }
@@ -131,6 +133,7 @@ impl NamesTable {
             }
             let utf8 = std::str::from_utf8(&name).map_err(|_| flaw("a name that is no UTF-8", "text"))?;
             let found = NameRow { of: *of, name: utf8.to_owned(), tile };
+            // Look-ups bisect the rows, so they must ascend strictly.
             if names.last().is_some_and(|last| *last >= found) {
                 return Err(flaw("a name after one that belongs behind it", "names in order"));
             }
@@ -161,8 +164,8 @@ mod tests {
         ]
     }
 
-    /// Five names have the known bytes and come back; a row that begins as the one before tells only the rest: 20 bytes of 31.
-    /// Of all changes of a bit and all cuts none is misread beyond its values.
+    /// Five names have the known bytes and come back. A row stores only the bytes after the shared
+    /// ones: 20 bytes of 31. No change of a bit and no cut ends the program.
     #[test]
     fn layout_is_frozen() {
         let table = NamesTable::new(&five());
@@ -175,7 +178,7 @@ mod tests {
         assert!(refused > accepted && accepted > 0, "{refused} {accepted}");
     }
 
-    /// Each of 9 tables that are none is refused.
+    /// Each of 9 invalid tables is refused.
     #[test]
     fn ranges_are_checked() {
         let flaws: [fn(&mut NamesTable); 9] = [

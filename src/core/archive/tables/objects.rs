@@ -1,4 +1,5 @@
-//! Objects of the scene, triangle by triangle.
+//! Objects of the scene, triangle by triangle. In: objects, and the object of each triangle. Out: a
+//! table, and back.
 
 use std::collections::BTreeMap;
 
@@ -8,33 +9,34 @@ use crate::archive::format::{MAX_STRING, OBJECTS};
 use crate::archive::tables::{Flaw, MAX_TRIANGLES, column, table};
 use crate::site::scene_object::{ObjectNote, SceneObject};
 
-/// Objects of a chunk of triangles, a row each, and the object of each triangle, schema 2; as many triangles as its block of the scene has.
+/// Table of the objects of a chunk of triangles, a row each, and of the object of each triangle,
+/// schema 2. It has as many triangles as its block of the scene.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct ObjectsTable {
-    /// Each one greater than the one before by its bytes.
+    /// Names, strictly ascending by their bytes.
     pub name: Vec<String>,
-    /// Row by row as `name`.
+    /// Names of the objects in tables, row by row as `name`.
     pub object: Vec<String>,
-    /// Row by row as `name`.
+    /// Names of the wholes that they are parts of, row by row as `name`.
     pub building: Vec<String>,
-    /// Row by row as `name`.
+    /// Types of the objects in the file, row by row as `name`.
     pub object_type: Vec<String>,
-    /// 1 for an object beside the buildings, row by row as `name`.
+    /// Mark of an object beside the buildings, 1 or 0, row by row as `name`.
     pub beside: Vec<u8>,
-    /// Row of `name`, one for each triangle.
+    /// `[triangle]`: row of `name`.
     pub row: Vec<u16>,
-    /// A JSON object or nothing, row by row as `name`.
+    /// Attributes: a JSON object or nothing, row by row as `name`.
     pub attributes: Vec<String>,
 }
 
-/// Most bytes of the attributes of an object.
+/// Largest length of the attributes of an object, bytes.
 pub const MAX_ATTRIBUTES: usize = 16_384;
 
 table!(ObjectsTable, [OBJECTS]);
 
 impl ObjectsTable {
-    /// Of objects whose names ascend, and the object of each triangle, an index into them. A triangle of another index makes a table that is not
-    /// written.
+    /// Returns the table of objects with ascending names; `of_triangle` holds the index of each
+    /// triangle's object. If an index has no object, the table cannot be written.
     pub fn new(objects: &[SceneObject], of_triangle: &[u32]) -> Self {
         let mut used = of_triangle.to_vec();
         used.sort_unstable();
@@ -57,7 +59,7 @@ impl ObjectsTable {
         table
     }
 
-    /// The objects.
+    /// Returns the objects.
     pub fn objects(self) -> Vec<SceneObject> {
         let ObjectsTable { name, object, building, object_type, beside, attributes, .. } = self;
         let notes = object.into_iter().zip(building).zip(object_type.into_iter().zip(beside)).zip(attributes);
@@ -71,7 +73,7 @@ impl ObjectsTable {
         name.into_iter().zip(notes).map(|(name, note)| SceneObject { name, note }).collect()
     }
 
-    /// Number of triangles.
+    /// Returns the number of triangles.
     pub fn rows(&self) -> usize {
         self.row.len()
     }
@@ -94,15 +96,17 @@ impl ObjectsTable {
     }
 }
 
-/// No row, unless every triangle of a chunk is an object of its own: then each has a row.
+/// Row of a triangle without an object. It is a valid row only if every triangle of a chunk has its
+/// own object.
 const NO_ROW: u16 = u16::MAX;
 
-/// Attributes that an archive holds: a part of a JSON object is none.
+/// Returns the attributes if an archive can hold them, else nothing: a part of a JSON object is not
+/// one.
 fn kept(attributes: &str) -> &str {
     if attributes.len() <= MAX_ATTRIBUTES { attributes } else { "" }
 }
 
-/// As much of a name as an archive holds.
+/// Returns a name cut to the length that an archive holds.
 fn within(name: &str) -> &str {
     name.get(..name.floor_char_boundary(MAX_STRING)).unwrap_or_default()
 }
@@ -125,8 +129,9 @@ mod tests {
         ObjectsTable::new(&[barn, named("house", false), named("tree", true)], &[2, 0, 2])
     }
 
-    /// Of 3 objects a chunk of 3 triangles holds the 2 that it bears. They have the known 172 bytes and come back; of all changes of a bit and
-    /// all cuts none is misread: 1100 or more.
+    /// A chunk of 3 triangles holds the 2 of 3 objects that its triangles belong to. They have the
+    /// known 172 bytes and come back. None of more than 1100 changes of a bit and cuts ends the
+    /// program.
     #[test]
     fn layout_is_frozen() {
         let (known, raw) = (three(), three().to_bytes().unwrap());
@@ -140,8 +145,8 @@ mod tests {
         assert!(refused > 100 && refused + accepted > 1100, "{refused} {accepted}");
     }
 
-    /// Each of 7 values out of range is refused: names out of order, twice and too long, an object that has no name, a mark that is none, a
-    /// column that is too short, attributes that are too long.
+    /// Each of 7 values out of range is refused: names out of order, twice and too long, an object
+    /// without a name, a bad mark, a column that is too short, attributes that are too long.
     #[test]
     fn ranges_are_checked() {
         let flaws: [fn(&mut ObjectsTable); 7] = [
@@ -153,7 +158,7 @@ mod tests {
             |t| t.building.truncate(1),
             |t| t.attributes[0] = "x".repeat(16_385),
         ];
-        // A triangle of an object that is not there.
+        // A triangle of a missing object.
         assert!(ObjectsTable::new(&[SceneObject::default()], &[0, 1]).to_bytes().is_err());
         let refused = flaws.iter().filter(|flaw| {
             let mut wrong = three();
@@ -163,7 +168,8 @@ mod tests {
         assert_eq!(refused.count(), 7);
     }
 
-    /// Names of 1030 bytes are cut to 1024, or to 1023 where a letter ends there; two that are then equal are one object.
+    /// Names of 1030 bytes are cut to 1024, or to 1023 where a letter ends there. Two names that
+    /// are then equal are one object.
     #[test]
     fn long_names_are_cut() {
         let names = [format!("{}1", "a".repeat(1029)), format!("{}2", "a".repeat(1029)), "\u{e9}".repeat(515)];

@@ -1,25 +1,26 @@
-//! What materials do besides reflecting diffusely, and the planes of those that are mirrors. Only in archives of scenes with such.
+//! Optics of materials beside diffuse reflection, and the planes of the mirrors; only in archives
+//! of scenes with such materials. In: columns. Out: tables, and back.
 
 use rkyv::{Archive, Deserialize, Serialize};
 
 use crate::archive::format::{MAX_MATERIALS, MIRRORS, OPTICS};
 use crate::archive::tables::{Flaw, column, is_share, length_in, table};
 
-/// Columns of all materials, in the rows of the materials table, schema 1.
+/// Table of the optics of all materials, in the rows of the materials table, schema 1.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct OpticsTable {
     /// Number of panes of clear glass, 0 to 2.
     pub panes: Vec<u8>,
-    /// 1 for a canopy, 0 for what is opaque.
+    /// Mark of a canopy: 1, or 0 for an opaque material.
     pub canopy: Vec<u8>,
-    /// Of a canopy at each crossing; 0 for what is opaque.
+    /// Transmittance of a canopy at each crossing; 0 for an opaque material.
     pub transmittance: Vec<f64>,
 }
 
 table!(OpticsTable, [OPTICS]);
 
 impl OpticsTable {
-    /// Number of materials.
+    /// Returns the number of materials.
     pub fn rows(&self) -> usize {
         self.panes.len()
     }
@@ -35,10 +36,11 @@ impl OpticsTable {
     }
 }
 
-/// Orientations of mirrors, schema 1: all mirrors of one material that are parallel make one row.
+/// Table of the orientations of mirrors, schema 1: all parallel mirrors of one material make one
+/// row.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct MirrorsTable {
-    /// Unit normal; the sign means nothing.
+    /// Unit normal of either sign.
     pub normal: Vec<[f64; 3]>,
     /// Row of the materials table.
     pub material: Vec<u16>,
@@ -47,7 +49,7 @@ pub struct MirrorsTable {
 table!(MirrorsTable, [MIRRORS]);
 
 impl MirrorsTable {
-    /// Number of orientations.
+    /// Returns the number of orientations.
     pub fn rows(&self) -> usize {
         self.normal.len()
     }

@@ -1,4 +1,5 @@
-//! What is drawn of the receivers of one tile before anything else is read.
+//! Shapes of the receivers of one tile, which a viewer draws before it reads anything else. In:
+//! columns. Out: a table, and back.
 
 use glam::DVec3;
 use rkyv::{Archive, Deserialize, Serialize};
@@ -10,34 +11,35 @@ use crate::error;
 use crate::site::patch::{MAX_OFFSET_MM, Offset, Patch};
 use crate::site::receiver::Receiver;
 
-/// Columns of one tile, schema 1, row by row as its receivers.
+/// Table of one tile, schema 1, row by row as its receivers.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct OverviewTable {
-    /// Relative to the scene's origin, metres.
+    /// Positions relative to the scene's origin, metres.
     pub position: Vec<[f32; 3]>,
     /// Unit normals times 32,767.
     pub normal: Vec<[i16; 3]>,
-    /// m2; 0 is "not given".
+    /// Areas, m2; 0 is "not given".
     pub area: Vec<f32>,
     /// Cosine-weighted share of the hemisphere that sees sky, times 255.
     pub sky_view: Vec<u8>,
-    /// Sum over the clear year of the site's place (`weather::clear`), kWh/m2; empty where the place is not known.
+    /// Sums over the clear year of the site's place (`weather::clear`), kWh/m2; empty where the
+    /// place is not known.
     pub clear_year: Vec<f32>,
-    /// Polygons of each receiver's patch; 0 is "not given".
+    /// Number of polygons of each receiver's patch; 0 is "not given".
     pub polygons: Vec<u8>,
-    /// Corners of each polygon, receiver by receiver.
+    /// Number of corners of each polygon, receiver by receiver.
     pub corners: Vec<u8>,
-    /// Their offsets from the receiver, mm, polygon by polygon.
+    /// Offsets of the corners from the receiver, mm, polygon by polygon.
     pub offset: Vec<Offset>,
 }
 
 table!(OverviewTable, [OVERVIEW]);
 
-/// Normals are written in steps of this.
+/// Steps that normals of length 1 are written in.
 pub const NORMAL_STEPS: f64 = i16::MAX as f64;
 
 impl OverviewTable {
-    /// The overview of a tile of so many receivers; `None` if there is none.
+    /// Returns the overview of a tile of `receivers` receivers; `None` if the archive has none.
     pub fn of_tile(blocks: &dyn Blocks, tile: u32, receivers: usize) -> error::Result<Option<Self>> {
         if !blocks.has(OVERVIEW, TileNumber(tile)) {
             return Ok(None);
@@ -50,29 +52,30 @@ impl OverviewTable {
         Ok(Some(table))
     }
 
-    /// Gives the receivers of a tile their patches; whether the archive shows it.
+    /// Gives the receivers of a tile their patches. Returns true if the archive has an overview of
+    /// the tile.
     pub fn join(blocks: &dyn Blocks, tile: u32, receivers: &mut [Receiver]) -> error::Result<bool> {
         let Some(overview) = OverviewTable::of_tile(blocks, tile, receivers.len())? else { return Ok(false) };
         receivers.iter_mut().zip(overview.patches()).for_each(|(receiver, patch)| receiver.patch = patch);
         Ok(true)
     }
 
-    /// Number of receivers.
+    /// Returns the number of receivers.
     pub fn rows(&self) -> usize {
         self.position.len()
     }
 
-    /// The receivers' normals.
+    /// Iterates over the normals of the receivers.
     pub fn normals(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.normal.iter().map(|steps| DVec3::from(steps.map(f64::from)).normalize_or_zero())
     }
 
-    /// Their shares of sky.
+    /// Iterates over the sky view factors of the receivers.
     pub fn sky_views(&self) -> impl Iterator<Item = f32> + '_ {
         self.sky_view.iter().map(|steps| f32::from(*steps) / 255.0)
     }
 
-    /// The receivers' patches; empty where nobody knows them.
+    /// Returns the patches of the receivers; empty where they are unknown.
     pub fn patches(&self) -> Vec<Patch> {
         let (mut corners, mut offsets) = (self.corners.iter(), self.offset.iter().copied());
         let mut polygon = || offsets.by_ref().take(corners.next().copied().unwrap_or_default().into()).collect();
@@ -106,7 +109,8 @@ impl OverviewTable {
     }
 }
 
-/// Receivers may lie this far outside their scene: two of the largest coordinates of inputs.
+/// Largest distance of a receiver outside its scene, metres: two of the largest coordinates of
+/// inputs.
 const FARTHEST_M: f64 = 2e9;
 
 #[cfg(all(test, feature = "zstd"))]
@@ -128,8 +132,8 @@ mod tests {
         }
     }
 
-    /// Known values have the known bytes, 172, and come back with the patches that they stand for, one of them empty; of all changes of a bit and
-    /// all cuts none ends the program: 1,500 or more.
+    /// Known values have the known 172 bytes and come back with the patches that they stand for,
+    /// one of them empty. None of more than 1,500 changes of a bit and cuts ends the program.
     #[test]
     fn layout_is_frozen() {
         let (known, raw) = (two(), two().to_bytes().unwrap());
@@ -141,7 +145,7 @@ mod tests {
         assert!(refused > 200 && refused + accepted > 1_500, "{refused} {accepted}");
     }
 
-    /// Each of 8 values out of range is refused, and a table without sums is not.
+    /// Each of 8 values out of range is refused; a table without sums is not.
     #[test]
     fn ranges_are_checked() {
         let flaws: [fn(&mut OverviewTable); 8] = [

@@ -1,4 +1,5 @@
-//! What of the model each receiver of a tile stands for.
+//! Part of the model that each receiver of a tile stands for. In: receivers. Out: a table, and
+//! back.
 
 use rkyv::{Archive, Deserialize, Serialize};
 
@@ -9,25 +10,26 @@ use crate::error;
 use crate::site::model_part::ModelPart;
 use crate::site::receiver::Receiver;
 
-/// Columns of one tile, schema 1, row by row as its receivers; a text is empty where nobody says.
+/// Table of one tile, schema 1, row by row as its receivers; a text is empty where the input gives
+/// none.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct PartsTable {
-    /// City objects, zones, rooms.
+    /// Names of city objects, zones, rooms.
     pub object: Vec<String>,
-    /// What they are parts of.
+    /// Names of the wholes that the objects are parts of.
     pub building: Vec<String>,
-    /// `roof`, `wall`, `window`, `ground`, `floor`, `shade` or a word of the input.
+    /// Kind: `roof`, `wall`, `window`, `ground`, `floor`, `shade` or a word of the input.
     pub kind: Vec<String>,
-    /// What the input calls objects of this sort.
+    /// Types of the objects in the input.
     pub object_type: Vec<String>,
-    /// Faces of the input.
+    /// Names of faces of the input.
     pub face: Vec<String>,
 }
 
 table!(PartsTable, [PARTS]);
 
 impl PartsTable {
-    /// The parts of receivers; `None` where nothing is known of any.
+    /// Returns the parts of receivers; `None` where nothing is known of any.
     pub fn of<'a>(receivers: impl IntoIterator<Item = &'a Receiver>) -> Option<Self> {
         let mut table = PartsTable::default();
         let mut known = false;
@@ -40,7 +42,7 @@ impl PartsTable {
         known.then_some(table)
     }
 
-    /// Gives the receivers of a tile their parts; what has no block has none.
+    /// Gives the receivers of a tile their parts; a tile without a block has none.
     pub fn join(blocks: &dyn Blocks, tile: u32, receivers: &mut [Receiver]) -> error::Result<()> {
         if !blocks.has(PARTS, TileNumber(tile)) {
             return Ok(());
@@ -56,7 +58,7 @@ impl PartsTable {
         Ok(())
     }
 
-    /// The receivers of a tile with their parts.
+    /// Returns the receivers of a tile with their parts.
     pub fn receivers(blocks: &dyn Blocks, tile: u32) -> error::Result<Vec<Receiver>> {
         let table =
             tables::ReceiversTable::from_block(&blocks.block(crate::archive::format::RECEIVERS, TileNumber(tile))?)?;
@@ -65,7 +67,7 @@ impl PartsTable {
         Ok(receivers)
     }
 
-    /// Number of receivers.
+    /// Returns the number of receivers.
     pub fn rows(&self) -> usize {
         self.object.len()
     }
@@ -127,7 +129,8 @@ mod tests {
         PartsTable::of(&receivers).expect("something is known")
     }
 
-    /// The known value has the known 156 bytes, so the layout of schema 1 is what it was; it reads back as it was.
+    /// The known value has the known 156 bytes, so the layout of schema 1 is unchanged. It reads
+    /// back equal.
     #[test]
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
@@ -136,7 +139,8 @@ mod tests {
         assert_eq!(back, known());
     }
 
-    /// Of 2 receivers one has 5 texts, which come back; 2 of which nothing is known have no table.
+    /// One of 2 receivers has 5 texts, which come back. Two receivers of which nothing is known
+    /// have no table.
     #[test]
     fn parts_come_back() {
         let parts = known().parts();
@@ -145,7 +149,8 @@ mod tests {
         assert_eq!(PartsTable::of(&[receiver([""; 5]), receiver([""; 5])]), None);
     }
 
-    /// A text of 1025 bytes and a column that is too short are refused on writing and, under right checksums, on reading: 2 of 2.
+    /// A text of 1025 bytes and a column that is too short are refused on writing and, under right
+    /// checksums, on reading: 2 of 2.
     #[test]
     fn ranges_are_checked() {
         let flaws: [fn(&mut PartsTable); 2] = [|t| t.face[1] = "x".repeat(1025), |t| t.kind.truncate(1)];
@@ -160,7 +165,8 @@ mod tests {
         }
     }
 
-    /// No change of one bit and no cut ends the program, though checksums fit: each is read or refused, all cuts are refused.
+    /// No change of one bit and no cut ends the program, though checksums are right: each is read
+    /// or refused, and all cuts are refused.
     #[test]
     fn hostile_bytes_are_survived() {
         let raw = known().to_bytes().unwrap();

@@ -1,4 +1,4 @@
-//! The receivers of one tile.
+//! The receivers of one tile. In: receivers and their view factors. Out: a table, and back.
 
 use glam::DVec3;
 use rkyv::{Archive, Deserialize, Serialize};
@@ -9,31 +9,32 @@ use crate::site::model_part::ModelPart;
 use crate::site::patch::Patch;
 use crate::site::receiver::Receiver;
 
-/// Columns of one tile, schema 1; a receiver keeps its row in every block of the tile.
+/// Table of one tile, schema 1; a receiver keeps its row in every block of the tile.
 #[derive(Clone, Debug, Default, PartialEq, Archive, Serialize, Deserialize)]
 pub struct ReceiversTable {
-    /// Names of the input.
+    /// Ids of the receivers in the input.
     pub ids: Vec<String>,
-    /// Input coordinates, metres.
+    /// Positions in input coordinates, metres.
     pub position: Vec<[f64; 3]>,
     /// Unit normals.
     pub normal: Vec<[f64; 3]>,
-    /// m2; 0 is "not given".
+    /// Areas, m2; 0 is "not given".
     pub area: Vec<f64>,
-    /// Empty is "not given".
+    /// Names of surfaces; empty is "not given".
     pub surface: Vec<String>,
-    /// Cosine-weighted share of the hemisphere that sees sky.
+    /// Cosine-weighted shares of the hemisphere that see sky.
     pub sky_view: Vec<f32>,
-    /// ... that sees surfaces of class ground.
+    /// Cosine-weighted shares of the hemisphere that see surfaces of class ground.
     pub ground_view: Vec<f32>,
-    /// ... that sees other surfaces.
+    /// Cosine-weighted shares of the hemisphere that see other surfaces.
     pub obstruction_view: Vec<f32>,
 }
 
 table!(ReceiversTable, [RECEIVERS]);
 
 impl ReceiversTable {
-    /// The columns of receivers, each with the shares of its hemisphere: sky, ground, obstruction.
+    /// Returns the table of receivers, each with the shares of its hemisphere: sky, ground,
+    /// obstruction.
     pub fn new<'a>(rows: impl IntoIterator<Item = (&'a Receiver, [f32; 3])>) -> Self {
         let mut table = ReceiversTable::default();
         for (receiver, [sky, ground, obstruction]) in rows {
@@ -49,7 +50,8 @@ impl ReceiversTable {
         table
     }
 
-    /// The receivers as they were given to [`ReceiversTable::new`], without their parts of the model and their patches, which are other blocks.
+    /// Returns the receivers that were given to [`ReceiversTable::new`], without their parts of the
+    /// model and their patches, which are in other blocks.
     pub fn receivers(&self) -> Vec<Receiver> {
         let places = self.position.iter().zip(&self.normal);
         let rest = self.area.iter().zip(&self.surface);
@@ -65,13 +67,13 @@ impl ReceiversTable {
         self.ids.iter().zip(places).zip(rest).map(receiver).collect()
     }
 
-    /// Their shares: sky, ground, obstruction.
+    /// Iterates over the shares of the receivers' hemispheres: sky, ground, obstruction.
     pub fn views(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
         let shares = self.sky_view.iter().zip(&self.ground_view).zip(&self.obstruction_view);
         shares.map(|((&sky, &ground), &obstruction)| [sky, ground, obstruction])
     }
 
-    /// Number of receivers.
+    /// Returns the number of receivers.
     pub fn rows(&self) -> usize {
         self.ids.len()
     }
@@ -118,7 +120,8 @@ mod tests {
         }
     }
 
-    /// The known value has the known 256 bytes, so the layout of schema 1 is what it was; it reads back as it was.
+    /// The known value has the known 256 bytes, so the layout of schema 1 is unchanged. It reads
+    /// back equal.
     #[test]
     fn layout_is_frozen() {
         let raw = known().to_bytes().unwrap();
@@ -128,7 +131,8 @@ mod tests {
         assert_eq!(back, known());
     }
 
-    /// 2 receivers, one without area and surface, go into columns and come back equal, with their 3 shares.
+    /// Two receivers, one without area and surface, go into columns and come back equal, with their
+    /// 3 shares.
     #[test]
     fn receivers_come_back() {
         let table = known();
@@ -139,7 +143,8 @@ mod tests {
         assert_eq!(ReceiversTable::new(receivers.iter().zip(table.views())), table);
     }
 
-    /// A value out of range in any of 9 ways is refused on writing and, under right checksums, on reading.
+    /// A value out of range in any of 9 ways is refused on writing and, under right checksums, on
+    /// reading.
     #[test]
     fn ranges_are_checked() {
         let flaws: [fn(&mut ReceiversTable); 9] = [
@@ -165,7 +170,8 @@ mod tests {
         }
     }
 
-    /// No change of one bit and no cut ends the program, though checksums fit: each of 2048 is read or refused, all 255 cuts are refused.
+    /// No change of one bit and no cut ends the program, though checksums are right: each of 2048
+    /// changes is read or refused, and all 255 cuts are refused.
     #[test]
     fn hostile_bytes_are_survived() {
         let raw = known().to_bytes().unwrap();
@@ -174,7 +180,7 @@ mod tests {
         assert!(refused >= raw.len() - 1, "{refused}");
     }
 
-    /// Another kind, schema 2 and 3 rows for 2 are refused: 3 of 3.
+    /// A block of another kind, one of schema 2 and one of 3 rows for 2 are refused: 3 of 3.
     #[test]
     fn other_blocks_are_refused() {
         let raw = known().to_bytes().unwrap();

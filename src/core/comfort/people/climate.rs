@@ -1,5 +1,5 @@
-//! The climate of an hour, the same at all points. In: the air of the hour, a model. Out: what radiates on a person, and the indices of the hour over the
-//! mean radiant temperature.
+//! The climate of an hour, equal at all points. In: the air of the hour, a model. Out: the
+//! radiating surroundings of a person, and the indices of the hour by mean radiant temperature.
 
 use super::columns::ComfortColumn;
 use super::model::{ComfortModel, SurfaceModel};
@@ -12,58 +12,59 @@ use crate::comfort::wind::{WindProfile, wind_at_height_m_s};
 use crate::weather::air::Air;
 use crate::weather::emission::{Emission, black_body_w_m2};
 
-/// The air of an hour, as far as it is known.
+/// Air and emission of an hour; unknown values are `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HourAir {
-    /// Its temperature and humidity.
+    /// Temperature and humidity of the air.
     pub air: Air,
-    /// What the sky and the surfaces send; surfaces with sol-air temperatures do not count.
+    /// Longwave emission of the sky and the surfaces. Surfaces with sol-air temperatures do not use
+    /// it.
     pub emission: Option<Emission>,
-    /// Wind at 10 m.
+    /// Wind at 10 m, m/s.
     pub wind_m_s: Option<f64>,
-    /// Length of the interval.
+    /// Length of the interval, hours.
     pub hours: f64,
 }
 
-/// What an hour lacks that comfort depends on.
+/// Name of a value that an hour lacks and comfort depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MissingAir(&'static str);
 
-/// What is the same at all points in an hour.
+/// Values of an hour that are equal at all points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HourClimate {
     /// Air temperature, degrees Celsius.
     pub air_c: f64,
     /// Wind at 10 m, m/s; 0 where the file has none and no column needs it.
     pub wind_m_s: f64,
-    /// What radiates.
+    /// Longwave emission of sky and surfaces.
     pub surroundings: HeatAround,
-    /// The UTCI, where it is asked for.
+    /// Curve of the UTCI, if a column needs it.
     pub utci: Option<IndexCurve>,
-    /// The PET, where it is asked for.
+    /// Curve of the PET, if a column needs it.
     pub pet: Option<IndexCurve>,
-    /// Length of the interval.
+    /// Length of the interval, hours.
     pub hours: f64,
 }
 
-/// Air of an hour that has everything the asked columns need.
+/// Air of an hour that has all values that the columns need.
 struct KnownAir {
     air_c: f64,
     emission: Emission,
     wind_m_s: f64,
-    /// Where an index is asked for.
+    /// Relative humidity, percent, if a column is an index.
     humidity_percent: Option<f64>,
 }
 
 impl MissingAir {
-    /// What is missing in an hour of this label.
+    /// Returns the message on the value that the hour of this label lacks.
     pub fn in_hour(self, label: &str) -> String {
         format!("{} is missing in the hour {label}, which comfort depends on", self.0)
     }
 }
 
 impl HourAir {
-    /// Air over surfaces that are as warm as it is, with its own wind.
+    /// Returns air over surfaces that are as warm as it is, with its own wind.
     pub fn of(air: Air) -> Self {
         let emission = air.sky_w_m2().zip(air.dry_bulb_c).map(|(sky_w_m2, air_c)| {
             let surface_w_m2 = black_body_w_m2(air_c);
@@ -72,12 +73,12 @@ impl HourAir {
         HourAir { air, emission, wind_m_s: air.wind_m_s, hours: 1.0 }
     }
 
-    /// Relative humidity, percent; none where it is not known.
+    /// Returns the relative humidity, percent, or `None` where it is not known.
     pub fn humidity_percent(&self) -> Option<f64> {
         relative_humidity_percent(self.air.dry_bulb_c?, self.air.dew_point_c?)
     }
 
-    /// Refuses an hour that lacks what columns depend on.
+    /// Checks that the hour has the values that the columns depend on.
     pub fn check(&self, asked: &[ComfortColumn]) -> Result<(), MissingAir> {
         self.known(asked).map(drop)
     }
@@ -96,7 +97,8 @@ impl HourAir {
         Ok(KnownAir { air_c, emission, wind_m_s, humidity_percent })
     }
 
-    /// The climate of the hour, with the indices that are asked for. An error: what it lacks.
+    /// Returns the climate of the hour, with the indices that the columns need. The error names the
+    /// first missing value.
     pub fn climate(&self, model: &ComfortModel, asked: &[ComfortColumn]) -> Result<HourClimate, MissingAir> {
         let KnownAir { air_c, emission, wind_m_s, humidity_percent } = self.known(asked)?;
         let surfaces = |of: &SurfaceModel, sent_w_m2: f64| ClassSurfaces {
@@ -142,8 +144,8 @@ impl HourAir {
 mod tests {
     use super::*;
 
-    /// Air without a temperature, sky, wind or humidity is refused where a column depends on it, by that name; the mean radiant temperature takes
-    /// neither wind nor humidity.
+    /// Air without a temperature, sky, wind or humidity is refused by the name of that value where
+    /// a column depends on it. The mean radiant temperature needs neither wind nor humidity.
     #[test]
     fn missing_air() {
         let air = Air {
@@ -167,7 +169,8 @@ mod tests {
         assert_eq!(lacks(Air { dew_point_c: None, wind_m_s: None, ..air }, mrt), None);
     }
 
-    /// An hour that asks for one index makes that one alone, and it is the index of its air at a mean radiant temperature, within 0.01 K.
+    /// A climate for one index holds the curve of that index only, and the curve gives the index of
+    /// its air at a mean radiant temperature within 0.01 K.
     #[test]
     fn indices_that_are_asked_for() {
         let air = Air {

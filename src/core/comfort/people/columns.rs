@@ -1,41 +1,42 @@
-//! What can be asked of a point in an hour. In: names. Out: columns, and the names of their numbers.
+//! Columns of results of a point in an hour. In: names. Out: columns, and the names of their
+//! numbers.
 
 use std::str::FromStr;
 
 use crate::named::{NamedValues, of_name};
 
-/// Names of the planes, in the order of values.
+/// Names of the planes, in the order of the values.
 pub const PLANES: [&str; 6] = ["up", "down", "north", "east", "south", "west"];
 
-/// What a column says, or six of them.
+/// A column of results, or six of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ComfortColumn {
-    /// Air temperature.
+    /// Air temperature, degrees Celsius.
     Air,
-    /// Wind at 10 m.
+    /// Wind at 10 m, m/s.
     Wind,
-    /// Mean radiant temperature.
+    /// Mean radiant temperature, degrees Celsius.
     MeanRadiant,
-    /// Universal Thermal Climate Index.
+    /// Universal Thermal Climate Index, degrees Celsius.
     Utci,
-    /// Physiological Equivalent Temperature.
+    /// Physiological Equivalent Temperature, degrees Celsius.
     Pet,
-    /// Shortwave irradiance of the six planes.
+    /// Shortwave irradiance of the six planes, W/m2.
     Shortwave,
-    /// Longwave irradiance of the six planes.
+    /// Longwave irradiance of the six planes, W/m2.
     Longwave,
 }
 
 impl ComfortColumn {
-    /// The columns of results, if none are asked for.
+    /// Default columns of results.
     pub const USUAL: [ComfortColumn; 3] = [ComfortColumn::MeanRadiant, ComfortColumn::Utci, ComfortColumn::Pet];
 
-    /// Whether it is an index of comfort, which depends on humidity and wind.
+    /// Returns true if it is an index of comfort, which depends on humidity and wind.
     pub fn is_index(self) -> bool {
         matches!(self, ComfortColumn::Utci | ComfortColumn::Pet)
     }
 
-    /// How many numbers it is.
+    /// Returns the number of columns, 1 or 6.
     pub fn width(self) -> usize {
         match self {
             ComfortColumn::Shortwave | ComfortColumn::Longwave => PLANES.len(),
@@ -43,7 +44,7 @@ impl ComfortColumn {
         }
     }
 
-    /// What its numbers are called, without the unit of irradiances.
+    /// Returns the names of its columns, without the unit of irradiances.
     pub fn names(self) -> Vec<String> {
         let six = |kind: &str| PLANES.iter().map(|plane| format!("{kind}_{plane}")).collect();
         match self {

@@ -1,4 +1,5 @@
-//! The light of a point. In: irradiance of its six planes in each hour, what they see, climates. Out: the numbers of the point in each hour.
+//! The radiation at a point. In: irradiance of its six planes in each hour, their view factors,
+//! climates. Out: the values of the point in each hour.
 
 use super::climate::HourClimate;
 use super::columns::ComfortColumn;
@@ -9,7 +10,7 @@ use crate::comfort::mean_radiant::{
 };
 use crate::comfort::surroundings::{SixPlanes, ViewShares};
 
-/// The light of a point, `[plane][hour]`, W/m2.
+/// Shortwave irradiance of a point, `[plane][hour]`, W/m2.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PersonLight {
     total: [Vec<f32>; 6],
@@ -17,7 +18,8 @@ pub struct PersonLight {
 }
 
 impl PersonLight {
-    /// Takes what a plane gets in all hours, and what of it comes directly from the sun.
+    /// Stores the irradiance of a plane in all hours, and the part of it that comes directly from
+    /// the sun.
     pub fn put(&mut self, plane: usize, total: &[f32], direct: &[f32]) {
         for (to, from) in [(&mut self.total, total), (&mut self.direct, direct)] {
             if let Some(to) = to.get_mut(plane) {
@@ -26,7 +28,8 @@ impl PersonLight {
         }
     }
 
-    /// The numbers of all hours, `[number][hour]`, in the order of `asked`; NaN where there is none.
+    /// Returns the values of all hours, `[column][hour]`, in the order of `asked`; NaN where there
+    /// is none.
     pub fn numbers(
         &self,
         views: &SixPlanes<ViewShares>,
@@ -44,6 +47,8 @@ impl PersonLight {
                 SunOnPerson::Box => mean_radiant_temperature_c(&field, &model.body),
                 SunOnPerson::Cylinder => {
                     let direct = at_hour(&self.direct, hour);
+                    // The cylinder takes direct sun by its altitude, so the planes keep the rest
+                    // only.
                     let diffuse = shortwave.less(&direct).into();
                     let field = RadiationField { shortwave: diffuse, ..field };
                     mean_radiant_temperature_of_cylinder_c(&field, &sun_of(&direct), &model.body)
@@ -78,7 +83,8 @@ fn at_hour(planes: &[Vec<f32>; 6], hour: usize) -> SixPlanes<f64> {
     SixPlanes { up, down, sides: [north, east, south, west] }
 }
 
-/// The sun whose direct light these planes get: opposite planes see it from one side each, so that their differences are its vector.
+/// Returns the sun that gives this direct irradiance. Of two opposite planes only one faces the
+/// sun, so the differences of opposite planes are the vector of the beam.
 fn sun_of(direct: &SixPlanes<f64>) -> DirectSun {
     let [north, east, south, west] = direct.sides;
     // Half of all hours are dark.
@@ -93,7 +99,8 @@ fn sun_of(direct: &SixPlanes<f64>) -> DirectSun {
 mod tests {
     use super::*;
 
-    /// A beam of 800 W/m2 from azimuth 120 at 35 degrees is found from what it gives on the six planes.
+    /// A beam of 800 W/m2 from azimuth 120 at 35 degrees is found from the irradiance of the six
+    /// planes.
     #[test]
     fn suns() {
         let (azimuth, altitude) = (120.0_f64.to_radians(), 35.0_f64.to_radians());

@@ -1,4 +1,5 @@
-//! How people and surfaces are taken: the same in all hours and at all points. In: choices, materials. Out: numbers.
+//! Model of people and surfaces, equal in all hours and at all points. In: choices, materials. Out:
+//! numbers.
 
 use crate::comfort::mean_radiant::RadiantBody;
 use crate::comfort::pet::PetPerson;
@@ -6,44 +7,46 @@ use crate::comfort::surroundings::{SurfaceMean, USUAL_FILM_W_M2_K};
 use crate::named::NamedValues;
 use crate::site::material::{Class, Material};
 
-/// How the sun falls on a person.
+/// Shape of a person in direct sun.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SunOnPerson {
-    /// On an upright cylinder, from all azimuths alike.
+    /// Upright cylinder, which all azimuths of the sun meet alike.
     #[default]
     Cylinder,
-    /// On the planes of a box, as instruments measure it.
+    /// Six planes of a box, as instruments measure them.
     Box,
 }
 
-/// The surfaces of a class, where nothing is known of those that a plane sees.
+/// Surfaces of a class, where the surfaces that a plane sees are not known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceModel {
     /// Longwave emissivity.
     pub emissivity: f64,
-    /// The share of light that they absorb, where they have their sol-air temperature; none: they are as warm as the emission of the hour says.
+    /// Share of light that they absorb, if they have their sol-air temperature. `None`: they emit
+    /// as the hour's emission states.
     pub sol_air: Option<f64>,
 }
 
-/// People and surfaces.
+/// Model of people and surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ComfortModel {
     /// The body that absorbs radiation.
     pub body: RadiantBody,
     /// The person of the PET.
     pub person: PetPerson,
-    /// How the sun falls on a person.
+    /// Shape of a person in direct sun.
     pub sun: SunOnPerson,
     /// Heat transfer coefficient between surfaces and air, radiation included, W/m2K.
     pub film_w_m2_k: f64,
-    /// The ground.
+    /// Model of the ground.
     pub ground: SurfaceModel,
-    /// Obstructions.
+    /// Model of obstructions.
     pub obstruction: SurfaceModel,
 }
 
 impl ComfortModel {
-    /// Standing people among surfaces of sol-air temperatures, which absorb what their materials do not reflect.
+    /// Returns the model of standing people among surfaces of sol-air temperatures, which absorb
+    /// the light that their materials do not reflect.
     pub fn usual(materials: &[Material]) -> Self {
         let surfaces = |class| {
             let SurfaceMean { emissivity, absorptance } = SurfaceMean::of_class(class, materials);

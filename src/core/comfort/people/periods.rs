@@ -1,10 +1,12 @@
-//! What rows of days and longer say of the hours of a point. In: values of hours. Out: means, the highest, hours above thresholds.
+//! Values of days and longer periods from the hours of a point. In: values of hours. Out: means,
+//! the highest, hours above thresholds.
 
 use super::columns::ComfortColumn;
 use crate::comfort::utci::StressCategory;
 use crate::weather::time::bins::Bins;
 
-/// The categories of the UTCI whose upper limits are the usual thresholds: moderate to extreme heat stress begin there.
+/// Categories of the UTCI whose upper limits are the usual thresholds: moderate to extreme heat
+/// stress begin there.
 const BELOW_THRESHOLDS: [StressCategory; 4] = [
     StressCategory::NoThermalStress,
     StressCategory::ModerateHeatStress,
@@ -12,31 +14,32 @@ const BELOW_THRESHOLDS: [StressCategory; 4] = [
     StressCategory::VeryStrongHeatStress,
 ];
 
-/// How a number of a period follows from its hours.
+/// Way in which a value of a period follows from its hours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PeriodSum {
-    /// The mean by time.
+    /// Mean, weighted by time.
     Mean,
-    /// The highest.
+    /// Highest value.
     Most,
-    /// Hours above a threshold.
+    /// Hours above a threshold, degrees Celsius.
     Above(f64),
 }
 
 impl PeriodSum {
-    /// Where moderate, strong, very strong and extreme heat stress begin, degrees Celsius of UTCI.
+    /// Returns the UTCI at which moderate, strong, very strong and extreme heat stress begin,
+    /// degrees Celsius.
     pub fn usual_thresholds_c() -> [f64; 4] {
         BELOW_THRESHOLDS.map(StressCategory::upper_limit_c)
     }
 
-    /// What rows of periods say of a column.
+    /// Returns the values of a column that rows of periods have.
     pub fn of_column(column: ComfortColumn, above_c: &[f64]) -> Vec<PeriodSum> {
         let above = above_c.iter().map(|above| PeriodSum::Above(*above)).filter(|_| column == ComfortColumn::Utci);
         let most = column.is_index().then_some(PeriodSum::Most);
         [PeriodSum::Mean].into_iter().chain(most).chain(above).collect()
     }
 
-    /// What this number of a period is called, of one that is called `number` in an hour.
+    /// Returns the name of this value of a period; `number` is the name of the hourly value.
     pub fn name(self, number: &str) -> String {
         let stem = number.trim_end_matches("_c");
         match self {
@@ -46,7 +49,8 @@ impl PeriodSum {
         }
     }
 
-    /// The numbers of periods, `[period]`, from those of hours; `hours` are lengths, NaN is no value.
+    /// Returns the values of periods, `[period]`, from those of hours; `hours` are lengths, NaN is
+    /// no value.
     pub fn of_hours(self, values: &[f32], bins: &Bins, hours: &[f64]) -> Vec<f32> {
         let mut sums = vec![(0.0_f64, 0.0_f64); bins.count];
         let mut most = vec![f64::NAN; bins.count];
@@ -75,7 +79,8 @@ impl PeriodSum {
 mod tests {
     use super::*;
 
-    /// Of four hours in two periods, one without a value, means, the highest and hours above 26 are those by hand.
+    /// Means, the highest and hours above 26 of four hours in two periods, one hour without a
+    /// value, are those computed by hand.
     #[test]
     fn periods() {
         let sums = PeriodSum::of_column(ComfortColumn::Utci, &[26.0]);
@@ -87,7 +92,8 @@ mod tests {
         assert_eq!(rows, [vec![25.0, 27.0], vec![30.0, 27.0], vec![1.0, 0.5]]);
     }
 
-    /// Heat stress begins at 26, 32, 38 and 46 degrees; irradiances have means alone, and their names keep no unit.
+    /// Heat stress begins at 26, 32, 38 and 46 degrees. Irradiances have means only, and their
+    /// names keep no unit.
     #[test]
     fn columns_and_thresholds() {
         assert_eq!(PeriodSum::usual_thresholds_c(), [26.0, 32.0, 38.0, 46.0]);

@@ -1,4 +1,5 @@
-//! Which receivers are the six planes of a point. In: receivers with their names. Out: points, each with the places of its planes.
+//! Grouping of receivers into points of six planes. In: receivers with their names. Out: points,
+//! each with the indices of its planes.
 
 use std::collections::HashMap;
 
@@ -8,13 +9,15 @@ use super::columns::PLANES;
 use crate::comfort::surroundings::SixPlanes;
 use crate::site::receiver::Receiver;
 
-/// Planes of a point may stand apart as instruments on a mast do, metres.
+/// Largest distance between the planes of a point, metres: they may stand apart as instruments on a
+/// mast do.
 const MOST_APART_M: f64 = 1.0;
 
-/// Cosines of angles between planes may be off by so much: eight degrees.
+/// Largest error of the cosines of angles between planes: eight degrees.
 const COSINE: f64 = 0.01;
 
-/// Name of the receiver of a plane; the one that looks up has the name of the point.
+/// Returns the name of the receiver of a plane. The receiver that faces up has the name of the
+/// point.
 pub fn receiver_name(point: &str, plane: usize) -> String {
     match PLANES.get(plane).filter(|_| plane > 0) {
         Some(side) => format!("{point}/{side}"),
@@ -22,7 +25,7 @@ pub fn receiver_name(point: &str, plane: usize) -> String {
     }
 }
 
-/// The point of a receiver, and which of its planes it is.
+/// Returns the point of a receiver, and the number of its plane.
 pub fn point_of(receiver: &str) -> (&str, usize) {
     let named = receiver.rsplit_once('/').and_then(|(point, side)| {
         let plane = PLANES.iter().skip(1).position(|name| *name == side)?;
@@ -31,24 +34,25 @@ pub fn point_of(receiver: &str) -> (&str, usize) {
     named.unwrap_or((receiver, 0))
 }
 
-/// Six values in the order of [`PLANES`]; `None` if one is missing.
+/// Returns six values in the order of [`PLANES`]; `None` if one is missing.
 pub fn all_of<T>(planes: [Option<T>; 6]) -> Option<SixPlanes<T>> {
     let [up, down, north, east, south, west] = planes;
     Some(SixPlanes { up: up?, down: down?, sides: [north?, east?, south?, west?] })
 }
 
-/// The points of some receivers, in the order of those that look up.
+/// The points of some receivers, in the order of the receivers that face up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PersonPoints {
     names: Vec<String>,
     number_of: HashMap<String, usize>,
-    /// `[point][plane]`: the place of its receiver.
+    /// `[point][plane]`: the index of its receiver.
     planes: Vec<[usize; 6]>,
 }
 
 impl PersonPoints {
-    /// The points of these receivers, each of which must have all six planes at one place: up, down and four sides, which may be turned. An
-    /// error: what is missing, or does not look where its name says.
+    /// Returns the points of these receivers. Each must have all six planes at one place: up, down
+    /// and four sides, which may be turned. The error names a plane that is missing or does not
+    /// face as its name says.
     pub fn of(receivers: impl IntoIterator<Item = Receiver>) -> Result<Self, String> {
         let mut points = PersonPoints::default();
         let mut found: HashMap<String, [Option<Plane>; 6]> = HashMap::new();
@@ -77,39 +81,41 @@ impl PersonPoints {
             let SixPlanes { up, down, sides: [north, east, south, west] } = planes;
             points.planes.push([up, down, north, east, south, west].map(|plane| plane.place));
         }
+        // Planes that are left belong to no receiver that faces up.
         match found.into_keys().min() {
             Some(point) => Err(format!("point `{point}` has no receiver `{point}` that looks up")),
             None => Ok(points),
         }
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     pub fn len(&self) -> usize {
         self.names.len()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no points.
     pub fn is_empty(&self) -> bool {
         self.names.is_empty()
     }
 
-    /// Name of a point.
+    /// Returns the name of a point.
     pub fn name(&self, number: usize) -> &str {
         self.names.get(number).map_or("", String::as_str)
     }
 
-    /// The number of a point.
+    /// Returns the number of a point.
     pub fn number(&self, point: &str) -> Option<usize> {
         self.number_of.get(point).copied()
     }
 
-    /// Places of the planes of a point among the receivers, in the order of [`PLANES`].
+    /// Returns the indices of the planes of a point among the receivers, in the order of
+    /// [`PLANES`].
     pub fn planes(&self, number: usize) -> Option<&[usize; 6]> {
         self.planes.get(number)
     }
 }
 
-/// A receiver that may be a plane.
+/// A receiver that may be a plane of a point.
 #[derive(Clone, Copy, Debug)]
 struct Plane {
     place: usize,
@@ -117,7 +123,8 @@ struct Plane {
     normal: DVec3,
 }
 
-/// Whether planes look where their names say from one place: up, down, and to four sides clockwise, whatever turn those have.
+/// Returns true if planes at one place face as their names say: up, down, and to four sides
+/// clockwise, at any turn.
 fn are_planes(planes: &SixPlanes<Plane>) -> bool {
     let [north, east, south, west] = planes.sides.map(|side| side.normal);
     let sides = [(north, east), (east, south), (south, west), (west, north)];
@@ -134,7 +141,7 @@ fn are_planes(planes: &SixPlanes<Plane>) -> bool {
 mod tests {
     use super::*;
 
-    /// Two people, `a` and `b`, whose sides are turned by 15 degrees.
+    /// Returns two people, `a` and `b`, whose sides are turned by 15 degrees.
     fn people() -> Vec<Receiver> {
         let (sin, cos) = 15.0_f64.to_radians().sin_cos();
         let normals = [
@@ -151,7 +158,8 @@ mod tests {
         (0..6).flat_map(|plane| [("a", DVec3::ZERO), ("b", DVec3::X)].map(|of| receiver(of, plane))).collect()
     }
 
-    /// Names of planes go there and back; a receiver with a slash of its own is a point.
+    /// Names of planes come back from their points and numbers. A receiver with a slash of its own
+    /// is a point.
     #[test]
     fn names() {
         for plane in 0..6 {
@@ -160,8 +168,8 @@ mod tests {
         assert_eq!(point_of("roof/7"), ("roof/7", 0));
     }
 
-    /// Twelve receivers in any order are two points with their six planes; a missing plane and planes without a point are
-    /// named in an error.
+    /// Twelve receivers in any order are two points with their six planes. An error names a missing
+    /// plane, and planes without a point.
     #[test]
     fn whole_points() {
         let mut people = people();
@@ -174,7 +182,8 @@ mod tests {
         assert!(without("a").is_err_and(|what| what.contains("no receiver `a` that looks up")));
     }
 
-    /// Planes that look elsewhere than their names say, or stand elsewhere than their point, are no person: 4 of 4.
+    /// Planes that face elsewhere than their names say, or stand elsewhere than their point, are no
+    /// person: 4 of 4.
     #[test]
     fn names_alone_make_no_person() {
         let refused = |change: fn(&mut [Receiver])| {

@@ -1,5 +1,5 @@
-//! What planes see of materials. In: the materials of a site, the hits of a tile. Out: emissivity and absorptance of ground and of obstructions, means over
-//! what each plane sees of them.
+//! Materials that planes see. In: the materials of a site, the hits of a tile. Out: emissivity and
+//! absorptance of ground and of obstructions, as means over the part of them that each plane sees.
 
 use glam::DVec2;
 
@@ -10,27 +10,31 @@ use crate::opened::OpenSite;
 use crate::site::material::{Class, Material};
 
 impl SurfaceMean {
-    /// Of a material: the emissivity that it states, else the usual one of its class; it absorbs what it does not reflect.
+    /// Returns the values of a material: the emissivity that it states, else the usual one of its
+    /// class. It absorbs the light that it does not reflect.
     pub fn of_material(material: &Material) -> Self {
         let emissivity = material.bands.emissivity.unwrap_or_else(|| usual_emissivity(material.class));
         let absorptance = (1.0 - material.diffuse - material.specular).clamp(0.0, 1.0);
         SurfaceMean { emissivity, absorptance }
     }
 
-    /// Of the materials of a class, each counted once. A class without materials is not seen.
+    /// Returns the mean over the materials of a class, each counted once. A class without materials
+    /// is not seen.
     pub fn of_class(class: Class, materials: &[Material]) -> Self {
         let unseen = SurfaceMean { emissivity: usual_emissivity(class), absorptance: 1.0 };
         SurfaceMean::of(SurfaceMean::of_solids(class, materials).map(|mean| (1.0, Some(mean)))).unwrap_or(unseen)
     }
 
-    /// Those of the materials of a class that are surfaces: leaves and screens are as warm as the air.
+    /// Iterates over the values of the materials of a class that are surfaces. Leaves and screens
+    /// are left out, because they are as warm as the air.
     pub fn of_solids(class: Class, materials: &[Material]) -> impl Iterator<Item = SurfaceMean> {
         let of_class = move |material: &&Material| material.class == class && material.transmittance.is_none();
         materials.iter().filter(of_class).map(SurfaceMean::of_material)
     }
 }
 
-/// What the receivers of a tile see; nothing of a class whose materials are alike. Hits are read only where some differ.
+/// Returns the surfaces that the receivers of a tile see; `None` for a class whose materials are
+/// equal. Hits are read only if some differ.
 pub fn seen_surfaces(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec<SeenSurfaces>> {
     let materials = site.materials();
     let differ = Class::ALL.map(|class| {
@@ -45,7 +49,7 @@ pub fn seen_surfaces(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec
     let side = site.settings().hit;
     let centre = DVec2::splat(0.5);
     let cosines: Vec<f64> = (0..side * side).map(|t| texel_direction(t % side, t / side, side, centre).z).collect();
-    // `[number of a cell]`: its class and material; texels that meet nothing have number 0.
+    // `[number of a cell]`: its class and material; texels whose rays met nothing have number 0.
     let met = hits.palette.iter().map(|key| {
         let material = materials.get(usize::from(key.material))?;
         Some((material.class, SurfaceMean::of_material(material)))
@@ -62,7 +66,7 @@ pub fn seen_surfaces(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec
         SeenSurfaces { ground: of_class(Class::Ground), obstruction: of_class(Class::Obstruction) }
     };
     let mut seen: Vec<SeenSurfaces> = hits.texels.chunks_exact(side * side).map(of_receiver).collect();
-    // There are as many; a tile without receivers has none.
+    // The hits have this length already, except in a tile without receivers.
     seen.resize(receivers, SeenSurfaces::default());
     Ok(seen)
 }

@@ -1,9 +1,10 @@
-//! Matrices of Radiance. In: the bytes that `gendaymtx` writes, as text or floats, or the column of `genskyvec`. Out: a checked [`PatchFile`]
-//! with a row for each column of the matrix.
+//! Matrices of Radiance. In: the bytes that `gendaymtx` writes, as text or floats, or the column of
+//! `genskyvec`. Out: a checked [`PatchFile`] with a row for each column of the matrix.
 //!
-//! Rows are the ground and the patches of Reinhart's subdivision MF:1, 2 or 4, from the horizon up, clockwise from north: checked against
-//! `gendaymtx` of Radiance 6 (`tests/data/skies`). The ground's row is not used. Three components are one number by the weights that Radiance
-//! gives red, green and blue in a luminance (`src/common/color.h`, 0.265, 0.670 and 0.065).
+//! Rows are the ground and the patches of Reinhart's subdivision MF:1, 2 or 4, from the horizon up,
+//! clockwise from north: checked against `gendaymtx` of Radiance 6 (`tests/data/skies`). The row of
+//! the ground is not used. Three components become one number by the weights that Radiance gives
+//! red, green and blue in a luminance (`src/common/color.h`, 0.265, 0.670 and 0.065).
 
 use std::path::Path;
 
@@ -12,20 +13,20 @@ use crate::dome::series::PatchSeries;
 use crate::error::{Error, Result};
 use crate::text::excerpt;
 
-/// Weights of red, green and blue.
+/// Weights of red, green and blue in a luminance.
 const LUMINANCE: [f64; 3] = [0.265, 0.670, 0.065];
 
-/// One level of red, green and blue.
+/// Returns one level of red, green and blue.
 pub fn luminance(rgb: [f64; 3]) -> f64 {
     rgb.iter().zip(LUMINANCE).map(|(part, weight)| part * weight).sum()
 }
 
-/// How a header of Radiance begins.
+/// First bytes of a header of Radiance.
 const MAGIC: &[u8] = b"#?";
 
 const HINT: &str = "make it with `gendaymtx -s -O1`, with its header, -m 1, 2 or 4, as text or -of";
 
-/// What a header says.
+/// Fields of a header.
 #[derive(Default)]
 struct Header {
     rows: Option<usize>,
@@ -35,7 +36,8 @@ struct Header {
     is_big_endian: bool,
 }
 
-/// Whether bytes are a matrix: they have a header of Radiance, or numbers between blanks and no comma.
+/// Returns true if bytes are a matrix: they have a header of Radiance, or numbers between blanks
+/// and no comma.
 pub(super) fn is_matrix(bytes: &[u8]) -> bool {
     let start = bytes.get(..bytes.len().min(200)).unwrap_or_default();
     let is_number = |byte: &u8| byte.is_ascii_digit() || byte.is_ascii_whitespace() || b"+-.eEnaNif".contains(byte);
@@ -74,12 +76,12 @@ pub(super) fn parse_matrix(path: &Path, bytes: &[u8], quantity: PatchQuantity) -
         let what = format!("{} numbers for {rows} rows of {columns} columns of {components} components", numbers.len());
         return Err(refuse(what));
     }
-    // From [patch][time][component] to [time][patch].
+    // Reorder from [patch][time][component] to [time][patch].
     let patches = grid.len();
     let mut found = vec![0.0_f32; columns * patches];
     for patch in 0..patches {
         for column in 0..columns {
-            // Behind the ground.
+            // The first row is the ground.
             let first = ((patch + 1) * columns + column) * components;
             let cell: Vec<f64> = (first..first + components).map(|at| numbers.at(at)).collect();
             if !cell.iter().all(|part| quantity.holds(*part)) {
@@ -100,7 +102,7 @@ pub(super) fn parse_matrix(path: &Path, bytes: &[u8], quantity: PatchQuantity) -
     Ok(PatchFile { series, labels: None, is_matrix: true })
 }
 
-/// The header and what is behind it; none if it has no end.
+/// Returns the header and the bytes behind it; `None` if the header has no end.
 fn header_of(bytes: &[u8]) -> Option<(Header, &[u8])> {
     let mut header = Header::default();
     let mut rest = bytes;
@@ -129,7 +131,7 @@ fn header_of(bytes: &[u8]) -> Option<(Header, &[u8])> {
 /// The numbers behind a header.
 enum Numbers<'b> {
     Words(Vec<f32>),
-    /// Of 4 or 8 bytes each.
+    /// Floats of 4 or 8 bytes each.
     Floats {
         bytes: &'b [u8],
         size: usize,
@@ -138,7 +140,8 @@ enum Numbers<'b> {
 }
 
 impl Numbers<'_> {
-    /// How many there are; a part of one at the end counts as one, which is not wanted.
+    /// Returns the count of numbers. A part of a number at the end counts as one, so that the
+    /// length check refuses it.
     fn len(&self) -> usize {
         match self {
             Numbers::Words(numbers) => numbers.len(),
@@ -146,7 +149,7 @@ impl Numbers<'_> {
         }
     }
 
-    /// One of them; NaN where there is none.
+    /// Returns a number by its index; NaN where there is none.
     fn at(&self, at: usize) -> f64 {
         let (bytes, size, is_big_endian) = match self {
             Numbers::Words(numbers) => return numbers.get(at).map_or(f64::NAN, |number| f64::from(*number)),
@@ -163,7 +166,7 @@ impl Numbers<'_> {
     }
 }
 
-/// Numbers between blanks.
+/// Reads numbers between blanks.
 fn words(path: &Path, body: &[u8]) -> Result<Vec<f32>> {
     let mut numbers = Vec::new();
     for word in body.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
@@ -177,7 +180,8 @@ fn words(path: &Path, body: &[u8]) -> Result<Vec<f32>> {
     Ok(numbers)
 }
 
-/// Numbers on the first line that has some: how many components a patch has where no header says it.
+/// Returns the count of numbers on the first line that has some: the components of a patch where no
+/// header states them.
 fn components_of(body: &[u8]) -> usize {
     let lines = body.split(|byte| *byte == b'\n');
     let count = |line: &[u8]| line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).count();
@@ -196,8 +200,9 @@ mod tests {
         format!("#?RADIANCE\ngendaymtx -s a.wea\nNROWS={rows}\nNCOLS={columns}\nNCOMP={components}\n{more}\n\n")
     }
 
-    /// Two columns of 145 patches as text with three components, as floats of either byte order, as doubles and as a bare column give the same
-    /// numbers: patch p at time t is p + 1000 t, of which red, green and blue have their shares; the ground is left out.
+    /// Two columns of 145 patches as text with three components, as floats of either byte order,
+    /// and as doubles give the same numbers: patch p at time t is p + 1000 t. A bare column of 577
+    /// patches is read, too, with the weights of red, green and blue. The ground is left out.
     #[test]
     fn layouts() {
         let number = |patch: usize, time: usize| (patch + 1000 * time) as f64;
@@ -229,8 +234,9 @@ mod tests {
         assert!((f64::from(bare.series.row(0)[99]) - 26.5).abs() < 1e-5);
     }
 
-    /// Eight broken matrices are errors that name what was found: another subdivision, numbers that are missing, too many, no number, below 0,
-    /// NaN, a format and a count of components that are not known, a header without end.
+    /// Ten broken matrices are errors that name what was found: another subdivision, missing
+    /// numbers, too many, no number, one below 0, NaN, an unknown format, 20 components, a header
+    /// without end, and a part of a float.
     #[test]
     fn broken() {
         let ones = |count: usize| "1\n".repeat(count);

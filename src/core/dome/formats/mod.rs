@@ -1,5 +1,6 @@
-//! Readers of numbers of patches. In: the bytes of a table (CSV) or of a matrix of Radiance, as `gendaymtx` and `genskyvec` write it. Out: a
-//! checked [`PatchFile`], and which of its rows goes with which condition.
+//! Readers of values of sky patches. In: the bytes of a table (CSV) or of a matrix of Radiance, as
+//! `gendaymtx` and `genskyvec` write it. Out: a checked [`PatchFile`], and the match of its rows
+//! with conditions.
 
 mod matrix;
 mod table;
@@ -13,7 +14,7 @@ use crate::dome::grid::PatchGrid;
 use crate::dome::series::PatchSeries;
 use crate::error::{Error, Result};
 
-/// What numbers of patches are.
+/// Quantity of the values of patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PatchQuantity {
     /// Radiances, W/m2/sr: 0 or more.
@@ -23,7 +24,7 @@ pub enum PatchQuantity {
 }
 
 impl PatchQuantity {
-    /// Whether a number can be one; false for NaN.
+    /// Returns true if a number is in the range of the quantity; false for NaN.
     pub fn holds(self, number: f64) -> bool {
         match self {
             PatchQuantity::Radiance => (0.0..=MAX_RADIANCE_W_M2_SR).contains(&number),
@@ -31,7 +32,7 @@ impl PatchQuantity {
         }
     }
 
-    /// What its numbers are, for messages.
+    /// Returns the range of the quantity, for messages.
     pub fn range(self) -> &'static str {
         match self {
             PatchQuantity::Radiance => "radiances are numbers of W/m2/sr from 0 on",
@@ -40,36 +41,36 @@ impl PatchQuantity {
     }
 }
 
-/// Half of that of the sun itself, which no patch reaches.
+/// Largest radiance, W/m2/sr: half of that of the sun itself, which no patch reaches.
 const MAX_RADIANCE_W_M2_SR: f64 = 1e7;
 
-/// A file of numbers of patches.
+/// Values of patches in a file.
 #[derive(Debug)]
 pub struct PatchFile {
-    /// Its rows.
+    /// Rows of the file.
     pub series: PatchSeries,
-    /// What its rows are called: times or conditions; none where only their order counts.
+    /// Names of the rows: times or conditions; `None` where only their order counts.
     pub labels: Option<Vec<String>>,
-    /// Whether it is a matrix of Radiance.
+    /// True if the file is a matrix of Radiance.
     pub is_matrix: bool,
 }
 
-/// The rows that those of a file go with.
+/// Conditions that the rows of a file are matched with.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchRows<'r> {
-    /// Names of the conditions that count: times of the form `2019-03-01T06:00`, or words.
+    /// Names of the conditions: times of the form `2019-03-01T06:00`, or words.
     pub labels: &'r [&'r str],
-    /// `[condition]`: whether it cannot be without a row.
+    /// `[condition]`: true if it must have a row.
     pub needed: &'r [bool],
-    /// `[condition]`: its place among the rows of its file.
+    /// `[condition]`: its index among the rows of its file.
     pub places: &'r [usize],
-    /// Number of rows of its file, with those that do not count.
+    /// Number of rows of its file, unused rows included.
     pub rows: usize,
-    /// What its file is, for messages: `a weather file`.
+    /// Kind of its file, for messages: `a weather file`.
     pub file: &'static str,
 }
 
-/// Reads the bytes of a table or a matrix; `path` is its name in messages.
+/// Reads the bytes of a table or a matrix; messages call it `path`.
 pub fn parse_patch_file(path: &Path, bytes: &[u8], quantity: PatchQuantity) -> Result<PatchFile> {
     match matrix::is_matrix(bytes) {
         true => matrix::parse_matrix(path, bytes, quantity),
@@ -78,8 +79,9 @@ pub fn parse_patch_file(path: &Path, bytes: &[u8], quantity: PatchQuantity) -> R
 }
 
 impl PatchFile {
-    /// `[condition]`: the row of this file that goes with it: the one of its name, where rows have names (a time without a year is that of any
-    /// year); or else the only one there is, or the one at its place. A condition that needs none may be without.
+    /// Returns `[condition]`: the row of this file for it. Named rows are matched by name (a time
+    /// without a year matches any year). Otherwise the only row serves all, or rows are matched by
+    /// index. A condition that needs no row may have none.
     pub fn matched(&self, path: &Path, to: PatchRows) -> Result<Vec<Option<usize>>> {
         let found = self.series.rows();
         let Some(labels) = &self.labels else {
@@ -120,7 +122,8 @@ impl PatchFile {
     }
 }
 
-/// A name of a row, times as results write them: `2019-03-01 06:00:00` is `2019-03-01T06:00`.
+/// Returns the name of a row with times written as in results: `2019-03-01 06:00:00` becomes
+/// `2019-03-01T06:00`.
 fn label_key(label: &str) -> String {
     let is_time = label.len() >= 11 && label.bytes().all(|b| b.is_ascii_digit() || b"-: T".contains(&b));
     if !is_time {
@@ -133,7 +136,7 @@ fn label_key(label: &str) -> String {
     }
 }
 
-/// The subdivision of so many patches, and whether the first of them is the ground.
+/// Returns the subdivision of `patches` patches, and true if the first of them is the ground.
 fn grid_of(patches: usize) -> Option<(PatchGrid, bool)> {
     let whole = PatchGrid::of_count(patches).map(|grid| (grid, false));
     whole.or_else(|| PatchGrid::of_count(patches.checked_sub(1)?).map(|grid| (grid, true)))
@@ -157,8 +160,9 @@ mod tests {
         file.matched(Path::new("p.csv"), to)
     }
 
-    /// One row serves all; rows without names go by place; names are times with a year, without one and with seconds, or words; a row that is
-    /// missing, a name that comes twice and another count are three errors.
+    /// One row serves all. Rows without names are matched by index. Names are times with a year,
+    /// without one and with seconds, or words. A missing row, a repeated name and another count are
+    /// three errors.
     #[test]
     fn rows_find_their_conditions() {
         let hours = ["2019-03-01T06:00", "2019-03-01T07:00", "2019-03-01T08:00"];

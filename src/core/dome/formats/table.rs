@@ -1,7 +1,8 @@
-//! Tables of numbers of patches. In: the bytes of a CSV file. Out: a checked [`PatchFile`].
+//! Tables of values of sky patches. In: the bytes of a CSV file. Out: a checked [`PatchFile`].
 //!
-//! The first line names the columns: `time` or `condition`, if rows have names, then one a patch, whose names do not matter but whose order does
-//! ([`crate::sky::patches`]): 145, 577 or 2305 columns, or one more in front for the ground, which is not used.
+//! The first line names the columns: `time` or `condition`, if rows have names, then one a patch.
+//! The names of patches do not matter, but their order does ([`crate::sky::patches`]). There are
+//! 145, 577 or 2305 of them, or one more in front for the ground, which is not used.
 
 use std::path::Path;
 
@@ -10,7 +11,7 @@ use crate::dome::series::PatchSeries;
 use crate::error::{Error, Result};
 use crate::text::{excerpt, separator_hint};
 
-/// Names of a first column that names rows.
+/// Headings of a first column that names rows.
 const LABELS: [&str; 2] = ["time", "condition"];
 
 /// Reads a table.
@@ -72,7 +73,8 @@ mod tests {
         (0..count).map(|i| format!(",p{i}")).collect()
     }
 
-    /// A table with times and the ground, and one without either, give 145 patches a row; six broken ones are errors that say what and where.
+    /// A table with times and the ground, and one without either, are read row by row, with 145 and
+    /// 577 patches. Six broken ones are errors that say what is wrong and where.
     #[test]
     fn tables() {
         let row = |first: &str, count: usize| format!("{first}{}\n", ",2.5".repeat(count));

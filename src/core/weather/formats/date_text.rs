@@ -1,18 +1,21 @@
-//! Dates as people write them. In: text, and a column of them. Out: a date and what stands behind it; which number of a column is the day.
+//! Dates in the usual notations. In: text, and a column of them. Out: a date and the text after it;
+//! the order of day and month in a column.
 
 use crate::weather::options::DateOrder;
 use crate::weather::time::calendar::Date;
 
-/// Three numbers with signs between them, which are a year, a month and a day in some order.
+/// Three numbers with separators between them: year, month and day in some order.
 struct Numbers {
     values: [u32; 3],
-    /// Digits of the first and of the last.
+    /// Number of digits of the first number.
     first_digits: usize,
+    /// Number of digits of the last number.
     last_digits: usize,
     separator: char,
 }
 
-/// A date at the start of a text, and the rest of it. Where two numbers could each be the day, `order` decides; without it there is none.
+/// Returns the date at the start of a text, and the rest of the text. Where either of two numbers
+/// could be the day, `order` decides; without an order there is no date.
 pub fn parse_date(text: &str, order: Option<DateOrder>) -> Option<(Date, &str)> {
     if let Some((numbers, rest)) = numbers(text) {
         return Some((numbers.date(order.or_else(|| numbers.only_order()))?, rest));
@@ -27,7 +30,8 @@ pub fn parse_date(text: &str, order: Option<DateOrder>) -> Option<(Date, &str)> 
 }
 
 impl Numbers {
-    /// The order that they can only be in, if there is one: with a year of four digits in front, or one of the numbers above 12.
+    /// Returns the only possible order, if there is one: with a year of four digits in front, or
+    /// one of the numbers above 12.
     fn only_order(&self) -> Option<DateOrder> {
         let [first, second, _] = self.values;
         match (first > 12, second > 12) {
@@ -50,7 +54,7 @@ impl Numbers {
     }
 }
 
-/// Two digits are of 1970 to 2069.
+/// Returns the full year; two digits stand for 1970 to 2069.
 fn full_year(year: u32, digits: usize) -> Option<i32> {
     let year = i32::try_from(year).ok()?;
     match digits {
@@ -61,7 +65,7 @@ fn full_year(year: u32, digits: usize) -> Option<i32> {
     }
 }
 
-/// `2021-06-01`, `1/6/2021`, `01.06.21` at the start of a text.
+/// Reads `2021-06-01`, `1/6/2021`, `01.06.21` at the start of a text.
 fn numbers(text: &str) -> Option<(Numbers, &str)> {
     let (first, rest) = leading_digits(text)?;
     let separator = rest.chars().next().filter(|c| matches!(c, '-' | '/' | '.'))?;
@@ -94,7 +98,7 @@ const MONTHS: [&str; 12] = [
     "december",
 ];
 
-/// `1-Jun-2021`, `01 June 2021`, `Jun 1, 2021`.
+/// Reads `1-Jun-2021`, `01 June 2021`, `Jun 1, 2021` at the start of a text.
 fn named_month(text: &str) -> Option<(Date, &str)> {
     const BETWEEN: [char; 5] = [' ', '-', ',', '.', '/'];
     let part = |text: &'_ str| -> Option<(usize, usize)> {
@@ -124,21 +128,21 @@ fn named_month(text: &str) -> Option<(Date, &str)> {
     Some((Date::new(year, month, number(day)?)?, rest))
 }
 
-/// What a column of dates shows of their order.
+/// Order of day and month that a column of dates shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColumnOrder {
     /// No date needs an order.
     Plain,
     /// Only this order fits.
     Is(DateOrder),
-    /// Day and month can be told in no way.
+    /// Either order fits, and nothing decides.
     Unknown,
 }
 
-/// Watches the dates of a column, one after the other.
+/// Finds the order of a column from its dates, one after the other.
 pub struct OrderFinder {
     can: [bool; 2],
-    /// Dates by both orders that do not follow the one before.
+    /// Numbers of dates that do not follow the date before, by order.
     jumps: [usize; 2],
     days: [Option<i32>; 2],
     changes: usize,
@@ -153,7 +157,7 @@ impl OrderFinder {
         OrderFinder { can: [true; 2], jumps: [0; 2], days: [None; 2], changes: 0, dotted: true, seen: false }
     }
 
-    /// Takes the next cell of the column.
+    /// Adds the next cell of the column.
     pub fn add(&mut self, text: &str) {
         let Some((numbers, _)) = numbers(text.trim()) else { return };
         if numbers.first_digits == 4 {
@@ -162,6 +166,7 @@ impl OrderFinder {
         self.seen = true;
         self.dotted &= numbers.separator == '.';
         let mut changed = false;
+        // In the right order days follow each other; in the wrong one they jump.
         for (place, order) in ORDERS.into_iter().enumerate() {
             let Some(date) = numbers.date(Some(order)) else {
                 self.can[place] = false;
@@ -179,12 +184,13 @@ impl OrderFinder {
         self.changes += usize::from(changed);
     }
 
-    /// A number above 12 decides; then the dot, which no day stands behind anywhere; then dates that follow each other in one order only.
+    /// Returns the order. A number above 12 decides first, then the dot, which stands between day
+    /// and month in this order only, then dates that follow each other in one order only.
     pub fn order(&self) -> ColumnOrder {
         match self.can {
             _ if !self.seen => ColumnOrder::Plain,
             [false, true] => ColumnOrder::Is(DateOrder::Mdy),
-            // Of a column that fits none, the row that does not is refused.
+            // If neither order fits a column, the row that does not fit is refused later.
             [_, false] => ColumnOrder::Is(DateOrder::Dmy),
             _ if self.dotted => ColumnOrder::Is(DateOrder::Dmy),
             _ if self.changes == 0 => ColumnOrder::Unknown,
@@ -201,8 +207,8 @@ impl OrderFinder {
 mod tests {
     use super::*;
 
-    /// Of eight columns of dates, a day above 12, dots and days that follow each other decide six; one date alone is unknown, ISO dates
-    /// need no order.
+    /// A day above 12, dots and days that follow each other decide six of eight columns of dates.
+    /// One date alone is unknown, and ISO dates need no order.
     #[test]
     fn orders_of_columns() {
         let order = |cells: &[&str]| {

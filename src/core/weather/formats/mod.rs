@@ -1,4 +1,5 @@
-//! Formats of weather. In: bytes. Out: [`Weather`](crate::weather::series::Weather) and schedules, each row checked.
+//! Formats of weather. In: bytes. Out: [`Weather`](crate::weather::series::Weather) and schedules,
+//! each row checked.
 
 mod date_text;
 pub mod epw;

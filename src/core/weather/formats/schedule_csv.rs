@@ -1,15 +1,15 @@
-//! Reader of schedules: one value a line. In: the bytes of a CSV file with a column such as `reflectance`, and the dates of a weather file's rows.
-//! Out: a checked value for each row.
+//! Reader of schedules: one value a line. In: the bytes of a CSV file with a column such as
+//! `reflectance`, and the dates of a weather file's rows. Out: a checked value for each row.
 
 use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::weather::time::calendar::Date;
 
-/// The column that is read, and what its values can be; further columns (a time, a note) are ignored.
+/// Column that is read, with the range of its values; further columns (a time, a note) are ignored.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
-    /// Its name in the header.
+    /// Name of the column in the header.
     pub name: &'static str,
     /// Smallest value.
     pub low: f64,
@@ -18,26 +18,27 @@ pub struct Column {
 }
 
 impl Column {
-    /// Whether a value can be; false for NaN.
+    /// Returns true if a value is in range; false for NaN.
     pub fn holds(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }
 }
 
-/// How the bytes of a schedule that a user names are got: from a disk, or from what a page was given.
+/// Function that returns the bytes of a schedule that a user names: from a disk, or from files
+/// given to a page.
 pub type ReadFile<'r> = &'r dyn Fn(&Path) -> Result<Vec<u8>>;
 
-/// The rows that a schedule goes with.
+/// Rows that a schedule gives values for.
 #[derive(Clone, Copy, Debug)]
 pub enum Rows<'d> {
-    /// Those of a weather file, by their dates.
+    /// Rows of a weather file, by their dates.
     Dated(&'d [Date]),
-    /// So many conditions, which have no dates.
+    /// Number of conditions, which have no dates.
     Conditions(usize),
 }
 
 impl Rows<'_> {
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn count(self) -> usize {
         match self {
             Rows::Dated(dates) => dates.len(),
@@ -46,8 +47,8 @@ impl Rows<'_> {
     }
 }
 
-/// Reads the bytes of a schedule with a value for each row, or, where rows have dates, with twelve values, one a month; `path` is its name
-/// in messages.
+/// Reads the bytes of a schedule with a value for each row or, where rows have dates, with twelve
+/// values, one a month; messages call it `path`.
 pub fn parse_schedule(path: &Path, bytes: &[u8], column: Column, rows: Rows) -> Result<Vec<f64>> {
     let values = parse(path, bytes, column)?;
     let found = values.len();
@@ -99,8 +100,8 @@ fn parse(path: &Path, bytes: &[u8], column: Column) -> Result<Vec<f64>> {
 mod tests {
     use super::*;
 
-    /// Twelve values follow the months of 3 rows, as many values as rows are taken as they are; 7 broken files are errors that name
-    /// the line or both numbers.
+    /// Twelve values follow the months of 3 rows, and as many values as rows are taken in order.
+    /// Seven broken files are errors that name the line or the two numbers.
     #[test]
     fn values() {
         let dates = [(1, 31), (2, 1), (12, 5)].map(|(month, day)| Date::new(2021, month, day).expect("a date"));

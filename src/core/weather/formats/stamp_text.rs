@@ -1,42 +1,44 @@
-//! Time stamps as text. In: a cell. Out: a moment of the clock, and what that clock shows when it is noon UTC.
+//! Time stamps as text. In: a cell. Out: a moment of the clock, and the offset of that clock from
+//! UTC.
 
 use crate::weather::formats::date_text::parse_date;
 use crate::weather::options::{DateOrder, parse_zone};
 use crate::weather::time::calendar::Date;
 
-/// How time stamps can be written.
+/// Advice on how to write time stamps.
 pub const STAMPS: &str = "write 2021-06-01T12:30, with an offset such as +01:00 behind it if it is known";
 
-/// A time stamp.
+/// A time stamp, read from text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StampText {
     /// Seconds of the clock after its 1970-01-01 00:00.
     pub seconds: i64,
-    /// Hours that the clock is ahead of UTC, where the stamp says so.
+    /// Hours that the clock is ahead of UTC, if the stamp states them.
     pub zone_hours: Option<f64>,
-    /// Whether it is the 24:00 that ends a day.
+    /// True if it is the 24:00 that ends a day.
     pub ends_day: bool,
-    /// Whether it says a time of day too.
+    /// True if it has a time of day.
     pub has_time: bool,
 }
 
-/// A time of day.
+/// A time of day, read from text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClockText {
-    /// After midnight.
+    /// Seconds after midnight.
     pub seconds: i64,
-    /// Whether its hour is 24.
+    /// True if its hour is 24.
     pub ends_day: bool,
 }
 
-/// Seconds of a clock after its 1970-01-01 00:00.
+/// Returns the seconds of a clock after its 1970-01-01 00:00.
 pub fn clock_seconds(date: Date, seconds: i64) -> i64 {
     i64::from(date.day_number()) * 86_400 + seconds
 }
 
-/// A date and a time: ISO 8601 (`2021-06-01T12:30:00+01:00`, a blank for the `T`, without seconds or without time), `20210601:1230` of
-/// PVGIS, `2021060112` and `202106011230`, dates with a slash, a dot or the name of a month, where `order` says which of two numbers is
-/// the day, and seconds, thousandths, millionths or billionths of seconds after 1970.
+/// Reads a date and a time: ISO 8601 (`2021-06-01T12:30:00+01:00`, a blank for the `T`, without
+/// seconds or without time), `20210601:1230` of PVGIS, `2021060112` and `202106011230`, dates with
+/// a slash, a dot or the name of a month, and seconds, thousandths, millionths or billionths of
+/// seconds after 1970. Where either of two numbers could be the day, `order` decides.
 pub fn parse_stamp(text: &str, order: Option<DateOrder>) -> Option<StampText> {
     let text = text.trim();
     let whole = text.strip_suffix(".0").unwrap_or(text);
@@ -49,7 +51,7 @@ pub fn parse_stamp(text: &str, order: Option<DateOrder>) -> Option<StampText> {
     if rest.is_empty() {
         return Some(plain);
     }
-    // `2021060112:10` of the German weather service has the hour without a sign before it.
+    // `2021060112:10` of the German weather service has no separator before the hour.
     let rest = rest.strip_prefix(['T', 't', ' ', ':', '_', ',']).unwrap_or(rest).trim_start();
     let end = rest.find(|c: char| !matches!(c, '0'..='9' | ':' | '.')).unwrap_or(rest.len());
     let (clock, behind) = rest.split_at_checked(end)?;
@@ -67,7 +69,7 @@ pub fn parse_stamp(text: &str, order: Option<DateOrder>) -> Option<StampText> {
     })
 }
 
-/// A time of day in a cell of its own: `12:30`, `12:30:00`, `1230`, `12`, `12.5` hours, `1:30 PM`.
+/// Reads a time of day in its own cell: `12:30`, `12:30:00`, `1230`, `12`, `12.5` hours, `1:30 PM`.
 pub fn parse_clock(text: &str) -> Option<ClockText> {
     let text = text.trim();
     let end = text.find(|c: char| !matches!(c, '0'..='9' | ':' | '.')).unwrap_or(text.len());
@@ -83,7 +85,8 @@ pub fn parse_clock(text: &str) -> Option<ClockText> {
     on_24_hours(ClockText { seconds: (hours * 3600.0).round() as i64, ends_day: hours == 24.0 }, half_day)
 }
 
-/// Nine digits and more: a date with hour, minute and second behind it, or a number of seconds.
+/// Reads nine digits and more: a date with hour, minute and second behind it, or a number of
+/// seconds.
 fn of_digits(text: &str) -> Option<StampText> {
     let dated = || {
         let (date, clock) = text.split_at_checked(8)?;
@@ -112,10 +115,11 @@ fn of_digits(text: &str) -> Option<StampText> {
         let seconds = text.parse::<i64>().ok()?.div_euclid(per_second);
         Some(StampText { seconds, zone_hours: Some(0.0), ends_day: false, has_time: true })
     };
+    // Digits that make a date from 1900 to 2099 are more likely one than a count of seconds.
     dated().or_else(counted)
 }
 
-/// `AM` or `PM` at the start of what stands behind a clock's digits, and the rest.
+/// Splits `AM` or `PM` off the text behind a clock's digits; true is `PM`.
 fn half_day(text: &str) -> (Option<bool>, &str) {
     let (word, rest) = text.split_at_checked(2).unwrap_or((text, ""));
     match word.to_ascii_lowercase().as_str() {
@@ -125,7 +129,7 @@ fn half_day(text: &str) -> (Option<bool>, &str) {
     }
 }
 
-/// A time of a clock with two halves of a day, from 12 over 1 to 11.
+/// Converts a time of a 12-hour clock, which runs from 12 over 1 to 11 twice a day.
 fn on_24_hours(clock: ClockText, afternoon: Option<bool>) -> Option<ClockText> {
     const HALF_S: i64 = 43_200;
     let Some(afternoon) = afternoon else { return Some(clock) };
@@ -133,7 +137,8 @@ fn on_24_hours(clock: ClockText, afternoon: Option<bool>) -> Option<ClockText> {
     Some(ClockText { seconds: in_half + if afternoon { HALF_S } else { 0 }, ends_day: false })
 }
 
-/// `12:30`, `12:30:15`, `12:30:15.000`, `1230`; 24:00 is the next midnight. Fractions of seconds are dropped.
+/// Reads `12:30`, `12:30:15`, `12:30:15.000`, `1230`; 24:00 is the next midnight. Fractions of
+/// seconds are dropped.
 fn time_of(text: &str) -> Option<ClockText> {
     let (hours, minutes, seconds) = match text.split_once(':') {
         Some((hours, rest)) => match rest.split_once(':') {
@@ -149,13 +154,13 @@ fn time_of(text: &str) -> Option<ClockText> {
     exists.then_some(ClockText { seconds: whole, ends_day: hours == 24 })
 }
 
-/// One to four digits and nothing else.
+/// Reads one to four digits and nothing else.
 pub fn digits(text: &str) -> Option<u32> {
     let right = (1..=4).contains(&text.len()) && text.bytes().all(|b| b.is_ascii_digit());
     text.parse().ok().filter(|_| right)
 }
 
-/// A length of time in minutes: `PT30M`, `PT1H`, `30`, `30 min`, `1 h`, `0:30`.
+/// Reads a length of time in minutes: `PT30M`, `PT1H`, `30`, `30 min`, `1 h`, `0:30`.
 pub fn parse_minutes(text: &str) -> Option<f64> {
     let lower = text.trim().to_ascii_lowercase();
     if let Some(iso) = lower.strip_prefix('p') {
@@ -194,11 +199,11 @@ pub fn parse_minutes(text: &str) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// 1 June 2021, 12:30.
+    /// Seconds of 1 June 2021, 12:30.
     const NOON: i64 = 1_622_550_600;
 
-    /// Twenty-five ways to write 12:30 of 1 June 2021, 1,622,550,600 seconds after 1970, give it, ten of them with a zone; midnight is
-    /// 24:00 of the day before.
+    /// Twenty-five ways to write 12:30 of 1 June 2021 give 1,622,550,600 seconds after 1970, ten of
+    /// them with a zone. Midnight is 24:00 of the day before.
     #[test]
     fn twenty_five_ways() {
         for (text, zone) in [
@@ -241,7 +246,8 @@ mod tests {
         assert_eq!(ten, Some(NOON - 9000));
     }
 
-    /// A date of two numbers and a year is the day that the order says: 2 of 2, and none without an order unless one number is above 12.
+    /// A date of two numbers and a year is the day that the order decides. Without an order it is
+    /// none, unless one number is above 12.
     #[test]
     fn orders() {
         let of = |text, order| parse_stamp(text, order).map(|stamp| stamp.seconds);
@@ -254,7 +260,8 @@ mod tests {
         assert_eq!(of("13/06/2021 12:30", Some(DateOrder::Mdy)), None);
     }
 
-    /// Dates and times that do not exist, and orders that could mean two days, are none: 20 of 20.
+    /// Dates and times that do not exist, and dates that could mean two days, are refused: 20 of
+    /// 20.
     #[test]
     fn refusals() {
         for text in [
@@ -281,12 +288,13 @@ mod tests {
         ] {
             assert_eq!(parse_stamp(text, None), None, "{text}");
         }
-        // Characters of several bytes are no panic.
+        // Characters of several bytes do not panic.
         assert_eq!(parse_stamp("2021-0\u{e9}-01T12:30", None), None);
         assert_eq!(parse_stamp("1\u{e9}/0\u{e9}/2021", None), None);
     }
 
-    /// Seven clocks are their seconds after midnight, 24:00 among them, and six lengths of time their minutes; six of neither are none.
+    /// Seven clocks give their seconds after midnight, 24:00 among them, and six lengths of time
+    /// their minutes. Six texts of neither kind are refused.
     #[test]
     fn clocks_and_lengths() {
         let clocks =

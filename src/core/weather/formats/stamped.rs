@@ -1,5 +1,5 @@
-//! Rows by their time stamps. In: rows in file order, each with the moment it is stamped with. Out: their intervals; rows that are missing
-//! are counted, rows out of order refused.
+//! Intervals of rows from their time stamps. In: rows in file order, each with its stamp. Out:
+//! their intervals. Missing rows are counted, rows out of order refused.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,23 +10,24 @@ use crate::weather::options::StampedAt;
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
 
-/// Steps that series of weather may have, seconds.
+/// Steps that a series of weather may have, seconds.
 const STEPS_S: std::ops::RangeInclusive<i64> = 60..=3600;
 
 const DAY_S: i64 = 86_400;
 
-/// Rows and their time stamps.
+/// Rows with their time stamps.
 pub struct StampedRows {
-    /// Intervals are not yet known.
+    /// Rows whose intervals are not yet known.
     pub rows: Vec<RawRow>,
-    /// `[row]`: seconds after 1970-01-01 00:00 of the clock that days and labels go by.
+    /// `[row]`: stamp in seconds after 1970-01-01 00:00 of the clock by which days and labels go.
     pub seconds: Vec<i64>,
     pub stamped_at: StampedAt,
-    /// Whether a row stamped with its end counts to the day that it starts in, as the 24:00 of an hour does, and not to that of the stamp.
+    /// True if a row stamped with its end counts to the day that it starts in, as the 24:00 of an
+    /// hour does. Otherwise it counts to the day of the stamp.
     pub day_of_start: bool,
-    /// How long after its stamp each row really was.
+    /// Delay of each row after its stamp, minutes.
     pub late_min: f64,
-    /// How far the first stamp was taken to another clock than the file's, seconds.
+    /// Shift of the first stamp from the file's clock to another one, seconds.
     pub moved_s: i64,
 }
 
@@ -34,21 +35,21 @@ pub struct StampedRows {
 pub struct SteppedRows {
     pub rows: Vec<RawRow>,
     pub step_min: f64,
-    /// What is missing.
+    /// Sentence on missing rows.
     pub warning: Option<String>,
 }
 
-/// What is missing between rows.
+/// Count of the rows that are missing.
 #[derive(Default)]
 struct Missing {
     rows: i64,
     gaps: usize,
-    /// Line and stamps of the first.
+    /// Line and stamps around the first gap.
     first: Option<(usize, i64, i64)>,
 }
 
 impl StampedRows {
-    /// Finds the step, the most common time from row to row, and with it the intervals.
+    /// Finds the step, which is the most common time from row to row, and with it the intervals.
     pub fn stepped(self, path: &Path) -> Result<SteppedRows> {
         let step = self.step(path)?;
         let missing = self.check_order(path, step)?;
@@ -68,7 +69,7 @@ impl StampedRows {
         Ok(SteppedRows { rows, step_min, warning: missing.sentence(path, step) })
     }
 
-    /// How long before its stamp a row counts to a day.
+    /// Returns the seconds before its stamp at which a row counts to a day.
     fn back(&self, step: i64) -> i64 {
         if self.stamped_at == StampedAt::End && self.day_of_start { step } else { 0 }
     }
@@ -78,7 +79,7 @@ impl StampedRows {
         for (before, after) in self.seconds.iter().zip(self.seconds.iter().skip(1)) {
             *counts.entry(after - before).or_default() += 1;
         }
-        // The smallest of those that are equally common.
+        // The smallest of equally common steps is taken.
         let most = counts.iter().filter(|(step, _)| **step > 0).max_by_key(|(step, count)| (**count, -**step));
         let line = self.rows.first().map(|row| row.line);
         let Some((&step, _)) = most else {
@@ -92,7 +93,8 @@ impl StampedRows {
         Ok(step)
     }
 
-    /// Rows follow each other, with gaps of whole steps; where months of a typical year meet, years may jump.
+    /// Checks that rows follow each other, with gaps of whole steps. Where months of a typical year
+    /// meet, years may jump.
     fn check_order(&self, path: &Path, step: i64) -> Result<Missing> {
         let mut missing = Missing::default();
         let pairs = self.seconds.iter().zip(self.seconds.iter().skip(1)).zip(self.rows.iter().skip(1));
@@ -101,7 +103,8 @@ impl StampedRows {
             if apart == step {
                 continue;
             }
-            // The 24:00 that ends a month is stamped with the next one, in the year of its own.
+            // The 24:00 that ends a month is stamped with the next month, in the year of the old
+            // one.
             let back = self.back(step) + self.moved_s;
             if months_meet(before - back, after - back, step) {
                 if self.moved_s != 0 {
@@ -165,7 +168,8 @@ impl Missing {
     }
 }
 
-/// Whether the day of the second stamp follows that of the first in a year whose months come from different ones, and the clock goes on.
+/// Returns true if months of a typical year meet: the day of the second stamp follows that of the
+/// first in another year, and the clock goes on.
 fn months_meet(before: i64, after: i64, step: i64) -> bool {
     let goes_on = after.rem_euclid(DAY_S) + DAY_S - before.rem_euclid(DAY_S) == step;
     goes_on

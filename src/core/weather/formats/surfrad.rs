@@ -1,9 +1,11 @@
-//! Reader of daily files of SURFRAD. In: a file's bytes. Out: its rows as they stand there.
+//! Reader of daily files of SURFRAD. In: a file's bytes. Out: its rows, not yet filled or checked
+//! against each other.
 //!
-//! Format: "Description of SURFRAD daily data files", NOAA Global Monitoring Laboratory: the station's name, a line of latitude, longitude
-//! (west positive), elevation, then rows of 48 numbers in UTC, each measurement with a quality flag behind it: 0 good, 1 impossible, 2
-//! doubtful; -9999.9 is missing. Means over a minute, three before 2009. Days one after the other in one file are read too, each with its two
-//! lines.
+//! Format: "Description of SURFRAD daily data files", NOAA Global Monitoring Laboratory: the
+//! station's name, a line of latitude, longitude (west positive), elevation, then rows of 48
+//! numbers in UTC. Each measurement has a quality flag behind it: 0 good, 1 impossible, 2 doubtful;
+//! -9999.9 is missing. Rows are means over a minute, three minutes before 2009. A file may also
+//! hold days one after the other, each with its two header lines.
 
 use std::path::Path;
 
@@ -18,7 +20,7 @@ use crate::weather::options::{StampedAt, WeatherOptions};
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
 
-/// Places of the columns in a row; a flag stands behind each from the eighth on.
+/// Index of the column in a row; a flag stands behind each from the eighth on.
 const GHI: usize = 8;
 const DNI: usize = 12;
 const DHI: usize = 14;
@@ -28,13 +30,13 @@ const HUMIDITY: usize = 40;
 const WIND: usize = 42;
 const COUNT: usize = 48;
 
-/// The flag of what cannot be.
+/// Flag of an impossible measurement.
 const IMPOSSIBLE: &str = "1";
 
-/// From this down a number means that there is none.
+/// Largest number that stands for a missing measurement.
 const MISSING: f64 = -9999.0;
 
-/// Whether the second line is that of a station.
+/// Returns true if the second line is that of a station.
 pub(super) fn is_surfrad(bytes: &[u8]) -> bool {
     let second = bytes.split(|byte| *byte == b'\n').nth(1).unwrap_or_default();
     let words = || second.split(|byte| byte.is_ascii_whitespace()).filter(|word| !word.is_empty());
@@ -96,7 +98,7 @@ fn station(path: &Path, name: &str, place: &str) -> Result<Station> {
     })
 }
 
-/// The words of a row.
+/// Cells of a row.
 struct SurfradRow<'a> {
     path: &'a Path,
     line: usize,

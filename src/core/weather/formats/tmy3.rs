@@ -1,9 +1,11 @@
-//! Reader of TMY3 files as CSV. In: a file's bytes. Out: [`Weather`], judged as an EPW file is.
+//! Reader of TMY3 files as CSV. In: a file's bytes. Out: its rows, not yet filled or checked
+//! against each other, as those of an EPW file.
 //!
-//! Format: Wilcox and Marion, "Users manual for TMY3 data sets", NREL/TP-581-43156, 2008, section 3: a line of the site (number, name,
-//! state, time zone, latitude, longitude, elevation), a line of names, then hours labelled with their END in standard time, 01:00
-//! to 24:00. -9900 means missing. Columns are found by name, so files with a few of them only are read too. There is no snow depth,
-//! and no infrared radiation.
+//! Format: Wilcox and Marion, "Users manual for TMY3 data sets", NREL/TP-581-43156, 2008, section
+//! 3: a line of the site (number, name, state, time zone, latitude, longitude, elevation), a line
+//! of names, then hours labelled with their END in standard time, 01:00 to 24:00. -9900 means
+//! missing. Columns are found by name, so files with only a few of them are read, too. There is no
+//! snow depth, and no infrared radiation.
 
 use std::path::Path;
 
@@ -17,13 +19,13 @@ use crate::weather::options::{StampedAt, WeatherOptions};
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::{Interval, Location};
 
-/// From this down a number means that there is none.
+/// Largest number that stands for a missing value.
 const MISSING: f64 = -9900.0;
 
-/// Light from here up is no measurement; some programs write 9999 for missing here too.
+/// Least radiation that is no measurement; some programs write 9999 for missing here, too.
 const MISSING_RADIATION: f64 = 9999.0;
 
-/// Whether the second line names the columns as TMY3 does.
+/// Returns true if the second line names the columns as TMY3 does.
 pub(super) fn is_tmy3(bytes: &[u8]) -> bool {
     let second = bytes.split(|byte| *byte == b'\n').nth(1).unwrap_or_default();
     let second = second.trim_ascii_start();
@@ -31,7 +33,7 @@ pub(super) fn is_tmy3(bytes: &[u8]) -> bool {
     start.is_some_and(|name| name.eq_ignore_ascii_case(b"Date (MM"))
 }
 
-/// Places of the columns that are read; `None` where the file has none.
+/// Indices of the columns that are read; `None` where the file lacks one.
 struct Columns {
     date: usize,
     time: usize,
@@ -58,7 +60,7 @@ impl Columns {
                 Error::input(path, 2, format!("there is no column `{wanted}`"), hint)
             })
         };
-        // TMY3 holds W/m2; programs that write other units have layouts of their own.
+        // TMY3 holds W/m2; programs that write other units have other layouts.
         for (cell, name) in line.split(',').zip(&names) {
             let unit = cell.split_once('(').and_then(|(_, unit)| unit.rsplit_once(')')).map(|(unit, _)| unit);
             if ["ghi", "dni", "dhi"].contains(&name.as_str()) && unit.is_some_and(|unit| !is_watts(unit)) {
@@ -118,8 +120,9 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     Ok(RawWeather { station, rows: raw, air, step_min: 60.0, stamped_at: StampedAt::End, warnings: Vec::new() })
 }
 
-/// The first line. The name may hold commas, and cells of other programs may stand behind the elevation: time zone, latitude and longitude
-/// are the first three numbers that can be those, with an elevation behind them.
+/// Reads the first line. The name may hold commas, and cells of other programs may stand behind the
+/// elevation. So time zone, latitude and longitude are the first three numbers in their ranges with
+/// an elevation behind them.
 fn site(path: &Path, line: &str) -> Result<Station> {
     let hint = "number,name,state,time zone,latitude,longitude,elevation";
     let line = line.trim_start_matches('\u{feff}').trim_end_matches([',', ' ', '\r']);
@@ -203,8 +206,8 @@ mod tests {
         parse_weather(Path::new("w.csv"), text.as_bytes())
     }
 
-    /// The hours of Golden's EPW written as TMY3 give the same light, suns and air, 8760 of 8760; its missing infrared radiation is
-    /// computed.
+    /// The hours of Golden's EPW written as TMY3 give equal light, suns and air, 8760 of 8760. The
+    /// missing infrared radiation is computed.
     #[test]
     fn golden() {
         let epw = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_tmy3.epw");
@@ -239,7 +242,8 @@ mod tests {
 
     const HEAD: &str = "1,Town,X,1,45,8,250\nDate (MM/DD/YYYY),Time (HH:MM),DHI (W/m^2),DNI (W/m^2),GHI (W/m^2)\n";
 
-    /// -9900 and an empty cell are missing: DHI is computed of two hours; 24:00 ends its own day, so that 3 hours follow each other.
+    /// -9900 and an empty cell are missing: DHI is computed for two hours. 24:00 ends its own day,
+    /// so that 3 hours follow each other.
     #[test]
     fn missing() {
         let rows = "06/16/2021,14:00,-9900,500,700\n06/16/2021,15:00,,500,600\n";
@@ -252,7 +256,8 @@ mod tests {
         assert_eq!(parse(&format!("{HEAD}{rows}")).expect("valid").rows.len(), 3);
     }
 
-    /// Cells behind the elevation, and commas in the name, leave the site at 45 N, 8 E and 250 m: 3 of 3; light in kW/m2 is refused.
+    /// Cells behind the elevation, and commas in the name, leave the site at 45 N, 8 E and 250 m: 3
+    /// of 3. Light in kW/m2 is refused.
     #[test]
     fn sites() {
         let rows = "06/16/2021,14:00,1,1,1\n06/16/2021,15:00,1,1,1\n";
@@ -270,7 +275,7 @@ mod tests {
         assert!(message.contains("line 2: the unit of column `DNI (kW/m^2)` is not W/m2"), "{message}");
     }
 
-    /// 11 files that are wrong are refused with the line and what it holds.
+    /// Eleven wrong files are refused with the line and the text found.
     #[test]
     fn refusals() {
         let row = |text: &str| format!("{HEAD}{text}\n");

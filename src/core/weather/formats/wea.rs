@@ -1,8 +1,11 @@
-//! Reader of the weather of Radiance and Daysim (`.wea`). In: a file's bytes. Out: its rows as they stand there.
+//! Reader of the weather of Radiance and Daysim (`.wea`). In: a file's bytes. Out: its rows, not
+//! yet filled or checked against each other.
 //!
-//! Format: Ward and others, manual pages of `gendaymtx` and `epw2wea` (Radiance): lines `place`, `latitude`, `longitude` and `time_zone`,
-//! west positive in both, the zone in degrees of 15 an hour, `site_elevation`, `weather_data_file_units`, then month, day, hour as a decimal
-//! number in the middle of its interval, DNI and DHI. Units 1 are W/m2; the others are illuminances. There is no year.
+//! Format: Ward and others, manual pages of `gendaymtx` and `epw2wea` (Radiance): lines `place`,
+//! `latitude`, `longitude` and `time_zone` (the last two west positive, the zone in degrees of 15
+//! an hour), `site_elevation`, `weather_data_file_units`, then month, day, hour as a decimal number
+//! in the middle of its interval, DNI and DHI. Units 1 are W/m2; the others are illuminances. There
+//! is no year.
 
 use std::path::Path;
 
@@ -17,7 +20,7 @@ use crate::weather::options::{StampedAt, WeatherOptions};
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
 
-/// Degrees that the sun goes in an hour.
+/// Degrees that the sun moves in an hour.
 const DEGREES_AN_HOUR: f64 = 15.0;
 
 const MISSING_RADIATION: f64 = 9999.0;
@@ -25,7 +28,7 @@ const MISSING_RADIATION: f64 = 9999.0;
 const HINT: &str = "a .wea file has lines place, latitude, longitude, time_zone, site_elevation and weather_data_file_units, then month, \
                     day, hour, DNI and DHI";
 
-/// Whether the first line is that of a place.
+/// Returns true if the first line is that of a place.
 pub(super) fn is_wea(bytes: &[u8]) -> bool {
     let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     let mut lines = start.split(|byte| *byte == b'\n');
@@ -66,12 +69,12 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     let stamped = StampedRows { rows, seconds, stamped_at, day_of_start: true, late_min: 0.0, moved_s: 0 };
     let stepped: SteppedRows = stamped.stepped(path)?;
     let warnings = stepped.warning.into_iter().chain([warning]).collect();
-    // It holds no air.
+    // A .wea file holds no air.
     let air = if options.with_air { vec![Air::default(); stepped.rows.len()] } else { Vec::new() };
     Ok(RawWeather { station, rows: stepped.rows, air, step_min: stepped.step_min, stamped_at, warnings })
 }
 
-/// A line above the rows.
+/// Reads a line above the rows.
 fn take_tag(path: &Path, line: usize, words: &[&str], station: &mut Station) -> Result<()> {
     let tag = words.first().copied().unwrap_or_default();
     let value = words.get(1).copied().unwrap_or_default();
@@ -101,7 +104,7 @@ fn take_tag(path: &Path, line: usize, words: &[&str], station: &mut Station) -> 
     Ok(())
 }
 
-/// The words of a row.
+/// Cells of a row.
 struct WeaRow<'a> {
     path: &'a Path,
     line: usize,
@@ -121,7 +124,7 @@ impl WeaRow<'_> {
             let what = format!("`{}` is no month, day and hour that exist", excerpt(&self.words.join(" "), 60));
             return Err(Error::input(self.path, self.line, what, "correct the row"));
         };
-        // Whole minutes: hours of 10-minute steps are rounded to thousandths.
+        // Rounded to whole minutes, because hours of 10-minute steps are rounded to thousandths.
         Ok(clock_seconds(date, (hours * 60.0).round() as i64 * 60))
     }
 

@@ -1,4 +1,5 @@
-//! Weather files of every kind. In: bytes. Out: [`Weather`], by the reader that the first lines call for.
+//! Weather files of every kind. In: bytes. Out: [`Weather`], by the reader that the first lines
+//! call for.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -11,13 +12,14 @@ use crate::weather::series::Weather;
 
 pub use crate::weather::judging::station::ScenePlace;
 
-/// Reads and checks the bytes of a weather file, EPW, TMY3, SURFRAD, WEA, CSV or JSON; `path` is its name in messages. The text need not
-/// be UTF-8: only its numbers are used.
+/// Reads and checks the bytes of a weather file, EPW, TMY3, SURFRAD, WEA, CSV or JSON; messages
+/// call it `path`. The text need not be UTF-8: only its numbers are used.
 pub fn parse_weather(path: &Path, bytes: &[u8]) -> Result<Weather> {
     parse_weather_as(path, bytes, &WeatherOptions::default(), &mut || Ok(None))
 }
 
-/// The same with what the user says about the file, and the place of the scene for one that does not say where it is from.
+/// Reads and checks the bytes of a weather file with the options of the user. `scene` gives the
+/// place of the scene, for a file that does not state its own.
 pub fn parse_weather_as(path: &Path, bytes: &[u8], options: &WeatherOptions, scene: ScenePlace) -> Result<Weather> {
     let text = text_of(path, bytes)?;
     let bytes = text.as_ref();
@@ -47,7 +49,8 @@ const NO_TEXT: [(&[u8], &str); 6] = [
     (b"GRIB", "a GRIB file"),
 ];
 
-/// The text of a file: UTF-16 becomes UTF-8, what is no text is refused by name.
+/// Returns the text of a file: UTF-16 becomes UTF-8. A known binary file is refused by the name of
+/// its format.
 fn text_of<'b>(path: &Path, bytes: &'b [u8]) -> Result<Cow<'b, [u8]>> {
     let utf16 = |rest: &[u8], unit: fn([u8; 2]) -> u16| {
         let units = rest.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));

@@ -1,4 +1,4 @@
-//! Gaps of a row: DNI and DHI where one or both of them are missing.
+//! Gaps of a row. In: GHI, DNI and DHI, some of them missing. Out: DNI and DHI.
 
 use glam::DVec3;
 
@@ -7,21 +7,22 @@ use crate::weather::findings::Finding;
 use crate::weather::judging::raw_weather::RawRow;
 use crate::weather::time::sun::{Location, extraterrestrial_w_m2};
 
-/// Below this cosine GHI says nothing about DNI: (GHI - DHI) / cos z would blow up.
+/// Least cosine of the zenith angle at which GHI is used for DNI. Below it (GHI - DHI) / cos z
+/// would blow up.
 const SMALLEST_COSINE: f64 = 0.05;
 
-/// Sub-steps over which the cosine of a row is averaged.
+/// Number of sub-steps over which the cosine of a row is averaged.
 const STEPS: usize = 4;
 
-/// DNI and DHI as they are used, and the kind of gap.
+/// DNI and DHI after filling, and the kind of gap.
 pub struct Filled {
     pub dni_w_m2: f64,
     pub dhi_w_m2: f64,
     pub gap: Option<Finding>,
 }
 
-/// DNI and DHI of a row: as given, else from closure GHI = DHI + DNI cos z with the mean cosine of the sunlit part, else from
-/// GHI alone, else 0. `sun` is that of mid-interval.
+/// Returns DNI and DHI of a row: as given, else from the closure GHI = DHI + DNI cos z with the
+/// mean cosine of the sunlit part, else from GHI alone, else 0. `sun` is that of mid-interval.
 pub fn fill(raw: &RawRow, site: &Location, sun: DVec3) -> Filled {
     let cosine = || {
         let suns = site.sunlit(&raw.interval, sun, STEPS);
@@ -33,7 +34,8 @@ pub fn fill(raw: &RawRow, site: &Location, sun: DVec3) -> Filled {
         (Some(ghi), None, dhi) => {
             let gap = if dhi.is_some() { Finding::ComputedDni } else { Finding::SplitGhi };
             let cosine = cosine();
-            // More than the sun sends while it is up cannot be: the rest is diffuse or an error of the file.
+            // DNI is limited to the light that the sun sends while it is up. The rest is diffuse or
+            // an error of the file.
             let lit = site.sunlit_hours(&raw.interval, sun) / raw.interval.hours();
             let most = extraterrestrial_w_m2(raw.interval.date) * lit;
             if cosine < SMALLEST_COSINE {

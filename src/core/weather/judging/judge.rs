@@ -1,4 +1,4 @@
-//! What to think of a weather file. In: rows as they stand there. Out: [`Weather`] without gaps, with warnings.
+//! Checks of a weather file. In: rows from a reader. Out: [`Weather`] without gaps, with warnings.
 
 use std::path::Path;
 
@@ -15,21 +15,24 @@ use crate::weather::row::WeatherRow;
 use crate::weather::series::{Weather, WeatherReport};
 use crate::weather::time::sun::{Location, extraterrestrial_w_m2};
 
-/// Clocks are further than this from the sun nowhere on Earth; the west of China comes close, with 2.9 h.
+/// Largest difference between a clock and the sun, hours. No place on Earth has more; the west of
+/// China comes close, with 2.9 h.
 const FARTHEST_CLOCK_HOURS: f64 = 3.0;
 
-/// Long and Dutton, "BSRN Global Network recommended QC tests, V2.0", 2002: with the sun above 3 deg and GHI above 50 W/m2,
-/// DHI / GHI stays below 1.10.
+/// Largest DHI / GHI with the sun above 3 deg and GHI above 50 W/m2. Long and Dutton, "BSRN Global
+/// Network recommended QC tests, V2.0", 2002: it stays below 1.10.
 const LARGEST_DIFFUSE_RATIO: f64 = 1.10;
+/// Least DHI to which the ratio applies, W/m2.
 const SMALLEST_JUDGED_DHI_W_M2: f64 = 50.0;
 
 /// Hours of a year that is not a leap year.
 const HOURS_OF_YEAR: f64 = 8760.0;
 
-/// Rows without gaps, and what is odd about each.
+/// Rows without gaps, each with its findings.
 type Judged = Vec<(WeatherRow, Vec<Finding>)>;
 
-/// Moves time stamps as the user says, fills what is missing, then judges the rows and the file as a whole.
+/// Moves time stamps by the user's shift and fills gaps, then checks the rows and the file as a
+/// whole.
 pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: ScenePlace) -> Result<Weather> {
     let RawWeather { station, mut rows, air, step_min, stamped_at, warnings } = raw;
     let (site, note) = station.location(path, options, scene)?;
@@ -74,7 +77,8 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
         return Err(Error::input(path, lost.first_line, what, "give a weather file with solar radiation"));
     }
     let ahead = site.hours_ahead_of_clock();
-    // A shift says that the clock is known to be wrong, a user who says UTC knows it, and light that fits the sun proves it right.
+    // No warning is needed with a shift, because the user knows that the clock is wrong; if the
+    // user states UTC; or if the light fits the sun.
     let says_utc = options.zone_hours == Some(0.0);
     let is_known = moved_min != 0.0 || station.zone_is_certain || says_utc;
     let fits = report.closure.is_some_and(|closure| closure.holds());
@@ -123,13 +127,14 @@ fn all_judged(raw: &[RawRow], site: &Location) -> Judged {
     raw.par_iter().map(|raw| judged_row(raw, site)).collect()
 }
 
-/// The check over rows for which nothing was filled in.
+/// Checks the closure over rows for which nothing was filled in.
 fn closure(site: &Location, raw: &[RawRow], done: &Judged) -> Option<Closure> {
     let given = done.iter().zip(raw).filter(|(_, raw)| raw.dni.is_some() && raw.dhi.is_some());
     Closure::of(site, given.map(|((row, _), _)| row))
 }
 
-/// A row without gaps, and what is odd about it. Gaps of the night are not: nothing is lost there.
+/// Returns a row without gaps, and its findings. A gap at night is no finding, because nothing is
+/// lost there.
 fn judged_row(raw: &RawRow, site: &Location) -> (WeatherRow, Vec<Finding>) {
     let sun = site.sun(raw.interval.date, raw.interval.middle_min());
     let Filled { dni_w_m2, dhi_w_m2, gap } = fill(raw, site, sun);
@@ -158,6 +163,7 @@ fn judged_row(raw: &RawRow, site: &Location) -> (WeatherRow, Vec<Finding>) {
             findings.push(Finding::AboveExtraterrestrial);
         }
     }
+    // Only values of the file are compared: computed ones fit by construction.
     if let (Some(ghi), Some(dhi)) = (raw.ghi, raw.dhi)
         && dhi > SMALLEST_JUDGED_DHI_W_M2
         && dhi > LARGEST_DIFFUSE_RATIO * ghi

@@ -1,5 +1,6 @@
-//! What readers of weather files have in common. In: rows as they stand in a file, and what the user says about it. Out:
-//! [`Weather`](crate::weather::series::Weather) without gaps, and what is doubtful about it. Never: bytes.
+//! Steps that all readers of weather files share. In: rows from a file, and the options of the
+//! user. Out: [`Weather`](crate::weather::series::Weather) without gaps, with findings about
+//! doubtful data. Never: bytes.
 
 mod gaps;
 mod judge;

@@ -1,5 +1,5 @@
-//! Where a weather file is from, and what its clock shows. In: what the file says, what the user says, where the scene lies. Out: a
-//! checked [`Location`].
+//! Place and clock of a weather file. In: the statements of the file and of the user, the place of
+//! the scene. Out: a checked [`Location`].
 
 use std::path::Path;
 
@@ -8,24 +8,26 @@ use crate::site::place::Place;
 use crate::weather::options::WeatherOptions;
 use crate::weather::time::sun::Location;
 
-/// Where the scene lies, asked for only where a weather file does not say where it is from.
+/// Function that returns the place of the scene. It is called only if a weather file does not state
+/// its own.
 pub type ScenePlace<'p> = &'p mut dyn FnMut() -> Result<Option<Place>>;
 
-/// What a file says of its station; `None` where it is silent.
+/// Statements of a file about its station; `None` where it makes none.
 #[derive(Clone, Debug)]
 pub struct Station {
     pub name: String,
     pub latitude_deg: Option<f64>,
     pub longitude_deg: Option<f64>,
     pub zone_hours: Option<f64>,
-    /// Whether the time stamps themselves say their zone, so that `zone_hours` cannot be wrong.
+    /// True if the time stamps themselves state their zone, so that `zone_hours` cannot be wrong.
     pub zone_is_certain: bool,
-    /// 0 where the file is silent: it moves the sun by less than a thousandth of a degree.
+    /// Elevation, metres; 0 if the file states none. It moves the sun by less than a thousandth of
+    /// a degree.
     pub elevation_m: f64,
 }
 
 impl Station {
-    /// A station that the file knows all of.
+    /// Returns a station about which the file states everything.
     pub fn known(name: String, site: Location) -> Self {
         Station {
             name,
@@ -37,7 +39,8 @@ impl Station {
         }
     }
 
-    /// The place, with what the user says before what the file says, and a sentence if it is that of the scene.
+    /// Returns the place, where the user's statements override those of the file, and a sentence if
+    /// it is the place of the scene.
     pub fn location(
         &self,
         path: &Path,
@@ -47,6 +50,7 @@ impl Station {
         let mut latitude = options.latitude_deg.or(self.latitude_deg);
         let mut longitude = options.longitude_deg.or(self.longitude_deg);
         let mut note = None;
+        // A latitude of the file with a longitude of the scene would be a third place.
         if latitude.is_none()
             && longitude.is_none()
             && let Some(Place { latitude_deg, longitude_deg, .. }) = scene()?

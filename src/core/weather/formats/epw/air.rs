@@ -1,4 +1,5 @@
-//! The air of a row of a weather file as it stands there.
+//! Air of a row of a weather file. In: the cells of a row. Out: temperatures, infrared radiation,
+//! opaque sky cover and wind, as far as they are there.
 
 use std::path::Path;
 
@@ -6,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::weather::air::Air;
 use crate::weather::judging::raw_weather::{AIR_C, WIND_M_S};
 
-/// Places of the columns in a data row.
+/// Index of the column in a data row.
 const DRY_BULB: usize = 6;
 const DEW_POINT: usize = 7;
 const INFRARED: usize = 12;
@@ -15,7 +16,7 @@ const WIND: usize = 21;
 
 const MISSING_RADIATION: f64 = 9999.0;
 
-/// Reads the cells of a line.
+/// Reads the air from the cells of a line.
 pub fn read_air(path: &Path, line: usize, cells: &[&str]) -> Result<Air> {
     let cell = |i: usize| cells.get(i).copied().unwrap_or_default();
     let optional = |i: usize, [low, high]: [f64; 2]| {
@@ -25,7 +26,7 @@ pub fn read_air(path: &Path, line: usize, cells: &[&str]) -> Result<Air> {
     let text = cell(INFRARED);
     let infrared_w_m2 = match text.parse::<f64>() {
         _ if text.is_empty() => None,
-        // EnergyPlus computes what is 0, too (its weather converter).
+        // EnergyPlus computes the radiation for 0, too (its weather converter).
         Ok(value) if value >= MISSING_RADIATION || value == 0.0 => None,
         Ok(value) if value > 0.0 => Some(value),
         _ => {
@@ -57,8 +58,8 @@ mod tests {
         read_air(Path::new("w.epw"), 9, &cells)
     }
 
-    /// Numbers are taken; 99.9, 99, 9999, 0 and empty cells mean missing, 12 of 12; a negative infrared radiation, a word and NaN
-    /// are refused with line and column.
+    /// Numbers are taken. The cells 99.9, 99, 9999, 0 and empty mean missing, 12 of 12. A negative
+    /// infrared radiation, a word and NaN are refused with line and column.
     #[test]
     fn cells() {
         let given = air(["-5.7", "-8.0", "237", "6"]).expect("numbers");
@@ -74,8 +75,9 @@ mod tests {
         }
     }
 
-    /// Computed anew, the infrared radiation of Golden's 8760 hours is that of the file (which was computed so from a thermometer and the
-    /// clouds, and rounded to whole W/m2) within 0.6 W/m2, and in the mean within 0.05; all hours are counted in one warning.
+    /// The infrared radiation of Golden's 8760 hours, computed anew, agrees with the file (which
+    /// was computed from a thermometer and the clouds, and rounded to whole W/m2) within 0.6 W/m2,
+    /// and in the mean within 0.05. All hours are counted in one warning.
     #[test]
     fn golden_computed() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_tmy3.epw");

@@ -1,4 +1,5 @@
-//! Hard cases of weather files: gaps, impossible values, clocks that are wrong, high latitudes. More of [`super`]'s tests.
+//! Hard cases of weather files: gaps, impossible values, clocks that are wrong, high latitudes.
+//! They belong to the tests of [`super`].
 
 use std::path::Path;
 
@@ -12,7 +13,7 @@ use crate::weather::time::sun::Location;
 /// Columns of GHI, DNI, DHI.
 const LIGHT: [usize; 3] = [13, 14, 15];
 
-/// The year of Golden with its header edited and columns overwritten.
+/// Reads the year of Golden with its header edited and columns overwritten.
 fn golden(from: &str, to: &str, columns: &[(usize, &str)]) -> Result<Weather> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_tmy3.epw");
     let text = String::from_utf8_lossy(&std::fs::read(path).expect("data")).replacen(from, to, 1);
@@ -30,9 +31,10 @@ fn sum(weather: &Weather, value: impl Fn(&crate::weather::row::WeatherRow) -> f6
     weather.rows.iter().map(value).sum::<f64>() / 1000.0
 }
 
-/// Missing DHI is GHI - DNI cos z and missing DNI (GHI - DHI) / cos z with the hour's mean cosine, and GHI alone is
-/// split so that it closes, to 0.5 W/m2; at night DNI is 0; without GHI what is missing, 9999 or an empty cell, is 0.
-/// Hours are counted by kind, 2, 1, 1, 1 and 0 at night, and the first line of each is named.
+/// Missing DHI is GHI - DNI cos z and missing DNI (GHI - DHI) / cos z with the hour's mean cosine.
+/// GHI alone is split so that it closes, to 0.5 W/m2. At night DNI is 0. Without GHI a missing
+/// value, 9999 or an empty cell, is 0. Hours are counted by kind, 2, 1, 1, 1 and 0 at night, and
+/// the first line of each is named.
 #[test]
 fn missing_values() {
     let rows = [
@@ -66,13 +68,14 @@ fn missing_values() {
     let night = read(&row([2018, 6, 1, 3, 0], "12,9999,5")).expect("valid");
     assert_eq!((night.rows[0].dni_w_m2, night.rows[0].dhi_w_m2), (0.0, 12.0));
     assert_eq!(night.report.warnings.len(), 1, "that it is no year");
-    // A DNI that is given stays, however low the sun.
+    // A given DNI is kept, however low the sun.
     let sunrise = read(&row([2018, 6, 1, 5, 0], "9,20,9999")).expect("valid").rows[0];
     assert!(sunrise.dni_w_m2 == 20.0 && sunrise.dhi_w_m2 > 8.0 && sunrise.dhi_w_m2 < 9.0, "{sunrise:?}");
 }
 
-/// A year without DNI, DHI or both gives the sums of DNI and DHI of the whole file: to 0.6 % computed from the two others, to 3 %
-/// and 0.3 % from GHI alone, with single hours of DNI off by 65 W/m2 in the mean. A year without any of the three is refused.
+/// A year without DNI, DHI or both gives the sums of DNI and DHI of the whole file: to 0.6 %
+/// computed from the two others, to 3 % and 0.3 % from GHI alone, with single hours of DNI off by
+/// 65 W/m2 in the mean. A year without any of the three is refused.
 #[test]
 fn missing_columns() {
     let [ghi, dni, dhi] = LIGHT.map(|column| (column, "9999"));
@@ -101,7 +104,8 @@ fn missing_columns() {
     assert!(text.contains("line 16: no row holds light; DNI or DHI of 4764 hours is missing"), "{text}");
 }
 
-/// Pyranometers that read -2 W/m2 in five hours of the night count as 0 there, and the hours are told; -31 and -999 are refused, not guessed.
+/// Pyranometers that read -2 W/m2 in five hours of the night count as 0 there, and a warning gives
+/// the hours. -31 and -999 are refused, not guessed.
 #[test]
 fn negative_values() {
     let rows: String =
@@ -114,8 +118,9 @@ fn negative_values() {
     }
 }
 
-/// 1400 W/m2 at noon and 300 W/m2 in an hour of which the sun is up for two minutes are used as they stand and counted, 2 hours
-/// of 1.7 kWh/m2; DHI of 60 under a GHI of 50 is counted once, and of 54 not.
+/// 1400 W/m2 at noon and 300 W/m2 in an hour of which the sun is up for two minutes are used
+/// unchanged and counted, 2 hours of 1.7 kWh/m2. DHI of 60 under a GHI of 50 is counted once, and
+/// of 54 not.
 #[test]
 fn impossible_values() {
     // At 45 N, 8 E the sun sets at 17:02 of zone 1 (without refraction).
@@ -139,7 +144,8 @@ fn impossible_values() {
     assert_eq!(w.report.findings.of(Finding::DhiAboveGhi).rows, 1);
 }
 
-/// Albedo 0.15 is kept; 0 and 999 mean missing and 20 (percent) is not guessed. Snow of 0 and 12 cm is kept, 999 is missing.
+/// Albedo 0.15 is kept; 0 and 999 mean missing, and 20 (percent) is not guessed. Snow of 0 and 12
+/// cm is kept, 999 is missing.
 #[test]
 fn albedo_and_snow() {
     for (cells, albedo, snow) in [
@@ -155,7 +161,8 @@ fn albedo_and_snow() {
     }
 }
 
-/// In the polar night (70 N, 21 December) 24 hours of DNI 10 have no suns: counted as 24 hours and 0.24 kWh/m2.
+/// In the polar night (70 N, 21 December) 24 hours of DNI 10 have no suns: they are counted as 24
+/// hours and 0.24 kWh/m2.
 #[test]
 fn polar_night() {
     let text = HEADER.replace("45.0,8.0,1.0", "70.0,25.0,1.0");
@@ -168,8 +175,9 @@ fn polar_night() {
     assert!(w.conditions(3).iter().all(|c| c.suns.is_empty() && c.sky_sun.is_finite()));
 }
 
-/// Zones of 5.5, 5.75 and -3.5 h are not rounded: at the equinox the sun, turned to the true noon that longitude and the
-/// equation of time (-7.4 min) give, stands in the meridian to 0.3 deg, in the south; at Marion Island, 46.9 S, in the north.
+/// Zones of 5.5, 5.75 and -3.5 h are not rounded. At the equinox the sun, turned to the true noon
+/// that longitude and the equation of time (-7.4 min) give, stands in the meridian to 0.3 deg, in
+/// the south; at Marion Island, 46.9 S, in the north.
 #[test]
 fn zones_of_half_hours() {
     for (place, longitude, zone, north) in [
@@ -187,8 +195,9 @@ fn zones_of_half_hours() {
     }
 }
 
-/// Months of a typical year use the sun of their own year: that of 1 March 2003 stands 0.28 deg of declination south of that
-/// of 1 March 2000, which leap days alone explain (0.75 days of 0.38 deg), and a file with both keeps them apart.
+/// Months of a typical year use the sun of their own year. The sun of 1 March 2003 stands 0.28 deg
+/// of declination south of that of 1 March 2000, which leap days alone explain (0.75 days of 0.38
+/// deg). A file with the two years keeps them apart.
 #[test]
 fn years_of_typical_months() {
     let rows = hours(&[(2000, 2, 29), (2003, 3, 1)], "0,0,0");
@@ -197,8 +206,8 @@ fn years_of_typical_months() {
     assert!((change - 0.28).abs() < 0.01, "{change}");
 }
 
-/// Sub-steps move light in time and make none: of Golden's year 1, 2, 4 and 12 steps a row keep all DNI to 1e-9, and the sun on
-/// the horizontal to 0.3 %.
+/// Sub-steps move light in time and make none: with 1, 2, 4 and 12 steps a row Golden's year keeps
+/// all DNI to 1e-9, and the sun on the horizontal to 0.3 %.
 #[test]
 fn steps_conserve_energy() {
     let w = golden("", "", &[]).expect("valid");
@@ -215,8 +224,9 @@ fn steps_conserve_energy() {
     assert!(sums.iter().all(|s| (s / sums[3] - 1.0).abs() < 0.003), "{sums:?}");
 }
 
-/// 45 days of rows whose light belongs to a sun 96 min after mid-interval are flagged with that shift to 2 min, so is one of an
-/// hour before; the same with the right sun gives no warning and an RMSE below 0.1 W/m2.
+/// 45 days of rows whose light belongs to a sun 96 min after mid-interval are flagged with that
+/// shift to 2 min, and so are rows of a sun an hour before. Rows with the right sun give no warning
+/// and an RMSE below 0.1 W/m2.
 #[test]
 fn wrong_time_stamps() {
     let site = Location::new(45.0, 8.0, 1.0, 250.0).expect("a site");
@@ -242,9 +252,10 @@ fn wrong_time_stamps() {
     }
 }
 
-/// Golden with a zone of -6 or 0 or the longitude's sign lost is found to be 60, 420 and 598.7 min off (105.18 degrees twice), the last two also at least
-/// 3 h from their meridian, and zone or longitude that the warning gives close to 1 W/m2; with the latitude's sign lost or DHI
-/// 50 too high nothing fits. The file as it is has 0.7 W/m2 and no warning.
+/// Golden with a zone of -6 or 0, or with the longitude's sign lost, is found to be 60, 420 and
+/// 598.7 min off (105.18 degrees twice). The last two are also at least 3 h from their meridian.
+/// The zone or longitude in the warning closes to 1 W/m2. With the latitude's sign lost, or DHI of
+/// 450, nothing fits. The unchanged file has 0.7 W/m2 and no warning.
 #[test]
 fn wrong_places() {
     let place = "39.74,-105.18,-7.0";

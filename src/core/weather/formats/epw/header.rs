@@ -1,4 +1,5 @@
-//! Header of a weather file: where it is and how its rows are spaced.
+//! Header of a weather file: the place of the station and the spacing of the rows. In: the first
+//! lines. Out: a checked header.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -8,7 +9,7 @@ use crate::text::excerpt;
 use crate::weather::judging::station::Station;
 use crate::weather::time::sun::Location;
 
-/// What the header lines say.
+/// Data of the header lines.
 pub struct EpwHeader {
     pub station: Station,
     pub periods: u32,
@@ -16,7 +17,7 @@ pub struct EpwHeader {
 }
 
 impl EpwHeader {
-    /// Reads up to and with the line DATA PERIODS.
+    /// Reads the lines up to and including DATA PERIODS.
     pub fn read<'a>(path: &Path, lines: &mut impl Iterator<Item = (Cow<'a, str>, usize)>) -> Result<Self> {
         let first = lines.next().map(|(text, _)| text).unwrap_or_default();
         let cells: Vec<&str> = first.trim_start_matches('\u{feff}').split(',').map(str::trim).collect();
@@ -29,7 +30,8 @@ impl EpwHeader {
         let names = ["latitude", "longitude", "time zone", "elevation"];
         for (i, (number, name)) in numbers.iter_mut().zip(names).enumerate() {
             let text = cells.get(6 + i).copied().unwrap_or_default();
-            // Programs that change the climate of a file write words behind the elevation, which EnergyPlus passes over.
+            // Programs that change the climate of a file write words behind the elevation, which
+            // EnergyPlus ignores.
             let word = text.split_whitespace().next().unwrap_or_default();
             let bad = |_| Error::input(path, 1, format!("{name} of LOCATION holds `{}`", excerpt(text, 60)), hint);
             *number = word.parse().map_err(bad)?;

@@ -1,9 +1,11 @@
-//! Reader of EnergyPlus weather files (EPW). In: a file's bytes. Out: [`Weather`], every row checked, gaps reported.
+//! Reader of EnergyPlus weather files (EPW). In: a file's bytes. Out: [`Weather`], every row
+//! checked, gaps reported.
 //!
-//! Format: Crawley, Hand and Lawrie, "Improving the weather information available to simulation programs", Building
-//! Simulation 1999, and EnergyPlus, "Auxiliary programs", chapter "EnergyPlus weather file (EPW) data dictionary". Rows carry
-//! the END of their interval: hour 1 of an hourly file is 00:00 to 01:00 of standard time. Radiation from 9999 up or
-//! empty, GHI of -99, -999 or -9999, albedo of 0 or above 1 and snow depth 999 mean missing; so do temperatures of 99.9,
+//! Format: Crawley, Hand and Lawrie, "Improving the weather information available to simulation
+//! programs", Building Simulation 1999, and EnergyPlus, "Auxiliary programs", chapter "EnergyPlus
+//! weather file (EPW) data dictionary". Rows carry the END of their interval: hour 1 of an hourly
+//! file is 00:00 to 01:00 of standard time. Radiation from 9999 up or empty, GHI of -99, -999 or
+//! -9999, albedo of 0 or above 1 and snow depth 999 mean missing; so do temperatures of 99.9,
 //! opaque sky cover 99 and infrared radiation of 0, which no sky sends.
 
 mod air;
@@ -24,19 +26,21 @@ use crate::weather::options::{StampedAt, WeatherOptions};
 use crate::weather::series::Weather;
 use crate::weather::time::calendar::Date;
 
-/// Reads and checks the bytes of a weather file; `path` is its name in messages. The text need not be UTF-8: only its numbers are used.
+/// Reads and checks the bytes of a weather file; messages call it `path`. The text need not be
+/// UTF-8: only its numbers are used.
 pub fn parse_epw(path: &Path, bytes: &[u8]) -> Result<Weather> {
     let options = WeatherOptions::default();
     judged(path, read(path, bytes, &options)?, &options, &mut || Ok(None))
 }
 
-/// The same with the air of every row, which longwave irradiance is made of.
+/// Reads and checks the bytes of a weather file with the air of every row, from which longwave
+/// irradiance is computed.
 pub fn parse_epw_with_air(path: &Path, bytes: &[u8]) -> Result<Weather> {
     let options = WeatherOptions { with_air: true, ..WeatherOptions::default() };
     judged(path, read(path, bytes, &options)?, &options, &mut || Ok(None))
 }
 
-/// Whether a file says that it is one, by its first line or by its name.
+/// Returns true if a file is an EPW file by its first line or by its name.
 pub(super) fn is_epw(path: &Path, bytes: &[u8]) -> bool {
     let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     let named = path.to_string_lossy().to_lowercase();
@@ -70,6 +74,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
         if let Some(before) = raw.last()
             && !before.is_followed_by(&row)
         {
+            // Each further period that the header states may start after a gap.
             if gaps_left == 0 {
                 let what = format!(
                     "the row starts at {}, the row before does not end there: steps of {} min are expected",

@@ -1,4 +1,5 @@
-//! A row of a weather file as it stands there.
+//! A row of a weather file. In: the cells of a line. Out: its interval and irradiances, not yet
+//! filled or checked against each other.
 
 use std::path::Path;
 
@@ -8,7 +9,7 @@ use crate::weather::judging::raw_weather::{RawRow, irradiance};
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
 
-/// Places of the columns in a data row.
+/// Index of the column in a data row.
 const MINUTE: usize = 4;
 const GHI: usize = 13;
 const DNI: usize = 14;
@@ -18,11 +19,13 @@ const SNOW_DEPTH: usize = 30;
 const ALBEDO: usize = 32;
 
 const MISSING_RADIATION: f64 = 9999.0;
-/// What some programs write for GHI in place of 9999; EnergyPlus, which takes DNI and DHI, runs such files.
+/// Numbers that some programs write for a missing GHI in place of 9999. EnergyPlus, which uses DNI
+/// and DHI, runs such files.
 const MISSING_CODES: [f64; 3] = [-99.0, -999.0, -9999.0];
 const MISSING_SNOW_CM: f64 = 999.0;
 
-/// Reads the cells of a line. `odd_minute` gets line and minute of the first hourly row whose minute is not 0 or 60.
+/// Reads the cells of a line. `odd_minute` gets line and minute of the first hourly row whose
+/// minute is not 0 or 60.
 pub fn read_row(
     path: &Path,
     line: usize,

@@ -10,7 +10,7 @@ use crate::weather::time::calendar::Date;
 pub(super) const HEADER: &str = "LOCATION,Town,S,Country,X,0,45.0,8.0,1.0,250\nDESIGN CONDITIONS,0\nTYPICAL/EXTREME PERIODS,0\n\
                       GROUND TEMPERATURES,0\nHOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0\nCOMMENTS 1,\nCOMMENTS 2,\n";
 
-/// A data row with 35 columns; `light` is GHI, DNI, DHI.
+/// Returns a data row with 35 columns; `light` is GHI, DNI, DHI.
 pub(super) fn row(clock: [u32; 5], light: &str) -> String {
     let clock = clock.map(|n| n.to_string()).join(",");
     format!("{clock},?9,1,1,1,1,1,1,1,{light},1,1,1,1,1,1,1,1,1,1,1,1,1,1,999,1,999,1,1\n")
@@ -29,8 +29,9 @@ pub(super) fn hours(days: &[(u32, u32, u32)], light: &str) -> String {
     rows.collect()
 }
 
-/// The committed cut of a TMY3 file: 72 rows of March at 39.74 N, UTC-7; noon of 20 March has the file's numbers, albedo 0.47
-/// or so and one warning; closure is below 3 W/m2 RMSE at mid-interval and best there.
+/// A cut of a TMY3 file has 72 rows of March at 39.74 N, UTC-7. Noon of 20 March has the file's
+/// numbers. All albedos are above 0.1, and there is one warning. Closure is below 3 W/m2 RMSE at
+/// mid-interval and best there.
 #[test]
 fn typical_year_cut() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_3_days.epw");
@@ -38,7 +39,7 @@ fn typical_year_cut() {
     assert_eq!((w.rows.len(), w.interval_hours), (72, 1.0));
     assert_eq!((w.site.latitude_deg, w.site.zone_hours), (39.74, -7.0));
     assert_eq!(w.place, "Denver Centennial  Golden   Nr, USA");
-    // Three days are no year, and that is all there is to say.
+    // Three days are no year, which is the only warning.
     assert_eq!(w.report.warnings.len(), 1);
     assert!(w.report.warnings[0].contains("holds 72 of the 8760 hours"), "{:?}", w.report.warnings);
     assert!(w.rows.iter().all(|r| r.albedo.is_some_and(|a| a > 0.1) && r.snow_depth_cm == Some(0.0)));
@@ -54,8 +55,8 @@ fn typical_year_cut() {
     assert_eq!((days[23], days[24]), (20, 21));
 }
 
-/// A file of the year 0, with words behind its elevation and GHI of -99, is read: 24 hours of 2017 at 250 m with DNI of 10 W/m2, and one
-/// sentence about the year.
+/// A file of the year 0, with words behind its elevation and GHI of -99, is read: 24 hours of 2017
+/// at 250 m with DNI of 10 W/m2, and one sentence about the year.
 #[test]
 fn what_energyplus_runs() {
     let header = HEADER.replace("1.0,250", "1.0,250.0  Morphed:TAS|DWPT");
@@ -79,7 +80,8 @@ fn hour_24() {
     }
 }
 
-/// 29 February is read in a leap year and may be absent; 2007-02-29 does not exist. Months of different years follow on.
+/// 29 February is read in a leap year and may be absent; 2007-02-29 does not exist. Months of
+/// different years follow on.
 #[test]
 fn leap_day_and_typical_years() {
     for days in [
@@ -94,8 +96,8 @@ fn leap_day_and_typical_years() {
     assert!(text.contains("line 9: the date 2007-2-29 does not exist"), "{text}");
 }
 
-/// A quarter-hourly file gives 96 intervals of 0.25 h a day, the first from 00:00, the last from 23:45; a missing quarter,
-/// labels of the start and 7 records an hour are refused.
+/// A quarter-hourly file gives 96 intervals of 0.25 h a day, the first from 00:00, the last from
+/// 23:45. A missing quarter, labels of the start and 7 records an hour are refused.
 #[test]
 fn sub_hourly() {
     let quarters: Vec<String> =
@@ -117,8 +119,8 @@ fn sub_hourly() {
     assert!(file(&format!("{header}{odd}")).is_err());
 }
 
-/// A gap between January and June is one more period: 48 rows if the header states two, refused if it states one. Rows of half a
-/// year from July on and then the other half are in order.
+/// A gap between January and June is one more period: 48 rows if the header states two, refused if
+/// it states one. A year of its second half and then its first half is in order.
 #[test]
 fn periods() {
     let rows = hours(&[(2018, 1, 31), (2018, 6, 1)], "0,0,0");

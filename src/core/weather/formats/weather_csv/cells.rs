@@ -1,4 +1,5 @@
-//! The cells of a row. In: a record of a table. Out: numbers, or an error that names line and column.
+//! The cells of a row. In: a record of a table. Out: numbers, or an error that names line and
+//! column.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -8,28 +9,28 @@ use csv::ByteRecord;
 use crate::error::{Error, Result};
 use crate::text::excerpt;
 
-/// From this down a number of W/m2 means that there is none: -999, -9999 and -9900 are in use.
+/// Largest number of W/m2 that stands for a missing value: -999, -9999 and -9900 are in use.
 const MISSING_BELOW: f64 = -900.0;
 
-/// Light from here up is no measurement; some programs write 9999 for missing.
+/// Least radiation that is no measurement; some programs write 9999 for missing.
 pub const MISSING_RADIATION: f64 = 9999.0;
 
 /// Words for a missing number.
 const MISSING: [&str; 7] = ["", "nan", "na", "n/a", "null", "none", "-"];
 
-/// Characters of a cell that a message shows.
+/// Number of characters of a cell that a message shows.
 pub const SHOWN: usize = 60;
 
-/// How numbers of a file are written, and what stands for none.
+/// Style of the numbers of a file, and its code for a missing value.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NumberStyle {
-    /// Whether 1,5 is one and a half.
+    /// True if 1,5 is one and a half.
     pub decimal_comma: bool,
-    /// What the file says that it writes where it has no value.
+    /// Code that the file states for a missing value.
     pub no_data: Option<f64>,
 }
 
-/// A row of a file.
+/// Cells of a row of a file.
 pub struct Cells<'a> {
     pub path: &'a Path,
     pub line: usize,
@@ -37,12 +38,12 @@ pub struct Cells<'a> {
     pub style: NumberStyle,
 }
 
-/// A cell as text; empty beyond the end.
+/// Returns a cell as text; empty beyond the end.
 pub fn cell(record: &ByteRecord, place: usize) -> Cow<'_, str> {
     String::from_utf8_lossy(record.get(place).unwrap_or_default())
 }
 
-/// Whether a cell says that it has no value.
+/// Returns true if a cell is a word for a missing value.
 pub fn is_missing(text: &str) -> bool {
     MISSING.iter().any(|word| text.eq_ignore_ascii_case(word))
 }
@@ -52,7 +53,7 @@ impl Cells<'_> {
         cell(self.record, place)
     }
 
-    /// An error about a cell in the column of this name.
+    /// Returns an error about a cell in the column of this name.
     pub fn bad(&self, place: usize, name: &str, hint: &str) -> Error {
         let (name, text) = (excerpt(name, SHOWN), self.text(place));
         Error::input(self.path, self.line, format!("column `{name}` holds `{}`", excerpt(&text, SHOWN)), hint)
@@ -65,7 +66,7 @@ impl Cells<'_> {
         text.parse().ok()
     }
 
-    /// GHI, DNI or DHI in the column's own unit; `None` where missing.
+    /// Returns GHI, DNI or DHI in the column's own unit; `None` where missing.
     pub fn light(&self, place: usize, name: &str, in_watts: bool) -> Result<Option<f64>> {
         let text = self.text(place);
         if is_missing(&text) {
@@ -79,13 +80,13 @@ impl Cells<'_> {
         Ok((!codes && Some(value) != self.style.no_data).then_some(value))
     }
 
-    /// Any other number; `None` where it is missing or no number.
+    /// Returns any other number; `None` where it is missing or no number.
     pub fn number(&self, place: usize) -> Option<f64> {
         self.parse(&self.text(place)).filter(|value| Some(*value) != self.style.no_data)
     }
 }
 
-/// -999, 9999 and the like, which say in every unit that there is no value.
+/// Returns true for -999, 9999 and similar codes, which mean a missing value in every unit.
 pub fn is_code(text: &str) -> bool {
     let digits = text.trim_start_matches('-');
     let whole = digits.split('.').next().unwrap_or_default();

@@ -1,4 +1,5 @@
-//! Which column is what. In: names of columns and their units. Out: places of the columns that are read, and rows by them.
+//! Choice of the columns. In: names of columns and their units. Out: indices of the columns that
+//! are read, and rows by them.
 
 use std::path::Path;
 
@@ -13,31 +14,31 @@ use crate::weather::judging::raw_weather::{AIR_C, RawRow, WIND_M_S, irradiance_o
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Interval;
 
-/// Light on an inclined plane: of no use unless it lies flat.
+/// Name of the direct light on an inclined plane, which is of use only if the plane is horizontal.
 const BEAM_INCLINED: &str = "gb(i)";
 const DIFFUSE_INCLINED: &str = "gd(i)";
 const GLOBAL_INCLINED: &str = "g(i)";
 
 const MISSING_SNOW_CM: f64 = 999.0;
 
-/// Characters of a line of names that a message shows.
+/// Number of characters of a line of names that a message shows.
 const NAMES_SHOWN: usize = 120;
 
-/// A column that is read.
+/// Index and unit of a column that is read.
 #[derive(Clone, Copy, Debug)]
 struct Column {
     place: usize,
     unit: Unit,
 }
 
-/// Places of the columns that are read; `None` where the file has none.
+/// Indices of the columns that are read; `None` where the file lacks one.
 pub struct Columns {
     pub count: usize,
     names: Vec<String>,
     ghi: Option<Column>,
     dni: Option<Column>,
     dhi: Option<Column>,
-    /// The direct part on the horizontal, where GHI is only given as a sum of two.
+    /// Direct irradiance on the horizontal, where GHI is given only as a sum of two parts.
     beam: Option<Column>,
     albedo: Option<Column>,
     snow: Option<Column>,
@@ -47,11 +48,11 @@ pub struct Columns {
     infrared: Option<Column>,
     opaque_sky: Option<Column>,
     wind: Option<Column>,
-    /// Whether light is given at moments only.
+    /// True if light is given at moments only.
     pub instants: bool,
 }
 
-/// A number that is not one, counted by column.
+/// Numbers outside their limits, counted by column.
 #[derive(Clone, Debug, Default)]
 pub struct OutOfRange {
     columns: Vec<OddColumn>,
@@ -62,9 +63,9 @@ pub struct OutOfRange {
 struct OddColumn {
     place: usize,
     rows: usize,
-    /// Of the first of them.
+    /// Line of the first of them.
     line: usize,
-    /// Of the first of them.
+    /// Text of the first of them.
     text: String,
 }
 
@@ -79,7 +80,7 @@ impl OutOfRange {
     }
 }
 
-/// A column that could be a quantity's.
+/// A column that may hold a quantity.
 struct Candidate<'h> {
     place: usize,
     name: &'h str,
@@ -87,10 +88,12 @@ struct Candidate<'h> {
 }
 
 impl Columns {
-    /// `warnings` gets what is to be said of columns that are left out; of air only if `with_air`.
+    /// Finds the columns. `warnings` gets sentences on columns that are left out; those of air are
+    /// mentioned only if `with_air`.
     pub fn read(path: &Path, head: &Head, with_air: bool, warnings: &mut Vec<String>) -> Result<Self> {
         let mut find = |quantity: Quantity| match find(path, head, quantity) {
             Err(_) if quantity.is_of_air() && !with_air => Ok(None),
+            // Few replays need the ground's columns, so a bad one is only left out.
             Err(error) if quantity.is_of_ground() => {
                 let told = error.to_string().replace("\n  to fix: ", ", and it is left out: ");
                 warnings.push(told);
@@ -124,7 +127,8 @@ impl Columns {
         Ok(columns)
     }
 
-    /// Irradiances of a plane that lies flat; of any other they are refused.
+    /// Takes the irradiances of an inclined plane if the plane is horizontal; any other plane is
+    /// refused.
     fn take_inclined(&mut self, path: &Path, head: &Head) -> Result<()> {
         let place = |wanted: &str| {
             let place = head.names.iter().position(|name| squash(name) == wanted);
@@ -150,23 +154,26 @@ impl Columns {
         Ok(())
     }
 
-    /// The name of a column as it stands in the file.
+    /// Returns the name of a column in the file.
     pub fn name(&self, place: usize) -> &str {
         self.names.get(place).map_or("", String::as_str)
     }
 
-    /// Whether GHI, DNI and DHI are all given, so that the sun's place is judged by them.
+    /// Returns true if GHI, DNI and DHI are all given, so that the closure check can test the sun's
+    /// position.
     pub fn has_all_light(&self) -> bool {
         [self.ghi, self.dni, self.dhi].iter().all(Option::is_some)
     }
 
-    /// Whether light is given as energy of an interval, so that [`Columns::to_watts`] is needed.
+    /// Returns true if light is given as energy of an interval, so that [`Columns::to_watts`] is
+    /// needed.
     pub fn has_energies(&self) -> bool {
         let all = [self.ghi, self.dni, self.dhi, self.beam, self.infrared];
         all.iter().flatten().any(|column| column.unit.per_interval)
     }
 
-    /// Light and ground of a row, its interval still to come. Energies are in J/m2 until [`Columns::to_watts`].
+    /// Returns light and ground of a row; its interval is set later. Energies are in J/m2 until
+    /// [`Columns::to_watts`].
     pub fn row(&self, cells: &Cells, odd: &mut OutOfRange) -> Result<RawRow> {
         let mut negative = false;
         let mut light = |column: Option<Column>| self.light(cells, column, &mut negative);
@@ -200,11 +207,11 @@ impl Columns {
         irradiance_of(unit.of(value), negative).ok_or_else(|| cells.bad(place, self.name(place), hint)).map(Some)
     }
 
-    /// Makes W/m2 of what is energy, now that the length of an interval is known.
+    /// Converts energies to W/m2, once the length of an interval is known.
     pub fn to_watts(&self, path: &Path, row: &mut RawRow, step_s: f64) -> Result<()> {
         let line = row.line;
         for (value, column) in [(&mut row.ghi, self.ghi), (&mut row.dni, self.dni), (&mut row.dhi, self.dhi)] {
-            // A sum of two is of the unit of both.
+            // A sum of two parts has the unit of the parts.
             let column = column.or(self.beam);
             let Some(Column { place, .. }) = column.filter(|column| column.unit.per_interval) else { continue };
             let Some(joules) = *value else { continue };
@@ -217,7 +224,7 @@ impl Columns {
         Ok(())
     }
 
-    /// The same for infrared radiation.
+    /// Converts the energy of infrared radiation to W/m2, once the length of an interval is known.
     pub fn air_to_watts(&self, air: &mut Air, step_s: f64) {
         if self.infrared.is_some_and(|column| column.unit.per_interval) {
             let watts = air.infrared_w_m2.map(|joules| joules / step_s);
@@ -225,7 +232,7 @@ impl Columns {
         }
     }
 
-    /// The air of a row.
+    /// Returns the air of a row.
     pub fn air(&self, cells: &Cells, odd: &mut OutOfRange) -> Air {
         let dry_bulb_c = self.number(cells, self.dry_bulb, AIR_C, odd);
         let dew_c = self.number(cells, self.dew_point, AIR_C, odd);
@@ -246,13 +253,14 @@ impl Columns {
         }
     }
 
-    /// A number of a column within limits; what lies outside and is no code for missing is counted.
+    /// Returns a number of a column within limits. A number outside that is no code for missing is
+    /// counted.
     fn number(&self, cells: &Cells, column: Option<Column>, limits: [f64; 2], odd: &mut OutOfRange) -> Option<f64> {
         let Column { place, unit } = column?;
         let number = cells.number(place)?;
         let value = unit.of(number);
         let inside = (limits[0]..=limits[1]).contains(&value);
-        // 99, 99.9 and 999 are what EPW files write for missing; -1 is in use too.
+        // EPW files write 99, 99.9 and 999 for missing; -1 is in use, too.
         let code =
             is_code(&cells.text(place)) || number < -90.0 || number == -1.0 || [99.0, 99.9, 999.0].contains(&number);
         if !inside && !code && number.is_finite() {
@@ -261,7 +269,7 @@ impl Columns {
         Some(value).filter(|_| inside)
     }
 
-    /// What is to be said of numbers outside their limits: one sentence a column.
+    /// Returns one sentence for each column with numbers outside their limits.
     pub fn odd_numbers(&self, path: &Path, odd: &OutOfRange) -> Vec<String> {
         odd.columns.iter().map(|column| self.odd_column(path, column)).collect()
     }
@@ -285,23 +293,24 @@ impl Columns {
     }
 }
 
-/// Whether both are powers or both are energies, so that they can be added.
+/// Returns true if the two are powers or the two are energies, so that they can be added.
 fn alike(one: Option<Column>, two: Option<Column>) -> bool {
     one.map(|column| column.unit.per_interval) == two.map(|column| column.unit.per_interval)
 }
 
-/// A sky as warm as the hottest air sends 786 W/m2.
+/// Largest infrared radiation, W/m2. A sky as warm as the hottest air sends 786 W/m2.
 const MOST_INFRARED_W_M2: f64 = 800.0;
 
-/// Stands where the step is not yet known.
+/// Placeholder for an interval while the step is not yet known.
 const NO_INTERVAL: Interval = Interval { date: Date::OF_DAY_0, start_min: 0.0, end_min: 0.0 };
 
-/// The column of a quantity, by the most usual of its names; of light, two of usual names are refused.
+/// Returns the column of a quantity, by the most usual of its names. For light, two columns of
+/// usual names are refused.
 fn find(path: &Path, head: &Head, quantity: Quantity) -> Result<Option<Column>> {
     let named = head.names.iter().enumerate();
     let mut all: Vec<Candidate> =
         named.filter_map(|(place, name)| Some(Candidate { place, name, found: match_name(name, quantity)? })).collect();
-    // Means before values at a moment, then the more usual name, then the first column.
+    // Means come before values at a moment, then the more usual name, then the first column.
     all.sort_by_key(|candidate| (candidate.found.instant, candidate.found.rank, candidate.place));
     let usual = |candidate: &&Candidate| candidate.found.rank < quantity.usual_names() && !candidate.found.instant;
     let mut twins: Vec<&Candidate> = all.iter().filter(usual).collect();

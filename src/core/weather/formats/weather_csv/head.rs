@@ -1,8 +1,8 @@
-//! What stands above the rows of a table. In: its first lines. Out: names of columns, their units, and what the lines above them say of
-//! the place and the clock.
+//! Lines above the rows of a table. In: the first lines. Out: names of columns, their units, and
+//! the place and the clock that the lines above them state.
 //!
-//! The line of names is the first one with a time and some light among its cells. Whose layout a file has, and what follows from it,
-//! stands in [`layout`](super::layout).
+//! The line of names is the first one with a time and some light among its cells.
+//! [`layout`](super::layout) finds which program's layout a file has, and what follows from it.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use crate::weather::formats::weather_csv::units::{Measure, Unit, parse_unit};
 use crate::weather::judging::station::Station;
 use crate::weather::options::{DateOrder, StampedAt};
 
-/// Whose layout a file has.
+/// Program or service whose layout a file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Plain,
@@ -35,40 +35,42 @@ pub enum Kind {
     Datalogger,
 }
 
-/// What is known before the first row.
+/// Facts about a file that are known before its first row.
 pub struct Head {
     pub kind: Kind,
     pub station: Station,
-    /// A blank stands for any number of blanks.
+    /// Delimiter of cells; a blank stands for any number of blanks.
     pub delimiter: u8,
-    /// Names of the columns as they stand there.
+    /// Names of the columns in the file.
     pub names: Vec<String>,
-    /// `[column]`: units that a row below the names or lines above them state; empty where they are silent.
+    /// `[column]`: units that a row below the names or lines above them state; empty where they
+    /// state none.
     pub units: Vec<String>,
-    /// Whether what stands in `units` may be another thing than a unit.
+    /// True if `units` may hold other texts than units.
     pub units_are_loose: bool,
     /// Cells of the first row.
     pub first_row: Vec<String>,
-    /// Lines above the rows; the last is that of the names.
+    /// Number of lines above the rows; the last is the line of names.
     pub lines: usize,
-    /// Of the plane that PVGIS' irradiances are on.
+    /// Slope of the plane that PVGIS' irradiances are on, degrees.
     pub slope_deg: Option<f64>,
-    /// How long after its stamp each row was.
+    /// Delay of each row after its stamp, minutes.
     pub late_min: f64,
-    /// Where in its interval a stamp stands, by what the lines above say.
+    /// Place of a stamp in its interval, if the lines above state it.
     pub stamped_at: Option<StampedAt>,
     pub style: NumberStyle,
     /// Sentences for the user, each naming the file.
     pub warnings: Vec<String>,
-    /// Where the rows start, bytes.
+    /// Offset of the rows in the file, bytes.
     rows_at: usize,
 }
 
-/// NASA POWER and Solargis have some dozens of lines above the names.
+/// Largest number of lines above the rows. NASA POWER and Solargis have some dozens of lines above
+/// the names.
 const MOST_HEAD_LINES: usize = 200;
 
 impl Head {
-    /// A head of which nothing is known but the file.
+    /// Returns a head that knows only the file.
     pub fn empty(path: &Path) -> Self {
         Head {
             kind: Kind::Plain,
@@ -107,7 +109,7 @@ impl Head {
         Ok(head)
     }
 
-    /// Looks for the line of names, and gives the lines above it.
+    /// Finds the line of names, and returns the lines above it.
     fn find_names(&mut self, path: &Path, lines: &mut Lines) -> Result<Vec<HeadLine>> {
         let start = *lines;
         let mut above = Vec::new();
@@ -121,7 +123,8 @@ impl Head {
             }
             above.push(HeadLine { line: lines.count, text: line });
         }
-        // None is a line of names: the first that is no comment is taken for it, so that messages show it.
+        // Without a line of names, the first line that is no comment is taken for it, so that
+        // messages show it.
         *lines = start;
         let Some(first) = lines.next_plain() else {
             let hint = "give a weather file, EPW, TMY3, SURFRAD or CSV";
@@ -133,11 +136,11 @@ impl Head {
         Ok(Vec::new())
     }
 
-    /// Takes a line's cells for names; whether there is light among them, and a time.
+    /// Takes a line's cells for names. Returns true if some of them name light.
     fn take_names(&mut self, line: &str) -> bool {
         let plain = line.strip_prefix('#').map_or(line, str::trim_start);
         let of = |delimiter: &u8| plain.bytes().filter(|byte| byte == delimiter).count();
-        // The first of those that are equally frequent.
+        // The first of equally frequent delimiters is taken.
         self.delimiter = [b'\t', b';', b','].into_iter().max_by_key(of).unwrap_or(b',');
         if of(&self.delimiter) == 0 && plain.split_whitespace().count() > 2 {
             self.delimiter = b' ';
@@ -162,6 +165,7 @@ impl Head {
             let mut ahead = *lines;
             let Some(line) = ahead.next_plain() else { return Ok(()) };
             let cells = split(&line, self.delimiter);
+            // TOA5 has rows of units and of kinds of values below its names.
             let has_units = self.kind == Kind::Datalogger && self.lines < 4;
             if !(has_units || self.is_row_of_units(&cells)) {
                 self.first_row = cells;
@@ -184,7 +188,8 @@ impl Head {
         }
     }
 
-    /// Whether the cells below the names are units: none of them is a number or a stamp, and one is a unit of light or stands below light.
+    /// Returns true if the cells below the names are units: none of them is a number or a stamp,
+    /// and a cell below light is a unit or a word.
     fn is_row_of_units(&self, cells: &[String]) -> bool {
         let number = |cell: &String| {
             let text = cell.replace(',', ".");
@@ -203,12 +208,12 @@ impl Head {
         !dated && self.names.iter().zip(cells).any(below_light)
     }
 
-    /// A cell of the first row.
+    /// Returns a cell of the first row.
     pub fn first(&self, place: usize) -> &str {
         self.first_row.get(place).map_or("", String::as_str)
     }
 
-    /// The unit of a column whose name and lines state none.
+    /// Returns the unit of a column whose name and lines state none.
     pub fn usual_unit(&self, quantity: Quantity) -> Unit {
         let stated = match (self.kind, quantity.measure()) {
             (Kind::Cams, Measure::Irradiance) => parse_unit("Wh/m2", Measure::Irradiance),
@@ -218,13 +223,14 @@ impl Head {
         stated.unwrap_or(Unit::PLAIN)
     }
 
-    /// The bytes below the names.
+    /// Returns the bytes below the names.
     pub fn rows_of<'b>(&self, bytes: &'b [u8]) -> &'b [u8] {
         bytes.get(self.rows_at..).unwrap_or_default()
     }
 }
 
-/// Whether what stands below a line can be rows, so that the line is one of names and not of a text that mentions light.
+/// Returns true if the text below a line can be rows. Otherwise the line is no line of names but a
+/// text that mentions light.
 fn names_are_here(head: &Head, lines: &Lines) -> bool {
     let mut ahead = *lines;
     let Some(next) = ahead.next_line() else { return true };
@@ -243,7 +249,7 @@ pub struct HeadLine {
     pub text: String,
 }
 
-/// A number of a line above the names.
+/// Reads a number from a line above the names.
 pub fn checked(path: &Path, line: usize, name: &str, text: &str) -> Result<f64> {
     text.parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(|| {
         let what = format!("`{name}` holds `{}`", excerpt(text, 60));
@@ -251,7 +257,7 @@ pub fn checked(path: &Path, line: usize, name: &str, text: &str) -> Result<f64> 
     })
 }
 
-/// The cells of one line.
+/// Splits one line into cells.
 pub fn split(line: &str, delimiter: u8) -> Vec<String> {
     if delimiter == b' ' {
         return line.split_whitespace().map(str::to_owned).collect();
@@ -262,18 +268,18 @@ pub fn split(line: &str, delimiter: u8) -> Vec<String> {
     record.iter().map(str::to_owned).collect()
 }
 
-/// Lines of a file that are not empty, one after the other.
+/// Reader of the lines of a file that are not empty.
 #[derive(Clone, Copy)]
 struct Lines<'b> {
     bytes: &'b [u8],
-    /// Where the next one starts.
+    /// Offset of the next line.
     at: usize,
-    /// Lines read, empty ones and comments too.
+    /// Number of lines read, empty ones and comments included.
     count: usize,
 }
 
 impl Lines<'_> {
-    /// The next line that is not empty.
+    /// Returns the next line that is not empty.
     fn next_line(&mut self) -> Option<String> {
         loop {
             let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
@@ -288,7 +294,7 @@ impl Lines<'_> {
         }
     }
 
-    /// The next line that is no comment.
+    /// Returns the next line that is no comment.
     fn next_plain(&mut self) -> Option<String> {
         loop {
             let line = self.next_line()?;
@@ -299,7 +305,7 @@ impl Lines<'_> {
     }
 }
 
-/// Text of bytes: UTF-8, or else Latin 1, in which some programs write `W/m²`.
+/// Returns the text of bytes: UTF-8, or else Latin 1, in which some programs write `W/m²`.
 fn latin_or_utf8(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),

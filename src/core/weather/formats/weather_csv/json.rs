@@ -1,7 +1,9 @@
-//! Weather as JSON. In: a document. Out: the names, units and rows of the table in it, and what it says of its place.
+//! Weather as JSON. In: a document. Out: the names, units and rows of the table in it, and its
+//! place.
 //!
-//! Read are PVGIS (`outputs` with a list of hours), Open-Meteo (`hourly` with an array for each name), NASA POWER (`properties` with an
-//! object of hours for each name), and, of any service, a list of records, records a line each, or arrays of one length by name.
+//! It reads PVGIS (`outputs` with a list of hours), Open-Meteo (`hourly` with an array for each
+//! name) and NASA POWER (`properties` with an object of hours for each name). Of any other service
+//! it reads a list of records, one record a line, or arrays of one length by name.
 
 use std::path::Path;
 
@@ -20,13 +22,13 @@ pub struct JsonTable {
     pub records: Vec<ByteRecord>,
 }
 
-/// Members of an object that a message names, at most.
+/// Largest number of members of an object that a message names.
 const NAMED: usize = 8;
 
-/// Levels down to the table, at most.
+/// Largest number of levels down to the table.
 const DEEPEST: usize = 6;
 
-/// Whether a file starts as JSON does.
+/// Returns true if a file starts as JSON does.
 pub fn is_json(bytes: &[u8]) -> bool {
     let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     let after = start.get(1..).unwrap_or_default().trim_ascii_start();
@@ -43,6 +45,7 @@ pub fn table(path: &Path, bytes: &[u8]) -> Result<JsonTable> {
         Error::input(path, (error.line() > 0).then_some(error.line()), what, "the file may be cut off; fetch it again")
     })?;
     let mut head = Head::empty(path);
+    // Known services come first, because only they state units and zones in known members.
     let found = open_meteo(path, &document, &mut head)?
         .or_else(|| nasa_power(&document, &mut head))
         .or_else(|| split_table(&document))
@@ -66,7 +69,7 @@ pub fn table(path: &Path, bytes: &[u8]) -> Result<JsonTable> {
     Ok(JsonTable { head, records })
 }
 
-/// One document, or the list of those that stand a line each.
+/// Reads one document, or the list of documents that stand one a line.
 fn document(bytes: &[u8]) -> serde_json::Result<Value> {
     serde_json::from_slice(bytes).or_else(|error| {
         let lines = serde_json::Deserializer::from_slice(bytes)
@@ -76,7 +79,7 @@ fn document(bytes: &[u8]) -> serde_json::Result<Value> {
     })
 }
 
-/// Names in `columns` and rows in `data`, as pandas writes a table that is split.
+/// Reads names in `columns` and rows in `data`, as pandas writes a table with `orient="split"`.
 fn split_table(document: &Value) -> Option<NamesAndRows> {
     let names: Vec<String> = document.get("columns")?.as_array()?.iter().map(text).collect();
     let rows = document.get("data")?.as_array()?;
@@ -91,7 +94,7 @@ fn row_text(record: &ByteRecord) -> Vec<String> {
     record.iter().map(|cell| String::from_utf8_lossy(cell).into_owned()).collect()
 }
 
-/// What a document without a table is.
+/// Describes a document without a table.
 fn described(document: &Value) -> String {
     match document {
         Value::Object(members) => {
@@ -104,7 +107,7 @@ fn described(document: &Value) -> String {
     }
 }
 
-/// A value as a cell.
+/// Returns a value as the text of a cell.
 fn text(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
@@ -113,7 +116,7 @@ fn text(value: &Value) -> String {
     }
 }
 
-/// The first list of objects, from the outside in.
+/// Returns the first list of objects, from the outside in.
 fn list_of_records(value: &Value, depth: usize) -> Option<&[Value]> {
     match value {
         Value::Array(items) if items.len() > 1 && items.iter().all(Value::is_object) => Some(items),
@@ -138,7 +141,7 @@ fn of_records(items: &[Value]) -> NamesAndRows {
     (names, records)
 }
 
-/// Arrays of one length by name, one of them of times: as pandas writes columns, and services their series.
+/// Reads arrays of one length by name, as pandas writes columns, and services their series.
 fn arrays(value: &Value, depth: usize) -> Option<NamesAndRows> {
     let members = value.as_object()?;
     let columns: Vec<(&String, Vec<String>)> =
@@ -156,7 +159,7 @@ fn arrays(value: &Value, depth: usize) -> Option<NamesAndRows> {
     members.values().find_map(|value| arrays(value, depth + 1))
 }
 
-/// An array of values, or an object of them by the number of their row.
+/// Reads an array of values, or an object of values by row number.
 fn series(value: &Value) -> Option<Vec<String>> {
     let single = |value: &Value| !value.is_object() && !value.is_array();
     match value {
@@ -172,7 +175,7 @@ fn series(value: &Value) -> Option<Vec<String>> {
     }
 }
 
-/// Open-Meteo: `hourly` or `minutely_15`, with units beside it.
+/// Reads Open-Meteo: `hourly` or `minutely_15`, with units beside it.
 fn open_meteo(path: &Path, document: &Value, head: &mut Head) -> Result<Option<NamesAndRows>> {
     if let Value::Array(places) = document
         && places.len() > 1
@@ -196,7 +199,7 @@ fn open_meteo(path: &Path, document: &Value, head: &mut Head) -> Result<Option<N
     Ok(None)
 }
 
-/// NASA POWER: an object of `YYYYMMDDHH` for each parameter.
+/// Reads NASA POWER: an object of `YYYYMMDDHH` for each parameter.
 fn nasa_power(document: &Value, head: &mut Head) -> Option<NamesAndRows> {
     let parameters = document.get("properties")?.get("parameter")?.as_object()?;
     let hours: Vec<&String> = parameters.values().next()?.as_object()?.keys().collect();
@@ -226,7 +229,7 @@ fn nasa_power(document: &Value, head: &mut Head) -> Option<NamesAndRows> {
     Some((names, records))
 }
 
-/// PVGIS: what `inputs` says of the plane and of the time.
+/// Reads the plane and the time offset of PVGIS from `inputs`.
 fn pvgis(path: &Path, document: &Value, head: &mut Head) -> Result<()> {
     let (Some(inputs), Some(_)) = (document.get("inputs"), document.get("outputs")) else { return Ok(()) };
     head.kind = Kind::Pvgis;
@@ -237,7 +240,7 @@ fn pvgis(path: &Path, document: &Value, head: &mut Head) -> Result<()> {
     Ok(())
 }
 
-/// Latitude, longitude and elevation, wherever they stand.
+/// Reads latitude, longitude and elevation from any level of the document.
 fn place(document: &Value, head: &mut Head) {
     let single =
         document.as_array().filter(|items| items.len() == 1).and_then(|items| items.first()).unwrap_or(document);
@@ -253,7 +256,8 @@ fn place(document: &Value, head: &mut Head) {
     }
 }
 
-/// The number of a member with this name, or of the `value` in it, from the outside in; lists are passed over.
+/// Returns the number of a member with this name, or of the `value` in it, from the outside in;
+/// lists are skipped.
 fn number_of(value: &Value, name: &str, depth: usize) -> Option<f64> {
     let members = value.as_object()?;
     let named = members.iter().find(|(key, _)| squash(key) == name).map(|(_, value)| value);

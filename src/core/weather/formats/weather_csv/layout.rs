@@ -1,10 +1,14 @@
-//! Whose layout a table has. In: the lines above its names. Out: kind, place, clock, units and where a stamp stands.
+//! Layouts of tables. In: the lines above the names of a table. Out: its kind, place, clock, units
+//! and the place of a stamp in its interval.
 //!
-//! - NSRDB (PSM3, PSM4; Sengupta and others, "The National Solar Radiation Data Base", 2018) and SAM CSV (NREL, "SAM CSV format for
-//!   solar"): a line of names and one of values, among them Latitude, Longitude, Time Zone and Elevation. Without a column of minutes SAM
-//!   takes the middle of each hour.
-//! - Open-Meteo: the same with `utc_offset_seconds`; radiation is the mean of the preceding interval, `_instant` that of its stamp.
-//! - NASA POWER (hourly API): `-BEGIN HEADER-`, UTC or local solar time in zones of 15 degrees; stamps of the start.
+//! - NSRDB (PSM3, PSM4; Sengupta and others, "The National Solar Radiation Data Base", 2018) and
+//!   SAM CSV (NREL, "SAM CSV format for solar"): a line of names and one of values, among them
+//!   Latitude, Longitude, Time Zone and Elevation. Without a column of minutes SAM takes the middle
+//!   of each hour.
+//! - Open-Meteo: a line of names and one of values with `utc_offset_seconds`; radiation is the mean
+//!   of the preceding interval, `_instant` the value at its stamp.
+//! - NASA POWER (hourly API): `-BEGIN HEADER-`, UTC or local solar time in zones of 15 degrees;
+//!   stamps of the start.
 //! - Solargis ("Data format"): lines with `#`; stamps of the middle, -9 is missing.
 //! - PVsyst standard format: `#Tag;value`; stamps of the start.
 //! - CAMS radiation service: `# Tag: value`; Wh/m2 between two moments that each row states.
@@ -20,17 +24,17 @@ use crate::weather::formats::weather_csv::names::squash;
 use crate::weather::formats::weather_csv::units::{Measure, parse_unit};
 use crate::weather::options::{StampedAt, parse_zone};
 
-/// Satellites pass within the hour of a time stamp.
+/// Largest time offset, hours: satellites pass within the hour of a time stamp.
 const FARTHEST_OFFSET_HOURS: f64 = 1.0;
 
-/// Columns that only NSRDB has: files that lost the two lines above the names are told by them.
+/// Columns that only NSRDB has. They identify files that lost the two lines above the names.
 const ONLY_NSRDB: [&str; 2] = ["cloud type", "fill flag"];
 
-/// The same of Open-Meteo.
+/// Columns that only Open-Meteo has. They identify files that lost the lines above the names.
 const ONLY_OPEN_METEO: [&str; 2] = ["shortwave_radiation", "diffuse_radiation"];
 
 impl Head {
-    /// Takes what the lines above the names say.
+    /// Reads the layout, place and clock from the lines above the names.
     pub(super) fn take_layout(&mut self, path: &Path, above: &[HeadLine]) -> Result<()> {
         let all = above.iter().map(|line| line.text.to_lowercase()).collect::<Vec<String>>().join("\n");
         let first = above.first().map(|line| line.text.to_lowercase()).unwrap_or_default();
@@ -99,7 +103,7 @@ impl Head {
         }
     }
 
-    /// A line of names and one of values.
+    /// Reads a line of names and one of values.
     fn two_lines(&mut self, path: &Path, above: &[HeadLine]) -> Result<()> {
         let [names, values, more @ ..] = above else { return Ok(()) };
         if self.kind == Kind::OpenMeteo && !more.is_empty() {
@@ -127,11 +131,11 @@ impl Head {
             return Ok(());
         }
         let zone = ["timezone", "tz"];
-        // Where it is blank it is asked for.
+        // A blank zone must be given by the user.
         if text(&zone).is_some_and(|text| !["", "-"].contains(&text)) {
             station.zone_hours = number("Time Zone", &zone)?;
         }
-        // NSRDB says both zones where its times are in UTC.
+        // NSRDB states two zones where its times are in UTC.
         station.zone_is_certain = station.zone_hours == Some(0.0)
             && text(&["localtimezone"]).and_then(|text| text.parse::<f64>().ok()).is_some_and(|local| local != 0.0);
         let named: Vec<&str> = ["city", "state", "country"].iter().filter_map(|name| text(&[name])).collect();
@@ -142,7 +146,7 @@ impl Head {
         Ok(())
     }
 
-    /// The lines above the names of PVGIS.
+    /// Reads the lines above the names of PVGIS.
     fn pvgis(&mut self, path: &Path, above: &[HeadLine]) -> Result<()> {
         for HeadLine { line, text } in above {
             let lower = text.to_lowercase();
@@ -178,7 +182,7 @@ impl Head {
         Err(Error::input(path, line, what, "fetch the file again as CSV, hourly data or typical year"))
     }
 
-    /// The first line of TMY3, with words behind its numbers.
+    /// Reads the first line of TMY3, with words behind its numbers.
     fn solar_anywhere(&mut self, path: &Path, above: &[HeadLine]) -> Result<()> {
         let Some(HeadLine { line, text }) = above.first() else { return Ok(()) };
         let cells = split(text, b',');
@@ -199,7 +203,8 @@ impl Head {
         Ok(())
     }
 
-    /// A line such as `#Latitude;45`, `Longitude: 8.0` or `Location: Latitude 45 Longitude 8`.
+    /// Reads a line such as `#Latitude;45`, `Longitude: 8.0` or `Location: Latitude 45 Longitude
+    /// 8`.
     fn tagged(&mut self, path: &Path, line: &HeadLine) -> Result<()> {
         let lower = line.text.trim_matches(['"', '#', ' ', ',']).to_lowercase();
         if self.kind == Kind::NasaPower {
@@ -215,7 +220,7 @@ impl Head {
         let value = value.trim_matches([' ', '"', ';', ',', '\t', ':']);
         let word = value.split([';', ' ', ',', '\t', '\u{b0}']).next().unwrap_or_default();
         let number = |name: &str| checked(path, line.line, name, word);
-        // What is no number there is a comment.
+        // A value that is no number is a comment.
         let is_number = word.parse::<f64>().is_ok();
         match tag.as_str() {
             "latitude" | "lat" | "sitelatitude" if is_number => self.station.latitude_deg = Some(number("latitude")?),
@@ -235,7 +240,7 @@ impl Head {
         Ok(())
     }
 
-    /// `Location: Latitude  40.0   Longitude -105.0` and the elevation.
+    /// Reads `Location: Latitude  40.0   Longitude -105.0` and the elevation.
     fn nasa_place(&mut self, path: &Path, line: usize, lower: &str) -> Result<()> {
         let behind = |word: &str| {
             let (_, rest) = lower.split_once(word)?;
@@ -255,7 +260,8 @@ impl Head {
         Ok(())
     }
 
-    /// The zone that NASA POWER's dates are in: UTC, or the one whose noon is that of the middle of its 15 degrees.
+    /// Sets the zone that NASA POWER's dates are in: UTC, or the zone whose noon is that of the
+    /// middle of its 15 degrees.
     pub fn nasa_zone(&mut self, all: &str) {
         let words = |pair: &str| {
             all.contains(&format!(" in {pair}")) || all.contains(&format!("({pair})")) || all.trim() == pair
@@ -273,11 +279,12 @@ impl Head {
         (self.station.zone_hours, self.station.zone_is_certain) = (Some(zone), true);
     }
 
-    /// What Solargis says of its columns: the zone of the time, the number for no value, stamps of the end where these were ordered.
+    /// Reads the properties of Solargis' columns: the zone of the time, the code for a missing
+    /// value, and stamps of the end where the user ordered these.
     fn solargis(&mut self, all: &str) {
         let reference = all.split_once("time reference").map(|(_, rest)| rest.trim_start_matches([' ', ':']));
         let zone = reference.and_then(|rest| parse_zone(rest.split([',', '\n', ' ', ';']).next()?));
-        // By default it is UTC.
+        // The default is UTC.
         self.say_zone(zone.unwrap_or(0.0));
         let no_data = all.split_once("no data value").map(|(_, rest)| rest.trim_start_matches([' ', ':', '=']));
         let number = no_data.and_then(|rest| rest.split([',', '\n', ' ', ';', ')']).next()?.parse().ok());
@@ -293,7 +300,8 @@ impl Head {
         };
     }
 
-    /// Units that lines above the names state behind the name of a column: `#GHI - Global horizontal irradiation [Wh/m2]`.
+    /// Reads units that lines above the names state behind the name of a column: `#GHI - Global
+    /// horizontal irradiation [Wh/m2]`.
     fn units_above(&mut self, above: &[HeadLine]) {
         if ![Kind::Solargis, Kind::NasaPower, Kind::Cams, Kind::Plain].contains(&self.kind) || above.is_empty() {
             return;
@@ -318,7 +326,8 @@ impl Head {
         }
     }
 
-    /// Where a stamp stands by the kind of a file, `has_minutes` where it has a column of them.
+    /// Returns the usual place of a stamp in its interval for the kind of a file. `has_minutes`
+    /// says that it has a column of minutes.
     pub fn usual_stamp(&self, path: &Path, has_minutes: bool, instants: bool) -> Result<StampedAt> {
         let unclear = |what: &str| {
             let hint = "say it with {weather_stamp} start, middle or end";
@@ -345,14 +354,14 @@ impl Head {
     }
 }
 
-/// Whether a line names latitude, longitude and time zone in cells.
+/// Returns true if a line names latitude, longitude and time zone in cells.
 fn is_two_line_head(lower: &str) -> bool {
     let cells: Vec<String> = lower.split([',', ';']).map(squash).collect();
     let has = |wanted: &[&str]| cells.iter().any(|cell| wanted.contains(&cell.as_str()));
     has(&["latitude", "lat"]) && has(&["longitude", "lon", "lng", "long"]) && has(&["timezone", "tz"])
 }
 
-/// How long after its stamp a row was, minutes.
+/// Returns the delay of a row after its stamp, minutes.
 pub fn late_min(path: &Path, line: Option<usize>, hours: f64, text: &str) -> Result<f64> {
     if hours.is_finite() && hours.abs() <= FARTHEST_OFFSET_HOURS {
         return Ok(60.0 * hours);
@@ -362,7 +371,7 @@ pub fn late_min(path: &Path, line: Option<usize>, hours: f64, text: &str) -> Res
     Err(Error::input(path, line, what, hint))
 }
 
-/// Texts in round and square brackets.
+/// Returns texts in round and square brackets.
 fn bracketed(text: &str) -> Vec<String> {
     let parts = text.split(['(', '[']).skip(1);
     parts.filter_map(|part| Some(part.split_once([')', ']'])?.0.to_owned())).collect()

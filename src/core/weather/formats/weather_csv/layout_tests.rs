@@ -1,4 +1,5 @@
-//! One weather in many layouts: each gives the sums of the plain table to 0.1 %, or is refused by a message that names the cause.
+//! One weather in many layouts: each gives the sums of the plain table to 0.1 %, or is refused by a
+//! message that names the cause.
 
 use std::path::Path;
 
@@ -13,7 +14,7 @@ use crate::weather::formats::weather_file::parse_weather_as;
 use crate::weather::options::WeatherOptions;
 use crate::weather::series::Weather;
 
-/// Energy on a flat plane, one to the east and one inclined to the west.
+/// Returns the energy on a flat plane, one to the east and one inclined to the west.
 fn sums(weather: &Weather) -> [f64; 3] {
     let west = DVec3::new(-(60.0_f64.to_radians().sin()), 0.0, 0.5);
     let mut sums = [0.0; 3];
@@ -30,8 +31,8 @@ fn read(name: &str, bytes: &[u8], options: &WeatherOptions) -> Result<Weather, S
     parse_weather_as(Path::new(name), bytes, options, &mut || Ok(None)).map_err(|error| error.to_string())
 }
 
-/// Sixty-three layouts and units of one weather, those of people, of programs and of services, give the sums of the plain table on three planes
-/// to 0.1 %, and no word about their clocks.
+/// Sixty-three layouts and units of one weather, those of people, of programs and of services, give
+/// the sums of the plain table on three planes to 0.1 %, and no warning about their clocks.
 #[test]
 fn sixty_three_layouts_give_the_same_sums() {
     let right = sums(&read("right.csv", in_unit("time,ghi,dni,dhi", 1.0).as_bytes(), &AT_PLACE).expect("valid"));
@@ -56,8 +57,8 @@ fn sixty_three_layouts_give_the_same_sums() {
     assert_eq!(all.len(), 63);
 }
 
-/// Sixteen files that can be read in two ways, or in none, are refused by a message of at most four lines and 400 characters that names the
-/// cause.
+/// Sixteen files that can be read in two ways, or in none, are refused by a message of at most four
+/// lines and 400 characters that names the cause.
 #[test]
 fn sixteen_refusals_name_the_cause() {
     let no_statement = nasa_csv("", 0).replace(" in \n", "\n");
@@ -97,7 +98,8 @@ fn sixteen_refusals_name_the_cause() {
     }
 }
 
-/// Pairs of start and end whose length is not the step, and a stated period that is not, are refused with both numbers: 2 of 2.
+/// Pairs of start and end whose length is not the step, and a stated period of another length, are
+/// refused with the two numbers: 2 of 2.
 #[test]
 fn stated_lengths_are_checked() {
     let pair = table("period_start,period_end,dni,dhi", |hour| format!("{},{},1,1", hour.iso(-7, 0), hour.iso(-7, 30)));
@@ -109,8 +111,9 @@ fn stated_lengths_are_checked() {
     }
 }
 
-/// Snow of 0.30 m, 11.8 in and 30 cm is the same to a centimetre, albedo of 20 % and 0.2 too, and temperatures of 288.15 K, 59 F and 15 C;
-/// numbers outside their range are counted in one sentence a column.
+/// Snow of 0.30 m, 11.8 in and 30 cm is equal to a millimetre, and so are albedo of 20 % and 0.2,
+/// and temperatures of 288.15 K, 59 F and 15 C. Numbers outside their range are counted in one
+/// sentence a column.
 #[test]
 fn units_of_ground_and_air() {
     let with_air = WeatherOptions { with_air: true, ..AT_PLACE };
@@ -137,8 +140,8 @@ fn units_of_ground_and_air() {
     }
 }
 
-/// A table of GHI alone, stamped 01:00 to 24:00 in ISO 8601, is read as starts with one sentence that names the option; stamped 00:00 to 23:00
-/// without.
+/// A table of GHI alone, stamped 01:00 to 24:00 in ISO 8601, is read as starts with one warning
+/// that names the option. Stamped 00:00 to 23:00 it gives no warning.
 #[test]
 fn stamps_to_midnight_are_told() {
     for (minutes, told) in [(60, 1), (0, 0)] {
@@ -150,8 +153,8 @@ fn stamps_to_midnight_are_told() {
     }
 }
 
-/// An unknown unit of albedo or snow leaves the column out with one sentence, one of air matters where air is read; a column of row numbers
-/// named `period` states no length.
+/// An unknown unit of albedo or snow leaves the column out with one warning; a unit of air is
+/// refused only where air is read. A column of row numbers named `period` states no length.
 #[test]
 fn unknown_units_beside_light() {
     let text = table("time,dni,dhi,albedo (x),temp_air (x),period", |hour| {
@@ -170,8 +173,8 @@ fn unknown_units_beside_light() {
     assert!(message.contains("the unit `x` of column `temp_air (x)` is not known"), "{message}");
 }
 
-/// Any cut of the 63 layouts, and changed bytes in them, are read or refused without a panic, and no number that is not finite is let
-/// through: over 4000 tries.
+/// Any cut of the 63 layouts, and changed bytes in them, are read or refused without a panic, and
+/// every number that is read is finite: over 4000 tries.
 #[test]
 fn cuts_and_noise_of_layouts() {
     let mut tries = 0;
@@ -196,7 +199,8 @@ fn cuts_and_noise_of_layouts() {
     assert!(tries > 4000, "{tries}");
 }
 
-/// Where a layout says that its stamps are in UTC, `-7` moves days and labels and no sun: the first of 48 hours is 00:00, and the sums stay.
+/// In layouts whose stamps are in UTC, a zone of -7 moves days and labels and no sun: the first of
+/// 48 hours is 00:00, and the sums stay.
 #[test]
 fn zones_of_layouts_move_labels() {
     let local = WeatherOptions { zone_hours: Some(-7.0), ..SILENT };

@@ -1,5 +1,5 @@
-//! One weather in many layouts, for tests. In: two clear days by formula at 40 N, 105 W. Out: files in the layouts of services, programs and
-//! people.
+//! One weather in many layouts, for tests. In: two clear days by formula at 40 N, 105 W. Out: files
+//! in the layouts of services, programs and people.
 
 use serde_json::json;
 
@@ -18,12 +18,13 @@ pub struct Hour {
 }
 
 impl Hour {
-    /// Seconds after 1970 in UTC, so many minutes after the start.
+    /// Returns the seconds after 1970 in UTC, `minutes` minutes after the start of the hour.
     pub fn unix(self, minutes: i64) -> i64 {
         1_622_530_800 + i64::from((self.day - 1) * 24 + self.hour) * 3600 + minutes * 60
     }
 
-    /// `YYYY-MM-DDTHH:MM` of a clock ahead of UTC, so many minutes after the start.
+    /// Returns `YYYY-MM-DDTHH:MM` of a clock ahead of UTC, `minutes` minutes after the start of the
+    /// hour.
     pub fn iso(self, zone_hours: i64, minutes: i64) -> String {
         let (date, after) = Date::OF_DAY_0.after((self.unix(minutes) + zone_hours * 3600) as f64 / 60.0);
         date.label(after as u32)
@@ -34,7 +35,8 @@ impl Hour {
     }
 }
 
-/// 1 and 2 June 2021 from 00:00 to 24:00 of UTC-7: DNI of a clear sky by the height of the sun, DHI of 100 W/m2 by day.
+/// Returns 1 and 2 June 2021 from 00:00 to 24:00 of UTC-7: DNI of a clear sky by the height of the
+/// sun, DHI of 100 W/m2 by day.
 pub fn hours() -> Vec<Hour> {
     let site = Location::new(40.0, -105.0, -7.0, 1600.0).expect("a site");
     let of = |(day, hour): (u32, u32)| {
@@ -61,11 +63,11 @@ pub const AT_PLACE: WeatherOptions = WeatherOptions {
     with_air: false,
 };
 
-/// For files that say all of that.
+/// Options for files that state place and zone themselves.
 pub const SILENT: WeatherOptions =
     WeatherOptions { latitude_deg: None, longitude_deg: None, zone_hours: None, ..AT_PLACE };
 
-/// A table with a line for each hour.
+/// Returns a table with a line for each hour.
 pub fn table(head: &str, row: impl Fn(Hour) -> String) -> String {
     hours().into_iter().fold(format!("{head}\n"), |text, hour| text + &row(hour) + "\n")
 }
@@ -74,7 +76,7 @@ pub fn plain(value: f64) -> String {
     format!("{value:.4}")
 }
 
-/// Hours of UTC by their start, light in a unit of which `factor` are one W/m2.
+/// Returns hours of UTC by their start, with light in a unit of which `factor` are one W/m2.
 pub fn in_unit(names: &str, factor: f64) -> String {
     table(names, |hour| format!("{}Z,{}", hour.iso(0, 0), hour.light(|value| format!("{:.6}", value * factor))))
 }
@@ -290,7 +292,7 @@ fn split_json() -> String {
         .to_string()
 }
 
-/// A layout with its name, its bytes, what a user says of it.
+/// A layout: its name, its bytes, and the options of the user.
 pub type Layout = (&'static str, Vec<u8>, WeatherOptions);
 
 pub fn units() -> Vec<Layout> {

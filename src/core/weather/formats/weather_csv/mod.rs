@@ -1,8 +1,9 @@
-//! Reader of weather as a table with names of columns: CSV files, plain or of some service, and JSON. In: a file's bytes. Out: its rows as
-//! they stand there.
+//! Reader of weather as a table with names of columns: CSV files, plain or of some service, and
+//! JSON. In: a file's bytes. Out: its rows, not yet filled or checked against each other.
 //!
-//! Which names of columns are read stands in [`names`], their units in [`units`], what services write above them in [`layout`]. Cells are
-//! separated by commas, semicolons, tabs or blanks. Light that is empty, a word for missing, at most -900 or at least 9999 is missing.
+//! [`names`] lists the names of columns that are read, [`units`] their units, and [`layout`] the
+//! lines that services write above them. Cells are separated by commas, semicolons, tabs or blanks.
+//! Light is missing if its cell is empty, a word for missing, at most -900 or at least 9999.
 
 mod cells;
 mod columns;
@@ -66,7 +67,8 @@ fn read_table(path: &Path, mut head: Head, source: &RowSource, options: &Weather
     rows.finish()
 }
 
-/// How the dates of a column are written: as the user or its name says, or as all of its dates show.
+/// Finds the order of day and month in a column: as the user or the name of the column states, or
+/// as all of its dates show.
 fn order_of(
     path: &Path,
     head: &Head,
@@ -108,18 +110,18 @@ struct Rows<'a> {
     columns: &'a Columns,
     moments: MomentReader<'a>,
     options: &'a WeatherOptions,
-    /// The zone of the clock that days and labels go by, once it is known from a stamp.
+    /// Zone of the clock by which days and labels go, once it is known from a stamp.
     zone_hours: Option<f64>,
-    /// Whether stamps say their zone; known from the first row on.
+    /// True if stamps state their zone; known from the first row on.
     stamps_say: Option<bool>,
     moved_s: i64,
-    /// Whether an hour 24 occurs.
+    /// True if an hour 24 occurs.
     ends_day: bool,
-    /// Whether rows name their start and their end.
+    /// True if rows name their start and their end.
     are_starts: bool,
-    /// Rows without a year.
+    /// Number of rows without a year.
     no_year: usize,
-    /// Length of an interval as the first row states it, and its line.
+    /// Length of an interval in the first row that states it, minutes, and its line.
     stated_min: Option<(f64, usize)>,
     odd: OutOfRange,
     rows: Vec<RawRow>,
@@ -155,11 +157,12 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Takes a row; false if the rows have ended.
+    /// Adds a row; returns false if the rows have ended.
     fn add(&mut self, line: usize, record: &ByteRecord) -> Result<bool> {
         let first = cell(record, 0);
         let kind = self.head.kind;
-        // A legend stands below the rows of PVGIS, and a table of days below the hours of Open-Meteo.
+        // A legend stands below the rows of PVGIS, and a table of days below the hours of
+        // Open-Meteo.
         let ends = kind == Kind::Pvgis && !first.starts_with(|c: char| c.is_ascii_digit())
             || kind == Kind::OpenMeteo && first.eq_ignore_ascii_case("time");
         if ends {
@@ -184,7 +187,7 @@ impl<'a> Rows<'a> {
         Ok(true)
     }
 
-    /// Seconds of the clock that days and labels go by.
+    /// Returns the seconds of the clock by which days and labels go.
     fn stamp(&mut self, cells: &Cells) -> Result<i64> {
         let moment = self.moments.read(cells)?;
         let (seconds, said) = (moment.seconds, moment.zone_hours);
@@ -211,7 +214,8 @@ impl<'a> Rows<'a> {
         Ok(seconds + moved_s)
     }
 
-    /// Where in its interval a stamp stands: as the user says, as the names of the columns and the rows do, as is usual.
+    /// Returns the place of a stamp in its interval: first as the user says, then as the names of
+    /// the columns and the rows show, then as is usual for the layout.
     fn stamped_at(&self) -> Result<StampedAt> {
         if let Some(at) = self.options.stamped_at {
             return Ok(at);
@@ -235,9 +239,10 @@ impl<'a> Rows<'a> {
         if self.stamps_say == Some(true) {
             (station.zone_hours, station.zone_is_certain) = (self.zone_hours, true);
         }
-        // What PVGIS says of its values at one moment is of no use if they are said to be means.
+        // PVGIS' time offset is that of values at one moment. It does not apply if the user says
+        // that they are means.
         let late_min = if options.stamped_at.is_none() { head.late_min } else { 0.0 };
-        // By the file's own clock.
+        // First and last stamp by the file's own clock.
         let first_s = seconds.first().copied().unwrap_or_default() - moved_s;
         let last_s = seconds.last().copied().unwrap_or_default() - moved_s;
         let stamped = StampedRows { rows, seconds, stamped_at, day_of_start: true, late_min, moved_s };
@@ -278,7 +283,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Whether whole days are stamped from one step after midnight to midnight.
+/// Returns true if whole days are stamped from one step after midnight to midnight.
 fn runs_to_midnight(first_s: i64, last_s: i64, step_min: f64) -> bool {
     let step_s = (60.0 * step_min).round() as i64;
     first_s.rem_euclid(86_400) == step_s && last_s.rem_euclid(86_400) == 0 && last_s - first_s >= 86_400 - step_s

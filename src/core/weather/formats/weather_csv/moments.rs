@@ -1,5 +1,5 @@
-//! The moments of rows. In: cells, and the columns that hold the time. Out: seconds of the clock that days go by, and what stamps say of
-//! their zone and of the length of an interval.
+//! The moments of rows. In: cells, and the columns that hold the time. Out: seconds of the clock by
+//! which days go, the zone of stamps and the length of an interval, if stated.
 
 use crate::error::{Error, Result};
 use crate::text::excerpt;
@@ -12,27 +12,27 @@ use crate::weather::formats::weather_csv::stamp_columns::{StampColumns, StampPla
 use crate::weather::options::DateOrder;
 use crate::weather::time::calendar::Date;
 
-/// Minutes of a day, whose last one is the next midnight.
+/// Minutes of a day; the last one is the next midnight.
 const DAY_MIN: u32 = 1440;
 
-/// When a row is, as it says itself.
+/// Moment of a row, read from its cells.
 pub struct Moment {
-    /// After 1970-01-01 00:00 of the clock of the stamp.
+    /// Seconds after 1970-01-01 00:00 of the clock of the stamp.
     pub seconds: i64,
     pub zone_hours: Option<f64>,
-    /// Whether its hour is the 24th: labels of a file with one are ends.
+    /// True if its hour is the 24th: labels of a file with one are ends.
     pub ends_day: bool,
-    /// Whether it is the first hour of a day, 0.
+    /// True if it lies in the first hour of a day, 0.
     pub starts_day: bool,
-    /// Length of the interval, minutes, where the row says it.
+    /// Length of the interval, minutes, if the row states it.
     pub minutes: Option<f64>,
-    /// Whether the row names start and end, and `seconds` is the start.
+    /// True if the row names start and end, and `seconds` is the start.
     pub is_start: bool,
-    /// Whether it says no year, and one was put in.
+    /// True if it names no year, and one was put in.
     pub no_year: bool,
 }
 
-/// How the cells of time are read.
+/// Reader of the cells of time.
 pub struct MomentReader<'a> {
     pub columns: &'a StampColumns,
     pub names: &'a Columns,
@@ -52,7 +52,7 @@ impl MomentReader<'_> {
             moment.minutes = Some(self.length(cells, place, moment.seconds, &end)?);
             moment.is_start = true;
         } else if let Some(place) = self.columns.period {
-            // A bare number may be that of a row.
+            // A bare number may be the number of a row.
             let text = cells.text(place);
             let says_unit = text.chars().any(|c| c.is_alphabetic() || c == ':')
                 || self.names.name(place).to_lowercase().contains("min");
@@ -65,7 +65,7 @@ impl MomentReader<'_> {
         parse_stamp(text, self.order).ok_or_else(|| cells.bad(place, self.names.name(place), STAMPS))
     }
 
-    /// Minutes from a start to an end.
+    /// Returns the minutes from a start to an end.
     fn length(&self, cells: &Cells, place: usize, start: i64, end: &StampText) -> Result<f64> {
         let minutes = (end.seconds - start) as f64 / 60.0;
         if minutes > 0.0 {
@@ -76,7 +76,8 @@ impl MomentReader<'_> {
 
     fn of_text(&self, cells: &Cells, date: usize, clock: Option<usize>) -> Result<Moment> {
         let text = cells.text(date);
-        // `2021-06-01T00:00/2021-06-01T01:00` of the CAMS radiation service, and `2021-06-01T00:00/PT1H`.
+        // `2021-06-01T00:00/2021-06-01T01:00` of the CAMS radiation service, and
+        // `2021-06-01T00:00/PT1H`.
         let pair = text.split_once('/').filter(|(start, end)| start.len() > 9 && !end.is_empty());
         let start = self.stamp(cells, date, pair.map_or(&text, |(start, _)| start))?;
         let mut moment = Moment {
@@ -109,7 +110,7 @@ impl MomentReader<'_> {
         parse_clock(&cells.text(place)).ok_or_else(|| cells.bad(place, self.names.name(place), hint))
     }
 
-    /// Places of year, month, day, hour, minute and of a time of day.
+    /// Reads a moment from the columns of year, month, day, hour, minute and of a time of day.
     fn of_parts(&self, cells: &Cells, places: [Option<usize>; 6]) -> Result<Moment> {
         let [year, month, day, hour, minute, clock] = places;
         let part = |place: usize| {
@@ -140,7 +141,8 @@ impl MomentReader<'_> {
                 let hour = whole(hour)?.unwrap_or_default();
                 let minute = whole(minute)?.unwrap_or_default();
                 ends_day |= hour == 24;
-                // Some files write the 60th minute of an hour; digits are four at most.
+                // Some files write the 60th minute of an hour. Parts have at most four digits, so
+                // the sum cannot overflow.
                 let minutes = hour * 60 + minute;
                 (minute <= 60 && minutes <= DAY_MIN).then_some(i64::from(minutes * 60))
             }
@@ -160,7 +162,7 @@ impl MomentReader<'_> {
         })
     }
 
-    /// An error of a column whose dates can be read in two ways.
+    /// Returns the error of a column whose dates can be read in two ways.
     pub fn two_orders(&self, cells: &Cells) -> Error {
         let StampPlace::Text { date, .. } = self.columns.place else {
             return Error::input(cells.path, cells.line, "the date can be read in two ways", STAMPS);

@@ -1,14 +1,15 @@
-//! Names of columns. In: a name as it stands in a file. Out: the quantity that it stands for, and the unit that it states.
+//! Names of columns. In: a name in a file. Out: the quantity that it stands for, and the unit that
+//! it states.
 
 use crate::weather::formats::weather_csv::units::{Measure, Unit, looks_like_unit, parse_unit};
 
-/// What a column can hold.
+/// Quantity that a column can hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     Ghi,
     Dni,
     Dhi,
-    /// The direct part on the horizontal.
+    /// Direct irradiance on the horizontal.
     Beam,
     Albedo,
     Snow,
@@ -21,7 +22,8 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its names in small letters, the usual ones first; upper case, blanks, hyphens and underscores count as the same.
+    /// Returns the names of the quantity in lower case, the usual ones first. Case, blanks, hyphens
+    /// and underscores do not matter.
     const fn names(self) -> &'static [&'static str] {
         match self {
             Quantity::Ghi => &[
@@ -123,7 +125,8 @@ impl Quantity {
         }
     }
 
-    /// Of light, two columns with names up to here are too many; of one with a rarer name, the more usual one is taken.
+    /// Returns the number of usual names. Two columns of light with usual names are refused; a
+    /// rarer name gives way to a more usual one.
     pub const fn usual_names(self) -> usize {
         match self {
             Quantity::Ghi => 4,
@@ -133,13 +136,13 @@ impl Quantity {
         }
     }
 
-    /// Whether it is only read for longwave irradiance and for comfort.
+    /// Returns true if it is read only for longwave irradiance and for comfort.
     pub const fn is_of_air(self) -> bool {
         use Quantity::{DewPoint, DryBulb, Humidity, Infrared, OpaqueSky, Wind};
         matches!(self, DryBulb | DewPoint | Humidity | Infrared | OpaqueSky | Wind)
     }
 
-    /// Whether it is of the ground, which few replays take from weather.
+    /// Returns true if it describes the ground, which few replays take from weather.
     pub const fn is_of_ground(self) -> bool {
         matches!(self, Quantity::Albedo | Quantity::Snow)
     }
@@ -156,7 +159,7 @@ impl Quantity {
         }
     }
 
-    /// Units that a column of it can have, for messages.
+    /// Returns the units that a column of it can have, for messages.
     pub const fn units(self) -> &'static str {
         match self.measure() {
             Measure::Irradiance => "W/m2, kW/m2, Wh/m2, kWh/m2, J/m2, kJ/m2, MJ/m2, J/cm2, cal/cm2, langley or BTU/ft2",
@@ -168,7 +171,7 @@ impl Quantity {
         }
     }
 
-    /// What it is called in messages.
+    /// Returns the name of the quantity in messages.
     pub const fn word(self) -> &'static str {
         match self {
             Quantity::Ghi => "GHI",
@@ -187,26 +190,26 @@ impl Quantity {
     }
 }
 
-/// What a name says behind the quantity.
+/// Unit that a name states behind the quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StatedUnit {
     Silent,
     Known(Unit),
-    /// Text that stands where a unit does, and is none of the measure.
+    /// Text in place of a unit that is no unit of the measure.
     Unknown(String),
 }
 
-/// A name that stands for a quantity.
+/// Match of a name with a quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NameMatch {
-    /// Which of the quantity's names it is; 0 is the most usual one.
+    /// Index among the quantity's names; 0 is the most usual one.
     pub rank: usize,
     pub unit: StatedUnit,
-    /// Whether values are those of a moment, and not means.
+    /// True if values belong to a moment and are no means.
     pub instant: bool,
 }
 
-/// Words behind a name that say nothing of its unit.
+/// Words behind a name that do not concern its unit.
 const QUALIFIERS: [&str; 20] = [
     "avg",
     "mean",
@@ -230,7 +233,8 @@ const QUALIFIERS: [&str; 20] = [
     "actual",
 ];
 
-/// A name without case, blanks, hyphens, underscores and quotes: `Dew Point (C)` is `dewpoint(c)`.
+/// Returns a name without case, blanks, hyphens, underscores and quotes: `Dew Point (C)` becomes
+/// `dewpoint(c)`.
 pub fn squash(name: &str) -> String {
     let lower = name.to_lowercase();
     lower
@@ -239,8 +243,8 @@ pub fn squash(name: &str) -> String {
         .collect()
 }
 
-/// How a name stands for a quantity, if it does: the longest of the quantity's names that it starts with, and behind that nothing but a
-/// unit and words of [`QUALIFIERS`].
+/// Matches a name with a quantity. It takes the longest of the quantity's names that the name
+/// starts with, if nothing but a unit and words of [`QUALIFIERS`] follows.
 pub fn match_name(name: &str, quantity: Quantity) -> Option<NameMatch> {
     let plain = squash(name);
     let known = quantity.names().iter().enumerate().map(|(rank, name)| (rank, squash(name)));
@@ -254,7 +258,7 @@ pub fn match_name(name: &str, quantity: Quantity) -> Option<NameMatch> {
     })
 }
 
-/// The unit in what stands behind a name; `None` if it makes another name of it.
+/// Returns the unit in the text behind a name; `None` if the text makes it another name.
 fn unit_behind(rest: &str, measure: Measure, instant: &mut bool) -> Option<StatedUnit> {
     let mut unit = StatedUnit::Silent;
     let mut left = rest;
@@ -305,7 +309,8 @@ fn unit_behind(rest: &str, measure: Measure, instant: &mut bool) -> Option<State
 mod tests {
     use super::*;
 
-    /// Thirty spellings of GHI are GHI, with what one of them is in W/m2 over an hour; the unit of two is not known and stays by name.
+    /// Thirty spellings of GHI are recognised, with the value of one of their units in W/m2 over an
+    /// hour. The units of two other names are reported as unknown.
     #[test]
     fn spellings_of_ghi() {
         for (name, expected) in [
@@ -355,7 +360,8 @@ mod tests {
         }
     }
 
-    /// Twelve names that start with a quantity's and go on otherwise are not its, and five of air and ground state their units.
+    /// Twelve names that start with a quantity's name and go on otherwise do not match. Five names
+    /// of air and ground state their units.
     #[test]
     fn other_names() {
         for (name, quantity) in [

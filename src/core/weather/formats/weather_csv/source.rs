@@ -1,4 +1,5 @@
-//! Rows of a table. In: the bytes below its names, or records. Out: one record after the other, each with its line.
+//! Rows of a table. In: the bytes below its names, or records. Out: one record after the other,
+//! each with its line.
 
 use std::path::Path;
 
@@ -6,19 +7,19 @@ use csv::{ByteRecord, ReaderBuilder, Trim};
 
 use crate::error::{Error, Result};
 
-/// Where rows come from.
+/// Source of rows.
 pub enum RowSource<'b> {
     /// Text with `above` lines above it; a blank as delimiter stands for any number of blanks.
     Text { bytes: &'b [u8], delimiter: u8, above: usize },
-    /// Rows that were something else than text; their line is their number.
+    /// Rows that do not come from text; their line is their number.
     Records(Vec<ByteRecord>),
 }
 
-/// Takes a row with its line; false ends the rows.
+/// Function that takes a row with its line; false ends the rows.
 pub type TakeRow<'t> = &'t mut dyn FnMut(usize, &ByteRecord) -> Result<bool>;
 
 impl RowSource<'_> {
-    /// Gives each row, until one is the last.
+    /// Calls `take` with each row, until it returns false.
     pub fn for_each(&self, path: &Path, take: TakeRow) -> Result<()> {
         match self {
             RowSource::Records(records) => {

@@ -1,5 +1,5 @@
-//! Which columns hold the time. In: names of columns and the first row. Out: their places, and where in an interval their names say that a
-//! stamp stands.
+//! Columns of the time. In: names of columns and the first row. Out: their indices, and the place
+//! of a stamp in its interval by their names.
 
 use std::path::Path;
 
@@ -33,15 +33,17 @@ const TIME: &[&str] = &[
     "day",
 ];
 
-/// The same of stamps that stand at the start, and at the end.
+/// Names of a column of stamps at the start of intervals.
 const START: &[&str] =
     &["periodstart", "intervalstart", "starttime", "timestart", "start", "from", "begin", "hourbeginning", "startdate"];
+/// Names of a column of stamps at the end of intervals.
 const END: &[&str] =
     &["periodend", "intervalend", "endtime", "timeend", "end", "to", "hourending", "enddate", "periodending"];
+/// Names of a column of stamps in the middle of intervals.
 const MIDDLE: &[&str] =
     &["periodmid", "periodmiddle", "midtime", "timemid", "intervalmid", "periodcenter", "periodcentre"];
 
-/// A time of day, beside a column of dates.
+/// Names of a column of times of day, beside a column of dates.
 const CLOCK: &[&str] =
     &["time", "hour", "hr", "clock", "timeofday", "hh:mm", "localtime", "hhmm", "hourofday", "uhrzeit", "zeit"];
 
@@ -51,15 +53,16 @@ const DAY: &[&str] = &["day", "dd", "dayofmonth", "dm", "dy", "d"];
 const HOUR: &[&str] = &["hour", "hr", "hh", "hourofday", "h"];
 const MINUTE: &[&str] = &["minute", "min", "mi", "minutes"];
 
-/// The length of an interval.
+/// Names of a column with the length of an interval.
 const PERIOD: &[&str] =
     &["period", "interval", "periodminutes", "intervalminutes", "duration", "periodmin", "intervalmin"];
 
-/// Where a time stamp stands in a row.
+/// Place of a time stamp in a row.
 pub enum StampPlace {
     /// A whole stamp in one cell, or a date with its time of day in another.
     Text { date: usize, clock: Option<usize> },
-    /// Year, month, day, hour and minute; without a year it is one of no year, without a month `day` is the day of the year.
+    /// Year, month, day, hour and minute in their own cells. Without a year any year is meant;
+    /// without a month `day` is the day of the year.
     Parts {
         year: Option<usize>,
         month: Option<usize>,
@@ -70,17 +73,17 @@ pub enum StampPlace {
     },
 }
 
-/// Where a row's time stands, and what the names say of it.
+/// Columns of a row's time, with the facts that their names state.
 pub struct StampColumns {
     pub place: StampPlace,
     /// Hours ahead of UTC, by the name of the column.
     pub zone_hours: Option<f64>,
-    /// By the name.
+    /// Place of the stamp in its interval, by the name of the column.
     pub at: Option<StampedAt>,
-    /// The stamp of the end, where the first is that of the start.
+    /// Column of the end stamp, if the first stamp is that of the start.
     pub end: Option<usize>,
     pub period: Option<usize>,
-    /// By a name such as `Date (MM/DD/YYYY)`.
+    /// Order of day and month, by a name such as `Date (MM/DD/YYYY)`.
     pub order: Option<DateOrder>,
 }
 
@@ -91,7 +94,7 @@ struct Found {
     at: Option<StampedAt>,
 }
 
-/// A name without what stands behind it in brackets, and without a zone.
+/// Returns a name without a zone and without text in brackets behind it.
 fn bare(name: &str) -> String {
     let squashed = squash(name);
     let plain = squashed.split(['(', '[']).next().unwrap_or_default();
@@ -99,13 +102,13 @@ fn bare(name: &str) -> String {
     ends.iter().find_map(|end| plain.strip_suffix(end).filter(|start| !start.is_empty())).unwrap_or(plain).to_owned()
 }
 
-/// The place of the first of the wanted names that is there.
+/// Returns the index of the first of the wanted names that exists.
 pub fn place_of(names: &[String], wanted: &[&str]) -> Option<usize> {
     let plain: Vec<String> = names.iter().map(|name| bare(name)).collect();
     wanted.iter().find_map(|wanted| plain.iter().position(|name| *name == squash(wanted)))
 }
 
-/// Whether some column has a name of a time.
+/// Returns true if some column has a name of a time.
 pub fn names_a_time(names: &[String]) -> bool {
     let has = |wanted: &[&str]| place_of(names, wanted).is_some();
     [TIME, START, END, MIDDLE].into_iter().any(has)
@@ -114,7 +117,8 @@ pub fn names_a_time(names: &[String]) -> bool {
 }
 
 impl StampColumns {
-    /// A column with a name for it, else the first one if it holds time stamps, else year, month, day, hour and minute.
+    /// Finds the time: a column with a name for it, else the first one if it holds time stamps,
+    /// else year, month, day, hour and minute.
     pub fn find(path: &Path, head: &Head) -> Result<Self> {
         let names = head.names.as_slice();
         let place = |wanted: &[&str]| place_of(names, wanted);
@@ -202,14 +206,16 @@ impl StampColumns {
     }
 }
 
-/// Whether a cell of the first row starts with a date of any order, or is the whole stamp of an interval.
+/// Returns true if a cell of the first row starts with a date of any order, or is the whole stamp
+/// of an interval.
 fn looks_dated(head: &Head, place: usize) -> bool {
     let text = head.first(place);
     let text = text.split_once('/').filter(|(start, _)| start.len() > 9).map_or(text, |(start, _)| start);
     [DateOrder::Dmy, DateOrder::Mdy].into_iter().any(|order| parse_stamp(text, Some(order)).is_some())
 }
 
-/// The same with a time of day.
+/// Returns true if a cell of the first row is a date with a time of day, or the whole stamp of an
+/// interval.
 fn is_whole(head: &Head, place: usize) -> bool {
     let text = head.first(place);
     let text = text.split_once('/').filter(|(start, _)| start.len() > 10).map_or(text, |(start, _)| start);
@@ -221,17 +227,17 @@ fn is_clock(head: &Head, place: usize) -> bool {
     parse_clock(head.first(place)).is_some()
 }
 
-/// The zone that all stamps of a layout are in, as if each of them said so.
+/// Returns the zone that all stamps of a layout are in, as if each of them stated it.
 fn zone_of_layout(head: &Head) -> Option<f64> {
     match head.kind {
         Kind::Pvgis => Some(0.0),
-        // Of NSRDB the user may say another.
+        // The user may give another zone for NSRDB.
         Kind::Nsrdb => None,
         _ => head.station.zone_hours.filter(|_| head.station.zone_is_certain),
     }
 }
 
-/// The zone that a name states: `time(UTC)`, `timestamp_utc`, `Time (UTC+1)`.
+/// Returns the zone that a name states: `time(UTC)`, `timestamp_utc`, `Time (UTC+1)`.
 fn zone_of(name: &str) -> Option<f64> {
     let lower = name.to_lowercase();
     let at = lower.find("utc").or_else(|| lower.find("gmt"))?;
@@ -240,7 +246,7 @@ fn zone_of(name: &str) -> Option<f64> {
     parse_zone(&zone).or(Some(0.0).filter(|_| !zone.contains(['+', '-'])))
 }
 
-/// The order of a date that a name states: `Date (MM/DD/YYYY)`.
+/// Returns the order of a date that a name states: `Date (MM/DD/YYYY)`.
 fn order_of(name: &str) -> Option<DateOrder> {
     let letters: String = name.to_lowercase().chars().filter(char::is_ascii_alphabetic).collect();
     let is = |order: &str| letters.contains(order);

@@ -9,7 +9,7 @@ use crate::weather::series::Weather;
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Location;
 
-/// The place that the small files below are said to be from.
+/// Options with the place of the small files below.
 const AT_NICE: WeatherOptions = WeatherOptions {
     latitude_deg: Some(43.7),
     longitude_deg: Some(7.3),
@@ -37,13 +37,13 @@ fn file(name: &str, options: &WeatherOptions) -> Weather {
     parse_weather_as(&path, &std::fs::read(&path).expect("data"), options, &mut || Ok(None)).expect("weather")
 }
 
-/// Hours of 1 March 2021 with these columns.
+/// Returns a table with the hours of 1 March 2021 and these columns.
 fn hours(names: &str, row: impl Fn(u32) -> String) -> String {
     (0..24).fold(format!("{names}\n"), |text, hour| text + &row(hour) + "\n")
 }
 
-/// The same day in ten layouts, with names of pvlib, PVGIS and NSRDB, units, other separators, offsets and parts of time, gives the same
-/// light, suns and labels, 24 hours of 24.
+/// One day in ten layouts, with names of pvlib, PVGIS and NSRDB, units, other separators, offsets
+/// and parts of time, gives equal light, suns and labels, 24 hours of 24.
 #[test]
 fn layouts() {
     let plain =
@@ -101,8 +101,9 @@ fn layouts() {
     }
 }
 
-/// A stamp of 12:00 in steps of 10 minutes has the sun of 12:05, 12:00 and 11:55 if it is start, middle and end, and 41 minutes later with a
-/// shift; the label is the start, and each row counts to the day of its file: 5 of 5.
+/// A stamp of 12:00 in steps of 10 minutes has the sun of 12:05, 12:00 and 11:55 if it is start,
+/// middle and end, and 41 minutes later with a shift. The label is the start, and each row counts
+/// to the day of its file: 5 of 5.
 #[test]
 fn stamps() {
     let site = Location::new(43.7, 7.3, 1.0, 0.0).expect("a site");
@@ -121,7 +122,7 @@ fn stamps() {
         assert!((first.sun - site.sun(date, sun_min)).length() < 1e-12, "{label}");
         assert_eq!((first.interval.label().as_str(), first.interval.date), (label, date));
     }
-    // At midnight: the middle counts to the day of the stamp, the end to the day before it.
+    // The middle at midnight counts to the day of the stamp, the end to the day before it.
     let midnight = "time,dni,dhi\n2021-06-01T00:00,0,1\n2021-06-01T01:00,0,1\n";
     let of = |stamped_at| {
         let weather = read(midnight, &WeatherOptions { stamped_at: Some(stamped_at), ..AT_NICE }).expect("valid");
@@ -131,8 +132,9 @@ fn stamps() {
     assert_eq!(of(StampedAt::End), (31, "2021-05-31T23:00".into()));
 }
 
-/// Days of Nice under a sky whose DNI is 700 W/m2 at the sun of 20 minutes after mid-interval are found to need 20 minutes, with --shift auto
-/// the closure falls from over 15 W/m2 to below 0.2; the stamps of the end, given so, need none.
+/// Days of Nice under a sky whose DNI is 700 W/m2 at the sun of 20 minutes after mid-interval are
+/// found to need a shift of 20 minutes. With --shift auto the closure falls from over 15 W/m2 to
+/// below 0.2. Stamps of the end that are declared as such need none.
 #[test]
 fn found_shift() {
     let site = Location::new(43.7, 7.3, 1.0, 0.0).expect("a site");
@@ -151,7 +153,8 @@ fn found_shift() {
     let late = at_nice(&sky(27.5)).expect("valid").report;
     assert!(late.warnings.iter().any(|w| w.contains("{shift} 20min")), "{:?}", late.warnings);
     assert!(late.closure.expect("rows").rmse_w_m2 > 15.0);
-    // A longitude 5 degrees on, or a clock 20 minutes back; the second is no way out where stamps say their zone.
+    // Remedies are a longitude 5 degrees further, or a clock 20 minutes back. The second is none
+    // where stamps state their zone.
     let ways = |text: &str| {
         let said = at_nice(text).expect("valid").report.warnings.join("\n");
         ["a longitude of 12.3", "a time zone of 0.67", "time zone, longitude"].map(|way| said.contains(way))
@@ -176,8 +179,9 @@ fn found_shift() {
     assert!(end.closure.expect("rows").rmse_w_m2 < 0.01 && end.warnings.len() == 1, "{:?}", end.warnings);
 }
 
-/// The four days of PVGIS as CSV, in UTC at 0.1761 h after the stamps, and as EPW, moved by 40.566 minutes, have the same light and the same
-/// suns to 1e-4, and the EPW's air within its rounding; the closure of both is 1.2 W/m2 and needs no word.
+/// Four days of PVGIS as CSV, in UTC at 0.1761 h after the stamps, and as EPW, moved by 40.566
+/// minutes, have equal light and suns (to 1e-4), and the EPW's air within its rounding. The closure
+/// of each is below 1.3 W/m2 and gives no warning.
 #[test]
 fn pvgis_as_csv_and_epw() {
     let with_air = WeatherOptions { with_air: true, ..WeatherOptions::default() };
@@ -197,12 +201,13 @@ fn pvgis_as_csv_and_epw() {
         assert!(weather.report.closure.expect("rows").rmse_w_m2 < 1.3, "{:?}", weather.report.closure);
         assert_eq!(weather.report.warnings.len(), 1, "{:?}", weather.report.warnings);
     }
-    // The day of the stamp, although its hour starts before midnight.
+    // The row counts to the day of its stamp, although its hour starts before midnight.
     assert_eq!((csv.rows[0].interval.label().as_str(), csv.rows[0].interval.date.day), ("2009-03-21T23:40", 22));
 }
 
-/// Four days of NSRDB: at the middle, which is taken for it, the closure is below 2 W/m2, at the start over 10; the zenith angles of the file
-/// below 75 degrees are those of the sun to 0.08, refraction left out.
+/// Four days of NSRDB have a closure below 2 W/m2 with stamps at the middle, the default, and over
+/// 10 with stamps at the start. The zenith angles of the file below 75 degrees are those of the sun
+/// to 0.08, without refraction.
 #[test]
 fn nsrdb() {
     let place = WeatherOptions {
@@ -222,7 +227,7 @@ fn nsrdb() {
     let high: Vec<_> = zeniths.zip(&weather.rows).filter(|(zenith, _)| *zenith < 75.0).collect();
     assert!(high.len() > 80 && high.iter().all(|(zenith, row)| (row.sun.z.acos().to_degrees() - zenith).abs() < 0.08));
     assert!(weather.rows.iter().all(|row| row.albedo.is_some()));
-    // With its two lines above, the file says all of that itself.
+    // With the two lines above its names the file states place and zone itself.
     let head = "Source,Location ID,City,State,Country,Latitude,Longitude,Time Zone,Elevation,Local Time Zone,Version\n\
                 NSRDB,149688,-,-,-,40.5137,-108.5449,-7,1820,-7,4.0\n";
     let rows = text.lines().fold(String::new(), |all, line| all + line.split_once(',').expect("cells").1 + "\n");
@@ -233,8 +238,9 @@ fn nsrdb() {
     );
 }
 
-/// Two hours of SURFRAD at San Luis Valley, in UTC, are 120 minutes of local noon: the sun of each row is at the file's zenith angle within
-/// 0.3 degrees, three flagged or missing values are missing, and days set one after the other are one series.
+/// Two hours of SURFRAD at San Luis Valley, in UTC, are 120 minutes around local noon. The sun of
+/// each row is at the file's zenith angle within 0.3 degrees. Three flagged or missing values are
+/// missing, and days one after the other in one file are one series.
 #[test]
 fn surfrad() {
     let weather = file("surfrad_2_hours.dat", &WeatherOptions::default());
@@ -276,8 +282,9 @@ fn surfrad() {
     }
 }
 
-/// Light that is empty, NaN, -999 or 9999 is missing, and filled in as in an EPW file: DHI of 3 hours and DNI of 1, counted in two sentences;
-/// snow in centimetres and albedo are taken, humidity gives the dew point.
+/// Light that is empty, NaN, -999 or 9999 is missing and is filled in as in an EPW file: DHI of 3
+/// hours and DNI of 1, counted in two sentences. Snow in centimetres and albedo are taken, and
+/// humidity gives the dew point.
 #[test]
 fn gaps() {
     let text = "time,ghi,dni,dhi,albedo,snow_depth,temp_air,relative_humidity,IR(h)\n\
@@ -300,8 +307,8 @@ fn gaps() {
     assert_eq!(weather.air[1].infrared_w_m2, None);
 }
 
-/// Rows that are missing are told, 3 hours in 2 gaps, and those that are there keep their times; months of a typical year may jump in years,
-/// and only with their own clock.
+/// Missing rows give a warning, 3 hours in 2 gaps, and the other rows keep their times. Months of a
+/// typical year may jump in years, but only with their own clock.
 #[test]
 fn missing_rows() {
     let rows = |stamps: &[&str]| stamps.iter().fold("time,dni,dhi\n".to_owned(), |all, stamp| all + stamp + ",1,1\n");
@@ -318,7 +325,7 @@ fn missing_rows() {
     assert!(moved.contains("typical year") && moved.contains("leave {time_zone} out"), "{moved}");
 }
 
-/// Thirty-one wrong files are refused with the line, what it holds and what to do.
+/// Thirty-one wrong files are refused with the line, its content and what to do.
 #[test]
 fn refusals() {
     let rows = |rows: &str| format!("time,ghi,dni,dhi\n2021-06-01T10:00,1,1,1\n2021-06-01T11:00,1,1,1\n{rows}");
@@ -371,7 +378,8 @@ fn refusals() {
     assert!(message.contains("slope 30 degrees") && message.contains("angle=0&components=1"), "{message}");
 }
 
-/// PVGIS' hourly data of slope 0 are beam and diffuse on the horizontal: DNI is computed from their sum, and closes to 1e-9 W/m2.
+/// PVGIS' hourly data of slope 0 are beam and diffuse on the horizontal: DNI is computed from their
+/// sum, and closes to 1e-9 W/m2.
 #[test]
 fn flat_pvgis() {
     let text =
@@ -384,7 +392,8 @@ fn flat_pvgis() {
     assert_eq!((weather.rows.len(), row.interval.label().as_str()), (14, "2016-01-01T07:40"));
 }
 
-/// What a file does not say is asked for, with the option that says it; a scene's place serves where it is known, and that is said.
+/// A file without place or zone is refused with the option that gives it. The place of the scene is
+/// used where it is known, with a warning.
 #[test]
 fn places_and_zones() {
     let text = "time,dni,dhi\n2021-06-01T12:00,1,1\n2021-06-01T13:00,1,1\n";
@@ -410,7 +419,8 @@ fn places_and_zones() {
     );
 }
 
-/// Any cut of any of the four files, and any byte of their first 3000 changed, is read or refused, not a panic: over 3000 tries.
+/// Any cut of any of the four files, and changed bytes among their first 3000, are read or refused
+/// without a panic: over 3000 tries.
 #[test]
 fn cuts_and_noise() {
     let mut tries = 0;

@@ -1,35 +1,36 @@
-//! Units of columns. In: text such as `kW/m²` or `J cm-2`. Out: how its numbers become those that the engine counts in.
+//! Units of columns. In: text such as `kW/m²` or `J cm-2`. Out: the conversion of its numbers to
+//! the units of the engine.
 
-/// What a column measures, and thus which units it can have.
+/// Measure of a column, which decides the units that it can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// To W/m2; energies are those of one interval.
+    /// Irradiance, to W/m2; energies are those of one interval.
     Irradiance,
-    /// To degrees Celsius.
+    /// Temperature, to degrees Celsius.
     Temperature,
-    /// To centimetres.
+    /// Depth, to centimetres.
     Depth,
-    /// To a share from 0 to 1.
+    /// Share, from 0 to 1.
     Share,
-    /// To tenths of the sky.
+    /// Cover, to tenths of the sky.
     Tenths,
-    /// To percent.
+    /// Share, to percent.
     Percent,
-    /// To metres a second.
+    /// Speed, to metres a second.
     Speed,
 }
 
-/// A unit: a number of it times `factor`, plus `offset`.
+/// A unit: its number times `factor`, plus `offset`, is in the unit of the engine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
     pub factor: f64,
     pub offset: f64,
-    /// Whether it is an energy, J/m2 after `factor`, to be divided by the length of an interval.
+    /// True if it is an energy, J/m2 after `factor`, to be divided by the length of an interval.
     pub per_interval: bool,
 }
 
 impl Unit {
-    /// What the engine counts in.
+    /// Unit of the engine.
     pub const PLAIN: Unit = Unit { factor: 1.0, offset: 0.0, per_interval: false };
 
     const fn times(factor: f64) -> Self {
@@ -37,7 +38,7 @@ impl Unit {
     }
 
     pub fn of(self, value: f64) -> f64 {
-        // Numbers in the unit itself stay as they are, to the bit.
+        // Numbers in the engine's own unit stay, to the bit.
         if self == Unit::PLAIN { value } else { value * self.factor + self.offset }
     }
 }
@@ -53,7 +54,8 @@ const POWERS_W: [(&str, f64); 8] = [
     ("w", 1.0),
 ];
 
-/// The international table's BTU; the calorie of the langley is the thermochemical one.
+/// Energies in J. The BTU is that of the international table; the calorie of the langley is the
+/// thermochemical one.
 const ENERGIES_J: [(&str, f64); 20] = [
     ("kilowatthours", 3.6e6),
     ("kilowatthour", 3.6e6),
@@ -106,10 +108,10 @@ const TIMES_S: [(&str, f64); 10] = [
     ("s", 1.0),
 ];
 
-/// J/m2: a calorie on a square centimetre.
+/// Langley in J/m2: a calorie on a square centimetre.
 const LANGLEY_J_M2: f64 = 41_840.0;
 
-/// The unit that a text says, among those of a measure; `None` of any other.
+/// Returns the unit of a text, among those of a measure; `None` for any other.
 pub fn parse_unit(text: &str, measure: Measure) -> Option<Unit> {
     let plain = squeezed(text);
     match measure {
@@ -134,7 +136,7 @@ pub fn parse_unit(text: &str, measure: Measure) -> Option<Unit> {
     }
 }
 
-/// Metres a second of one of a unit of speed.
+/// Returns the metres a second in one unit of speed.
 fn speed(plain: &str) -> Option<f64> {
     match plain {
         "ms" | "ms1" | "meterssecond" | "metressecond" | "mps" => Some(1.0),
@@ -145,17 +147,17 @@ fn speed(plain: &str) -> Option<f64> {
     }
 }
 
-/// Percent of percent, without the noise of a hundredth.
+/// Returns percent of percent as exactly 1, without the rounding of a hundredth.
 fn exact_percent(unit: Unit) -> Unit {
     if (unit.factor - 1.0).abs() < 1e-12 { Unit::PLAIN } else { unit }
 }
 
-/// Whether a text is W/m2, however it is written.
+/// Returns true if a text is W/m2 in any spelling.
 pub fn is_watts(text: &str) -> bool {
     parse_unit(text, Measure::Irradiance) == Some(Unit::PLAIN)
 }
 
-/// What one of a unit of shares is.
+/// Returns the value of one unit of shares.
 fn share(plain: &str) -> Option<f64> {
     match plain {
         "%" | "percent" | "pct" | "perc" | "procent" | "prozent" => Some(0.01),
@@ -177,7 +179,7 @@ fn temperature(plain: &str) -> Option<Unit> {
     }
 }
 
-/// A power or an energy over an area, m2 where none is named, the energy perhaps over a time.
+/// Reads a power or an energy over an area, m2 where none is named. An energy may also have a time.
 fn irradiance(plain: &str) -> Option<Unit> {
     if let Some(rest) = ["langleys", "langley", "ly"].iter().find_map(|name| plain.strip_prefix(name)) {
         return over_time(LANGLEY_J_M2, rest);
@@ -190,7 +192,7 @@ fn irradiance(plain: &str) -> Option<Unit> {
     of_power.or_else(of_energy)
 }
 
-/// What stands behind an energy: an area and a time, in either order, each once at most.
+/// Reads the text behind an energy: an area and a time, in either order, each once at most.
 fn energy(rest: &str, joules: f64, name: &str) -> Option<Unit> {
     let split = |at: usize| rest.split_at_checked(at);
     (0..=rest.len()).rev().filter_map(split).find_map(|(first, second)| {
@@ -203,7 +205,8 @@ fn energy(rest: &str, joules: f64, name: &str) -> Option<Unit> {
     })
 }
 
-/// A named area. Thousandths of watts are usual on square centimetres only: `MW/m2` is a million watts, and no light.
+/// Returns a named area. Thousandths of watts are usual on square centimetres only: `MW/m2` would
+/// be a million watts, which is no light.
 fn area_under(unit: &str, text: &str) -> Option<f64> {
     let (_, area) = AREAS_M2.iter().find(|(name, _)| *name == text)?;
     (!is_milli(unit) || *area < 1e-3).then_some(*area)
@@ -213,12 +216,14 @@ fn is_milli(unit: &str) -> bool {
     unit.starts_with("mw") || unit.starts_with("milli")
 }
 
-/// The square metre that a unit without an area is meant on; calories, BTU and thousandths of watts are not usual on it.
+/// Returns the square metre for a unit without an area. Calories, BTU and thousandths of watts are
+/// not usual on it.
 fn bare_area(name: &str) -> Option<f64> {
     (!name.contains("cal") && !name.contains("btu") && !is_milli(name)).then_some(1.0)
 }
 
-/// An energy in J/m2 over a time such as `h`, `day` or `15min`, or over an interval where none is named.
+/// Returns the unit of an energy in J/m2 over a time such as `h`, `day` or `15min`, or over an
+/// interval where none is named.
 fn over_time(joules_m2: f64, time: &str) -> Option<Unit> {
     if time.is_empty() {
         return Some(Unit { factor: joules_m2, offset: 0.0, per_interval: true });
@@ -230,7 +235,8 @@ fn over_time(joules_m2: f64, time: &str) -> Option<Unit> {
     Some(Unit::times(joules_m2 / (number * seconds)))
 }
 
-/// In lower case, superscripts as digits, without the signs that units are written with: `W·m⁻²`, `W / m^2` and `W_m2` are `wm2`.
+/// Returns a text in lower case, with superscripts as digits and without punctuation: `W·m⁻²`, `W /
+/// m^2` and `W_m2` become `wm2`.
 fn squeezed(text: &str) -> String {
     let mut plain = String::new();
     for c in text.to_lowercase().chars() {
@@ -241,7 +247,7 @@ fn squeezed(text: &str) -> String {
             _ => {}
         }
     }
-    // `m-2 h-1` says the hour below the line as `/h` does.
+    // In `m-2 h-1` the hour is a divisor, as in `/h`.
     let plain = plain
         .replace("wattsper", "watt")
         .replace("per", if plain == "percent" || plain == "perc" { "per" } else { "" });
@@ -251,7 +257,8 @@ fn squeezed(text: &str) -> String {
         .unwrap_or(plain)
 }
 
-/// Words that stand for a unit of light, though none that can be converted, so that a name with one of them is not passed over.
+/// Returns true for words that are a unit of light which cannot be converted, so that a name with
+/// one of them is not ignored.
 pub fn looks_like_unit(text: &str) -> bool {
     let plain = squeezed(text);
     let of_light = ["lux", "klux", "lx", "klx", "umol", "ppfd", "einstein", "mv", "counts", "erg", "hp"];
@@ -270,7 +277,8 @@ pub fn looks_like_unit(text: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// Thirty-eight ways to write units of light give what one of them is in W/m2, energies over an hour; nine that are none are refused.
+    /// Thirty-eight spellings of units of light give the value of one of them in W/m2, energies
+    /// over an hour. Nine texts that are no unit are refused.
     #[test]
     fn light() {
         let hour = |text: &str| {
@@ -325,7 +333,8 @@ mod tests {
         }
     }
 
-    /// Twenty-one units of speed, temperature, depth and shares convert 10 of them to what is expected; four are no unit of the measure.
+    /// Twenty-one units of speed, temperature, depth and shares convert the number 10 to the
+    /// expected value. Four texts are no unit of the measure.
     #[test]
     fn other_measures() {
         for (text, measure, expected) in [
