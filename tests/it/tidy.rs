@@ -414,6 +414,29 @@ fn files_are_short() {
     assert!(lengths[lengths.len() / 2] < 300, "median {}", lengths[lengths.len() / 2]);
 }
 
+/// No doc of the sources begins with words that lean on what stands before it, such as "The same" or
+/// "Whether": each names its subject. No comment but a table is wider than 100 columns.
+#[test]
+fn docs_name_their_subject() {
+    const LEANING: [&str; 6] = ["The same", "That of", "Those of", "Of ", "What ", "Whether "];
+    let mut found = Vec::new();
+    for (path, text) in sources() {
+        let mut before = "";
+        for (number, line) in text.lines().enumerate() {
+            let line_start = line.trim_start();
+            let doc = line_start.strip_prefix("/// ").or_else(|| line_start.strip_prefix("//! "));
+            let begins =
+                !before.starts_with("//") && doc.is_some_and(|doc| LEANING.iter().any(|words| doc.starts_with(words)));
+            let is_wide = line_start.starts_with("//") && !line_start.contains('|') && line.chars().count() > 100;
+            if begins || is_wide {
+                found.push(format!("{}:{}: {line}", path.display(), number + 1));
+            }
+            before = line_start;
+        }
+    }
+    assert!(found.is_empty(), "{} docs:\n{}", found.len(), found.join("\n"));
+}
+
 /// `unsafe` stands in two files, the mapping and the calls of the page's engine to its host: 0
 /// others hold it.
 #[test]
