@@ -86,6 +86,17 @@ export class Stage {
     for (const listener of this.afterDrawing) listener();
   }
 
+  /** Resolves when the next frame is drawn: without a graphics card that is long after it was asked for. */
+  async drawn(): Promise<void> {
+    const frame = (): Promise<unknown> => new Promise(requestAnimationFrame);
+    await frame();
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    while (fence && gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED) await frame();
+    gl.deleteSync(fence);
+  }
+
   /** The next box is looked at from the side that the present one is. */
   keepSide(): void {
     this.back = this.camera.position.clone().sub(this.controls.target).normalize();
