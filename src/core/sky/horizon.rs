@@ -72,7 +72,8 @@ impl HorizonBand {
     /// an overhanging surface sees but a part, which counts for all of it.
     pub fn weights(&self, normal: DVec3) -> impl Iterator<Item = (usize, f64)> {
         let weight = move |found: &BandTexel| {
-            let front = (normal.dot(found.direction) / self.half).mul_add(0.5, 0.5).clamp(0.0, 1.0);
+            // Not fused, which takes WebAssembly long; half of a number is exact.
+            let front = (normal.dot(found.direction) / self.half * 0.5 + 0.5).clamp(0.0, 1.0);
             (found.texel, normal.truncate().dot(found.flat).max(0.0) * front)
         };
         let all: f64 = self.texels.iter().map(|found| weight(found).1).sum();
