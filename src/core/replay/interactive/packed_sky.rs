@@ -75,25 +75,33 @@ fn side(bits: &[u64], block: usize) -> Option<bool> {
     if !block.is_power_of_two() {
         return None;
     }
-    // What lies on the left are lowest bits: one more clears them.
-    let is_left = |row: u64| row & row.wrapping_add(1) == 0;
-    let rows = || (0..block).map(|row| row_of(bits, block, row));
-    if rows().all(is_left) {
-        return Some(false);
+    // The last bit of each row has no neighbour: rows lie within words.
+    let ends = (u64::MAX / low(block as u32)) << (block - 1);
+    let is_left = |word: &u64| word >> 1 & !word & !ends == 0;
+    let is_right = |word: &u64| word & !(word >> 1) & !ends == 0;
+    match bits.iter().all(is_left) {
+        true => Some(false),
+        false => bits.iter().all(is_right).then_some(true),
     }
-    rows().all(|row| is_left(!row & low(block as u32))).then_some(true)
 }
 
-/// Lengths of the sky in the rows of a block, in words that are 0.
+/// Lengths of the sky in the rows of a block, one behind the other in words.
 fn pack_steps(bits: &[u64], block: usize, words: &mut [u32]) {
+    let (mut held, mut count, mut words) = (0_u64, 0, words.iter_mut());
+    let mut put = |held: u64| {
+        if let Some(word) = words.next() {
+            *word = held as u32;
+        }
+    };
     for row in 0..block {
-        let bit = row * length_bits(block);
-        let spread = u64::from(row_of(bits, block, row).count_ones()) << (bit % 32);
-        words[bit / 32] |= spread as u32;
-        if let Some(next) = words.get_mut(bit / 32 + 1) {
-            *next |= (spread >> 32) as u32;
+        held |= u64::from(row_of(bits, block, row).count_ones()) << count;
+        count += length_bits(block);
+        if count >= 32 {
+            put(held);
+            (held, count) = (held >> 32, count - 32);
         }
     }
+    put(held);
 }
 
 /// So many of the lowest bits.
