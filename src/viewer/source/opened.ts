@@ -241,6 +241,7 @@ export class OpenedSite {
         this.showProgress();
       },
       onChange: () => this.repaint(),
+      onInView: () => this.repaintSoon(),
     }, before);
     return layer;
   }
