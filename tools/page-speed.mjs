@@ -69,7 +69,7 @@ async function measure(workers) {
     if (number === 0) {
       const aspect = await page.$eval("#view", (canvas) => canvas.clientWidth / canvas.clientHeight);
       const { last, tiles } = await page.evaluate(seen, [camera, aspect]);
-      report(`first sun, ${tiles} tiles in view`, last - asked);
+      if (tiles > 0) report(`first sun, ${tiles} tiles in view`, last - asked);
     }
     report(number === 0 ? "first sun, all" : `sun at ${minutes / 60} h`, all);
   }

@@ -12,7 +12,7 @@ const PART = 8;
 /** Parts that lie before a worker: the page may be busy with a picture when one is done. */
 const AHEAD = 3;
 
-/** Workers at most: each takes some 40 MB besides its share of what all keep. */
+/** Workers at most: each takes some 50 MB besides its share of what all keep. */
 const MOST = 4;
 
 /** Tiles for which one more worker is worth its start. */
