@@ -71,17 +71,15 @@ impl HorizonBand {
     /// Texels of the band before a receiver with this normal, and what they are worth to it: the sum is the sine of its tilt. Of the band
     /// an overhanging surface sees but a part, which counts for all of it.
     pub fn weights(&self, normal: DVec3) -> impl Iterator<Item = (usize, f64)> {
-        let weight = move |found: &BandTexel| {
-            let front = (normal.dot(found.direction) / self.half).mul_add(0.5, 0.5).clamp(0.0, 1.0);
+        let weight = |found: &BandTexel| {
+            // Not fused, which takes WebAssembly long; half of a number is exact.
+            let front = (normal.dot(found.direction) / self.half * 0.5 + 0.5).clamp(0.0, 1.0);
             (found.texel, normal.truncate().dot(found.flat).max(0.0) * front)
         };
-        let all: f64 = self.texels.iter().map(|found| weight(found).1).sum();
+        let weights: Vec<(usize, f64)> = self.texels.iter().map(weight).collect();
+        let all: f64 = weights.iter().map(|(_, weight)| weight).sum();
         let scale = if all > 0.0 { normal.truncate().length() / all } else { 0.0 };
-        self.texels
-            .iter()
-            .map(weight)
-            .filter(|(_, weight)| *weight > 0.0)
-            .map(move |(texel, weight)| (texel, weight * scale))
+        weights.into_iter().filter(|(_, weight)| *weight > 0.0).map(move |(texel, weight)| (texel, weight * scale))
     }
 
     /// What a receiver gets of light that gives an open wall 1; `share` of a texel that is seen.

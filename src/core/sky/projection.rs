@@ -128,11 +128,10 @@ impl Projection {
 
     /// The (patch, share of area) pairs of a texel; none for a texel that does not exist.
     pub fn of_texel(&self, texel: usize) -> &[(u16, f32)] {
-        let range = match self.starts.get(texel..).map(|rest| (rest.first(), rest.get(1))) {
-            Some((Some(&start), Some(&end))) => start as usize..end as usize,
-            _ => 0..0,
-        };
-        self.entries.get(range).unwrap_or_default()
+        match self.starts.get(texel..) {
+            Some([start, end, ..]) => self.entries.get(*start as usize..*end as usize).unwrap_or_default(),
+            _ => &[],
+        }
     }
 }
 

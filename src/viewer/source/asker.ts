@@ -7,19 +7,25 @@ import type { Session } from "./session";
 import { shineOf, type Shine } from "./light";
 import { airOf, comfortOf, namesOf } from "./people";
 import { isOfSun, isSum, type State, type Store } from "./state";
+import type { View } from "./view/stage";
 import { Values } from "./values";
 
 /** A sun that does not move for so long rests, ms: then the core's values replace those of the card. */
 const REST_MS = 180;
 
+/** A camera that moves changes the order of tiles so often at most, ms. */
+const TURN_MS = 100;
+
 interface Hooks {
-  /** Point whose tiles come first, m from the origin of the page. */
-  target(): [number, number, number];
+  /** What is looked at: its tiles come first. */
+  view(): View;
   onShine(shine: Shine): void;
   /** Values of people in the chosen moment. */
   onAir(air: Air): void;
   /** Values arrived, or are about to be asked for. */
   onValues(progress: { done: number; of: number } | null): void;
+  /** All tiles that were in view when they were asked for have values. */
+  onInView(): void;
   /** The card has the colours of the newest light. */
   onCard(): void;
   onDamage(tile: number, message: string): void;
@@ -69,6 +75,7 @@ export class Asker {
   private shown = "";
   private ask = 0;
   private waiting = false;
+  private isTurning = false;
   /** True when the card has drawn the newest wish. */
   private drawn = false;
   private whenSettled: (() => void)[] = [];
@@ -84,7 +91,10 @@ export class Asker {
     this.loader = card && new Loader(card, session);
     this.values = new Values(session.site.components, session.site.receivers);
     this.minutes = new Values(["minutes"], session.site.receivers);
-    this.stop = store.subscribe(() => this.update());
+    this.stop = store.subscribe((changed) => {
+      if (changed.has("camera")) this.preferInView();
+      this.update();
+    });
   }
 
   /** Numbers of people, with these names. */
@@ -185,7 +195,8 @@ export class Asker {
     session.turnClouds(state);
     const changes = session.changes(state);
     const common = { sky: state.sky, changes, components: [...site.components] };
-    const tiles = session.tilesNear(hooks.target());
+    const { tiles, seen } = session.tilesInOrder(hooks.view());
+    const inView = new Set(tiles.slice(0, seen));
     const begin = (): void => {
       values.begin(forget);
       this.shown = asked;
@@ -195,6 +206,7 @@ export class Asker {
       if (!isNewest()) return;
       values.put(tile);
       hooks.onValues({ done: values.fresh, of: site.receivers });
+      if (inView.delete(tile.tile) && inView.size === 0) hooks.onInView();
     };
     const onDamage = (tile: number, message: string): void => {
       if (!isNewest()) return;
@@ -264,7 +276,17 @@ export class Asker {
   private load(): void {
     const { state } = this.store;
     if (!this.loader || state.show !== "moment" || state.light === "weather" || comfortOf(state, this.session.people) !== null) return;
-    void this.loader.load(this.session.changes(state), this.hooks.target());
+    void this.loader.load(this.session.changes(state), this.session.tilesInOrder(this.hooks.view()).tiles);
+  }
+
+  /** What comes into view is made next. */
+  private preferInView(): void {
+    if (this.isTurning || (this.settled && !this.loader?.isLoading)) return;
+    this.isTurning = true;
+    setTimeout(() => {
+      this.isTurning = false;
+      if (!this.session.closed) this.session.engine.prefer(this.session.tilesInOrder(this.hooks.view()).tiles);
+    }, TURN_MS);
   }
 
   private async drop(what: "sums" | "sunMinutes" | "moment" | "comfort"): Promise<void> {

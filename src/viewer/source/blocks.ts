@@ -34,7 +34,12 @@ export interface Options {
   clock: Clock;
   /** Most memory of the graphics card for textures of receivers, MB; 0: none. Else as the card is. */
   card?: number;
+  /** Workers that make values; else as many as suit processor and archive. */
+  workers?: number;
 }
+
+/** Workers that an address can ask for. */
+const MOST_WORKERS = 64;
 
 /** Addresses of archive and weather: those of the page's own options, else those in its address. */
 export function readOptions(): Options {
@@ -58,5 +63,7 @@ export function readOptions(): Options {
   if (weather && !found.weather) found.weather = weather;
   const card = Number.parseFloat(query.get("card") ?? "");
   if (card >= 0) found.card = card;
+  const workers = Number.parseInt(query.get("workers") ?? "", 10);
+  if (workers >= 1) found.workers = Math.min(workers, MOST_WORKERS);
   return found;
 }

@@ -38,6 +38,8 @@ interface Hooks {
   onProgress(progress: Progress | null): void;
   /** There is something new to colour. */
   onChange(): void;
+  /** What was in view when it was asked for has values. */
+  onInView(): void;
 }
 
 export class Layer {
@@ -65,13 +67,14 @@ export class Layer {
     stage.scene.add(this.root);
     const card = Card.of(stage.renderer, this.paint.texture, site.receivers, cardMb);
     this.asker = new Asker(session, store, {
-      target: () => stage.controls.target.toArray(),
+      view: () => stage.view(),
       onShine: hooks.onShine,
       onAir: hooks.onAir,
       onValues: (progress) => {
         hooks.onProgress(progress);
         hooks.onChange();
       },
+      onInView: hooks.onInView,
       onCard: () => {
         this.paint.use(card?.values ?? null);
         stage.draw();

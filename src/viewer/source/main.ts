@@ -102,9 +102,13 @@ class Main {
     if (!engine || !worker) throw new Error("this page was built without its engine");
     const address = URL.createObjectURL(new Blob([worker.bytes], { type: "text/javascript" }));
     const module = await WebAssembly.compile(engine.bytes);
-    this.startEngine = () => Engine.start(address, module);
-    this.engine = await this.startEngine();
     const options = readOptions();
+    this.startEngine = async () => {
+      const engine = await Engine.start(address, module, options.workers);
+      engine.onLost = (error) => this.messages.error("working with several workers, of which the others go on", error);
+      return engine;
+    };
+    this.engine = await this.startEngine();
     const [archive, weather] = [await takeBlock("archive"), await takeBlock("weather")];
     const local = location.protocol === "file:";
     const source: Source | null = archive ? archive : options.archive && !local ? { url: options.archive } : null;

@@ -27,7 +27,7 @@ import { number } from "./words";
 
 /** Where drawing takes longer (ms), as without a graphics card, the engine gets that many times as long between two pictures. */
 const SLOW = 50;
-const PAINT_SHARE = 3;
+const PAINT_SHARE = 10;
 
 export interface Page {
   store: Store;
@@ -57,6 +57,8 @@ export class OpenedSite {
   private painted = 0;
   private paintCost = 0;
   private repaintAsked = false;
+  /** Number of the timer of a repaint that waits; 0: none. */
+  private repaintLater = 0;
   /** Range of what is shown when it last had settled. */
   private settledRange: readonly [number, number] | null = null;
   private rangeOf = "";
@@ -239,6 +241,7 @@ export class OpenedSite {
         this.showProgress();
       },
       onChange: () => this.repaint(),
+      onInView: () => this.repaintSoon(),
     }, before);
     return layer;
   }
@@ -319,20 +322,29 @@ export class OpenedSite {
     return this.layers.every(({ asker }) => asker.settled);
   }
 
-  /** However many tiles came, colours and numbers follow once a frame. */
+  /** However many tiles came, colours and numbers follow once a frame, and less often where more are to come and drawing takes long. */
   private repaint(): void {
+    const isWhole = this.isSettled && this.reading.size === 0;
+    const wait = isWhole || this.paintCost <= SLOW ? 0 : this.painted + PAINT_SHARE * this.paintCost - performance.now();
+    if (wait > 0) {
+      this.repaintLater ||= window.setTimeout(() => this.repaintSoon(), wait);
+    } else this.repaintSoon();
+  }
+
+  private repaintSoon(): void {
+    clearTimeout(this.repaintLater);
+    this.repaintLater = 0;
     if (this.repaintAsked) return;
     this.repaintAsked = true;
-    const paint = (): void => {
+    requestAnimationFrame(async () => {
       this.repaintAsked = false;
       if (this.session.closed) return;
       const began = performance.now();
       this.paintNow();
-      requestAnimationFrame(() => requestAnimationFrame((now) => ([this.painted, this.paintCost] = [now, now - began])));
-    };
-    const wait = this.isSettled ? 0 : this.painted + PAINT_SHARE * this.paintCost - performance.now();
-    if (this.paintCost > SLOW && wait > 0) setTimeout(paint, wait);
-    else requestAnimationFrame(paint);
+      await this.page.stage.drawn();
+      this.painted = performance.now();
+      this.paintCost = this.painted - began;
+    });
   }
 
   private paintNow(): void {

@@ -3,6 +3,7 @@
 import { cloudsOf, type CloudPicture, type Clouds } from "./clouds";
 import type { Changes, Engine, Group, Overview, People, ReceiverInfo, Site, Vector, WeatherInfo } from "./engine/client";
 import type { Place, State } from "./state";
+import type { View } from "./view/stage";
 
 export interface Tile {
   /** Row in the archive of its first receiver. */
@@ -10,6 +11,8 @@ export interface Tile {
   count: number;
   /** Middle of its receivers, m from the origin of the page; none where it could not be read. */
   middle: [number, number, number] | null;
+  /** Of a sphere about it with the middles of all its receivers, m. */
+  radius: number;
 }
 
 /** A name that changes take, with what it changes. */
@@ -28,6 +31,9 @@ export function namesBeyond(site: Site, other: Site): ReadonlySet<string> {
 
 /** Overviews under way at once: enough to hide the way to the worker and back. */
 const AHEAD = 16;
+
+/** So many tiles that lie one behind the other in the archive are read together. */
+const NEIGHBOURS = 16;
 
 export class Session {
   readonly tiles: Tile[] = [];
@@ -81,7 +87,7 @@ export class Session {
       if (this.closed) return;
       if (!overview) {
         const count = Math.min(site.tileSize, site.receivers - first);
-        this.tiles.push({ first, count, middle: null });
+        this.tiles.push({ first, count, middle: null, radius: 0 });
         onDamage(tile, error);
         first += count;
         continue;
@@ -95,7 +101,10 @@ export class Session {
         this.middles[3 * first + at] = onPage;
         middle[at % 3]! += onPage / count;
       });
-      this.tiles.push({ first, count, middle });
+      const middles = this.middles.subarray(3 * first, 3 * (first + count));
+      let radius = 0;
+      for (let at = 0; at < 3 * count; at += 3) radius = Math.max(radius, Math.hypot(...middle.map((metres, axis) => middles[at + axis]! - metres)));
+      this.tiles.push({ first, count, middle, radius });
       onTile(tile, overview);
       first += count;
     }
@@ -144,6 +153,23 @@ export class Session {
   /** Where the top of the clouds before the sky lies; none where there are no clouds. */
   cloudsTop({ clouds }: State): number | null {
     return this.clouds && clouds;
+  }
+
+  /**
+   * Tiles in the order that they are asked for, and how many are in view: these come first, by neighbours in the archive, the nearest to what is
+   * looked at first.
+   */
+  tilesInOrder({ target, isSeen }: View): { tiles: number[]; seen: number } {
+    const [seen, others]: [Map<number, number[]>, Map<number, number[]>] = [new Map(), new Map()];
+    for (const tile of this.tilesNear(target)) {
+      const { middle = null, radius = 0 } = this.tiles[tile] ?? {};
+      const found = middle && isSeen(middle, radius) ? seen : others;
+      const neighbours = Math.floor(tile / NEIGHBOURS);
+      found.set(neighbours, [...(found.get(neighbours) ?? []), tile]);
+    }
+    const inOrder = (found: number[]): number[] => found.sort((a, b) => a - b);
+    const first = [...seen.values()].flatMap(inOrder);
+    return { tiles: [...first, ...[...others.values()].flatMap(inOrder)], seen: first.length };
   }
 
   /** Tiles, those nearest to a point first. */

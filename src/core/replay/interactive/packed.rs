@@ -87,14 +87,15 @@ impl Unpacked<'_> {
         let along = step(parts.iter().map(|part| part[0]), most(0));
         let across = step(parts.iter().flat_map(|part| [part[1], part[2]]), most(1));
         let coefficient = step(patches.iter().copied(), BYTE);
+        let first = words.len();
+        words.reserve((HEAD + shape.patches + shape.response) * WORDS + shape.rest());
         let [x, y, z] = self.normal.as_vec3().to_array();
         words.extend([x, y, z, along, across, coefficient, band, 0.0].map(f32::to_bits));
-        let bytes = rounded_in_turn(patches, coefficient);
-        padded(words, shape.patches, in_words(&bytes).into_iter());
-        let split = parts.iter().map(|[a, u, v]| in_two([whole(*a, along), whole(*u, across), whole(*v, across)]));
-        let (of_words, of_bytes): (Vec<u32>, Vec<u8>) = split.unzip();
-        padded(words, shape.response, of_words.into_iter());
-        words.extend(side_by_side(&of_bytes, shape.rest()));
+        padded(words, shape.patches, rounded_in_turn(patches, coefficient));
+        words.resize(first + (HEAD + shape.patches + shape.response) * WORDS + shape.rest(), 0);
+        let (response, rest) = words[first + (HEAD + shape.patches) * WORDS..].split_at_mut(shape.response * WORDS);
+        let split = |[a, u, v]: &[f32; 3]| in_two([whole(*a, along), whole(*u, across), whole(*v, across)]);
+        put_in_two(parts.iter().map(split), response, rest);
         packed_sky::pack(self.sky, shape, words);
     }
 }
@@ -183,25 +184,28 @@ pub(super) fn in_frame(frame: &Frame, vector: [f64; 3]) -> [f32; 3] {
 
 /// What the largest value is so many of; 0 where all are 0.
 fn step(values: impl Iterator<Item = f32>, largest: f32) -> f32 {
-    values.fold(0.0, |most: f32, value| most.max(value.abs())) / largest
+    // Not `max`, which WebAssembly has no instruction for.
+    let more = |most: f32, value: f32| if value.abs() > most { value.abs() } else { most };
+    values.fold(0.0, more) / largest
 }
 
 /// The nearest number of steps.
 fn whole(value: f32, step: f32) -> i32 {
-    if step > 0.0 { (value / step).round() as i32 } else { 0 }
+    // Halves to even numbers: that is an instruction everywhere.
+    if step > 0.0 { (value / step).round_ties_even() as i32 } else { 0 }
 }
 
-/// Numbers of steps of which each makes good what those before it were off: radiances of neighbours are alike, so errors of sums stay within
-/// one step.
-fn rounded_in_turn(values: &[f32], step: f32) -> Vec<u8> {
+/// Numbers of steps as bytes, the first lowest, of which each makes good what those before it were off: radiances of neighbours are alike, so
+/// errors of sums stay within one step.
+fn rounded_in_turn(values: &[f32], step: f32) -> impl Iterator<Item = u32> {
     let mut owed = 0.0_f32;
-    let next = |value: &f32| {
-        let due = value / step + owed;
-        let found = due.round().clamp(0.0, BYTE);
+    let mut next = move |value: &f32| {
+        let due = if step > 0.0 { value / step + owed } else { 0.0 };
+        let found = due.round_ties_even().clamp(0.0, BYTE);
         owed = due - found;
-        found as u8
+        found as u32
     };
-    if step > 0.0 { values.iter().map(next).collect() } else { vec![0; values.len()] }
+    values.chunks(4).map(move |four| four.iter().zip([0, 8, 16, 24]).fold(0, |word, (v, at)| word | next(v) << at))
 }
 
 /// Steps of a part of a response that its bits in words count in.
@@ -229,15 +233,14 @@ fn in_two(steps: [i32; 3]) -> (u32, u8) {
     (word, byte as u8)
 }
 
-/// Bytes, the first lowest.
-fn in_words(bytes: &[u8]) -> Vec<u32> {
-    bytes.chunks(4).map(|four| four.iter().rev().fold(0, |word, byte| word << 8 | u32::from(*byte))).collect()
-}
-
-/// Bytes in so many words, the first of all before the second.
-fn side_by_side(bytes: &[u8], words: usize) -> impl Iterator<Item = u32> {
-    let byte = move |place: usize| u32::from(bytes.get(place).copied().unwrap_or_default());
-    (0..words).map(move |word| (0..4).fold(0, |all, k| all | byte(k * words + word) << (8 * k)))
+/// Puts texels where they belong: their words, and what these leave in bytes, the first bytes of all words before the second.
+fn put_in_two(mut texels: impl Iterator<Item = (u32, u8)>, words: &mut [u32], rest: &mut [u32]) {
+    for (words, at) in words.chunks_mut(rest.len().max(1)).zip([0, 8, 16, 24]) {
+        for ((word, rest), (of_word, of_rest)) in words.iter_mut().zip(rest.iter_mut()).zip(&mut texels) {
+            *word = of_word;
+            *rest |= u32::from(of_rest) << at;
+        }
+    }
 }
 
 /// The signed parts of a word of a response, in units.
@@ -315,13 +318,13 @@ mod tests {
         for count in 0..40_u32 {
             let numbers: Vec<f32> = (0..count).map(|i| (i * i % 17) as f32).collect();
             let bytes: Vec<u8> = (0..count).map(|i| (i * 37 % 256) as u8).collect();
-            let words = in_words(&bytes);
+            let words: Vec<u32> =
+                rounded_in_turn(&bytes.iter().map(|b| f32::from(*b)).collect::<Vec<_>>(), 1.0).collect();
             let plain: f32 = bytes.iter().zip(&numbers).map(|(b, n)| f32::from(*b) * n).sum();
             assert_eq!(byte_products(&words, &numbers), plain);
             let steps = |i: u32| [i as i32 * 7, 16 - i as i32 * 5, 24];
-            let fields: Vec<u32> = (0..count).map(|i| in_two(steps(i)).0).collect();
-            let bytes: Vec<u8> = (0..count).map(|i| in_two(steps(i)).1).collect();
-            let rest: Vec<u32> = side_by_side(&bytes, count.div_ceil(4) as usize).collect();
+            let (mut fields, mut rest) = (vec![0; count as usize], vec![0; count.div_ceil(4) as usize]);
+            put_in_two((0..count).map(|i| in_two(steps(i))), &mut fields, &mut rest);
             let plain = (0..count).zip(&numbers).fold((0.0, 0.0), |(along, across), (i, n)| {
                 let [a, u, v] = steps(i).map(|part| part as f32);
                 (along + a * n, across + u * n + v * n)

@@ -41,31 +41,23 @@ pub(super) fn pack(sky: &SkyBitmap, shape: Shape, words: &mut Vec<u32>) {
     if shape.steps == 0 {
         words.extend(blocks.iter().flat_map(|&word| halves(word)));
     } else {
-        let mut ragged = Vec::new();
-        let start = blocks.len() / bits * shape.steps;
-        for block in blocks.chunks_exact(bits) {
-            let mut here = vec![0_u32; shape.steps];
-            match steps(block, shape.block) {
-                Some((lengths, right)) => {
-                    for (row, length) in lengths.into_iter().enumerate() {
-                        let (word, bit) = (row * length_bits(shape.block) / 32, row * length_bits(shape.block) % 32);
-                        let spread = u64::from(length) << bit;
-                        here[word] |= spread as u32;
-                        if let Some(next) = here.get_mut(word + 1) {
-                            *next |= (spread >> 32) as u32;
-                        }
-                    }
+        let end = first + blocks.len() / bits * shape.steps;
+        words.resize(end, 0);
+        for (number, block) in blocks.chunks_exact(bits).enumerate() {
+            let (start, here) = (words.len() - first, first + number * shape.steps);
+            let here = &mut words[here..here + shape.steps];
+            match side(block, shape.block) {
+                Some(right) => {
+                    pack_steps(block, shape.block, here);
                     here[shape.steps - 1] |= if right { RIGHT } else { 0 };
                 }
                 None => {
-                    here[0] = (start + ragged.len()) as u32;
+                    here[0] = start as u32;
                     here[shape.steps - 1] |= BITS;
-                    ragged.extend(block.iter().flat_map(|&word| halves(word)));
+                    words.extend(block.iter().flat_map(|&word| halves(word)));
                 }
             }
-            words.extend(here);
         }
-        words.extend(ragged);
     }
     words.resize(first + (words.len() - first).next_multiple_of(WORDS), 0);
 }
@@ -78,19 +70,38 @@ fn row_of(bits: &[u64], block: usize, row: usize) -> u64 {
     bits[place / 64] >> (place % 64) & mask
 }
 
-/// Lengths of the sky in the rows of a block, and whether it is on the right of them; `None` if it lies otherwise.
-fn steps(bits: &[u64], block: usize) -> Option<(Vec<u32>, bool)> {
+/// Whether the sky is on the right of all rows of a block, or on their left; `None` if it lies otherwise.
+fn side(bits: &[u64], block: usize) -> Option<bool> {
     if !block.is_power_of_two() {
         return None;
     }
-    let rows = || (0..block).map(|row| row_of(bits, block, row));
-    let lengths = || rows().map(u64::count_ones).collect();
-    if rows().all(|row| row == low(row.count_ones())) {
-        return Some((lengths(), false));
+    // The last bit of each row has no neighbour: rows lie within words.
+    let ends = (u64::MAX / low(block as u32)) << (block - 1);
+    let is_left = |word: &u64| word >> 1 & !word & !ends == 0;
+    let is_right = |word: &u64| word & !(word >> 1) & !ends == 0;
+    match bits.iter().all(is_left) {
+        true => Some(false),
+        false => bits.iter().all(is_right).then_some(true),
     }
-    let right =
-        |row: u64| row == low(row.count_ones()).checked_shl(block as u32 - row.count_ones()).unwrap_or_default();
-    rows().all(right).then(|| (lengths(), true))
+}
+
+/// Lengths of the sky in the rows of a block, one behind the other in words.
+fn pack_steps(bits: &[u64], block: usize, words: &mut [u32]) {
+    let (mut held, mut count, mut words) = (0_u64, 0, words.iter_mut());
+    let mut put = |held: u64| {
+        if let Some(word) = words.next() {
+            *word = held as u32;
+        }
+    };
+    for row in 0..block {
+        held |= u64::from(row_of(bits, block, row).count_ones()) << count;
+        count += length_bits(block);
+        if count >= 32 {
+            put(held);
+            (held, count) = (held >> 32, count - 32);
+        }
+    }
+    put(held);
 }
 
 /// So many of the lowest bits.

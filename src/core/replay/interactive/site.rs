@@ -79,15 +79,24 @@ impl<'a> InteractiveReplay<'a> {
         InteractiveLight::new(condition, sky, &self.grids, self.site.settings().sides())
     }
 
+    /// Tells of tiles that will be made ready soon.
+    pub fn expect(&self, tiles: &[u32]) {
+        let besides: &[BlockKind] = if self.responder.is_some() { &TileView::KINDS } else { &[format::RESPONSE] };
+        self.reads().expect(&self.site, tiles, besides);
+    }
+
+    fn reads(&self) -> Reads<'_> {
+        Reads { sky: true, mirrors: self.mirrors.as_ref() }
+    }
+
     /// Makes some tiles ready, which had better be neighbours if reflectances are not those of the archive. A damaged block is an error of
     /// all of them.
     pub fn tiles(&self, tiles: &[u32]) -> Result<Vec<InteractiveTile>> {
-        let reads = Reads { sky: true, mirrors: self.mirrors.as_ref() };
+        let reads = self.reads();
         let ready = |(_, layers): (Vec<String>, TileLayers)| {
             InteractiveTile::new(layers, &self.powers, &self.grids, self.site.settings().sides())
         };
-        let besides: &[BlockKind] = if self.responder.is_some() { &TileView::KINDS } else { &[format::RESPONSE] };
-        reads.expect(&self.site, tiles, besides);
+        self.expect(tiles);
         let Some((tables, responder)) = &self.responder else {
             let read = |tile: &u32| {
                 let diffuse = self.site.settings().diffuse;

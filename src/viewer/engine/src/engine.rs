@@ -53,6 +53,10 @@ impl Engine {
         let manifest = opened.archive.manifest();
         match request {
             Request::Open { .. } => Err(Failure::new(Kind::Other, "an archive is open", "")),
+            Request::Share { workers } => {
+                moments.share(workers);
+                Ok(Answer::of(json!({})))
+            }
             Request::Match { before, after } => Ok(matching::matched(before, after)),
             Request::Scene { chunk } => geometry::scene(opened, chunk),
             Request::Overview { tile } => geometry::overview(opened, tile),

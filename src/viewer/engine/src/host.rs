@@ -3,11 +3,17 @@
 use std::io;
 
 use heliotile_core::archive::ReadAt;
+use heliotile_core::archive::format::Entry;
+
+/// Blocks with no more bytes between them are one range.
+const GAP: u64 = 1 << 16;
 
 #[link(wasm_import_module = "host")]
 unsafe extern "C" {
     /// Writes `length` bytes of the archive from `offset` on to `to`, in this memory: 0, or 1 if they cannot be had.
     safe fn read(offset: f64, to: *mut u8, length: usize) -> u32;
+    /// Bytes of the archive that will be read soon.
+    safe fn expect(offset: f64, length: f64);
 }
 
 /// The archive of the host.
@@ -33,6 +39,22 @@ impl ReadAt for HostBytes {
         match read(offset as f64, bytes.as_mut_ptr(), bytes.len()) {
             0 => Ok(()),
             _ => Err(io::Error::other("the bytes could not be had")),
+        }
+    }
+
+    fn expect(&self, blocks: &[Entry]) {
+        let mut ranges: Vec<(u64, u64)> =
+            blocks.iter().map(|block| (block.offset, block.offset.saturating_add(block.stored.into()))).collect();
+        ranges.sort_unstable();
+        ranges.dedup_by(|next, before| {
+            let joins = next.0 <= before.1.saturating_add(GAP);
+            if joins {
+                before.1 = before.1.max(next.1);
+            }
+            joins
+        });
+        for (start, end) in ranges {
+            expect(start as f64, (end - start) as f64);
         }
     }
 }

@@ -2,6 +2,7 @@
 //! moves only multiplies.
 
 use std::collections::HashMap;
+use std::hint::black_box;
 
 use heliotile_core::error::Result;
 use heliotile_core::light::states::Schedule;
@@ -13,8 +14,14 @@ use crate::failure::{Failure, Kind};
 use crate::light::Forced;
 use crate::open::Opened;
 
-/// Bytes of tiles that are kept.
+/// Bytes of tiles that all engines of an archive keep.
 const ROOM: usize = 360 << 20;
+
+/// Memory grows by so much when tiles fill it: at each step the browser looks through all that its script holds.
+const STEP: usize = 8 << 20;
+
+/// Tiles whose light is solved for together, where reflectances are others.
+const TOGETHER: usize = 4;
 
 /// States of the reflectances that are kept: what is stored, what is set, what was set before.
 const STATES: usize = 3;
@@ -47,9 +54,16 @@ pub struct InteractiveTiles {
     /// Number of the ask.
     turn: u64,
     bytes: usize,
+    /// Engines that share the room; none are as one.
+    engines: usize,
 }
 
 impl InteractiveTiles {
+    /// Keeps tiles in a share of the room from now on, where there are so many engines.
+    pub fn share(&mut self, engines: usize) {
+        self.engines = engines;
+    }
+
     /// Forgets the light: weather or clouds are others.
     pub fn clear(&mut self) {
         self.lit = None;
@@ -100,12 +114,11 @@ impl InteractiveTiles {
             ready.turn = self.turn;
             return Ok(of(self.lit.as_ref(), &ready.tile));
         }
+        let missing = |other: &&u32| **other < opened.site.tiles() && !state.ready.contains_key(*other);
+        let mut group: Vec<u32> = [&tile].into_iter().chain(next.iter().filter(missing)).copied().collect();
+        state.moments.expect(&group);
         // What several tiles see is read and solved once for all of them; a damaged block is an error of its own tile only.
-        let mut group = vec![tile];
-        if !state.schedules.is_empty() {
-            let missing = |other: &&u32| **other < opened.site.tiles() && !state.ready.contains_key(*other);
-            group.extend(next.iter().filter(missing));
-        }
+        group.truncate(if state.schedules.is_empty() { 1 } else { TOGETHER });
         let made = match state.moments.tiles(&group) {
             Err(_) if group.len() > 1 => {
                 group.truncate(1);
@@ -163,7 +176,7 @@ impl InteractiveTiles {
     /// Keeps a tile of the state in use, if there is room, or some that was not asked for of late gives it.
     fn keep(&mut self, tile: u32, made: InteractiveTile) {
         let bytes = made.bytes();
-        while self.bytes + bytes > ROOM {
+        while self.bytes + bytes > ROOM / self.engines.max(1) {
             let all = self
                 .states
                 .iter()
@@ -175,11 +188,22 @@ impl InteractiveTiles {
             self.bytes -= gone.map_or(0, |gone| gone.tile.bytes());
         }
         if let Some(state) = self.states.first_mut() {
+            if self.bytes / STEP < (self.bytes + bytes) / STEP {
+                grow();
+            }
             self.bytes += bytes;
             let before = state.ready.insert(tile, Ready { tile: made, turn: self.turn });
             self.bytes -= before.map_or(0, |before| before.tile.bytes());
         }
     }
+}
+
+/// Lets memory grow by a step at once, where it can.
+fn grow() {
+    let mut room = Vec::<u8>::new();
+    // Without it tiles ask for memory one by one.
+    let _ = room.try_reserve(STEP);
+    black_box(room);
 }
 
 fn none() -> Failure {

@@ -18,6 +18,8 @@ pub enum Request {
         #[serde(default)]
         beside: Option<Beside>,
     },
+    /// Keeps tiles in a share of the memory that one engine alone has, where there are so many.
+    Share { workers: usize },
     /// Which receivers of two archives are the same ones.
     Match { before: Vec<AskedPlace>, after: Vec<AskedPlace> },
     /// A chunk of the scene's triangles.

@@ -1,16 +1,14 @@
-// Brings tiles to the graphics card, the nearest first, while nothing else is asked of the engine.
+// Brings tiles to the graphics card while nothing else is asked of the engine, in about the order of moments.
 
-import type { Changes } from "../engine/client";
+import type { Changes, TileTextures } from "../engine/client";
 import type { Session } from "../session";
 import type { Card } from "./card";
-
-/** Tiles that the engine is told of at a time, as of moments. */
-const NEXT = 4;
 
 export class Loader {
   private turn = 0;
   /** Tiles that the core has to serve. */
-  private left: number[] = [];
+  private readonly left = new Set<number>();
+  isLoading = false;
 
   constructor(
     private readonly card: Card,
@@ -19,41 +17,45 @@ export class Loader {
 
   /** Tiles that are not on the card. */
   get missing(): readonly number[] {
-    return this.left;
+    return [...this.left];
   }
 
   stop(): void {
     this.turn += 1;
+    const nothing = (): void => undefined;
+    if (this.isLoading) this.session.engine.textures({ changes: { reflectance: [], transmittance: [] }, tiles: [] }, nothing, nothing).catch(nothing);
+    this.isLoading = false;
   }
 
-  /** Goes on where it was stopped, or begins anew for other changes; resolves when done or stopped. */
-  async load(changes: Changes, target: [number, number, number]): Promise<void> {
+  /** Goes on where it was stopped, or begins anew for other changes, with these tiles of all; resolves when done or stopped. */
+  async load(changes: Changes, tiles: readonly number[]): Promise<void> {
     const turn = ++this.turn;
-    const { card, session } = this;
+    const { card, session, left } = this;
     const key = JSON.stringify(changes);
     if (card.changes !== key) {
       card.reset();
       card.changes = key;
-      this.left = session.tilesNear(target);
+      left.clear();
+      for (const tile of tiles) left.add(tile);
     }
     if (card.complete) return;
-    const waiting = [...this.left];
-    const refused: number[] = [];
-    while (waiting.length > 0) {
-      const tile = waiting.shift()!;
-      try {
-        const textures = await session.engine.textures({ changes, tile, next: waiting.slice(0, NEXT - 1) });
-        if (turn !== this.turn || session.closed || card.changes !== key) return;
-        if (card.put(textures)) this.left = this.left.filter((other) => other !== tile);
-        else refused.push(tile);
-        if (card.full) break;
-      } catch {
-        // A damaged tile is told of by the moments.
-        if (turn !== this.turn || session.closed) return;
-        refused.push(tile);
-      }
+    const isStopped = (): boolean => turn !== this.turn || session.closed || card.changes !== key;
+    const onTile = (textures: TileTextures): void => {
+      if (isStopped() || card.full) return;
+      if (card.put(textures)) left.delete(textures.tile);
+      if (!card.full) return;
+      this.stop();
+      card.complete = true;
+    };
+    this.isLoading = true;
+    try {
+      // A damaged tile is told of by the moments.
+      await session.engine.textures({ changes, tiles: tiles.filter((tile) => left.has(tile)) }, onTile, () => undefined);
+    } catch {
+      // So is what else is wrong; the core serves what is left.
     }
-    this.left = [...refused, ...waiting];
+    if (isStopped()) return;
+    this.isLoading = false;
     card.complete = true;
   }
 }

@@ -1,12 +1,19 @@
 // Bytes of an archive, wherever they are held, read by ranges without waiting: the engine asks in the middle of its work.
 
 import { EngineError } from "./failure";
+import { Pages } from "./pages";
 
 export interface Bytes {
   readonly name: string;
   readonly length: number;
   /** Fills `into` from a position; throws an EngineError if it cannot. */
   read(offset: number, into: Uint8Array): void;
+  /** Whether others can read them in parts too. */
+  readonly isDivisible: boolean;
+  /** What will be read soon. */
+  expect(offset: number, length: number): void;
+  /** Keeps less of what it read, where so many workers read the same. */
+  share(workers: number): void;
   /** What was asked of others so far. */
   readonly requests: number;
   readonly received: number;
@@ -14,6 +21,7 @@ export interface Bytes {
 
 /** Bytes in memory. */
 export class MemoryBytes implements Bytes {
+  readonly isDivisible = true;
   readonly requests = 0;
   readonly received = 0;
   private readonly bytes: Uint8Array;
@@ -29,6 +37,14 @@ export class MemoryBytes implements Bytes {
   read(offset: number, into: Uint8Array): void {
     into.set(this.bytes.subarray(offset, offset + into.length));
   }
+
+  expect(): void {
+    // They are there.
+  }
+
+  share(): void {
+    // Nothing is kept of them.
+  }
 }
 
 /** Of workers only, which the types of the page do not know. */
@@ -36,13 +52,17 @@ declare class FileReaderSync {
   readAsArrayBuffer(blob: Blob): ArrayBuffer;
 }
 
-/** A file that the user chose. */
+/** A file that the user chose, or bytes that all workers have in common. */
 export class FileBytes implements Bytes {
+  readonly isDivisible = true;
   requests = 0;
   received = 0;
   private readonly reader = new FileReaderSync();
+  private readonly pages: Pages;
 
-  constructor(private readonly file: File) {}
+  constructor(private readonly file: File) {
+    this.pages = new Pages(file.size, (offset, length) => this.range(offset, length));
+  }
 
   get name(): string {
     return this.file.name;
@@ -53,9 +73,23 @@ export class FileBytes implements Bytes {
   }
 
   read(offset: number, into: Uint8Array): void {
+    this.pages.read(offset, into);
+  }
+
+  expect(offset: number, length: number): void {
+    this.pages.expect(offset, length);
+  }
+
+  share(workers: number): void {
+    this.pages.share(workers);
+  }
+
+  private range(offset: number, length: number): Uint8Array {
     try {
-      const part = this.reader.readAsArrayBuffer(this.file.slice(offset, offset + into.length));
-      into.set(new Uint8Array(part));
+      const part = this.reader.readAsArrayBuffer(this.file.slice(offset, offset + length));
+      this.requests += 1;
+      this.received += length;
+      return new Uint8Array(part);
     } catch (error) {
       throw new EngineError({
         kind: "not-found",
@@ -63,7 +97,5 @@ export class FileBytes implements Bytes {
         hint: "choose the file again: it was moved or changed",
       });
     }
-    this.requests += 1;
-    this.received += into.length;
   }
 }

@@ -1,10 +1,11 @@
-// The engine as the page calls it: everything runs in one worker, calls are promises.
+// The engine as the page calls it: everything runs in workers, calls are promises.
 
-import { EngineError } from "./failure";
-import type { Call, FromWorker, ToWorker } from "./messages";
+import type { Call, TileCall } from "./messages";
+import { EnginePool } from "./pool";
+import { EngineThread } from "./thread";
 import type {
   Air, AirAsk, Changes, ClearSky, Clock, ComfortAsk, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, People, ReceiverInfo, ReceiverAsk, ReceiverPlace,
-  Scene, Series, Site, Source, SumAsk, Sun, TileTextures, TileValues, Traffic, WeatherInfo,
+  Scene, Series, Site, Source, SumAsk, Sun, TextureAsk, TileTextures, TileValues, Traffic, WeatherInfo,
 } from "./types";
 
 export { EngineError } from "./failure";
@@ -18,32 +19,21 @@ export type {
 /** Nothing is changed. */
 export const UNCHANGED: Changes = { reflectance: [], transmittance: [] };
 
-interface Pending {
-  resolve(value: unknown): void;
-  reject(error: EngineError): void;
-  onTile?: (tile: TileValues) => void;
-  onDamage?: (tile: number, message: string) => void;
-}
+type OnTile = (tile: TileValues) => void;
+type OnDamage = (tile: number, message: string) => void;
 
 export class Engine {
-  private readonly pending = new Map<number, Pending>();
-  private last = 0;
+  private constructor(private readonly pool: EnginePool) {}
 
-  private constructor(private readonly worker: Worker) {}
+  /** Starts the engine in a worker of the script at an address; `workers`: as many in all, or else as many as suit the archive that is opened. */
+  static async start(script: string, module: WebAssembly.Module, workers?: number): Promise<Engine> {
+    const start = (): Promise<EngineThread> => EngineThread.start(script, module);
+    return new Engine(new EnginePool(await start(), start, workers));
+  }
 
-  /** Starts the engine in a worker of the script at an address. */
-  static async start(script: string, module: WebAssembly.Module): Promise<Engine> {
-    const started = new Worker(script);
-    const engine = new Engine(started);
-    await new Promise<void>((resolve, reject) => {
-      started.onerror = (event) =>
-        reject(new EngineError({ kind: "other", message: `the engine does not start: ${event.message}`, hint: "" }));
-      started.onmessage = () => resolve();
-      started.postMessage({ module } satisfies ToWorker);
-    });
-    started.onmessage = ({ data }: MessageEvent<FromWorker>) => engine.take(data);
-    started.onerror = (event) => engine.failAll(`the engine stopped: ${event.message}`);
-    return engine;
+  /** Who is told why a worker was lost beside the first, without which it goes on. */
+  set onLost(listener: (error: unknown) => void) {
+    this.pool.onLost = listener;
   }
 
   /**
@@ -52,7 +42,7 @@ export class Engine {
    */
   open(source: Source, beside: Pick<Site, "place"> | null = null): Promise<Site> {
     const absolute = "url" in source ? { url: new URL(source.url, document.baseURI).href } : source;
-    return this.call("open", [absolute, beside]);
+    return this.pool.open(absolute, beside);
   }
 
   /** Which receivers of two archives are the same ones. */
@@ -60,10 +50,14 @@ export class Engine {
     return this.call("match", [before, after]);
   }
 
-  /** Ends the worker and lets go of its memory; what was asked fails. */
+  /** Ends the workers and lets go of their memory; what was asked fails. */
   close(): void {
-    this.worker.terminate();
-    this.failAll("the archive was closed");
+    this.pool.end("the archive was closed");
+  }
+
+  /** What of asks for tiles is still to be begun comes in this order. */
+  prefer(tiles: readonly number[]): void {
+    this.pool.prefer(tiles);
   }
 
   scene(chunk: number): Promise<Scene> {
@@ -80,7 +74,7 @@ export class Engine {
 
   /** A weather file, packed with gzip or not. */
   loadWeather(name: string, bytes: ArrayBuffer, clock: Clock = {}): Promise<WeatherInfo> {
-    return this.call("loadWeather", [name, bytes, clock]);
+    return this.pool.tell("loadWeather", [name, bytes, clock]);
   }
 
   /**
@@ -88,12 +82,12 @@ export class Engine {
    * hides, 0 to 255. It stands before the sky once it is turned.
    */
   clouds(side: number, levels: Uint8Array, map: number): Promise<Uint8Array> {
-    return this.call("clouds", [side, levels, map]);
+    return this.pool.tell("clouds", [side, levels, map], ["turnClouds"]);
   }
 
   /** Puts the picture before the sky, with its top at an azimuth, or takes it away from there. */
   turnClouds(top: number | null): Promise<void> {
-    return this.call("turnClouds", [top]);
+    return this.pool.tell("turnClouds", [top]);
   }
 
   /** At the place and by the clock of the weather file, or else of the site. */
@@ -106,11 +100,12 @@ export class Engine {
     return this.call("clear", [dayOfYear, minutes]);
   }
 
-  /** Tiles at one moment, in the order asked for; false if a newer moment came before all were done. Damaged tiles are told, the rest goes on. */
-  moment(
-    ask: MomentAsk, onTile: (tile: TileValues) => void, onDamage: (tile: number, message: string) => void,
-  ): Promise<boolean> {
-    return this.call("moment", [ask], { onTile, onDamage });
+  /**
+   * Tiles at one moment, about in the order asked for; false if a newer moment came before all were done. Damaged tiles are told, the rest goes
+   * on.
+   */
+  moment(ask: MomentAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
+    return this.values("moment", ask, onTile, onDamage);
   }
 
   /** The light of a moment for the graphics card; tiles do not matter. */
@@ -118,24 +113,26 @@ export class Engine {
     return this.call("light", [ask]);
   }
 
-  /** A tile for the graphics card, for moments with `Light` of kind `sun`. */
-  textures(ask: { changes: Changes; tile: number; next: number[] }): Promise<TileTextures> {
-    return this.call("textures", [ask]);
+  /** Tiles for the graphics card, for moments with `Light` of kind `sun`, likewise. */
+  textures({ tiles, ...ask }: TextureAsk, onTile: (tile: TileTextures) => void, onDamage: OnDamage): Promise<boolean> {
+    return this.pool.tiles("textures", ask, tiles, { onTile: (tile) => onTile(tile as TileTextures), onDamage });
   }
 
   /** Sums over the weather file, likewise. */
-  sums(ask: SumAsk, onTile: (tile: TileValues) => void, onDamage: (tile: number, message: string) => void): Promise<boolean> {
-    return this.call("sums", [ask], { onTile, onDamage });
+  sums(ask: SumAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
+    return this.values("sums", ask, onTile, onDamage);
   }
 
   /** Minutes of sun on a day, likewise. */
-  sunMinutes(ask: MinutesAsk, onTile: (tile: TileValues) => void, onDamage: (tile: number, message: string) => void): Promise<boolean> {
-    return this.call("sunMinutes", [ask], { onTile, onDamage });
+  sunMinutes(ask: MinutesAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
+    return this.values("sunMinutes", ask, onTile, onDamage);
   }
 
   /** Whether the receivers are people, and what can be asked of them. */
-  people(): Promise<People> {
-    return this.call("people", []);
+  async people(): Promise<People> {
+    const people = await this.call<People>("people", []);
+    if (people.count > 0) this.pool.stayAlone();
+    return people;
   }
 
   /** What is known of the air of a moment. */
@@ -144,8 +141,8 @@ export class Engine {
   }
 
   /** What people feel, likewise; each receiver gets the numbers of its point. */
-  comfort(ask: ComfortAsk, onTile: (tile: TileValues) => void, onDamage: (tile: number, message: string) => void): Promise<boolean> {
-    return this.call("comfort", [ask], { onTile, onDamage });
+  comfort(ask: ComfortAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
+    return this.values("comfort", ask, onTile, onDamage);
   }
 
   /** Sums of one receiver by month. */
@@ -162,31 +159,20 @@ export class Engine {
     return this.call("fisheye", [ask]);
   }
 
-  traffic(): Promise<Traffic> {
-    return this.call("traffic", []);
+  /** Of all workers together. */
+  async traffic(): Promise<Traffic> {
+    const each = await this.pool.all<Traffic>("traffic");
+    return each.reduce((a, b) => ({ requests: a.requests + b.requests, bytes: a.bytes + b.bytes, memory: a.memory + b.memory }));
   }
 
-  private call<T>(call: Call, args: unknown[], tell: Pick<Pending, "onTile" | "onDamage"> = {}): Promise<T> {
-    const number = ++this.last;
-    return new Promise<T>((resolve, reject) => {
-      this.pending.set(number, { resolve: resolve as (value: unknown) => void, reject, ...tell });
-      this.worker.postMessage({ number, call, args } satisfies ToWorker);
-    });
+  private call<T>(call: Call, args: unknown[]): Promise<T> {
+    return this.pool.first.call(call, args);
   }
 
-  private take(message: FromWorker): void {
-    if ("ready" in message) return;
-    const pending = this.pending.get(message.number);
-    if (pending === undefined) return;
-    if ("tile" in message) return pending.onTile?.(message.tile);
-    if ("damaged" in message) return pending.onDamage?.(message.damaged, message.message);
-    this.pending.delete(message.number);
-    if ("failure" in message) pending.reject(new EngineError(message.failure));
-    else pending.resolve(message.value);
-  }
-
-  private failAll(message: string): void {
-    for (const { reject } of this.pending.values()) reject(new EngineError({ kind: "other", message, hint: "" }));
-    this.pending.clear();
+  /** Values of tiles, by all workers. */
+  private values(call: Exclude<TileCall, "textures">, ask: { tiles: number[] }, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
+    const { tiles, ...rest } = ask;
+    // The planes of a person may lie in several tiles, which one worker has to have.
+    return this.pool.tiles(call, rest, tiles, { onTile: (tile) => onTile(tile as TileValues), onDamage }, call === "comfort");
   }
 }

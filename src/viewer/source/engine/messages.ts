@@ -1,11 +1,19 @@
 // What goes between the page and the worker.
 
 import type { Failure } from "./failure";
-import type { TileValues } from "./types";
+import type { Tile } from "./types";
+
+/** Calls that go tile by tile, with an ask and the number of its turn: a later turn supersedes those before. */
+const TILE_CALLS = ["moment", "textures", "sums", "sunMinutes", "comfort"] as const;
+export type TileCall = (typeof TILE_CALLS)[number];
+
+export function isTileCall(call: Call): call is TileCall {
+  return (TILE_CALLS as readonly Call[]).includes(call);
+}
 
 /** Calls by name, with their arguments: those of `Tasks`. */
 export type Call =
-  | "open" | "match" | "scene" | "overview" | "receivers" | "loadWeather" | "clouds" | "turnClouds" | "sun" | "clear" | "moment" | "light" | "textures" | "sums" | "sunMinutes" | "people" | "air" | "comfort" | "months" | "day" | "fisheye" | "traffic";
+  | TileCall | "open" | "share" | "match" | "scene" | "overview" | "receivers" | "loadWeather" | "clouds" | "turnClouds" | "sun" | "clear" | "light" | "people" | "air" | "months" | "day" | "fisheye" | "traffic";
 
 /** To the worker: first the module, then calls. */
 export type ToWorker = { module: WebAssembly.Module } | { number: number; call: Call; args: unknown[] };
@@ -13,7 +21,7 @@ export type ToWorker = { module: WebAssembly.Module } | { number: number; call: 
 /** From the worker. */
 export type FromWorker =
   | { ready: true }
-  | { number: number; tile: TileValues }
+  | { number: number; tile: Tile }
   | { number: number; damaged: number; message: string }
   | { number: number; value: unknown }
   | { number: number; failure: Failure };

@@ -23,7 +23,7 @@ export class Pages {
   private next = -1;
   private ahead = 1;
 
-  constructor(private readonly length: number, private readonly fetch: Fetch, private readonly limit = LIMIT) {}
+  constructor(private readonly length: number, private readonly fetch: Fetch, private limit = LIMIT) {}
 
   /** Keeps what was got otherwise, such as the first answer of a server. */
   put(offset: number, bytes: Uint8Array): void {
@@ -34,6 +34,11 @@ export class Pages {
     }
   }
 
+  /** Keeps a share of what one alone keeps. */
+  share(workers: number): void {
+    this.limit /= workers;
+  }
+
   read(offset: number, into: Uint8Array): void {
     const [first, last] = [Math.floor(offset / PAGE), Math.floor((offset + into.length - 1) / PAGE)];
     for (let page = first; page <= last; page++) {
@@ -42,6 +47,12 @@ export class Pages {
       const [from, to] = [Math.max(offset, page * PAGE), Math.min(offset + into.length, (page + 1) * PAGE)];
       into.set(bytes.subarray(from - page * PAGE, to - page * PAGE), from - offset);
     }
+  }
+
+  /** Fetches what will be read soon by as few requests as it takes. */
+  expect(offset: number, length: number): void {
+    const last = Math.floor((Math.min(offset + length, this.length) - 1) / PAGE);
+    for (let page = Math.floor(offset / PAGE); page <= last; page++) if (!this.kept.has(page)) this.load(page, last);
   }
 
   /** Fetches a page with those behind it that are missing, up to the last that is asked for or that comes next in order. */

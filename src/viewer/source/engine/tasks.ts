@@ -3,9 +3,10 @@
 
 import { FileBytes, MemoryBytes, type Bytes } from "./bytes";
 import { EngineError } from "./failure";
+import type { TileCall } from "./messages";
 import type {
-  Air, AirAsk, Changes, ClearSky, Clock, ComfortAsk, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, People, ReceiverInfo, ReceiverAsk, ReceiverPlace,
-  Scene, Series, Site, Source, SumAsk, Sun, TileTextures, TileValues, Traffic, WeatherInfo,
+  Air, AirAsk, ClearSky, Clock, ComfortAsk, Fisheye, LightTexels, Matching, MinutesAsk, MomentAsk, Overview, People, ReceiverInfo, ReceiverAsk, ReceiverPlace,
+  Scene, Series, Site, Source, SumAsk, Sun, TextureAsk, TileTextures, TileValues, Traffic, WeatherInfo,
 } from "./types";
 import { UrlBytes } from "./url";
 import { Wasm, type Answer } from "./wasm";
@@ -13,10 +14,11 @@ import { Wasm, type Answer } from "./wasm";
 /** Work that takes longer lets messages in. */
 const SLICE_MS = 12;
 
-/** Tiles that the engine is told of at a time: where it has to solve for light, neighbours share the work. */
-const NEXT = 4;
+/** Tiles that the engine is told of at a time: it reads neighbours together, and solves for their light together where it has to. */
+const NEXT = 8;
 
 export type OnTile = (tile: TileValues) => void;
+export type OnTextures = (tile: TileTextures) => void;
 export type OnDamage = (tile: number, message: string) => void;
 
 export class Tasks {
@@ -25,7 +27,7 @@ export class Tasks {
   /** Columns of the archive that is open. */
   private components: string[] = [];
   /** Numbers of the last calls, which supersede those before. */
-  private readonly newest = { moment: 0, sums: 0, sunMinutes: 0, comfort: 0, open: 0 };
+  private readonly newest = { moment: 0, textures: 0, sums: 0, sunMinutes: 0, comfort: 0, open: 0 };
 
   constructor(private readonly module: WebAssembly.Module, private readonly pause: () => Promise<void>) {}
 
@@ -33,6 +35,7 @@ export class Tasks {
   async open(source: Source, beside: Pick<Site, "place"> | null = null): Promise<Site> {
     const turn = ++this.newest.open;
     this.newest.moment++;
+    this.newest.textures++;
     this.newest.sums++;
     this.newest.sunMinutes++;
     this.newest.comfort++;
@@ -41,9 +44,15 @@ export class Tasks {
     const { value } = wasm.call({ request: "open", name: bytes.name, bytes: bytes.length, beside });
     if (turn !== this.newest.open) throw new EngineError({ kind: "other", message: "another archive was opened", hint: "" });
     [this.wasm, this.bytes] = [wasm, bytes];
-    const site = value as Site;
+    const site = { ...(value as Omit<Site, "isDivisible">), isDivisible: bytes.isDivisible };
     this.components = site.components;
     return site;
+  }
+
+  /** Takes a share of the memory that one worker alone has, where there are so many. */
+  share(workers: number): void {
+    this.call({ request: "share", workers });
+    this.bytes?.share(workers);
   }
 
   match(before: readonly ReceiverPlace[], after: readonly ReceiverPlace[]): Matching {
@@ -85,9 +94,8 @@ export class Tasks {
     return this.call({ request: "clear", dayOfYear, minutes }).value as ClearSky;
   }
 
-  moment(ask: MomentAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
-    const { tiles, ...rest } = ask;
-    return this.each("moment", rest, ask.components, tiles, onTile, onDamage);
+  moment(ask: MomentAsk, onTile: OnTile, onDamage: OnDamage, turn?: number): Promise<boolean> {
+    return this.values("moment", ask, ask.components, onTile, onDamage, turn);
   }
 
   light(ask: MomentAsk): LightTexels {
@@ -95,19 +103,18 @@ export class Tasks {
     return { ...(value as Omit<LightTexels, "numbers">), numbers: arrays["numbers"] as Float32Array };
   }
 
-  textures(ask: { changes: Changes; tile: number; next: number[] }): TileTextures {
-    const { value, arrays } = this.call({ request: "textures", ...ask });
-    return { ...(value as Omit<TileTextures, "words" | "starts">), words: arrays["words"] as Uint32Array, starts: arrays["starts"] as Uint32Array };
+  textures({ tiles, changes }: TextureAsk, onTile: OnTextures, onDamage: OnDamage, turn?: number): Promise<boolean> {
+    const made = (tile: number, { value, arrays }: Answer): void =>
+      onTile({ tile, ...(value as Omit<TileTextures, "tile" | "words" | "starts">), words: arrays["words"] as Uint32Array, starts: arrays["starts"] as Uint32Array });
+    return this.each("textures", { changes }, tiles, made, onDamage, turn);
   }
 
-  sums(ask: SumAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
-    const { tiles, ...rest } = ask;
-    return this.each("sums", rest, ask.components, tiles, onTile, onDamage);
+  sums(ask: SumAsk, onTile: OnTile, onDamage: OnDamage, turn?: number): Promise<boolean> {
+    return this.values("sums", ask, ask.components, onTile, onDamage, turn);
   }
 
-  sunMinutes(ask: MinutesAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
-    const { tiles, ...rest } = ask;
-    return this.each("sunMinutes", rest, ["minutes"], tiles, onTile, onDamage);
+  sunMinutes(ask: MinutesAsk, onTile: OnTile, onDamage: OnDamage, turn?: number): Promise<boolean> {
+    return this.values("sunMinutes", ask, ["minutes"], onTile, onDamage, turn);
   }
 
   people(): People {
@@ -119,9 +126,8 @@ export class Tasks {
     return this.call({ request: "air", air }).value as Air;
   }
 
-  comfort(ask: ComfortAsk, onTile: OnTile, onDamage: OnDamage): Promise<boolean> {
-    const { tiles, names, ...rest } = ask;
-    return this.each("comfort", rest, names, tiles, onTile, onDamage);
+  comfort({ names, ...ask }: ComfortAsk, onTile: OnTile, onDamage: OnDamage, turn?: number): Promise<boolean> {
+    return this.values("comfort", ask, names, onTile, onDamage, turn);
   }
 
   months(ask: ReceiverAsk): Series {
@@ -145,21 +151,26 @@ export class Tasks {
     return { requests: bytes?.requests ?? 0, bytes: bytes?.received ?? 0, memory: wasm?.memory ?? 0 };
   }
 
-  /** Tile after tile of an ask, until a newer one comes. */
-  private async each(
-    request: "moment" | "sums" | "sunMinutes" | "comfort", ask: object, components: readonly string[], tiles: number[], onTile: OnTile, onDamage: OnDamage,
+  private values(
+    request: TileCall, { tiles, ...ask }: { tiles: number[] }, columns: readonly string[], onTile: OnTile, onDamage: OnDamage, turn?: number,
   ): Promise<boolean> {
-    const turn = ++this.newest[request];
+    const made = (tile: number, { value, arrays }: Answer): void =>
+      onTile({ tile, first: (value as { first: number }).first, values: columns.map((name) => arrays[name] as Float32Array) });
+    return this.each(request, { ask }, tiles, made, onDamage, turn);
+  }
+
+  /** Tile after tile of a request, until one of a later turn comes; several of one turn go side by side. */
+  private async each(
+    request: TileCall, rest: object, tiles: number[], made: (tile: number, answer: Answer) => void, onDamage: OnDamage, turn = this.newest[request] + 1,
+  ): Promise<boolean> {
+    this.newest[request] = Math.max(turn, this.newest[request]);
     // Sums are slow to begin: of those that wait, as behind a slider, the newest does.
     if (request === "sums" || request === "comfort") await this.pause();
     if (turn !== this.newest[request]) return false;
     let started = performance.now();
     for (const [place, tile] of tiles.entries()) {
       try {
-        const next = tiles.slice(place + 1, place + NEXT);
-        const { value, arrays } = this.call({ request, ask, tile, next });
-        const { first } = value as { first: number };
-        onTile({ tile, first, values: components.map((name) => arrays[name] as Float32Array) });
+        made(tile, this.call({ request, ...rest, tile, next: tiles.slice(place + 1, place + NEXT) }));
       } catch (error) {
         if (!(error instanceof EngineError) || error.kind !== "damaged") throw error;
         onDamage(tile, error.message);

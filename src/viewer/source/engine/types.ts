@@ -61,6 +61,8 @@ export interface Site {
   skies: string[];
   /** Those that no clouds can stand before. */
   cloudlessSkies: string[];
+  /** Whether more workers can read it without loading all of it. */
+  isDivisible: boolean;
 }
 
 /** As the option --sky takes it. */
@@ -186,8 +188,15 @@ export interface LightTexels {
   radiances: [number, number];
 }
 
+/** Tiles for the graphics card. */
+export interface TextureAsk {
+  changes: Changes;
+  tiles: number[];
+}
+
 /** A tile for the graphics card. */
 export interface TileTextures {
+  tile: number;
   first: number;
   /** False where mirrors or canopies take part: the engine's moments have to serve. */
   served: boolean;
@@ -257,6 +266,9 @@ export interface TileValues {
   /** One array a column that was asked for, one value a receiver. */
   values: Float32Array[];
 }
+
+/** What asks that go tile by tile give. */
+export type Tile = TileValues | TileTextures;
 
 export interface ReceiverAsk {
   tile: number;

@@ -14,6 +14,7 @@ const FIRST = PAGE;
 export class UrlBytes implements Bytes {
   readonly name: string;
   readonly length: number;
+  readonly isDivisible: boolean;
   requests = 0;
   received = 0;
   private readonly etag: string | null;
@@ -54,12 +55,21 @@ export class UrlBytes implements Bytes {
   private constructor(private readonly url: string, length: number, etag: string | null, first: Uint8Array, ranges: boolean) {
     [this.name, this.length, this.etag] = [nameOf(url), length, etag];
     [this.requests, this.received] = [1, first.length];
+    this.isDivisible = ranges;
     this.pages = new Pages(length, (offset, count) => this.range(offset, count), ranges ? undefined : Infinity);
     this.pages.put(0, first);
   }
 
   read(offset: number, into: Uint8Array): void {
     this.pages.read(offset, into);
+  }
+
+  expect(offset: number, length: number): void {
+    this.pages.expect(offset, length);
+  }
+
+  share(workers: number): void {
+    this.pages.share(workers);
   }
 
   private range(offset: number, length: number): Uint8Array {

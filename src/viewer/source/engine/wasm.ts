@@ -54,7 +54,14 @@ export class Wasm {
         return 1;
       }
     };
-    const instance = await WebAssembly.instantiate(module, { host: { read } });
+    const expect = (offset: number, length: number): void => {
+      try {
+        bytes.expect(offset, length);
+      } catch {
+        // Whoever reads them is told why they cannot be had.
+      }
+    };
+    const instance = await WebAssembly.instantiate(module, { host: { read, expect } });
     wasm = new Wasm(instance.exports as unknown as Exports);
     return wasm;
   }

@@ -1,9 +1,9 @@
 // The worker: takes calls, answers them by `Tasks`.
 
 import { failureOf } from "./failure";
-import type { Call, FromWorker, ToWorker } from "./messages";
+import { isTileCall, type Call, type FromWorker, type ToWorker } from "./messages";
 import { Tasks } from "./tasks";
-import type { ComfortAsk, MinutesAsk, MomentAsk, SumAsk, TileValues } from "./types";
+import type { Tile } from "./types";
 
 interface Scope {
   onmessage: ((event: MessageEvent<ToWorker>) => void) | null;
@@ -38,23 +38,12 @@ scope.onmessage = ({ data }) => {
 
 async function answer(number: number, call: Call, args: unknown[]): Promise<unknown> {
   if (tasks === undefined) throw new Error("the engine has not started");
-  const onTile = (tile: TileValues): void =>
-    scope.postMessage({ number, tile }, transferable(tile));
+  const method = tasks[call] as (...args: unknown[]) => unknown;
+  if (!isTileCall(call)) return await method.apply(tasks, args);
+  const [ask, turn] = args;
+  const onTile = (tile: Tile): void => scope.postMessage({ number, tile }, transferable(tile));
   const onDamage = (damaged: number, message: string): void => scope.postMessage({ number, damaged, message });
-  switch (call) {
-    case "moment":
-      return tasks.moment(args[0] as MomentAsk, onTile, onDamage);
-    case "sums":
-      return tasks.sums(args[0] as SumAsk, onTile, onDamage);
-    case "sunMinutes":
-      return tasks.sunMinutes(args[0] as MinutesAsk, onTile, onDamage);
-    case "comfort":
-      return tasks.comfort(args[0] as ComfortAsk, onTile, onDamage);
-    default: {
-      const method = tasks[call] as (...args: unknown[]) => unknown;
-      return await method.apply(tasks, args);
-    }
-  }
+  return await method.apply(tasks, [ask, onTile, onDamage, turn]);
 }
 
 /** Memory of arrays that is given away with a message, each once. */

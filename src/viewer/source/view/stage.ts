@@ -1,9 +1,16 @@
 // The 3D view's renderer, camera and orbit. Draws only when something changed. Axes: x east, y north, z up, metres from the scene's origin.
 
-import { Box3, Color, MOUSE, PerspectiveCamera, Scene, Spherical, TOUCH, Vector3, WebGLRenderer } from "three";
+import { Box3, Color, Frustum, Matrix4, MOUSE, PerspectiveCamera, Scene, Sphere, Spherical, TOUCH, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 const UP = new Vector3(0, 0, 1);
+
+/** What is looked at, m from the origin of the page. */
+export interface View {
+  target: [number, number, number];
+  /** Whether a part of a sphere is in the window, or behind what is. */
+  isSeen(middle: readonly [number, number, number], radius: number): boolean;
+}
 
 function isSoftware(): boolean {
   const probe = document.createElement("canvas").getContext("webgl2");
@@ -84,6 +91,17 @@ export class Stage {
     this.camera.updateProjectionMatrix();
     this.renderer.render(this.scene, this.camera);
     for (const listener of this.afterDrawing) listener();
+  }
+
+  /** Resolves when the next frame is drawn: without a graphics card that is long after it was asked for. */
+  async drawn(): Promise<void> {
+    const frame = (): Promise<unknown> => new Promise(requestAnimationFrame);
+    await frame();
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    while (fence && gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED) await frame();
+    gl.deleteSync(fence);
   }
 
   /** The next box is looked at from the side that the present one is. */
@@ -175,6 +193,16 @@ export class Stage {
     const offset = this.camera.position.clone().sub(this.controls.target);
     const length = Math.min(this.controls.maxDistance, Math.max(this.controls.minDistance, offset.length() * factor));
     this.look(this.controls.target.clone().add(offset.setLength(length)), this.controls.target.clone());
+  }
+
+  view(): View {
+    const { camera } = this;
+    camera.updateMatrixWorld();
+    const window = new Frustum().setFromProjectionMatrix(new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse));
+    return {
+      target: this.controls.target.toArray(),
+      isSeen: (middle, radius) => window.intersectsSphere(new Sphere(new Vector3(...middle), radius)),
+    };
   }
 
   /** Metres that a pixel of the page covers where the camera looks. */
