@@ -24,7 +24,7 @@ pub struct Filled {
 /// GHI alone, else 0. `sun` is that of mid-interval.
 pub fn fill(raw: &RawRow, site: &Location, sun: DVec3) -> Filled {
     let cosine = || {
-        let suns = site.sunlit(&raw.interval, sun, STEPS);
+        let suns = site.sunlit(&raw.interval, sun.into(), STEPS);
         suns.iter().map(|s| s.z).sum::<f64>() / suns.len().max(1) as f64
     };
     let (dni_w_m2, dhi_w_m2, gap) = match (raw.ghi, raw.dni, raw.dhi) {
@@ -34,7 +34,7 @@ pub fn fill(raw: &RawRow, site: &Location, sun: DVec3) -> Filled {
             let gap = if dhi.is_some() { Finding::ComputedDni } else { Finding::SplitGhi };
             let cosine = cosine();
             // More than the sun sends while it is up cannot be: the rest is diffuse or an error of the file.
-            let lit = site.sunlit_hours(&raw.interval, sun) / raw.interval.hours();
+            let lit = site.sunlit_hours(&raw.interval, sun.into()) / raw.interval.hours();
             let most = extraterrestrial_w_m2(raw.interval.date) * lit;
             if cosine < SMALLEST_COSINE {
                 (0.0, ghi, Some(gap))
