@@ -29,11 +29,11 @@ impl SunHours {
         let (mut up_h, mut behind_h, mut seen_h) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
         let mut samples = Vec::new();
         for (bin, row) in weather.rows.iter().enumerate() {
-            let suns = weather.site.sunlit(&row.interval, row.sun, steps);
+            let suns = weather.site.sunlit(&row.interval, weather.known_suns(bin, row), steps);
             if suns.is_empty() {
                 continue;
             }
-            up_h[bin] = weather.site.sunlit_hours(&row.interval, row.sun);
+            up_h[bin] = weather.site.sunlit_hours(&row.interval, weather.known_suns(bin, row));
             let hours = up_h[bin] / suns.len() as f64;
             for sun in suns {
                 let direction = north.to_axes(sun);

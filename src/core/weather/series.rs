@@ -15,7 +15,7 @@ use crate::weather::closure::Closure;
 use crate::weather::conditions::{Condition, Stamp};
 use crate::weather::findings::Findings;
 use crate::weather::row::WeatherRow;
-use crate::weather::time::sun::{Location, extraterrestrial_w_m2};
+use crate::weather::time::sun::{Interval, KnownSuns, Location, extraterrestrial_w_m2};
 
 /// Findings of the reader, for the user.
 #[derive(Clone, Debug, Default)]
@@ -56,15 +56,34 @@ impl Weather {
         ((f64::from(steps_an_hour) * self.interval_hours - 1e-9).ceil() as usize).max(1)
     }
 
+    /// Returns the sun in the middle of a row, with the suns of the rows before and after it if these are
+    /// of the same day and of equal length, without a gap between.
+    pub fn known_suns(&self, place: usize, row: &WeatherRow) -> KnownSuns {
+        let long_min = row.interval.end_min - row.interval.start_min;
+        let beside = |other: Option<&WeatherRow>, after_min: f64| {
+            let is_beside = |Interval { date, start_min, end_min }: Interval| {
+                let starts = row.interval.start_min + after_min;
+                date == row.interval.date && (start_min, end_min) == (starts, starts + long_min)
+            };
+            other.filter(|other| is_beside(other.interval)).map(|other| other.sun)
+        };
+        let before = place.checked_sub(1).and_then(|before| self.rows.get(before));
+        let both = (beside(before, -long_min), beside(self.rows.get(place + 1), long_min));
+        let beside = if let (Some(before), Some(after)) = both { Some([before, after]) } else { None };
+        KnownSuns { middle: row.sun, beside }
+    }
+
     /// Returns one condition per row, in file order, with the sun at `steps` mid-points of the
     /// sunlit part of its interval (at least one). The label is the START of the interval in local
     /// standard time, `YYYY-MM-DDTHH:MM`: hour 1 of EPW is 00:00. Rows without light get no suns.
     pub fn conditions(&self, steps: usize) -> Vec<Condition> {
         self.rows
             .par_iter()
-            .map(|row| {
+            .enumerate()
+            .map(|(place, row)| {
                 let dark = row.dni_w_m2 == 0.0 && row.dhi_w_m2 == 0.0;
-                let suns = if dark { Vec::new() } else { self.site.sunlit(&row.interval, row.sun, steps) };
+                let suns = || self.site.sunlit(&row.interval, self.known_suns(place, row), steps);
+                let suns = if dark { Vec::new() } else { suns() };
                 let date = row.interval.date;
                 let label = row.interval.label();
                 let condition = Condition::new(label, &suns, row.sun, row.dni_w_m2, row.dhi_w_m2);
@@ -82,7 +101,6 @@ impl Weather {
 mod tests {
     use super::*;
     use crate::weather::time::calendar::Date;
-    use crate::weather::time::sun::Interval;
 
     fn weather(site: Location, rows: &[(f64, f64, f64)]) -> Weather {
         let date = Date::new(2021, 3, 21).expect("a date");
@@ -133,6 +151,22 @@ mod tests {
         // its middle, 4.2 deg.
         let mean: f64 = all[0].suns.iter().map(|i| i.weight * i.sun.z).sum();
         assert!((mean - 0.074).abs() < 0.006, "{mean}");
+    }
+
+    /// Suns of an hour between two others of its day follow from those, and are within 1e-5 degrees of those
+    /// of the hour alone. Without the row after it, or with a gap before it, they are those of the hour alone.
+    #[test]
+    fn suns_of_rows_beside() {
+        let site = Location::new(51.5, 0.0, 0.0, 10.0).expect("a site");
+        let off = |hours: &[f64]| {
+            let rows: Vec<(f64, f64, f64)> = hours.iter().map(|hour| (*hour, 500.0, 100.0)).collect();
+            let (all, alone) = (weather(site, &rows).conditions(6), weather(site, &rows[1..2]).conditions(6));
+            let pairs = all[1].suns.iter().zip(&alone[0].suns);
+            pairs.map(|(a, b)| (a.sun - b.sun).length().to_degrees()).fold(0.0, f64::max)
+        };
+        let beside = off(&[9.0, 10.0, 11.0]);
+        assert!(beside > 0.0 && beside < 1e-5, "{beside}");
+        assert_eq!((off(&[9.0, 10.0]), off(&[8.0, 10.0, 11.0])), (0.0, 0.0));
     }
 
     /// DNI and DHI at night give no suns and a finite sky sun on the horizon (z = 0, length 1).

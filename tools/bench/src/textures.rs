@@ -26,9 +26,9 @@ pub fn table(site: &Site, receivers: usize) {
         let fans = SkyFans::new(base, fine);
         let (mut rays, start) = (0, Instant::now());
         let sky = |view: &Viewpoint| {
-            let (_, bits, cast) = view.sky(&fans, &tracer);
-            rays += cast;
-            bits
+            let traced = view.sky(&fans, &tracer);
+            rays += traced.rays;
+            traced.bits
         };
         let squares: Vec<BitSquare> = views.iter().map(sky).collect();
         let count = views.len() as f64;

@@ -25,7 +25,7 @@ pub struct Filled {
 /// mean cosine of the sunlit part, else from GHI alone, else 0. `sun` is that of mid-interval.
 pub fn fill(raw: &RawRow, site: &Location, sun: DVec3) -> Filled {
     let cosine = || {
-        let suns = site.sunlit(&raw.interval, sun, STEPS);
+        let suns = site.sunlit(&raw.interval, sun.into(), STEPS);
         suns.iter().map(|s| s.z).sum::<f64>() / suns.len().max(1) as f64
     };
     let (dni_w_m2, dhi_w_m2, gap) = match (raw.ghi, raw.dni, raw.dhi) {
@@ -36,7 +36,7 @@ pub fn fill(raw: &RawRow, site: &Location, sun: DVec3) -> Filled {
             let cosine = cosine();
             // DNI is limited to the light that the sun sends while it is up. The rest is diffuse or
             // an error of the file.
-            let lit = site.sunlit_hours(&raw.interval, sun) / raw.interval.hours();
+            let lit = site.sunlit_hours(&raw.interval, sun.into()) / raw.interval.hours();
             let most = extraterrestrial_w_m2(raw.interval.date) * lit;
             if cosine < SMALLEST_COSINE {
                 (0.0, ghi, Some(gap))

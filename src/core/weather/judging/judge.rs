@@ -153,7 +153,7 @@ fn judged_row(raw: &RawRow, site: &Location) -> (WeatherRow, Vec<Finding>) {
         findings.push(Finding::Negative);
     }
     if gap.is_some() || dni_w_m2 > 0.0 {
-        let lit_hours = site.sunlit_hours(&raw.interval, sun);
+        let lit_hours = site.sunlit_hours(&raw.interval, sun.into());
         if lit_hours > 0.0 {
             findings.extend(gap);
         }

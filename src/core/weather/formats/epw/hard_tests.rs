@@ -49,7 +49,7 @@ fn missing_values() {
     assert_eq!((w.rows[0].dni_w_m2, w.rows[0].dhi_w_m2), (700.0, 100.0));
     for i in [1, 2, 3, 5] {
         let r = &w.rows[i];
-        let suns = w.site.sunlit(&r.interval, r.sun, 30);
+        let suns = w.site.sunlit(&r.interval, r.sun.into(), 30);
         let cosine = suns.iter().map(|s| s.z).sum::<f64>() / 30.0;
         assert!((r.dhi_w_m2 + r.dni_w_m2 * cosine - 700.0).abs() < 0.5, "{i}");
     }
@@ -135,7 +135,7 @@ fn impossible_values() {
         .collect();
     let w = read(&day).expect("valid");
     let last = w.rows[17];
-    let lit = w.site.sunlit_hours(&last.interval, last.sun);
+    let lit = w.site.sunlit_hours(&last.interval, last.sun.into());
     assert!(lit > 0.0 && lit < 0.1, "{lit}");
     let tally = w.report.findings.of(Finding::AboveExtraterrestrial);
     assert_eq!((tally.rows, tally.first_line), (2, 20));

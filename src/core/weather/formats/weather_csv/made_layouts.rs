@@ -44,7 +44,7 @@ pub fn hours() -> Vec<Hour> {
         let start_min = f64::from(60 * hour);
         let interval = Interval { date, start_min, end_min: start_min + 60.0 };
         let middle = site.sun(date, start_min + 30.0);
-        let suns = site.sunlit(&interval, middle, 60);
+        let suns = site.sunlit(&interval, middle.into(), 60);
         let cosine = suns.iter().map(|sun| sun.z).sum::<f64>() / suns.len().max(1) as f64;
         let dni = if cosine > 0.05 { 950.0 * (-0.16 / cosine).exp() } else { 0.0 };
         let dhi = if cosine > 0.05 { 100.0 } else { 0.0 };

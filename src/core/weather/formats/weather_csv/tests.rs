@@ -386,7 +386,7 @@ fn flat_pvgis() {
         std::fs::read_to_string(data("pvgis_tilted.csv")).expect("data").replace("Slope: 30 deg.", "Slope: 0 deg. ");
     let weather = parse_weather(Path::new("w.csv"), text.as_bytes()).expect("valid");
     let row = weather.rows.iter().find(|row| row.ghi_w_m2 == Some(26.71 + 8.28)).expect("the morning's");
-    let suns = weather.site.sunlit(&row.interval, row.sun, 4);
+    let suns = weather.site.sunlit(&row.interval, row.sun.into(), 4);
     let cosine = suns.iter().map(|sun| sun.z).sum::<f64>() / 4.0;
     assert!(row.dhi_w_m2 == 8.28 && (row.dni_w_m2 * cosine - 26.71).abs() < 1e-9, "{row:?}");
     assert_eq!((weather.rows.len(), row.interval.label().as_str()), (14, "2016-01-01T07:40"));
