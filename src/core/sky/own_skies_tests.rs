@@ -78,8 +78,8 @@ fn axes_turn_skies_with_suns() {
     assert_eq!(brightest, patches.patch_of(direction_from_degrees(60.0, 20.0)));
 }
 
-/// Skies with four times the light of DHI hold the sun; skies with the light of DHI do not, and have
-/// a ratio of 1; black skies are counted.
+/// Skies with four times the light of DHI hold the sun. Skies with the light of DHI do not, and
+/// have a ratio of 1. Black skies are counted.
 #[test]
 fn the_sun_in_skies_is_seen() {
     let own = |level: f32| OwnSky::new(series(1, move |_| level), SkyScale::Given);

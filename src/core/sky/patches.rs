@@ -142,6 +142,7 @@ impl Patches {
         let integral = |values: &[f64]| -> f64 { values.iter().zip(open_horizontal_sr).map(|(l, w)| l * w).sum() };
         let mut sum = integral(&radiances);
         let mut scale = dome_w_m2 / sum;
+        // A model without light, or one that overflows, still has to give DHI.
         if !(sum.is_finite() && scale.is_finite() && scale > 0.0) {
             radiances.fill(1.0);
             sum = integral(&radiances);

@@ -75,6 +75,7 @@ impl<'s> SeenSky<'s> {
                     let edges = self.edges.get(first as usize..).unwrap_or_default();
                     let (column, row) = self.own(base);
                     let texel = self.texel(column, row);
+                    // Most ways meet no edge, and the bits of the whole way answer at once.
                     if let Some(is_seen) = throughout(texel, edges, passed) {
                         found.turn(is_seen, base.start_min, base.start_min, base.end_min);
                         continue;

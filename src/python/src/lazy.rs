@@ -108,6 +108,7 @@ impl LazyReplay {
             *tile = new.next().map(|(_, tile)| Arc::clone(tile));
         }
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        // The lock was free during the work, so another thread may have kept the tile already.
         for (number, tile) in made {
             if kept.iter().all(|(known, _)| *known != number) {
                 kept.push_back((number, tile));

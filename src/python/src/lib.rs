@@ -3,7 +3,7 @@
 //! share. Every number comes from the crates that the program's commands call.
 //! | file | in | out |
 //! | --- | --- | --- |
-//! | `work` | long work | its result; the work runs without Python's lock, with progress and Ctrl-C |
+//! | `work` | long work | its result, without Python's lock, with progress and Ctrl-C |
 //! | `errors` | errors of the engine | exceptions of `heliotile.errors`, with the engine's text |
 //! | `memory` | numbers | views of them for NumPy and Arrow |
 //! | `asked` | arguments of `replay` and `query` | conditions, choices of light |

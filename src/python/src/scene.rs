@@ -225,6 +225,7 @@ impl SceneHandle {
             let folder = folder_of(&args.output);
             let given = Given::of(&receivers)?;
             let inputs = [given.user_file(), args.error_weather.as_deref(), args.before.as_deref()];
+            // A wrong output is an error before the long work starts.
             if is_address(&args.output) {
                 let hint = "write a file, and then: {command:copy} FILE ADDRESS";
                 return Err(Error::input(

@@ -148,6 +148,8 @@ pub fn run<T: Send>(
             let _end = End(&watch);
             work(&watch)
         });
+        // Python handles signals on its main thread, so the calling thread waits and looks while
+        // the worker computes. After a failure it waits on until the worker has stopped.
         loop {
             let finished = py.detach(|| watch.wait());
             if failed.is_none()
