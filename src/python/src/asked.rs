@@ -135,7 +135,7 @@ impl Given {
 }
 
 impl LightArgs {
-    /// Memory for the work, bytes.
+    /// Returns the memory for the work, bytes.
     fn memory(&self) -> MemoryBudget {
         MemoryBudget::new(self.memory)
     }
@@ -279,7 +279,7 @@ impl Filled {
         Filled { method, request, given, memory, options }
     }
 
-    /// Choice of light.
+    /// Returns the choice of light.
     pub fn light(&self) -> &LightChoice {
         self.request.light()
     }

@@ -122,7 +122,7 @@ impl LazyReplay {
 
 #[pymethods]
 impl LazyReplay {
-    /// Number of receivers, labels, columns and provenance of the rows.
+    /// Returns the number of receivers, labels, columns and provenance of the rows.
     fn frame(&self) -> FrameHandle {
         FrameHandle(Arc::clone(&self.frame))
     }

@@ -123,7 +123,7 @@ impl Recombined {
 
 #[pymethods]
 impl Recombined {
-    /// Description of these results.
+    /// Returns the description of these results.
     fn frame(&self) -> FrameHandle {
         FrameHandle(Arc::clone(&self.frame))
     }

@@ -38,13 +38,14 @@ pub fn request<T: DeserializeOwned>(text: &str) -> Result<T> {
     })
 }
 
-/// Provenance of results: the Python function and its arguments.
+/// Returns the provenance of results: the Python function and its arguments.
 pub fn about(function: &str, text: &str) -> Provenance {
     let options: Map<String, Value> = serde_json::from_str(text).unwrap_or_default();
     Provenance::new(format!("heliotile.{function}"), options)
 }
 
-/// Resources for work: memory in bytes, scratch space, a reader of files, and an observer.
+/// Returns the resources for work: memory in bytes, scratch space, a reader of files, and an
+/// observer.
 pub fn resources<'a>(memory: u64, observer: &'a dyn Observer) -> Resources<'a> {
     Resources { memory: MemoryBudget::new(memory), storage: &SystemTemp, files: &input::read, observer }
 }

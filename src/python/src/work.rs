@@ -27,7 +27,7 @@ pub fn count_tiles(tiles: usize) {
     TILES.fetch_add(tiles as u64, Ordering::Relaxed);
 }
 
-/// Number of tiles of 64 receivers that this process has computed since it started.
+/// Returns the number of tiles of 64 receivers that this process has computed so far.
 #[pyfunction]
 pub fn tiles_computed() -> u64 {
     TILES.load(Ordering::Relaxed)
