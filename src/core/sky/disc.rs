@@ -1,5 +1,5 @@
-//! The sun's disc in a sky texture. In: a sun direction. Out: which fine texels it covers and by how much. Shared by all
-//! receivers: the sky textures are in the world frame.
+//! The sun's disc in a sky texture. In: a sun direction. Out: the fine texels that it covers, and
+//! their shares of it. All receivers share them, since sky textures are in the world frame.
 
 use std::f32::consts::FRAC_PI_4;
 use std::sync::LazyLock;
@@ -10,10 +10,11 @@ use pulp::Arch;
 use crate::hemisphere::Frame;
 use crate::units::SUN_RADIUS_RAD;
 
-/// Points of the disc.
+/// Number of points on the disc.
 const DISC_POINTS: usize = 64;
 
-/// Sunflower points: equal areas of the disc (Vogel 1979) on the plane that touches the sphere at its centre, drawn back to the sphere.
+/// Sunflower points: equal areas of the disc (Vogel 1979) on the plane that touches the sphere at
+/// its centre, projected onto the sphere.
 static POINTS: LazyLock<DiscPoints> = LazyLock::new(|| {
     let offset = |i: usize| {
         let radius = SUN_RADIUS_RAD * ((i as f64 + 0.5) / DISC_POINTS as f64).sqrt();
@@ -31,7 +32,8 @@ struct DiscPoints {
     n: [f32; DISC_POINTS],
 }
 
-/// Directions of points of equal solid angle on the disc around a sun, those above the horizon.
+/// Iterates over directions of points of equal solid angle on the disc around a sun, if they are
+/// above the horizon.
 pub fn disc_directions(sun: DVec3) -> impl Iterator<Item = DVec3> {
     let frame = Frame::of(sun);
     let DiscPoints { u, v, n } = &*POINTS;
@@ -39,8 +41,9 @@ pub fn disc_directions(sun: DVec3) -> impl Iterator<Item = DVec3> {
     points.map(move |point| frame.to_world(point)).filter(|direction| direction.z > 0.0)
 }
 
-/// Texels (column, row) of a square of `side` texels under the disc, sorted, and their shares of its part above the horizon (sum 1);
-/// none for a sun whose centre is at or below the horizon.
+/// Returns the texels (column, row) of a square of `side` texels under the disc, sorted, and their
+/// shares of the disc's part above the horizon (sum 1). Returns none for a sun whose centre is at
+/// or below the horizon.
 pub fn disc_texels(direction: DVec3, side: usize) -> Vec<(u32, u32, f32)> {
     if direction.z <= 0.0 {
         return Vec::new();
@@ -52,7 +55,7 @@ pub fn disc_texels(direction: DVec3, side: usize) -> Vec<(u32, u32, f32)> {
     let Some(&first) = seen().next() else { return Vec::new() };
     let (low, high) = seen()
         .fold((first, first), |(low, high), t| ((low.0.min(t.0), low.1.min(t.1)), (high.0.max(t.0), high.1.max(t.1))));
-    // Few texels lie under a disc: points are counted on the box about them.
+    // Few texels lie under a disc, so points are counted on the box around them.
     let rows = (high.1 - low.1 + 1) as usize;
     let mut counts = vec![0_u8; (high.0 - low.0 + 1) as usize * rows];
     seen().for_each(|t| counts[(t.0 - low.0) as usize * rows + (t.1 - low.1) as usize] += 1);
@@ -61,8 +64,9 @@ pub fn disc_texels(direction: DVec3, side: usize) -> Vec<(u32, u32, f32)> {
     found.map(|(i, count)| (low.0 + (i / rows) as u32, low.1 + (i % rows) as u32, f32::from(*count) * share)).collect()
 }
 
-/// [`crate::hemisphere::texel_of`] for all points at once, in f32, an error of 1e-4 texels of 1024; `None` for those below the horizon:
-/// that part of the disc sends nothing, and DNI is measured without it.
+/// Computes [`crate::hemisphere::texel_of`] for all points at once, in f32, with an error of 1e-4
+/// texels of 1024. A point below the horizon gets `None`: that part of the disc sends nothing, and
+/// DNI is measured without it.
 #[inline(always)]
 fn place(points: &DiscPoints, frame: &Frame, side: usize, texels: &mut [Option<(u32, u32)>; DISC_POINTS]) {
     let [u, v, n] = [frame.u, frame.v, frame.n].map(|axis| axis.as_vec3());
@@ -72,7 +76,7 @@ fn place(points: &DiscPoints, frame: &Frame, side: usize, texels: &mut [Option<(
         let x = n.x * of_n + u.x * of_u + v.x * of_v;
         let y = n.y * of_n + u.y * of_u + v.y * of_v;
         let z = n.z * of_n + u.z * of_u + v.z * of_v;
-        // 1 - z without its error near the zenith.
+        // 1 - z without its rounding error near the zenith.
         let r = ((x * x + y * y) / (1.0 + z.max(0.0))).sqrt();
         let wide = x.abs() >= y.abs();
         let (major, minor) = if wide { (x, y) } else { (y, x) };
@@ -85,12 +89,13 @@ fn place(points: &DiscPoints, frame: &Frame, side: usize, texels: &mut [Option<(
     }
     let last = side.saturating_sub(1) as u32;
     for (texel, ((column, row), z)) in texels.iter_mut().zip(columns.into_iter().zip(rows).zip(heights)) {
-        // Casts of what is below 0 give 0.
+        // The cast turns numbers below 0 into 0.
         *texel = (z > 0.0).then_some(((column as u32).min(last), (row as u32).min(last)));
     }
 }
 
-/// For |x| <= 1, error 2e-8: Abramowitz and Stegun, "Handbook of mathematical functions", 1964, 4.4.49.
+/// Returns the arctangent for |x| <= 1, error 2e-8: Abramowitz and Stegun, "Handbook of
+/// mathematical functions", 1964, 4.4.49.
 #[inline(always)]
 fn arctangent(x: f32) -> f32 {
     const SERIES: [f32; 8] = [
@@ -113,7 +118,8 @@ mod tests {
     use crate::hemisphere::texel_of;
     use crate::units::direction_from_degrees;
 
-    /// The disc's shares sum to 1 and it covers 8 to 24 texels of a 1024 texture at 2 to 90 degrees of altitude; none at or below 0.
+    /// The disc's shares sum to 1 and it covers 8 to 24 texels of a 1024 texture at 2 to 90 degrees
+    /// of altitude, none at 0.
     #[test]
     fn disc() {
         for altitude in [2.0, 20.0, 45.0, 89.0, 90.0] {
@@ -125,8 +131,8 @@ mod tests {
         assert!(disc_texels(direction_from_degrees(200.0, 0.0), 1024).is_empty());
     }
 
-    /// Points of 3,000 discs, at the zenith, on the creases of the map and on the horizon too, lie in the texels of their directions in f64
-    /// but for 1 in 2,000.
+    /// All but 1 in 2,000 points of 3,000 discs lie in the texels of their directions in f64. The
+    /// discs include some at the zenith, on the creases of the map and on the horizon.
     #[test]
     fn points_lie_where_their_directions_do() {
         let (mut points, mut wrong) = (0, 0);

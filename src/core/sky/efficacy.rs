@@ -1,14 +1,17 @@
-//! How bright sunlight is to the eye. In: a condition with its dew point. Out: lumens a watt of the sun's and of the sky's light.
+//! Luminous efficacy of sunlight. In: a condition with its dew point. Out: lumens a watt of the
+//! sun's and of the sky's light.
 //!
-//! Perez, Ineichen, Seals, Michalsky and Stewart, "Modeling daylight availability and irradiance components from direct and global
-//! irradiance", Solar Energy 44(5), 1990, equations 7 and 8 with table 4; the precipitable water by equation 3. Range of the data: that of
-//! thirteen sites, suns above some 5 degrees; the authors state RMSE of some 3 to 8 % of the illuminance.
+//! Perez, Ineichen, Seals, Michalsky and Stewart, "Modeling daylight availability and irradiance
+//! components from direct and global irradiance", Solar Energy 44(5), 1990, equations 7 and 8 with
+//! table 4; the precipitable water by equation 3. Range of the data: thirteen sites, suns above
+//! some 5 degrees. The authors state an RMSE of some 3 to 8 % of the illuminance.
 
 use crate::site::bands::SourceScale;
 use crate::sky::perez::{BIN_ENDS, brightness, clearness};
 use crate::weather::conditions::Condition;
 
-/// Table 4, diffuse efficacy: a, b, c, d of each bin of clearness. The same numbers stand in four public implementations.
+/// Table 4, diffuse efficacy: a, b, c, d of each bin of clearness. Four public implementations have
+/// the same numbers.
 const DIFFUSE: [[f64; 4]; 8] = [
     [97.24, -0.46, 12.00, -8.91],
     [107.22, 1.15, 0.59, -3.95],
@@ -20,7 +23,7 @@ const DIFFUSE: [[f64; 4]; 8] = [
     [152.23, 0.35, -45.27, -7.98],
 ];
 
-/// Table 4, direct efficacy.
+/// Table 4, direct efficacy: a, b, c, d of each bin of clearness.
 const DIRECT: [[f64; 4]; 8] = [
     [57.20, -4.55, -2.98, 117.12],
     [98.99, -3.46, -1.21, 12.38],
@@ -32,30 +35,34 @@ const DIRECT: [[f64; 4]; 8] = [
     [101.18, 1.58, -1.10, -8.29],
 ];
 
-/// Precipitable water where no dew point is known, cm: as in gendaylit, that of a dew point of 11 degrees Celsius.
+/// Precipitable water without a known dew point, cm: as in gendaylit, that of a dew point of 11
+/// degrees Celsius.
 const USUAL_WATER_CM: f64 = 2.0;
 
-/// Range of the brightness behind the fits: beyond it the logarithm would run away.
+/// Range of the brightness behind the fits; outside of it the logarithm would give wild values.
 const BRIGHTNESSES: [f64; 2] = [0.01, 0.6];
 
-/// Precipitable water, cm, by the dew point at the ground (equation 3 of the paper, after Wright, Perez and Michalsky 1989).
+/// Returns the precipitable water, cm, for the dew point at the ground (equation 3 of the paper,
+/// after Wright, Perez and Michalsky 1989).
 fn water_cm(dew_point_c: f64) -> f64 {
     (0.07 * dew_point_c - 0.075).exp()
 }
 
-/// Efficacy of a condition's direct and diffuse light, lm/W: what its irradiances are taken times to be illuminances, lux.
+/// Returns the efficacy of a condition's direct and diffuse light, lm/W: the factors from
+/// irradiance to illuminance, lux.
 pub fn luminous_efficacy(condition: &Condition) -> SourceScale {
     let dew_point_c = condition.air.and_then(|air| air.dew_point_c);
     let dni_w_m2 = if condition.suns.is_empty() { 0.0 } else { condition.dni_w_m2 };
     let zenith_rad = condition.sky_sun.z.clamp(0.0, 1.0).acos();
     let water_cm = dew_point_c.map_or(USUAL_WATER_CM, water_cm);
-    // Without diffuse light the sky is as clear as can be.
+    // Without diffuse light the tiny divisor makes the sky as clear as can be.
     let epsilon = clearness(dni_w_m2, condition.dhi_w_m2.max(f64::MIN_POSITIVE), zenith_rad);
     let delta = brightness(condition.dhi_w_m2, condition.extraterrestrial_w_m2, zenith_rad);
     efficacies(epsilon, delta, zenith_rad, water_cm)
 }
 
-/// The same for a clearness, a brightness, the sun's zenith angle and precipitable water.
+/// Returns the efficacy for a clearness, a brightness, the sun's zenith angle and precipitable
+/// water, lm/W.
 fn efficacies(epsilon: f64, delta: f64, zenith_rad: f64, water_cm: f64) -> SourceScale {
     let [darkest, brightest] = BRIGHTNESSES;
     let delta = delta.clamp(darkest, brightest);
@@ -73,7 +80,7 @@ mod tests {
     use crate::units::direction_from_degrees;
     use crate::weather::air::Air;
 
-    /// Table 4, global efficacy.
+    /// Table 4, global efficacy: a, b, c, d of each bin of clearness.
     const GLOBAL: [[f64; 4]; 8] = [
         [96.63, -0.47, 11.50, -9.16],
         [107.54, 0.79, 1.79, -1.19],
@@ -85,8 +92,9 @@ mod tests {
         [99.65, 1.86, -4.46, -3.15],
     ];
 
-    /// By hand for epsilon 7, delta 0.1, the zenith and 2 cm of water: sky 152.23 + 0.70 - 45.27 + 18.375 = 126.035, sun 101.18 + 3.16 -
-    /// 1.10 exp(-5) - 0.829 = 103.504, both to 0.001 lm/W; a dew point of 10.97 degrees Celsius is 2 cm of water to 0.001.
+    /// By hand for epsilon 7, delta 0.1, the zenith and 2 cm of water: sky 152.23 + 0.70 - 45.27 +
+    /// 18.375 = 126.035, sun 101.18 + 3.16 - 1.10 exp(-5) - 0.829 = 103.504, both to 0.001 lm/W. A
+    /// dew point of 10.97 degrees Celsius is 2 cm of water to 0.001.
     #[test]
     fn by_hand() {
         let found = efficacies(7.0, 0.1, 0.0, 2.0);
@@ -94,8 +102,9 @@ mod tests {
         assert!((water_cm(10.973_53) - 2.0).abs() < 1e-3);
     }
 
-    /// Direct normal and diffuse horizontal illuminance of 5 conditions are those of ladybug-core 0.44.62 (`tools/peers/bands.py`) to 0.8 %: its
-    /// air mass is that of Kasten and Young, and its water that of 0.08 a degree of the dew point.
+    /// Direct normal and diffuse horizontal illuminance of 5 conditions agree with ladybug-core
+    /// 0.44.62 (`tools/peers/bands.py`) to 0.8 %. ladybug-core takes the air mass of Kasten and
+    /// Young, and 0.08 a degree of the dew point for the water.
     #[test]
     fn against_ladybug() {
         for (altitude, dni, dhi, dew_point, direct_lx, diffuse_lx) in [
@@ -115,8 +124,9 @@ mod tests {
         }
     }
 
-    /// Direct and diffuse light by their own models add up to the global light by its: over 6 altitudes x 5 DNI x 4 DHI x 3 dew points they
-    /// differ by 3.5 % in the mean and by 15 % at most, which is what three fits of separate data leave.
+    /// Direct and diffuse light by their own models add up to the global light by its model. Over 6
+    /// altitudes x 5 DNI x 4 DHI x 3 dew points they differ by less than 3.5 % in the mean and 15 %
+    /// at most: three fits of separate data leave that much.
     #[test]
     fn both_make_the_whole() {
         let (mut sum, mut largest, mut count) = (0.0, 0.0_f64, 0);
@@ -144,7 +154,8 @@ mod tests {
         assert!(count == 360 && mean < 0.035 && largest < 0.15, "{mean} {largest}");
     }
 
-    /// Efficacies are finite and not below 0 over 5 altitudes x 5 DNI x 5 DHI, nights and a sun without a sky among them: 125 conditions.
+    /// Efficacies are finite and not below 0 over 5 altitudes x 5 DNI x 5 DHI: 125 conditions,
+    /// including nights and a sun without a sky.
     #[test]
     fn never_negative() {
         for altitude in [-5.0, 0.1, 2.0, 40.0, 90.0] {

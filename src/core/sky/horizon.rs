@@ -1,9 +1,11 @@
-//! The band at the horizon that Perez' tilted surfaces see. In: the side of a texture of the sky. Out: what its texels in the band are
-//! worth to receivers and to responses.
+//! The band at the horizon in Perez' model of tilted surfaces. In: the side of a sky texture. Out:
+//! weights of the band's texels for receivers and for responses.
 //!
-//! A band of 6.5 degrees is looked up (its height in Perez, Seals, Ineichen, Stewart and Menicucci, "A new simplified version of the
-//! Perez diffuse irradiance model for tilted surfaces", Solar Energy 39(3), 1987), but its light comes from the horizon itself:
-//! directions are flattened. So an open receiver gets light by the sine of its tilt, as in the paper of 1990.
+//! The visibility of the band is taken from the lowest 6.5 degrees (its height in Perez, Seals,
+//! Ineichen, Stewart and Menicucci, "A new simplified version of the Perez diffuse irradiance model
+//! for tilted surfaces", Solar Energy 39(3), 1987). Its light comes from the horizon itself:
+//! directions are flattened. So an open receiver gets light by the sine of its tilt, as in the
+//! paper of 1990.
 
 use std::f64::consts::PI;
 
@@ -19,15 +21,16 @@ const TOP: f64 = 0.113_203_213_767_907;
 /// A texel that the band covers, wholly or in part.
 #[derive(Clone, Copy, Debug)]
 pub struct BandTexel {
-    /// Its number, row-major.
+    /// Number of the texel, row-major.
     pub texel: usize,
-    /// Of its middle.
+    /// Direction of the texel's middle.
     pub direction: DVec3,
-    /// Sum of horizontal unit directions over its part of the band: what a wall gets from it is the product with the wall's normal.
+    /// Sum of the horizontal unit directions over the texel's part of the band. Its product with a
+    /// wall's normal is the irradiance of the wall.
     pub flat: DVec2,
 }
 
-/// The texels of the band, whose [`BandTexel::flat`] give an open wall 1 in all.
+/// Texels of the band. The sum of their [`BandTexel::flat`] gives an open wall an irradiance of 1.
 #[derive(Clone, Debug)]
 pub struct HorizonBand {
     texels: Vec<BandTexel>,
@@ -36,7 +39,7 @@ pub struct HorizonBand {
 }
 
 impl HorizonBand {
-    /// The band on an n x n texture.
+    /// Returns the band of an n x n texture.
     pub fn new(n: usize) -> Self {
         let samples = (2048 / n.max(1)).clamp(2, 32);
         let of_row = |row: usize| -> Vec<BandTexel> {
@@ -49,7 +52,7 @@ impl HorizonBand {
                 let direction = texel_direction(column, row, n, DVec2::splat(0.5));
                 BandTexel { texel: row * n + column, direction, flat }
             };
-            // The map keeps heights on squares: what is in the band lies near the edge.
+            // The map keeps heights on squares, so the band lies near the edge.
             let near = |column: &usize| {
                 let to_edge = |place: usize| place.min(n - 1 - place) as f64 / n as f64;
                 to_edge(*column).min(to_edge(row)) < 0.04
@@ -63,13 +66,14 @@ impl HorizonBand {
         HorizonBand { texels, half: half_texel(n) }
     }
 
-    /// Its texels, row by row.
+    /// Returns the texels of the band, row by row.
     pub fn texels(&self) -> &[BandTexel] {
         &self.texels
     }
 
-    /// Texels of the band before a receiver with this normal, and what they are worth to it: the sum is the sine of its tilt. Of the band
-    /// an overhanging surface sees but a part, which counts for all of it.
+    /// Iterates over the texels of the band in front of a receiver with this normal, with their
+    /// weights. The weights sum to the sine of its tilt. An overhanging surface sees only a part of
+    /// the band; this part counts for all of it.
     pub fn weights(&self, normal: DVec3) -> impl Iterator<Item = (usize, f64)> {
         let weight = |found: &BandTexel| {
             // Not fused, which takes WebAssembly long; half of a number is exact.
@@ -82,13 +86,14 @@ impl HorizonBand {
         weights.into_iter().filter(|(_, weight)| *weight > 0.0).map(move |(texel, weight)| (texel, weight * scale))
     }
 
-    /// What a receiver gets of light that gives an open wall 1; `share` of a texel that is seen.
+    /// Returns the irradiance of a receiver from a band that gives an open wall 1; `share` is the
+    /// visible share of a texel.
     pub fn seen(&self, normal: DVec3, share: impl Fn(usize) -> f64) -> f64 {
         self.weights(normal).map(|(texel, weight)| weight * share(texel)).sum()
     }
 
-    /// What it gets by way of surfaces; `response` is `[texel][axis]`. The part of the band behind a roof of less than 6.5 degrees counts
-    /// against the part before it.
+    /// Returns the irradiance by reflection; `response` is `[texel][axis]`. For a roof of less than
+    /// 6.5 degrees, the part of the band behind it counts against the part in front of it.
     pub fn reflected(&self, response: &[[f32; 3]]) -> f64 {
         let of = |found: &BandTexel| {
             response.get(found.texel).map_or(0.0, |g| found.flat.dot(DVec2::new(f64::from(g[0]), f64::from(g[1]))))
@@ -102,8 +107,9 @@ mod tests {
     use super::*;
     use crate::units::direction_from_degrees;
 
-    /// Open receivers of 13 tilts and 12 azimuths, overhanging ones too, get the sine of the tilt (1e-12) on textures of 16, 128 and 512
-    /// texels a side; a response that is a wall's normal where the wall sees the sky, 1 within 2 %, 0.2 % and 0.01 %.
+    /// Open receivers of 13 tilts and 12 azimuths, overhanging ones too, get the sine of the tilt
+    /// (1e-12) on textures of 16, 128 and 512 texels a side. A response that is a wall's normal
+    /// where the wall sees the sky gives 1 within 2 %, 0.2 % and 0.01 %.
     #[test]
     fn open() {
         for (n, most) in [(16, 2e-2), (128, 2e-3), (512, 1e-4)] {
@@ -124,8 +130,8 @@ mod tests {
         }
     }
 
-    /// The band is sin 6.5 deg of the hemisphere: so many of 512 x 512 texels lie in it, within 3 %; one behind a skyline of that height is
-    /// not seen at all.
+    /// The band is sin 6.5 deg of the hemisphere: its share of 512 x 512 texels is that within 3 %.
+    /// Behind a skyline of that height none of it is visible.
     #[test]
     fn height() {
         assert!((TOP - 6.5_f64.to_radians().sin()).abs() < 1e-14);

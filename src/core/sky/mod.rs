@@ -1,5 +1,5 @@
-//! Sky: how bright each part of it is. In: a condition and the choice of a model. Out: radiances of patches and texels, W/(m2 sr).
-//! Never: obstructions, receivers, files.
+//! Radiance of the sky. In: a condition and a sky model. Out: radiances of patches and texels,
+//! W/(m2 sr). Never: obstructions, receivers, files.
 
 pub mod disc;
 pub mod distribution;

@@ -1,5 +1,6 @@
-//! Sky models: how radiance is spread over the sky, relative to itself. In: a model and a condition. Out: a
-//! [`Distribution`], a function of two angles. The level (W/m2/sr) is set by whoever integrates it to DHI.
+//! Sky models: the radiance of the sky relative to itself. In: a model and a condition. Out: a
+//! [`Distribution`], a function of two angles. The code that integrates it to DHI sets the level
+//! (W/m2/sr).
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,48 +13,51 @@ use crate::sky::distribution::Distribution;
 use crate::sky::{perez, perez1990};
 use crate::weather::conditions::Condition;
 
-/// How the radiance of the sky is distributed.
+/// Model of how the radiance of the sky is distributed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 #[non_exhaustive]
 pub enum SkyModel {
-    /// Perez all-weather 1993, from DNI and DHI.
+    /// Perez all-weather model (1993), from DNI and DHI.
     #[default]
     Perez,
-    /// The tilted surfaces of Perez and others 1990 ([`perez1990`]): an isotropic dome, light at the sun and a band at the horizon.
+    /// Model of tilted surfaces by Perez and others, 1990 ([`perez1990`]): an isotropic dome, light
+    /// at the sun and a band at the horizon.
     Perez1990,
-    /// The same radiance everywhere.
+    /// Uniform sky.
     Uniform,
-    /// A CIE standard general sky.
+    /// CIE standard general sky, or the traditional overcast sky.
     Cie(CieType),
 }
 
-/// What a sky is made of, as irradiances of an open receiver.
+/// Parts of a sky, as irradiances of an open receiver.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SkyParts {
-    /// On a horizontal receiver, of the radiance that [`SkyModel::distribution`] spreads; by Perez 1990 it may be below 0.
+    /// Irradiance of a horizontal receiver from the radiance that [`SkyModel::distribution`]
+    /// spreads; with Perez 1990 it may be below 0.
     pub dome_w_m2: f64,
-    /// Normal to the sun, from the places of the suns.
+    /// Irradiance normal to the sun, from the directions of the suns.
     pub circumsolar_w_m2: f64,
-    /// On a wall, from a band at the horizon; may be below 0.
+    /// Irradiance of a wall from a band at the horizon; may be below 0.
     pub horizon_w_m2: f64,
 }
 
-/// Number of a CIE sky: a standard general sky, 1 (overcast, steep) to 15 (white-blue turbid), or 16, the traditional overcast sky.
+/// Number of a CIE sky: a standard general sky, 1 (overcast, steep) to 15 (white-blue turbid), or
+/// 16, the traditional overcast sky.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CieType(u8);
 
 impl CieType {
-    /// The traditional overcast sky, three times as bright at the zenith as at the horizon: what daylight rules such as the vertical sky component
-    /// are about.
+    /// The traditional overcast sky, three times as bright at the zenith as at the horizon.
+    /// Daylight rules such as the vertical sky component use it.
     pub const TRADITIONAL_OVERCAST: CieType = CieType(16);
 
-    /// All of them.
+    /// Iterates over all 16 types.
     pub fn all() -> impl Iterator<Item = CieType> {
         (1..=Self::TRADITIONAL_OVERCAST.0).map(CieType)
     }
 
-    /// `None` outside 1..=16.
+    /// Returns the type of a number, or `None` outside 1..=16.
     pub fn new(number: u8) -> Option<Self> {
         CieType::all().find(|known| known.0 == number)
     }
@@ -67,7 +71,8 @@ impl CieType {
     }
 }
 
-/// Parameters a, b (gradation) and c, d, e (indicatrix) of the 15 types: ISO 15469:2004 / CIE S 011:2003, table 1.
+/// Parameters a, b (gradation) and c, d, e (indicatrix) of the 15 types: ISO 15469:2004 / CIE S
+/// 011:2003, table 1.
 const CIE: [[f64; 5]; 15] = [
     [4.0, -0.70, 0.0, -1.0, 0.00],
     [4.0, -0.70, 2.0, -1.5, 0.15],
@@ -87,25 +92,25 @@ const CIE: [[f64; 5]; 15] = [
 ];
 
 impl SkyModel {
-    /// Names of the models that have no number, and what they are. `cie:1` to `cie:16` name the others.
+    /// Name, meaning and model of each sky without a number. `cie:1` to `cie:16` name the others.
     pub const NAMED: [(&'static str, &'static str, SkyModel); 3] = [
         ("perez", "all-weather, 1993", SkyModel::Perez),
         ("perez1990", "tilted surfaces as of EnergyPlus and pvlib", SkyModel::Perez1990),
         ("uniform", "the same radiance everywhere", SkyModel::Uniform),
     ];
 
-    /// All models.
+    /// Iterates over all models.
     pub fn all() -> impl Iterator<Item = SkyModel> {
         Self::NAMED.iter().map(|(.., sky)| *sky).chain(CieType::all().map(SkyModel::Cie))
     }
 
-    /// Names of all models, for messages: `perez, perez1990, uniform, cie:1 to cie:16`.
+    /// Returns the names of all models, for messages: `perez, perez1990, uniform, cie:1 to cie:16`.
     pub fn names() -> String {
         let names: Vec<&str> = Self::NAMED.iter().map(|(name, ..)| *name).collect();
         format!("{}, cie:1 to cie:{}", names.join(", "), CieType::TRADITIONAL_OVERCAST.0)
     }
 
-    /// The same with what they are, for help.
+    /// Returns the names of all models and their meanings, for help texts.
     pub fn described() -> String {
         let named: Vec<String> = Self::NAMED.iter().map(|(name, meaning, _)| format!("{name} ({meaning})")).collect();
         let last = CieType::TRADITIONAL_OVERCAST.0;
@@ -115,12 +120,13 @@ impl SkyModel {
         )
     }
 
-    /// The distribution of the dome of a condition's sky.
+    /// Returns the distribution of the dome of a condition's sky.
     pub fn distribution(self, condition: &Condition) -> Distribution {
         match self {
             SkyModel::Uniform | SkyModel::Perez1990 => Distribution::default(),
             SkyModel::Cie(number) => number.distribution(),
-            // A sun below the horizon lights no sky: its DNI is a defect of the input.
+            // DNI of a sun below the horizon is an error of the input and must not brighten the
+            // sky.
             SkyModel::Perez => perez::distribution(
                 if condition.suns.is_empty() { 0.0 } else { condition.dni_w_m2 },
                 condition.dhi_w_m2,
@@ -130,7 +136,8 @@ impl SkyModel {
         }
     }
 
-    /// How a condition's diffuse light is shared among the parts of its sky; but for Perez 1990 all of it comes from the dome.
+    /// Returns the parts of a condition's diffuse light; for all models but Perez 1990 all of it
+    /// comes from the dome.
     pub fn parts(self, condition: &Condition) -> SkyParts {
         let dhi_w_m2 = condition.dhi_w_m2;
         if !self.brightens() || dhi_w_m2 <= 0.0 {
@@ -144,12 +151,12 @@ impl SkyModel {
         }
     }
 
-    /// Whether its skies may have more parts than the dome.
+    /// Returns true if skies of this model may have light beside the dome.
     pub fn brightens(self) -> bool {
         self == SkyModel::Perez1990
     }
 
-    /// Relative radiance of the dome in a direction (unit, z >= 0).
+    /// Returns the relative radiance of the dome in a direction (unit, z >= 0).
     pub fn relative_radiance(self, condition: &Condition, direction: DVec3) -> f64 {
         self.distribution(condition).relative_radiance(direction, condition.sky_sun)
     }
@@ -203,7 +210,7 @@ mod tests {
     use super::*;
     use crate::units::direction_from_degrees;
 
-    /// All 19 models are called by a name that reads as the same model again, and no two share one.
+    /// All 19 models have different names, and each name reads as its model.
     #[test]
     fn names_read_as_their_models() {
         let names: std::collections::BTreeSet<String> = SkyModel::all().map(|sky| sky.to_string()).collect();
@@ -215,7 +222,8 @@ mod tests {
         CieType::new(number).expect("a type").distribution()
     }
 
-    /// CIE 1 at the zenith is 1 + 4 exp(-0.7) = 2.986 times the horizon, the 3:1 of Moon and Spencer (1942) within 0.5 %.
+    /// CIE 1 at the zenith is 1 + 4 exp(-0.7) = 2.986 times the horizon, the 3:1 of Moon and
+    /// Spencer (1942) within 0.5 %.
     #[test]
     fn overcast_ratio() {
         let sky = cie(1);
@@ -225,7 +233,8 @@ mod tests {
         assert!((ratio / 3.0 - 1.0).abs() < 0.005, "{ratio}");
     }
 
-    /// CIE 16 is (1 + 2 sin a) / 3 of its zenith at 7 altitudes, wherever the sun is, to 1e-12.
+    /// CIE 16 is (1 + 2 sin a) / 3 of its zenith at 7 altitudes, beside a sun at 40 degrees, to
+    /// 1e-12.
     #[test]
     fn traditional_overcast() {
         let (sky, sun) = (CieType::TRADITIONAL_OVERCAST.distribution(), direction_from_degrees(180.0, 40.0));
@@ -236,7 +245,8 @@ mod tests {
         }
     }
 
-    /// CIE 5 is 1 everywhere, and CIE 12 (clear) 90 deg from the sun is its gradation (offset cancels) at 1e-12.
+    /// CIE 5 is 1 everywhere; CIE 12 (clear) at 90 deg from the sun is its gradation, as the offset
+    /// cancels, to 1e-12.
     #[test]
     fn uniform_and_clear() {
         let sun = direction_from_degrees(180.0, 30.0);
@@ -249,8 +259,8 @@ mod tests {
         assert!((sky.relative_radiance(across, sun) - sky.gradation(0.0)).abs() < 1e-12);
     }
 
-    /// All 16 types are finite and not negative over 10,000 pairs of directions, the sun on the horizon and at the zenith
-    /// included.
+    /// All 16 types are finite and not negative over 10,000 pairs of directions, including the sun
+    /// on the horizon and at the zenith.
     #[test]
     fn general_skies_are_sane() {
         for number in 1..=16 {
@@ -264,7 +274,7 @@ mod tests {
         }
     }
 
-    /// Names read back as written (19 of them); others are refused with the list of choices.
+    /// All 19 names read as their models; the error for other names lists the choices.
     #[test]
     fn names() {
         let mut all = vec![SkyModel::Perez, SkyModel::Perez1990, SkyModel::Uniform];

@@ -1,9 +1,10 @@
-//! Skies and clouds of files, put before the sun and into the sky of conditions. In: numbers of patches, or pixels, with the rows that go with
-//! conditions. Out: conditions that replays take like all others.
+//! Skies and clouds from files. In: numbers of patches or pixels, and the row for each condition.
+//! Out: conditions with this sky, behind these clouds, for any replay.
 //!
-//! The sky's radiances are those of the patches that a replay is made with ([`crate::sky::patches::Patches::radiances`]); the sun stays that of
-//! the condition, with its DNI. Clouds dim each instant's sun by their mean over its disc, and each patch by their mean over it: the
-//! covariance of radiance and clouds inside a patch is lost.
+//! Radiances are resampled to the patches of the replay
+//! ([`crate::sky::patches::Patches::radiances`]). The sun and its DNI stay those of the condition.
+//! Clouds dim each instant's sun by their mean over its disc, and each patch by their mean over it.
+//! The covariance of radiance and clouds inside a patch is lost.
 
 use std::sync::Arc;
 
@@ -16,13 +17,13 @@ use crate::named::NamedValues;
 use crate::sky::disc::disc_directions;
 use crate::weather::conditions::Condition;
 
-/// What the light of a sky of one's own adds up to.
+/// Level of the radiances of a sky from a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SkyScale {
-    /// DHI of each condition
+    /// Scaled to the DHI of each condition.
     Dhi,
-    /// The radiances as they are
+    /// Radiances as given in the file.
     Given,
 }
 
@@ -33,40 +34,43 @@ impl NamedValues for SkyScale {
     ];
 }
 
-/// The refusal of a model with light beside its patches, Perez' tilted surfaces of 1990, for conditions with a sky of their own or clouds.
+/// Returns the error for conditions with a sky from a file or clouds under a model with light
+/// beside its patches, Perez' tilted surfaces of 1990.
 pub fn no_parts() -> Error {
     let what =
         "`perez1990` has light at the sun and on the horizon, which are no patches that a file or clouds could change";
     Error::argument("sky", what, "choose another sky, such as `perez`")
 }
 
-/// A sky by row.
+/// Skies from a file, one a row.
 #[derive(Clone, Debug)]
 pub struct OwnSky {
     series: Arc<PatchSeries>,
     scale: SkyScale,
 }
 
-/// What a sky of one's own and the conditions say of DHI.
+/// Light of the skies of a file, compared with the DHI of the conditions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SkyBalance {
-    /// Sum of what the file's skies give an open horizontal surface, W/m2.
+    /// Irradiance of an open horizontal surface from the file's skies, summed over conditions,
+    /// W/m2.
     pub own_w_m2: f64,
-    /// Sum of DHI of the same conditions, W/m2.
+    /// DHI, summed over the same conditions, W/m2.
     pub dhi_w_m2: f64,
-    /// Sum of what the sun gives an open horizontal surface in them, W/m2.
+    /// Irradiance of an open horizontal surface from the sun, summed over the same conditions,
+    /// W/m2.
     pub sun_w_m2: f64,
-    /// Conditions with DHI whose sky is black in the file.
+    /// Number of conditions with DHI whose sky is black in the file.
     pub black: usize,
 }
 
 impl OwnSky {
-    /// Radiances by row, W/m2/sr, whose azimuths go by true north.
+    /// Takes radiances by row, W/m2/sr, whose azimuths are from true north.
     pub fn new(series: PatchSeries, scale: SkyScale) -> Self {
         OwnSky { series: Arc::new(series), scale }
     }
 
-    /// A condition under one of its rows.
+    /// Returns the condition under the sky of a row.
     pub fn over(&self, condition: Condition, row: usize) -> Condition {
         let dhi_w_m2 = match self.scale {
             SkyScale::Dhi => condition.dhi_w_m2,
@@ -75,7 +79,7 @@ impl OwnSky {
         Condition { dhi_w_m2, own_sky: Some(PatchRow::new(&self.series, row)), ..condition }
     }
 
-    /// How its rows compare with conditions that were not lit by them yet.
+    /// Compares the rows with conditions that do not have these skies yet.
     pub fn balance<'c>(&self, conditions: impl Iterator<Item = (&'c Condition, usize)>) -> SkyBalance {
         conditions.filter(|(condition, _)| condition.dhi_w_m2 > 0.0).fold(
             SkyBalance::default(),
@@ -94,38 +98,40 @@ impl OwnSky {
 }
 
 impl SkyBalance {
-    /// Whether the skies hold the sun as well: they give 30 % of its light or more beyond DHI, where it has a tenth of DHI or more. Of skies
-    /// with the sun that have only what the eye sees of the light, 0.6 of it, that is true as well.
+    /// Returns true if the skies seem to hold the sun as well: they give more than DHI and 30 % of
+    /// the sun's light, and the sun's light is more than a tenth of DHI. The bound of 30 % also
+    /// finds skies with the sun whose radiances cover visible light only, 0.6 of all.
     pub fn holds_sun(&self) -> bool {
         self.sun_w_m2 > 0.1 * self.dhi_w_m2 && self.own_w_m2 > self.dhi_w_m2 + 0.3 * self.sun_w_m2
     }
 
-    /// Light of the skies over DHI; none without DHI.
+    /// Returns the light of the skies over DHI, or `None` without DHI.
     pub fn ratio(&self) -> Option<f64> {
         (self.dhi_w_m2 > 0.0).then(|| self.own_w_m2 / self.dhi_w_m2)
     }
 }
 
-/// Clouds by row.
+/// Clouds from a file, one layer a row.
 #[derive(Clone, Debug)]
 pub struct CloudLayer {
     series: Arc<PatchSeries>,
-    /// The pixels, where there are some: finer than patches.
+    /// Pixels of an image, finer than patches, if the clouds come from one.
     image: Option<DomeImage>,
 }
 
 impl CloudLayer {
-    /// What comes through patches, 0 to 1, by row; azimuths go by true north.
+    /// Takes the transmittance of patches, 0 to 1, by row; azimuths are from true north.
     pub fn of_patches(series: PatchSeries) -> Self {
         CloudLayer { series: Arc::new(series), image: None }
     }
 
-    /// What comes through pixels, 0 to 1, in one row.
+    /// Takes the transmittance of pixels, 0 to 1, in one row.
     pub fn of_image(image: DomeImage) -> Option<Self> {
         Some(CloudLayer { series: Arc::new(image.on_patches()?), image: Some(image) })
     }
 
-    /// A condition behind one of its rows; suns still go by true north.
+    /// Returns the condition behind the clouds of a row; its suns must still be in axes along true
+    /// north.
     pub fn over(&self, mut condition: Condition, row: usize) -> Condition {
         for instant in &mut condition.suns {
             instant.unclouded *= self.before(instant.sun, row);
@@ -133,7 +139,7 @@ impl CloudLayer {
         Condition { clouds: Some(PatchRow::new(&self.series, row)), ..condition }
     }
 
-    /// Mean over the sun's disc of what comes through.
+    /// Returns the mean transmittance over the sun's disc.
     fn before(&self, sun: DVec3, row: usize) -> f64 {
         let (grid, numbers) = (self.series.grid(), self.series.row(row));
         let through = |direction: DVec3| match &self.image {

@@ -1,4 +1,4 @@
-//! Skies and clouds of files: DHI, suns behind clouds, turned axes.
+//! Tests of skies and clouds from files: DHI, suns behind clouds, turned axes.
 
 use super::*;
 use crate::dome::grid::PatchGrid;
@@ -20,8 +20,8 @@ fn series(factor: usize, number: impl Fn(usize) -> f32) -> PatchSeries {
     PatchSeries::new(grid, numbers).expect("a row")
 }
 
-/// Skies of 145, 577 and 2305 patches on replays of each: an open horizontal surface gets DHI (1e-12), or with the radiances as given the
-/// integral of the file (1e-12), whatever its patches.
+/// Skies of 145, 577 and 2305 patches on replays of each: an open horizontal surface gets DHI
+/// (1e-12), or with [`SkyScale::Given`] the integral of the file's sky (1e-12).
 #[test]
 fn open_ground_gets_dhi_or_the_files_integral() {
     for from in [1, 2, 4] {
@@ -40,12 +40,12 @@ fn open_ground_gets_dhi_or_the_files_integral() {
     }
 }
 
-/// Clouds over the southern half hide the sun in the south (0), let that in the north through (1), and of one on their edge half, within 2 %;
-/// half of a uniform sky is left.
+/// Clouds over the southern half hide a sun in the south (0), let a sun in the north through (1),
+/// and let half of a sun on their edge through, within 2 %. They leave half of a uniform sky.
 #[test]
 fn clouds_hide_the_sun() {
     let side = 400;
-    // East is on the left, north at the top: the lower half is the south.
+    // East is on the left and north at the top, so the lower half is the south.
     let pixels = (0..side * side).map(|i| if i / side < side / 2 { 1.0 } else { 0.0 }).collect();
     let clouds = DomeImage::new(side, pixels, 0.0).and_then(CloudLayer::of_image).expect("clouds");
     for (azimuth_deg, expected) in [(180.0, 0.0), (90.0, 0.5), (0.0, 1.0)] {
@@ -60,8 +60,8 @@ fn clouds_hide_the_sun() {
     assert!((open - 50.0).abs() < 0.05, "{open}");
 }
 
-/// In axes that lie 30 degrees clockwise of north, a bright patch in the east stands where the east is, 60 degrees from y; the sun is as
-/// clouded as in axes along north.
+/// In axes 30 degrees clockwise of north, a bright patch in the east stands at 60 degrees from y;
+/// the sun is dimmed by 0.25, as in axes along north.
 #[test]
 fn axes_turn_skies_with_suns() {
     let grid = PatchGrid::of_factor(2);
@@ -78,7 +78,8 @@ fn axes_turn_skies_with_suns() {
     assert_eq!(brightest, patches.patch_of(direction_from_degrees(60.0, 20.0)));
 }
 
-/// Skies with twice the light of DHI and the sun's on top hold the sun; those of DHI do not, and have a ratio of 1; a black one counts.
+/// Skies with four times the light of DHI hold the sun. Skies with the light of DHI do not, and
+/// have a ratio of 1. Black skies are counted.
 #[test]
 fn the_sun_in_skies_is_seen() {
     let own = |level: f32| OwnSky::new(series(1, move |_| level), SkyScale::Given);

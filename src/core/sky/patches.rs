@@ -1,10 +1,12 @@
-//! Sky patches: the sky cut into 145, 577 or 2305 parts of constant radiance, and their radiances for a condition.
+//! Sky patches: the sky cut into 145, 577 or 2305 parts of constant radiance, and their radiances
+//! for a condition.
 //!
-//! Reinhart's subdivision of Tregenza's sky (Tregenza, "Subdivision of the sky hemisphere for luminance measurements",
-//! Lighting Research and Technology 19(1), 1987; Reinhart and Walkenhorst, "Validation of dynamic RADIANCE-based daylight
-//! simulations", Energy and Buildings 33(7), 2001): each of Tregenza's seven rows is split MF times in altitude and MF times
-//! in azimuth, the zenith cap stays whole. Patches are numbered from the horizon row up, in a row clockwise from
-//! north; the first patch of a row is centred on north.
+//! Reinhart's subdivision of Tregenza's sky (Tregenza, "Subdivision of the sky hemisphere for
+//! luminance measurements", Lighting Research and Technology 19(1), 1987; Reinhart and Walkenhorst,
+//! "Validation of dynamic RADIANCE-based daylight simulations", Energy and Buildings 33(7), 2001).
+//! Each of Tregenza's seven rows is split MF times in altitude and MF times in azimuth; the zenith
+//! cap stays whole. Patches are numbered from the horizon row up and, within a row, clockwise from
+//! north. The first patch of a row is centred on north.
 
 use std::f64::consts::TAU;
 
@@ -16,25 +18,29 @@ use crate::sky::distribution::Distribution;
 use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
 
-/// Points in which the radiance of a patch is averaged, per side: spacing 1.5 deg or finer.
+/// Returns the number of points per side over which the radiance of a patch is averaged: spacing
+/// 1.5 deg or finer.
 fn samples_per_side(factor: usize) -> usize {
     (16 / factor).clamp(4, 8)
 }
 
-/// Two-point Gauss rules a side of a patch far from the sun, where radiance is smooth.
+/// Returns the number of two-point Gauss rules per side of a patch far from the sun, where radiance
+/// is smooth.
 fn rules_per_side(factor: usize) -> usize {
     (2 / factor).max(1)
 }
 
-/// Angle from the sun to the centre of a patch below which all points of the patch are taken, radians; the patches of 12 degrees
-/// of Tregenza's own sky always lie within it.
+/// Angle from the sun to the centre of a patch, radians, below which the radiance is averaged over
+/// all points of the patch. A patch that holds the sun always lies within it, also one of 12
+/// degrees of Tregenza's own sky.
 const NEAR_RAD: f64 = 0.35;
 
 /// Offset of the points of the two-point Gauss rule from the middle of an interval, in its lengths.
 const GAUSS: f64 = 0.288_675_134_594_812_9;
 
-/// Entries of the table of the indicatrix over the chord between a point and the sun. Linear interpolation then errs by
-/// (d / 1024)^2 / 2 of the circumsolar term: 3e-5 at Perez' steepest d of about -8.
+/// Number of steps of the table of the indicatrix over the chord between a point and the sun.
+/// Linear interpolation then errs by (d / 1024)^2 / 2 of the circumsolar term: 3e-5 at Perez'
+/// steepest d of about -8.
 const CHORDS: usize = 1024;
 
 /// A subdivision of the sky.
@@ -45,8 +51,9 @@ pub struct Patches {
     side: usize,
     /// `[patch][sample altitude][sample azimuth]`: points of equal solid angle within each patch.
     samples: Vec<DVec3>,
-    /// Gauss rules a side, and `[patch][altitude][azimuth]`: their points.
+    /// Number of Gauss rules per side of a patch.
     rules: usize,
+    /// `[patch][altitude][azimuth]`: points of the Gauss rules.
     far: Vec<DVec3>,
     centres: Vec<DVec3>,
     /// Angle from the sun at each entry of the chord table, radians, and its cosine.
@@ -54,7 +61,7 @@ pub struct Patches {
 }
 
 impl Patches {
-    /// 145, 577 or 2305 patches (MF 1, 2, 4).
+    /// Returns a sky of 145, 577 or 2305 patches (MF 1, 2, 4); other numbers are an error.
     pub fn new(count: usize) -> Result<Self, Error> {
         let factor = match count {
             145 => 1,
@@ -84,38 +91,44 @@ impl Patches {
         Ok(Patches { grid, side, samples, rules, far, centres, chord_angles })
     }
 
-    /// Number of patches.
+    /// Returns the number of patches.
     #[expect(clippy::len_without_is_empty, reason = "a sky has at least 145 patches")]
     pub fn len(&self) -> usize {
         self.grid.len()
     }
 
-    /// Patch of a unit direction; directions below the horizon count as on it.
+    /// Returns the patch of a unit direction; directions below the horizon count as on it.
     pub fn patch_of(&self, direction: DVec3) -> usize {
         self.grid.patch_of(direction)
     }
 
-    /// Patch at an azimuth, turns clockwise from north in 0..=1, and the sine of an altitude.
+    /// Returns the patch at an azimuth, turns clockwise from north in 0..=1, and the sine of an
+    /// altitude.
     pub fn patch_at(&self, turns: f64, z: f64) -> usize {
         self.grid.patch_at(turns, z)
     }
 
-    /// Unit directions of the patch centres: middle altitude and azimuth, the cap's is the zenith.
+    /// Returns the unit directions of the patch centres: middle altitude and azimuth; the zenith
+    /// for the cap.
     pub fn centres(&self) -> &[DVec3] {
         &self.centres
     }
 
-    /// Exact solid angle of each patch, sr: zone of the sphere over its number of patches.
+    /// Returns the exact solid angle of each patch, sr: zone of the sphere over its number of
+    /// patches.
     pub fn solid_angles_sr(&self) -> Vec<f64> {
         self.grid.solid_angles_sr()
     }
 
-    /// Radiance of each patch, W/m2/sr: the model's mean over the patch, scaled so that the sum of radiance x
-    /// `open_horizontal_sr` (the patches' cosine-weighted solid angles as the receivers' coefficients count them, see
-    /// [`crate::sky::projection`]) is the dome's share of DHI ([`SkyModel::parts`]). A model that gives no finite sky is replaced by the uniform one.
+    /// Returns the radiance of each patch, W/m2/sr: the model's mean over the patch, scaled so that
+    /// the sum of radiance x `open_horizontal_sr` is the dome's share of DHI ([`SkyModel::parts`]).
+    /// `open_horizontal_sr` are the patches' cosine-weighted solid angles as the receivers'
+    /// coefficients count them, see [`crate::sky::projection`]. A uniform sky replaces a model's
+    /// sky that is not finite.
     ///
-    /// A condition with a sky of its own ([`Condition::own_sky`]) has that in place of the model's, resampled to these patches and scaled the
-    /// same way: its cosine-weighted integral is kept. Clouds ([`Condition::clouds`]) then dim each patch by their mean over it.
+    /// A sky from a file ([`Condition::own_sky`]) replaces the model's. It is resampled to these
+    /// patches and scaled to the dome's share of DHI, too. Clouds ([`Condition::clouds`]) then dim
+    /// each patch by their mean over it.
     pub fn radiances(&self, model: SkyModel, condition: &Condition, open_horizontal_sr: &[f64]) -> Vec<f64> {
         let count = self.len();
         if condition.dhi_w_m2 <= 0.0 {
@@ -129,6 +142,7 @@ impl Patches {
         let integral = |values: &[f64]| -> f64 { values.iter().zip(open_horizontal_sr).map(|(l, w)| l * w).sum() };
         let mut sum = integral(&radiances);
         let mut scale = dome_w_m2 / sum;
+        // A model without light, or one that overflows, still has to give DHI.
         if !(sum.is_finite() && scale.is_finite() && scale > 0.0) {
             radiances.fill(1.0);
             sum = integral(&radiances);
@@ -143,14 +157,16 @@ impl Patches {
         radiances
     }
 
-    /// Mean relative radiance of each patch. The gradation depends on the sample's altitude only and the indicatrix on its
-    /// distance from the sun only: both are tabulated once per sky, which leaves one square root a sample.
+    /// Returns the mean relative radiance of each patch. The gradation depends on the sample's
+    /// altitude only and the indicatrix on its distance from the sun only. Tables of both, made
+    /// once per sky, leave one square root a sample.
     ///
-    /// Away from the sun the indicatrix is smooth, and few points do: Gauss rules whose two rings of points take the weights
-    /// that the gradation, averaged over many rings, has with a linear function of the height.
+    /// Away from the sun the indicatrix is smooth, and few points suffice: Gauss rules with two
+    /// rings of points. Their weights are exact for the gradation, averaged over many rings, times
+    /// a linear function of the height.
     fn relative(&self, sky: &Distribution, sun: DVec3) -> Vec<f64> {
         let glow: Vec<f64> = self.chord_angles.iter().map(|&(angle, cos)| sky.indicatrix(angle, cos)).collect();
-        // Of chord^2 = 2 - 2 cos gamma; the table runs over chords 0..2.
+        // chord^2 = 2 - 2 cos gamma; the table runs over chords 0..2.
         let half_table = 0.5 * CHORDS as f64;
         let glow_at = |direction: &DVec3| {
             let chord = (2.0 - 2.0 * direction.dot(sun)).max(0.0).sqrt();
@@ -176,7 +192,7 @@ impl Patches {
             let rings = band.ring_weights(self.rules, |z| sky.gradation(z));
             let patches = samples.by_ref().zip(far.by_ref()).zip(centres.by_ref()).take(band.count);
             means.extend(patches.map(|((samples, far), centre)| {
-                // Two azimuths do not go round the cap.
+                // A Gauss rule with two azimuths does not cover the cap, which goes all round.
                 if centre.dot(sun) > near_cos || band.count == 1 {
                     let rows = gradation.iter().zip(samples.chunks_exact(self.side));
                     rows.map(|(g, row)| g * row.iter().map(glow_at).sum::<f64>()).sum()
@@ -190,7 +206,8 @@ impl Patches {
     }
 }
 
-/// Points of each patch, `[patch][altitude][azimuth]`, at these shares of its solid angle from the lower edge and of its width.
+/// Returns the points of each patch, `[patch][altitude][azimuth]`. `shares` place them: shares of
+/// the patch's solid angle from its lower edge, and of its width.
 fn points(bands: &[Band], shares: &[f64]) -> Vec<DVec3> {
     let mut found = Vec::new();
     for band in bands {
@@ -208,7 +225,7 @@ fn points(bands: &[Band], shares: &[f64]) -> Vec<DVec3> {
     found
 }
 
-/// Middle altitude and azimuth of each patch, the cap's is the zenith.
+/// Returns the middle altitude and azimuth of each patch; the zenith for the cap.
 fn centres(bands: &[Band]) -> Vec<DVec3> {
     let of_band = |band: &Band| -> Vec<DVec3> {
         let altitude = 0.5 * (band.low.clamp(0.0, 1.0).asin() + band.high.clamp(0.0, 1.0).asin());
@@ -223,13 +240,14 @@ fn centres(bands: &[Band]) -> Vec<DVec3> {
 }
 
 impl Band {
-    /// Sine of the altitude of the j-th of `side` sample rings of equal solid angle.
+    /// Returns the sine of the altitude of the j-th of `side` sample rings of equal solid angle.
     fn sample_z(&self, j: usize, side: usize) -> f64 {
         self.low + (self.high - self.low) * (j as f64 + 0.5) / side as f64
     }
 
-    /// Weights of the rings of points of Gauss rules: each pair has the mean of `gradation` over its part of the band, and the
-    /// mean of `gradation` times the height above the part's middle. Sum: the band's mean.
+    /// Returns the weights of the rings of Gauss points. The weights of each pair of rings keep the
+    /// mean of `gradation` over their part of the band, and the mean of `gradation` times the
+    /// height above the part's middle. The sum of all weights is the band's mean.
     fn ring_weights(&self, rules: usize, gradation: impl Fn(f64) -> f64) -> Vec<f64> {
         const RINGS: usize = 8;
         let height = (self.high - self.low) / rules as f64;

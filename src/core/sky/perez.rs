@@ -1,8 +1,10 @@
-//! The Perez all-weather sky: DNI, DHI and the sun's altitude to the five parameters of the radiance distribution.
+//! Perez all-weather sky: from DNI, DHI and the sun's altitude to the five parameters of the
+//! radiance distribution.
 //!
-//! Perez, Seals and Michalsky, "All-weather model for sky luminance distribution - preliminary configuration and validation",
-//! Solar Energy 50(3), 1993, with the erratum in 51(5). Range of the data behind it: clearness 1 to about 12,
-//! brightness about 0.01 to 0.6. The limits on brightness are those of gendaylit (Delaunay; Wienold).
+//! Perez, Seals and Michalsky, "All-weather model for sky luminance distribution - preliminary
+//! configuration and validation", Solar Energy 50(3), 1993, with the erratum in 51(5). Range of the
+//! data behind it: clearness 1 to about 12, brightness about 0.01 to 0.6. The limits on brightness
+//! are those of gendaylit (Delaunay; Wienold).
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -11,7 +13,8 @@ use crate::sky::distribution::Distribution;
 /// Upper ends of the first seven clearness bins (1990 paper, table 1); the eighth is open.
 pub const BIN_ENDS: [f64; 7] = [1.065, 1.23, 1.5, 1.95, 2.8, 4.5, 6.2];
 
-/// Table 1 of the paper: per bin a1..a4, b1..b4, c1..c4, d1..d4, e1..e4. Compared with three public implementations.
+/// Table 1 of the paper: per bin a1..a4, b1..b4, c1..c4, d1..d4, e1..e4. Compared with three public
+/// implementations.
 const COEFFICIENTS: [[[f64; 4]; 5]; 8] = [
     [
         [1.3525, -0.2576, -0.2690, -1.4366],
@@ -74,26 +77,28 @@ const COEFFICIENTS: [[[f64; 4]; 5]; 8] = [
 /// Factor of the cubed zenith angle, radians, in the clearness (1990 paper, equation 1).
 pub const KAPPA: f64 = 1.041;
 
-/// Sky clearness epsilon, 1 (overcast) and up (Perez, Ineichen, Seals, Michalsky and Stewart, Solar Energy 44(5),
-/// 1990, equation 1). `dhi` > 0.
+/// Returns the sky clearness epsilon, 1 (overcast) and up (Perez, Ineichen, Seals, Michalsky and
+/// Stewart, Solar Energy 44(5), 1990, equation 1). `dhi` > 0.
 pub fn clearness(dni_w_m2: f64, dhi_w_m2: f64, zenith_rad: f64) -> f64 {
     let z3 = KAPPA * zenith_rad.powi(3);
     ((dhi_w_m2 + dni_w_m2) / dhi_w_m2 + z3) / (1.0 + z3)
 }
 
-/// Sky brightness delta (same paper, equation 2): DHI x air mass / E0.
+/// Returns the sky brightness delta (equation 2 of the paper of 1990): DHI x air mass / E0.
 pub fn brightness(dhi_w_m2: f64, extraterrestrial_w_m2: f64, zenith_rad: f64) -> f64 {
     dhi_w_m2 * air_mass(zenith_rad) / extraterrestrial_w_m2
 }
 
-/// Relative optical air mass, Kasten, "A new table and approximation formula for the relative optical air mass", Archiv fuer
-/// Meteorologie B 14, 1966; zenith angles 0 to 90 deg, where it is 36.5.
+/// Returns the relative optical air mass of Kasten, "A new table and approximation formula for the
+/// relative optical air mass", Archiv fuer Meteorologie B 14, 1966; zenith angles 0 to 90 deg,
+/// where it is 36.5.
 fn air_mass(zenith_rad: f64) -> f64 {
     let zenith_rad = zenith_rad.clamp(0.0, FRAC_PI_2);
     1.0 / (zenith_rad.cos() + 0.15 * (93.885 - zenith_rad.to_degrees()).powf(-1.253))
 }
 
-/// Distribution of a sky; without diffuse light it is the uniform one. `sun_cos_zenith` below 0 counts as 0.
+/// Returns the distribution of a sky; without diffuse light the uniform one. `sun_cos_zenith` below
+/// 0 counts as 0.
 pub fn distribution(dni_w_m2: f64, dhi_w_m2: f64, extraterrestrial_w_m2: f64, sun_cos_zenith: f64) -> Distribution {
     if dhi_w_m2 <= 0.0 || extraterrestrial_w_m2 <= 0.0 {
         return Distribution::default();
@@ -104,10 +109,11 @@ pub fn distribution(dni_w_m2: f64, dhi_w_m2: f64, extraterrestrial_w_m2: f64, su
     parameters(epsilon, delta, zenith_rad)
 }
 
-/// The five parameters (1993 paper: linear in the zenith angle and in delta, with exponential forms of c and d in the first
-/// bin).
+/// Returns the distribution with the five parameters (1993 paper: linear in the zenith angle and in
+/// delta, with exponential forms of c and d in the first bin).
 pub fn parameters(epsilon: f64, delta: f64, zenith_rad: f64) -> Distribution {
-    // Between overcast and intermediate skies the fit breaks down for dark skies; gendaylit's remedy.
+    // Between overcast and intermediate skies the fit breaks down for dark skies; gendaylit raises
+    // the brightness.
     let darkest = if epsilon > 1.065 && epsilon < 2.8 { 0.2 } else { 0.01 };
     let delta = delta.clamp(darkest, 0.6);
     let bin = BIN_ENDS.partition_point(|end| *end <= epsilon);
@@ -126,7 +132,8 @@ mod tests {
     use super::*;
     use crate::units::direction_from_degrees;
 
-    /// Kasten's air mass is 0.9995 at the zenith, 1.993 at 60 deg (2 less 0.4 %) and 36.5 at the horizon.
+    /// Kasten's air mass is 0.9995 at the zenith, 1.993 at 60 deg (2 less 0.4 %) and 36.5 at the
+    /// horizon.
     #[test]
     fn air_masses() {
         for (degrees, expected, tolerance) in [(0.0_f64, 0.9995, 1e-4), (60.0, 1.993, 1e-3), (90.0, 36.5, 0.1)] {
@@ -146,8 +153,9 @@ mod tests {
         }
     }
 
-    /// The overcast bin uses its own c and d: for epsilon 1, delta 0.3, zenith 1, c = exp((0.3 x 3.4004)^1.2375) - 1 = 1.787
-    /// and d = -exp(0.3 x 2.5031) + 0.9738 + 0.08427 = -1.061, both to 1e-3.
+    /// The overcast bin uses its own c and d: for epsilon 1, delta 0.3, zenith 1, c = exp((0.3 x
+    /// 3.4004)^1.2375) - 1 = 1.787 and d = -exp(0.3 x 2.5031) + 0.9738 + 0.08427 = -1.061, both to
+    /// 1e-3.
     #[test]
     fn overcast_by_hand() {
         let p = parameters(1.0, 0.3, 1.0);
@@ -164,8 +172,9 @@ mod tests {
         assert_eq!(clearness(50.0, 50.0, 0.0), 2.0);
     }
 
-    /// Radiance is finite and never negative over 13 sun altitudes x 9 DNI x 8 DHI x 60 directions, from DHI 5e-324 to
-    /// 1e6 and DNI to 1e6 W/m2, the sun on the horizon and at the zenith included.
+    /// Radiance is finite and never negative over 13 sun altitudes x 9 DNI x 8 DHI x 60 directions:
+    /// DHI from 5e-324 to 1e6 and DNI to 1e6 W/m2, including the sun on the horizon and at the
+    /// zenith.
     #[test]
     fn never_negative() {
         let mut checked = 0;

@@ -1,18 +1,19 @@
-//! The sky that tilted surfaces get by Perez and others (1990). In: DNI, DHI and the sun's height. Out: the two brightening
-//! coefficients, and what a condition's circumsolar light is divided by.
+//! The sky of Perez and others (1990) for tilted surfaces. In: DNI, DHI and the sun's height. Out:
+//! the two brightening coefficients and the divisor of a condition's circumsolar light.
 //!
-//! Perez, Ineichen, Seals, Michalsky and Stewart, "Modeling daylight availability and irradiance components from direct and global
-//! irradiance", Solar Energy 44(5), 1990: an open surface of tilt s, on which the sun's rays fall at an angle of cosine a, gets
-//! DHI [(1 - F1) (1 + cos s) / 2 + F1 max(a, 0) / b + F2 sin s], equation 9, b = max(cos 85 deg, cos z). EnergyPlus and pvlib use it.
-//! The range of the data behind it is that of thirteen sites, suns above some 5 degrees.
+//! Perez, Ineichen, Seals, Michalsky and Stewart, "Modeling daylight availability and irradiance
+//! components from direct and global irradiance", Solar Energy 44(5), 1990, equation 9: an open
+//! surface of tilt s, on which the sun's rays fall at an angle of cosine a, gets DHI [(1 - F1) (1 +
+//! cos s) / 2 + F1 max(a, 0) / b + F2 sin s], b = max(cos 85 deg, cos z). EnergyPlus and pvlib use
+//! it. Range of the data: thirteen sites, suns above some 5 degrees.
 
 use std::f64::consts::FRAC_PI_2;
 
 use crate::sky::perez::{BIN_ENDS, clearness};
 use crate::weather::conditions::Condition;
 
-/// Table 6 of the paper, all sites composite: per bin of clearness F11, F12, F13, F21, F22, F23. The same numbers stand in pvlib 0.16.1 as
-/// `allsitescomposite1990`.
+/// Table 6 of the paper, all sites composite: per bin of clearness F11, F12, F13, F21, F22, F23.
+/// pvlib 0.16.1 has these numbers as `allsitescomposite1990`.
 pub const TABLE: [[f64; 6]; 8] = [
     [-0.008, 0.588, -0.062, -0.060, 0.072, -0.022],
     [0.130, 0.683, -0.151, -0.019, 0.066, -0.029],
@@ -24,25 +25,27 @@ pub const TABLE: [[f64; 6]; 8] = [
     [0.678, -0.327, -0.250, 0.156, -1.377, 0.251],
 ];
 
-/// Cosine of 85 degrees: the least that circumsolar light is divided by.
+/// Cosine of 85 degrees: the smallest divisor of circumsolar light.
 pub const LEAST_COSINE: f64 = 0.087_155_742_747_658_17;
 
-/// How a sky differs from an isotropic one.
+/// Differences of a sky from an isotropic one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brightening {
     /// Share of DHI that comes from around the sun, F1, not below 0.
     pub f1: f64,
-    /// What a band at the horizon adds to a wall, in DHI, F2; below 0 under overcast skies.
+    /// Irradiance that a band at the horizon adds to a wall, over DHI, F2; below 0 under overcast
+    /// skies.
     pub f2: f64,
-    /// What circumsolar light on a horizontal surface is divided by to be normal to the sun.
+    /// Divisor that turns circumsolar light on a horizontal surface into light normal to the sun.
     pub b: f64,
 }
 
-/// Nothing but an isotropic dome.
+/// The isotropic dome alone.
 const ISOTROPIC: Brightening = Brightening { f1: 0.0, f2: 0.0, b: 1.0 };
 
-/// The coefficients of a condition. Of several suns the mean cosine of their zenith angles counts, by their weights: an open horizontal
-/// surface then gets what one sun would give. A sky without a sun above the horizon is isotropic.
+/// Returns the coefficients of a condition. For several suns the weighted mean cosine of their
+/// zenith angles counts: an open horizontal surface then gets as much as from one sun. A sky
+/// without a sun above the horizon is isotropic.
 pub fn coefficients(condition: &Condition) -> Brightening {
     let cos_zenith: f64 = condition.suns.iter().map(|instant| instant.weight * instant.sun.z).sum();
     if condition.suns.is_empty() || cos_zenith <= 0.0 {
@@ -51,7 +54,7 @@ pub fn coefficients(condition: &Condition) -> Brightening {
     brightening(condition.dni_w_m2, condition.dhi_w_m2, condition.extraterrestrial_w_m2, cos_zenith)
 }
 
-/// The coefficients for a sun at a height; isotropic without diffuse light.
+/// Returns the coefficients for a sun at a height; isotropic without diffuse light.
 pub fn brightening(dni_w_m2: f64, dhi_w_m2: f64, extraterrestrial_w_m2: f64, cos_zenith: f64) -> Brightening {
     let zenith_rad = cos_zenith.clamp(0.0, 1.0).acos();
     let epsilon = clearness(dni_w_m2, dhi_w_m2, zenith_rad);
@@ -68,11 +71,12 @@ pub fn brightening(dni_w_m2: f64, dhi_w_m2: f64, extraterrestrial_w_m2: f64, cos
     }
 }
 
-/// Numbers of [`air_mass`]: a factor, degrees, an exponent.
+/// Constants of [`air_mass`]: a factor, degrees, an exponent.
 pub const AIR_MASS: [f64; 3] = [0.50572, 96.07995, -1.6364];
 
-/// Relative optical air mass: Kasten and Young, "Revised optical air mass tables and approximation formula", Applied Optics 28(22), 1989,
-/// equation 3; zenith angles of 0 to 90 degrees, where it is 38. It is what pvlib takes; the paper of 1990 had Kasten's of 1966.
+/// Returns the relative optical air mass: Kasten and Young, "Revised optical air mass tables and
+/// approximation formula", Applied Optics 28(22), 1989, equation 3; zenith angles of 0 to 90
+/// degrees, where it is 38. pvlib uses this formula; the paper of 1990 used Kasten's of 1966.
 pub fn air_mass(zenith_rad: f64) -> f64 {
     let zenith_rad = zenith_rad.clamp(0.0, FRAC_PI_2);
     let [factor, degrees, exponent] = AIR_MASS;
@@ -86,8 +90,9 @@ mod tests {
     use super::*;
     use crate::units::direction_from_degrees;
 
-    /// Worked by hand: DNI = DHI = 100 W/m2 and a sun at the zenith give epsilon 2, the fifth bin, and with an air mass of
-    /// 1 / 1.000288 = 0.999712 delta 0.0731318, so F1 = 0.873 - 0.392 delta and F2 = 0.226 - 0.462 delta, to 1e-6.
+    /// Worked by hand: DNI = DHI = 100 W/m2 and a sun at the zenith give epsilon 2, the fifth bin,
+    /// and with an air mass of 1 / 1.000288 = 0.999712 delta 0.0731318, so F1 = 0.873 - 0.392 delta
+    /// and F2 = 0.226 - 0.462 delta, to 1e-6.
     #[test]
     fn by_hand() {
         let of = brightening(100.0, 100.0, 1367.0, 1.0);
@@ -96,8 +101,9 @@ mod tests {
         assert!((of.f2 - (0.226 - 0.462 * delta)).abs() < 1e-6 && of.b == 1.0, "{of:?}");
     }
 
-    /// Suns at 30 and 50 degrees with equal weights have b = (sin 30 + sin 50) / 2 (1e-12), one at 2 degrees cos 85 deg; none at all makes
-    /// an isotropic sky, as do 0 W/m2 of diffuse light and 5e-324 of them.
+    /// Suns at 30 and 50 degrees with equal weights have b = (sin 30 + sin 50) / 2 (1e-12), a sun
+    /// at 2 degrees has cos 85 deg. No sun makes an isotropic sky, and so do 0 and 5e-324 W/m2 of
+    /// diffuse light.
     #[test]
     fn several_suns_and_none() {
         let suns = [30.0, 50.0].map(|altitude| direction_from_degrees(100.0, altitude));

@@ -1,8 +1,10 @@
-//! From texels to sky patches: which patches a texel of a world-frame hemisphere texture covers, and by how much.
+//! Projection from texels to sky patches: the patches that a texel of a world-frame hemisphere
+//! texture covers, and their shares of it.
 //!
-//! In: a subdivision of the sky and the side of the texture. Out: sparse rows [`Projection::of_texel`] and the sums that
-//! follow from them. Radiances are scaled with `open_horizontal_sr`, so an unobstructed horizontal receiver whose
-//! coefficients come from the same rows gets DHI exactly, whatever the resolution.
+//! In: a subdivision of the sky and the side of the texture. Out: sparse rows
+//! [`Projection::of_texel`] and the sums that follow from them. Radiances are scaled with
+//! `open_horizontal_sr`, so an unobstructed horizontal receiver whose coefficients come from the
+//! same rows gets DHI exactly, at any resolution.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -12,22 +14,23 @@ use crate::sky::horizon::HorizonBand;
 use crate::sky::model::SkyModel;
 use crate::sky::patches::Patches;
 
-/// The patches of every texel of an n x n texture.
+/// Patches of every texel of an n x n texture, with their shares.
 #[derive(Clone, Debug)]
 pub struct Projection {
-    /// Side of the texture.
+    /// Side of the texture, texels.
     n: usize,
-    /// Texel t owns the entries `starts[t]..starts[t + 1]`.
+    /// `[texel]`: first of its entries; texel t has the entries `starts[t]..starts[t + 1]`.
     starts: Vec<u32>,
     /// (patch, share of the texel's area); shares of a texel sum to 1.
     entries: Vec<(u16, f32)>,
-    /// Mean direction of each texel, not normalised: n . mean is the texel's mean cosine on a surface that sees all of it.
+    /// Mean direction of each texel, not normalised: n . mean is the texel's mean cosine on a
+    /// surface that sees all of it.
     pub mean_directions: Vec<DVec3>,
     /// Solid angle of each patch as the texels count it, sr.
     pub solid_angle_sr: Vec<f64>,
     /// Sum over texels of share x solid angle x mean cosine on a horizontal surface, sr.
     pub open_horizontal_sr: Vec<f64>,
-    /// Of models that have one: a further source behind the patches.
+    /// Band at the horizon, a source beside the patches that some models have.
     horizon: Option<HorizonBand>,
 }
 
@@ -35,8 +38,8 @@ pub struct Projection {
 const MAX_SIDE: usize = 4096;
 
 impl Projection {
-    /// Projection of an n x n texture (n from 1 to 4096, clamped) by `samples` squared points in each texel; 8 is
-    /// enough for n = 128.
+    /// Returns the projection of an n x n texture (n is clamped to 1..=4096) by `samples` squared
+    /// points in each texel; 8 is enough for n = 128.
     pub fn new(patches: &Patches, n: usize, samples: usize) -> Self {
         let (n, samples) = (n.clamp(1, MAX_SIDE), samples.clamp(1, 64));
         let share = 1.0 / (samples * samples) as f64;
@@ -92,28 +95,28 @@ impl Projection {
         projection
     }
 
-    /// The same for the skies of a model, with the band at the horizon if they have one.
+    /// Adds the band at the horizon if the skies of `model` have one, or removes it.
     pub fn under(self, model: SkyModel) -> Self {
         let horizon = model.brightens().then(|| HorizonBand::new(self.n));
         Projection { horizon, ..self }
     }
 
-    /// The band at the horizon, whose coefficient follows those of the patches.
+    /// Returns the band at the horizon, whose coefficient follows those of the patches.
     pub fn horizon(&self) -> Option<&HorizonBand> {
         self.horizon.as_ref()
     }
 
-    /// Side of the texture.
+    /// Returns the side of the texture, texels.
     pub fn side(&self) -> usize {
         self.n
     }
 
-    /// Solid angle of a texel, sr.
+    /// Returns the solid angle of a texel, sr.
     pub fn texel_sr(&self) -> f64 {
         HEMISPHERE_SR / (self.n * self.n) as f64
     }
 
-    /// Number of patches.
+    /// Returns the number of patches.
     pub fn patches(&self) -> usize {
         self.solid_angle_sr.len()
     }
@@ -126,7 +129,7 @@ impl Projection {
         }
     }
 
-    /// The (patch, share of area) pairs of a texel; none for a texel that does not exist.
+    /// Returns the (patch, share of area) pairs of a texel; none for a texel that does not exist.
     pub fn of_texel(&self, texel: usize) -> &[(u16, f32)] {
         match self.starts.get(texel..) {
             Some([start, end, ..]) => self.entries.get(*start as usize..*end as usize).unwrap_or_default(),
@@ -135,12 +138,14 @@ impl Projection {
     }
 }
 
-/// Whether a diagonal of the square, where the map has a crease, crosses the texel of an n x n texture at `corner`.
+/// Returns true if the texel at `corner` of an n x n texture lies on a diagonal of the square,
+/// where the map has a crease.
 fn creased(corner: DVec2, n: usize) -> bool {
     corner.x == corner.y || corner.x + corner.y + 1.0 == n as f64
 }
 
-/// The patch that a texel lies in wholly, if its four corners say so: off the diagonals both are convex.
+/// Returns the patch that holds a texel wholly, if all four corners lie in it. Off the diagonals
+/// texel and patch are convex.
 fn whole(patches: &Patches, corner: DVec2, n: usize) -> Option<usize> {
     if creased(corner, n) {
         return None;
@@ -155,8 +160,9 @@ fn whole(patches: &Patches, corner: DVec2, n: usize) -> Option<usize> {
     (first + 1 < patches.len() && (1..4).all(|i| at(i) == first)).then_some(first)
 }
 
-/// Mean direction of the texel of an n x n texture at `corner`, by Gauss rules: 2 x 2 points for n >= 64, more where texels are large
-/// and on the diagonals, where the map has a crease.
+/// Returns the mean direction of the texel at `corner` of an n x n texture, by Gauss rules: 2 x 2
+/// points for n >= 64, more where texels are large and on the diagonals, where the map has a
+/// crease.
 fn mean_direction(corner: DVec2, n: usize) -> DVec3 {
     const GAUSS: f64 = 0.288_675_134_594_812_9;
     let rules = (64 / n).clamp(1, 8) * if creased(corner, n) { 4 } else { 1 };
@@ -166,8 +172,9 @@ fn mean_direction(corner: DVec2, n: usize) -> DVec3 {
     sum / (4 * rules * rules) as f64
 }
 
-/// Points in a texel: a lattice by the golden section, shifted from texel to texel ([`shift`]). Rows of
-/// patches are squares on the texture, so equal grids in all texels would miscount them by up to 2 %, an unshifted lattice by 1 %.
+/// Returns the points in a texel: a lattice by the golden section, shifted from texel to texel
+/// ([`shift`]). Rows of patches are squares on the texture, so equal grids in all texels would
+/// miscount them by up to 2 %, an unshifted lattice by 1 %.
 fn lattice(count: usize) -> Vec<DVec2> {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let point = |i: usize| DVec2::new((i as f64 + 0.5) / count as f64, (i as f64 + 0.5) * GOLDEN).fract();
@@ -178,7 +185,7 @@ fn shift(texel: usize) -> DVec2 {
     r2(texel as f64, DVec2::ZERO)
 }
 
-/// The sum of two points of the unit square, wrapped.
+/// Returns the sum of two points of the unit square, wrapped.
 fn wrapped(a: DVec2, b: DVec2) -> DVec2 {
     let one = |x: f64| if x >= 1.0 { x - 1.0 } else { x };
     DVec2::new(one(a.x + b.x), one(a.y + b.y))
@@ -189,8 +196,8 @@ mod tests {
     use super::*;
     use crate::hemisphere::texel_direction;
 
-    /// Shares of each texel sum to 1 (1e-6), patch solid angles to 2 pi (1e-9) and open coefficients to pi (1e-5 at n = 128), for three
-    /// texture sides and the three subdivisions.
+    /// Shares of each texel sum to 1 (1e-6), patch solid angles to 2 pi (1e-9) and open
+    /// coefficients to pi (1e-5 at n = 128), for three texture sides and the three subdivisions.
     #[test]
     fn sums() {
         for count in [145, 577, 2305] {
@@ -210,7 +217,8 @@ mod tests {
         }
     }
 
-    /// Texels that are given to one patch by their corners have all of 16 x 16 points in it: for n = 16 and 128 and three subdivisions.
+    /// A texel with all corners in one patch has all of 16 x 16 points in it: for n = 16 and 128
+    /// and the three subdivisions.
     #[test]
     fn whole_texels() {
         let mut found = 0;
@@ -231,7 +239,8 @@ mod tests {
         assert!(found > 20_000, "{found}");
     }
 
-    /// At n = 128 and 8 x 8 points the texels count each of the 577 patches within 1 % of its exact solid angle.
+    /// At n = 128 and 8 x 8 points the texels count each of the 577 patches within 1 % of its exact
+    /// solid angle.
     #[test]
     fn patch_areas() {
         let patches = Patches::new(577).expect("known count");

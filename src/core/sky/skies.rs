@@ -1,5 +1,6 @@
-//! The skies of a series of conditions as patch radiances. In: conditions and where they add to, later receivers' sky and response
-//! textures. Out: coefficients of the patches, and irradiances by one dense product for a tile.
+//! Skies of a series of conditions as patch radiances. In: conditions and the results that they add
+//! to; then receivers' sky and response textures. Out: coefficients of the patches, and irradiances
+//! by one dense product for a tile.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -16,24 +17,28 @@ use crate::sky::projection::Projection;
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
-/// Skies made at a time.
+/// Number of skies that a task sums up.
 const PART: usize = 64;
 
-/// By way and result.
+/// Sums of radiances by way and result.
 type Sums = BTreeMap<(usize, usize), Vec<f64>>;
 
-/// Patch radiances of the results that have a sky, and behind them what the band at the horizon sends, if the model has one.
+/// Patch radiances of the results that have a sky, followed by the irradiance of a wall from the
+/// band at the horizon, if the model has one.
 #[derive(Default)]
 pub struct Skies {
-    /// Results with a sky, and their sources: `[result with a sky][source]`; radiances of patches, W/(m2 sr) x weight.
+    /// Results with a sky.
     bins: Vec<usize>,
+    /// `[result with a sky][source]`: radiances of patches, W/(m2 sr) x weight, then the band.
     radiances: Vec<f32>,
+    /// Number of sources: patches, and the band if there is one.
     sources: usize,
 }
 
 impl Skies {
-    /// One for each of several ways to add conditions to results. Skies that add to one result are added before any receiver is
-    /// asked. `open_horizontal_sr` of the projection that coefficients are made with.
+    /// Returns the skies for each of several ways to add conditions to results. Skies that add to
+    /// one result are summed here, before any receiver is read. `open_horizontal_sr` must come from
+    /// the projection that makes the coefficients.
     pub fn new(
         conditions: &[Condition],
         ways: &[&Bins],
@@ -42,7 +47,8 @@ impl Skies {
         open_horizontal_sr: &[f64],
     ) -> Vec<Self> {
         let sources = patches.len() + usize::from(model.brightens());
-        // Parts of a fixed size, added in order: the sum does not depend on the number of threads.
+        // Parts have a fixed size and are added in order, so the sum does not depend on the number
+        // of threads.
         let parts: Vec<Sums> = (0..conditions.len().div_ceil(PART))
             .into_par_iter()
             .map(|part| {
@@ -84,27 +90,28 @@ impl Skies {
         found
     }
 
-    /// Whether no result has a sky.
+    /// Returns true if no result has a sky.
     pub fn is_empty(&self) -> bool {
         self.bins.is_empty()
     }
 
-    /// Results with a sky.
+    /// Returns the results with a sky.
     pub fn bins(&self) -> &[usize] {
         &self.bins
     }
 
-    /// Their sources.
+    /// Iterates over the sources of each result with a sky.
     pub fn radiances(&self) -> impl Iterator<Item = &[f32]> {
         self.radiances.chunks(self.sources.max(1))
     }
 
-    /// Calls `each(receiver, result, irradiance)` for coefficients `[receiver][source]`: (receivers x sources) times (sources x
-    /// results).
+    /// Calls `each(receiver, result, irradiance)` for coefficients `[receiver][source]`: (receivers
+    /// x sources) times (sources x results).
     pub fn irradiance(&self, coefficients: &[f32], mut each: impl FnMut(usize, usize, f32)) {
         let shape = (coefficients.len() / self.sources.max(1), self.sources);
         if self.bins.len() == 1 {
-            // The same on every processor: sums of overviews are stored.
+            // One result is summed in a fixed order, equal on every processor: the sums of
+            // overviews are stored.
             for (receiver, coefficients) in coefficients.chunks_exact(self.sources.max(1)).enumerate() {
                 for (&bin, radiances) in self.bins.iter().zip(self.radiances()) {
                     let pairs = coefficients.iter().zip(radiances);
@@ -113,7 +120,7 @@ impl Skies {
             }
             return;
         }
-        // Shapes follow from how the two vectors were filled, so neither view can fail.
+        // The shapes follow from how the two vectors were filled, so neither view can fail.
         let (Ok(a), Ok(b)) = (
             ArrayView2::from_shape(shape, coefficients),
             ArrayView2::from_shape((self.bins.len(), self.sources), &self.radiances),
@@ -121,7 +128,7 @@ impl Skies {
             return;
         };
         let product = a.dot(&b.t());
-        // Row-major, as both factors' rows are.
+        // The product is row-major, as are both factors.
         let rows = product.as_slice().into_iter().flat_map(|values| values.chunks_exact(self.bins.len().max(1)));
         for (receiver, values) in rows.enumerate() {
             self.bins.iter().zip(values).for_each(|(&bin, &v)| each(receiver, bin, v));
@@ -129,8 +136,8 @@ impl Skies {
     }
 }
 
-/// Appends the irradiance per unit radiance of each patch, sr: visible share x cosine x solid angle of the texels; then that of the band
-/// at the horizon, if there is one.
+/// Appends the irradiance per unit radiance of each patch, sr: visible share x cosine x solid angle
+/// of the texels. Then appends the coefficient of the band at the horizon, if there is one.
 pub fn sky_coefficients(projection: &Projection, normal: DVec3, sky: &SkyBitmap, out: &mut Vec<f32>) {
     let half = half_texel(projection.side());
     let mut sums = vec![0.0_f64; projection.patches()];
@@ -144,7 +151,8 @@ pub fn sky_coefficients(projection: &Projection, normal: DVec3, sky: &SkyBitmap,
     out.extend(projection.horizon().map(|band| band.seen(normal, |texel| sky.share(texel)) as f32));
 }
 
-/// The same for light that is reflected: d . G x solid angle; `response` is `[texel][axis]`.
+/// Appends the coefficients of reflected light: d . G x solid angle, and that of the band at the
+/// horizon, if there is one; `response` is `[texel][axis]`.
 pub fn response_coefficients(projection: &Projection, response: &[[f32; 3]], out: &mut Vec<f32>) {
     let mut sums = vec![0.0_f64; projection.patches()];
     for (texel, (d, g)) in projection.mean_directions.iter().zip(response).enumerate() {
@@ -157,7 +165,8 @@ pub fn response_coefficients(projection: &Projection, response: &[[f32; 3]], out
     out.extend(projection.horizon().map(|band| band.reflected(response) as f32));
 }
 
-/// Mean of max(x, 0) for x spread evenly over `centre` +- `half`: the cosine of a texel that the surface's plane cuts.
+/// Returns the mean of max(x, 0) for x spread evenly over `centre` +- `half`: the cosine of a texel
+/// that the surface's plane cuts.
 #[inline(always)]
 pub fn mean_positive(centre: f64, half: f64) -> f64 {
     if centre >= half {

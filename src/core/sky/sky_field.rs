@@ -1,5 +1,6 @@
-//! The skies of a few results as radiances of texels. In: patch radiances and a projection. Out: what a receiver gets of each, without a
-//! coefficient for every patch: for few results that is cheaper.
+//! Skies of a few results as radiances of texels. In: patch radiances and a projection. Out: the
+//! irradiance of a receiver under each sky, without a coefficient for every patch. For few results
+//! that is cheaper.
 
 use glam::DVec3;
 use pulp::Arch;
@@ -9,20 +10,22 @@ use crate::layers::sky_bitmap::SkyBitmap;
 use crate::sky::projection::Projection;
 use crate::sky::skies::{Skies, mean_positive};
 
-/// Up to so many results with a sky, texels are cheaper than patches.
+/// Largest number of results with a sky for which texels are cheaper than patches.
 pub const FEW: usize = 48;
 
-/// Radiances of texels x their solid angle.
+/// Radiances of texels times their solid angle.
 pub struct SkyField {
+    /// Results with a sky.
     bins: Vec<usize>,
     /// `[texel][result with a sky]`, W/m2 x weight.
     radiances: Vec<f64>,
-    /// `[result with a sky]`: what the band at the horizon gives an open wall; empty if there is none.
+    /// `[result with a sky]`: irradiance of an open wall from the band at the horizon, W/m2 x
+    /// weight; empty if there is no band.
     horizons: Vec<f64>,
 }
 
 impl SkyField {
-    /// `None` if there are many results.
+    /// Returns the radiances of the texels, or `None` for more than [`FEW`] results.
     pub fn of(skies: &Skies, projection: &Projection) -> Option<Self> {
         let bins = skies.bins().to_vec();
         if bins.len() > FEW {
@@ -68,7 +71,8 @@ impl SkyField {
         self.bins.iter().zip(sums).for_each(|(bin, sum)| each(*bin, sum));
     }
 
-    /// Vectors whose product with a response is what a receiver gets of each result by way of surfaces: `each(result, texel, vector)`.
+    /// Calls `each(result, texel, vector)`. The product of the vectors with a receiver's response
+    /// is its irradiance from the sky by reflection.
     pub fn vectors(&self, projection: &Projection, mut each: impl FnMut(usize, usize, DVec3)) {
         let count = self.bins.len();
         for (texel, d) in projection.mean_directions.iter().enumerate() {

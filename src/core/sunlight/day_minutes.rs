@@ -1,4 +1,5 @@
-//! Minutes of sun of all receivers of a tile on one day, as a page asks for that lets the day be chosen. In: a site, a date. Out: minutes.
+//! Minutes of sun of all receivers of a tile on one day, for the web page, where the user chooses
+//! the day. In: a site, a date. Out: minutes.
 
 use crate::error::Result;
 use crate::light::mirrors::MirrorTable;
@@ -17,13 +18,13 @@ pub struct DayMinutes {
 }
 
 impl DayMinutes {
-    /// The sun over a site as its place and clock are known.
+    /// Returns the day over a site at its location and clock.
     pub fn of(site: &OpenSite, location: &Location, date: Date) -> Self {
         let day = SunDay::of(location, date, site.north());
         DayMinutes { passes: day.passes(site.settings().sides()), day, mirrors: MirrorTable::of(site) }
     }
 
-    /// Minutes in which each receiver of a tile sees the sun.
+    /// Returns the minutes in which each receiver of a tile sees the sun.
     pub fn sun(&self, site: &OpenSite, tile: u32) -> Result<Vec<f32>> {
         let normals = site.tile_receivers(tile)?.receivers().into_iter().map(|receiver| receiver.normal);
         let skies = site.tile_sky(tile, normals.len())?;
@@ -34,7 +35,7 @@ impl DayMinutes {
         Ok(normals.zip(&skies).map(of).collect())
     }
 
-    /// Minutes in which mirrors throw the sun at each of them.
+    /// Returns the minutes in which mirrors reflect the sun to each receiver of a tile.
     pub fn glare(&self, site: &OpenSite, tile: u32) -> Result<Vec<f32>> {
         let normals = site.tile_receivers(tile)?.receivers().into_iter().map(|receiver| receiver.normal);
         let mirrors = TileMirrors::read(site, tile, normals.len(), &self.mirrors)?;

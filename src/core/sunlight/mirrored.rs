@@ -1,5 +1,6 @@
-//! The sun in mirrors and glass. In: what receivers see of the sky by chains of mirrors, the sun's path. Out: when each chain throws the sun at a
-//! receiver, how strong that is, and how far from the sun itself it is seen.
+//! The sun in mirrors and glass. In: the parts of the sky that receivers see by chains of mirrors,
+//! and the sun's path. Out: when each chain reflects the sun to a receiver, how strong that is, and
+//! at which angle from the sun itself.
 
 use glam::DVec3;
 
@@ -15,40 +16,41 @@ use crate::sunlight::seen::{SeenSky, SunSeen};
 use crate::sunlight::spells::Spells;
 use crate::weather::clear::clear_sky;
 
-/// What a receiver sees of the sun in mirrors.
+/// Views of the sky that a receiver has in mirrors.
 pub struct MirrorSuns<'m> {
     views: Vec<(&'m MirrorView, SeenSky<'m>)>,
     normal: DVec3,
 }
 
-/// What the receivers of a tile see in mirrors.
+/// Mirror views of the receivers of a tile.
 pub struct TileMirrors(Vec<Vec<MirrorView>>);
 
 /// The sun as a chain of mirrors shows it on a day.
 #[derive(Clone)]
 pub struct MirrorSpells<'m> {
-    /// When.
+    /// Time in which the sun is seen.
     pub seen: SunSeen,
-    /// The chain, from the receiver on.
+    /// The chain, starting at the receiver.
     pub chain: Chain,
     reflection: &'m Reflection,
     normal: DVec3,
 }
 
-/// Which suns in mirrors count.
+/// Angles of the reflected suns that count as glare.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GlareAngles {
-    /// Those that are seen at least so far from the sun itself, degrees.
+    /// Smallest angle between the reflected sun and the sun itself, degrees.
     pub least_deflection_deg: f64,
-    /// Those that are seen within so much of the direction in which the receiver looks, degrees; 90: all before its surface.
+    /// Largest angle between the reflected sun and the direction in which the receiver looks,
+    /// degrees; 90 for all in front of its surface.
     pub view_angle_deg: f64,
 }
 
 impl GlareAngles {
-    /// All before the surface.
+    /// Angles of all suns in front of the surface.
     pub const ALL: GlareAngles = GlareAngles { least_deflection_deg: 0.0, view_angle_deg: 90.0 };
 
-    /// What both count.
+    /// Returns the angles of suns that count for both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         GlareAngles {
@@ -59,12 +61,12 @@ impl GlareAngles {
 }
 
 impl TileMirrors {
-    /// Reads the windows of a tile with so many receivers.
+    /// Reads the mirror views of a tile with `receivers` receivers.
     pub fn read(site: &OpenSite, tile: u32, receivers: usize, table: &MirrorTable) -> Result<Self> {
         mirror_views(site, tile, &site.tile_mirrors(tile, receivers)?, table).map(TileMirrors)
     }
 
-    /// The mirrors that a receiver sees, by its row and normal.
+    /// Returns the mirror views of a receiver, by its row and normal.
     pub fn of_receiver(&self, row: usize, normal: DVec3) -> MirrorSuns<'_> {
         let views = self.0.get(row).map_or(&[][..], Vec::as_slice);
         MirrorSuns { views: views.iter().map(|view| (view, view.seen_sky())).collect(), normal }
@@ -72,8 +74,9 @@ impl TileMirrors {
 }
 
 impl<'m> MirrorSuns<'m> {
-    /// When each chain throws the sun before the surface on a day; those that do not are left out. `for_rays`: the sun is possible wherever
-    /// the chain's window reaches, since the window may lack what is narrower than the rays that found it.
+    /// Returns when each chain reflects the sun to the front of the surface on a day; chains that
+    /// never do are left out. With `for_rays`, the sun is possible wherever the chain's window
+    /// reaches: the window may lack what is narrower than the rays that found it.
     pub fn on(&mut self, day: &SunDay, passes: &SunPasses, for_rays: bool) -> Vec<MirrorSpells<'m>> {
         let normal = self.normal;
         let mut of_view = |(view, sky): &mut (&'m MirrorView, SeenSky<'m>)| {
@@ -93,7 +96,7 @@ impl<'m> MirrorSuns<'m> {
 }
 
 impl MirrorSpells<'_> {
-    /// What of it counts.
+    /// Returns the time in which the reflected sun counts by its angles.
     pub fn within(&self, day: &SunDay, angles: GlareAngles) -> SunSeen {
         let seen = self.seen.clone();
         let seen = match angles.view_angle_deg {
@@ -109,22 +112,22 @@ impl MirrorSpells<'_> {
         }
     }
 
-    /// The direction in which a sun is seen.
+    /// Returns the direction in which a sun is seen.
     pub fn image(&self, sun: DVec3) -> DVec3 {
         self.reflection.mirrored(sun)
     }
 
-    /// Share of the sun's light that is left.
+    /// Returns the share of the sun's light that the chain reflects.
     pub fn share(&self, sun: DVec3) -> f64 {
         self.reflection.share(sun)
     }
 
-    /// Angle between a sun and the direction in which it is seen, degrees.
+    /// Returns the angle between a sun and the direction in which it is seen, degrees.
     pub fn deflection_deg(&self, sun: DVec3) -> f64 {
         self.image(sun).angle_between(sun).to_degrees()
     }
 
-    /// The chain with other spells.
+    /// Returns the chain with other spells.
     #[must_use]
     pub fn with_seen(&self, seen: SunSeen) -> Self {
         MirrorSpells { seen, ..*self }
@@ -132,32 +135,32 @@ impl MirrorSpells<'_> {
 }
 
 impl MirrorView {
-    /// As the sun's path is looked up in it.
+    /// Returns the view's part of the sky, for the lookup of the sun's path.
     fn seen_sky(&self) -> SeenSky<'_> {
         let sky: &SkyBitmap = self.sky();
         SeenSky::of_part(sky, self.first(), self.whole_base())
     }
 }
 
-/// The union of what several chains show.
+/// Returns the union of the spells of several chains.
 pub fn in_any<'s>(all: impl Iterator<Item = &'s SunSeen>) -> SunSeen {
     all.fold(SunSeen::default(), |sum, one| if sum.possible.is_empty() { one.clone() } else { sum.and(one) })
 }
 
-/// Longest step between looks at how strong the sun in a mirror is, minutes.
+/// Longest step between two computations of a reflected sun's strength, minutes.
 const LOOK_MIN: f64 = 5.0;
 
-/// How strong the sun in mirrors is at most, and how near to the sun itself it is seen at least.
+/// Largest strength of a reflected sun, and its smallest angle from the sun itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strongest {
-    /// Of a surface that looks at it, under a clear sky, W/m2.
+    /// Irradiance of a surface that faces the reflected sun, under a clear sky, W/m2.
     pub irradiance_w_m2: f64,
     /// Angle between the sun and the direction in which it is seen, degrees.
     pub deflection_deg: f64,
 }
 
 impl Strongest {
-    /// During some spells.
+    /// Returns the strongest reflected sun during some spells, or `None` without spells.
     pub fn of(mirror: &MirrorSpells, day: &SunDay, spells: &Spells) -> Option<Self> {
         let moments = spells.iter().flat_map(|spell| {
             let steps = (spell.minutes() / LOOK_MIN).ceil().max(1.0) as usize;
@@ -172,7 +175,7 @@ impl Strongest {
         moments.map(at).reduce(Strongest::and)
     }
 
-    /// Of this and another.
+    /// Returns the larger irradiance and the smaller deflection of the two.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Strongest {

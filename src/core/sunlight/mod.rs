@@ -1,8 +1,10 @@
-//! When receivers see the sun, by its path through their sky textures. In: a site, dates, sky bits. Out: spells of sun on each day, with a bound
-//! on how far they may be wrong.
+//! Hours of direct sunlight of receivers, from the sun's path through their sky textures. In: a
+//! site, dates, sky bits. Out: spells (time intervals) of sun on each day, with a bound on their
+//! error.
 //!
-//! No sun is sampled: the path of the sun's centre over a day is cut where it passes from texel to texel, once for all receivers. What a texture
-//! says of a day is then exact; what it does not say, since an edge passes through a texel, is a bound ([`SunSeen`]).
+//! No sun is sampled. The path of the sun's centre over a day is cut where it passes from texel to
+//! texel, once for all receivers. The spells of a day are exact for a texture. Where an edge passes
+//! through a texel the texture does not know, and the spells have a bound instead ([`SunSeen`]).
 
 mod day_minutes;
 mod mirrored;

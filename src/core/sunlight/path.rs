@@ -1,5 +1,5 @@
-//! The path of the sun over a day. In: a site, a date, where true north lies. Out: the sun at any moment, when it stands where, and the texels of
-//! a sky texture that it passes.
+//! The path of the sun over a day. In: a site, a date, the direction of true north. Out: the sun at
+//! any moment, times of its positions, and the texels of a sky texture that it passes.
 
 use std::ops::Range;
 
@@ -12,72 +12,77 @@ use crate::sunlight::spells::Spells;
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Location;
 
-/// Minutes between computed positions; in between, a cubic through the four nearest is right to 1e-7 rad (test).
+/// Minutes between computed positions. In between, a cubic through the four nearest is right to
+/// 1e-7 rad (test).
 const KNOT_MIN: f64 = 4.0;
 
 /// Minutes of a day.
 const DAY_MIN: f64 = 1440.0;
 
-/// Minutes between looks at the texel that the sun stands in: what it passes faster is a corner of a texel, of no account.
+/// Minutes between looks at the texel of the sun. A texel that the sun passes faster is cut at a
+/// corner, and is negligible.
 const LOOK_MIN: f64 = 0.1;
 
-/// Knots from look to look at which side of a plane the sun stands on: 16 minutes.
+/// Number of knots between looks at the side of a plane on which the sun stands: 16 minutes.
 const PLANE_STRIDE: usize = 4;
 
-/// Steps of a search between two moments; halvings of 0.1 minutes find the moment to 1 ms.
+/// Number of steps of a search between two moments; halvings of 0.1 minutes find the moment to 1
+/// ms.
 const BISECTIONS: usize = 18;
 
-/// Moments this near to each other are one, minutes.
+/// Moments closer than this are one, minutes.
 const CLOSE_MIN: f64 = 1e-9;
 
 /// The sun on a day of local standard time.
 #[derive(Clone, Debug)]
 pub struct SunDay {
-    /// The day.
+    /// Date of the day.
     pub date: Date,
-    /// Unit vectors in the axes of a site, [`KNOT_MIN`] apart, the first so long before midnight.
+    /// Unit vectors to the sun in the axes of a site, [`KNOT_MIN`] apart; the first is [`KNOT_MIN`]
+    /// before midnight.
     knots: Vec<DVec3>,
-    /// When the sun's centre is above the level.
+    /// Time in which the sun's centre is above the horizon.
     pub up: Spells,
 }
 
-/// The texels of a sky texture that the sun passes on a day.
+/// Texels of a sky texture that the sun passes on a day.
 #[derive(Clone, Debug, Default)]
 pub struct SunPasses {
-    /// In order of time.
+    /// Ways through base texels, in order of time.
     pub(super) bases: Vec<BasePass>,
-    /// `[fine texel]`: its place among those of its base texel, row by row.
+    /// `[fine texel]`: its number within its base texel, row by row.
     pub(super) places: Vec<u16>,
-    /// `[fine texel]`: when the sun leaves it; it comes there when it leaves the one before.
+    /// `[fine texel]`: when the sun leaves it; the sun enters it when it leaves the one before.
     ends_min: Vec<f32>,
-    /// `[base texel of the way][word]`: the fine texels that are passed, as bits of a base texel.
+    /// `[way through a base texel][word]`: the passed fine texels, as bits of the base texel.
     passed: Vec<u64>,
-    /// Words of a base texel.
+    /// Number of words of a base texel.
     words: usize,
 }
 
-/// The way through a base texel.
+/// Way of the sun through a base texel.
 #[derive(Clone, Debug)]
 pub(super) struct BasePass {
-    /// Base texel.
+    /// Column of the base texel.
     pub column: u16,
     pub row: u16,
     pub start_min: f64,
     pub end_min: f64,
-    /// The fine texels on it.
+    /// Fine texels on the way.
     pub fine: Range<u32>,
 }
 
-/// A way through fine texels, being followed.
+/// Way through fine texels, while the sun is followed.
 struct FineWay<'p> {
     passes: &'p mut SunPasses,
     block: usize,
-    /// A new spell of sun is a new way, though the base texel may be that of the last one.
+    /// True at the start of a spell of sun: it starts a new way, even in the base texel of the last
+    /// one.
     is_new: bool,
 }
 
 impl SunDay {
-    /// The sun over a site, in axes with true north there.
+    /// Returns the sun over a site, in axes with this true north.
     pub fn of(site: &Location, date: Date, north: North) -> Self {
         let count = (DAY_MIN / KNOT_MIN) as usize + 3;
         let at = |knot: usize| north.to_axes(site.sun(date, (knot as f64 - 1.0) * KNOT_MIN));
@@ -86,7 +91,7 @@ impl SunDay {
         day
     }
 
-    /// Unit vector towards the sun's centre, so many minutes after midnight, 0 to 1440.
+    /// Returns the unit vector to the sun's centre, `minutes` after midnight, 0 to 1440.
     pub fn sun(&self, minutes: f64) -> DVec3 {
         let at = (minutes / KNOT_MIN).clamp(0.0, (self.knots.len() - 4) as f64 + 1.0);
         let knot = (at as usize).min(self.knots.len() - 4);
@@ -94,7 +99,8 @@ impl SunDay {
         four.map(|(direction, weight)| weight * *direction).sum::<DVec3>().normalize_or_zero()
     }
 
-    /// When a function of the sun's direction is above 0; changes that last less than four minutes may be missed.
+    /// Returns the time in which a function of the sun's direction is above 0; changes that last
+    /// less than four minutes may be missed.
     pub fn when(&self, function: impl Fn(DVec3) -> f64) -> Spells {
         let at = |knot: usize| self.knots.get(knot).map_or(f64::NAN, |sun| function(*sun));
         self.looked_at(1, at, |knot| {
@@ -103,8 +109,9 @@ impl SunDay {
         })
     }
 
-    /// When values at knots are above 0, by a look at every so many; what changes twice between two of them is missed. `change` finds the moment
-    /// between a knot and the next one.
+    /// Returns the time in which values at knots are above 0, from a look at every `stride` knots.
+    /// Two changes between two looks are missed. `change` finds the moment between a knot and the
+    /// next one.
     fn looked_at(&self, stride: usize, at: impl Fn(usize) -> f64, change: impl Fn(usize) -> f64) -> Spells {
         // The first knot and the last one lie outside of the day.
         let last = self.knots.len().saturating_sub(2);
@@ -129,19 +136,21 @@ impl SunDay {
         spells
     }
 
-    /// When the sun's centre stands at least so high.
+    /// Returns the time in which the sun's centre is at least at an altitude.
     pub fn above(&self, altitude_deg: f64) -> Spells {
         let sine = altitude_deg.to_radians().sin();
         self.when(|sun| sun.z - sine)
     }
 
-    /// When the sun's centre stands before a surface, at an angle of at least so much to it: within a cone about the normal. Visits of less than
-    /// 16 minutes are missed where the angle is 0, which stay within 0.04 degrees of the plane, and else those of less than four.
+    /// Returns the time in which the sun's centre is in front of a surface, at an angle of at least
+    /// `angle_deg` to it: within a cone around the normal. For an angle of 0, visits of less than
+    /// 16 minutes are missed, which stay within 0.04 degrees of the plane; for other angles, visits
+    /// of less than four.
     pub fn before(&self, normal: DVec3, angle_deg: f64) -> Spells {
         let sine = angle_deg.to_radians().sin();
         let at = |knot: usize| self.knots.get(knot).map_or(f64::NAN, |sun| normal.dot(*sun) - sine);
-        // The dot product of a cubic is the cubic of dot products.
-        // The rim of a narrow cone is passed soon.
+        // The dot product of a cubic is the cubic of dot products. The sun passes the rim of a
+        // narrow cone quickly, so a cone needs a look at every knot.
         let stride = if angle_deg > 0.0 { 1 } else { PLANE_STRIDE };
         self.looked_at(stride, at, |knot| {
             let four = [at(knot - 1), at(knot), at(knot + 1), at(knot + 2)];
@@ -154,7 +163,7 @@ impl SunDay {
         })
     }
 
-    /// The texels of a texture that the sun passes while it is up.
+    /// Returns the texels of a texture that the sun passes while it is up.
     pub fn passes(&self, sides: TextureSides) -> SunPasses {
         let block = (sides.sky_fine / sides.sky_base.max(1)).max(1);
         let mut passes = SunPasses { words: (block * block).div_ceil(64), ..SunPasses::default() };
@@ -179,7 +188,7 @@ impl SunDay {
 }
 
 impl FineWay<'_> {
-    /// Appends a fine texel that was passed.
+    /// Appends a fine texel that the sun has passed.
     fn leave(&mut self, column: usize, row: usize, start_min: f64, end_min: f64) {
         let (block, passes) = (self.block, &mut *self.passes);
         let (base_column, base_row) = ((column / block) as u16, (row / block) as u16);
@@ -205,13 +214,15 @@ impl FineWay<'_> {
 }
 
 impl SunPasses {
-    /// The fine texels of a way through a base texel: their places in it, and when the sun leaves each.
+    /// Returns the fine texels of a way through a base texel: their numbers within it, and when the
+    /// sun leaves each.
     pub(super) fn fine_of(&self, pass: &BasePass) -> (&[u16], &[f32]) {
         let range = pass.fine.start as usize..pass.fine.end as usize;
         (self.places.get(range.clone()).unwrap_or_default(), self.ends_min.get(range).unwrap_or_default())
     }
 
-    /// The ways through base texels that reach into a stretch of time, each with the bits of the fine texels that it passes.
+    /// Iterates over the ways through base texels that reach into an interval, each with the bits
+    /// of the fine texels that it passes.
     pub(super) fn bases_in(&self, start_min: f64, end_min: f64) -> impl Iterator<Item = (&BasePass, &[u64])> {
         let first = self.bases.partition_point(|base| base.end_min <= start_min);
         let last = self.bases.partition_point(|base| base.start_min < end_min);
@@ -220,8 +231,8 @@ impl SunPasses {
     }
 }
 
-/// Weights of four neighbouring values in the cubic through them, at a share of the way from the second to the third: Lagrange's polynomials of -1,
-/// 0, 1 and 2.
+/// Returns the weights of four neighbouring values in the cubic through them, at the share `t` of
+/// the way from the second to the third: Lagrange's polynomials of -1, 0, 1 and 2.
 fn cubic(t: f64) -> [f64; 4] {
     [
         -t * (t - 1.0) * (t - 2.0) / 6.0,
@@ -231,7 +242,8 @@ fn cubic(t: f64) -> [f64; 4] {
     ]
 }
 
-/// The zero of a smooth function between two moments with values of different signs, to 1e-9 minutes: regula falsi in the variant of Illinois.
+/// Returns the zero of a smooth function between two moments with values of different signs, to
+/// 1e-9 minutes: regula falsi in the Illinois variant.
 fn zero(mut low: f64, mut of_low: f64, mut high: f64, mut of_high: f64, function: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..BISECTIONS {
         let at = (low * of_high - high * of_low) / (of_high - of_low);
@@ -251,7 +263,7 @@ fn zero(mut low: f64, mut of_low: f64, mut high: f64, mut of_high: f64, function
     0.5 * (low + high)
 }
 
-/// The moment from which on something is no longer so that is so at the first of two.
+/// Returns the moment at which `is_so` turns from true, as at `low`, to false.
 fn bisect(mut low: f64, mut high: f64, is_so: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
@@ -271,7 +283,8 @@ mod tests {
         (site, SunDay::of(&site, date, North::default()))
     }
 
-    /// Interpolated suns lie within 1e-7 rad of computed ones: 300 moments of 6 days, from midnight to midnight.
+    /// Interpolated suns lie within 1e-7 rad of computed ones: 51 moments of each of 6 days, from
+    /// midnight to midnight.
     #[test]
     fn suns_between_knots() {
         for (latitude_deg, month) in [(52.0, 6), (52.0, 12), (0.0, 3), (-34.0, 9), (78.0, 6), (89.0, 4)] {
@@ -284,8 +297,9 @@ mod tests {
         }
     }
 
-    /// On 21 March at 52 N, 5 E the sun is up for 12 hours within 6 minutes (its declination changes) and its middle is noon: 40 minutes after
-    /// that of the clock, and 7 for the equation of time. At 78 N it stays up in June and down in December.
+    /// On 21 March at 52 N, 5 E the sun is up for 12 hours within 6 minutes (its declination
+    /// changes). Its middle is solar noon: 47 minutes after that of the clock, 40 for the longitude
+    /// and 7 for the equation of time. At 78 N it stays up in June and down in December.
     #[test]
     fn days() {
         let (_, march) = day(52.0, 3);
@@ -298,13 +312,14 @@ mod tests {
             assert!((height(moment.unwrap_or_default()) - 10.0).abs() < 1e-5);
         }
         let south = march.before(direction_from_degrees(180.0, 0.0), 0.0).within(&march.up);
-        // A day after the equinox it rises half a degree north of east.
+        // A day after the equinox the sun rises half a degree north of east.
         assert!((0.0..10.0).contains(&(march.up.minutes() - south.minutes())), "{}", south.minutes());
         assert_eq!((day(78.0, 6).1.up.minutes(), day(78.0, 12).1.up.minutes()), (1440.0, 0.0));
     }
 
-    /// The ways through texels of a day follow each other without a gap from sunrise to sunset, each in the texel that the sun stands in at its
-    /// middle; 1,024 texels a side are 0.14 degrees apart: there are 900 to 2,000 of them in twelve hours.
+    /// The ways through texels of a day follow each other without a gap from sunrise to sunset,
+    /// each in the texel of the sun at its middle. 1,024 texels a side are 0.14 degrees apart: the
+    /// sun passes 900 to 2,000 of them in twelve hours.
     #[test]
     fn passes_follow_each_other() {
         let (_, march) = day(52.0, 3);

@@ -1,63 +1,68 @@
-//! What a receiver sees of the sun on a day. In: its sky bits, the texels that the sun passes. Out: spells of sun, those that are sure, and those that
-//! are possible.
+//! Direct sunlight of a receiver on a day. In: its sky bits, the texels that the sun passes. Out:
+//! spells of sun, sure spells, and possible spells.
 
 use crate::layers::sky_bitmap::{BaseTexel, SkyBitmap, Texel};
 use crate::sunlight::path::{BasePass, SunPasses};
 use crate::sunlight::spells::Spells;
 
-/// When the sun's centre is seen on a day.
+/// Spells in which the sun's centre is seen on a day.
 ///
-/// A texel knows what is seen in its middle. One whose neighbours see the same as itself is taken to see that throughout: this holds wherever
-/// edges are straight over the width of a texel, since a line that cuts a part of a texel off also cuts off the middle of the texel or of one of
-/// its eight neighbours. In all others the sun may be seen or not. So it may below the middle of the lowest base texels where these are open: nothing
-/// is known of what is lower. What hides the sky there is taken to stand on the ground.
+/// A texel holds what is seen at its middle. A texel whose neighbours have the same value is taken
+/// to have it throughout. This holds wherever edges are straight over the width of a texel: a line
+/// that cuts off a part of a texel also cuts off the middle of the texel or of one of its eight
+/// neighbours. In all other texels the sun may be seen or not. This also holds below the middle of
+/// the lowest base texels where these are open, since nothing is known below. Obstructions there
+/// are taken to stand on the ground.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SunSeen {
-    /// By the bits of the texture.
+    /// Spells of sun by the bits of the texture.
     pub seen: Spells,
-    /// Where no edge is near, the sun is seen.
+    /// Spells in which the sun is seen and no edge is near.
     pub sure: Spells,
-    /// The sun is seen, or an edge is near.
+    /// Spells in which the sun is seen or an edge is near.
     pub possible: Spells,
 }
 
-/// The sky of a receiver, or the part of it that is seen by some mirrors, as the sun's path is looked up in it.
+/// Sky of a receiver, or the part of it that some mirrors show, for the lookup of the sun's path.
 pub struct SeenSky<'s> {
     sky: &'s SkyBitmap,
     /// First base texel of `sky` in the whole sky.
     first: BaseTexel,
-    /// Base texels a side of the whole sky.
+    /// Number of base texels per side of the whole sky.
     whole: usize,
-    /// `[base texel]` of `sky` and of a rim of one around it, found when it is first passed.
+    /// `[base texel]` of `sky` and of a rim of one around it; computed when the sun first passes
+    /// it.
     kinds: Vec<BaseKind>,
-    /// Bits of texels with an edge near, of base texels that are mixed: as those of the sky.
+    /// Bits of fine texels near an edge, for mixed base texels, in the order of the sky's bits.
     edges: Vec<u64>,
 }
 
-/// What a base texel holds.
+/// Content of a base texel.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum BaseKind {
     Unknown,
-    /// One value throughout, no edge near.
+    /// Open throughout, no edge near.
     Open,
     Closed,
-    /// Edges, which stand from here on in [`SeenSky::edges`].
+    /// Near an edge; its bits start at this word of [`SeenSky::edges`].
     Mixed(u32),
 }
 
 impl<'s> SeenSky<'s> {
-    /// Of a texture of the whole sky.
+    /// Takes a texture of the whole sky.
     pub fn new(sky: &'s SkyBitmap) -> Self {
         SeenSky::of_part(sky, BaseTexel::default(), sky.side())
     }
 
-    /// Of a part of a sky of so many base texels a side, from one of them on; nothing is seen elsewhere.
+    /// Takes a part of a sky of `whole` base texels a side, which starts at the base texel `first`.
+    /// Elsewhere nothing is seen.
     pub fn of_part(sky: &'s SkyBitmap, first: BaseTexel, whole: usize) -> Self {
         let with_rim = sky.side() + 2;
         SeenSky { sky, first, whole, kinds: vec![BaseKind::Unknown; with_rim * with_rim], edges: Vec::new() }
     }
 
-    /// When the sun is seen on a day within a stretch of time, such as that when it stands before the surface.
+    /// Returns when the sun is seen on a day within some spells, such as those in which it is in
+    /// front of the surface.
     pub fn sun(&mut self, passes: &SunPasses, within: &Spells) -> SunSeen {
         let mut found = Found::default();
         let Some((first_min, last_min)) = within.first_min().zip(within.last_min()) else { return found.seen };
@@ -70,6 +75,7 @@ impl<'s> SeenSky<'s> {
                     let edges = self.edges.get(first as usize..).unwrap_or_default();
                     let (column, row) = self.own(base);
                     let texel = self.texel(column, row);
+                    // Most ways meet no edge, and the bits of the whole way answer at once.
                     if let Some(is_seen) = throughout(texel, edges, passed) {
                         found.turn(is_seen, base.start_min, base.start_min, base.end_min);
                         continue;
@@ -93,7 +99,8 @@ impl<'s> SeenSky<'s> {
         found.finish().within(within)
     }
 
-    /// When the sun passes base texels that something is known of: those of this part of the sky and of the rim around it.
+    /// Returns when the sun passes base texels with known contents: those of this part of the sky
+    /// and of the rim around it.
     pub fn reach(&self, passes: &SunPasses) -> Spells {
         let rim = -1..=self.sky.side() as isize;
         let mut spells = Spells::default();
@@ -106,19 +113,19 @@ impl<'s> SeenSky<'s> {
         spells
     }
 
-    /// Fine texels to a side of a base texel.
+    /// Returns the number of fine texels per side of a base texel.
     fn block(&self) -> usize {
         self.sky.block()
     }
 
-    /// Column and row of a base texel of the whole sky in this one.
+    /// Returns column and row of a base texel of the whole sky in this part.
     #[inline(always)]
     fn own(&self, base: &BasePass) -> (isize, isize) {
         let own = |at: u16, first: usize| at as isize - first as isize;
         (own(base.column, self.first.column), own(base.row, self.first.row))
     }
 
-    /// What a base texel holds: nothing beyond this part of the sky.
+    /// Returns the content of a base texel; beyond this part of the sky it is closed.
     #[inline(always)]
     fn texel(&self, column: isize, row: isize) -> Texel<'s> {
         let side = self.sky.side() as isize;
@@ -126,7 +133,7 @@ impl<'s> SeenSky<'s> {
         if is_here { self.sky.texel(column as usize, row as usize) } else { Texel::Closed }
     }
 
-    /// Whether a fine texel is seen: none beyond this part of the sky is.
+    /// Returns true if a fine texel is seen; none beyond this part of the sky is.
     fn get(&self, column: isize, row: isize) -> bool {
         let side = (self.sky.side() * self.block()) as isize;
         let is_here = (0..side).contains(&column) && (0..side).contains(&row);
@@ -136,7 +143,7 @@ impl<'s> SeenSky<'s> {
     fn kind(&mut self, base: &BasePass) -> BaseKind {
         let with_rim = self.sky.side() + 2;
         let (column, row) = self.own(base);
-        // In the rim the sky itself is closed, but an edge may be near.
+        // A base texel of the rim is closed, but an edge may be near.
         let in_rim = |at: isize| usize::try_from(at + 1).ok().filter(|at| *at < with_rim);
         let Some((c, r)) = in_rim(column).zip(in_rim(row)) else { return BaseKind::Closed };
         let number = r * with_rim + c;
@@ -161,14 +168,14 @@ impl<'s> SeenSky<'s> {
         found
     }
 
-    /// Appends the edges of a base texel: its texels among whose 3 x 3 neighbours some are sky and some are not, and those of sky
-    /// that are lower than what is known.
+    /// Appends the edges of a base texel: texels whose 3 x 3 neighbours are partly open, and open
+    /// texels that lie lower than the known sky.
     fn add_edges(&mut self, column: isize, row: isize) {
         let block = self.block();
         let words = (block * block).div_ceil(64);
         let first = self.edges.len();
         if block > WIDEST_BLOCK {
-            // No quality has such: all of the texel may be an edge.
+            // No quality has such wide base texels; each of their texels counts as an edge.
             self.edges.resize(first + words, u64::MAX);
             return;
         }
@@ -186,7 +193,7 @@ impl<'s> SeenSky<'s> {
             let any = three.iter().fold(0, |any, row| any | row | row >> 1 | row >> 2);
             let low = if is_inner(whole_top + r as isize) { outer } else { all_columns };
             let open = three.get(1).map_or(0, |row| (row >> 1) as u64);
-            // A row of up to 64 texels lies in one word: both are powers of two.
+            // A row of up to 64 texels lies in one word, since both numbers are powers of two.
             let edges = (!all & any) as u64 & all_columns | low & open;
             if let Some(word) = self.edges.get_mut(first + r * block / 64) {
                 *word |= edges << (r * block % 64);
@@ -194,7 +201,8 @@ impl<'s> SeenSky<'s> {
         }
     }
 
-    /// Bits of a row of a base texel, with one of each neighbour's: that to the left first. Beyond the square nothing is seen.
+    /// Returns the bits of a row of a base texel, with one bit of each neighbour, the left one
+    /// first. Beyond the square nothing is seen.
     fn window(&self, left: isize, row: isize) -> Window {
         let block = self.block();
         let bit = |column: isize| Window::from(self.get(column, row));
@@ -212,22 +220,23 @@ impl<'s> SeenSky<'s> {
     }
 }
 
-/// Fine texels to a side of a base texel at most, for edges to be looked for.
+/// Largest number of fine texels per side of a base texel for which edges are found.
 const WIDEST_BLOCK: usize = 64;
 
 /// Bits of a row of up to 64 fine texels, and of one on either side.
 type Window = u128;
 
-/// A texel is seen; twice that: an edge is near it.
+/// Bit of a texel that is seen; twice this number is the bit of an edge near it.
 const SEEN: u8 = 1;
 
-/// What is seen on the passed texels of a base texel, if that is the same on all of them and no edge is near.
+/// Returns the value of the passed texels of a base texel, if all have the same and no edge is
+/// near.
 #[inline(always)]
 fn throughout(texel: Texel, edges: &[u64], passed: &[u64]) -> Option<u8> {
     if passed.iter().zip(edges).any(|(passed, edges)| passed & edges != 0) {
         return None;
     }
-    // Without an edge on the way, all texels on it are as the first: neighbours differ at edges only.
+    // Neighbours differ at edges only: without an edge on the way, all texels are as the first one.
     match texel {
         Texel::Open => Some(SEEN),
         Texel::Closed => Some(0),
@@ -240,19 +249,21 @@ fn bit(bits: &[u64], place: usize) -> u8 {
     bits.get(place / 64).map_or(0, |word| (word >> (place % 64)) as u8 & 1)
 }
 
-/// Spells being found, in order of time.
+/// Spells that are found in order of time.
 #[derive(Default)]
 struct Found {
     seen: SunSeen,
-    /// What is so since when, and until when so far.
+    /// Bits of the current state, see [`SEEN`].
     is: u8,
+    /// Start of the current state.
     since_min: f64,
+    /// End of the current state so far.
     end_min: f64,
 }
 
 impl Found {
-    /// What is so from one moment to another, and goes on if it was so before; `base_min` is when the way through a base texel begins, before
-    /// which there may have been a night.
+    /// Adds a state from one moment to another, which extends the current state if it is equal.
+    /// `base_min` is the start of the way through a base texel; there may be a night before it.
     #[inline(always)]
     fn turn(&mut self, is: u8, base_min: f64, start_min: f64, end_min: f64) {
         if is != self.is || base_min > self.end_min {
@@ -284,19 +295,19 @@ impl Found {
 }
 
 impl SunSeen {
-    /// Seen in these spells and no others, without a doubt.
+    /// Returns a sun that is seen in these spells for sure, and at no other time.
     pub fn certain(seen: Spells) -> Self {
         SunSeen { sure: seen.clone(), possible: seen.clone(), seen }
     }
 
-    /// What is seen here, there, or in both.
+    /// Returns the time in which the sun is seen here, in `other`, or in both.
     #[must_use]
     pub fn and(&self, other: &SunSeen) -> Self {
         let SunSeen { seen, sure, possible } = other;
         SunSeen { seen: self.seen.and(seen), sure: self.sure.and(sure), possible: self.possible.and(possible) }
     }
 
-    /// What of it lies within some spells.
+    /// Returns the part within some spells.
     #[must_use]
     pub fn within(self, spells: &Spells) -> Self {
         if spells.hold(&self.possible) {
@@ -305,13 +316,14 @@ impl SunSeen {
         self.map(|own| own.within(spells))
     }
 
-    /// The same of each of the three.
+    /// Applies `change` to each of the three sets of spells.
     #[must_use]
     pub fn map(&self, change: impl Fn(&Spells) -> Spells) -> Self {
         SunSeen { seen: change(&self.seen), sure: change(&self.sure), possible: change(&self.possible) }
     }
 
-    /// How far a measure may be off that does not fall where spells grow: how much less it is of what is sure, or more of what is possible.
+    /// Returns the largest error of a measure that does not fall where spells grow: its difference
+    /// from the measure of the sure or of the possible spells.
     pub fn uncertain(&self, measure: impl Fn(&Spells) -> f64) -> f64 {
         let [seen, sure, possible] = [&self.seen, &self.sure, &self.possible].map(measure);
         (seen - sure).max(possible - seen).max(0.0)
@@ -332,7 +344,7 @@ mod tests {
     use crate::weather::time::sun::Location;
     use glam::{DVec2, DVec3};
 
-    /// The sky of a receiver that sees some directions.
+    /// Returns the sky of a receiver for which `sees` tells the open directions.
     fn sky(normal: DVec3, base: usize, fine: usize, sees: impl Fn(DVec3) -> bool) -> SkyBitmap {
         let front = front_of(base, normal, &texel_centres(base));
         let (texture, _) = SkyTexture::trace(
@@ -347,8 +359,9 @@ mod tests {
         skies.into_iter().next().expect("one")
     }
 
-    /// A skyline with towers and holes, of three pairs of sides, on three days: the spells are those that a plain look at each passed texel and
-    /// at its eight neighbours finds, for the whole day and for its afternoon.
+    /// Under a skyline with towers and holes, for three pairs of sides on three days, the spells
+    /// are those of a plain look at each passed texel and its eight neighbours, for the whole day
+    /// and for its afternoon.
     #[test]
     fn as_a_plain_look_finds() {
         let skyline = |d: DVec3| {
@@ -397,14 +410,16 @@ mod tests {
         }
     }
 
-    /// Behind vertical edges, over level ones and through slits between fins, at five latitudes on four dates: 100 spells of sun. Against the
-    /// sun's own moments all are within what is stated, 95 of 100 within 0.6 minutes. While the sun stands above one degree, what is stated is
-    /// below three minutes in 80 of 100, since an edge takes about one; one that the sun runs along takes more.
+    /// The stated bound holds for all 100 spells of sun behind vertical edges, over level ones and
+    /// through slits between fins, at five latitudes on four dates. Against the sun's own moments,
+    /// 95 of 100 are within 0.6 minutes. While the sun is above one degree, the stated bound is
+    /// below three minutes for 80 of 100: an edge takes about one minute, and more where the sun
+    /// runs along it.
     #[test]
     fn moments_of_edges() {
         let plane = |azimuth_deg: f64| direction_from_degrees(azimuth_deg, 0.0);
         let profile = |altitude_deg: f64| direction_from_degrees(0.0, 90.0 - altitude_deg);
-        // Seen is what lies before all planes.
+        // The receiver sees what lies in front of all planes.
         let cases: [Vec<DVec3>; 5] = [
             vec![plane(205.0), plane(100.0)],
             vec![profile(25.0)],

@@ -1,38 +1,39 @@
-//! Stretches of time of a day. In: starts and ends. Out: unions, intersections, lengths.
+//! Spells: time intervals of a day. In: starts and ends. Out: unions, intersections, lengths.
 
 use std::cmp::Ordering;
 
-/// A stretch of time, minutes after the midnight that starts a day.
+/// A time interval, minutes after the midnight that starts a day.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spell {
-    /// When it starts.
+    /// Start, minutes after midnight.
     pub start_min: f64,
-    /// When it ends, after its start.
+    /// End, minutes after midnight, later than the start.
     pub end_min: f64,
 }
 
-/// Spells in order, apart from each other.
+/// Spells in order of time, with gaps between them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spells(Vec<Spell>);
 
 impl Spell {
-    /// Length.
+    /// Returns the length, minutes.
     pub fn minutes(&self) -> f64 {
         self.end_min - self.start_min
     }
 }
 
 impl Spells {
-    /// A single one; none at all if it does not end after its start.
+    /// Returns a single spell, or none if it does not end after its start.
     pub fn one(start_min: f64, end_min: f64) -> Self {
         let mut spells = Spells::default();
         spells.push(start_min, end_min);
         spells
     }
 
-    /// Appends a stretch that starts at or after the end of the last one, which grows if they touch.
+    /// Appends a spell that starts at or after the end of the last one; the two become one if they
+    /// touch.
     pub fn push(&mut self, start_min: f64, end_min: f64) {
-        // NaN is no end.
+        // A NaN end is no end.
         if end_min.partial_cmp(&start_min) != Some(Ordering::Greater) {
             return;
         }
@@ -42,44 +43,44 @@ impl Spells {
         }
     }
 
-    /// All of them in order.
+    /// Iterates over the spells in order of time.
     pub fn iter(&self) -> impl Iterator<Item = &Spell> {
         self.0.iter()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no spells.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Sum of their lengths.
+    /// Returns the sum of the lengths, minutes.
     pub fn minutes(&self) -> f64 {
-        // The sum of nothing is -0.
+        // `sum` of nothing would be -0.
         self.0.iter().map(Spell::minutes).fold(0.0, |sum, minutes| sum + minutes)
     }
 
-    /// Length of the longest, 0 without any.
+    /// Returns the length of the longest spell, minutes; 0 without spells.
     pub fn longest_min(&self) -> f64 {
         self.0.iter().map(Spell::minutes).fold(0.0, f64::max)
     }
 
-    /// When the first starts.
+    /// Returns the start of the first spell.
     pub fn first_min(&self) -> Option<f64> {
         self.0.first().map(|spell| spell.start_min)
     }
 
-    /// When the last ends.
+    /// Returns the end of the last spell.
     pub fn last_min(&self) -> Option<f64> {
         self.0.last().map(|spell| spell.end_min)
     }
 
-    /// Whether they hold others by one spell.
+    /// Returns true if a single spell covers all of `others`.
     pub fn hold(&self, others: &Spells) -> bool {
         let Some((first, last)) = others.first_min().zip(others.last_min()) else { return true };
         self.0.iter().any(|spell| spell.start_min <= first && spell.end_min >= last)
     }
 
-    /// What lies in both.
+    /// Returns the time that lies in both sets.
     #[must_use]
     pub fn within(&self, other: &Spells) -> Spells {
         let (mut ours, mut theirs) = (self.0.iter().peekable(), other.0.iter().peekable());
@@ -96,7 +97,7 @@ impl Spells {
         both
     }
 
-    /// What lies in these but not in others.
+    /// Returns the time that lies in these spells but not in `other`.
     #[must_use]
     pub fn without(&self, other: &Spells) -> Spells {
         let mut rest = Spells::default();
@@ -107,14 +108,14 @@ impl Spells {
                 rest.push(start_min, cut.start_min.min(spell.end_min));
                 start_min = start_min.max(cut.end_min);
             }
-            // One that lasts beyond this spell may cut the next, too.
+            // A cut that lasts beyond this spell may cut the next one, too.
             let end_min = others.peek().map_or(spell.end_min, |cut| cut.start_min.min(spell.end_min));
             rest.push(start_min, end_min);
         }
         rest
     }
 
-    /// What lies in these, in others, or in both.
+    /// Returns the time that lies in these spells, in `other`, or in both.
     #[must_use]
     pub fn and(&self, other: &Spells) -> Spells {
         let mut all: Vec<Spell> = self.0.iter().chain(&other.0).copied().collect();
@@ -124,13 +125,14 @@ impl Spells {
         joined
     }
 
-    /// Those that last at least so long.
+    /// Returns the spells that last at least `least_min` minutes.
     #[must_use]
     pub fn lasting(&self, least_min: f64) -> Spells {
         Spells(self.0.iter().filter(|spell| spell.minutes() >= least_min).copied().collect())
     }
 
-    /// Where the weights of sets that cover a moment add up to at least `least`; with 0, where any of them covers it.
+    /// Returns the time in which the weights of the sets that cover a moment add up to at least
+    /// `least`; with 0, the time that any set covers.
     pub fn covered<'s>(sets: impl Iterator<Item = (&'s Spells, f64)>, least: f64) -> Spells {
         let mut changes: Vec<(f64, f64, i32)> = Vec::new();
         for (spells, weight) in sets {
@@ -139,7 +141,7 @@ impl Spells {
             }
         }
         changes.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Sums of shares miss a whole by rounding.
+        // Rounding may keep sums of shares below a whole.
         let enough = least - 1e-9;
         let (mut covered, mut sum, mut count, mut since) = (Spells::default(), 0.0, 0, None);
         for at_once in changes.chunk_by(|a, b| a.0 == b.0) {
@@ -169,8 +171,9 @@ mod tests {
         spells
     }
 
-    /// 9 to 10 and 10 to 11 are one spell of 120 minutes, with 13:00 to 13:20 the sum is 140; from 10:30 to 13:10 there are 40 minutes of it,
-    /// and those of at least half an hour are 120. What ends before it starts, or nowhere, is nothing.
+    /// 9 to 10 and 10 to 11 are one spell of 120 minutes; with 13:00 to 13:20 the sum is 140. From
+    /// 10:30 to 13:10 there are 40 minutes of it; the spells of at least half an hour last 120. A
+    /// spell whose end is before its start, or NaN, is none.
     #[test]
     fn lengths() {
         let day = spells(&[(540.0, 600.0), (600.0, 660.0), (780.0, 800.0), (900.0, 890.0), (950.0, f64::NAN)]);
@@ -181,7 +184,8 @@ mod tests {
         assert_eq!((Spells::default().first_min(), Spells::default().longest_min()), (None, 0.0));
     }
 
-    /// From 0 to 100 and 200 to 300, without 10 to 20, 90 to 210 and 280 to 400, there are 150 minutes; with these there are 300 in two spells.
+    /// 0 to 100 and 200 to 300 without 10 to 20, 90 to 210 and 280 to 400 leaves three spells of
+    /// 150 minutes; the reverse leaves two of 200. The union is one spell of 400 minutes.
     #[test]
     fn differences() {
         let (a, b) = (spells(&[(0.0, 100.0), (200.0, 300.0)]), spells(&[(10.0, 20.0), (90.0, 210.0), (280.0, 400.0)]));
@@ -191,8 +195,9 @@ mod tests {
         assert_eq!((a.without(&Spells::default()), a.without(&a)), (a.clone(), Spells::default()));
     }
 
-    /// Three parts of a window with 50, 30 and 20 % of its area: any of them is lit from 0 to 40, a fifth too, half of it from 0 to 20 (the
-    /// first part, then the two others as it goes), all of it never at once, and 80 % from 5 to 10.
+    /// Three parts of a window with 50, 30 and 20 % of its area are lit one after the other. Any of
+    /// them, or a fifth of the area, is lit from 0 to 40, half from 0 to 20, 80 % from 5 to 10, and
+    /// all of it never.
     #[test]
     fn shares_of_an_area() {
         let parts = [spells(&[(0.0, 10.0)]), spells(&[(5.0, 20.0)]), spells(&[(10.0, 40.0)])];

@@ -1,4 +1,4 @@
-"""How much sun does every point of a site get? Trace a site once, replay any weather, reflectance and season.
+"""Sunlight on every point of a site: trace a site once, replay any weather, reflectance and season.
 
 >>> import heliotile
 >>> scene = heliotile.Scene("city.city.json", crs=28992)                    # doctest: +SKIP

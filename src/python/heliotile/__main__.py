@@ -1,4 +1,5 @@
-"""The program `heliotile`, as the wheel has it: `python -m heliotile run city.city.json --weather x.epw`."""
+"""The program `heliotile` of the wheel: `python -m heliotile run city.city.json --weather
+x.epw`."""
 
 import sys
 
@@ -6,7 +7,7 @@ from ._heliotile import program
 
 
 def main() -> int:
-    """Runs the program with the words of the command line; its exit code."""
+    """Runs the program with the arguments of the command line. Returns its exit code."""
     return program(["heliotile", *sys.argv[1:]])
 
 

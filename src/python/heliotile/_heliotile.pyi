@@ -1,4 +1,4 @@
-"""The compiled part. Arguments are those that the modules beside it make; use these."""
+"""The compiled module. The Python modules of this package make its arguments; use these modules."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -9,19 +9,21 @@ Progress = Callable[[str, int, int | None], object]
 __version__: str
 
 def use_threads(count: int) -> int:
-    """Makes all work of this process run on so many threads, if none has begun; how many they are."""
+    """Sets the number of threads of this process, unless work has begun already. Returns the number
+    in use."""
 
 def tiles_computed() -> int:
-    """Tiles of 64 receivers that this process has computed since it began."""
+    """Returns the number of tiles of 64 receivers that this process has computed since it
+    started."""
 
 def atlas_parts(
     atlas: str, bbox: Sequence[float] | None = None
 ) -> list[tuple[str, tuple[float, float], tuple[float, float], str, str | None, float]]: ...
 def shown(place: str) -> str:
-    """What messages call a place: of an address, no password and no signature."""
+    """Returns the name of a place for messages: an address without password and signature."""
 
 def program(words: list[str]) -> int:
-    """Runs the program with these words, its name first. Its exit code."""
+    """Runs the program with these arguments, the program's name first. Returns its exit code."""
 
 def run(text: str, memory: int, progress: Progress | None) -> tuple[str, str, list[str], str]: ...
 def pv(text: str, memory: int, progress: Progress | None) -> tuple[str, str, list[str], str]: ...
@@ -48,7 +50,7 @@ def merge(archives: list[str], output: str, memory: int, progress: Progress | No
 def diff(archives: list[str], memory: int) -> tuple[bool, str]: ...
 
 class Block:
-    """Numbers that NumPy takes as an array without copying, read-only."""
+    """Read-only numbers or texts that NumPy takes as an array without copying."""
     @property
     def __array_interface__(self) -> dict[str, Any]: ...
 

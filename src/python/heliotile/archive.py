@@ -1,4 +1,4 @@
-"""Archives: open one, ask it for irradiance."""
+"""Archives: open one and compute irradiance from it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
 
 class Archive(Askable):
-    """A site that was traced once: replay any weather, ask for any sun and sky. Many threads may use one; it pickles by its path.
+    """A site that was traced once. Replay any weather, or query any sun and sky. Several threads
+    may use one archive; it pickles by its path.
 
     Use `Archive.open`.
     """
@@ -32,16 +33,16 @@ class Archive(Askable):
         self._known: dict[str, np.ndarray] | None = None
         self.path, self.access, self.grid_north = path, access, grid_north
         self.built: BuildReport | None = None
-        """What was done, where `build` gave this archive."""
+        """Report of the build, if `build` returned this archive."""
         self.updated: UpdateDone | None = None
-        """What became of the receivers, where `update` gave this archive."""
+        """Report of the update, if `update` returned this archive."""
 
     @classmethod
     def open(cls, path: str | os.PathLike[str], *, access: str = "map", grid_north: bool = False) -> Archive:
         """Opens a finished archive.
 
-        `access` is `"map"`, or `"pread"` for files that others may shorten and for network file systems. `grid_north` takes y for
-        north, whatever the archive says of its place.
+        `access` is `"map"`, or `"pread"` for files that other programs may shorten and for network
+        file systems. `grid_north` takes y for north and ignores the archive's own north.
         """
         path = os.fspath(path)
         return cls(_heliotile.ArchiveHandle.open(path, access, grid_north), path, access, grid_north)
@@ -50,7 +51,8 @@ class Archive(Askable):
         return self
 
     def __exit__(self, *_: object) -> None:
-        """The file is closed with the last reference; nothing has to be written."""
+        """Does nothing: the file is closed with the last reference, and nothing has to be
+        written."""
 
     @property
     def root(self) -> str:
@@ -66,7 +68,8 @@ class Archive(Askable):
         memory: int = MEMORY,
         progress: Progress | None = None,
     ) -> Archive:
-        """Writes an archive of some receivers, named as in `replay`, and opens it: `heliotile extract`, byte by byte."""
+        """Writes an archive of some receivers, selected as in `replay`, and opens it: `heliotile
+        extract`, byte by byte."""
         handle = self._handle.extract(os.fspath(output), wanted_args(receivers), with_scene, memory, progress)
         return Archive(handle, os.fspath(output))
 
@@ -86,19 +89,21 @@ class Archive(Askable):
         memory: int = MEMORY,
         progress: Progress | None = None,
     ) -> AuditReport:
-        """Whether the archive is as exact as it says, by an independent judge that follows single paths of light: `heliotile audit`, value by value.
+        """Compares the archive's errors with its stated accuracy, by the independent reference path
+        tracer: `heliotile audit`, value by value.
 
         Parameters
         ----------
         scene
-            The `Scene` that it was built from, or its files.
+            The `Scene` of the archive, or its files.
         weather, conditions
-            A weather file, or a `Weather` of one, whose hours count; or the CSV file of a table of suns and skies, as `query` takes it. Default: suns
-            from all sides.
+            A weather file, or a `Weather` of one, whose hours count; or the CSV file of a table of
+            suns and skies, as `query` takes it. Default: suns from all sides.
         samples, hours
-            Receivers to look at, default 256, or as many as `seconds` allow; hours of each, default 8, or all of a table of up to 64 conditions.
+            Number of receivers, default 256, or as many as `seconds` allow; hours of each, default
+            8, or all of a table of up to 64 conditions.
         seconds
-            No further receiver is begun after these.
+            Time limit: no receiver is started after it.
         paths, seed
             Paths of light from each receiver; another seed takes other receivers, hours and paths.
         output
@@ -137,31 +142,36 @@ class Archive(Askable):
         memory: int = MEMORY,
         progress: Progress | None = None,
     ) -> Archive:
-        """Edits the scene that the archive holds, and opens the archive of the edited one, of which `updated` says what became of the receivers:
-        `heliotile update`, byte by byte. Only what an edit can alter is traced again.
+        """Edits the scene that the archive holds and opens the archive of the edited scene:
+        `heliotile update`, byte by byte. Its `updated` counts the receivers that stayed, moved or
+        went. Only what an edit can alter is traced again.
 
         Parameters
         ----------
         add
             A `Scene` or scene files whose objects are added, in the coordinates of the scene.
         remove
-            Objects or buildings that go.
+            Names of objects or buildings to remove.
         move
-            By object or building: how far, metres along x, y and z. Its receivers go with it.
+            Offset along x, y and z in metres, by object or building. Its receivers move with it.
         height
-            By object or building: `"+3m"`, `"-3m"` or `"12m"`: its roofs go up or down, and its walls with them.
+            Change of height, `"+3m"` or `"-3m"`, or new height, `"12m"`, by object or building. Its
+            walls follow its roofs.
         material
-            By object or building: the material that all of it gets, one of the scene or of `materials`.
+            New material of the whole object or building, by its name; a material of the scene or of
+            `materials`.
         materials
-            A TOML file with reflectances of what is added or painted.
+            A TOML file with the reflectances of added or changed materials.
         on, spacing
-            Surfaces of what is new or has another shape to cover with receivers, and the distance between these in metres; default: roofs, walls and
-            windows, about as far apart as the archive's own.
+            Kinds of surfaces to cover with receivers where the scene is new or has another shape,
+            and the distance between receivers in metres. Default: roofs, walls and windows, about
+            as far apart as the archive's own receivers.
         preview
-            Keeps what the edits can alter by less than so many percent of the light on open ground, in the mean over the sky. The archive says that
-            it is a preview, and the same call without this argument completes it.
+            Keeps what the edits can alter by less than this percentage of the light on open ground,
+            in the mean over the sky. The archive is then marked as a preview; the same call without
+            this argument completes it.
         fresh
-            Discards an interrupted update that lies there.
+            Discards an interrupted update at the output.
         """
         from . import checks
         from .scene import scene_request
@@ -188,7 +198,8 @@ class Archive(Askable):
         return archive
 
     def verify(self, *, deep: bool = False) -> CheckedArchive:
-        """Checks every block: `heliotile verify`, finding by finding. `heliotile.verify` takes a path that need not open."""
+        """Checks every block: `heliotile verify`, finding by finding. `heliotile.verify` also takes
+        a path that does not open."""
         from . import checks
 
         return checks.verify(self.path, deep=deep)[0]
@@ -209,12 +220,13 @@ class Archive(Askable):
         latitude: float | None = None,
         memory: int = MEMORY,
     ) -> None:
-        """Writes the layers of a receiver, as values (`.exr`) or as a picture (`.png`), or without one a table of the view factors of all: `heliotile
-        export`.
+        """Writes the layers of a receiver, as values (`.exr`) or as a picture (`.png`), or without
+        a receiver a table of all view factors: `heliotile export`.
 
-        `sun`: azimuth, clockwise from true north, and altitude in degrees, with `dni` and `dhi` in W/m2: its light goes into values, its place into a
-        picture, and its ways into six pictures with `panel`. `weather`, a file or a `Weather` of one, or `latitude`: where the sun's paths in a picture
-        are those of.
+        `sun`: azimuth, clockwise from true north, and altitude in degrees, with `dni` and `dhi` in
+        W/m2. Values include its light, a picture marks its position, and `panel` makes six pictures
+        of its light paths. `weather`, a file or a `Weather` of one, or `latitude`: place of the
+        sun's paths in a picture.
         """
         request = {
             "place": self.path,
@@ -236,10 +248,12 @@ class Archive(Askable):
     def view(
         self, output: str | os.PathLike[str], *, with_: str | os.PathLike[str] | Archive | None = None, weather: Any = None, memory: int = MEMORY
     ) -> None:
-        """Writes a page that shows the archive in a browser, also from a disk: `heliotile export --html`, byte by byte.
+        """Writes a page that shows the archive in a browser, also from a disk: `heliotile export
+        --html`, byte by byte.
 
-        An archive of up to 50 MB is inside the page, with the weather if there is some, a file or a `Weather` of one; of a larger one the page asks for
-        the file. `with_` is an archive of the same site after a change: the page then shows before, after and the change.
+        The page contains an archive of up to 50 MB, and the weather, a file or a `Weather` of one,
+        if given. For a larger archive it asks for the file. `with_` is an archive of the same site
+        after a change: the page then shows before, after and the change.
         """
         after = with_.path if isinstance(with_, Archive) else None if with_ is None else os.fspath(with_)
         request = {"archive": self.path, "with": after, "access": self.access, "output": os.fspath(output), **weather_request(weather)}
@@ -249,7 +263,7 @@ class Archive(Askable):
         return self._handle
 
     def _table(self, opened: _heliotile.ArchiveHandle, wanted: WantedArgs, memory: int) -> dict[str, np.ndarray]:
-        # That of all is asked for again and again.
+        # The table of all receivers is kept, since it is used often.
         if wanted is not None:
             return super()._table(opened, wanted, memory)
         if self._known is None:
@@ -264,12 +278,13 @@ class Archive(Askable):
 
 
 def absolute(path: str) -> str:
-    """A path for processes that work elsewhere; what is no file here, such as a URL, stays as it is."""
+    """Returns a path for processes in other folders; a name without a file here, such as a URL,
+    stays as it is."""
     return os.path.abspath(path) if os.path.exists(path) else path
 
 
 def _reopen(cls: type[Archive], path: str, access: str, grid_north: bool, root: str) -> Archive:
-    """What a pickle becomes: the archive of that path, if it is still the same."""
+    """Opens the archive of a pickle, if it has not changed."""
     archive = cls.open(path, access=access, grid_north=grid_north)
     if archive.root != root:
         raise InputError(f"{_heliotile.shown(path)}: is another archive than the one that was pickled\n  to fix: open it again and pickle that")

@@ -1,4 +1,5 @@
-"""What can be asked for irradiance: an archive, or an atlas like one archive. In: weather or conditions. Out: results."""
+"""Sites that can be replayed and queried: an archive, or an atlas used like one archive. In:
+weather or conditions. Out: results."""
 
 from __future__ import annotations
 
@@ -23,18 +24,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Place:
-    """Where an archive lies."""
+    """Location of a site."""
 
     latitude_deg: float
     longitude_deg: float
     convergence_deg: float
-    """How far y lies clockwise from true north."""
+    """Direction of y, degrees clockwise from true north."""
     epsg: int | None
 
 
 @dataclass(frozen=True)
 class Material:
-    """What surfaces of one name reflect, shares of the light."""
+    """Reflectance and transmittance of the surfaces with one name, shares of the light."""
 
     name: str
     diffuse: float
@@ -47,7 +48,8 @@ class Material:
 
 @dataclass(frozen=True)
 class Factors:
-    """The five factors of EnergyPlus over the sun's position, for ground that reflects all."""
+    """The five factors of EnergyPlus over the sun's position, for ground that reflects all
+    light."""
 
     by: str
     names: list[str]
@@ -65,7 +67,8 @@ class Factors:
         return f"Factors(by {self.by}: {shape}, {', '.join(self.values)})"
 
     def to_xarray(self) -> xr.Dataset:
-        """A Dataset with the dimensions of the names, `sun_azimuth_deg` and `sun_altitude_deg`."""
+        """Returns a Dataset with the dimensions of the names, `sun_azimuth_deg` and
+        `sun_altitude_deg`."""
         import xarray as xr
 
         dims = (self.by, "sun_azimuth_deg", "sun_altitude_deg")
@@ -74,13 +77,13 @@ class Factors:
 
 
 def files_request(output: str | os.PathLike[str], by: str, geo: bool, plots: Sequence[str | os.PathLike[str]]) -> dict[str, Any]:
-    """Where results go, as the library takes it."""
+    """Returns the output files for a request."""
     return {"output": os.fspath(output), "by": by, "geo": geo, "plots": [os.fspath(plot) for plot in plots]}
 
 
 @dataclass(frozen=True)
 class DayChoice:
-    """Days, rules and the clock of questions about the sun."""
+    """Days, rules and clock of computations of sunlight and glare."""
 
     dates: str | Sequence[str]
     rules: str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
@@ -91,7 +94,7 @@ class DayChoice:
     exact: bool
 
     def request(self) -> dict[str, Any]:
-        """As the library takes it."""
+        """Returns these choices for a request."""
         days = [self.dates] if isinstance(self.dates, str) else list(self.dates)
         named = [self.rules] if isinstance(self.rules, (str, os.PathLike)) else list(self.rules)
         request: dict[str, Any] = {"dates": days, "rules": [os.fspath(rule) for rule in named], "year": self.year}
@@ -101,11 +104,11 @@ class DayChoice:
 
 
 class Askable(ABC):
-    """A site that was traced: replay any weather, ask for any sun and sky."""
+    """A site that was traced: replay any weather, or query any sun and sky."""
 
     @abstractmethod
     def _open(self, wanted: WantedArgs) -> _heliotile.ArchiveHandle:
-        """What holds the receivers that are asked for, open."""
+        """Opens the archives that hold the selected receivers."""
 
     @property
     def count(self) -> int:
@@ -114,12 +117,12 @@ class Askable(ABC):
 
     @property
     def tiles(self) -> int:
-        """Number of tiles, of 64 receivers each; what is computed at a time."""
+        """Number of tiles, of 64 receivers each. A tile is computed as a whole."""
         return self._open(None).tiles
 
     @property
     def place(self) -> Place | None:
-        """Where it lies, if its files said so."""
+        """Location, if the scene files or arguments stated it."""
         return None if (place := self._open(None).place) is None else Place(*place)
 
     @property
@@ -131,26 +134,28 @@ class Askable(ABC):
         return {name: np.asarray(values) for name, values in opened.receivers(wanted, memory).items()}
 
     def materials(self) -> list[Material]:
-        """Whose reflectance a replay can change."""
+        """Returns the materials, whose reflectance a replay can change."""
         return [Material(*row) for row in self._open(None).materials()]
 
     def receivers(self, receivers: Wanted | None = None, *, memory: int = MEMORY) -> dict[str, np.ndarray]:
-        """All receivers, or those that are asked for as in `replay`, in the order of results: `pandas.DataFrame(site.receivers())`.
+        """Returns all receivers, or some, selected as in `replay`, in the order of results:
+        `pandas.DataFrame(site.receivers())`.
 
-        Read-only arrays of shape `(receivers,)`: `receiver` (id), `x, y, z` in metres, the unit normal `nx, ny, nz`, `area` in m2 (NaN where
-        nobody says), `surface, object, building, kind` (empty where nobody says), and the shares of the hemisphere `sky_view, ground_view,
-        obstruction_view`.
+        Read-only arrays of shape `(receivers,)`: `receiver` (id), `x, y, z` in metres, the unit
+        normal `nx, ny, nz`, `area` in m2 (NaN if unknown), `surface, object, building, kind` (empty
+        if unknown), and the shares of the hemisphere `sky_view, ground_view, obstruction_view`.
         """
         wanted = wanted_args(receivers)
         return self._table(self._open(wanted), wanted, memory)
 
     def replay(self, weather: Any, **options: Unpack[ReplayOptions]) -> Results:
-        """Irradiance through weather: `heliotile replay`, value by value.
+        """Computes irradiance under weather: `heliotile replay`, value by value.
 
-        `weather` is a path, a DataFrame with pvlib's names, or a `Weather`. The choices are those of `heliotile.options.ReplayOptions`: `every`,
-        `columns`, `bands`, `receivers`, `reflectance`, `transmittance`, `snow`, `snow_reflectance`, `temperature`, `sky`, `sky_scale`,
-        `sky_white`, `clouds`, `image_top`, `patches`, `paths`, `bounces`,
-        `steps`, `stamp`, `year`, `start`, `end`, `memory`, `progress`.
+        `weather` is a path, a DataFrame with pvlib's names, or a `Weather`. The options are those
+        of `heliotile.options.ReplayOptions`: `every`, `columns`, `bands`, `receivers`,
+        `reflectance`, `transmittance`, `snow`, `snow_reflectance`, `temperature`, `sky`,
+        `sky_scale`, `sky_white`, `clouds`, `image_top`, `patches`, `paths`, `bounces`, `steps`,
+        `stamp`, `year`, `start`, `end`, `memory`, `progress`.
         """
         check("replay", options, ReplayOptions)
         light, args = light_args(options), replay_args(weather, options)
@@ -160,12 +165,14 @@ class Askable(ABC):
         return self._results(opened, made, wanted, options.get("memory", MEMORY))
 
     def query(self, conditions: Any, **options: Unpack[QueryOptions]) -> Results:
-        """Irradiance under suns and skies, W/m2: `heliotile query`, value by value.
+        """Computes irradiance under suns and skies, W/m2: `heliotile query`, value by value.
 
-        `conditions` is the path of a CSV file, a DataFrame or a mapping of arrays with the columns `sun_azimuth_deg` (clockwise from true
-        north), `sun_altitude_deg` (without refraction: pvlib's `elevation`), `dni_w_m2`, `dhi_w_m2`, and `condition`, a name for each, which may be left out.
-        The choices are those of `heliotile.options.QueryOptions`: `columns`, `bands`, `receivers`, `reflectance`, `transmittance`, `sky`, `sky_scale`,
-        `sky_white`, `clouds`, `image_top`, `patches`, `paths`, `bounces`, `memory`, `progress`.
+        `conditions` is the path of a CSV file, a DataFrame or a mapping of arrays with the columns
+        `sun_azimuth_deg` (clockwise from true north), `sun_altitude_deg` (without refraction:
+        pvlib's `elevation`), `dni_w_m2`, `dhi_w_m2`, and optionally `condition`, a name for each.
+        The options are those of `heliotile.options.QueryOptions`: `columns`, `bands`, `receivers`,
+        `reflectance`, `transmittance`, `sky`, `sky_scale`, `sky_white`, `clouds`, `image_top`,
+        `patches`, `paths`, `bounces`, `memory`, `progress`.
         """
         check("query", options, QueryOptions)
         light, source = light_args(options), conditions_source(conditions)
@@ -187,12 +194,15 @@ class Askable(ABC):
         honeybee: str | os.PathLike[str] | None = None,
         **options: Unpack[ReplayOptions],
     ) -> str | None:
-        """Irradiance into a file, tile by tile: a table or a map by the ending of its name, as `heliotile replay --output`.
+        """Writes irradiance to a file, tile by tile: a table or a map by the ending of its name, as
+        `heliotile replay --output`.
 
-        Give `weather`, with the choices of `replay`, or `conditions`, with those of `query`. `by`: what rows are about, `"receiver"`, `"surface"`,
-        `"object"`, `"building"` or `"kind"`. `plots`: pictures, `.png` maps and `.svg` charts. `geo`: Parquet is a map. `model`: the city model that the
-        receivers were put on; the output is the same with sums. `honeybee`: a folder of Honeybee's results in place of the output. Gives back what
-        was done, where that is worth a sentence.
+        Give `weather` with the options of `replay`, or `conditions` with the options of `query`.
+        `by`: what a row stands for, `"receiver"`, `"surface"`, `"object"`, `"building"` or
+        `"kind"`. `plots`: pictures, `.png` maps and `.svg` charts. `geo`: Parquet files are maps.
+        `model`: the city model that the receivers were placed on; the output is this model with
+        sums added. `honeybee`: a folder of Honeybee's results in place of the output. Returns a
+        sentence about what was written, if there is one.
         """
         check("write", options, ReplayOptions if conditions is None else QueryOptions)
         files = files_request(output, by, geo, plots)
@@ -213,10 +223,11 @@ class Askable(ABC):
         min_area: float = 10.0,
         **options: Unpack[ReplayOptions],
     ) -> tuple[int, int]:
-        """A solar cadastre from the sums of a year, as `heliotile buildings`: numbers of buildings and of roof faces.
+        """Writes a solar cadastre from sums over a year, as `heliotile buildings`. Returns the
+        numbers of buildings and of roof faces.
 
-        `faces`: a table of roof faces, too. `threshold`: what a place gets at least that counts as usable, kWh/m2; `min_area`: what a region of such
-        places has at least, m2.
+        `faces`: a table of roof faces, too. `threshold`: smallest yearly sum of a usable receiver,
+        kWh/m2. `min_area`: smallest area of a usable region, m2.
         """
         request = {"output": os.fspath(output), "threshold_kwh_m2": threshold, "least_m2": min_area}
         request |= {} if faces is None else {"faces": os.fspath(faces)}
@@ -233,7 +244,8 @@ class Askable(ABC):
         clearance: float = 0.1,
         **options: Unpack[ReplayOptions],
     ) -> tuple[int, int]:
-        """The best places of modules by the sums of a year, as `heliotile places`: numbers of places, and of receivers they were chosen from.
+        """Writes the best places for modules by sums over a year, as `heliotile places`. Returns
+        the numbers of places and of receivers to choose from.
 
         `module`: width and height, metres. `on`: `"roofs"`, `"facades"` or `"both"`. `clearance`: height above the surface, metres.
         """
@@ -258,12 +270,16 @@ class Askable(ABC):
         geo: bool = False,
         **options: Unpack[ComfortOptions],
     ) -> tuple[int, int]:
-        """How warm it is for people at the points of an archive of `heliotile comfort`, as files: numbers of points and of hours.
+        """Writes thermal comfort of people at the points of an archive of `heliotile comfort`.
+        Returns the numbers of points and of hours.
 
-        `output`: a table or a map by its ending. `columns`: some of `"mrt"`, `"utci"`, `"pet"`, `"air"`, `"wind"`, `"shortwave"` and `"longwave"`. Rows of `every="day"`
-        and longer count the hours with a UTCI `above` these, degrees Celsius. `posture`: `"standing"` or `"sitting"`. `sun_on`: `"cylinder"` or
-        `"box"`. `surfaces` are as warm as `"sol-air"` or `"air"` where `temperature` gives nothing; `film` in W/m2K. `emissivity` and `absorptance` are
-        those of `"ground"` and `"obstruction"`. `wind`: a factor of the weather's, or a CSV with a column `wind_m_s`.
+        `output`: a table or a map by its ending. `columns`: some of `"mrt"`, `"utci"`, `"pet"`,
+        `"air"`, `"wind"`, `"shortwave"` and `"longwave"`. Rows of `every="day"` and longer count
+        the hours with a UTCI `above` these, degrees Celsius. `posture`: `"standing"` or
+        `"sitting"`. `sun_on`: `"cylinder"` or `"box"`. `surfaces`: their temperature, `"sol-air"`
+        or `"air"`, where `temperature` gives none; `film` in W/m2K. `emissivity` and `absorptance`:
+        values of `"ground"` and `"obstruction"`. `wind`: a factor of the weather's wind, or a CSV
+        file with a column `wind_m_s`.
         """
         check("comfort", options, ComfortOptions)
         shares = [[f"{name}={share}" for name, share in (given or {}).items()] for given in (emissivity, absorptance)]
@@ -294,13 +310,16 @@ class Askable(ABC):
         memory: int = MEMORY,
         progress: Progress | None = None,
     ) -> dict[str, Any]:
-        """Hours of possible sun on some days, or what rules say of them, as files: `heliotile sunlight`.
+        """Writes hours of possible sun on some days, or how rules rate them: `heliotile sunlight`.
 
-        `output`: a table or a map by its ending. `dates`: `"03-21"`, `"2026-03-21"`, `"02-19..10-21"` or `"year"`. `rules`: names such as
-        `"tno-light"`, or files that end with .toml. `before`: the archive before a change, whose values stand beside. `by`: `"receiver"`, `"surface"`, `"window"`, `"object"`, `"building"` or `"kind"`. `every`:
-        `"day"`, `"month"`, `"year"` or `"total"`. `zone`: `"+01:00"` or `"Europe/Amsterdam"`. `least_altitude` of the sun is in degrees,
-        `lit_share` of the area of a group from 0 to 1. `exact`: moments that hang on an edge are found by rays. Returns numbers of `places`
-        and `days`, and for each of the `rules` how many places meet it, break it, or are too close to it to say.
+        `output`: a table or a map by its ending. `dates`: `"03-21"`, `"2026-03-21"`,
+        `"02-19..10-21"` or `"year"`. `rules`: names such as `"tno-light"`, or files that end with
+        .toml. `before`: the archive before a change, whose values are added. `by`: `"receiver"`,
+        `"surface"`, `"window"`, `"object"`, `"building"` or `"kind"`. `every`: `"day"`, `"month"`,
+        `"year"` or `"total"`. `zone`: `"+01:00"` or `"Europe/Amsterdam"`. `least_altitude` of the
+        sun is in degrees, `lit_share` of the area of a group is from 0 to 1. `exact`: rays decide
+        moments near an edge. Returns the numbers of `places` and `days`, and for each of the
+        `rules` how many places meet it, break it, or are too close to it to decide.
         """
         request: dict[str, Any] = {"every": every, "lit_share": lit_share} | weather_request(weather)
         days = DayChoice(dates, rules, before, zone, year, least_altitude, exact)
@@ -330,11 +349,14 @@ class Askable(ABC):
         memory: int = MEMORY,
         progress: Progress | None = None,
     ) -> dict[str, Any]:
-        """When mirrors and glass throw the sun at receivers, or what rules say of that, as files: `heliotile glare`.
+        """Writes when mirrors and glass reflect the sun to receivers, or how rules rate that:
+        `heliotile glare`.
 
-        As `sunlight`, but for: `every` is `"total"` without `rules`. Suns in mirrors count that are seen at least `least_deflection` degrees from the
-        sun itself, and at most `view_angle` degrees from the direction in which the receiver looks. `spells`: a table with a row for each spell.
-        `panes`: a table or map of the panes and the minutes that each causes. A plot that ends with .svg is a calendar.
+        Arguments are those of `sunlight` with these differences. `every` is `"total"` without
+        `rules`. A reflected sun counts if it is seen at least `least_deflection` degrees from the
+        sun itself and at most `view_angle` degrees from the direction in which the receiver looks.
+        `spells`: a table with a row for each spell. `panes`: a table or map of the panes and the
+        minutes that each causes. A plot that ends with .svg is a calendar.
         """
         files = files_request(output, by, geo, plots)
         glare: dict[str, Any] = {"least_deflection_deg": least_deflection, "view_angle_deg": view_angle}
@@ -352,13 +374,13 @@ class Askable(ABC):
         memory: int,
         progress: Progress | None,
     ) -> dict[str, Any]:
-        """Asks for the sun on days, or for that in mirrors."""
+        """Runs a request for sunlight, or for glare."""
         wanted = wanted_args(receivers)
         asked = json.dumps({"request": request, "files": files})
         return json.loads(self._open(wanted).sunlight(wanted, asked, memory, progress))
 
     def _of_year(self, question: str, weather: Any, request: dict[str, Any], options: ReplayOptions) -> tuple[int, int]:
-        """Runs a question to the sums of a year."""
+        """Runs a request for sums over a year."""
         check(question, options, ReplayOptions)
         total: ReplayOptions = {**options, "every": "total", "columns": ["total"]}
         opened = self._open(None)
@@ -378,7 +400,8 @@ class Askable(ABC):
         memory: int = MEMORY,
         progress: Progress | None = None,
     ) -> Factors:
-        """What surroundings reflect as EnergyPlus' five factors over the sun's position: `heliotile factors`.
+        """Computes what surroundings reflect, as EnergyPlus' five factors over the sun's position:
+        `heliotile factors`.
 
         Steps are in degrees; `by` is `"receiver"`, `"surface"`, `"object"`, `"building"` or `"kind"`: means by area.
         """

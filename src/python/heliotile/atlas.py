@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
     from .checks import CheckedArchive
 
-#: xmin, ymin, xmax, ymax in the coordinates of the scene files, metres; zmin, zmax behind them if heights count.
+#: xmin, ymin, xmax, ymax in the coordinates of the scene files, metres; then zmin, zmax if heights
+#: count.
 Box: TypeAlias = Sequence[float]
 
 
@@ -38,12 +39,14 @@ class AtlasPart:
     archive: str | None = field(repr=False)
     """Path or address of its archive, if it is built."""
     reach_m: float = field(repr=False)
-    """How far beyond the square its receivers may stand, off their surfaces."""
+    """Largest distance of its receivers beyond the square, metres: they stand off their
+    surfaces."""
 
 
 class Atlas(Askable):
-    """A region in parts, asked like one archive: rows are those of the parts one after the other, in the order of `parts()`. Nothing is opened
-    before it is asked for, and then only parts that a `bbox` touches, where receivers are chosen by one; it pickles by its path.
+    """A region in parts, used like one archive. Rows are those of the parts, one after the other,
+    in the order of `parts()`. Parts are opened on demand; a selection of receivers by `bbox` opens
+    only the parts that the box touches. An atlas pickles by its path.
     """
 
     def __init__(self, path: str | os.PathLike[str], grid_north: bool = False) -> None:
@@ -52,19 +55,22 @@ class Atlas(Askable):
 
     @classmethod
     def open(cls, path: str | os.PathLike[str], *, grid_north: bool = False) -> Atlas:
-        """The atlas of a folder, or of an address such as `s3://bucket/atlas`. `grid_north` as of `Archive.open`."""
+        """Opens the atlas of a folder, or of an address such as `s3://bucket/atlas`. `grid_north`
+        as in `Archive.open`."""
         return cls(path, grid_north)
 
     def catalogue(self, *, title: str | None = None, license: str = "other") -> None:
-        """Writes a static STAC catalogue of the parts that are built, with pictures and a page: `heliotile catalogue`."""
+        """Writes a static STAC catalogue of the built parts, with pictures and a page: `heliotile
+        catalogue`."""
         _heliotile.catalogue(self.path, title, license)
 
     def parts(self, bbox: Box | None = None) -> list[AtlasPart]:
-        """Its parts by name, those that a box touches if there is one, as they are now."""
+        """Returns the current parts by name, or only those that a box touches."""
         return [AtlasPart(*row) for row in _heliotile.atlas_parts(self.path, bbox)]
 
     def archives(self, bbox: Box | None = None) -> Iterator[tuple[AtlasPart, Archive]]:
-        """Parts that hold receivers, opened one after the other; one that is not built is an error."""
+        """Opens the parts that hold receivers, one after the other; a part that is not built is an
+        error."""
         for part in self._built(bbox):
             if part.archive is not None:
                 archive = Archive.open(part.archive, grid_north=self.grid_north)
@@ -72,13 +78,13 @@ class Atlas(Askable):
                 yield part, archive
 
     def verify(self, *, deep: bool = False) -> list[CheckedArchive]:
-        """Checks every block of the archives that are built: `heliotile verify`, finding by finding."""
+        """Checks every block of the built archives: `heliotile verify`, finding by finding."""
         from . import checks
 
         return checks.verify(self.path, deep=deep)
 
     def _built(self, bbox: Box | None = None) -> list[AtlasPart]:
-        """Its parts; one that is not built is an error."""
+        """Returns the parts; one that is not built is an error."""
         parts = self.parts(bbox)
         missing = [part.name for part in parts if part.state == "missing"]
         if missing:
@@ -87,9 +93,11 @@ class Atlas(Askable):
         return parts
 
     def build(self, part: str | int, *, threads: int | None = None, fresh: bool = False) -> AtlasPart:
-        """Builds a part, by its name or number, in a process of its own; one that is there and fits is kept. Below an address, it is published when it is whole.
+        """Builds a part, by its name or number, in a process of its own. A part that is built from
+        the same inputs is kept. At an address, a part is published when it is complete.
 
-        `threads` are those of the build (all cores without it). `fresh` replaces what is there of other inputs.
+        `threads`: number of threads of the build; default: all cores. `fresh` replaces a build of
+        other inputs.
         """
         if part == "all":
             raise wrong("part", "is all of them", "for part in atlas.parts(): atlas.build(part.name); or heliotile.dask.build(atlas, client)")
@@ -107,19 +115,21 @@ class Atlas(Askable):
         return _heliotile.ArchiveHandle.open_atlas(self.path, _box(wanted), self.grid_north)
 
     def _chosen(self, receivers: Wanted | None) -> list[tuple[AtlasPart, str, list[str] | None]]:
-        """Parts that hold what is asked for, their archives, and its ids; None: all."""
+        """Returns the parts that hold selected receivers, their archives and the ids; None for all
+        receivers."""
         wanted = wanted_args(receivers)
         opened = self._open(wanted)
-        # Opened, it has no part that is missing: these are the archives that are open, which fit together.
+        # Opening fails if a part is missing, so these are the open archives, in the same order.
         parts = [(part, part.archive) for part in self.parts(_box(wanted)) if part.archive is not None]
         ids = [None] * len(parts) if wanted is None else opened.chosen(wanted, MEMORY)
         return [(part, archive, some) for (part, archive), some in zip(parts, ids, strict=True) if some is None or some]
 
     def to_xarray(self, weather: Any, *, receivers: Wanted | None = None, **choices: Any) -> xr.Dataset:
-        """One Dataset of all parts, or of those that hold the `receivers`, a chunk each: nothing is replayed before values are asked for. Needs
-        xarray and dask.
+        """Returns a Dataset of all parts, or of those that hold the `receivers`, with a chunk for
+        each part. Replays run when values are read. Needs xarray and dask.
 
-        Arguments are those of `xarray.open_dataset(..., engine="heliotile")`; receivers have a coordinate `part`.
+        Arguments are those of `xarray.open_dataset(..., engine="heliotile")`; receivers have a
+        coordinate `part`.
         """
         import xarray as xr
 
@@ -139,5 +149,6 @@ class Atlas(Askable):
 
 
 def _box(wanted: WantedArgs) -> list[float] | None:
-    """The numbers of a box that receivers are chosen by; parts that it does not touch hold none of them."""
+    """Returns the box of a selection, if there is one; parts that it does not touch hold no
+    selected receiver."""
     return wanted.get("bbox") if isinstance(wanted, dict) else None

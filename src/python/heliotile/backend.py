@@ -1,5 +1,6 @@
-"""Archives as xarray Datasets: `xarray.open_dataset("site.helio", engine="heliotile", weather="x.epw")`. Nothing is replayed before values are
-asked for, and then only the tiles that the receivers are in."""
+"""Archives as xarray Datasets: `xarray.open_dataset("site.helio", engine="heliotile",
+weather="x.epw")`. A replay runs when values are read, and only for the tiles that hold the
+receivers."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ from .archive import Archive
 from .options import MEMORY, Follow, ReplayOptions, Wanted, light_args, replay_args, wanted_args
 from .lazy import LazyReplay
 
-#: Receivers of a tile: what is computed at a time.
+#: Number of receivers of a tile, which is computed as a whole.
 TILE = 64
 
 #: Bytes of tiles that are kept, so that the columns of a receiver are computed once.
@@ -86,15 +87,15 @@ class HeliotileBackend(BackendEntrypoint):
     ) -> xr.Dataset:
         """A Dataset with the dimensions `receiver` and `time`; arguments are those of `Archive.replay`.
 
-        A block of 64 receivers is computed when the first of them is asked for, with all columns of the Dataset; the last `cache_bytes` of
-        them are kept. So name the `columns` that you need.
+        A tile of 64 receivers is computed when the first of them is read, with all columns of the
+        Dataset. The last `cache_bytes` of tiles are kept. So name the `columns` that you need.
         """
         if weather is None:
             raise TypeError('give weather: xarray.open_dataset(path, engine="heliotile", weather="x.epw")')
         archive = filename_or_obj
         if not isinstance(archive, Archive):
             archive = Archive.open(filename_or_obj, access=access, grid_north=grid_north)
-        # xarray reads the names of its choices from the signature.
+        # xarray reads the names of its options from the signature.
         options = ReplayOptions(
             columns=columns, bands=bands, reflectance=reflectance, transmittance=transmittance, sky=sky, sky_scale=sky_scale, sky_white=sky_white,
             clouds=clouds, image_top=image_top, patches=patches, paths=paths, bounces=bounces, memory=memory, every=every, stamp=stamp, year=year, start=start, end=end, steps=steps, snow=snow, snow_reflectance=snow_reflectance,
@@ -121,5 +122,5 @@ class HeliotileBackend(BackendEntrypoint):
         return data if ids is None else data.sel(receiver=ids)
 
     def guess_can_open(self, filename_or_obj: Any) -> bool:
-        """Whether it is the name of an archive."""
+        """Returns True for the name of an archive."""
         return isinstance(filename_or_obj, (str, os.PathLike)) and os.fspath(filename_or_obj).endswith(".helio")

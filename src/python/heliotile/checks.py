@@ -1,5 +1,6 @@
-"""Whether archives are what they say, and archives that are edited: the program's `audit`, `verify`, `repair` and `update`. In: archives, their
-scenes. Out: what was found or done. Arguments fill the requests that the program fills."""
+"""Checks and edits of archives: the program's `audit`, `verify`, `repair` and `update`. In:
+archives, their scenes. Out: what was found or done. Arguments fill the same requests as the command
+line."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Known:
-    """A number that is known so well: an interval of 95 %."""
+    """A number with its confidence interval of 95 %."""
 
     value: float
     low: float
@@ -27,15 +28,15 @@ class Known:
 
 @dataclass(frozen=True)
 class WorstPair:
-    """The hour of a receiver that is farthest off."""
+    """Hour of a receiver with the largest error."""
 
     receiver: str
     condition: str
     off_w_m2: float
-    """What the archive gives less what the judge found."""
+    """Irradiance of the archive minus that of the reference path tracer."""
     judged_w_m2: float
     standard_error_w_m2: float
-    """Of what the judge found."""
+    """Standard error of the reference path tracer's result."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class ComponentErrors:
 
 @dataclass(frozen=True)
 class SkyViewErrors:
-    """Errors of the totals of receivers that see about as much of the sky."""
+    """Errors of the totals of receivers with a similar sky view."""
 
     sky_view: tuple[float, float, float]
     """Smallest, mean and largest share of their hemispheres that is sky."""
@@ -67,52 +68,53 @@ class HourKindErrors:
 
     kind: str
     share: float
-    """Of all hours of all receivers."""
+    """Share of these hours among all hours of all receivers."""
     mean_w_m2: float
     rmse_w_m2: Known
     stated_percent: float | None
-    """What the archive states of that RMSE, percent of the mean of these hours."""
+    """RMSE that the archive states for these hours, percent of their mean."""
 
 
 @dataclass(frozen=True)
 class AuditReport:
-    """What an independent judge found of an archive's errors."""
+    """Errors of an archive against the independent reference path tracer."""
 
     archive: str
     weather: str
     receivers: int
     hours: int
-    """Of all receivers together."""
+    """Number of hours of all receivers together."""
     mean_w_m2: float
-    """Mean of the totals that the judge found."""
+    """Mean of the totals of the reference path tracer."""
     verdict: str
-    """`nothing_stated`, `holds` or `refuted`: whether what the archive states of its error may be right."""
+    """`nothing_stated`, `holds` or `refuted`: the archive states no error, its statement may be
+    right, or it is wrong."""
     sentence: str
-    """The verdict in words."""
+    """The verdict as a sentence."""
     stated_percent: float | None
-    """What the archive states of the RMSE of the totals, percent of their mean."""
+    """RMSE of the totals that the archive states, percent of their mean."""
     components: dict[str, ComponentErrors]
-    """By column: the six components and the `total`."""
+    """Errors by column: the six components and the `total`."""
     sky_views: list[SkyViewErrors] = field(repr=False)
     hour_kinds: list[HourKindErrors] = field(repr=False)
     table: str = field(repr=False)
-    """All of it as text for people."""
+    """All results, as text for people."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A part of an archive that is not as it was written."""
+    """A part of an archive that differs from what was written."""
 
     part: str
     """Name of the block, such as `sky/3`."""
     offset: int
-    """Where it starts in the file."""
+    """Start of the block in the file, bytes."""
     reason: str
 
 
 @dataclass(frozen=True)
 class CheckedArchive:
-    """What was found of an archive."""
+    """Result of the check of an archive."""
 
     archive: str
     blocks: int
@@ -121,30 +123,30 @@ class CheckedArchive:
     """Bytes behind its end, which are ignored."""
     problems: list[Problem]
     misplaced: str | None
-    """Why it is not the archive of its part of an atlas."""
+    """Reason why it is not the archive of its part of an atlas."""
     text: str = field(repr=False)
-    """All of it as text for people."""
+    """All results, as text for people."""
 
     @property
     def is_good(self) -> bool:
-        """Whether nothing is wrong with it."""
+        """True if the archive has no problem and is in its place."""
         return not self.problems and self.misplaced is None
 
 
 @dataclass(frozen=True)
 class RepairDone:
-    """What a repair did."""
+    """Result of a repair."""
 
     archive: str
-    """The whole archive."""
+    """Path of the repaired archive."""
     problems: list[Problem]
-    """What was wrong; nothing if the archive was whole."""
+    """Problems of the damaged archive; empty if there were none."""
     rays: int
-    """Rays that were traced again."""
+    """Number of rays that were traced again."""
     text: str = field(repr=False)
 
     def open(self) -> Archive:
-        """The archive."""
+        """Opens the archive."""
         from .archive import Archive
 
         return Archive.open(self.archive)
@@ -152,31 +154,31 @@ class RepairDone:
 
 @dataclass(frozen=True)
 class UpdateDone:
-    """What an update did with the receivers."""
+    """Changes of the receivers by an update."""
 
     kept: int
-    """How many stand where they stood."""
+    """Number of receivers that stayed."""
     moved: int
-    """How many moved with their object."""
+    """Number of receivers that moved with their object."""
     gone: int
-    """How many went with their object, or with the shape that it had."""
+    """Number of receivers that went with their object, or with its former shape."""
     new: int
-    """How many are on what is new or has another shape."""
+    """Number of receivers on surfaces that are new or have another shape."""
     buried: list[str]
-    """Names of those that are inside something or covered now, and are left out."""
+    """Names of receivers that are now inside an object or covered, and are left out."""
     rays: int
-    """Rays that were traced."""
+    """Number of rays traced."""
     text: str = field(repr=False)
 
 
 def update(request: dict[str, Any], memory: int, progress: Progress | None) -> tuple[str, UpdateDone]:
-    """The archive of an edited scene; `Archive.update` fills the request."""
+    """Returns the archive of an edited scene; `Archive.update` fills the request."""
     path, (kept, moved, gone, new), buried, rays, text = _heliotile.update(json.dumps(request), memory, progress)
     return os.fspath(path), UpdateDone(kept, moved, gone, new, buried, rays, text)
 
 
 def audit(request: dict[str, Any], output: str | os.PathLike[str] | None, memory: int, progress: Progress | None) -> AuditReport:
-    """What an audit finds; `Archive.audit` fills the request."""
+    """Runs an audit; `Archive.audit` fills the request."""
     text, table = _heliotile.audit(json.dumps(request), None if output is None else os.fspath(output), memory, progress)
     found = json.loads(text)
     components = {one["component"]: _errors(ComponentErrors, one) for one in found.pop("components")}
@@ -186,9 +188,11 @@ def audit(request: dict[str, Any], output: str | os.PathLike[str] | None, memory
 
 
 def verify(place: str | os.PathLike[str], *, deep: bool = False) -> list[CheckedArchive]:
-    """Checks every block of an archive, or of those of an atlas: `heliotile verify`, finding by finding.
+    """Checks every block of an archive, or of all archives of an atlas: `heliotile verify`, finding
+    by finding.
 
-    `place` is a path or an address; what is damaged need not open. `deep` also decodes every layer and follows every reference between blocks.
+    `place` is a path or an address; a damaged archive need not open. `deep` also decodes every
+    layer and follows every reference between blocks.
     """
     return [
         CheckedArchive(os.fspath(name), blocks, stored, trailing, [Problem(*problem) for problem in problems], misplaced, text)
@@ -205,10 +209,11 @@ def repair(
     memory: int = MEMORY,
     progress: Progress | None = None,
 ) -> RepairDone:
-    """Makes a damaged archive whole: `heliotile repair`, byte by byte. What is good is kept, what is not is traced again.
+    """Repairs a damaged archive: `heliotile repair`, byte by byte. Good blocks are kept; the others
+    are traced again.
 
-    `scene`: the `Scene` that it was built from, or its files. `receivers`: their table, where the archive's own are damaged. Without an `output` the
-    damaged archive is replaced.
+    `scene`: the `Scene` of the archive, or its files. `receivers`: their table, needed if the
+    archive's own is damaged. Without an `output` the damaged archive is replaced.
     """
     request = {"archive": os.fspath(archive), "scene": original_scene(scene)}
     request |= {name: os.fspath(path) for name, path in (("output", output), ("receivers", receivers)) if path is not None}
@@ -217,14 +222,15 @@ def repair(
 
 
 def _errors(errors: type[Any], found: dict[str, Any]) -> Any:
-    """Errors of a group, as JSON has them."""
+    """Returns the errors of a group from JSON."""
     intervals = {name: Known(**value) for name, value in found.items() if isinstance(value, dict) and name != "worst"}
     worst = {"worst": WorstPair(**found["worst"])} if found.get("worst") is not None else {}
     return errors(**found | intervals | worst)
 
 
 def original_scene(scene: Any) -> dict[str, Any]:
-    """The scene of an archive as requests have it: where a `Scene` lies the archive says, too."""
+    """Returns the scene of an archive for a request, without the location, which the archive
+    states."""
     request = scene_request(scene)
     if isinstance(scene, Scene):
         request["frame"] = {name: said for name, said in request["frame"].items() if name in ("elevation_m", "scale", "up")}

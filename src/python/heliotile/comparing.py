@@ -1,5 +1,5 @@
-"""Variants of a site. In: an archive before a change, archives after it, weather or conditions. Out: what places get before and after, how that
-changes, and a summary of who loses how much."""
+"""Variants of a site. In: an archive before a change, archives after it, weather or conditions.
+Out: light before and after, its change, and a summary of gains and losses."""
 
 from __future__ import annotations
 
@@ -27,15 +27,17 @@ Site = Any
 
 @dataclass(frozen=True)
 class Comparison:
-    """What places get before and after a change: `comparison["change_total_kwh_m2"]` has the shape (places, labels).
+    """Light before and after a change: `comparison["change_total_kwh_m2"]` has the shape (places,
+    labels).
 
-    Without places where several variants are compared, or a file was written: then only the summary is here.
+    Only the summary is set if several variants are compared or a file was written.
     """
 
     summary: list[dict[str, Any]]
-    """A row for each archive after, by the names of the columns of `heliotile compare --summary`."""
+    """A row for each changed archive, by the names of the columns of `heliotile compare
+    --summary`."""
     text: str
-    """The summary in words."""
+    """The summary as text."""
     by: str = "receiver"
     label: str = "time"
     """`time` or `condition`."""
@@ -60,7 +62,8 @@ class Comparison:
         return self.text
 
     def to_pandas(self) -> pd.DataFrame:
-        """A row for each place and label, named as in files."""
+        """Returns a table with a row for each place and label; its columns have the names of
+        files."""
         import pandas as pd
 
         count = len(self.labels)
@@ -82,12 +85,16 @@ def compare(
     unmatched: str | os.PathLike[str] | None = None,
     **options: Unpack[ReplayOptions],
 ) -> Comparison:
-    """What a change of a site takes from its receivers and gives them: `heliotile compare`, value by value.
+    """Compares the light of receivers before and after a change of a site: `heliotile compare`,
+    value by value.
 
-    `before` and `after` are paths or archives, `before` may be an `Atlas`; several after give a summary. Give `weather`, with the choices of `Archive.replay` (`every` is
-    `"total"` and `columns` is `["total"]` if nothing else is said), or `conditions`, with those of `Archive.query`. `by`: what rows are about.
-    `output`: a table or a map in place of values in memory; `plots`: pictures. `summary`: a table with a row for each archive after; `unmatched`: a
-    table of the receivers that exist on one side only.
+    `before` and `after` are paths or archives; `before` may be an `Atlas`. Several archives after
+    the change give a summary. Give `weather` with the options of `Archive.replay`, where the
+    default of `every` is `"total"`, or `conditions` with the options of `Archive.query`. The
+    default of `columns` is `["total"]`. `by`: what a row stands for, such as `"receiver"`.
+    `output`: a table or a map that is written instead of values in memory. `plots`: pictures.
+    `summary`: a table with a row for each changed archive. `unmatched`: a table of the receivers
+    that exist on one side only.
     """
     if (weather is None) == (conditions is None):
         raise wrong("weather, conditions", "one of them has to be given", "give weather, or conditions")
@@ -113,7 +120,7 @@ def _path(site: Site) -> str:
 
 
 def _with_values(made: Comparison, table: Path, by: str) -> Comparison:
-    """The same with the values of a table."""
+    """Adds the values of a table to a comparison."""
     with np.load(table) as arrays:
         names = [str(name) for name in arrays["column"]]
         label = next(name for name in ("time", "condition") if name in arrays)

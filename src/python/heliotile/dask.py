@@ -1,5 +1,6 @@
-"""Atlases on clusters: parts built and replayed by the workers of Dask. Workers need the scene files under the same paths, and the folder of the
-atlas, unless it lies at an address; nothing but names and arguments is sent."""
+"""Atlases on clusters: Dask's workers build and replay the parts. Workers need the scene files
+under the same paths. They also need the folder of the atlas, unless it is at an address. Only names
+and arguments are sent."""
 
 from __future__ import annotations
 
@@ -20,11 +21,14 @@ if TYPE_CHECKING:
 
 
 def build(atlas: Atlas | str, client: Client, *, parts: Sequence[str] | None = None, threads: int = 1, retries: int = 3) -> list[str]:
-    """Builds the parts that are missing, or those that are named, and waits for them. Names of what was built.
+    """Builds the missing parts, or the named ones, and waits for them. Returns the names of the
+    parts.
 
-    A build runs in a process of its own with so many `threads`, and a worker runs as many builds at once as it has threads: with 1, the default,
-    they fill its cores. One whose worker is lost is tried again elsewhere, one that fails up to `retries` times, and so is one that Dask gives up
-    because too many workers were lost around it. A part has its archive when it is whole, so nothing is there twice or half.
+    A build runs in a process of its own with `threads` threads, and a worker runs as many builds at
+    once as it has threads. With the default of 1 they fill its cores. A build whose worker is lost
+    is tried again elsewhere. A build that fails, or that Dask gives up because too many workers
+    were lost, is tried again up to `retries` times. A part gets its archive only when it is
+    complete, so no part is built twice or by half.
     """
     from distributed import KilledWorker, wait
 
@@ -36,7 +40,8 @@ def build(atlas: Atlas | str, client: Client, *, parts: Sequence[str] | None = N
         futures = dict(zip(left, client.map(_build, left, atlas=absolute(atlas.path), threads=threads, retries=retries, pure=False), strict=True))
         wait(list(futures.values()))
         left = [name for name, future in futures.items() if isinstance(future.exception(), KilledWorker)]
-        # What else failed is raised here; what was given up as well, in the end.
+        # Other errors are raised here; after the last turn, those of the builds that were given up,
+        # too.
         client.gather([future for name, future in futures.items() if turn == retries or name not in left])
         if not left:
             break
@@ -44,8 +49,8 @@ def build(atlas: Atlas | str, client: Client, *, parts: Sequence[str] | None = N
 
 
 def replay(atlas: Atlas | str, weather: Any, *, receivers: Wanted | None = None, **choices: Any) -> dd.DataFrame:
-    """Rows of `Atlas.replay(...).to_pandas()` as a Dask DataFrame with a partition for each part that holds some of the `receivers`. Nothing is
-    replayed before it is computed."""
+    """Returns the rows of `Atlas.replay(...).to_pandas()` as a Dask DataFrame, with a partition for
+    each part that holds some of the `receivers`. Replays run when rows are computed."""
     import dask.dataframe as dd
 
     atlas = atlas if isinstance(atlas, Atlas) else Atlas.open(atlas)
@@ -68,5 +73,5 @@ def _rows(chosen: tuple[str, list[str] | None], weather: Any, choices: dict[str,
     share_threads()
     archive, ids = chosen
     rows = Archive.open(archive, grid_north=grid_north).replay(weather, receivers=ids, **choices).to_pandas()
-    # Categories of one part are not those of another.
+    # Parts have different categories.
     return rows.astype({"receiver": str})

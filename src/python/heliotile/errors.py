@@ -1,4 +1,5 @@
-"""Exceptions and warnings. Texts are those of the program: what was found, in which file and line, and what to do."""
+"""Exceptions and warnings. Each has the text of the program: what was found, in which file and
+line, and what to do."""
 
 from __future__ import annotations
 
@@ -6,24 +7,24 @@ from pathlib import Path
 
 
 class Error(Exception):
-    """Whatever heliotile cannot do. Attributes that do not apply are None."""
+    """Base class of heliotile's errors. Attributes that do not apply are None."""
 
     file: Path | None = None
-    """The file, as it was named."""
+    """File, by the name that was given."""
     line: int | None = None
-    """1-based line of the file; of a table that was given in memory, its first row is line 2."""
+    """1-based line of the file; the first row of a table in memory is line 2."""
     what: str | None = None
-    """What was found."""
+    """Problem that was found."""
     hint: str | None = None
-    """What to do."""
+    """Advice on what to do."""
 
     def __str__(self) -> str:
-        # OSError would write an errno in front.
+        # OSError would put an errno before the text.
         return str(self.args[0]) if self.args else ""
 
 
 class InputError(Error, ValueError):
-    """A file, or a table that was given for one, holds something that cannot be used."""
+    """A file, or a table given in its place, holds something that cannot be used."""
 
 
 class ArgumentError(Error, ValueError):
@@ -37,28 +38,28 @@ class FileError(Error, OSError):
 
 
 class MissingFileError(FileError, FileNotFoundError):
-    """A file is not there."""
+    """A file does not exist."""
 
 
 class CorruptError(Error):
-    """Bytes of an archive are not those that were written."""
+    """Bytes of an archive differ from those that were written."""
 
     block: str | None = None
     """Name of the block, such as `sky/3`."""
     offset: int | None = None
-    """Where it starts in the file, bytes."""
+    """Start of the block in the file, bytes."""
 
 
 class ChangedError(Error):
-    """What is read is another file or object than when it was opened; nothing of both was mixed."""
+    """A file or object has changed since it was opened. Old and new bytes were not mixed."""
 
 
 class IncompleteError(Error):
-    """An interrupted build of other inputs lies where an archive is to be written."""
+    """An interrupted build of other inputs exists where an archive is to be written."""
 
 
 class StoppedError(Error):
-    """Work that was asked to stop."""
+    """Work was stopped on request."""
 
 
 class UnsupportedError(Error, NotImplementedError):
@@ -66,8 +67,8 @@ class UnsupportedError(Error, NotImplementedError):
 
 
 class LimitError(Error, OverflowError):
-    """A number is beyond a stated limit."""
+    """A number exceeds a stated limit."""
 
 
 class HeliotileWarning(UserWarning):
-    """What the program would print as a warning."""
+    """Warning that the program would print."""

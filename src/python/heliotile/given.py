@@ -1,4 +1,5 @@
-"""Arguments as users give them. In: a value of any type. Out: the plain type that the engine takes, or an error that names the argument."""
+"""Arguments as users give them. In: a value of any type. Out: the plain type that the engine takes,
+or an error that names the argument."""
 
 from __future__ import annotations
 
@@ -11,14 +12,14 @@ from .errors import ArgumentError
 
 
 def wrong(argument: str, what: str, hint: str) -> ArgumentError:
-    """An error of an argument, in the words of all others."""
+    """Returns an error about an argument, in the usual form."""
     error = ArgumentError(f"{argument}: {what}\n  to fix: {hint}")
     error.argument, error.what, error.hint = argument, what, hint
     return error
 
 
 def number(argument: str, value: Any, hint: str = "give a number") -> float | None:
-    """A number, NumPy's too; None stays."""
+    """Returns a number, also from NumPy's numbers; None for None."""
     if value is None:
         return None
     try:
@@ -28,7 +29,7 @@ def number(argument: str, value: Any, hint: str = "give a number") -> float | No
 
 
 def whole(argument: str, value: Any, hint: str = "give a whole number") -> int | None:
-    """A whole number from 0, also as text; None stays."""
+    """Returns a whole number from 0, also from text; None for None."""
     if value is None:
         return None
     try:
@@ -41,14 +42,15 @@ def whole(argument: str, value: Any, hint: str = "give a whole number") -> int |
 
 
 def word(argument: str, value: Any, hint: str) -> str:
-    """Text."""
+    """Returns text; other types are an error."""
     if not isinstance(value, str):
         raise wrong(argument, f"`{value}` is no text", hint)
     return value
 
 
 def moment(argument: str, value: Any) -> str | None:
-    """A day or a moment as text: text as it is, dates and times by their calendar; None stays."""
+    """Returns a day or a moment as text: text as it is, dates and times by the calendar; None for
+    None."""
     if value is None or isinstance(value, str):
         return value
     if hasattr(value, "astype") and getattr(value, "dtype", None) is not None and value.dtype.kind == "M":
@@ -63,7 +65,7 @@ def moment(argument: str, value: Any) -> str | None:
 
 
 def named(argument: str, value: Any, hint: str) -> Mapping[str, Any]:
-    """A mapping; None is an empty one."""
+    """Returns a mapping; an empty one for None."""
     if value is None:
         return {}
     if not isinstance(value, Mapping):
@@ -72,19 +74,19 @@ def named(argument: str, value: Any, hint: str) -> Mapping[str, Any]:
 
 
 def percent(argument: str, value: Any) -> float | None:
-    """Percent, as a number or as text with its sign; None stays."""
+    """Returns percent, from a number or from text with or without its sign; None for None."""
     if isinstance(value, str):
         value = value.strip().removesuffix("%")
     return number(argument, value, 'give percent, as in error=2 or error="2%"')
 
 
 def epsg(value: Any) -> int | None:
-    """The number of a coordinate system, also as `EPSG:28992`; None stays."""
+    """Returns the number of a coordinate system, also from `EPSG:28992`; None for None."""
     if isinstance(value, str) and value.upper().startswith("EPSG:"):
         value = value[5:]
     return whole("crs", value, 'give an EPSG number: 28992 or "EPSG:28992"')
 
 
 def path(value: str | os.PathLike[str] | None) -> str | None:
-    """A path as text; None stays."""
+    """Returns a path as text; None for None."""
     return None if value is None else os.fspath(value)

@@ -1,4 +1,5 @@
-"""A replay that computes tiles as their receivers are asked for. In: an archive, arguments of a replay. Out: rows; it pickles."""
+"""A replay that computes tiles on demand. In: an archive, arguments of a replay. Out: rows; it
+pickles."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from .archive import Archive, absolute
 from .results import Frame
 from .workers import share_threads
 
-#: Receivers whose rows are in memory at once, besides those that are asked for.
+#: Number of receivers whose rows are in memory at once, besides the requested ones.
 AT_ONCE = 1024
 
 
@@ -26,7 +27,7 @@ class LazyReplay:
 
     @property
     def handle(self) -> _heliotile.LazyReplay:
-        """The engine's part, made when it is first asked for."""
+        """The engine's replay, created when it is first used."""
         with self._lock:
             if self._handle is None:
                 share_threads()
@@ -36,11 +37,12 @@ class LazyReplay:
 
     @property
     def frame(self) -> Frame:
-        """How many receivers, labels, columns."""
+        """Number of receivers, labels and columns."""
         return Frame(self.handle.frame())
 
     def rows(self, column: str, receivers: np.ndarray, labels: Any) -> np.ndarray:
-        """Values of a column, float32, shape `(receivers, labels)`: receivers by number, labels by a slice or by numbers."""
+        """Returns values of a column, float32, shape `(receivers, labels)`: receivers by number,
+        labels by a slice or by numbers."""
         order = np.argsort(receivers, kind="stable")
         found: np.ndarray | None = None
         for first in range(0, len(order), AT_ONCE):
@@ -64,6 +66,6 @@ class LazyReplay:
 
 
 def _whole_paths(args: dict[str, Any]) -> dict[str, Any]:
-    """Arguments whose schedules are named by whole paths: they are read where they are asked for."""
+    """Returns arguments with absolute paths of schedules, for processes in other folders."""
     follow = {name: args[name] for name in ("reflectance", "transmittance", "temperature") if name in args}
     return args | {name: [(of, absolute(value) if isinstance(value, str) else value) for of, value in pairs] for name, pairs in follow.items()}

@@ -1,4 +1,5 @@
-"""Choices of replays and queries. In: keyword arguments. Out: what the engine takes, or an error that names the argument."""
+"""Options of replays and queries. In: keyword arguments. Out: arguments of the engine, or an error
+that names the argument."""
 
 from __future__ import annotations
 
@@ -12,8 +13,8 @@ from . import given
 from .tables import columns_of, csv_of, refused
 from .weather import Weather
 
-#: `progress(stage, done, items)` is called up to twenty times a second; `items` is None where nobody knows how many there are. What it
-#: raises stops the work.
+#: `progress(stage, done, items)` is called up to twenty times a second; `items` is None if their
+#: number is unknown. An exception of it stops the work.
 Progress = Callable[[str, int, "int | None"], object]
 
 #: A number, a path of a CSV file, or a value for each row of the weather, or for each month.
@@ -22,34 +23,38 @@ Follow = Any
 #: Ids, a table with a column `receiver`, a path of a CSV file (`pathlib.Path`), or one of `{"objects": names}`, `{"surfaces": names}`, `{"bbox": (xmin, ymin, xmax, ymax)}`.
 Wanted: TypeAlias = "Sequence[str] | str | os.PathLike[str] | Mapping[str, str | Sequence[str] | Sequence[float]]"
 
-#: The same as the engine takes it.
+#: Selection of receivers as the engine takes it.
 WantedArgs: TypeAlias = "list[str] | str | dict[str, list[Any]] | None"
 
-#: What a session works in unless more is said, bytes.
+#: Default memory for the work, bytes.
 MEMORY = 4 << 30
 
 
 class LightOptions(TypedDict, total=False):
-    """Which light counts, for all questions to archives.
+    """Options of the light that counts, for all requests to archives.
 
     reflectance, transmittance
-        By group, material or class: a number from 0 to 1, the path of a CSV file, or an array with a value for each row of the
-        weather, or twelve for the months.
+        Reflectance or transmittance by group, material or class: a number from 0 to 1, the path of
+        a CSV file, an array with a value for each row of the weather, or an array of twelve for the
+        months.
     sky
-        The name of a model, or the path of a file: radiances of patches (CSV, a matrix of Radiance), or a photograph of the sky. A name has no
-        dot and no slash; a `pathlib.Path` is always a file. The book's page of skies.
+        The name of a model, or the path of a file: radiances of patches (CSV, a matrix of
+        Radiance), or a photograph of the sky. A name has no dot and no slash; a `pathlib.Path` is
+        always a file. See the book's page on skies.
     sky_scale, sky_white
-        `"dhi"` or `"given"`: what the light of the file adds up to; the radiance of white in a photograph, W/m2/sr.
+        `"dhi"` scales the light of the file to the diffuse irradiance, `"given"` keeps it; the
+        radiance of white in a photograph, W/m2/sr.
     clouds
-        The path of a file of shares of light that come through clouds: a table of patches, or a picture.
+        The path of a file of cloud transmittances: a table of patches, or a picture.
     image_top
-        Azimuth of the top of pictures of sky and clouds, degrees clockwise from true north; default: north.
+        Azimuth of the top of pictures of sky and clouds, degrees clockwise from true north;
+        default: north.
     patches, paths, bounces
-        As in the program: the book's page of query and replay.
+        As on the command line: see the book's page on query and replay.
     memory
-        Bytes to work in, besides the results.
+        Memory for the work, besides the results, bytes.
     progress
-        Called now and then with the stage, how much of it is done, and how much there is.
+        Called now and then with the stage, the number of items done, and the number of all.
     """
 
     reflectance: Mapping[str, Follow] | None
@@ -67,17 +72,18 @@ class LightOptions(TypedDict, total=False):
 
 
 class QueryOptions(LightOptions, total=False):
-    """Choices of a query, and of a replay besides.
+    """Options of a query, which a replay has, too.
 
     columns
         Names of components; default: the six and their `total`.
     bands
-        Bands of the light, whose columns stand behind the others: some of `"uv"`, `"visible"`, `"par"`, `"nir"` and paths of files of own bands. The
-        book's page of bands.
+        Bands of the light, whose columns follow the others: some of `"uv"`, `"visible"`, `"par"`,
+        `"nir"` and paths of files with other bands. See the book's page on bands.
     receivers
-        An id, ids, a table with a column `receiver`, or one of `{"objects": names}` (buildings too), `{"surfaces": names}` and
-        `{"bbox": (xmin, ymin, xmax, ymax)}`, with `zmin, zmax` behind it if heights count; default: all. A `pathlib.Path` is a CSV file with a
-        column `receiver`; a text is always an id. Tiles without any of them are neither read nor computed.
+        An id, ids, a table with a column `receiver`, or one of `{"objects": names}` (buildings
+        too), `{"surfaces": names}` and `{"bbox": (xmin, ymin, xmax, ymax)}`, followed by `zmin,
+        zmax` if heights count; default: all. A `pathlib.Path` is a CSV file with a column
+        `receiver`; a text is always an id. Tiles without any of them are neither read nor computed.
     """
 
     columns: Sequence[str] | None
@@ -86,20 +92,21 @@ class QueryOptions(LightOptions, total=False):
 
 
 class PeriodOptions(TypedDict, total=False):
-    """Which hours of a weather file count, and what rows stand for.
+    """Options of the hours of a weather file that count, and of the periods of rows.
 
     every
         `"hour"`: means over the intervals of the weather, W/m2. `"day"`, `"month"`, `"year"`, `"total"`: sums, kWh/m2.
     snow, snow_reflectance
         `"depth"` or `"albedo"`: the ground follows the weather's snow depth, or its albedo.
     temperature
-        For the column `longwave`, of `ground` and `obstruction`, degrees Celsius: as `reflectance`.
+        Temperature of `ground` and `obstruction`, degrees Celsius, for the column `longwave`; types
+        as in `reflectance`.
     steps
-        Positions of the sun in an interval.
+        Number of positions of the sun in an interval.
     stamp
-        Which moment of its interval a row of means is labelled with: `"start"`, `"middle"` or `"end"`.
+        Moment of the interval that labels a row of means: `"start"`, `"middle"` or `"end"`.
     year
-        Puts all rows into one year.
+        Year of all rows, in place of their own.
     start, end
         First and last day, or moment, that counts: `"2019-03-01"`, `"03-01T06:00"`.
     """
@@ -116,15 +123,15 @@ class PeriodOptions(TypedDict, total=False):
 
 
 class ReplayOptions(QueryOptions, PeriodOptions, total=False):
-    """Choices of a replay."""
+    """Options of a replay."""
 
 
 class ComfortOptions(LightOptions, PeriodOptions, total=False):
-    """Choices of comfort, beside those of people and surfaces."""
+    """Options of comfort, besides those of people and surfaces."""
 
 
 def check(function: str, options: Mapping[str, Any], known: type) -> None:
-    """Refuses a keyword that is not one of a TypedDict."""
+    """Raises an error for a keyword that a TypedDict does not have."""
     names = known.__optional_keys__  # type: ignore[attr-defined]
     for name in options:
         if name not in names:
@@ -132,7 +139,7 @@ def check(function: str, options: Mapping[str, Any], known: type) -> None:
 
 
 def wanted_args(receivers: Wanted | None) -> WantedArgs:
-    """Receivers that are chosen, as the engine takes them."""
+    """Returns the selection of receivers for the engine."""
     if receivers is None or isinstance(receivers, os.PathLike):
         return given.path(receivers)
     if isinstance(receivers, str):
@@ -159,7 +166,7 @@ def wanted_args(receivers: Wanted | None) -> WantedArgs:
 
 
 def _follow(changes: Mapping[str, Follow] | None, column: str) -> list[tuple[str, Any]]:
-    """Numbers and paths as they are, arrays as the bytes of a schedule."""
+    """Returns numbers and paths as they are, arrays as the bytes of a schedule."""
     found: list[tuple[str, Any]] = []
     for name, value in given.named(column, changes, f'say of what, as in {column}={{"ground": 0.3}}').items():
         if isinstance(value, os.PathLike):
@@ -175,7 +182,7 @@ def _follow(changes: Mapping[str, Follow] | None, column: str) -> list[tuple[str
 
 
 def _sky(sky: str | os.PathLike[str]) -> str:
-    """A name as it is, a path as text that no name looks like."""
+    """Returns a name as it is, and a path as a text that cannot be a name."""
     if isinstance(sky, os.PathLike):
         path = os.fspath(sky)
         return path if "." in path or os.sep in path else os.path.join(".", path)
@@ -183,7 +190,7 @@ def _sky(sky: str | os.PathLike[str]) -> str:
 
 
 def light_args(options: QueryOptions) -> dict[str, Any]:
-    """Choices of light as the engine takes them."""
+    """Returns the options of light for the engine."""
     columns, paths = options.get("columns"), options.get("paths", "all")
     joined = [columns] if isinstance(columns, str) else columns
     bands = options.get("bands")
@@ -206,7 +213,7 @@ def light_args(options: QueryOptions) -> dict[str, Any]:
 
 
 def replay_args(weather: Any, options: ReplayOptions) -> dict[str, Any]:
-    """Choices of a replay as the engine takes them."""
+    """Returns the options of a replay for the engine."""
     return {
         **Weather.of(weather).args(),
         "every": given.word("every", options.get("every", "hour"), 'give "hour", "day", "month", "year" or "total"'),
@@ -222,7 +229,7 @@ def replay_args(weather: Any, options: ReplayOptions) -> dict[str, Any]:
 
 
 def conditions_source(conditions: Any) -> dict[str, Any]:
-    """A table of conditions as the engine takes it."""
+    """Returns a table of conditions for the engine."""
     if isinstance(conditions, (str, os.PathLike)):
         return {"name": os.fspath(conditions), "bytes": None}
     table = columns_of(conditions, "conditions")

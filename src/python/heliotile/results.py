@@ -1,4 +1,5 @@
-"""Results in memory: irradiance of receivers under weather or conditions, as NumPy, pandas, xarray, pvlib and Arrow take it."""
+"""Results in memory: irradiance of receivers under weather or conditions, for NumPy, pandas,
+xarray, pvlib and Arrow."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Frame:
-    """What results are about: how many receivers, labels, columns."""
+    """Description of results: number of receivers, labels, columns, and provenance."""
 
     def __init__(self, frame: _heliotile.FrameHandle) -> None:
         self.receivers: int = frame.receivers
@@ -35,7 +36,7 @@ class Frame:
             self.utc_offset = timedelta(minutes=instants[1])
 
     def index(self) -> pd.Index:
-        """Labels as pandas has them: times with their zone, or text."""
+        """Returns the labels for pandas: times with their zone, or text."""
         import pandas as pd
 
         if self.time_utc is None or self.utc_offset is None:
@@ -43,7 +44,7 @@ class Frame:
         return pd.DatetimeIndex(self.time_utc, name=self.label, tz="UTC").tz_convert(timezone(self.utc_offset))
 
     def coordinates(self, table: dict[str, np.ndarray]) -> dict[str, Any]:
-        """Coordinates of a Dataset: labels, and what is known of the receivers."""
+        """Returns the coordinates of a Dataset: labels, and the properties of the receivers."""
         coordinates: dict[str, Any] = {"receiver": ("receiver", table["receiver"], {"long_name": "receiver", "cf_role": "timeseries_id"})}
         coordinates[self.label] = self._labels()
         for name, values in table.items():
@@ -64,17 +65,17 @@ class Frame:
         return self.label, local.astype("datetime64[ns]"), about
 
     def attributes(self, column: str) -> dict[str, str]:
-        """Of a variable."""
+        """Returns the attributes of a column's variable."""
         unit, meaning = self._about[column]
         method = {"W/m2": "time: mean", "kWh/m2": "time: sum"}[self.unit] if self.label == "time" else ""
         about = {"long_name": meaning, "units": UNITS.get(unit, unit)}
         return about | ({"cell_methods": method} if method else {})
 
 
-#: Units as CF and UDUNITS write them.
+#: Units in the spelling of CF and UDUNITS.
 UNITS = {"W/m2": "W m-2", "kWh/m2": "kW h m-2", "umol/(m2 s)": "umol m-2 s-1", "mol/m2": "mol m-2"}
 
-#: What is known of receivers.
+#: Attributes of the receivers' properties.
 COORDINATES: dict[str, dict[str, str]] = {
     "x": {"standard_name": "projection_x_coordinate", "long_name": "x, east", "units": "m"},
     "y": {"standard_name": "projection_y_coordinate", "long_name": "y, north", "units": "m"},
@@ -94,7 +95,7 @@ COORDINATES: dict[str, dict[str, str]] = {
 
 
 class Results:
-    """Irradiance of receivers: W/m2, or kWh/m2 where it is summed over periods.
+    """Irradiance of receivers: means in W/m2, or sums over periods in kWh/m2.
 
     `results["total"]` is a column as float32, shape `(receivers, labels)`; it is read-only, since pandas, xarray and Arrow share
     its memory (`.copy()` is yours). Names are those of `columns`.
@@ -108,7 +109,7 @@ class Results:
 
     @property
     def receivers(self) -> list[str]:
-        """Ids, in the order of rows: the archive's."""
+        """Ids of receivers, in the order of rows, which is the archive's."""
         return self._names
 
     @property
@@ -118,17 +119,17 @@ class Results:
 
     @property
     def labels(self) -> list[str]:
-        """Conditions, or times and periods as CSV tells them. Shape: labels."""
+        """Names of conditions, or times and periods as in CSV files. Shape: labels."""
         return self._frame.labels
 
     @property
     def time_utc(self) -> np.ndarray | None:
-        """Times as datetime64[s] in UTC; None where labels are no times. Shape: labels."""
+        """Times as datetime64[s] in UTC; None for other labels. Shape: labels."""
         return self._frame.time_utc
 
     @property
     def utc_offset(self) -> timedelta | None:
-        """How far the weather's local standard time is ahead of UTC."""
+        """Offset of the weather's local standard time from UTC."""
         return self._frame.utc_offset
 
     @property
@@ -138,12 +139,12 @@ class Results:
 
     @property
     def provenance(self) -> dict[str, str]:
-        """What the results were made from: archive, root, weather, options."""
+        """Provenance of the results: archive, root, weather, options."""
         return self._frame.provenance
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Receivers, labels."""
+        """Numbers of receivers and labels."""
         return self._frame.receivers, len(self.labels)
 
     def __getitem__(self, column: str) -> np.ndarray:
@@ -156,25 +157,27 @@ class Results:
         return iter(self._frame.columns)
 
     def keys(self) -> list[str]:
-        """Names of the columns: `dict(results)` has them all."""
+        """Returns the names of the columns, so that `dict(results)` works."""
         return self.columns
 
     def __reduce__(self) -> Any:
         raise TypeError("results do not pickle: send to_pandas(), to_xarray() or their columns, or the archive, which pickles by its path")
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
-        """All rows as an Arrow stream, values without a copy: `pyarrow.table(results)`, `polars.from_arrow`... Columns are named as in files."""
+        """Returns all rows as an Arrow stream; values are not copied: `pyarrow.table(results)`,
+        `polars.from_arrow`... Columns have the names of files."""
         return self._handle.__arrow_c_stream__(requested_schema)
 
     def to_pandas(self) -> pd.DataFrame:
-        """A row for each receiver and label, named as in files."""
+        """Returns a table with a row for each receiver and label; its columns have the names of
+        files."""
         import pandas as pd
 
         receivers, labels = self.shape
         index = self._frame.index()
         if self.time_utc is None:
             index = pd.CategoricalIndex(index, categories=index.unique(), name=index.name)
-        # Parts of an atlas may have receivers of one id.
+        # Receivers of different parts of an atlas may have the same id.
         numbers, names = pd.factorize(np.array(self.receivers, dtype=object))
         codes = np.repeat(numbers.astype(np.int32), labels)
         data: dict[str, Any] = {
@@ -185,7 +188,8 @@ class Results:
         return pd.DataFrame(data)
 
     def to_xarray(self) -> xr.Dataset:
-        """A Dataset with the dimensions `receiver` and `time` (or `condition`), and the receivers' table as coordinates."""
+        """Returns a Dataset with the dimensions `receiver` and `time` (or `condition`), and the
+        receivers' table as coordinates."""
         import xarray as xr
 
         frame = self._frame
@@ -194,10 +198,12 @@ class Results:
         return xr.Dataset(variables, frame.coordinates(self._table()), frame.provenance)
 
     def to_pvlib(self, receiver: str | int) -> pd.DataFrame:
-        """Light on one receiver by the names of `pvlib.irradiance.get_total_irradiance`, W/m2, a row for each hour.
+        """Returns irradiance of one receiver by the names of
+        `pvlib.irradiance.get_total_irradiance`, W/m2, a row for each hour.
 
-        `poa_direct` is the sun, straight and in mirrors; `poa_sky_diffuse` the sky, likewise; `poa_ground_diffuse` all that is reflected diffusely.
-        Times are those of the replay: `replay(..., stamp="middle")` gives the moments that solar positions are taken at.
+        `poa_direct` is the sun, direct and by mirrors; `poa_sky_diffuse` is the sky, direct and by
+        mirrors; `poa_ground_diffuse` is all diffusely reflected light. Times are those of the
+        replay: `replay(..., stamp="middle")` gives the moments of the solar positions.
         """
         import pandas as pd
 

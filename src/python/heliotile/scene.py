@@ -1,4 +1,4 @@
-"""Scenes, and archives that are traced of them."""
+"""Scenes, and archives that are traced from them."""
 
 from __future__ import annotations
 
@@ -17,35 +17,40 @@ from .tables import columns_of, csv_of
 from .weather import Weather
 
 
-#: Rasters that a city is read from.
+#: Rasters from which a city is read.
 _RASTERS = ("dsm", "dem", "canopy", "landcover")
 
 
 class Scene:
-    """Geometry with its materials, read from files of the world.
+    """Geometry with its materials, read from files.
 
     Parameters
     ----------
     files
-        One path or several, which become one scene, or a `site.toml` that lists them: what `heliotile build` takes. Metres, x east, y north, z up.
+        One path or several, which become one scene, or a `site.toml` that lists them, as `heliotile
+        build` takes them. Metres, x east, y north, z up.
     materials
-        A `materials.toml`: reflectances by name; they win over those of the files.
+        A `materials.toml`: reflectances by name; they replace those of the files.
     materials_only
-        Take nothing that the files state of materials.
+        True to ignore the materials of the files.
     ground
-        Whether a scene without ground gets a plane below it.
+        True to put a plane below a scene without ground.
     crs, latitude, longitude
-        EPSG number of the coordinates, or degrees, north and east positive; each counts more than what files say.
+        EPSG number of the coordinates, or degrees, north and east positive; each replaces that of
+        the files.
     rotate_deg, elevation, scale
-        Direction of y clockwise from north, degrees; height of z = 0 above the sea, metres; metres a unit.
+        Direction of y clockwise from north, degrees; height of z = 0 above the sea, metres; metres
+        a unit.
     up
         The axis that points up in OBJ, PLY and STL files: `"z"`, with y to the north, or `"y"`, with z to the south.
     height, storey_height, base
-        Of footprints: a column of heights above the base, metres for all, or several of which the first that is stated counts; metres a storey; a
-        column or metres of where buildings begin.
+        Heights of footprints: a column of heights above the base, metres for all, or several
+        sources, of which the first with a value counts. Metres a storey. Base of buildings: a
+        column, or metres.
     dsm, dem, canopy, landcover
-        Rasters that a city is read from (GeoTIFF, Esri ASCII grid): heights of the surface and of the ground above the sea, of crowns above the
-        ground, codes of land cover. With `dsm` no other file is needed.
+        Rasters from which a city is read (GeoTIFF, Esri ASCII grid): heights of the surface and of
+        the ground above the sea, heights of crowns above the ground, codes of land cover. With
+        `dsm` no other file is needed.
     """
 
     def __init__(
@@ -104,12 +109,12 @@ class Scene:
 
     @property
     def place(self) -> tuple[float, float] | None:
-        """Latitude and longitude in degrees, if files or arguments say so."""
+        """Latitude and longitude in degrees, if files or arguments state them."""
         return self._handle.place
 
     @property
     def notes(self) -> list[str]:
-        """What was decided that nobody asked for."""
+        """Decisions that the reader took by itself."""
         return self._handle.notes
 
     def cover(
@@ -124,11 +129,14 @@ class Scene:
         min_area: float = 0.1,
         progress: Progress | None = None,
     ) -> str:
-        """Covers surfaces with receivers and writes their table, which `build` takes: `heliotile receivers`, byte by byte.
+        """Covers surfaces with receivers and writes their table, which `build` takes: `heliotile
+        receivers`, byte by byte.
 
-        `on`: some of `"roof", "wall", "window", "ground", "floor", "shade"`, `"all"`, or names of materials; default: roofs, walls and windows of
-        buildings. `types`: types of objects of a city model. `spacing` and `offset` off the surface in metres, `min_area` in m2;
-        `per_surface` puts so many on each. Gives back what was covered, in words. Files are read again.
+        `on`: some of `"roof", "wall", "window", "ground", "floor", "shade"`, `"all"`, or names of
+        materials; default: roofs, walls and windows of buildings. `types`: types of objects of a
+        city model. `spacing` and `offset` off the surface in metres, `min_area` in m2;
+        `per_surface`: number of receivers on each surface. Returns a summary as text. The scene
+        files are read again.
         """
         args = {
             "on": [on] if isinstance(on, str) else list(on),
@@ -141,7 +149,7 @@ class Scene:
         return self._handle.cover(os.fspath(output), args, progress)[1]
 
     def request(self) -> dict[str, Any]:
-        """The scene as requests of other work have it."""
+        """Returns the scene for a request."""
         frame = {"crs": "epsg", "latitude": "latitude_deg", "longitude": "longitude_deg", "rotate_deg": "rotate_deg", "elevation": "elevation_m"}
         frame |= {"scale": "scale", "up": "up"}
         said = {key: self._args[name] for name, key in frame.items() if self._args[name] is not None}
@@ -164,7 +172,7 @@ class Scene:
 
 
 def scene_request(scene: Any) -> dict[str, Any]:
-    """A `Scene` or its files as requests have it."""
+    """Returns a `Scene`, or its files, for a request."""
     if isinstance(scene, Scene):
         return scene.request()
     files = [scene] if isinstance(scene, (str, os.PathLike)) else scene
@@ -172,22 +180,23 @@ def scene_request(scene: Any) -> dict[str, Any]:
 
 
 def _reload(cls: type[Scene], args: dict[str, Any]) -> Scene:
-    """What a pickle becomes: the files, read again."""
+    """Reads the scene of a pickle again from its files."""
     args = dict(args)
     return cls(args.pop("files"), ground=args.pop("assume_ground"), **args)
 
 
 @dataclass(frozen=True)
 class BuildReport:
-    """What a build did."""
+    """Report of a build."""
 
     seconds: dict[str, float]
-    """By stage."""
+    """Seconds by stage."""
     rays: int
     bytes: int
     """Length of the archive."""
     error_percent: float | None
-    """RMSE of hourly totals that was found on a sample of the receivers, in percent of their mean; only where an error was asked for."""
+    """RMSE of hourly totals on a sample of the receivers, in percent of their mean; None unless
+    `error` was given."""
 
 
 def build(
@@ -215,34 +224,39 @@ def build(
     scene
         A `Scene`, or the files of one.
     receivers
-        Path of a CSV file, a DataFrame or a mapping of arrays: `receiver` (id), `x, y, z` in metres, `nx, ny, nz` or `tilt_deg, azimuth_deg`,
-        and optionally `area` (m2), `surface` and what else the book's page of receivers lists.
+        Path of a CSV file, a DataFrame or a mapping of arrays: `receiver` (id), `x, y, z` in
+        metres, `nx, ny, nz` or `tilt_deg, azimuth_deg`, and optionally `area` (m2), `surface` and
+        others on the book's page on receivers.
     output
-        The archive; an older archive of that name is replaced, any other file is not.
+        Path of the archive. An older archive at this path is replaced; any other file is an error.
     quality
         `"draft"`, `"standard"`, `"fine"` or `"reference"`.
     error, error_weather
-        Largest RMSE of hourly totals in percent of their mean, in place of a quality; estimated under this weather file, or `Weather` of a file.
+        Largest RMSE of hourly totals in percent of their mean, in place of a quality. It is
+        estimated under this weather file, or `Weather` of a file.
     settings
         Single settings by name, as in `{"hit": 16}`.
     effects
         Light paths: `"auto"`, `"all"`, `"none"`, or some of `"diffuse,bounces,mirrors,canopies,leaves"`.
     with_scene
-        Whether the archive holds the scene's triangles, for those who look at it.
+        True to store the scene's triangles in the archive, for viewers.
     before
-        Archive of this scene before it was changed: only what the change can alter is traced, and the new archive has the bytes that it
-        would have without.
+        Archive of this scene before it was changed. Only what the change can alter is traced; the
+        new archive has the same bytes as without `before`.
     preview
-        With `before`: keeps what the change can alter by less than so many percent of the light on open ground, in the mean over the sky. The
-        archive says that it is a preview, and the same call without this argument completes it.
+        With `before`: keeps what the change can alter by less than this percentage of the light on
+        open ground, in the mean over the sky. The archive is then marked as a preview; the same
+        call without this argument completes it.
     fresh
-        Discards an interrupted build that lies there. Without it, one of the same inputs goes on: Ctrl-C, and the same call again.
+        Discards an interrupted build at the output. Without it, a build of the same inputs goes on:
+        Ctrl-C, and the same call again.
     checkpoint
-        Seconds between checkpoints: what a crash costs at most.
+        Seconds between checkpoints, the most that a crash loses.
     memory
-        Bytes to work in.
+        Memory for the work, bytes.
     progress
-        Called now and then with the stage, how much of it is done, and how much there is (None: unknown).
+        Called now and then with the stage, the number of items done, and the number of all (None:
+        unknown).
     """
     source = receivers
     if isinstance(receivers, os.PathLike):
@@ -250,7 +264,7 @@ def build(
     elif not isinstance(receivers, str):
         table = columns_of(receivers, "receivers")
         if "area" in table and table["area"].dtype.kind == "f":
-            # Of those of which nobody says it.
+            # Unknown areas become empty cells.
             areas = table["area"].astype(object)
             areas[np.isnan(table["area"])] = None
             table["area"] = areas

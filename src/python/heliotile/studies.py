@@ -1,5 +1,6 @@
-"""Work that writes folders and archives: the program's `run`, `pv`, `comfort`, `energyplus`, `tradeoff`, `merge` and `diff`. In: keyword arguments. Out: files, and what
-was done. Arguments fill the requests that the program fills."""
+"""Work that writes folders and archives: the program's `run`, `pv`, `comfort`, `energyplus`,
+`tradeoff`, `merge` and `diff`. In: keyword arguments. Out: files, and a summary. Arguments fill the
+same requests as the command line."""
 
 from __future__ import annotations
 
@@ -22,17 +23,17 @@ Files = Any
 
 @dataclass(frozen=True)
 class Study:
-    """What a study wrote."""
+    """Files of a study."""
 
     folder: str
     archive: str
     files: list[str]
-    """Names, seen from the folder."""
+    """Names relative to the folder."""
     table: str
-    """Sums as a text for people."""
+    """Sums, as text for people."""
 
     def open(self) -> Archive:
-        """The archive."""
+        """Opens the archive."""
         return Archive.open(self.archive)
 
 
@@ -57,24 +58,27 @@ def run(
     memory: int = MEMORY,
     progress: Progress | None = None,
 ) -> Study:
-    """From scene files to a year's sun in one go: `heliotile run`, file by file.
+    """Computes a year's sun from scene files in one go: `heliotile run`, file by file.
 
     Parameters
     ----------
     scene, weather, output
         A `Scene` or its files; a weather file, or a `Weather` of one; the folder, by default the name of the first scene file with `.sun`.
     cover, receivers
-        Where receivers are put, as in `Scene.cover` (`{"on": ["roof"], "spacing": 1.0}`), or the path of their table.
+        Options of `Scene.cover` (`{"on": ["roof"], "spacing": 1.0}`) to place receivers, or the
+        path of their table.
     quality, error, error_weather
         As in `build`.
     rules
-        Rules of sunlight, such as `"tno-light"` or files that end with .toml: a table of what they say.
+        Rules of sunlight, such as `"tno-light"` or files that end with .toml; their results become
+        a table.
     every, by, year, format
-        Tables of these periods, what their rows are about, the year they are put into, the ending of their names.
+        Periods of the tables, what a row stands for, the year of the rows, the ending of the
+        tables' names.
     maps
         Some of `"glb", "fgb", "geojson", "geoparquet", "vtu", "cityjson"`.
     replace
-        Whether what the folder holds of other inputs goes.
+        True to discard results of other inputs in the folder.
     """
     request: dict[str, Any] = {
         "scene": scene_request(scene),
@@ -114,8 +118,9 @@ def pv(
     memory: int = MEMORY,
     progress: Progress | None = None,
 ) -> Study:
-    """Light on solar modules: `heliotile pv`, file by file. Give a table of `points`, or `rows` of modules; the book's page of pv has their layouts.
-    Rows that ask for receivers on the `ground` among them add `ground.csv` and `ground_months.csv` to the files of the study."""
+    """Computes light on solar modules: `heliotile pv`, file by file. Give a table of `points`, or
+    `rows` of modules; the book's page on pv has their layouts. Rows with receivers on the `ground`
+    among them add `ground.csv` and `ground_months.csv` to the files of the study."""
     request: dict[str, Any] = {
         "scene": scene_request(scene),
         **weather_request(weather),
@@ -151,23 +156,27 @@ def comfort(
     memory: int = MEMORY,
     progress: Progress | None = None,
 ) -> Archive:
-    """Builds the archive of a scene with people and opens it, as `heliotile comfort` does before it asks: six receivers a point. `Archive.comfort` asks it.
+    """Builds the archive of a scene with people and opens it, the first step of `heliotile
+    comfort`: six receivers a point. `Archive.comfort` replays it.
 
     Parameters
     ----------
     scene, output
-        A `Scene` or its files; the folder of `receivers.csv` and `site.helio`, which is taken again where it is of the same inputs.
+        A `Scene` or its files; the folder of `receivers.csv` and `site.helio`. An archive of the
+        same inputs is used again.
     weather
-        A weather file, or a `Weather` of one, that the archive will be asked under: one without the air that UTCI and PET need is refused before anything is
-        traced. An `error` is of this weather, if there is no `error_weather`.
+        A weather file, or a `Weather` of one, for the later replays. Weather without the air that
+        UTCI and PET need is an error before any ray is traced. `error` is estimated under this
+        weather if there is no `error_weather`.
     points
-        A table `point,x,y` and maybe `z` or `height`: where people stand. Without it they stand `on` these kinds of surfaces or materials, `spacing` metres apart.
+        A table `point,x,y` and optionally `z` or `height`: where people stand. Without it they
+        stand `on` these kinds of surfaces or materials, `spacing` metres apart.
     body_height
-        How high above it the middle of a person is, metres.
+        Height of the middle of a person above the surface, metres.
     quality, error, error_weather
         As in `build`.
     replace
-        Whether what the folder holds of other inputs goes.
+        True to discard results of other inputs in the folder.
     """
     site: dict[str, Any] = {
         "scene": scene_request(scene),
@@ -200,10 +209,12 @@ def energyplus(
     memory: int = MEMORY,
     progress: Progress | None = None,
 ) -> str:
-    """A model of EnergyPlus with the sun that its surroundings reflect: `heliotile energyplus`, file by file. Gives the folder.
+    """Writes an EnergyPlus model with the sunlight that its surroundings reflect: `heliotile
+    energyplus`, file by file. Returns the folder.
 
-    `scene`: files of what stands around the model; `at`: where its origin lies there, metres. `weather` belongs to `run`, which runs EnergyPlus
-    from the folder `energyplus`, and to `delete_surroundings`. The book's page of energyplus says what is written.
+    `scene`: files of the surroundings; `at`: position of the model's origin in them, metres.
+    `weather` belongs to `run`, which runs EnergyPlus from the folder `energyplus`, and to
+    `delete_surroundings`. The book's page on energyplus lists the files.
     """
     files = [scene] if isinstance(scene, (str, os.PathLike)) else scene
     request: dict[str, Any] = {
@@ -240,9 +251,11 @@ def partition(
     memory: int = MEMORY,
     progress: Progress | None = None,
 ) -> Atlas:
-    """Cuts a region into parts that are built one by one, and opens the atlas: `heliotile partition`. Lengths in metres; `cover` as in `run`.
+    """Cuts a region into parts that are built one by one, and opens the atlas: `heliotile
+    partition`. Lengths in metres; `cover` as in `run`.
 
-    `sample` receivers are traced with three times the halo, too, to say what the halo costs; 0 leaves that out.
+    `sample` receivers are also traced with three times the halo, to estimate the halo's error; 0
+    skips that.
     """
     cut = {"part_size_m": part_size, "halo_m": halo, "skyline_deg": skyline, "scene": scene_request(scene), "cover": _cover(cover)}
     cut |= {"accuracy": _accuracy(quality, None), "no_scene": not with_scene}
@@ -252,10 +265,10 @@ def partition(
 
 @dataclass(frozen=True)
 class LadderStep:
-    """Settings, and what they cost and bring. Errors are percent of the mean of hourly totals."""
+    """Settings with their cost and errors. Errors are percent of the mean of hourly totals."""
 
     name: str
-    """Of the quality, or what the settings are made of."""
+    """Name of the quality, or the parts that the settings are made of."""
     settings: dict[str, float]
     error_percent: float
     """RMSE of hourly totals."""
@@ -267,28 +280,28 @@ class LadderStep:
     trace_s: float
     compress_s: float
     replay_s: float
-    """CPU seconds, of a year of hours into sums."""
+    """CPU seconds to replay a year of hours into sums."""
     rays: int
     bytes: int
     frontier: bool
-    """Whether no other step is both faster and better."""
+    """True if no other step is both faster and more accurate."""
 
 
 @dataclass(frozen=True)
 class Tradeoff:
-    """What accuracy costs on a site."""
+    """Cost of accuracy on a site."""
 
     page: str
-    """Path of the page that shows all of it; tables and pictures are beside it."""
+    """Path of the page with all results; tables and pictures are beside it."""
     table: str
-    """All of it as text for people."""
+    """All results, as text for people."""
     steps: list[LadderStep]
-    """From coarse to fine."""
+    """Steps from coarse to fine."""
     receivers: int
-    """Receivers that settings were tried on."""
+    """Number of receivers on which settings were tried."""
     mean_w_m2: float
     sources: list[dict[str, Any]] | None
-    """Each setting alone, by the columns of `sources.csv`, if that was asked for."""
+    """Results of each setting alone, by the columns of `sources.csv`; None without `sources`."""
 
 
 def tradeoff(
@@ -303,10 +316,12 @@ def tradeoff(
     memory: int = MEMORY,
     progress: Progress | None = None,
 ) -> Tradeoff:
-    """What accuracy costs on a site: `heliotile tradeoff`. Writes a folder with tables, pictures and a page.
+    """Measures the cost of accuracy on a site: `heliotile tradeoff`. Writes a folder with tables,
+    pictures and a page.
 
-    `sample`: receivers to try settings on. `weather`: a file, or a `Weather` of one, that errors are estimated under; default: suns from all sides.
-    `sources` tries each setting alone, too. `effects`: as in `build`.
+    `sample`: number of receivers to try settings on. `weather`: a file, or a `Weather` of one,
+    under which errors are estimated; default: suns from all sides. `sources` tries each setting
+    alone, too. `effects`: as in `build`.
     """
     request = {
         "scene": scene_request(scene),
@@ -337,7 +352,8 @@ def merge(
 
 
 def diff(first: str | os.PathLike[str], second: str | os.PathLike[str], *, memory: int = MEMORY) -> tuple[bool, str]:
-    """Whether two archives are equal, and what they do not share, as `heliotile diff` says it."""
+    """Compares two archives, as `heliotile diff`. Returns True if they are equal, and their
+    differences as text."""
     return _heliotile.diff([os.fspath(first), os.fspath(second)], memory)
 
 
@@ -347,7 +363,7 @@ def _study(done: tuple[str, str, list[str], str]) -> Study:
 
 
 def _cover(cover: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Where receivers are put, as requests have it, by the names of `Scene.cover`."""
+    """Returns the placement of receivers for a request, from the names of `Scene.cover`."""
     names = {"on": "on", "types": "types", "offset": "offset_m", "min_area": "min_area_m2", "spacing": "density", "per_surface": "density"}
     request: dict[str, Any] = {}
     for name, value in (cover or {}).items():
@@ -358,7 +374,7 @@ def _cover(cover: Mapping[str, Any] | None) -> dict[str, Any]:
 
 
 def _accuracy(quality: str, error: float | str | None, error_weather: Any = None) -> dict[str, Any]:
-    """How exact an archive is to be, as requests have it."""
+    """Returns the accuracy for a request."""
     request: dict[str, Any] = {"quality": quality}
     if (percent := given.percent("error", error)) is not None:
         request["error_percent"] = percent

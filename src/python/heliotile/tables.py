@@ -1,6 +1,7 @@
-"""Tables in memory as the engine's readers take them. In: a DataFrame, a mapping of arrays. Out: the bytes of a CSV file.
+"""Tables in memory for the engine's readers. In: a DataFrame, a mapping of arrays. Out: the bytes
+of a CSV file.
 
-One reader checks files and tables alike, so that a wrong cell has the same message in both.
+One reader checks files and tables, so a wrong cell has the same message in both.
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ from .errors import InputError
 
 
 def columns_of(table: Any, name: str) -> dict[str, np.ndarray]:
-    """The columns of a mapping, or of a table of pandas, Polars or Arrow: `[row]` each, all of one length. `name` is for messages."""
+    """Returns the columns of a mapping, or of a table of pandas, Polars or Arrow: `[row]` each, all
+    of one length. `name` is for messages."""
     if isinstance(table, Mapping):
         found = {str(key): np.asarray(values) for key, values in table.items()}
     elif hasattr(table, "column_names"):
@@ -32,7 +34,7 @@ def columns_of(table: Any, name: str) -> dict[str, np.ndarray]:
 
 
 def checked(columns: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
-    """Refuses columns of different lengths, and arrays that are none."""
+    """Checks that columns have one dimension and the same length."""
     lengths = {key: values.shape for key, values in columns.items()}
     for key, shape in lengths.items():
         if len(shape) != 1:
@@ -44,7 +46,7 @@ def checked(columns: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:
 
 
 def csv_of(columns: Mapping[str, np.ndarray]) -> bytes:
-    """Numbers are written so that they are read again to the last bit."""
+    """Writes a CSV file. Numbers read back to the last bit."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns.keys())
@@ -53,9 +55,9 @@ def csv_of(columns: Mapping[str, np.ndarray]) -> bytes:
 
 
 def _cells(values: np.ndarray) -> list[Any]:
-    """Cells of a column; what is missing by pandas' word, and None, is empty."""
+    """Returns the cells of a column; None and pandas' missing values are empty."""
     if values.dtype.kind == "M":
-        # To milliseconds, as a calendar has them.
+        # Text to the millisecond.
         return ["" if text == "NaT" else text for text in np.datetime_as_string(values.astype("datetime64[ms]")).tolist()]
     cells = values.tolist()
     if values.dtype.kind in "OUST":
@@ -65,12 +67,12 @@ def _cells(values: np.ndarray) -> list[Any]:
 
 
 def _is_missing(cell: Any) -> bool:
-    # pandas' NA and NaT are known by their types, so that pandas need not be here.
+    # pandas' NA and NaT are known by the names of their types, so pandas is not needed.
     return cell is None or type(cell).__name__ in ("NAType", "NaTType")
 
 
 def refused(name: str, what: str, hint: str) -> InputError:
-    """An error of a table, in the words of all others."""
+    """Returns an error about a table, in the usual form."""
     error = InputError(f"{name}: {what}\n  to fix: {hint}")
     error.what, error.hint = what, hint
     return error

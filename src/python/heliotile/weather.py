@@ -1,4 +1,5 @@
-"""Weather for replays. In: a file, or a DataFrame with pvlib's names. Out: what the engine's weather reader takes."""
+"""Weather for replays. In: a file, or a DataFrame with pvlib's names. Out: arguments of the
+engine's weather reader."""
 
 from __future__ import annotations
 
@@ -14,12 +15,12 @@ from . import given
 from .errors import ArgumentError
 from .tables import checked, columns_of, csv_of, refused
 
-#: What messages and provenance call weather that was given as a table.
+#: Name of weather from a table, for messages and provenance.
 TABLE = "weather"
 
 
 class WeatherArgs(TypedDict):
-    """As the engine takes it."""
+    """Weather as the engine takes it."""
 
     weather: dict[str, Any]
     latitude: float | None
@@ -31,30 +32,35 @@ class WeatherArgs(TypedDict):
 
 
 class Weather:
-    """Weather of a file, or of a table, and what is said about it.
+    """Weather of a file or of a table, with options of how to read it.
 
     Parameters
     ----------
     source
-        Path of a file of any layout that the book's page of weather lists, packed or not; or a pandas DataFrame with some of pvlib's
-        columns `ghi`, `dni`, `dhi` (W/m2), and perhaps `temp_air` (degrees Celsius), `albedo`, `snow_depth` (cm) and what else that
-        page lists, whose index are times with a zone; or a table of Polars or Arrow, a Dataset of xarray or a mapping of arrays, with
-        a column of time; or a table and its metadata, as pvlib's readers give both. A name may state its unit, `ghi (kW/m2)`, and an
-        index or column `period_end` says that its times are ends.
+        Path of a file in any layout that the book's page on weather lists, compressed or not. Or a
+        pandas DataFrame with some of pvlib's columns `ghi`, `dni`, `dhi` (W/m2), and optionally
+        `temp_air` (degrees Celsius), `albedo`, `snow_depth` (cm) and others on that page, indexed
+        by times with a zone. Or a table of Polars or Arrow, a Dataset of xarray or a mapping of
+        arrays, with a column of time. Or a table and its metadata, as pvlib's readers return both.
+        A name may state its unit, `ghi (kW/m2)`. An index or column `period_end` has the ends of
+        the intervals.
     latitude, longitude
-        Degrees, north and east positive, in place of the file's. Where neither says, the archive's place is taken.
+        Degrees, north and east positive, in place of the file's. If neither states a location, that
+        of the archive is used.
     time_zone
-        Hours ahead of UTC in standard time, such as `"+01:00"`, in place of the file's; or the name of a zone: of a table whose index names none,
-        its times are those of that zone's clock, in summer and winter.
+        Hours ahead of UTC in standard time, such as `"+01:00"`, in place of the file's. Or the name
+        of a zone, for a table whose index names none: its times are then those of the zone's clock,
+        in summer and winter.
     shift
         Moves time stamps: `"41min"`, `"-0.5h"` or `"auto"`.
     stamp
-        Where in its interval a time stamp stands: `"start"`, `"middle"` or `"end"`. Default: what the format, or the name of the index or of
-        the column of time says; else start for tables.
+        Position of a time stamp in its interval: `"start"`, `"middle"` or `"end"`. Default: that of
+        the format, or that in the name of the index or column of time; else the start for tables.
     date_order
-        Order of dates of three numbers, `"dmy"`, `"mdy"` or `"ymd"`. Default: what the whole column shows.
+        Order of dates of three numbers, `"dmy"`, `"mdy"` or `"ymd"`. Default: the order that the
+        whole column shows.
     name
-        What messages and provenance call a table.
+        Name of a table for messages and provenance.
     """
 
     def __init__(
@@ -72,7 +78,7 @@ class Weather:
         self.name = name
         self._bytes: bytes | None = None
         if isinstance(source, tuple) and len(source) == 2 and isinstance(source[1], Mapping):
-            # What pvlib's readers give: a table, and what is known of its place.
+            # pvlib's readers return a table and the metadata of its location.
             source, about = source
             latitude = about.get("latitude") if latitude is None else latitude
             longitude = about.get("longitude") if longitude is None else longitude
@@ -85,11 +91,11 @@ class Weather:
 
     @classmethod
     def of(cls, source: Any) -> Weather:
-        """Weather as it is, or of a path or a table about which there is nothing to say."""
+        """Returns a `Weather` as it is, or the weather of a path or a table without options."""
         return source if isinstance(source, cls) else cls(source)
 
     def args(self) -> WeatherArgs:
-        """As the engine takes it."""
+        """Returns the arguments that the engine takes."""
         latitude, longitude, time_zone, shift, stamp, date_order = self._said
         return {
             "weather": {"name": self.name, "bytes": self._bytes},
@@ -102,7 +108,7 @@ class Weather:
         }
 
     def request(self) -> tuple[str, dict[str, Any]]:
-        """The path of its file, and what is said about it, as requests have them."""
+        """Returns the path of the file and its options, for a request."""
         if self._bytes is not None:
             raise given.wrong(self.name, "is a table, and a file is read here", "write the table to a CSV file")
         names = ("latitude_deg", "longitude_deg", "zone_hours", "shift", "stamped_at", "date_order")
@@ -113,45 +119,47 @@ class Weather:
 
 
 def weather_request(weather: Any) -> dict[str, Any]:
-    """The path of a weather file, or a `Weather` of one, as requests have it; None says nothing."""
+    """Returns the path of a weather file, or a `Weather` of one, for a request; empty for None."""
     if weather is None:
         return {}
     path, about = Weather.of(weather).request()
     return {"weather": path} | ({"about_weather": about} if about else {})
 
 
-#: Names of times, without case, blanks and underscores, as the engine's reader knows them; the usual ones first.
+#: Names of times, without case, blanks and underscores, that the engine's reader knows; the usual
+#: ones first.
 TIMES = ("time", "timestamp", "datetime", "periodstart", "starttime", "intervalstart", "periodend", "endtime", "intervalend", "periodmid", "validtime", "date")
-#: What the names of columns end with that times can be told from with others beside them.
+#: Names of columns that give the time together with others.
 PARTS = ("year", "month", "day", "hour", "minute", "date")
 
 
 def _plain(name: Any) -> str:
-    """A name without case, blanks and underscores, and without a zone behind it."""
+    """Returns a name without case, blanks and underscores, and without a zone at its end."""
     plain = str(name).lower().replace("_", "").replace(" ", "").replace("-", "").split("(")[0].split("[")[0]
     return plain.removesuffix("utc") or plain
 
 
 def _time_of(columns: Mapping[str, np.ndarray]) -> str | None:
-    """The column of times, by its name."""
+    """Returns the name of the column of times."""
     plain = {_plain(name): name for name in reversed(list(columns))}
     return next((plain[name] for name in TIMES if name in plain), None)
 
 
 def _table(source: Any, name: str, time_zone: Any) -> tuple[bytes, str | None]:
-    """The bytes of a table, and the zone of its clock, as its times or somebody say it."""
+    """Returns the bytes of a table and the zone of its clock, from its times or from
+    `time_zone`."""
     source = _frame_of(source)
     columns = columns_of(source, name)
-    # A column `time`, then an index of times, then columns of other names.
+    # Order of preference: a column `time`, an index of times, columns with other names of times.
     has_times = hasattr(getattr(source, "index", None), "tz_localize")
     key = "time" if "time" in columns else None if has_times else _time_of(columns)
     is_index = key is None
     given_times: Any = source[key] if key is not None else getattr(source, "index", None)
-    # The name of an index may say where its times stand: `period_end`.
+    # The name of an index may state the position in the interval: `period_end`.
     key = key or next((str(told) for told in [getattr(given_times, "name", None)] if _plain(told) in TIMES), "time")
     found = None if given_times is None else _moments(given_times)
     if found is None and is_index and given_times is not None and hasattr(given_times, "tz_localize"):
-        # An index of times that names no zone.
+        # An index of times without a zone.
         if time_zone is None:
             hint = f'say which clock it is, as in table.tz_localize("Etc/GMT-1") for UTC+01:00, or {name}=Weather(table, time_zone="+01:00")'
             raise refused(name, "its index has no time zone", hint)
@@ -166,11 +174,11 @@ def _table(source: Any, name: str, time_zone: Any) -> tuple[bytes, str | None]:
         offset = standard_offset(of, utc)
         columns = {key: _texts(utc, offset), **{other: values for other, values in columns.items() if other != key}}
         for other in [other for other in columns if other != key and _plain(other) in TIMES]:
-            # The other stamp of a pair, in the same clock.
+            # The second time stamp of a row, by the same clock.
             if (pair := _moments(source[other])) is not None:
                 columns[other] = _texts(pair[0], offset)
         zone = str(offset.total_seconds() / 3600) if time_zone is None else _hours(time_zone)
-    # Times of other names, and shares of yes and no, are nothing that a weather file has.
+    # Other columns of times and of True and False are not part of weather.
     def is_told(other: str, values: np.ndarray) -> bool:
         is_time = _plain(other) in TIMES
         return other == key or (values.dtype.kind in "fiuOUST" and not (is_time and is_index)) or (is_time and not is_index)
@@ -182,14 +190,15 @@ def _table(source: Any, name: str, time_zone: Any) -> tuple[bytes, str | None]:
 
 
 def _texts(utc: np.ndarray, offset: timedelta) -> np.ndarray:
-    """Moments as text of a clock that is ahead of UTC by an offset."""
+    """Returns moments as text by a clock that is `offset` ahead of UTC."""
     local = utc + np.timedelta64(int(offset.total_seconds()), "s")
     clock = datetime(2000, 1, 1, tzinfo=timezone(offset)).isoformat()[-6:]
     return np.where(np.isnat(utc), "", np.char.add(np.datetime_as_string(local.astype("datetime64[ms]")), clock)).astype(object)
 
 
 def _frame_of(source: Any) -> Any:
-    """A Dataset of xarray as a mapping of its variables and its only coordinate of times, units behind their names."""
+    """Returns a Dataset of xarray as a mapping of its variables and of its only coordinate of
+    times, with units in the names."""
     if not (hasattr(source, "data_vars") and hasattr(source, "coords") and hasattr(source, "dims")):
         return source
 
@@ -203,14 +212,14 @@ def _frame_of(source: Any) -> Any:
 
 
 def _moments(times: Any) -> tuple[np.ndarray, Any] | None:
-    """Moments in UTC, datetime64, and the zone that they were told in; None of times that say none."""
-    # pandas: an index, a series, Arrow's types in both.
+    """Returns moments in UTC, datetime64, and their zone; None for times without a zone."""
+    # An index or series of pandas, also with Arrow's types.
     accessor = times.dt if hasattr(times, "dt") and hasattr(times.dt, "tz_convert") else times
     if hasattr(accessor, "tz_convert") and getattr(accessor, "tz", None) is not None:
         utc = accessor.tz_convert("UTC")
         utc = utc.dt.tz_localize(None) if hasattr(utc, "dt") else utc.tz_localize(None)
         return utc.to_numpy(dtype="datetime64[ns]"), accessor.tz
-    # Polars and Arrow hold UTC, and give it away without its zone.
+    # Polars and Arrow hold UTC and convert to NumPy without the zone.
     of = getattr(getattr(times, "dtype", None), "time_zone", None) or getattr(getattr(times, "type", None), "tz", None)
     if of is not None:
         return np.asarray(times.to_numpy()).astype("datetime64[ns]"), _zone(of)
@@ -224,7 +233,8 @@ def _moments(times: Any) -> tuple[np.ndarray, Any] | None:
 
 
 def _localized(index: Any, time_zone: str, name: str) -> Any:
-    """Times of a clock on a wall, with its zone; an hour that it has twice or never is an error."""
+    """Adds the zone to times of a wall clock; an hour that the clock shows twice or never is an
+    error."""
     try:
         return index.tz_localize(_zone(time_zone))
     except ArgumentError:
@@ -235,7 +245,8 @@ def _localized(index: Any, time_zone: str, name: str) -> Any:
 
 
 def standard_offset(of: Any, utc: np.ndarray) -> timedelta:
-    """How far the clock of a zone is ahead of UTC in standard time, never that of summer, in the year of the first of some moments."""
+    """Returns the offset of a zone's standard time from UTC, never that of summer, in the year of
+    the first moment."""
     known = utc[~np.isnat(utc)]
     year = int(str(known[0])[:4]) if len(known) else 2000
     offsets = [datetime(year, month, 1, tzinfo=timezone.utc).astimezone(of).utcoffset() for month in (1, 7)]
@@ -243,12 +254,12 @@ def standard_offset(of: Any, utc: np.ndarray) -> timedelta:
 
 
 def _is_name(time_zone: Any) -> bool:
-    """Whether it is the name of a zone, such as `America/Denver`."""
+    """Returns True for the name of a zone, such as `America/Denver`."""
     return isinstance(time_zone, str) and "/" in time_zone
 
 
 def _zone(of: Any) -> Any:
-    """The zone of a name, or of an offset such as `+01:00`."""
+    """Returns the zone of a name, or of an offset such as `+01:00`."""
     if not isinstance(of, str):
         return of
     try:
@@ -258,7 +269,8 @@ def _zone(of: Any) -> Any:
 
 
 def _hours(time_zone: Any) -> str:
-    """Hours ahead of UTC as text: of a number or text, or of the name of a zone whose clock is never changed."""
+    """Returns hours ahead of UTC as text: of a number or text, or of the name of a zone whose clock
+    never changes."""
     if not _is_name(time_zone):
         return str(time_zone)
     of = _zone(time_zone)

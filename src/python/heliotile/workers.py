@@ -1,4 +1,5 @@
-"""Threads of processes that are workers of Dask. In: a task that runs. Out: work that runs on as many threads as its worker has."""
+"""Threads of processes that are Dask workers. In: a task that runs. Out: work on as many threads as
+the worker has."""
 
 import sys
 
@@ -6,9 +7,10 @@ from . import _heliotile
 
 
 def share_threads() -> None:
-    """On a worker of Dask, makes replays run on its threads, all of its tasks together; elsewhere does nothing.
+    """Makes replays in a Dask worker run on its threads, shared by all of its tasks. Does nothing
+    elsewhere.
 
-    Without it each process would take all cores of its machine: those of other workers, too.
+    Otherwise each process would use all cores of its machine, also those of other workers.
     """
     if (distributed := sys.modules.get("distributed")) is None:
         return

@@ -1,5 +1,5 @@
-//! An archive that is open, or those of an atlas. In: a path. Out: receivers, what they get under weather or conditions, factors over the sun's
-//! position.
+//! An open archive, or the open archives of an atlas. In: a path. Out: receivers, their light under
+//! weather or conditions, and shading factors over the sun's position.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -40,11 +40,12 @@ use heliotile_results::{
 };
 use heliotile_scene::input;
 
-/// An archive, or parts of an atlas, and which way is north. Many threads may read it at once.
+/// An open archive, or open parts of an atlas, with the choice of which way is north. Several
+/// threads may read it at once.
 #[pyclass(frozen, module = "heliotile._heliotile")]
 pub struct ArchiveHandle {
     sources: Arc<Sources>,
-    /// Where the archive lies, or the atlas.
+    /// Path of the archive or of the atlas.
     place: PathBuf,
     grid_north: bool,
 }
@@ -52,10 +53,11 @@ pub struct ArchiveHandle {
 /// Name, diffuse and specular reflectance, transmittance, group, class.
 type MaterialRow = (String, f64, f64, Option<f64>, Option<String>, String);
 
-/// Names, azimuths and altitudes in degrees, and each factor.
+/// Names, azimuths and altitudes in degrees, and the values of each factor.
 type FactorColumns = (Vec<String>, Vec<f64>, Vec<f64>, Vec<(&'static str, Block)>);
 
-/// Receivers that are asked for: those of a list, of a file, of `objects`, `surfaces` or a `bbox`.
+/// Selection of receivers: a list of ids, a file of ids, or one of `objects`, `surfaces` and `bbox`
+/// with its values.
 #[derive(FromPyObject)]
 pub enum Wanted {
     Ids(Vec<String>),
@@ -63,7 +65,7 @@ pub enum Wanted {
     Of(BTreeMap<String, Of>),
 }
 
-/// What is compared with an archive, and where that goes.
+/// Request to compare other archives with this one, and the files to write.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Comparison {
@@ -73,7 +75,7 @@ struct Comparison {
     unmatched: Option<PathBuf>,
 }
 
-/// What is asked of sunlight, and where that goes.
+/// Request for hours of sunlight, and the files to write.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Sunlight {
@@ -81,7 +83,7 @@ struct Sunlight {
     files: FileRequest,
 }
 
-/// What is asked of comfort, and where that goes.
+/// Request for thermal comfort, and the files to write.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Comfort {
@@ -89,7 +91,8 @@ struct Comfort {
     files: FileRequest,
 }
 
-/// Rows of a table by the names of their columns; an empty cell is null.
+/// Returns the rows of a table as JSON objects, keyed by the names of the columns; an empty cell is
+/// null.
 fn json_of(records: &Records) -> Value {
     let cell = |cell: &Cell| match cell {
         Cell::Text(text) => text.as_str().into(),
@@ -103,7 +106,7 @@ fn json_of(records: &Records) -> Value {
     records.rows.iter().map(row).collect()
 }
 
-/// Names, or the numbers of a box.
+/// Names of objects or surfaces, or the numbers of a box.
 #[derive(FromPyObject)]
 pub enum Of {
     Names(Vec<String>),
@@ -132,11 +135,11 @@ impl Wanted {
     }
 }
 
-/// What a choice of receivers may be.
+/// Hint about the valid selections of receivers.
 const HINT: &str =
     "say which by one of {\"objects\": names}, {\"surfaces\": names} and {\"bbox\": (xmin, ymin, xmax, ymax)}";
 
-/// A box of numbers.
+/// Returns the box of `xmin, ymin, xmax, ymax[, zmin, zmax]`.
 pub fn bounds_of(numbers: Vec<f64>) -> Result<Bounds> {
     Bounds::of(&numbers).map_err(|found| Error::argument("receivers", found, HINT))
 }
@@ -151,7 +154,8 @@ impl ArchiveHandle {
         Ok(ArchiveHandle { sources: Arc::new(archive.into()), place, grid_north })
     }
 
-    /// Opens the parts of an atlas that a box `xmin, ymin, xmax, ymax[, zmin, zmax]` touches, all of them without one.
+    /// Opens the parts of an atlas that a box `xmin, ymin, xmax, ymax[, zmin, zmax]` touches, or
+    /// all parts if there is no box.
     #[staticmethod]
     #[pyo3(signature = (atlas, bbox=None, grid_north=false))]
     fn open_atlas(py: Python<'_>, atlas: PathBuf, bbox: Option<Vec<f64>>, grid_north: bool) -> PyResult<Self> {
@@ -159,7 +163,7 @@ impl ArchiveHandle {
         Ok(ArchiveHandle { sources: Arc::new(sources), place: atlas, grid_north })
     }
 
-    /// Refuses the archive of another part than the one of this name and square.
+    /// Checks that the archive is that of the part with this name and square.
     fn check_square(
         &self,
         py: Python<'_>,
@@ -171,7 +175,8 @@ impl ArchiveHandle {
         work::run(py, None, |_| check_square(self.archive(), part, low.into(), high.into(), reach_m))
     }
 
-    /// Of each archive in turn the ids of what is chosen of it; none: all of it.
+    /// Returns the ids of the selected receivers of each archive in turn; `None` if all receivers
+    /// of an archive are selected.
     #[pyo3(signature = (receivers, memory))]
     fn chosen(&self, py: Python<'_>, receivers: Wanted, memory: u64) -> PyResult<Vec<Option<Vec<String>>>> {
         work::run(py, None, |_| {
@@ -199,14 +204,14 @@ impl ArchiveHandle {
         self.sources.borrowed().iter().map(|archive| archive.manifest().receivers.count).sum()
     }
 
-    /// Latitude, longitude, convergence of the grid, all in degrees, and the EPSG number.
+    /// Latitude, longitude and convergence of the grid, in degrees, and the EPSG number.
     #[getter]
     fn place(&self) -> Option<(f64, f64, f64, Option<u32>)> {
         let place = self.archive().manifest().place.as_ref()?;
         Some((place.latitude_deg, place.longitude_deg, place.convergence_deg, place.epsg))
     }
 
-    /// Settings of the build and their numbers; expected error in percent, if one was asked for.
+    /// Settings of the build and their numbers, the quality first.
     #[getter]
     fn settings(&self) -> Vec<(String, String)> {
         let settings = &self.archive().manifest().settings;
@@ -215,7 +220,8 @@ impl ArchiveHandle {
         std::iter::once(quality).chain(numbers).collect()
     }
 
-    /// Names, diffuse and specular reflectance, transmittance, group and class of the materials.
+    /// Returns name, diffuse and specular reflectance, transmittance, group and class of each
+    /// material.
     fn materials(&self, py: Python<'_>) -> PyResult<Vec<MaterialRow>> {
         let row = |m: &heliotile_core::site::material::Material| {
             let class = format!("{:?}", m.class).to_lowercase();
@@ -235,7 +241,7 @@ impl ArchiveHandle {
         })
     }
 
-    /// Columns of all receivers or of some, in the order of results.
+    /// Returns columns of all or of some receivers, in the order of results.
     #[pyo3(signature = (receivers, memory))]
     fn receivers<'py>(&self, py: Python<'py>, receivers: Option<Wanted>, memory: u64) -> PyResult<Bound<'py, PyDict>> {
         let columns = work::run(py, None, |_| columns_of(self.choose(receivers, MemoryBudget::new(memory))?.rows()))?;
@@ -244,7 +250,7 @@ impl ArchiveHandle {
         Ok(table)
     }
 
-    /// Irradiance through weather, all in memory.
+    /// Computes irradiance under weather, all in memory.
     #[pyo3(signature = (light, args, receivers, progress))]
     fn replay(
         &self,
@@ -257,7 +263,7 @@ impl ArchiveHandle {
         self.recombine(py, light, Forcing::Weather(Box::new(args)), receivers, progress)
     }
 
-    /// Irradiance under conditions, all in memory.
+    /// Computes irradiance under conditions, all in memory.
     #[pyo3(signature = (light, conditions, receivers, progress))]
     fn query(
         &self,
@@ -270,7 +276,8 @@ impl ArchiveHandle {
         self.recombine(py, light, Forcing::Conditions(conditions), receivers, progress)
     }
 
-    /// Irradiance into files: tables, maps, charts, a city model. What was done, where that is worth a sentence.
+    /// Writes irradiance to files: tables, maps, charts, a city model. Returns a sentence about
+    /// what was written, if there is one.
     #[pyo3(signature = (light, forcing, receivers, files, progress))]
     fn write(
         &self,
@@ -288,7 +295,8 @@ impl ArchiveHandle {
         })
     }
 
-    /// What a change of the site does to its light, into files: the summary as JSON, a row for each archive after, and in words.
+    /// Writes how a change of the site changes its light. Returns the summary as JSON, one row for
+    /// each archive of the changed site, and as text.
     #[pyo3(signature = (light, forcing, receivers, request, progress))]
     fn compare(
         &self,
@@ -313,7 +321,8 @@ impl ArchiveHandle {
         })
     }
 
-    /// A solar cadastre from the sums of a year: numbers of buildings and of roof faces.
+    /// Writes a solar cadastre from sums over a year. Returns the numbers of buildings and of roof
+    /// faces.
     #[pyo3(signature = (light, replay, files, progress))]
     fn buildings(
         &self,
@@ -331,7 +340,8 @@ impl ArchiveHandle {
         })
     }
 
-    /// The best places of modules by the sums of a year: numbers of places, and of receivers that they were chosen from.
+    /// Writes the best places for modules by sums over a year. Returns the numbers of places and of
+    /// receivers to choose from.
     #[pyo3(signature = (light, replay, files, progress))]
     fn places(
         &self,
@@ -349,7 +359,7 @@ impl ArchiveHandle {
         })
     }
 
-    /// How warm it is for people, into files: numbers of points and of hours.
+    /// Writes thermal comfort of people. Returns the numbers of points and of hours.
     #[pyo3(signature = (light, replay, asked, progress))]
     fn comfort(
         &self,
@@ -373,7 +383,7 @@ impl ArchiveHandle {
         })
     }
 
-    /// Hours of possible sun, and what rules say of them, into files: what was found, as JSON.
+    /// Writes hours of possible sun and how rules rate them. Returns the results as JSON.
     #[pyo3(signature = (receivers, asked, memory, progress))]
     fn sunlight(
         &self,
@@ -404,7 +414,7 @@ impl ArchiveHandle {
         Ok(serde_json::json!(done).to_string())
     }
 
-    /// Writes an archive of some receivers.
+    /// Writes an archive of some receivers and opens it.
     #[pyo3(signature = (output, receivers, with_scene, memory, progress))]
     fn extract(
         &self,
@@ -428,7 +438,7 @@ impl ArchiveHandle {
         })
     }
 
-    /// A replay that computes tiles as they are asked for, and keeps as many of them as fit into `cache` bytes.
+    /// Returns a replay that computes tiles on demand and keeps up to `cache` bytes of them.
     fn lazy(&self, py: Python<'_>, light: LightArgs, args: ReplayArgs, cache: usize) -> PyResult<LazyReplay> {
         let asked = Filled::new(light, Forcing::Weather(Box::new(args))).map_err(|error| raised(py, error))?;
         work::run(py, None, |watch| {
@@ -446,7 +456,8 @@ impl ArchiveHandle {
         })
     }
 
-    /// The five factors over the sun's position: names, azimuths, altitudes, and `[name][azimuth][altitude]` for each factor.
+    /// Computes the five factors over the sun's position. Returns names, azimuths, altitudes, and
+    /// `[name][azimuth][altitude]` for each factor.
     #[pyo3(signature = (steps, by, receivers, memory, progress))]
     fn factors(
         &self,
@@ -488,25 +499,25 @@ impl ArchiveHandle {
 }
 
 impl ArchiveHandle {
-    /// The archive, of an atlas the first one.
+    /// Returns the archive; of an atlas, the first one.
     pub fn archive(&self) -> &Archive {
         self.sources.borrowed().first()
     }
 
-    /// Of an archive that was built.
+    /// Opens an archive that was just written.
     pub fn of(path: &Path) -> Result<Self> {
         let archive = open_archive(path, Access::default())?;
         Ok(ArchiveHandle { sources: Arc::new(archive.into()), place: path.to_path_buf(), grid_north: false })
     }
 
-    /// Those receivers that are wanted, of all archives.
+    /// Returns the selected receivers of all archives.
     fn choose(&self, receivers: Option<Wanted>, memory: MemoryBudget) -> Result<ReceiverSet<'_>> {
         let selection = receivers.map(|wanted| wanted.selection()).transpose()?;
         let choice = ReceiverChoice { selection, grid_north: self.grid_north };
         choice.of(self.sources.borrowed(), &std::env::temp_dir(), memory)
     }
 
-    /// Runs something on the stream of what is asked for.
+    /// Calls `then` with the tile stream of a request.
     fn streamed<T: Send>(
         &self,
         py: Python<'_>,

@@ -1,5 +1,5 @@
-//! What is asked of a replay or a query. In: plain values of `heliotile/archive.py`. Out: the requests that the library runs, and the bytes that
-//! stand in for files.
+//! Requests for a replay or a query. In: plain values of `heliotile/archive.py`. Out: the requests
+//! that the library runs, and the bytes that stand in for files.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ use heliotile_results::{
 };
 use heliotile_scene::input;
 
-/// A file, or the bytes that stand in for one of that name.
+/// A file, or the bytes of a file and its name.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Source {
@@ -35,7 +35,7 @@ pub struct Source {
     bytes: Option<PyBackedBytes>,
 }
 
-/// A number, or values over time: the bytes of a schedule, or its file.
+/// A constant, or values over time: the bytes of a schedule, or its file.
 #[derive(FromPyObject)]
 pub enum Follow {
     Values(PyBackedBytes),
@@ -43,7 +43,7 @@ pub enum Follow {
     File(PathBuf),
 }
 
-/// Choices of both.
+/// Options that `replay` and `query` share.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct LightArgs {
@@ -62,7 +62,7 @@ pub struct LightArgs {
     memory: u64,
 }
 
-/// Choices of a replay.
+/// Options of `replay`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct ReplayArgs {
@@ -84,14 +84,14 @@ pub struct ReplayArgs {
     temperature: Vec<(String, Follow)>,
 }
 
-/// What conditions come from.
+/// Source of the conditions: weather with the options of a replay, or a table of conditions.
 pub enum Forcing {
     Weather(Box<ReplayArgs>),
     Conditions(Source),
 }
 
 impl Forcing {
-    /// Choices of a replay, or a table of conditions.
+    /// Reads the options of a replay, or else a table of conditions.
     pub fn of(given: &Bound<'_, PyAny>) -> PyResult<Self> {
         match given.extract::<ReplayArgs>() {
             Ok(replay) => Ok(Forcing::Weather(Box::new(replay))),
@@ -102,23 +102,24 @@ impl Forcing {
 
 /// A request, and the bytes that stand in for files that it names.
 pub struct Filled {
-    /// The method of Python that asks.
+    /// Name of the Python method.
     method: &'static str,
-    /// Suns and skies, and the light that counts.
+    /// Request for the suns and skies, and for the light that counts.
     pub request: Illumination,
     given: Given,
-    /// Bytes to work in.
+    /// Memory for the work, bytes.
     pub memory: MemoryBudget,
-    /// All that may change values, by the names of the command line, for those who ask how results were made.
+    /// All options that may change values, by the names of the command line, for the provenance of
+    /// results.
     options: Map<String, Value>,
 }
 
-/// Bytes by the names that messages use for them.
+/// Bytes, keyed by the names that messages use for them.
 #[derive(Default)]
 struct Given(HashMap<PathBuf, PyBackedBytes>);
 
 impl Given {
-    /// The name of bytes that were given in place of a file.
+    /// Keeps bytes that stand in for a file. Returns the name of this file.
     fn stand_in(&mut self, what: &str, name: &str, bytes: PyBackedBytes) -> PathBuf {
         let file = PathBuf::from(format!("{what}[{name:?}]"));
         self.0.insert(file.clone(), bytes);
@@ -134,7 +135,7 @@ impl Given {
 }
 
 impl LightArgs {
-    /// Bytes to work in.
+    /// Returns the memory for the work, bytes.
     fn memory(&self) -> MemoryBudget {
         MemoryBudget::new(self.memory)
     }
@@ -233,7 +234,7 @@ impl ReplayArgs {
 }
 
 impl Filled {
-    /// The request of arguments. An error: a name that is not known, a share that is none.
+    /// Builds the request from arguments. Fails if a name is unknown or a share is not from 0 to 1.
     pub fn new(light: LightArgs, forcing: Forcing) -> Result<Self> {
         let (memory, mut given) = (light.memory(), Given::default());
         let mut options = light.options();
@@ -254,7 +255,7 @@ impl Filled {
         Ok(Filled::with(method, request, given, memory, options))
     }
 
-    /// The request of people, and the replay that it stands on.
+    /// Builds the comfort request and the replay that it needs.
     pub fn for_people(light: LightArgs, replay: ReplayArgs, choice: ComfortChoice) -> Result<(Self, ComfortRequest)> {
         let (memory, mut given) = (light.memory(), Given::default());
         let mut options = light.options();
@@ -273,17 +274,18 @@ impl Filled {
         mut options: Map<String, Value>,
     ) -> Self {
         options.insert("columns".to_owned(), names(&request.light().columns()).into());
-        // As on the command line: what was not said is not there.
+        // As on the command line, options without a value are left out.
         options.retain(|_, value| !value.is_null() && value.as_array().is_none_or(|all| !all.is_empty()));
         Filled { method, request, given, memory, options }
     }
 
-    /// Light that counts.
+    /// Returns the choice of light.
     pub fn light(&self) -> &LightChoice {
         self.request.light()
     }
 
-    /// Conditions of what is open with their labels, and what a computation may use; what is odd is told.
+    /// Calls `then` with the labelled conditions for the open archives and the resources. Warns of
+    /// weather that does not fit the site.
     pub fn with_series<T>(
         &self,
         archives: Archives,
@@ -312,7 +314,8 @@ fn names(columns: &ComponentList) -> String {
 }
 
 impl Follow {
-    /// As on the command line; `stand_in` is the name of values that were given as such.
+    /// Returns the value as the command line writes it; `stand_in` names values that were given as
+    /// bytes.
     fn text(&self, stand_in: impl FnOnce() -> String) -> String {
         match self {
             Follow::Constant(value) => value.to_string(),
@@ -322,7 +325,7 @@ impl Follow {
     }
 }
 
-/// `name=value` of each entry, as on the command line.
+/// Returns `name=value` of each entry, as on the command line.
 fn named<'a>(what: &str, all: impl Iterator<Item = &'a (String, Follow)>) -> Value {
     all.map(|(name, follow)| format!("{name}={}", follow.text(|| format!("{what}[{name:?}]")))).collect()
 }

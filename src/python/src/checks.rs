@@ -1,5 +1,6 @@
-//! Whether archives are what they say, archives that are edited, and what accuracy costs. In: requests as JSON, which `heliotile/checks.py` and `heliotile/studies.py` make of
-//! keyword arguments. Out: what was found as JSON, and as text for people.
+//! Checks and edits of archives, and the cost of accuracy. In: requests as JSON, which
+//! `heliotile/checks.py` and `heliotile/studies.py` make of keyword arguments. Out: results as JSON
+//! or plain values, and as text for people.
 
 use std::path::{Path, PathBuf};
 
@@ -14,13 +15,14 @@ use heliotile_core::archive::{Access, Problem};
 use heliotile_core::error::{Error, Result};
 use heliotile_results::{AuditRequest, PageRequest, RepairRequest, TradeoffRequest, UpdateRequest};
 
-/// Part, offset and reason of a problem.
+/// Block, offset in bytes and reason of a problem.
 type ProblemRow = (String, u64, String);
 
-/// The archive, its blocks and their bytes, bytes behind its end, problems, why it is not that of its part, and all of it as text.
+/// Archive, number of its blocks, their bytes, bytes behind its end, problems, the reason why it is
+/// not the archive of its part, and all of this as text.
 type CheckedRow = (PathBuf, u64, u64, u64, Vec<ProblemRow>, Option<String>, String);
 
-/// What was found, as JSON.
+/// Returns a result as JSON.
 fn json(found: &impl Serialize) -> Result<String> {
     serde_json::to_string(found).map_err(|error| Error::io(Path::new("what was found"), "write")(error.into()))
 }
@@ -29,7 +31,8 @@ fn rows(problems: Vec<Problem>) -> Vec<ProblemRow> {
     problems.into_iter().map(|problem| (problem.part, problem.offset, worded_text(&problem.reason))).collect()
 }
 
-/// Compares an archive with the judge: what was found, and a table for people. A folder gets the table of pairs, pictures and a page.
+/// Compares an archive with the reference path tracer. Returns the result as JSON and a table as
+/// text. Writes the table of pairs, pictures and a page to `folder`, if given.
 #[pyfunction]
 pub fn audit(
     py: Python<'_>,
@@ -47,7 +50,7 @@ pub fn audit(
     })
 }
 
-/// Checks every block of the archive at a place, or of those of an atlas.
+/// Checks every block of an archive, or of all archives of an atlas.
 #[pyfunction]
 pub fn verify(py: Python<'_>, place: PathBuf, deep: bool) -> PyResult<Vec<CheckedRow>> {
     work::run(py, None, |_| {
@@ -63,7 +66,8 @@ pub fn verify(py: Python<'_>, place: PathBuf, deep: bool) -> PyResult<Vec<Checke
     })
 }
 
-/// Makes a damaged archive whole: the archive, what was wrong, rays that were traced, and these as text.
+/// Repairs a damaged archive. Returns the archive, its problems, the number of rays traced, and
+/// these as text.
 #[pyfunction]
 pub fn repair(
     py: Python<'_>,
@@ -78,10 +82,12 @@ pub fn repair(
     })
 }
 
-/// Counts of receivers: those that stay, moved, went and are new, and the names of those that are buried.
+/// New archive; counts of receivers kept, moved, gone and new; names of buried receivers; rays
+/// traced; and these as text.
 type UpdateRow = (PathBuf, [usize; 4], Vec<String>, u64, String);
 
-/// Edits the scene of an archive: the new archive, what became of the receivers, rays that were traced, and these as text.
+/// Edits the scene of an archive. Returns the new archive, what became of the receivers, the number
+/// of rays traced, and these as text.
 #[pyfunction]
 pub fn update(py: Python<'_>, text: &str, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<UpdateRow> {
     work::run(py, progress.as_ref(), |watch| {
@@ -91,7 +97,7 @@ pub fn update(py: Python<'_>, text: &str, memory: u64, progress: Option<Bound<'_
     })
 }
 
-/// Tries settings on a site: what they cost and bring.
+/// Tries settings on a site. Returns their cost and accuracy as JSON.
 #[pyfunction]
 pub fn tradeoff(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<String> {
     work::run(py, progress.as_ref(), |watch| {
@@ -100,7 +106,7 @@ pub fn tradeoff(py: Python<'_>, text: String, memory: u64, progress: Option<Boun
     })
 }
 
-/// Writes layers of a receiver, or view factors of all.
+/// Writes the layers of a receiver, or the view factors of all receivers.
 #[pyfunction]
 pub fn export(py: Python<'_>, text: String, memory: u64) -> PyResult<()> {
     work::run(py, None, |watch| {
@@ -108,7 +114,7 @@ pub fn export(py: Python<'_>, text: String, memory: u64) -> PyResult<()> {
     })
 }
 
-/// Writes the page that shows an archive.
+/// Writes the web page that shows an archive.
 #[pyfunction]
 pub fn view(py: Python<'_>, text: &str, memory: u64) -> PyResult<()> {
     work::run(py, None, |watch| request::<PageRequest>(text)?.write(&resources(memory, watch)))

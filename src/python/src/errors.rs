@@ -1,4 +1,5 @@
-//! Errors as exceptions. In: an error of the engine. Out: its class of `heliotile.errors`, with the text that the program prints.
+//! Errors as exceptions. In: an error of the engine. Out: an exception of `heliotile.errors`, with
+//! the text that the program prints.
 
 use pyo3::prelude::*;
 
@@ -6,17 +7,17 @@ use heliotile_core::error::Error;
 use heliotile_core::text::{Named, with_fields};
 use heliotile_program::{command_of, option_of};
 
-/// The exception of an error.
+/// Returns the exception of an error.
 pub fn raised(py: Python<'_>, error: Error) -> PyErr {
     exception(py, &error.in_words(&in_python)).unwrap_or_else(|failed| failed)
 }
 
-/// A text in the words of Python.
+/// Returns a text with Python's names of fields and commands.
 pub fn worded_text(text: &str) -> String {
     with_fields(text, &in_python)
 }
 
-/// Keywords of fields of requests, and the program where Python starts it.
+/// Returns the keyword of a request's field, or the command that starts the program from Python.
 fn in_python(named: Named) -> Option<String> {
     match named {
         Named::Field(field) => option_of(field).map(|_| keyword(field).to_owned()),
@@ -24,7 +25,8 @@ fn in_python(named: Named) -> Option<String> {
     }
 }
 
-/// What Python calls a field of a request: as the command line does, but for these.
+/// Returns Python's keyword for a field of a request: the name on the command line, with these
+/// exceptions.
 fn keyword(field: &str) -> &str {
     match field {
         "from" => "start",
@@ -53,7 +55,7 @@ fn exception(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
         Error::SourceChanged { .. } => "ChangedError",
         Error::Unsupported { .. } => "UnsupportedError",
         Error::Limit { .. } => "LimitError",
-        // What all others are, too.
+        // The base class, for errors that get a class of their own later.
         _ => "Error",
     };
     let made = py.import("heliotile.errors")?.getattr(class)?.call1((error.to_string(),))?;
@@ -92,7 +94,8 @@ fn exception(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
     Ok(PyErr::from_value(made))
 }
 
-/// For `map_err` of texts of options: `text.parse().map_err(wrong("sky", text))`.
+/// Returns a function for `map_err` that names the argument: `text.parse().map_err(wrong("sky",
+/// hint))`.
 pub fn wrong<E: std::fmt::Display>(argument: &'static str, hint: &'static str) -> impl FnOnce(E) -> Error {
     move |what| Error::argument(argument, what.to_string(), hint)
 }

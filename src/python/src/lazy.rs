@@ -1,5 +1,6 @@
-//! A replay that waits. In: an archive and a series of conditions, then numbers of receivers. Out: their rows; only the tiles that they are
-//! in are computed, and the last ones are kept.
+//! A replay on demand. In: an archive and a series of conditions, then numbers of receivers. Out:
+//! rows of these receivers. Only the tiles that hold them are computed, and the latest tiles are
+//! kept.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -20,7 +21,7 @@ use heliotile_core::replay::run::Replay;
 use heliotile_results::{Sources, TileStream};
 
 self_cell!(
-    /// A replay beside the archive that it reads.
+    /// A replay with the archive that it reads.
     struct Held {
         owner: Arc<Sources>,
         #[not_covariant]
@@ -28,25 +29,26 @@ self_cell!(
     }
 );
 
-/// The asked columns of a tile: `[column][receiver][label]`.
+/// Requested columns of a tile: `[column][receiver][label]`.
 type Tile = Arc<Vec<f32>>;
 
-/// A replay that computes tiles as they are asked for.
+/// A replay that computes tiles on demand.
 #[pyclass(frozen, module = "heliotile._heliotile")]
 pub struct LazyReplay {
     held: Held,
     frame: Arc<Frame>,
-    /// `[tile]`: place of its first receiver, and behind them the number of all.
+    /// `[tile]`: number of its first receiver; the last entry is the number of all receivers.
     starts: Vec<usize>,
     kept: Mutex<VecDeque<(u32, Tile)>>,
-    /// Tiles that may be kept.
+    /// Largest number of tiles that are kept.
     most: usize,
-    /// Tiles that are computed between two looks at whether to stop.
+    /// Number of tiles that are computed between two checks for a request to stop.
     at_once: usize,
 }
 
 impl LazyReplay {
-    /// Of all receivers of an archive, the first of what is open; `cache` bytes of tiles are kept.
+    /// Returns a replay of all receivers of the first open archive that keeps up to `cache` bytes
+    /// of tiles.
     pub fn new(
         sources: &Arc<Sources>,
         stream: &TileStream,
@@ -79,7 +81,8 @@ impl LazyReplay {
         })
     }
 
-    /// Tiles in the order asked for: those that are kept, and new ones. An error, too: an observer who wants the work to stop.
+    /// Returns tiles in the order of `wanted`, from the kept ones where possible. Fails if the
+    /// observer wants the work to stop.
     fn tiles(&self, wanted: &[u32], observer: &dyn Observer) -> Result<Vec<Tile>> {
         if observer.cancelled() {
             return Err(Error::Stopped { what: "before all tiles were replayed".into() });
@@ -105,6 +108,7 @@ impl LazyReplay {
             *tile = new.next().map(|(_, tile)| Arc::clone(tile));
         }
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        // The lock was free during the work, so another thread may have kept the tile already.
         for (number, tile) in made {
             if kept.iter().all(|(known, _)| *known != number) {
                 kept.push_back((number, tile));
@@ -118,12 +122,13 @@ impl LazyReplay {
 
 #[pymethods]
 impl LazyReplay {
-    /// What rows are about.
+    /// Returns the number of receivers, labels, columns and provenance of the rows.
     fn frame(&self) -> FrameHandle {
         FrameHandle(Arc::clone(&self.frame))
     }
 
-    /// Rows of a column, `[receiver][label]`, of receivers by their numbers in the archive, in any order.
+    /// Returns rows of a column, `[receiver][label]`, for receivers by their numbers in the
+    /// archive, in any order.
     fn rows(&self, py: Python<'_>, column: &str, receivers: Vec<usize>) -> PyResult<Block> {
         let frame = &self.frame;
         let place = frame.column(column).ok_or_else(|| PyKeyError::new_err(no_column(frame, column)))?;
@@ -137,7 +142,7 @@ impl LazyReplay {
         let labels = frame.labels.len();
         let values = work::run(py, None, |watch| {
             let mut values = vec![0.0_f32; receivers.len() * labels];
-            // Rows of many tiles take little beside the tiles themselves.
+            // Tiles are taken in groups: their memory is far larger than that of the rows.
             for some in wanted.chunks(self.at_once) {
                 let tiles = self.tiles(some, watch)?;
                 for (to, receiver) in values.chunks_mut(labels.max(1)).zip(&receivers) {

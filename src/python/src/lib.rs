@@ -1,18 +1,18 @@
-//! The Python package's own module, `heliotile._heliotile`. In: arguments that `heliotile/*.py` has put into plain types. Out: archives,
-//! results, tables, as memory that NumPy and Arrow share. Every number comes from the crates that the program's commands call.
-//!
+//! The Python package's own module, `heliotile._heliotile`. In: arguments that `heliotile/*.py` has
+//! converted to plain types. Out: archives, results and tables, in memory that NumPy and Arrow
+//! share. Every number comes from the crates that the program's commands call.
 //! | file | in | out |
 //! | --- | --- | --- |
-//! | `work` | long work | the same without Python's lock, with progress and Ctrl-C |
-//! | `errors` | errors of the engine | exceptions of `heliotile.errors`, same text |
-//! | `memory` | numbers | what NumPy and Arrow see of them |
+//! | `work` | long work | its result, without Python's lock, with progress and Ctrl-C |
+//! | `errors` | errors of the engine | exceptions of `heliotile.errors`, with the engine's text |
+//! | `memory` | numbers | views of them for NumPy and Arrow |
 //! | `asked` | arguments of `replay` and `query` | conditions, choices of light |
 //! | `archive` | a file | receivers, results, factors |
 //! | `results` | tiles | columns, Arrow, pvlib's names |
-//! | `lazy` | an archive and conditions | rows of single receivers, a tile at a time |
-//! | `atlas` | a folder of parts, words | parts; the program |
+//! | `lazy` | an archive and conditions | rows of single receivers, computed tile by tile |
+//! | `atlas` | a folder of parts, arguments of the command line | parts; the program |
 //! | `studies` | requests as JSON | folders of results, archives |
-//! | `checks` | requests as JSON | what is wrong with archives, and what accuracy costs |
+//! | `checks` | requests as JSON | problems of archives, and the cost of accuracy |
 //! | `scene` | files, receivers | a scene; an archive |
 
 mod archive;

@@ -1,11 +1,13 @@
-//! Memory that NumPy and Arrow share. In: numbers or texts. Out: a block that NumPy takes as an array without copying, and Arrow as a column.
+//! Memory that NumPy and Arrow share. In: numbers or texts. Out: a block that NumPy takes as an
+//! array and Arrow as a column, without copying.
 
 use arrow_buffer::{ArrowNativeType, Buffer};
 use heliotile_core::error::{Error, Result};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-/// Numbers or texts of one type in rows, read-only: `numpy.asarray(block)` is a view that keeps it alive.
+/// Rows of numbers or texts of one type, read-only. `numpy.asarray(block)` is a view that keeps it
+/// alive.
 #[pyclass(frozen, module = "heliotile._heliotile")]
 pub struct Block {
     buffer: Buffer,
@@ -13,9 +15,9 @@ pub struct Block {
     shape: Vec<usize>,
 }
 
-/// Numbers that NumPy knows.
+/// Number type that NumPy knows.
 pub trait Plain: ArrowNativeType {
-    /// As `numpy.dtype` writes it.
+    /// Name of the type for `numpy.dtype`.
     const NAME: &'static str;
 }
 
@@ -32,24 +34,24 @@ impl Plain for i64 {
 }
 
 impl Block {
-    /// Of some numbers, row-major; they are not copied.
+    /// Takes row-major numbers without copying them.
     pub fn of<T: Plain>(values: Vec<T>, shape: &[usize]) -> Self {
         Block::shared::<T>(Buffer::from_vec(values), shape)
     }
 
-    /// Of memory that others hold too.
+    /// Takes memory that has other owners, too.
     pub fn shared<T: Plain>(buffer: Buffer, shape: &[usize]) -> Self {
         Block { buffer, type_name: T::NAME.to_owned(), shape: shape.to_vec() }
     }
 }
 
-/// Texts, one after the other in one piece of memory.
+/// Texts in one piece of memory, one after the other.
 #[derive(Default)]
 pub struct Texts {
     all: String,
-    /// Where each ends, in bytes.
+    /// End of each text, in bytes.
     ends: Vec<usize>,
-    /// Characters of the longest.
+    /// Length of the longest text, in characters.
     widest: usize,
 }
 
@@ -60,7 +62,8 @@ impl Texts {
         self.widest = self.widest.max(text.chars().count());
     }
 
-    /// As NumPy holds texts: each as wide as the longest, 4 bytes a character, 0 behind its end. An error if there is no room for that.
+    /// Returns the texts in NumPy's layout: each as wide as the longest, 4 bytes a character,
+    /// filled with 0 behind its end. Fails if there is not enough memory.
     pub fn block(&self) -> Result<Block> {
         let (count, width) = (self.ends.len(), self.widest.max(1));
         let mut characters: Vec<u32> = Vec::new();
@@ -84,7 +87,8 @@ impl Texts {
 
 #[pymethods]
 impl Block {
-    /// Where NumPy finds the numbers. The array's `base` is this object, which nobody can change, so that they stay where they are.
+    /// Address, type and shape for NumPy. The array's `base` is this object, which cannot change,
+    /// so the memory stays valid.
     #[getter]
     fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let about = PyDict::new(py);

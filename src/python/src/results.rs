@@ -1,5 +1,5 @@
-//! Results in memory. In: tiles of irradiance. Out: a column of f32 for each component, `[receiver][label]`, which NumPy, Arrow and pvlib's
-//! names share.
+//! Results in memory. In: tiles of irradiance. Out: a column of f32 for each component,
+//! `[receiver][label]`, which NumPy and Arrow share; columns by pvlib's names.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -22,10 +22,10 @@ use heliotile_results::{
     Archives, ArrowRows, By, Layout, ONE_SIDE, Provenance, RowLabels, SideHours, Tile, TileSink, TileStream,
 };
 
-/// Rows that a record batch has at least, if there are so many.
+/// Smallest number of rows of a record batch, but for the last.
 const BATCH_ROWS: usize = 1 << 20;
 
-/// What results are about: how many receivers, labels, columns, and what they were made from.
+/// Description of results: number of receivers, labels, columns, and provenance.
 pub struct Frame {
     pub receivers: usize,
     pub labels: RowLabels,
@@ -35,7 +35,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Of a stream of so many receivers of what is open at a place.
+    /// Describes the results of a stream of `receivers` receivers of the archives at `place`.
     pub fn new(stream: &TileStream, receivers: usize, archives: Archives, place: &Path) -> Self {
         let (about, components) = (stream.about(archives, place), stream.light.columns());
         let layout = Layout::of_components(stream.series.kind, By::Receiver, &components);
@@ -46,7 +46,7 @@ impl Frame {
         self.components.as_slice()
     }
 
-    /// The place of a column by its name, with or without the ending of sums.
+    /// Returns the index of a column by its name, with or without the suffix of sums.
     pub fn column(&self, name: &str) -> Option<usize> {
         let names = self.layout.values();
         let place = self.components().iter().position(|component| self.components.name_of(*component) == name);
@@ -58,25 +58,25 @@ impl Frame {
 #[pyclass(frozen, module = "heliotile._heliotile")]
 pub struct Recombined {
     frame: Arc<Frame>,
-    /// Ids, in the order of rows.
+    /// Ids of receivers, in the order of rows.
     names: Vec<String>,
     /// `[column]`: f32, `[receiver][label]`.
     columns: Vec<Buffer>,
 }
 
-/// Results that tiles are put into one after the other.
+/// Results to which tiles are appended.
 pub struct Gathered<'a> {
     frame: &'a Frame,
     columns: Vec<Vec<f32>>,
 }
 
 impl<'a> Gathered<'a> {
-    /// Without results.
+    /// Returns results without rows.
     pub fn new(frame: &'a Frame) -> Self {
         Gathered { frame, columns: Vec::new() }
     }
 
-    /// The columns.
+    /// Returns the columns, `[receiver][label]`.
     pub fn columns(self) -> Vec<Buffer> {
         self.columns.into_iter().map(Buffer::from_vec).collect()
     }
@@ -87,7 +87,7 @@ impl TileSink for Gathered<'_> {
         ComponentSet::of(self.frame.components())
     }
 
-    /// Makes room for all of them; an error if there is none.
+    /// Reserves memory for all results; fails if there is not enough.
     fn start(&mut self) -> Result<()> {
         let len = self.frame.receivers * self.frame.labels.len();
         let columns = self.frame.components().iter().map(|_| {
@@ -115,7 +115,7 @@ impl TileSink for Gathered<'_> {
 }
 
 impl Recombined {
-    /// Columns of receivers by their names.
+    /// Returns results of receivers with these ids.
     pub fn new(frame: Frame, names: Vec<String>, columns: Vec<Buffer>) -> Self {
         Recombined { frame: Arc::new(frame), names, columns }
     }
@@ -123,18 +123,18 @@ impl Recombined {
 
 #[pymethods]
 impl Recombined {
-    /// What these results are about.
+    /// Returns the description of these results.
     fn frame(&self) -> FrameHandle {
         FrameHandle(Arc::clone(&self.frame))
     }
 
-    /// Ids, in the order of rows.
+    /// Ids of receivers, in the order of rows.
     #[getter]
     fn receivers(&self) -> Vec<String> {
         self.names.clone()
     }
 
-    /// A column by its name, `[receiver][label]`.
+    /// Returns a column by its name, `[receiver][label]`.
     fn column(&self, name: &str) -> PyResult<Block> {
         let frame = &self.frame;
         let found = frame.column(name).and_then(|place| self.columns.get(place));
@@ -142,7 +142,7 @@ impl Recombined {
         Ok(Block::shared::<f32>(buffer.clone(), &[frame.receivers, frame.labels.len()]))
     }
 
-    /// Light on one receiver by pvlib's names, W/m2.
+    /// Returns the irradiance of one receiver by pvlib's names, W/m2.
     fn pvlib(&self, py: Python<'_>, receiver: usize) -> PyResult<Vec<(&'static str, Block)>> {
         let (frame, labels) = (&self.frame, self.frame.labels.len());
         if receiver >= frame.receivers {
@@ -162,14 +162,14 @@ impl Recombined {
         Ok(columns.map(|(name, values)| (name, Block::of(values, &[labels]))).collect())
     }
 
-    /// The Arrow C stream of all rows, whose values are not copied.
+    /// Returns the Arrow C stream of all rows; values are not copied.
     #[pyo3(signature = (requested_schema=None))]
     fn __arrow_c_stream__<'py>(
         &self,
         py: Python<'py>,
         requested_schema: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // Those who ask get what there is, as the protocol allows.
+        // The protocol allows a schema other than the requested one.
         let _ = requested_schema;
         let frame = &self.frame;
         let rows = ArrowRows::new(Arc::new(frame.layout.columns(&frame.labels)), &self.names, &frame.about);
@@ -180,13 +180,13 @@ impl Recombined {
     }
 }
 
-/// Names that a message shows.
+/// Returns the message about an unknown column, with the names of the known ones.
 pub fn no_column(frame: &Frame, name: &str) -> String {
     let known: Vec<&str> = frame.components().iter().map(|component| frame.components.name_of(*component)).collect();
     format!("no column `{name}`: there are {}", known.join(", "))
 }
 
-/// Rows of results, some receivers at a time.
+/// Record batches of results, some receivers at a time.
 struct Batches {
     rows: ArrowRows,
     columns: Vec<ScalarBuffer<f32>>,
@@ -218,25 +218,26 @@ impl RecordBatchReader for Batches {
     }
 }
 
-/// What results are about, as Python sees it.
+/// Description of results for Python.
 #[pyclass(frozen, module = "heliotile._heliotile")]
 pub struct FrameHandle(pub Arc<Frame>);
 
 #[pymethods]
 impl FrameHandle {
-    /// How many.
+    /// Number of receivers.
     #[getter]
     fn receivers(&self) -> usize {
         self.0.receivers
     }
 
-    /// Text of the labels, as CSV has it.
+    /// Text of each label, as in CSV files.
     #[getter]
     fn labels(&self) -> Vec<String> {
         self.0.labels.text.clone()
     }
 
-    /// Seconds since 1970 in UTC, and minutes of the local clock ahead of it; none where labels are words.
+    /// Seconds since 1970 in UTC, and minutes of the local clock ahead of UTC; `None` if labels are
+    /// names of conditions.
     #[getter]
     fn instants(&self) -> Option<(Block, i32)> {
         let instants = self.0.labels.instants.as_ref()?;
@@ -244,7 +245,7 @@ impl FrameHandle {
         Some((block, instants.offset.minutes()))
     }
 
-    /// Names of components, and of the columns that files have.
+    /// Names of components, and names of their columns in files.
     #[getter]
     fn columns(&self) -> Vec<(String, String)> {
         let names = self.0.components().iter().map(|component| self.0.components.name_of(*component).to_owned());
@@ -263,19 +264,19 @@ impl FrameHandle {
         self.0.components().iter().map(|component| component.meaning()).collect()
     }
 
-    /// `time` or `condition`.
+    /// Name of the label column, `time` or `condition`.
     #[getter]
     fn label(&self) -> &'static str {
         self.0.layout.label()
     }
 
-    /// `W/m2` or `kWh/m2`.
+    /// Unit of the values, `W/m2` or `kWh/m2`.
     #[getter]
     fn unit(&self) -> &'static str {
         self.0.layout.unit()
     }
 
-    /// What results were made from.
+    /// Provenance of the results.
     #[getter]
     fn provenance(&self) -> BTreeMap<String, String> {
         self.0.about.entries().into_iter().collect()

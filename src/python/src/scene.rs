@@ -1,4 +1,5 @@
-//! A scene, and the archive that is traced of it. In: files of the world, receivers, how exact it is to be. Out: a scene; an archive.
+//! A scene, and the archive that is traced from it. In: scene files, receivers, accuracy. Out: a
+//! scene; an archive.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -33,14 +34,14 @@ use heliotile_scene::request::SceneRequest;
 use heliotile_scene::site::Site;
 use heliotile_scene::{Scene, SurfaceRasters};
 
-/// A scene that was read.
+/// A scene that was read from files.
 #[pyclass(frozen, module = "heliotile._heliotile")]
 pub struct SceneHandle {
     scene: Arc<Scene>,
     site: Site,
 }
 
-/// Files, and what is said about them.
+/// Files of a scene, and options of how to read them.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct SceneArgs {
@@ -64,14 +65,14 @@ pub struct SceneArgs {
     landcover: Option<PathBuf>,
 }
 
-/// Points that get light: a file, or the bytes of one.
+/// Table of receivers: a file, or its bytes.
 #[derive(FromPyObject)]
 pub enum ReceiverSource {
     Table(PyBackedBytes),
     File(PathBuf),
 }
 
-/// How an archive is built.
+/// Options of a build.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct BuildArgs {
@@ -79,24 +80,24 @@ pub struct BuildArgs {
     quality: String,
     error: Option<f64>,
     error_weather: Option<PathBuf>,
-    /// What is known of that file, as JSON.
+    /// Options for reading `error_weather`, as JSON.
     about_error_weather: String,
     settings: Vec<String>,
     effects: String,
     with_scene: bool,
     /// Archive of the scene before it was changed.
     before: Option<PathBuf>,
-    /// Percent that what is kept may be off by.
+    /// Bound of a preview, percent of the light on open ground.
     preview: Option<f64>,
     fresh: bool,
     checkpoint: f64,
     memory: u64,
 }
 
-/// The archive, seconds by stage, rays, bytes, and the estimated error in percent.
+/// Archive, seconds by stage, number of rays, bytes, and the estimated error in percent.
 type Built = (ArchiveHandle, Vec<(&'static str, f64)>, u64, u64, Option<f64>);
 
-/// Where receivers are put.
+/// Options of where receivers are placed.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct CoverArgs {
@@ -172,7 +173,7 @@ impl SceneHandle {
         self.scene.mesh.triangles.len()
     }
 
-    /// Names, diffuse and specular reflectance.
+    /// Name, diffuse and specular reflectance of each material.
     #[getter]
     fn materials(&self) -> Vec<(String, f64, f64)> {
         self.scene.materials.iter().map(|m| (m.name.clone(), m.diffuse, m.specular)).collect()
@@ -184,13 +185,13 @@ impl SceneHandle {
         self.scene.place.map(|place| (place.latitude_deg, place.longitude_deg))
     }
 
-    /// What was decided that nobody asked for.
+    /// Decisions that the reader took by itself.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.scene.report.notes.iter().map(|note| worded_text(note)).collect()
     }
 
-    /// Writes the table of receivers on surfaces: their number, and what was covered in words.
+    /// Writes a table of receivers on surfaces. Returns their number and a summary.
     fn cover(
         &self,
         py: Python<'_>,
@@ -209,7 +210,8 @@ impl SceneHandle {
         })
     }
 
-    /// Traces an archive: its handle, seconds by stage, rays, bytes and the estimated error in percent.
+    /// Traces an archive. Returns its handle, seconds by stage, number of rays, bytes, and the
+    /// estimated error in percent.
     #[pyo3(signature = (receivers, args, progress))]
     fn build(
         &self,
@@ -223,6 +225,7 @@ impl SceneHandle {
             let folder = folder_of(&args.output);
             let given = Given::of(&receivers)?;
             let inputs = [given.user_file(), args.error_weather.as_deref(), args.before.as_deref()];
+            // A wrong output is an error before the long work starts.
             if is_address(&args.output) {
                 let hint = "write a file, and then: {command:copy} FILE ADDRESS";
                 return Err(Error::input(
@@ -270,7 +273,7 @@ impl SceneHandle {
 }
 
 impl BuildArgs {
-    /// How exact the archive is to be; what is wrong is said before anything is read.
+    /// Returns the accuracy request. Wrong arguments are errors here, before any file is read.
     fn accuracy(&self) -> Result<AccuracyRequest> {
         let accuracy = AccuracyRequest {
             quality: by_name::<Quality>("quality", &self.quality)?,
@@ -283,12 +286,12 @@ impl BuildArgs {
     }
 }
 
-/// A table of receivers on a disk.
+/// A table of receivers on disk.
 enum Given<'a> {
     File(&'a PathBuf),
     Written {
         path: PathBuf,
-        /// It goes with the value.
+        /// Temporary folder of the file, deleted with this value.
         _folder: tempfile::TempDir,
     },
 }

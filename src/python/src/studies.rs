@@ -1,5 +1,5 @@
-//! Work that writes files. In: requests as JSON, which `heliotile/studies.py` makes of keyword arguments. Out: files, and what was done. A
-//! request is the type that the program fills.
+//! Work that writes files. In: requests as JSON, which `heliotile/studies.py` makes of keyword
+//! arguments. Out: files, and a summary. Each request is the type that the command line fills, too.
 
 use std::path::{Path, PathBuf};
 
@@ -26,10 +26,10 @@ use heliotile_results::pv::PvRequest;
 use heliotile_results::{ComfortRequest, ComfortSiteRequest, Provenance, ReplayRequest, Resources, RunRequest};
 use heliotile_scene::input;
 
-/// The folder, the archive, names of files, and a table as text.
+/// Folder, archive, names of files, and a table as text.
 type Study = (PathBuf, PathBuf, Vec<String>, String);
 
-/// A request from JSON.
+/// Reads a request from JSON.
 pub fn request<T: DeserializeOwned>(text: &str) -> Result<T> {
     serde_json::from_str(text).map_err(|error| {
         let what = error.to_string();
@@ -38,18 +38,19 @@ pub fn request<T: DeserializeOwned>(text: &str) -> Result<T> {
     })
 }
 
-/// What results say of how they were made: the function and its arguments.
+/// Returns the provenance of results: the Python function and its arguments.
 pub fn about(function: &str, text: &str) -> Provenance {
     let options: Map<String, Value> = serde_json::from_str(text).unwrap_or_default();
     Provenance::new(format!("heliotile.{function}"), options)
 }
 
-/// What work may use, and whom it tells.
+/// Returns the resources for work: memory in bytes, scratch space, a reader of files, and an
+/// observer.
 pub fn resources<'a>(memory: u64, observer: &'a dyn Observer) -> Resources<'a> {
     Resources { memory: MemoryBudget::new(memory), storage: &SystemTemp, files: &input::read, observer }
 }
 
-/// From scene files to a folder of a year's results.
+/// Writes a year's results of scene files to a folder.
 #[pyfunction]
 pub fn run(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
     work::run(py, progress.as_ref(), |watch| {
@@ -58,7 +59,7 @@ pub fn run(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_,
     })
 }
 
-/// Light on solar modules.
+/// Writes the irradiance on solar modules to a folder.
 #[pyfunction]
 pub fn pv(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<Study> {
     work::run(py, progress.as_ref(), |watch| {
@@ -67,7 +68,7 @@ pub fn pv(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, 
     })
 }
 
-/// An archive of people, and the weather that it will be asked under.
+/// Request for an archive with people, and the weather of its later replays.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PeopleArgs {
@@ -77,7 +78,7 @@ struct PeopleArgs {
     about_weather: WeatherOptions,
 }
 
-/// The archive of a scene with people: its path.
+/// Builds the archive of a scene with people. Returns its path.
 #[pyfunction]
 pub fn comfort(py: Python<'_>, text: &str, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<PathBuf> {
     work::run(py, progress.as_ref(), |watch| {
@@ -90,13 +91,14 @@ pub fn comfort(py: Python<'_>, text: &str, memory: u64, progress: Option<Bound<'
     })
 }
 
-/// A model of EnergyPlus with the sun that its surroundings reflect.
+/// Writes an EnergyPlus model with the sunlight that its surroundings reflect.
 #[pyfunction]
 pub fn energyplus(py: Python<'_>, text: String, memory: u64, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
     work::run(py, progress.as_ref(), |watch| request::<EnergyplusRequest>(&text)?.write(&resources(memory, watch)))
 }
 
-/// Cuts a region into parts: how many, and what the halo costs.
+/// Cuts a region into parts. Returns their number and a sentence on the error of the halo, if it
+/// was estimated.
 #[pyfunction]
 #[pyo3(signature = (text, atlas, replace, sample, memory, progress))]
 pub fn partition(
@@ -125,7 +127,7 @@ pub fn catalogue(py: Python<'_>, atlas: PathBuf, title: Option<String>, license:
     })
 }
 
-/// The union of two archives of one scene.
+/// Writes the union of two archives of one scene.
 #[pyfunction]
 pub fn merge(
     py: Python<'_>,
@@ -142,7 +144,7 @@ pub fn merge(
     })
 }
 
-/// Whether two archives are equal, and what they do not share as text.
+/// Compares two archives. Returns true if they are equal, and their differences as text.
 #[pyfunction]
 pub fn diff(py: Python<'_>, archives: [PathBuf; 2], memory: u64) -> PyResult<(bool, String)> {
     work::run(py, None, |_| {
@@ -153,7 +155,8 @@ pub fn diff(py: Python<'_>, archives: [PathBuf; 2], memory: u64) -> PyResult<(bo
     })
 }
 
-/// Where work on an archive goes.
+/// Returns the folder and the memory for work on an archive; a folder for temporary files if
+/// `output` is `-`.
 pub fn workspace_of(output: &Path, memory: u64) -> Workspace {
     let folder = match output == Path::new("-") {
         true => std::env::temp_dir(),

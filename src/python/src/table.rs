@@ -1,18 +1,18 @@
-//! The table of receivers. In: receivers of archives. Out: a column for each thing that is known of them.
+//! The table of receivers. In: receivers of archives. Out: a column for each of their properties.
 
 use crate::memory::{Block, Texts};
 use heliotile_builder::transfer::LayeredReceiver;
 use heliotile_core::error::Result;
 use heliotile_core::site::receiver::Receiver;
 
-/// The shares of a receiver's hemisphere: sky, ground, obstruction.
+/// Shares of a receiver's hemisphere: sky, ground, obstruction.
 type Views = [f32; 3];
 
-/// What a column says of a receiver.
+/// Property of a receiver that a column holds.
 enum Told {
-    /// Words, empty where nobody says.
+    /// Text, empty where it is not known.
     Text(fn(&Receiver) -> &str),
-    /// Metres, m2 or shares; NaN where nobody says.
+    /// Metres, m2 or shares; NaN where it is not known.
     Number(fn(&Receiver, Views) -> f64),
 }
 
@@ -36,7 +36,7 @@ const COLUMNS: [(&str, Told); 15] = [
     ("obstruction_view", Number(|_, [_, _, obstruction]| f64::from(obstruction))),
 ];
 
-/// A column that grows.
+/// A column to which receivers are appended.
 enum Column {
     Texts(fn(&Receiver) -> &str, Texts),
     Numbers(fn(&Receiver, Views) -> f64, Vec<f64>),
@@ -61,7 +61,7 @@ impl Column {
     }
 }
 
-/// Columns by name, `[receiver]`.
+/// Returns the columns `[receiver]` with their names.
 pub fn columns_of(receivers: impl Iterator<Item = Result<LayeredReceiver<()>>>) -> Result<Vec<(&'static str, Block)>> {
     let mut columns = COLUMNS.map(|(name, told)| match told {
         Text(text) => (name, Column::Texts(text, Texts::default())),

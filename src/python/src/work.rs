@@ -1,5 +1,5 @@
-//! Long work beside Python. In: what is to be done. Out: its result; meanwhile Python's other threads run, progress is told, and Ctrl-C or an
-//! exception of whoever is told stops the work where it can stop.
+//! Long work beside Python. In: a function. Out: its result. Meanwhile Python's other threads run
+//! and `progress` is called. Ctrl-C or an exception of `progress` stops the work at its next check.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -13,35 +13,36 @@ use crate::errors::{raised, worded_text};
 use heliotile_core::error::Result;
 use heliotile_core::observer::Observer;
 
-/// How often signals and progress are looked at.
+/// Interval at which signals and progress are checked.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// Frames between a warning's text and the user's line: `heliotile/*.py`.
+/// Number of frames from a warning to the user's line; the frames between are of `heliotile/*.py`.
 const STACK_LEVEL: i32 = 2;
 
-/// Tiles whose irradiance this process has computed.
+/// Number of tiles whose irradiance this process has computed.
 static TILES: AtomicU64 = AtomicU64::new(0);
 
-/// Counts tiles that were computed.
+/// Adds `tiles` to the number of computed tiles.
 pub fn count_tiles(tiles: usize) {
     TILES.fetch_add(tiles as u64, Ordering::Relaxed);
 }
 
-/// Tiles of 64 receivers that this process has computed since it began.
+/// Returns the number of tiles of 64 receivers that this process has computed so far.
 #[pyfunction]
 pub fn tiles_computed() -> u64 {
     TILES.load(Ordering::Relaxed)
 }
 
-/// Makes all work of this process run on so many threads; one that has begun already keeps its own. How many they are.
+/// Sets the number of threads of this process, unless work has begun already. Returns the number in
+/// use.
 #[pyfunction]
 pub fn use_threads(count: usize) -> usize {
-    // An error: there are threads already.
+    // It fails if the threads exist already: the number in use stays.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(count).build_global();
     rayon::current_num_threads()
 }
 
-/// What the work tells, and whether it is to stop.
+/// Progress and warnings of the work, and the request to stop it.
 #[derive(Default)]
 pub struct Watch {
     stop: AtomicBool,
@@ -99,14 +100,14 @@ impl Observer for Watch {
 }
 
 impl Watch {
-    /// Waits a while, or until the work has ended: whether it has.
+    /// Waits until the work ends, but not longer than [`LOOK_EVERY`]. Returns true if it has ended.
     fn wait(&self) -> bool {
         let finished = locked(&self.finished);
         let waited = self.changed.wait_timeout_while(finished, LOOK_EVERY, |finished| !*finished);
         *waited.unwrap_or_else(PoisonError::into_inner).0
     }
 
-    /// Calls `progress(stage, done, items)` for each stage that has gone on.
+    /// Calls `progress(stage, done, items)` for each stage that has advanced.
     fn tell(&self, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let Some(progress) = progress else { return Ok(()) };
         let news: Vec<_> = {
@@ -122,7 +123,7 @@ impl Watch {
     }
 }
 
-/// Says that the work has ended, however it did.
+/// Marks the work as ended when dropped, after a panic too.
 struct End<'a>(&'a Watch);
 
 impl Drop for End<'_> {
@@ -132,7 +133,8 @@ impl Drop for End<'_> {
     }
 }
 
-/// Does something long. An error is an exception; so are Ctrl-C and what `progress` raises, after which nothing goes on.
+/// Runs `work` on a thread of its own. Its error becomes an exception. Ctrl-C and an exception of
+/// `progress` stop the work and are raised.
 pub fn run<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -146,6 +148,8 @@ pub fn run<T: Send>(
             let _end = End(&watch);
             work(&watch)
         });
+        // Python handles signals on its main thread, so the calling thread waits and looks while
+        // the worker computes. After a failure it waits on until the worker has stopped.
         loop {
             let finished = py.detach(|| watch.wait());
             if failed.is_none()
@@ -168,7 +172,7 @@ pub fn run<T: Send>(
     Ok(done)
 }
 
-/// Gives sentences to Python's `warnings`.
+/// Raises each text as a Python warning.
 pub fn warn(py: Python<'_>, texts: &[String]) -> PyResult<()> {
     let class = || py.import("heliotile.errors")?.getattr("HeliotileWarning");
     texts.iter().try_for_each(|text| {
@@ -177,7 +181,8 @@ pub fn warn(py: Python<'_>, texts: &[String]) -> PyResult<()> {
     })
 }
 
-/// A process that was forked off has none of the threads that tiles are computed on, and would wait for them for ever.
+/// Returns an error in a forked process: the threads that compute tiles do not exist there, so the
+/// work would wait for them forever.
 fn refuse_forks() -> PyResult<()> {
     static FIRST: OnceLock<u32> = OnceLock::new();
     if *FIRST.get_or_init(std::process::id) == std::process::id() {

@@ -1,54 +1,57 @@
 //! Calendar dates of weather rows: proleptic Gregorian, standard time, no daylight saving.
 
-/// A checked calendar date.
+/// A calendar date that exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Date {
     /// Year of the calendar, with all four digits.
     pub year: i32,
-    /// 1..=12.
+    /// Month, 1..=12.
     pub month: u32,
-    /// 1..=28, 29, 30 or 31.
+    /// Day of the month, 1..=28, 29, 30 or 31.
     pub day: u32,
 }
 
 /// Julian day number of 1970-01-01 00:00 UT.
 const JULIAN_DAY_OF_1970: f64 = 2_440_587.5;
 
-/// Days after which the calendar repeats.
+/// Number of days after which the calendar repeats.
 const DAYS_OF_400_YEARS: i32 = 146_097;
 
 /// Seconds of a day.
 const DAY_S: f64 = 86_400.0;
 
 impl Date {
-    /// Where day numbers count from.
+    /// Date of day number 0.
     pub const OF_DAY_0: Date = Date { year: 1970, month: 1, day: 1 };
 
-    /// A date that exists, in the years 1 to 2999 (the range of the delta T estimate ends in 3000).
+    /// Returns a date that exists, in the years 1 to 2999 (the range of the delta T estimate ends
+    /// in 3000).
     pub fn new(year: i32, month: u32, day: u32) -> Option<Self> {
         let exists = (1..3000).contains(&year) && day >= 1 && day <= days_in_month(year, month);
         exists.then_some(Date { year, month, day })
     }
 
-    /// The year of weather that names none: it starts on a Sunday, as files of EnergyPlus say, and has no 29 February.
+    /// Year for weather that names none. It starts on a Sunday, as files of EnergyPlus say, and has
+    /// no 29 February.
     pub const NO_YEAR: i32 = 2017;
 
-    /// A date of no year: in [`Date::NO_YEAR`], and 29 February in the year before.
+    /// Returns a date without a year: in [`Date::NO_YEAR`], but 29 February in the year before.
     pub fn of_no_year(month: u32, day: u32) -> Option<Self> {
         Date::new(Date::NO_YEAR, month, day).or_else(|| Date::new(Date::NO_YEAR - 1, month, day))
     }
 
-    /// 1 on 1 January, 366 on 31 December of a leap year.
+    /// Returns the day of the year: 1 on 1 January, 366 on 31 December of a leap year.
     pub fn day_of_year(self) -> u32 {
         (1..self.month).map(|m| days_in_month(self.year, m)).sum::<u32>() + self.day
     }
 
-    /// Julian date (UT) of `minutes` after the local midnight that starts this date, in a zone `zone_hours` east.
+    /// Returns the Julian date (UT) of `minutes` after the local midnight that starts this date, in
+    /// a zone `zone_hours` east.
     pub fn julian_date(self, minutes: f64, zone_hours: f64) -> f64 {
         JULIAN_DAY_OF_1970 + f64::from(self.day_number()) + (minutes - 60.0 * zone_hours) / 1440.0
     }
 
-    /// Days from 1970-01-01 to this date, negative before.
+    /// Returns the days from 1970-01-01 to this date, negative before.
     pub fn day_number(self) -> i32 {
         let years_before = self.year - 1;
         let whole = |years| years_before.div_euclid(years);
@@ -57,8 +60,9 @@ impl Date {
         years_before * 365 + leap_days + self.day_of_year() as i32 - 719_163
     }
 
-    /// The moment so many minutes after the midnight that starts this date, to the second: the day that it lies in, and minutes of that
-    /// day, from 0 to below 1440. Also where that day is in the year 0 or 3000, for labels of shifted clocks and of last hours.
+    /// Returns the moment `minutes` after the midnight that starts this date, to the second: its
+    /// date, and the minutes of that day, from 0 to below 1440. The date may lie in the year 0 or
+    /// 3000, for labels of shifted clocks and of last hours.
     pub fn after(self, minutes: f64) -> (Self, f64) {
         let seconds = (60.0 * minutes).round();
         let days = (seconds / DAY_S).floor();
@@ -71,9 +75,9 @@ impl Date {
         (date.unwrap_or(self), (seconds - DAY_S * days) / 60.0)
     }
 
-    /// The date of a [`Date::day_number`], in the years 1 to 2999.
+    /// Returns the date of a [`Date::day_number`], in the years 1 to 2999.
     pub fn of_day_number(days: i32) -> Option<Self> {
-        // A year too early does no harm.
+        // An estimate one year too early is corrected by the search.
         let about = (i64::from(days) + 719_162) * 400 / i64::from(DAYS_OF_400_YEARS);
         (i32::try_from(about).ok()?.max(1)..3000).find_map(|year| {
             let first = Date::new(year, 1, 1)?;
@@ -88,14 +92,15 @@ impl Date {
         })
     }
 
-    /// `YYYY-MM-DDTHH:MM`, for minutes of this date (0..1440).
+    /// Returns `YYYY-MM-DDTHH:MM`, for minutes of this date (0..1440).
     pub fn label(self, minutes: u32) -> String {
         let Date { year, month, day } = self;
         format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}", minutes / 60, minutes % 60)
     }
 
-    /// Whether `next` is the day after this one in a file whose months may come from different years: years are not
-    /// compared, 29 February may be absent, and 31 December is followed by 1 January.
+    /// Returns true if `next` is the day after this one in a file whose months may come from
+    /// different years. Years are not compared, 29 February may be absent, and 31 December is
+    /// followed by 1 January.
     pub fn is_followed_by(self, next: Date) -> bool {
         let last = days_in_month(self.year, self.month);
         if next.month == self.month {
@@ -121,8 +126,8 @@ fn days_in_month(year: i32, month: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// Julian dates agree with Reda and Andreas (2003), table A4.1: 2000-01-01 12:00 UT is 2451545.0, 1987-01-27 00:00 is
-    /// 2446822.5, 1600-12-31 00:00 is 2305812.5.
+    /// Julian dates agree with Reda and Andreas (2003), table A4.1: 2000-01-01 12:00 UT is
+    /// 2451545.0, 1987-01-27 00:00 is 2446822.5, 1600-12-31 00:00 is 2305812.5.
     #[test]
     fn julian_dates() {
         for (year, month, day, minutes, expected) in
@@ -133,8 +138,9 @@ mod tests {
         }
     }
 
-    /// All 730,000 days of the years 1 to 1999 or so, and the last of 2999, come back from their numbers, which count up by 1 from day to day;
-    /// 1970-01-01 is 0, and what lies outside the years is no date.
+    /// The first 730,000 days from 1 January of the year 1, and the last of 2999, come back from
+    /// their numbers, which count up by 1 from day to day. 1970-01-01 is 0, and numbers outside of
+    /// the years 1 to 2999 have no date.
     #[test]
     fn day_numbers() {
         let first = Date::new(1, 1, 1).expect("a date").day_number();
@@ -164,8 +170,9 @@ mod tests {
         assert!(Date::new(2016, 13, 1).is_none() && Date::new(2016, 4, 31).is_none());
     }
 
-    /// 1970-01-01 is day 0, the day before it -1, 2000-03-01 day 11017 (Reda and Andreas' 2000-01-01 is 10957), and through 800 years from
-    /// 1600 every day's next one is one day on: 292,194 days.
+    /// 1970-01-01 is day 0, the day before it -1, 2000-03-01 day 11017 (Reda and Andreas'
+    /// 2000-01-01 is 10957). From 1600 to 2400 the number of each next day is larger by 1: 292,194
+    /// days.
     #[test]
     fn days_go_on() {
         let date = |y, m, d| Date::new(y, m, d).expect("a date");
@@ -183,8 +190,8 @@ mod tests {
         assert_eq!(count, 292_194);
     }
 
-    /// Minutes before and after a day are carried into the right one, over the ends of months, leap days and years, also into the years 0 and
-    /// 3000, and to the second: 11 of 11.
+    /// Minutes before and after a day give the right date, over the ends of months, leap days and
+    /// years, also into the years 0 and 3000, and to the second: 11 of 11.
     #[test]
     fn moments() {
         for ((y, m, d), minutes, expected) in [
@@ -210,7 +217,8 @@ mod tests {
         }
     }
 
-    /// The day after 28 February may be 29 February or 1 March, whatever the years; two days on is not the day after.
+    /// The day after 28 February may be 29 February or 1 March in any year; two days on is not the
+    /// day after.
     #[test]
     fn next_days() {
         let date = |y, m, d| Date::new(y, m, d).expect("a date");

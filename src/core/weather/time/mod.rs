@@ -1,5 +1,5 @@
-//! Time: dates, years, the sun above a place, and which condition counts for which period. In: numbers of files. Out: instants and
-//! directions.
+//! Time: dates, years, the sun above a place, and the result that each condition adds to. In:
+//! numbers of files. Out: instants and directions.
 
 pub mod bins;
 pub mod calendar;

@@ -1,15 +1,17 @@
-//! The sun's paths over a place, as people draw them. In: a site. Out: directions along the days of the solstices and of an
-//! equinox, and along the year at each full hour.
+//! Sun-path diagram of a place. In: a site. Out: directions of the sun along the days of the
+//! solstices and of an equinox, and along the year at each full hour.
 
 use glam::DVec3;
 
 use crate::weather::time::calendar::Date;
 use crate::weather::time::sun::Location;
 
-/// The days between which the sun's paths lie, and the one amid them; in autumn the sun takes the path of spring.
+/// Days of the solstices, between which the sun's paths lie, and of the spring equinox; in autumn
+/// the sun takes the path of spring.
 pub const DAYS: [(u32, u32, &str); 3] = [(6, 21, "21 Jun"), (3, 20, "20 Mar"), (12, 21, "21 Dec")];
 
-/// A day of each month, between the solstices; the sun takes all paths but the first and the last twice.
+/// A day of each month, between the solstices; the sun takes all paths but the first and the last
+/// twice.
 pub const MONTHS: [(u32, u32, &str); 7] = [
     (6, 21, "Jun"),
     (5, 21, "May, Jul"),
@@ -20,33 +22,33 @@ pub const MONTHS: [(u32, u32, &str); 7] = [
     (12, 21, "Dec"),
 ];
 
-/// The year that the positions are of; others differ by less than half a degree.
+/// Year of the positions; in other years they differ by less than half a degree.
 const YEAR: i32 = 2021;
 
 /// Minutes between the points of a day.
 const STEP_MIN: u32 = 5;
 
-/// Days of the months that an hour's loop passes through.
+/// Days of each month that an hour's loop passes through.
 const LOOP_DAYS: [u32; 5] = [1, 7, 13, 19, 25];
 
 /// Paths of the sun over a site.
 pub struct SunPath {
     /// `[day]`: directions from midnight to midnight, below the horizon too.
     pub days: Vec<Vec<DVec3>>,
-    /// `[hour]`, 0 to 23: the loop of the sun at this hour of the clock through a year, closed.
+    /// `[hour]`, 0 to 23: closed loop of the sun at this hour of the clock through a year.
     pub hours: Vec<Vec<DVec3>>,
 }
 
 impl SunPath {
-    /// The paths over a place on [`DAYS`].
+    /// Returns the paths over a place on [`DAYS`].
     pub fn of(site: &Location) -> Self {
         SunPath::on(&DAYS, site)
     }
 
-    /// The paths on some days: month, day, and a name.
+    /// Returns the paths on some days, each with month, day and a name.
     pub fn on(days: &[(u32, u32, &str)], site: &Location) -> Self {
         let sun = |month, day, minutes: u32| {
-            // Every one of these dates exists.
+            // All of these dates exist, so the default is never used.
             Date::new(YEAR, month, day).map_or(DVec3::NEG_Z, |date| site.sun(date, f64::from(minutes)))
         };
         let path = |&(month, day, _): &(u32, u32, &str)| {
@@ -62,8 +64,9 @@ impl SunPath {
 mod tests {
     use super::*;
 
-    /// At 52 N on its meridian the sun is highest at 90 - 52 + 23.44, 0 and -23.44 deg, within 0.3; the noon loop stays within 5 deg of
-    /// the meridian and within 47 deg of itself; at 52 S the midday sun is in the north.
+    /// At 52 N on its meridian the sun is highest at 90 - 52 + 23.44, 0 and -23.44 deg, within 0.3.
+    /// The noon loop stays within 9 deg of azimuth from the meridian, and its altitudes span 46.9
+    /// deg within 0.6. At 52 S the midday sun is in the north.
     #[test]
     fn known_heights() {
         let path = SunPath::of(&Location::new(52.0, 0.0, 0.0, 0.0).expect("a site"));
@@ -81,8 +84,8 @@ mod tests {
         assert!(south.hours[12].iter().all(|d| d.y > 0.0));
     }
 
-    /// The paths of months lie apart in order: at 52 N the midday sun of the 7 falls by 3 to 13 deg from one to the next, and a month's
-    /// partner in its name stands within 1.5 deg of it.
+    /// The paths of months are in order: at 52 N the midday sun falls by 3 to 13 deg from each of
+    /// the 7 paths to the next, and the other month in a path's name stands within 1.5 deg of it.
     #[test]
     fn months_in_order() {
         let site = Location::new(52.0, 0.0, 0.0, 0.0).expect("a site");

@@ -1,26 +1,28 @@
-//! How far a clock is from UTC. In: hours of a weather file's header. Out: whole minutes, as ISO 8601 writes them.
+//! Offset of a clock from UTC. In: hours of a weather file's header. Out: whole minutes, as ISO
+//! 8601 writes them.
 
 use std::fmt;
 
-/// The fixed distance of a clock from UTC, in whole minutes; there is no daylight saving time.
+/// Fixed offset of a clock from UTC, in whole minutes; there is no daylight saving time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UtcOffset {
     minutes: i32,
 }
 
 impl UtcOffset {
-    /// Of a zone in hours east, to the nearest minute: ISO 8601 has no finer ones.
+    /// Returns the offset of a zone in hours east, to the nearest minute: ISO 8601 has no finer
+    /// ones.
     pub fn of_hours(hours: f64) -> Self {
         UtcOffset { minutes: (60.0 * hours).round() as i32 }
     }
 
-    /// Minutes ahead of UTC, negative in the west.
+    /// Returns the minutes ahead of UTC, negative in the west.
     pub fn minutes(self) -> i32 {
         self.minutes
     }
 }
 
-/// `+05:30`; UTC is `+00:00`.
+/// Writes the offset as `+05:30`; UTC is `+00:00`.
 impl fmt::Display for UtcOffset {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sign = if self.minutes < 0 { '-' } else { '+' };
@@ -33,7 +35,8 @@ impl fmt::Display for UtcOffset {
 mod tests {
     use super::*;
 
-    /// Nine zones, whole hours and not, west and east: their ISO 8601 offsets and minutes.
+    /// Nine zones, of whole and other hours, west and east, have their ISO 8601 offsets and
+    /// minutes.
     #[test]
     fn offsets() {
         for (hours, text, minutes) in [

@@ -1,25 +1,27 @@
-//! What the years of a weather file stand for.
+//! Meaning of the years of a weather file. In: the dates of its rows. Out: one year, a typical year
+//! or several years.
 
 use std::collections::HashMap;
 
 use crate::weather::time::calendar::Date;
 
-/// Farther from one row to the next, or backwards, months are not of one series.
+/// Longest gap between rows of one series, days. Months that are farther apart, or go backwards,
+/// are not of one series.
 const LONGEST_GAP_DAYS: i32 = 31;
 
-/// Years of a series of dates.
+/// Kinds of years of a series of dates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Years {
-    /// All rows share one.
+    /// All rows are of one year.
     One,
-    /// A typical year: months come from different years, none from two.
+    /// A typical year: months come from different years, no month from two.
     Typical,
-    /// The series goes on over the new year, or some month occurs in two years: it really is of several years.
+    /// Several real years: the series goes on over the new year, or some month occurs in two years.
     Several,
 }
 
 impl Years {
-    /// What the years of these dates, in the order of the file, stand for.
+    /// Returns the kind of years of these dates, which are in the order of the file.
     pub fn of(dates: impl IntoIterator<Item = Date>) -> Self {
         let mut year_of_month = HashMap::new();
         let (mut before, mut years): (Option<Date>, _) = (None, Years::One);
@@ -39,7 +41,7 @@ impl Years {
         years
     }
 
-    /// Whether years tell rows apart; those of a typical year do not.
+    /// Returns true if years tell rows apart; the years of a typical year do not.
     pub fn matter(self) -> bool {
         self != Years::Typical
     }
@@ -49,7 +51,8 @@ impl Years {
 mod tests {
     use super::*;
 
-    /// A winter from 31 December to 1 January is of two years, and so is December to January; 2007 after 2008 is not.
+    /// A winter from 31 December to 1 January is of two years, and so is December to January; 2007
+    /// after 2008 is not.
     #[test]
     fn over_the_new_year() {
         let of = |dates: &[(i32, u32, u32)]| Years::of(dates.iter().filter_map(|&(y, m, d)| Date::new(y, m, d)));
@@ -58,7 +61,8 @@ mod tests {
         assert_eq!(of(&[(2008, 12, 31), (2007, 1, 1), (2007, 2, 1)]), Years::Typical);
     }
 
-    /// One year, months of two years, a month in two years: 3 of 3, and the years of the second do not matter.
+    /// One year, a typical year of two years, and a month in two years are told apart: 3 of 3. Only
+    /// the years of the typical year do not matter.
     #[test]
     fn three_kinds() {
         let of = |months: &[(i32, u32)]| {
