@@ -41,8 +41,8 @@ fn after(text: &str, word: &str) -> f64 {
     digits.parse().expect("a number")
 }
 
-/// Builds for 4 % and 1 % expect no more than that and find it on all receivers within a factor of
-/// 2. The archive states the error, and is the same on one thread. The archive for 1 % has more
+/// Builds for 4 % and 1 % expect no more than that and find it on all receivers within a factor
+/// of 2. The archive states the error, and is the same on one thread. The archive for 1 % has more
 /// bytes. `info` shows the error and its tiles; a part of the site keeps the error without the
 /// tiles.
 #[test]

@@ -201,8 +201,8 @@ fn a_sequence_comes_back() {
     assert_eq!(themes, 3);
 }
 
-/// A file that is no model of this archive is refused, and so is an output that does not fit: 10 of
-/// 10. For a model that holds some of the objects, a warning says so.
+/// A file that is no model of this archive is refused, and so is an output that does not fit: 10
+/// of 10. For a model that holds some of the objects, a warning says so.
 #[test]
 fn wrong_models() {
     let folder = site("hague.city.json", "");

@@ -56,8 +56,8 @@ impl Weather {
         ((f64::from(steps_an_hour) * self.interval_hours - 1e-9).ceil() as usize).max(1)
     }
 
-    /// Returns the sun in the middle of a row, with the suns of the rows before and after it if these are
-    /// of the same day and of equal length, without a gap between.
+    /// Returns the sun in the middle of a row, with the suns of the rows before and after it if
+    /// these are of the same day and of equal length, without a gap between.
     pub fn known_suns(&self, place: usize, row: &WeatherRow) -> KnownSuns {
         let long_min = row.interval.end_min - row.interval.start_min;
         let beside = |other: Option<&WeatherRow>, after_min: f64| {
@@ -131,8 +131,8 @@ mod tests {
         }
     }
 
-    /// All of the DNI of a sunrise hour goes to the sunlit part: six suns, all up, weights sum to
-    /// 1. Labels are the start of the interval, and E0 is the day's value (1378 W/m2 on 21 March,
+    /// All of the DNI of a sunrise hour goes to the sunlit part: six suns, all up, weights sum
+    /// to 1. Labels are the start of the interval, and E0 is the day's value (1378 W/m2 on 21 March,
     /// within 2).
     #[test]
     fn sunrise_hour() {
@@ -153,8 +153,9 @@ mod tests {
         assert!((mean - 0.074).abs() < 0.006, "{mean}");
     }
 
-    /// Suns of an hour between two others of its day follow from those, and are within 1e-5 degrees of those
-    /// of the hour alone. Without the row after it, or with a gap before it, they are those of the hour alone.
+    /// Suns of an hour between two others of its day follow from those, and are within 1e-5 degrees
+    /// of those of the hour alone. Without the row after it, or with a gap before it, they are
+    /// those of the hour alone.
     #[test]
     fn suns_of_rows_beside() {
         let site = Location::new(51.5, 0.0, 0.0, 10.0).expect("a site");

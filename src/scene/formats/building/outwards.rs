@@ -182,8 +182,8 @@ mod tests {
         facing_inwards(&room.iter().map(|face| vec![face.as_slice()]).collect::<Vec<_>>())
     }
 
-    /// In a room of 7 faces, exactly the faces that look inwards are found: none, one, two and all
-    /// 7. Without its ceiling, none of the other 6 is found.
+    /// In a room of 7 faces, exactly the faces that look inwards are found: none, one, two and
+    /// all 7. Without its ceiling, none of the other 6 is found.
     #[test]
     fn faces_that_look_into_a_closed_room() {
         for turned in [vec![], vec![1], vec![0, 6], (0..7).collect()] {
