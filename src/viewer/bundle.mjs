@@ -7,7 +7,7 @@ import { build } from "esbuild";
 
 const here = new URL(".", import.meta.url);
 const read = (path) => readFileSync(new URL(path, here), "utf8");
-const page = new URL("page.html", here);
+const page = new URL("../results/page/page.html", here);
 
 async function bundled(entry, format) {
   const { outputFiles } = await build({
@@ -61,4 +61,4 @@ for (const marker of ["<!-- heliotile: data -->", "<!-- heliotile: later -->"]) 
 }
 writeFileSync(page, html);
 const kB = (text) => `${Math.round(Buffer.byteLength(text) / 1000)} kB`;
-console.log(`src/viewer/page.html: ${kB(html)}; script ${kB(script)}, worker ${kB(worker)}, style ${kB(style)}, engine ${kB(blocks)} packed`);
+console.log(`src/results/page/page.html: ${kB(html)}; script ${kB(script)}, worker ${kB(worker)}, style ${kB(style)}, engine ${kB(blocks)} packed`);

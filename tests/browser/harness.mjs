@@ -9,7 +9,7 @@ const { chromium } = createRequire(new URL("src/viewer/package.json", top))("pla
 
 export const path = (relative) => new URL(relative, top).pathname;
 export const out = path("target/browser/");
-export const PAGE = readFileSync(path("src/viewer/page.html"), "utf8");
+export const PAGE = readFileSync(path("src/results/page/page.html"), "utf8");
 export const HAGUE = path("target/browser/hague.sun/site.helio");
 /** With 2,035 receivers. */
 export const DENSE = path("target/browser/dense.sun/site.helio");

@@ -17,7 +17,7 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::weather::options::{TimeShift, WeatherOptions};
 
 /// HTML of the page, as `src/viewer/build` makes it.
-const PAGE: &str = include_str!("../../viewer/page.html");
+const PAGE: &str = include_str!("../page/page.html");
 /// Marker in the page that is replaced by the data of the first picture.
 const MARKER: &str = "<!-- heliotile: data -->";
 /// Marker behind the script that is replaced by data that the first picture does not need.

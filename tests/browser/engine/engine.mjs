@@ -7,7 +7,7 @@ import { gunzipSync } from "node:zlib";
 export const WORK = process.env.WORK;
 export const UNCHANGED = { reflectance: [], transmittance: [] };
 const { Tasks } = await import(join(WORK, "tasks.mjs"));
-const page = "src/viewer/page.html";
+const page = "src/results/page/page.html";
 const engine = process.env.ENGINE
   ? readFileSync(process.env.ENGINE)
   : gunzipSync(Buffer.from(/id="engine"[^>]*>([^<]*)</.exec(readFileSync(page, "utf8"))[1], "base64"));

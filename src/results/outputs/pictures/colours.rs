@@ -11,7 +11,7 @@ pub const STEPS: usize = 256;
 
 /// Source files of the page's colour maps: one definition for both.
 const PAGE: [&str; 2] =
-    [include_str!("../../../viewer/source/colour/viridis.ts"), include_str!("../../../viewer/source/colour/puor.ts")];
+    [include_str!("../../page/viridis.ts"), include_str!("../../page/puor.ts")];
 
 static VIRIDIS: LazyLock<Vec<Rgb>> = LazyLock::new(|| stops(PAGE[0]));
 

@@ -5,7 +5,7 @@ import { legendTicks } from "./range";
 import { limitsOf, type Band } from "./stress";
 import { number } from "../words";
 import type { ColourMap } from "./map";
-import { VIRIDIS } from "./viridis";
+import { VIRIDIS } from "../../../results/page/viridis";
 
 /** What the legend says. */
 export interface Key {

@@ -3,7 +3,7 @@
 
 import { DataTexture, FloatType, FrontSide, GLSL3, RedFormat, RGBAFormat, ShaderMaterial, type Texture, UnsignedByteType, Vector2 } from "three";
 import { STEPS, type ColourMap } from "../colour/map";
-import { VIRIDIS } from "../colour/viridis";
+import { VIRIDIS } from "../../../results/page/viridis";
 
 /** Receivers in a row of the texture of values. */
 export const WIDTH = 1024;

@@ -1,6 +1,6 @@
 // The colour map viridis, dark blue to yellow: even steps for the eye, in grey and for the colour-blind too.
 // By S. van der Walt, N. Smith and E. Firing for matplotlib, given to the public domain (CC0). 256 colours, sRGB, six hexadecimal digits each.
-import { colourMap } from "./map";
+import { colourMap } from "../../viewer/source/colour/map";
 
 export const VIRIDIS = colourMap(
   "44015444025645045745055946075a46085c460a5d460b5e470d60470e61471063471164471365481467481668481769" +
