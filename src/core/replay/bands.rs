@@ -1,8 +1,9 @@
-//! Columns of light by band. In: the columns that are asked for, an open site. Out: which replays they take, as the site is in their bands, and
-//! what the light of sun and sky is taken times in each.
+//! Columns of light by band. In: the columns that are asked for, an open site. Out: which replays
+//! they take, as the site is in their bands, and what the light of sun and sky is taken times in
+//! each.
 //!
-//! A band is the same replay as that of all light, with other reflectances, transmittances and source scales; columns whose materials reflect
-//! alike share one.
+//! A band is the same replay as that of all light, with other reflectances, transmittances and
+//! source scales; columns whose materials reflect alike share one.
 
 use crate::light::states::Schedule;
 use crate::opened::OpenSite;
@@ -12,9 +13,10 @@ use crate::sky::efficacy::luminous_efficacy;
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
-/// Photons of 400 to 700 nm in a joule of their energy, umol/J: McCree, "Test of current definitions of photosynthetically active radiation
-/// against leaf photosynthesis data", Agricultural Meteorology 10, 1972, for sun and sky. The direct spectrum of ASTM G173-03 has 4.63, what
-/// the sky adds to it 4.41.
+/// Photons of 400 to 700 nm in a joule of their energy, umol/J: McCree, "Test of current
+/// definitions of photosynthetically active radiation against leaf photosynthesis data",
+/// Agricultural Meteorology 10, 1972, for sun and sky. The direct spectrum of ASTM G173-03 has
+/// 4.63, what the sky adds to it 4.41.
 const PHOTONS_UMOL_J: f64 = 4.57;
 
 /// A band whose shares of the light a user gives.
@@ -54,7 +56,8 @@ struct BandColumn {
 }
 
 impl BandColumn {
-    /// The column of `component`; `None` where it belongs to no band, or to a band of a file that is not there.
+    /// The column of `component`; `None` where it belongs to no band, or to a band of a file that
+    /// is not there.
     fn of(component: Component, own: &[OwnBand]) -> Option<Self> {
         let band = |band: Band, factor| {
             let scaling = SourceScaling::Constant(band.shares().times(factor));
@@ -124,7 +127,8 @@ impl<'a> BandPass<'a> {
         self.columns.iter().flat_map(|column| scaled(column.scaling)).collect()
     }
 
-    /// Where they add to: the results of the first column, then those of the next; `are_sums`: results are sums with hours / 1000.
+    /// Where they add to: the results of the first column, then those of the next; `are_sums`:
+    /// results are sums with hours / 1000.
     pub(super) fn bins(&self, bins: &Bins, are_sums: bool) -> Bins {
         let of_column = |(place, column): (usize, &BandColumn)| {
             let factor = if are_sums { column.component.measure().sum_factor() } else { 1.0 };

@@ -5,7 +5,8 @@ use std::str::FromStr;
 /// Ending of the value columns of sums over periods.
 pub const SUM_SUFFIX: &str = "_kwh_m2";
 
-/// A value column, in the order of [`crate::replay::values::TileValues`]: W/m2 means; sums add [`SUM_SUFFIX`].
+/// A value column, in the order of [`crate::replay::values::TileValues`]: W/m2 means; sums add
+/// [`SUM_SUFFIX`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Component {
@@ -25,7 +26,8 @@ pub enum Component {
     Total,
     /// Of sky, ground and obstructions by their temperatures; no part of the total.
     Longwave,
-    /// The part of `sun_diffuse` that comes from ground, as what is seen first; in mirrors, the mirror is.
+    /// The part of `sun_diffuse` that comes from ground, as what is seen first; in mirrors, the
+    /// mirror is.
     SunDiffuseGround,
     /// ... from obstructions: all that is not ground.
     SunDiffuseObstruction,
@@ -84,7 +86,8 @@ impl LightMeasure {
         }
     }
 
-    /// What sums over hours / 1000 are taken times to be in their unit: a flux of photons counts by the second.
+    /// What sums over hours / 1000 are taken times to be in their unit: a flux of photons counts by
+    /// the second.
     pub fn sum_factor(self) -> f64 {
         match self {
             LightMeasure::PhotonFlux => 3.6,
@@ -260,7 +263,8 @@ impl ComponentSet {
         self.0 & 1 << component as u32 != 0
     }
 
-    /// Whether a component must be computed: it is asked for, or a part of the total that is, or one of its parts.
+    /// Whether a component must be computed: it is asked for, or a part of the total that is, or
+    /// one of its parts.
     pub fn needs(self, component: Component) -> bool {
         self.contains(component)
             || self.contains(Component::Total) && Component::ALL.contains(&component)
@@ -301,8 +305,8 @@ impl ComponentList {
         ComponentList { list, own: Vec::new() }
     }
 
-    /// The list with `further` columns behind those that it has; a column that it has already is not added. `own` names the first of
-    /// [`Component::OWN`].
+    /// The list with `further` columns behind those that it has; a column that it has already is
+    /// not added. `own` names the first of [`Component::OWN`].
     #[must_use]
     pub fn with(mut self, further: &[Component], own: Vec<String>) -> Self {
         for component in further {
@@ -367,8 +371,8 @@ impl FromStr for ComponentList {
 mod tests {
     use super::*;
 
-    /// Two names, one with the ending of sums, come in the order asked; the set holds 2 and needs all 7 for the total, and 1
-    /// without it.
+    /// Two names, one with the ending of sums, come in the order asked; the set holds 2 and needs
+    /// all 7 for the total, and 1 without it.
     #[test]
     fn lists_and_sets() {
         let list: ComponentList = "total_kwh_m2, sky_direct".parse().expect("names");
@@ -380,7 +384,8 @@ mod tests {
         assert_eq!(ComponentList::all().set(), ComponentSet::ALL);
     }
 
-    /// A part of sun_diffuse needs it, 1 of 1, and is no part of the total; both its parts take 2 places beside the 7.
+    /// A part of sun_diffuse needs it, 1 of 1, and is no part of the total; both its parts take 2
+    /// places beside the 7.
     #[test]
     fn parts() {
         let list: ComponentList = "sun_diffuse_ground,sun_diffuse_obstruction_kwh_m2".parse().expect("names");
@@ -390,7 +395,8 @@ mod tests {
         assert!(!list.set().needs(Component::SkyDiffuse) && !ComponentSet::ALL.needs_parts(Component::SunDiffuse));
     }
 
-    /// Longwave irradiance is asked for by name, 1 of 1, is no part of the total, and takes an eighth place.
+    /// Longwave irradiance is asked for by name, 1 of 1, is no part of the total, and takes an
+    /// eighth place.
     #[test]
     fn longwave() {
         let list: ComponentList = "longwave_kwh_m2".parse().expect("a name");

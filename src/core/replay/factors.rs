@@ -1,9 +1,11 @@
-//! What surroundings reflect on a receiver as factors, over positions of the sun. In: an archive, a grid of suns. Out: the five
-//! factors that EnergyPlus calls `ReflFac...`, for ground that reflects all.
+//! What surroundings reflect on a receiver as factors, over positions of the sun. In: an archive, a
+//! grid of suns. Out: the five factors that EnergyPlus calls `ReflFac...`, for ground that reflects
+//! all.
 //!
-//! One diffuse reflection, the sun in mirrors, a uniform sky (EnergyPlus, Engineering Reference, "Solar Radiation Reflected from Exterior
-//! Surfaces"). Irradiance = DNI x (BmToDiffSolObs + BmToBmSolObs) + DNI sin(altitude) x reflectance of the ground x BmToDiffSolGnd
-//! + DHI x SkySolObs + DHI x reflectance of the ground x SkySolGnd.
+//! One diffuse reflection, the sun in mirrors, a uniform sky (EnergyPlus, Engineering Reference,
+//! "Solar Radiation Reflected from Exterior Surfaces"). Irradiance = DNI x (BmToDiffSolObs +
+//! BmToBmSolObs) + DNI sin(altitude) x reflectance of the ground x BmToDiffSolGnd + DHI x SkySolObs
+//! + DHI x reflectance of the ground x SkySolGnd.
 
 use crate::error::Result;
 use crate::light::paths::LightPaths;
@@ -32,7 +34,8 @@ pub struct SunGrid {
 }
 
 impl SunGrid {
-    /// 37 x 19 suns: against a series of 15 minutes the cooling of a building is off by 0.02 % (measured).
+    /// 37 x 19 suns: against a series of 15 minutes the cooling of a building is off by 0.02 %
+    /// (measured).
     pub const USUAL: SunGrid = SunGrid { azimuth_step_deg: 10.0, altitude_step_deg: 5.0 };
 
     /// For what mirrors throw, which comes and goes within a few degrees.
@@ -103,8 +106,9 @@ pub const PARTS: [Component; 5] = [
 ];
 
 impl SunGrid {
-    /// Makes these suns and a sky ready; `settings` say what memory it takes, their light is not looked at. Factors are made of its irradiances,
-    /// [`PARTS`], by [`SunGrid::labels`]. Errors as of [`ReplayBuilder::build`](crate::replay::run::ReplayBuilder::build).
+    /// Makes these suns and a sky ready; `settings` say what memory it takes, their light is not
+    /// looked at. Factors are made of its irradiances, [`PARTS`], by [`SunGrid::labels`]. Errors as
+    /// of [`ReplayBuilder::build`](crate::replay::run::ReplayBuilder::build).
     pub fn replay<'a>(&self, site: &OpenSite<'a>, settings: ReplaySettings) -> Result<Replay<'a>> {
         let mut conditions = self.conditions(SOURCE_W_M2);
         let up = direction_from_degrees(0.0, 90.0);
@@ -125,7 +129,8 @@ impl SunGrid {
         self.suns().count() + 1
     }
 
-    /// Factors of each sun, of the irradiances of a receiver, or of means over some: `row` gives those of a part by label.
+    /// Factors of each sun, of the irradiances of a receiver, or of means over some: `row` gives
+    /// those of a part by label.
     pub fn factors<'r>(&'r self, row: impl Fn(Component) -> &'r [f32]) -> impl Iterator<Item = [f64; 5]> + 'r {
         let [obstruction, ground, sky_obstruction, sky_ground, mirrored] = PARTS.map(row);
         let share = |rows: &[f32], label: usize| rows.get(label).map_or(0.0, |v| f64::from(*v) / SOURCE_W_M2);
@@ -143,7 +148,8 @@ impl SunGrid {
 mod tests {
     use super::*;
 
-    /// Steps of 10 and 5 degrees are 37 x 19 = 703 suns from 0.5 degrees up, altitudes first; three steps that do not fit are refused.
+    /// Steps of 10 and 5 degrees are 37 x 19 = 703 suns from 0.5 degrees up, altitudes first; three
+    /// steps that do not fit are refused.
     #[test]
     fn grids() {
         let grid = SunGrid::new(10.0, 5.0).expect("a grid");

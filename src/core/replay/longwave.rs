@@ -1,8 +1,8 @@
-//! Longwave irradiance of receivers. In: what sky, ground and obstructions send in each condition, and what share of a receiver's
-//! hemisphere each of them fills. Out: W/m2, or sums over periods.
+//! Longwave irradiance of receivers. In: what sky, ground and obstructions send in each condition,
+//! and what share of a receiver's hemisphere each of them fills. Out: W/m2, or sums over periods.
 //!
-//! Surfaces are black: they send sigma T^4 and reflect nothing. The sky is isotropic. What meets nothing lies below the horizon,
-//! where the scene ends: it counts as ground.
+//! Surfaces are black: they send sigma T^4 and reflect nothing. The sky is isotropic. What meets
+//! nothing lies below the horizon, where the scene ends: it counts as ground.
 
 use std::path::Path;
 
@@ -18,7 +18,8 @@ pub struct Longwave {
 }
 
 impl Longwave {
-    /// Adds the emissions of conditions up; each must have one. `archive` is named where one has none.
+    /// Adds the emissions of conditions up; each must have one. `archive` is named where one has
+    /// none.
     pub fn new(conditions: &[Condition], bins: &Bins, archive: &Path) -> Result<Self> {
         let mut sums = vec![[0.0; 3]; bins.count];
         for (condition, &(bin, weight)) in conditions.iter().zip(&bins.of_condition) {
@@ -35,7 +36,8 @@ impl Longwave {
         Ok(Longwave { sums })
     }
 
-    /// Irradiance of a receiver; `views`: shares of its hemisphere that are sky, ground and obstructions.
+    /// Irradiance of a receiver; `views`: shares of its hemisphere that are sky, ground and
+    /// obstructions.
     pub fn irradiance(&self, views: [f32; 3], out: &mut [f32]) {
         let [sky, _, obstruction] = views.map(f64::from);
         // With what meets nothing; the shares are rounded, so their sum may be a little above 1.
@@ -58,8 +60,9 @@ mod tests {
         Condition { emission: emission.map(of), ..dark }
     }
 
-    /// Shares of 0.5, 0.2 and 0.2 get 0.5 x 300 + 0.3 x 400 + 0.2 x 500 = 370 W/m2: the tenth that meets nothing is ground; two hours of 300
-    /// and 100 from the sky alone sum to 0.4 kWh/m2; shares that sum to a little more than 1 take nothing from the ground.
+    /// Shares of 0.5, 0.2 and 0.2 get 0.5 x 300 + 0.3 x 400 + 0.2 x 500 = 370 W/m2: the tenth that
+    /// meets nothing is ground; two hours of 300 and 100 from the sky alone sum to 0.4 kWh/m2;
+    /// shares that sum to a little more than 1 take nothing from the ground.
     #[test]
     fn shares_and_sums() {
         let (day, night) = (condition(Some([300.0, 400.0, 500.0])), condition(Some([100.0, 400.0, 500.0])));

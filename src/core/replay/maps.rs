@@ -1,9 +1,10 @@
-//! Maps of one receiver: what its layers say of each direction. In: a [`ReceiverView`], and optionally a sun and a sky. Out: textures
-//! with named channels.
+//! Maps of one receiver: what its layers say of each direction. In: a [`ReceiverView`], and
+//! optionally a sun and a sky. Out: textures with named channels.
 //!
-//! One rule holds for all of them: the sum over the texels of a channel named like a column of results, times the channel
-//! `weight_sr`, is that column, W/m2. So such a channel is a radiance, W/(m2 sr), and `weight_sr` says what it is worth. The light of hits is
-//! derived anew, and stored responses are rounded: there both differ by what `layers::response` says.
+//! One rule holds for all of them: the sum over the texels of a channel named like a column of
+//! results, times the channel `weight_sr`, is that column, W/m2. So such a channel is a radiance,
+//! W/(m2 sr), and `weight_sr` says what it is worth. The light of hits is derived anew, and stored
+//! responses are rounded: there both differ by what `layers::response` says.
 
 use std::collections::HashSet;
 
@@ -90,7 +91,8 @@ pub struct Illumination {
 }
 
 impl Illumination {
-    /// The light of a condition, whose suns go by true north, with a sky of 145, 577 or 2305 `patches` by `model`; `depth` says how many reflections maps hold.
+    /// The light of a condition, whose suns go by true north, with a sky of 145, 577 or 2305
+    /// `patches` by `model`; `depth` says how many reflections maps hold.
     pub fn new(
         site: &OpenSite,
         condition: Condition,
@@ -122,7 +124,8 @@ impl Illumination {
         [suns * self.condition.dni_w_m2, sky]
     }
 
-    /// Texels of the response that the suns are looked up in, and their directions times the texels' weights.
+    /// Texels of the response that the suns are looked up in, and their directions times the
+    /// texels' weights.
     fn sun_texels(&self) -> impl Iterator<Item = (usize, DVec3)> {
         self.condition.suns.iter().flat_map(|instant| {
             let corners = bilinear(instant.sun, self.projection.side()).into_iter();
@@ -130,8 +133,8 @@ impl Illumination {
         })
     }
 
-    /// Radiance that adds to that of the dome on the texels of the response: what circumsolar light and the horizon make of each
-    /// vector, over what it is worth.
+    /// Radiance that adds to that of the dome on the texels of the response: what circumsolar light
+    /// and the horizon make of each vector, over what it is worth.
     fn brightening(&self, response: &[[f32; 3]], weights: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; weights.len()];
         let mut add = |t: usize, direction: DVec3| {
@@ -145,7 +148,8 @@ impl Illumination {
         sums.iter().zip(weights).map(|(sum, weight)| if *weight != 0.0 { sum / weight } else { 0.0 }).collect()
     }
 
-    /// Texels of a sky texture under the suns' discs, and how much normal irradiance of 1 W/m2 in all each holds, with its sun.
+    /// Texels of a sky texture under the suns' discs, and how much normal irradiance of 1 W/m2 in
+    /// all each holds, with its sun.
     fn discs(&self, side: usize) -> impl Iterator<Item = (DVec3, usize, f64)> {
         self.condition.suns.iter().flat_map(move |instant| {
             let of_disc = move |(column, row, share): (u32, u32, f32)| {
@@ -306,7 +310,8 @@ struct SkyTexel {
 }
 
 fn sky_texel(normal: DVec3, light: Option<&Illumination>, side: usize, t: usize) -> SkyTexel {
-    // Points 1/2048 of the square apart, 4 in a texel of the usual 1024; no fewer, or texels that the surface's plane cuts would count by halves.
+    // Points 1/2048 of the square apart, 4 in a texel of the usual 1024; no fewer, or texels that
+    // the surface's plane cuts would count by halves.
     let samples = (2048 / side).max(2);
     let (mut cos, mut radiance, mut horizontal) = (0.0, 0.0, 0.0);
     for i in 0..samples * samples {
@@ -399,7 +404,8 @@ fn lit_cells(
     storage: &dyn ScratchSpace,
 ) -> Result<Lit> {
     let mut tables = Tables::of(site)?;
-    // Each cell fills the view of a receiver that looks up and has one texel: its response is pi times the cell's radiance.
+    // Each cell fills the view of a receiver that looks up and has one texel: its response is pi
+    // times the cell's radiance.
     tables.settings.hit = 1;
     let viewer = Viewer { normal: DVec3::Z, seed: 0, sky_view: 0.0 };
     let responder = ResponseSolver::new(&tables, light.depth, memory, storage)?;

@@ -1,4 +1,5 @@
-//! One receiver of an archive with its layers. In: an archive and an id. Out: what this receiver sees, decoded.
+//! One receiver of an archive with its layers. In: an archive and an id. Out: what this receiver
+//! sees, decoded.
 
 use glam::DVec3;
 
@@ -37,7 +38,8 @@ pub struct ReceiverView {
     pub sky: SkyBitmap,
     /// How often its rays cross leaves and screens.
     pub canopy: Canopy,
-    /// Shares that come through 0, 1, ... 255 crossings of each canopy, by the stored transmittances.
+    /// Shares that come through 0, 1, ... 255 crossings of each canopy, by the stored
+    /// transmittances.
     pub powers: Powers,
     /// Its normal, the seed of its hit rays, its view of the sky.
     pub viewer: Viewer,
@@ -66,7 +68,8 @@ impl ReceiverView {
         ReceiverView::of(site, tile, row, table)
     }
 
-    /// Reads the receiver of a row of a tile, and no other tile; a row that does not exist is an error.
+    /// Reads the receiver of a row of a tile, and no other tile; a row that does not exist is an
+    /// error.
     pub fn at(site: &OpenSite, tile: u32, row: usize) -> Result<Self> {
         let table = site.tile_receivers(tile)?;
         if row >= table.rows() {
@@ -118,14 +121,15 @@ impl ReceiverView {
         found.ok_or_else(|| Error::input(site.path(), None, what(), "build the archive again"))
     }
 
-    /// What leaves before the sky let through, by the stored transmittances; none where none stand before it.
+    /// What leaves before the sky let through, by the stored transmittances; none where none stand
+    /// before it.
     pub(super) fn veil(&self) -> Option<CanopyTransmittance> {
         let shares = self.canopy.through(canopy::SKY, &self.powers);
         shares.map(|shares| CanopyTransmittance::new(shares, self.sides))
     }
 
-    /// The direction in the sky from which light seems to come that is seen in mirrors in a direction, and how much of it is left; `None`
-    /// where no mirror shows the sky.
+    /// The direction in the sky from which light seems to come that is seen in mirrors in a
+    /// direction, and how much of it is left; `None` where no mirror shows the sky.
     pub fn in_mirrors(&self, seen: DVec3) -> Option<(DVec3, f64)> {
         self.mirrors.iter().find_map(|mirror| {
             let sky = mirror.reflection.unmirrored(seen);
@@ -164,8 +168,9 @@ impl ReceiverView {
         self.material(texel).map(|material| material.class)
     }
 
-    /// The texel of the hit texture that holds what is seen in a direction, by the surface's axes, where it is no sky. The texture is coarse: a
-    /// texel at the edge of the sky may hold the sky, the nearest that does not holds what is seen.
+    /// The texel of the hit texture that holds what is seen in a direction, by the surface's axes,
+    /// where it is no sky. The texture is coarse: a texel at the edge of the sky may hold the sky,
+    /// the nearest that does not holds what is seen.
     pub fn nearest_seen(&self, local: DVec3) -> Option<usize> {
         let n = self.texels.len().isqrt();
         let (column, row) = texel_of(local, n);

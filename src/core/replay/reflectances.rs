@@ -1,5 +1,5 @@
-//! Reflectances and transmittances that a replay changes. In: what the user asks for, the archive's materials, the weather. Out:
-//! schedules of materials, checked.
+//! Reflectances and transmittances that a replay changes. In: what the user asks for, the archive's
+//! materials, the weather. Out: schedules of materials, checked.
 
 use crate::named::NamedValues;
 use std::path::{Path, PathBuf};
@@ -60,12 +60,13 @@ pub struct Changeable<'a> {
     pub site: &'a Path,
     /// By the numbers in cell keys.
     pub materials: &'a [Material],
-    /// What the ground reflects by month, if the archive states it: weather follows it where nothing else is asked for.
+    /// What the ground reflects by month, if the archive states it: weather follows it where
+    /// nothing else is asked for.
     pub ground: Option<&'a MonthlyGround>,
 }
 
-/// What is changed. Later entries win over earlier ones, constants over what the archive states by month, schedules over constants, snow
-/// over all of them.
+/// What is changed. Later entries win over earlier ones, constants over what the archive states by
+/// month, schedules over constants, snow over all of them.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
     /// Group, material or class, and its diffuse reflectance.
@@ -105,7 +106,8 @@ impl Changes {
         some
     }
 
-    /// Schedules over `conditions` conditions that have no date. `files` gives the bytes of schedules.
+    /// Schedules over `conditions` conditions that have no date. `files` gives the bytes of
+    /// schedules.
     pub fn undated(&self, changeable: &Changeable, conditions: usize, files: ReadFile) -> Result<Vec<Schedule>> {
         let rows = Rows::Conditions(conditions);
         let mut schedules = self.reflecting(changeable, conditions)?;
@@ -140,7 +142,8 @@ impl Changes {
         self.transmittance.iter().map(of).collect()
     }
 
-    /// Schedules over the rows of a weather file, and what the user should know about them. `files` gives the bytes of schedules.
+    /// Schedules over the rows of a weather file, and what the user should know about them. `files`
+    /// gives the bytes of schedules.
     pub fn over(
         &self,
         changeable: &Changeable,
@@ -185,7 +188,8 @@ impl Changes {
 }
 
 impl<'a> Changeable<'a> {
-    /// What an archive holds. One without diffuse reflections has no light that could follow its ground.
+    /// What an archive holds. One without diffuse reflections has no light that could follow its
+    /// ground.
     pub fn of(site: &'a OpenSite, manifest: &'a Manifest) -> Self {
         let ground = manifest.ground.as_ref().filter(|_| site.settings().diffuse);
         Changeable { site: site.path(), materials: site.materials(), ground }
@@ -250,7 +254,8 @@ fn by_month(changeable: &Changeable, rows: &[WeatherRow]) -> Result<Vec<Schedule
     Ok(vec![schedule(changeable, vec![material], values)?])
 }
 
-/// Materials of a group; where there is no such group, the material of that name, or else those of that class.
+/// Materials of a group; where there is no such group, the material of that name, or else those of
+/// that class.
 fn members(site: &Path, materials: &[Material], name: &str) -> Result<Vec<usize>> {
     let all = |named: &dyn Fn(&Material) -> bool| (0..materials.len()).filter(|&m| named(&materials[m])).collect();
     let of_class = |class| all(&|material| material.class == class);
@@ -347,8 +352,8 @@ mod tests {
         vec![row(1, Some(5.0), Some(0.7)), row(2, Some(0.4), None), row(3, None, Some(0.25))]
     }
 
-    /// Snow lies on both grounds in one of three rows by depth and in two by albedo, over the constant 0.3 of the street and the stored
-    /// 0.2 of the lawn.
+    /// Snow lies on both grounds in one of three rows by depth and in two by albedo, over the
+    /// constant 0.3 of the street and the stored 0.2 of the lawn.
     #[test]
     fn snow() {
         for (snow, lawn, street) in
@@ -369,8 +374,9 @@ mod tests {
         assert_eq!(schedules.iter().map(|s| s.values[0]).collect::<Vec<_>>(), [0.2, 0.1]);
     }
 
-    /// A lawn of 0.1 x month, half of it under any snow, follows the weather: 0.05, 0.1, 0.3; a constant 0.25 wins over it, snow of 0.6 over both
-    /// where it is 1 cm deep; a ground of no material is refused by its name.
+    /// A lawn of 0.1 x month, half of it under any snow, follows the weather: 0.05, 0.1, 0.3; a
+    /// constant 0.25 wins over it, snow of 0.6 over both where it is 1 cm deep; a ground of no
+    /// material is refused by its name.
     #[test]
     fn ground_by_month() {
         let materials = materials();
@@ -395,8 +401,9 @@ mod tests {
         assert!(refused.to_string().contains("`plane` by month"), "{refused}");
     }
 
-    /// A group takes in its 2 materials, a class its 2, a material's name stands for itself; an unknown name lists the 2 groups and 4 materials; 0.6 on
-    /// a facade with half of its light mirrored is refused with the 0.5 that is left.
+    /// A group takes in its 2 materials, a class its 2, a material's name stands for itself; an
+    /// unknown name lists the 2 groups and 4 materials; 0.6 on a facade with half of its light
+    /// mirrored is refused with the 0.5 that is left.
     #[test]
     fn names() {
         let change = |name: &str, value| Changes { constant: vec![(name.into(), value)], ..Changes::default() };

@@ -1,5 +1,5 @@
-//! The sources of a few results on the response texture, added up. In: suns and skies. Out: reflected irradiance of a receiver by one product
-//! of its response with a map.
+//! The sources of a few results on the response texture, added up. In: suns and skies. Out:
+//! reflected irradiance of a receiver by one product of its response with a map.
 
 use pulp::Arch;
 

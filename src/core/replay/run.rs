@@ -1,4 +1,5 @@
-//! A replay: an archive under a series of conditions, tile by tile. It reads and multiplies; it cannot cast a ray.
+//! A replay: an archive under a series of conditions, tile by tile. It reads and multiplies; it
+//! cannot cast a ray.
 
 use std::borrow::Cow;
 
@@ -47,14 +48,16 @@ pub struct ReplaySettings<'s> {
     pub paths: LightPaths,
     /// What results hold; components that nothing here needs may stay zero.
     pub components: ComponentSet,
-    /// Bytes that tables and radiosities may take, besides the results of the tiles that are asked for.
+    /// Bytes that tables and radiosities may take, besides the results of the tiles that are asked
+    /// for.
     pub memory: MemoryBudget,
     /// Where radiosities go that do not fit.
     pub storage: &'s dyn ScratchSpace,
 }
 
 impl Default for ReplaySettings<'_> {
-    /// Perez skies of 577 patches, all light, all components, 4 GiB, and what does not fit stays in memory all the same.
+    /// Perez skies of 577 patches, all light, all components, 4 GiB, and what does not fit stays in
+    /// memory all the same.
     fn default() -> Self {
         ReplaySettings {
             sky: SkyModel::Perez,
@@ -69,12 +72,15 @@ impl Default for ReplaySettings<'_> {
 
 /// An archive with its weather, ready to give tile after tile.
 ///
-/// Suns of conditions go by true north; where the archive knows its place they are turned into its axes.
+/// Suns of conditions go by true north; where the archive knows its place they are turned into its
+/// axes.
 ///
-/// Results are irradiances on the receivers, f32: means over a condition in W/m2 ([`Replay::new`]), or sums with the weights of
-/// [`Bins`], such as kWh/m2 ([`ReplayBuilder::summed`]). Diffuse reflectances and transmittances may change from condition to condition
-/// ([`ReplayBuilder::scheduled`]). Longwave irradiance needs conditions with an emission, as [`crate::weather::temperatures::emissions`] gives
-/// them. Tiles are independent of each other; 64 receivers to a tile, in the archive's order.
+/// Results are irradiances on the receivers, f32: means over a condition in W/m2 ([`Replay::new`]),
+/// or sums with the weights of [`Bins`], such as kWh/m2 ([`ReplayBuilder::summed`]). Diffuse
+/// reflectances and transmittances may change from condition to condition
+/// ([`ReplayBuilder::scheduled`]). Longwave irradiance needs conditions with an emission, as
+/// [`crate::weather::temperatures::emissions`] gives them. Tiles are independent of each other; 64
+/// receivers to a tile, in the archive's order.
 ///
 /// ```no_run
 /// use std::path::Path;
@@ -118,12 +124,13 @@ struct BandReplay<'a> {
     components: Vec<Component>,
 }
 
-/// Receiver ids, in the order of the tile, and irradiance: `[component][receiver][result]`, W/m2 or what sums add up to.
+/// Receiver ids, in the order of the tile, and irradiance: `[component][receiver][result]`, W/m2 or
+/// what sums add up to.
 pub type TileResult = (Vec<String>, TileValues);
 
 impl<'a> Replay<'a> {
-    /// One result for every condition: means in W/m2. An error: a number of patches that is not offered, longwave irradiance without
-    /// emissions, cells that do not fit together.
+    /// One result for every condition: means in W/m2. An error: a number of patches that is not
+    /// offered, longwave irradiance without emissions, cells that do not fit together.
     pub fn new(site: &OpenSite<'a>, conditions: &[Condition], settings: ReplaySettings) -> Result<Self> {
         Replay::builder(site, conditions, settings).build()
     }
@@ -165,8 +172,9 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         ReplayBuilder { bands, are_sums, ..self }
     }
 
-    /// Makes the replay ready, and those of its bands. An error: a number of patches that is not offered, longwave irradiance without emissions,
-    /// cells that do not fit together, schedules of an archive that was built without diffuse reflections and has no canopies.
+    /// Makes the replay ready, and those of its bands. An error: a number of patches that is not
+    /// offered, longwave irradiance without emissions, cells that do not fit together, schedules of
+    /// an archive that was built without diffuse reflections and has no canopies.
     pub fn build(self) -> Result<Replay<'a>> {
         let (conditions, bands, are_sums) = (self.conditions, self.bands, self.are_sums);
         // All of them work at once.
@@ -268,9 +276,10 @@ impl<'a> Replay<'a> {
         self.site.tiles()
     }
 
-    /// Results of some tiles one after the other, in the order asked for. At least as many as there are cores are made at a time, if
-    /// half of the memory holds them, and as many as neighbours that share what they see had better be, while their results are small. A damaged block is an error in the
-    /// place of all that are made with it; tiles after these follow.
+    /// Results of some tiles one after the other, in the order asked for. At least as many as there
+    /// are cores are made at a time, if half of the memory holds them, and as many as neighbours
+    /// that share what they see had better be, while their results are small. A damaged block is an
+    /// error in the place of all that are made with it; tiles after these follow.
     pub fn results(&self, tiles: impl IntoIterator<Item = u32>) -> impl Iterator<Item = Result<TileResult>> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
         let cores = rayon::current_num_threads().max(1);
@@ -342,7 +351,8 @@ impl<'a> Replay<'a> {
         self.expect_of(&self.site, tiles);
     }
 
-    /// The same of another site, of which a replay of equal conditions is next: from afar its blocks come while this one is computed.
+    /// The same of another site, of which a replay of equal conditions is next: from afar its
+    /// blocks come while this one is computed.
     pub fn expect_of(&self, site: &OpenSite, tiles: &[u32]) {
         let besides: &[BlockKind] = match (self.reflects(), &self.responder) {
             (true, None) => &[format::RESPONSE],

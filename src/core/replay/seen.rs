@@ -1,8 +1,8 @@
-//! What a receiver sees in each direction of the world's upper hemisphere, in words for people, and where that stands on a disc. In: a
-//! [`ReceiverView`]. Out: classes.
+//! What a receiver sees in each direction of the world's upper hemisphere, in words for people, and
+//! where that stands on a disc. In: a [`ReceiverView`]. Out: classes.
 //!
-//! Equidistant: the distance from the middle of the disc is the angle from the zenith. The site's y is up and x is right, as on a map that the
-//! disc is laid on and as on printed sun-path diagrams.
+//! Equidistant: the distance from the middle of the disc is the angle from the zenith. The site's y
+//! is up and x is right, as on a map that the disc is laid on and as on printed sun-path diagrams.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -86,7 +86,8 @@ mod tests {
     use super::*;
     use crate::units::direction_from_degrees;
 
-    /// The zenith is in the middle, north up, east right, 45 degrees of altitude half way; places of 500 directions lead back to them.
+    /// The zenith is in the middle, north up, east right, 45 degrees of altitude half way; places
+    /// of 500 directions lead back to them.
     #[test]
     fn equidistant() {
         assert_eq!(SkyDisc::place_of(DVec3::Z), (0.0, 0.0));

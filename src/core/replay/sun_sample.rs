@@ -1,4 +1,5 @@
-//! Positions of the sun as results feel them. In: conditions and where they add to. Out: directions and strengths.
+//! Positions of the sun as results feel them. In: conditions and where they add to. Out: directions
+//! and strengths.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,7 +13,8 @@ use crate::weather::time::bins::Bins;
 pub struct SunSample {
     /// Result.
     pub bin: usize,
-    /// Irradiance normal to it x [`Condition::scale`] x share of the time x what clouds let through x weight in the result.
+    /// Irradiance normal to it x [`Condition::scale`] x share of the time x what clouds let through
+    /// x weight in the result.
     pub strength: f64,
     /// Of its middle.
     pub direction: DVec3,

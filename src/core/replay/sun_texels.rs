@@ -1,12 +1,13 @@
-//! The suns of a series of conditions on the response texture. In: suns and their results. Out: reflected irradiance of a
-//! receiver whose response is at hand.
+//! The suns of a series of conditions on the response texture. In: suns and their results. Out:
+//! reflected irradiance of a receiver whose response is at hand.
 
 use glam::DVec3;
 
 use crate::hemisphere::bilinear;
 use crate::replay::sun_sample::SunSample;
 
-/// Suns made ready for receivers' responses. Light is linear in its sources, so those of a sum are added before any receiver is asked.
+/// Suns made ready for receivers' responses. Light is linear in its sources, so those of a sum are
+/// added before any receiver is asked.
 pub struct Sources {
     results: Vec<Source>,
 }
@@ -14,8 +15,8 @@ pub struct Sources {
 /// The suns of one result.
 struct Source {
     bin: usize,
-    /// Texels, and what their vectors are multiplied with: the sum of normal irradiance x share of the time x weight in the result x bilinear
-    /// weight x direction.
+    /// Texels, and what their vectors are multiplied with: the sum of normal irradiance x share of
+    /// the time x weight in the result x bilinear weight x direction.
     texels: Vec<(u32, [f32; 3])>,
 }
 
@@ -51,7 +52,8 @@ impl Sources {
         }
     }
 
-    /// Adds the reflected irradiance of a receiver with this response, `[texel][axis]`, to `out[result]`.
+    /// Adds the reflected irradiance of a receiver with this response, `[texel][axis]`, to
+    /// `out[result]`.
     pub fn irradiance(&self, response: &[[f32; 3]], out: &mut [f32]) {
         for Source { bin, texels } in &self.results {
             let term = |&(t, s): &(u32, [f32; 3])| {

@@ -1,5 +1,5 @@
-//! Direct light behind canopies. In: suns and skies with each leafage, receivers' sky bits and crossings. Out: sun_direct and
-//! sky_direct of those receivers that see the sky through leaves.
+//! Direct light behind canopies. In: suns and skies with each leafage, receivers' sky bits and
+//! crossings. Out: sun_direct and sky_direct of those receivers that see the sky through leaves.
 
 use glam::DVec3;
 

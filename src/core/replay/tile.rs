@@ -1,5 +1,6 @@
-//! One tile of receivers under a series of conditions. In: the tile's decoded layers and the weather prepared once. Out: six
-//! components and their total for every receiver and condition, and longwave irradiance where it is asked for.
+//! One tile of receivers under a series of conditions. In: the tile's decoded layers and the
+//! weather prepared once. Out: six components and their total for every receiver and condition, and
+//! longwave irradiance where it is asked for.
 
 use std::sync::Arc;
 
@@ -85,8 +86,8 @@ impl Reflected {
 }
 
 impl Forcing {
-    /// Looks up suns and skies of all conditions, as far as the components need them. `states`: how conditions add to the results in
-    /// each state of the reflectances; empty if there is but one.
+    /// Looks up suns and skies of all conditions, as far as the components need them. `states`: how
+    /// conditions add to the results in each state of the reflectances; empty if there is but one.
     pub fn new(
         conditions: &[Condition],
         bins: &Bins,
@@ -168,7 +169,8 @@ impl Forcing {
         Forcing { shaded: Some(shaded), ..self }
     }
 
-    /// Bytes that a full tile takes while it is made: its results, and beside them those of a product and of a class of first hits.
+    /// Bytes that a full tile takes while it is made: its results, and beside them those of a
+    /// product and of a class of first hits.
     pub fn working_bytes(&self) -> usize {
         self.tile_bytes() + 2 * TILE * self.bins * size_of::<f32>()
     }
@@ -296,8 +298,8 @@ impl Forcing {
         }
     }
 
-    /// Adds the light of the skies from where the suns are, as `glow(receiver, sums)` gives it, to that of their patches, and clips the
-    /// whole: parts of a sky may be below 0.
+    /// Adds the light of the skies from where the suns are, as `glow(receiver, sums)` gives it, to
+    /// that of their patches, and clips the whole: parts of a sky may be below 0.
     fn add_circumsolar(&self, column: Component, glow: impl Fn(usize, &mut [f64]), out: &mut TileValues) {
         let mut sums = vec![0.0_f64; self.bins];
         for receiver in 0..out.receivers() {
@@ -387,7 +389,8 @@ fn vectors(response: &Response, class: Option<Class>) -> Vec<[f32; 3]> {
     class.map_or_else(|| response.vectors(), |class| response.vectors_of(class))
 }
 
-/// Per base texel: visible share x mean cosine of the part in front of the surface. `directions` of the base texels.
+/// Per base texel: visible share x mean cosine of the part in front of the surface. `directions` of
+/// the base texels.
 pub fn visible_cosines(normal: DVec3, sky: &BitSquare, directions: &[DVec3]) -> Vec<f64> {
     let n = directions.len().isqrt();
     let block = sky.side() / n;

@@ -1,4 +1,5 @@
-//! One tile as replay reads it: what its receivers are, and those of their layers that the weather needs.
+//! One tile as replay reads it: what its receivers are, and those of their layers that the weather
+//! needs.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -29,7 +30,8 @@ pub struct TileLayers {
     pub mirrors: Vec<Vec<MirrorView>>,
     /// What rays to the sky cross; empty where none of the tile's does, likewise.
     pub canopies: Vec<Canopy>,
-    /// `[state][receiver]`: one state of the reflectances for each way that a [`Forcing`](crate::replay::tile::Forcing) was made with; likewise.
+    /// `[state][receiver]`: one state of the reflectances for each way that a
+    /// [`Forcing`](crate::replay::tile::Forcing) was made with; likewise.
     pub responses: Vec<Vec<Response>>,
 }
 
@@ -42,7 +44,8 @@ pub struct Reads<'m> {
 }
 
 impl Reads<'_> {
-    /// Tells of tiles that will be read soon, and what of them besides: [`format::RESPONSE`], or what responses are derived of.
+    /// Tells of tiles that will be read soon, and what of them besides: [`format::RESPONSE`], or
+    /// what responses are derived of.
     pub fn expect(self, site: &OpenSite, tiles: &[u32], besides: &[BlockKind]) {
         let mut kinds = [&[format::RECEIVERS], besides].concat();
         if self.sky {
@@ -70,7 +73,8 @@ impl TileLayers {
         TileLayers::of(site, tile, reads, receivers, mirrors, canopies, responses)
     }
 
-    /// The same of a tile that responses were derived for: what was read for them is not read again.
+    /// The same of a tile that responses were derived for: what was read for them is not read
+    /// again.
     pub fn of_view(
         site: &OpenSite,
         view: TileView,

@@ -1,12 +1,13 @@
-//! Irradiance of a tile of receivers: the six components, their total and what else is asked for, as recombination gives and
-//! outputs take them.
+//! Irradiance of a tile of receivers: the six components, their total and what else is asked for,
+//! as recombination gives and outputs take them.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::replay::components::Component;
 
-/// Values of one tile: `[component][receiver][label]`, row-major, components in the order of their numbers. All components have a place,
-/// and those that nobody asks for are zero: pages that are never written take no memory.
+/// Values of one tile: `[component][receiver][label]`, row-major, components in the order of their
+/// numbers. All components have a place, and those that nobody asks for are zero: pages that are
+/// never written take no memory.
 #[derive(Clone, Debug)]
 pub struct TileValues {
     values: Vec<f32>,
@@ -24,8 +25,8 @@ impl PartialEq for TileValues {
     }
 }
 
-/// Memory of tiles that were done with, each with the bits of its components that may not be zero. Of results for each hour, fresh pages cost
-/// a quarter of the time.
+/// Memory of tiles that were done with, each with the bits of its components that may not be zero.
+/// Of results for each hour, fresh pages cost a quarter of the time.
 #[derive(Debug, Default)]
 pub(super) struct Spares(Mutex<Vec<(Vec<f32>, u32)>>);
 
@@ -123,8 +124,8 @@ pub(super) fn put(sums: &[f64], out: &mut [f32]) {
 mod tests {
     use super::*;
 
-    /// 3 tiles in the memory of one another, of which 2 columns were written, are zero wherever they are read, as a fresh one is; one of
-    /// another size has its own memory.
+    /// 3 tiles in the memory of one another, of which 2 columns were written, are zero wherever
+    /// they are read, as a fresh one is; one of another size has its own memory.
     #[test]
     fn spares_are_zero() {
         let home = Arc::new(Spares::default());
