@@ -179,6 +179,7 @@ pub fn maps(
         let of = |channel: usize| lit.texels.iter().map(|radiances| radiances[channel] as f32).collect();
         hit.add("sun_diffuse", RADIANCE, of(0));
         hit.add("sky_diffuse", RADIANCE, of(1));
+        // The stored response holds all bounces; for fewer, the derived one applies.
         if light.depth != MaxBounces::All {
             response = Some(lit.response);
         }

@@ -174,6 +174,7 @@ impl Changes {
                     Snow::Albedo => "the weather file has no albedo: {snow} albedo changes nothing".into(),
                 });
             }
+            // Snow lies over the ground as scheduled so far: later schedules win.
             let before = schedules.clone();
             let snowy = |&m: &usize| materials[m].class == Class::Ground && !changeable.is_canopy(m);
             for material in (0..materials.len()).filter(snowy) {

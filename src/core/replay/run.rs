@@ -227,6 +227,7 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         let matt = !paths.mirror_diffuse && !site.orientations().is_empty();
         let is_changed = !site.is_as_stored() || !schedules.is_empty();
         let derives = reflects && (paths.depth != MaxBounces::All || matt || is_changed);
+        // Stored responses and transmittances apply: no tables have to be read.
         if !derives && (leaves.is_empty() || schedules.is_empty()) {
             let forcing = behind(forced(&[])?, vec![(leaves.clone(), bins.clone())]);
             return Replay::with(site, forcing, settings.memory, None);
@@ -252,6 +253,7 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
             Ok((states, responder))
         };
         let (mut states, mut responder) = solved(false)?;
+        // Few states usually suffice; a finer solution costs more, so it is made on demand.
         if !responder.interpolates(&states.checks)? {
             (states, responder) = solved(true)?;
         }

@@ -102,6 +102,7 @@ impl Forcing {
         let skies_of = when([SkyDirect, SkyDiffuse, SkySpecular].iter().any(|&c| components.needs(c)));
         let projection = |side| Projection::new(patches, side, PROJECTION_SAMPLES).under(model);
         let sky_projection = projection(sides.sky_base);
+        // The first are the skies of all results; those of the states of the reflectances follow.
         let ways: Vec<&Bins> = std::iter::once(bins).chain(states).collect();
         let mut skies = Skies::new(skies_of, &ways, model, patches, &sky_projection.open_horizontal_sr).into_iter();
         let all = skies.next().unwrap_or_default();

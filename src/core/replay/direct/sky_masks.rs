@@ -76,6 +76,7 @@ impl<'t> SkyMasks<'t> {
             for word in 0..side * stride {
                 let (row, column) = (word / stride, word % stride * LANES);
                 let count = (side - column).min(LANES);
+                // Words of a sky run over texels; those of the masks run over receivers.
                 let (mut wholes, mut partials) = ([0_u64; LANES], [0_u64; LANES]);
                 for (lane, (normal, sky)) in normals.iter().zip(skies).take(LANES).enumerate() {
                     let (open, mixed) = sky.words_at(word);

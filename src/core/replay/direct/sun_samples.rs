@@ -85,10 +85,12 @@ impl SunSamples {
         let mut found = SunSamples::default();
         for (sun, mut disc) in suns.into_iter().zip(discs) {
             let first = found.parts.len();
+            // One part a base texel, so that a receiver looks up each base texel once.
             disc.sort_by_key(|t| (t.1 / block, t.0 / block));
             for part in disc.chunk_by(|a, b| (a.0 / block, a.1 / block) == (b.0 / block, b.1 / block)) {
                 let start = found.fine.len();
                 found.fine.extend(part.iter().map(|&(c, r, share)| (r % block * block + c % block, share)));
+                // By whole words, `share` decides most discs without looking at each texel.
                 let first_word = found.words.len();
                 for &(place, _) in &found.fine[start..] {
                     match found.words[first_word..].iter_mut().find(|(word, _)| *word == place / 64) {

@@ -65,6 +65,7 @@ impl InteractiveLight {
         let mut reflected = Vec::new();
         Sources::new(&suns, sides.response)
             .vectors(|_, texel, vector| reflected.push((texel as u32, in_frame_of(texel, vector))));
+        // Responses are linear, so circumsolar light and the rest of the sky share one field.
         let mut field = vec![[0.0_f64; 3]; grids.frames.len()];
         let mut add = |_: usize, texel: usize, vector: [f64; 3]| {
             field[texel].iter_mut().zip(vector).for_each(|(sum, part)| *sum += part);
