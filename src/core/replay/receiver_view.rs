@@ -170,7 +170,7 @@ impl ReceiverView {
 
     /// Returns the texel of the hit texture that holds the surface seen in a direction that is not
     /// sky; `local` is in the surface's axes. The texture is coarse, so a texel at the edge of the
-    /// sky may hold the sky. A near texel that does not is taken then.
+    /// sky may hold the sky. The nearest texel that holds a surface is taken then.
     pub fn nearest_seen(&self, local: DVec3) -> Option<usize> {
         let n = self.texels.len().isqrt();
         let (column, row) = texel_of(local, n);

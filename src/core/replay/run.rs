@@ -47,7 +47,7 @@ pub struct ReplaySettings<'s> {
     pub patches: usize,
     /// Light paths that count.
     pub paths: LightPaths,
-    /// Components that results hold. Components that none of these needs may stay zero.
+    /// Components that results hold. Components that none of them needs may stay zero.
     pub components: ComponentSet,
     /// Bytes that tables and radiosities may take, besides the results of the requested tiles.
     pub memory: MemoryBudget,
