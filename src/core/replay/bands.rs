@@ -1,8 +1,9 @@
-//! Columns of light by band. In: the columns that are asked for, an open site. Out: which replays they take, as the site is in their bands, and
-//! what the light of sun and sky is taken times in each.
+//! Columns of light by band. In: the requested columns, an open site. Out: the replays that the
+//! columns take, the site as it is in each band, and the factors of the light of sun and sky in
+//! each.
 //!
-//! A band is the same replay as that of all light, with other reflectances, transmittances and source scales; columns whose materials reflect
-//! alike share one.
+//! A band is a replay like that of all light, with other reflectances, transmittances and source
+//! scales. Columns whose materials reflect alike share a replay.
 
 use crate::light::states::Schedule;
 use crate::opened::OpenSite;
@@ -12,28 +13,29 @@ use crate::sky::efficacy::luminous_efficacy;
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
-/// Photons of 400 to 700 nm in a joule of their energy, umol/J: McCree, "Test of current definitions of photosynthetically active radiation
-/// against leaf photosynthesis data", Agricultural Meteorology 10, 1972, for sun and sky. The direct spectrum of ASTM G173-03 has 4.63, what
-/// the sky adds to it 4.41.
+/// Photons of 400 to 700 nm in a joule of their energy, umol/J: McCree, "Test of current
+/// definitions of photosynthetically active radiation against leaf photosynthesis data",
+/// Agricultural Meteorology 10, 1972, for sun and sky. The direct spectrum of ASTM G173-03 has
+/// 4.63, what the sky adds to it 4.41.
 const PHOTONS_UMOL_J: f64 = 4.57;
 
-/// A band whose shares of the light a user gives.
+/// Band whose shares of the light a user gives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OwnBand {
-    /// What results call it.
+    /// Name of the band in results.
     pub name: String,
     /// Shares of the light of sun and sky.
     pub shares: SourceScale,
-    /// The band whose reflectances and transmittances count; `None`: those for all light.
+    /// Band whose reflectances and transmittances apply; `None`: those for all light.
     pub optics: Option<Band>,
 }
 
-/// What the light of a condition is taken times.
+/// Factors of the light of a condition.
 #[derive(Clone, Copy, Debug)]
 enum SourceScaling {
     /// One scale for all conditions.
     Constant(SourceScale),
-    /// [`luminous_efficacy`].
+    /// Factors of [`luminous_efficacy`], by condition.
     Luminous,
 }
 
@@ -46,7 +48,7 @@ impl SourceScaling {
     }
 }
 
-/// A column of a band.
+/// Column of a band.
 struct BandColumn {
     component: Component,
     optics: Option<Band>,
@@ -54,7 +56,8 @@ struct BandColumn {
 }
 
 impl BandColumn {
-    /// The column of `component`; `None` where it belongs to no band, or to a band of a file that is not there.
+    /// Returns the column of `component`, or `None` if it belongs to no band, or to a user's band
+    /// that is not given.
     fn of(component: Component, own: &[OwnBand]) -> Option<Self> {
         let band = |band: Band, factor| {
             let scaling = SourceScaling::Constant(band.shares().times(factor));
@@ -78,7 +81,7 @@ impl BandColumn {
     }
 }
 
-/// The columns of a band: its irradiance, and what else is known by it.
+/// Returns the columns of a band: its irradiance, and the quantity that follows from it.
 pub fn columns_of(band: Band) -> &'static [Component] {
     match band {
         Band::Uv => &[Component::TotalUv],
@@ -88,17 +91,17 @@ pub fn columns_of(band: Band) -> &'static [Component] {
     }
 }
 
-/// One replay for some columns whose materials reflect alike.
+/// Replay for the columns whose materials reflect alike.
 pub struct BandPass<'a> {
-    /// The site as it is in the band.
+    /// Site as it is in the band.
     pub site: OpenSite<'a>,
-    /// Schedules of its reflectances and transmittances.
+    /// Schedules of the reflectances and transmittances.
     pub schedules: Vec<Schedule>,
     columns: Vec<BandColumn>,
 }
 
 impl<'a> BandPass<'a> {
-    /// The replays of the columns of bands among some components, without schedules.
+    /// Returns the replays of those components that are columns of bands, without schedules.
     pub fn all(site: &OpenSite<'a>, components: ComponentSet, own: &[OwnBand]) -> Vec<Self> {
         let mut passes: Vec<BandPass> = Vec::new();
         for column in components.iter().filter_map(|component| BandColumn::of(component, own)) {
@@ -111,12 +114,12 @@ impl<'a> BandPass<'a> {
         passes
     }
 
-    /// The columns, in the order of [`BandPass::conditions`].
+    /// Returns the columns, in the order of [`BandPass::conditions`].
     pub(super) fn components(&self) -> Vec<Component> {
         self.columns.iter().map(|column| column.component).collect()
     }
 
-    /// The conditions, once for each column with its scale.
+    /// Returns the conditions once for each column, with the column's scale.
     pub(super) fn conditions(&self, conditions: &[Condition]) -> Vec<Condition> {
         let scaled = |scaling: SourceScaling| {
             conditions.iter().map(move |condition| Condition { scale: scaling.of(condition), ..condition.clone() })
@@ -124,7 +127,8 @@ impl<'a> BandPass<'a> {
         self.columns.iter().flat_map(|column| scaled(column.scaling)).collect()
     }
 
-    /// Where they add to: the results of the first column, then those of the next; `are_sums`: results are sums with hours / 1000.
+    /// Returns the bins: the results of the first column, then those of the next. `are_sums` says
+    /// that results are sums with hours / 1000.
     pub(super) fn bins(&self, bins: &Bins, are_sums: bool) -> Bins {
         let of_column = |(place, column): (usize, &BandColumn)| {
             let factor = if are_sums { column.component.measure().sum_factor() } else { 1.0 };
@@ -134,7 +138,7 @@ impl<'a> BandPass<'a> {
         Bins { count: self.columns.len() * bins.count, of_condition }
     }
 
-    /// The schedules over these conditions.
+    /// Returns the schedules, repeated for the conditions of each column.
     pub(super) fn repeated(&self) -> Vec<Schedule> {
         let repeat = |schedule: &Schedule| Schedule {
             materials: schedule.materials.clone(),

@@ -1,69 +1,72 @@
-//! The value columns of results, and which of them are asked for.
+//! Value columns of results, and sets and lists of them.
 
 use std::str::FromStr;
 
 /// Ending of the value columns of sums over periods.
 pub const SUM_SUFFIX: &str = "_kwh_m2";
 
-/// A value column, in the order of [`crate::replay::values::TileValues`]: W/m2 means; sums add [`SUM_SUFFIX`].
+/// Value column, in the order of [`crate::replay::values::TileValues`]. Means are in W/m2; the
+/// names of sums end with [`SUM_SUFFIX`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Component {
-    /// The sun's disc, seen directly or through canopies.
+    /// Irradiance from the sun's disc, seen directly or through canopies.
     SunDirect,
-    /// The sky, seen directly or through canopies.
+    /// Irradiance from the sky, seen directly or through canopies.
     SkyDirect,
-    /// The sun, by at least one diffuse reflection.
+    /// Irradiance from the sun by at least one diffuse reflection.
     SunDiffuse,
-    /// The sky, by at least one diffuse reflection.
+    /// Irradiance from the sky by at least one diffuse reflection.
     SkyDiffuse,
-    /// The sun, by way of mirrors only.
+    /// Irradiance from the sun by way of mirrors only.
     SunSpecular,
-    /// The sky, by way of mirrors only.
+    /// Irradiance from the sky by way of mirrors only.
     SkySpecular,
-    /// The sum of the six.
+    /// Sum of the six components.
     Total,
-    /// Of sky, ground and obstructions by their temperatures; no part of the total.
+    /// Longwave irradiance from sky, ground and obstructions by their temperatures; no part of the
+    /// total.
     Longwave,
-    /// The part of `sun_diffuse` that comes from ground, as what is seen first; in mirrors, the mirror is.
+    /// Part of `sun_diffuse` whose first surface seen from the receiver is ground. Where the
+    /// receiver sees light in a mirror, the mirror is that surface.
     SunDiffuseGround,
-    /// ... from obstructions: all that is not ground.
+    /// Part of `sun_diffuse` whose first surface seen is an obstruction: all that is not ground.
     SunDiffuseObstruction,
-    /// The part of `sky_diffuse` that comes from ground.
+    /// Part of `sky_diffuse` whose first surface seen is ground.
     SkyDiffuseGround,
-    /// ... from obstructions.
+    /// Part of `sky_diffuse` whose first surface seen is an obstruction.
     SkyDiffuseObstruction,
-    /// The sum of the six in ultraviolet light.
+    /// Sum of the six components in ultraviolet light, 280 to 380 nm.
     TotalUv,
-    /// ... in what is seen.
+    /// Sum of the six components in visible light, 380 to 780 nm.
     TotalVisible,
-    /// ... in what plants live on.
+    /// Sum of the six components in photosynthetically active radiation, 400 to 700 nm.
     TotalPar,
-    /// ... in near infrared light.
+    /// Sum of the six components in near infrared light, 780 to 4000 nm.
     TotalNir,
-    /// Photons of what plants live on.
+    /// Photosynthetic photon flux density, 400 to 700 nm.
     Ppfd,
-    /// Light as an eye is sensitive to it.
+    /// Illuminance.
     Illuminance,
-    /// The sum of the six in the first band of one's own.
+    /// Sum of the six components in the user's first band.
     TotalOwn1,
-    /// ... in the second.
+    /// Sum of the six components in the user's second band.
     TotalOwn2,
-    /// ... in the third.
+    /// Sum of the six components in the user's third band.
     TotalOwn3,
-    /// ... in the fourth.
+    /// Sum of the six components in the user's fourth band.
     TotalOwn4,
-    /// ... in the fifth.
+    /// Sum of the six components in the user's fifth band.
     TotalOwn5,
-    /// ... in the sixth.
+    /// Sum of the six components in the user's sixth band.
     TotalOwn6,
-    /// ... in the seventh.
+    /// Sum of the six components in the user's seventh band.
     TotalOwn7,
-    /// ... in the eighth.
+    /// Sum of the six components in the user's eighth band.
     TotalOwn8,
 }
 
-/// What a column measures.
+/// Quantity that a column measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightMeasure {
     /// W/m2; kWh/m2 in sums.
@@ -75,7 +78,7 @@ pub enum LightMeasure {
 }
 
 impl LightMeasure {
-    /// Ending of columns of sums.
+    /// Returns the ending of the names of columns of sums.
     pub fn sum_suffix(self) -> &'static str {
         match self {
             LightMeasure::Irradiance => SUM_SUFFIX,
@@ -84,7 +87,8 @@ impl LightMeasure {
         }
     }
 
-    /// What sums over hours / 1000 are taken times to be in their unit: a flux of photons counts by the second.
+    /// Returns the factor that brings sums over hours / 1000 into the unit of the column. It is 3.6
+    /// for a photon flux, which counts by the second.
     pub fn sum_factor(self) -> f64 {
         match self {
             LightMeasure::PhotonFlux => 3.6,
@@ -94,7 +98,7 @@ impl LightMeasure {
 }
 
 impl Component {
-    /// All columns of light: those of results if nothing is chosen.
+    /// The six components and their total: the columns of results by default.
     pub const ALL: [Component; 7] = [
         Component::SunDirect,
         Component::SkyDirect,
@@ -105,7 +109,7 @@ impl Component {
         Component::Total,
     ];
 
-    /// Columns beyond them, for results that name them.
+    /// Columns that results hold only if they are named, besides the user's bands.
     pub const FURTHER: [Component; 11] = [
         Component::Longwave,
         Component::SunDiffuseGround,
@@ -120,7 +124,7 @@ impl Component {
         Component::Illuminance,
     ];
 
-    /// Columns of bands of one's own, in their order; results name them after the bands.
+    /// Columns of the user's bands, in their order. Results name them after the bands.
     pub const OWN: [Component; 8] = [
         Component::TotalOwn1,
         Component::TotalOwn2,
@@ -132,12 +136,12 @@ impl Component {
         Component::TotalOwn8,
     ];
 
-    /// All columns, in the order of their numbers.
+    /// Returns all columns, in the order of their numbers.
     pub fn every() -> impl Iterator<Item = Component> {
         Component::ALL.into_iter().chain(Component::FURTHER).chain(Component::OWN)
     }
 
-    /// What it measures.
+    /// Returns the quantity that the column measures.
     pub fn measure(self) -> LightMeasure {
         match self {
             Component::Ppfd => LightMeasure::PhotonFlux,
@@ -146,7 +150,8 @@ impl Component {
         }
     }
 
-    /// The two that a component is made of, by what is seen first: ground, obstructions.
+    /// Returns the two parts that a component is split into by the first surface seen: ground,
+    /// obstructions.
     pub fn parts(self) -> Option<[Component; 2]> {
         match self {
             Component::SunDiffuse => Some([Component::SunDiffuseGround, Component::SunDiffuseObstruction]),
@@ -155,10 +160,10 @@ impl Component {
         }
     }
 
-    /// Number of all; components are numbered from 0 in this order.
+    /// Number of all components, which are numbered from 0 in the order of [`Component::every`].
     pub const COUNT: usize = Component::ALL.len() + Component::FURTHER.len() + Component::OWN.len();
 
-    /// Its column in results of means, without unit: `sun_direct`.
+    /// Returns the name of the column in results of means, without unit: `sun_direct`.
     pub fn name(self) -> &'static str {
         match self {
             Component::SunDirect => "sun_direct",
@@ -190,7 +195,7 @@ impl Component {
         }
     }
 
-    /// The light path in words.
+    /// Returns the light path in words.
     pub fn meaning(self) -> &'static str {
         match self {
             Component::SunDirect => "irradiance on the receiver from the sun's disc",
@@ -231,68 +236,69 @@ impl Component {
     }
 }
 
-/// Which components results hold, whatever their order.
+/// Set of components that results hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ComponentSet(u32);
 
 impl ComponentSet {
-    /// Of [`Component::ALL`].
+    /// Components of [`Component::ALL`].
     pub const ALL: ComponentSet = ComponentSet(0x7f);
 
-    /// The set of those listed.
+    /// Returns the set of the listed components.
     pub fn of(components: &[Component]) -> Self {
         ComponentSet(components.iter().fold(0, |set, component| set | 1 << *component as u32))
     }
 
-    /// The components that are listed in one of both sets.
+    /// Returns the components that at least one of the two sets contains.
     #[must_use]
     pub fn union(self, other: ComponentSet) -> Self {
         ComponentSet(self.0 | other.0)
     }
 
-    /// The components that are listed, in the order of their numbers.
+    /// Returns the components of the set, in the order of their numbers.
     pub fn iter(self) -> impl Iterator<Item = Component> {
         Component::every().filter(move |component| self.contains(*component))
     }
 
-    /// Whether a component is listed in the set.
+    /// Returns true if the set contains a component.
     pub fn contains(self, component: Component) -> bool {
         self.0 & 1 << component as u32 != 0
     }
 
-    /// Whether a component must be computed: it is asked for, or a part of the total that is, or one of its parts.
+    /// Returns true if a component must be computed: the set contains the component, one of its
+    /// parts, or the total while the component is part of it.
     pub fn needs(self, component: Component) -> bool {
         self.contains(component)
             || self.contains(Component::Total) && Component::ALL.contains(&component)
             || self.needs_parts(component)
     }
 
-    /// Whether a component must be split by what is seen first.
+    /// Returns true if a component must be split by the first surface seen.
     pub fn needs_parts(self, component: Component) -> bool {
         component.parts().is_some_and(|parts| parts.iter().any(|part| self.contains(*part)))
     }
 
-    /// Number of components that values of the set are written for at most.
+    /// Returns the largest number of components for which values of the set are written.
     pub fn places(self) -> usize {
         Component::ALL.len() + self.iter().filter(|component| !Component::ALL.contains(component)).count()
     }
 }
 
-/// Components in the order asked for: at least one, none twice.
+/// Components in the order of the request: at least one, each once.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ComponentList {
     list: Vec<Component>,
-    /// Columns of [`Component::OWN`], as they are called in these results.
+    /// Names of the columns of [`Component::OWN`] in these results.
     own: Vec<String>,
 }
 
 impl ComponentList {
-    /// The six components and their total, in the order of their numbers.
+    /// Returns the six components and their total, in the order of their numbers.
     pub fn all() -> Self {
         ComponentList::listed(Component::ALL.to_vec())
     }
 
-    /// One column.
+    /// Returns the list of one column.
     pub fn of(component: Component) -> Self {
         ComponentList::listed(vec![component])
     }
@@ -301,8 +307,8 @@ impl ComponentList {
         ComponentList { list, own: Vec::new() }
     }
 
-    /// The list with `further` columns behind those that it has; a column that it has already is not added. `own` names the first of
-    /// [`Component::OWN`].
+    /// Appends the `further` columns that the list does not have yet. `own` holds the names of the
+    /// first columns of [`Component::OWN`].
     #[must_use]
     pub fn with(mut self, further: &[Component], own: Vec<String>) -> Self {
         for component in further {
@@ -314,34 +320,34 @@ impl ComponentList {
         self
     }
 
-    /// What a column is called in these results, without unit.
+    /// Returns the name of a column in these results, without unit.
     pub fn name_of(&self, component: Component) -> &str {
         let own = Component::OWN.iter().position(|one| *one == component).and_then(|place| self.own.get(place));
         own.map_or(component.name(), String::as_str)
     }
 
-    /// The columns, in the order that they are asked for.
+    /// Returns the columns in the order of the request.
     pub fn as_slice(&self) -> &[Component] {
         &self.list
     }
 
-    /// Place of the one that stands for all: the total, or else the first.
+    /// Returns the place of the main column: the total, or else the first.
     pub fn main_place(&self) -> usize {
         self.list.iter().position(|one| *one == Component::Total).unwrap_or_default()
     }
 
-    /// The one that stands for all.
+    /// Returns the main column: the total, or else the first.
     pub fn main(&self) -> Component {
         self.list.get(self.main_place()).copied().unwrap_or(Component::Total)
     }
 
-    /// The same without order.
+    /// Returns the columns as a set, without order.
     pub fn set(&self) -> ComponentSet {
         ComponentSet::of(&self.list)
     }
 }
 
-/// `total,sun_direct`: names with or without the ending of sums.
+/// Parses `total,sun_direct`: names with or without the ending of sums.
 impl FromStr for ComponentList {
     type Err = String;
 
@@ -367,8 +373,8 @@ impl FromStr for ComponentList {
 mod tests {
     use super::*;
 
-    /// Two names, one with the ending of sums, come in the order asked; the set holds 2 and needs all 7 for the total, and 1
-    /// without it.
+    /// Two names, one with the ending of sums, keep the order of the request. The set holds 2
+    /// components; it needs all 7 for the total, and 1 without it.
     #[test]
     fn lists_and_sets() {
         let list: ComponentList = "total_kwh_m2, sky_direct".parse().expect("names");
@@ -380,7 +386,8 @@ mod tests {
         assert_eq!(ComponentList::all().set(), ComponentSet::ALL);
     }
 
-    /// A part of sun_diffuse needs it, 1 of 1, and is no part of the total; both its parts take 2 places beside the 7.
+    /// A part of `sun_diffuse` needs that component, 1 of 1, and is no part of the total. Its two
+    /// parts take 2 places beside the 7.
     #[test]
     fn parts() {
         let list: ComponentList = "sun_diffuse_ground,sun_diffuse_obstruction_kwh_m2".parse().expect("names");
@@ -390,7 +397,8 @@ mod tests {
         assert!(!list.set().needs(Component::SkyDiffuse) && !ComponentSet::ALL.needs_parts(Component::SunDiffuse));
     }
 
-    /// Longwave irradiance is asked for by name, 1 of 1, is no part of the total, and takes an eighth place.
+    /// Longwave irradiance is requested by name, 1 of 1, is no part of the total, and takes an
+    /// eighth place.
     #[test]
     fn longwave() {
         let list: ComponentList = "longwave_kwh_m2".parse().expect("a name");

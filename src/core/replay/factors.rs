@@ -1,8 +1,10 @@
-//! What surroundings reflect on a receiver as factors, over positions of the sun. In: an archive, a grid of suns. Out: the five
-//! factors that EnergyPlus calls `ReflFac...`, for ground that reflects all.
+//! Reflection of the surroundings on a receiver as factors, over positions of the sun. In: an
+//! archive, a grid of suns. Out: the five factors that EnergyPlus calls `ReflFac...`, for ground
+//! with a reflectance of 1.
 //!
-//! One diffuse reflection, the sun in mirrors, a uniform sky (EnergyPlus, Engineering Reference, "Solar Radiation Reflected from Exterior
-//! Surfaces"). Irradiance = DNI x (BmToDiffSolObs + BmToBmSolObs) + DNI sin(altitude) x reflectance of the ground x BmToDiffSolGnd
+//! The factors hold one diffuse reflection, the sun in mirrors, and a uniform sky (EnergyPlus,
+//! Engineering Reference, "Solar Radiation Reflected from Exterior Surfaces"). Irradiance = DNI x
+//! (BmToDiffSolObs + BmToBmSolObs) + DNI sin(altitude) x reflectance of the ground x BmToDiffSolGnd
 //! + DHI x SkySolObs + DHI x reflectance of the ground x SkySolGnd.
 
 use crate::error::Result;
@@ -16,29 +18,31 @@ use crate::units::direction_from_degrees;
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
-/// The lowest suns stand here: below, most of the disc is cut off by the horizon.
+/// Altitude of the lowest suns. Below it the horizon cuts off most of the disc.
 const LOWEST_ALTITUDE_DEG: f64 = 0.5;
 
-/// DNI of a sun, DHI of a sky.
+/// DNI of each sun and DHI of the sky, W/m2.
 const SOURCE_W_M2: f64 = 1000.0;
 
 /// Positions of the sun: azimuths from 0 to 360, altitudes from near the horizon to 90.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunGrid {
-    /// From sun to sun.
+    /// Step from sun to sun in azimuth, degrees.
     pub azimuth_step_deg: f64,
-    /// From sun to sun.
+    /// Step from sun to sun in altitude, degrees.
     pub altitude_step_deg: f64,
 }
 
 impl SunGrid {
-    /// 37 x 19 suns: against a series of 15 minutes the cooling of a building is off by 0.02 % (measured).
+    /// 37 x 19 suns. With them the cooling of a building differs by 0.02 % from that with a series
+    /// of 15 minutes (measured).
     pub const USUAL: SunGrid = SunGrid { azimuth_step_deg: 10.0, altitude_step_deg: 5.0 };
 
-    /// For what mirrors throw, which comes and goes within a few degrees.
+    /// Grid for sites with mirrors, whose reflections come and go within a few degrees.
     pub const FINE: SunGrid = SunGrid { azimuth_step_deg: 5.0, altitude_step_deg: 2.5 };
 
-    /// Of two steps in degrees. An error: a step that does not divide 360 or 90, or is below 1.
+    /// Takes two steps in degrees. Returns an error if a step does not divide 360 or 90, or is
+    /// below 1.
     pub fn new(azimuth_step_deg: f64, altitude_step_deg: f64) -> std::result::Result<Self, String> {
         for (whole, step) in [(360.0, azimuth_step_deg), (90.0, altitude_step_deg)] {
             let count = (whole / step).round();
@@ -49,12 +53,12 @@ impl SunGrid {
         Ok(SunGrid { azimuth_step_deg, altitude_step_deg })
     }
 
-    /// 0 to 360 degrees, both of which are north.
+    /// Returns the azimuths from 0 to 360 degrees, both of which are north.
     pub fn azimuths_deg(&self) -> Vec<f64> {
         steps(360.0, self.azimuth_step_deg)
     }
 
-    /// 0.5 to 90 degrees.
+    /// Returns the altitudes from 0.5 to 90 degrees.
     pub fn altitudes_deg(&self) -> Vec<f64> {
         let mut all = steps(90.0, self.altitude_step_deg);
         if let Some(first) = all.first_mut() {
@@ -63,7 +67,7 @@ impl SunGrid {
         all
     }
 
-    /// Azimuth and altitude of all suns; altitudes change faster.
+    /// Returns azimuth and altitude of all suns; altitudes change faster.
     pub fn suns(&self) -> impl Iterator<Item = (f64, f64)> {
         let altitudes = self.altitudes_deg();
         let all = self
@@ -73,7 +77,7 @@ impl SunGrid {
         all.collect::<Vec<_>>().into_iter()
     }
 
-    /// A condition for each sun, without sky.
+    /// Returns a condition for each sun, without sky.
     pub fn conditions(&self, dni_w_m2: f64) -> Vec<Condition> {
         let condition = |(azimuth, altitude): (f64, f64)| {
             let sun = direction_from_degrees(azimuth, altitude);
@@ -83,7 +87,7 @@ impl SunGrid {
     }
 }
 
-/// From 0 to `last` in equal steps.
+/// Returns the values from 0 to `last` in equal steps.
 fn steps(last: f64, step: f64) -> Vec<f64> {
     let count = (last / step).round().max(1.0);
     (0..=count as usize).map(|i| last * i as f64 / count).collect()
@@ -93,7 +97,7 @@ fn steps(last: f64, step: f64) -> Vec<f64> {
 pub const FACTORS: [&str; 5] =
     ["ReflFacBmToDiffSolObs", "ReflFacBmToDiffSolGnd", "ReflFacSkySolObs", "ReflFacSkySolGnd", "ReflFacBmToBmSolObs"];
 
-/// What factors are made of.
+/// Components that factors are computed from.
 pub const PARTS: [Component; 5] = [
     Component::SunDiffuseObstruction,
     Component::SunDiffuseGround,
@@ -103,8 +107,10 @@ pub const PARTS: [Component; 5] = [
 ];
 
 impl SunGrid {
-    /// Makes these suns and a sky ready; `settings` say what memory it takes, their light is not looked at. Factors are made of its irradiances,
-    /// [`PARTS`], by [`SunGrid::labels`]. Errors as of [`ReplayBuilder::build`](crate::replay::run::ReplayBuilder::build).
+    /// Prepares the replay of these suns and a sky. Of `settings` only the number of patches, the
+    /// memory and the storage apply. [`SunGrid::factors`] computes factors from its irradiances,
+    /// which are [`PARTS`] by [`SunGrid::labels`]. Returns the errors of
+    /// [`ReplayBuilder::build`](crate::replay::run::ReplayBuilder::build).
     pub fn replay<'a>(&self, site: &OpenSite<'a>, settings: ReplaySettings) -> Result<Replay<'a>> {
         let mut conditions = self.conditions(SOURCE_W_M2);
         let up = direction_from_degrees(0.0, 90.0);
@@ -120,18 +126,19 @@ impl SunGrid {
         Replay::builder(site, &conditions, settings).summed(&bins).scheduled(&schedules).build()
     }
 
-    /// Number of irradiances of a part: a label for each sun, and one for the sky.
+    /// Returns the number of irradiances of a part: one for each sun, and one for the sky.
     pub fn labels(&self) -> usize {
         self.suns().count() + 1
     }
 
-    /// Factors of each sun, of the irradiances of a receiver, or of means over some: `row` gives those of a part by label.
+    /// Returns the factors of each sun from the irradiances of a receiver, or from means over
+    /// receivers. `row` returns the irradiances of a part by label.
     pub fn factors<'r>(&'r self, row: impl Fn(Component) -> &'r [f32]) -> impl Iterator<Item = [f64; 5]> + 'r {
         let [obstruction, ground, sky_obstruction, sky_ground, mirrored] = PARTS.map(row);
         let share = |rows: &[f32], label: usize| rows.get(label).map_or(0.0, |v| f64::from(*v) / SOURCE_W_M2);
         let sky = self.labels() - 1;
         self.suns().enumerate().map(move |(sun, (_, altitude))| {
-            // Altitudes are above 0.
+            // Altitudes are above 0, so the division is safe.
             let on_ground = share(ground, sun) / altitude.to_radians().sin();
             let by_sky = [sky_obstruction, sky_ground].map(|rows| share(rows, sky));
             [share(obstruction, sun), on_ground, by_sky[0], by_sky[1], share(mirrored, sun)]
@@ -143,7 +150,8 @@ impl SunGrid {
 mod tests {
     use super::*;
 
-    /// Steps of 10 and 5 degrees are 37 x 19 = 703 suns from 0.5 degrees up, altitudes first; three steps that do not fit are refused.
+    /// Steps of 10 and 5 degrees give 37 x 19 = 703 suns from 0.5 degrees up, altitudes first.
+    /// Three steps that do not fit are refused.
     #[test]
     fn grids() {
         let grid = SunGrid::new(10.0, 5.0).expect("a grid");

@@ -1,8 +1,9 @@
-//! Longwave irradiance of receivers. In: what sky, ground and obstructions send in each condition, and what share of a receiver's
-//! hemisphere each of them fills. Out: W/m2, or sums over periods.
+//! Longwave irradiance of receivers. In: emission of sky, ground and obstructions in each
+//! condition, and the shares of a receiver's hemisphere that each of them fills. Out: W/m2, or sums
+//! over periods.
 //!
-//! Surfaces are black: they send sigma T^4 and reflect nothing. The sky is isotropic. What meets nothing lies below the horizon,
-//! where the scene ends: it counts as ground.
+//! Surfaces are black: they emit sigma T^4 and reflect nothing. The sky is isotropic. A ray that
+//! meets nothing points below the horizon, where the scene ends; its share counts as ground.
 
 use std::path::Path;
 
@@ -18,7 +19,8 @@ pub struct Longwave {
 }
 
 impl Longwave {
-    /// Adds the emissions of conditions up; each must have one. `archive` is named where one has none.
+    /// Adds up the emissions of conditions. A condition without an emission is an error, whose
+    /// message names `archive`.
     pub fn new(conditions: &[Condition], bins: &Bins, archive: &Path) -> Result<Self> {
         let mut sums = vec![[0.0; 3]; bins.count];
         for (condition, &(bin, weight)) in conditions.iter().zip(&bins.of_condition) {
@@ -35,10 +37,12 @@ impl Longwave {
         Ok(Longwave { sums })
     }
 
-    /// Irradiance of a receiver; `views`: shares of its hemisphere that are sky, ground and obstructions.
+    /// Computes the irradiance of a receiver for each result. `views` are the shares of its
+    /// hemisphere that are sky, ground and obstructions.
     pub fn irradiance(&self, views: [f32; 3], out: &mut [f32]) {
         let [sky, _, obstruction] = views.map(f64::from);
-        // With what meets nothing; the shares are rounded, so their sum may be a little above 1.
+        // The ground takes the share of rays that meet nothing. The shares are rounded, so their
+        // sum may be a little above 1.
         let ground = (1.0 - sky - obstruction).max(0.0);
         for (out, [of_sky, of_ground, of_obstruction]) in out.iter_mut().zip(&self.sums) {
             *out = (sky * of_sky + ground * of_ground + obstruction * of_obstruction) as f32;
@@ -58,8 +62,9 @@ mod tests {
         Condition { emission: emission.map(of), ..dark }
     }
 
-    /// Shares of 0.5, 0.2 and 0.2 get 0.5 x 300 + 0.3 x 400 + 0.2 x 500 = 370 W/m2: the tenth that meets nothing is ground; two hours of 300
-    /// and 100 from the sky alone sum to 0.4 kWh/m2; shares that sum to a little more than 1 take nothing from the ground.
+    /// Shares of 0.5, 0.2 and 0.2 give 0.5 x 300 + 0.3 x 400 + 0.2 x 500 = 370 W/m2: the tenth that
+    /// meets nothing is ground. Two hours of 300 and 100 W/m2 from the sky alone sum to 0.4 kWh/m2.
+    /// Shares that sum to a little more than 1 leave the ground at 0 or above.
     #[test]
     fn shares_and_sums() {
         let (day, night) = (condition(Some([300.0, 400.0, 500.0])), condition(Some([100.0, 400.0, 500.0])));

@@ -1,9 +1,11 @@
-//! Maps of one receiver: what its layers say of each direction. In: a [`ReceiverView`], and optionally a sun and a sky. Out: textures
-//! with named channels.
+//! Maps of one receiver: the content of its layers by direction. In: a [`ReceiverView`], and
+//! optionally a sun and a sky. Out: textures with named channels.
 //!
-//! One rule holds for all of them: the sum over the texels of a channel named like a column of results, times the channel
-//! `weight_sr`, is that column, W/m2. So such a channel is a radiance, W/(m2 sr), and `weight_sr` says what it is worth. The light of hits is
-//! derived anew, and stored responses are rounded: there both differ by what `layers::response` says.
+//! One rule holds for all maps: the sum over the texels of a channel named like a column of
+//! results, times the channel `weight_sr`, is that column, W/m2. Such a channel is therefore a
+//! radiance, W/(m2 sr), and `weight_sr` is the weight of the texel. The light of hits is derived
+//! anew, while stored responses are rounded, so the two differ by the error that `layers::response`
+//! states.
 
 use std::collections::HashSet;
 
@@ -36,21 +38,22 @@ use crate::sky::patches::Patches;
 use crate::sky::projection::Projection;
 use crate::weather::conditions::Condition;
 
-/// The frame of all receivers: columns grow to the east, rows to the north, about the zenith.
+/// Name of the frame that all receivers share: columns grow to the east, rows to the north, about
+/// the zenith.
 pub const WORLD: &str = "world";
-/// The receiver's own frame: columns grow along its surface, rows up the surface.
+/// Name of the receiver's own frame: columns grow along its surface, rows up the surface.
 pub const SURFACE: &str = "surface";
 
-/// A texture and its channels.
+/// Texture and its channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
-    /// Name of the layer that it comes from: `sky`, `hit`, `response`, `mirror`.
+    /// Name of the layer that the map comes from: `sky`, `hit`, `response`, `mirror`.
     pub name: &'static str,
-    /// [`WORLD`] or [`SURFACE`].
+    /// Frame of the map: [`WORLD`] or [`SURFACE`].
     pub frame: &'static str,
-    /// Texels a side.
+    /// Number of texels a side.
     pub side: usize,
-    /// What is said of each texel, `weight_sr` among it.
+    /// Channels of the texels, `weight_sr` among them.
     pub channels: Vec<Channel>,
 }
 
@@ -59,7 +62,7 @@ pub struct Map {
 pub struct Channel {
     /// Name of the channel, such as `sun_direct`.
     pub name: &'static str,
-    /// Unit of its values, or what they mean where they have none.
+    /// Unit of the values, or their meaning where they have no unit.
     pub unit: &'static str,
     /// `[texel]`, row-major.
     pub values: Vec<f32>,
@@ -73,10 +76,10 @@ impl Map {
     }
 }
 
-/// Points a side of a texel in which patches are sampled, as replay does for its base texels.
+/// Points a side of a texel at which patches are sampled, as in a replay's base texels.
 const SAMPLES: usize = 8;
 
-/// Sun and sky ready for the textures of an archive.
+/// Sun and sky prepared for the textures of an archive.
 pub struct Illumination {
     condition: Condition,
     depth: MaxBounces,
@@ -84,13 +87,15 @@ pub struct Illumination {
     patches: Patches,
     /// `[patch]`, W/(m2 sr).
     radiances: Vec<f64>,
-    /// Patches on the response texture, and its radiance, `[texel]`.
+    /// Patches on the response texture, and the radiance of its texels, `[texel]`.
     projection: Projection,
     on_response: Vec<f64>,
 }
 
 impl Illumination {
-    /// The light of a condition, whose suns go by true north, with a sky of 145, 577 or 2305 `patches` by `model`; `depth` says how many reflections maps hold.
+    /// Prepares the light of a condition with a sky of 145, 577 or 2305 `patches` by `model`. The
+    /// directions of its suns refer to true north. `depth` is the number of reflections that the
+    /// maps hold.
     pub fn new(
         site: &OpenSite,
         condition: Condition,
@@ -110,7 +115,7 @@ impl Illumination {
         Ok(Illumination { condition, depth, parts, patches, radiances, projection, on_response })
     }
 
-    /// What a response makes of it, W/m2: sun and sky.
+    /// Returns the reflected irradiance of a response, W/m2, from the sun and from the sky.
     fn reflected(&self, response: &Response) -> [f64; 2] {
         let g = response.vectors();
         let vector = |t: usize| DVec3::from(g[t].map(f64::from));
@@ -122,7 +127,8 @@ impl Illumination {
         [suns * self.condition.dni_w_m2, sky]
     }
 
-    /// Texels of the response that the suns are looked up in, and their directions times the texels' weights.
+    /// Returns the texels of the response in which the suns are looked up, and the suns' directions
+    /// times the bilinear weights of the texels.
     fn sun_texels(&self) -> impl Iterator<Item = (usize, DVec3)> {
         self.condition.suns.iter().flat_map(|instant| {
             let corners = bilinear(instant.sun, self.projection.side()).into_iter();
@@ -130,8 +136,9 @@ impl Illumination {
         })
     }
 
-    /// Radiance that adds to that of the dome on the texels of the response: what circumsolar light and the horizon make of each
-    /// vector, over what it is worth.
+    /// Returns the radiance that circumsolar light and the horizon add to that of the dome on the
+    /// texels of the response: the irradiance by each response vector, divided by the texel's
+    /// weight.
     fn brightening(&self, response: &[[f32; 3]], weights: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; weights.len()];
         let mut add = |t: usize, direction: DVec3| {
@@ -145,7 +152,8 @@ impl Illumination {
         sums.iter().zip(weights).map(|(sum, weight)| if *weight != 0.0 { sum / weight } else { 0.0 }).collect()
     }
 
-    /// Texels of a sky texture under the suns' discs, and how much normal irradiance of 1 W/m2 in all each holds, with its sun.
+    /// Returns the texels of a sky texture under the suns' discs: direction of the sun, texel, and
+    /// the texel's share of a normal irradiance of 1 W/m2.
     fn discs(&self, side: usize) -> impl Iterator<Item = (DVec3, usize, f64)> {
         self.condition.suns.iter().flat_map(move |instant| {
             let of_disc = move |(column, row, share): (u32, u32, f32)| {
@@ -156,7 +164,7 @@ impl Illumination {
     }
 }
 
-/// All maps of a receiver; those of `light` only where there is one.
+/// Returns all maps of a receiver. Channels of light exist only where `light` is given.
 pub fn maps(
     site: &OpenSite,
     view: &ReceiverView,
@@ -171,6 +179,7 @@ pub fn maps(
         let of = |channel: usize| lit.texels.iter().map(|radiances| radiances[channel] as f32).collect();
         hit.add("sun_diffuse", RADIANCE, of(0));
         hit.add("sky_diffuse", RADIANCE, of(1));
+        // The stored response holds all bounces; for fewer, the derived one applies.
         if light.depth != MaxBounces::All {
             response = Some(lit.response);
         }
@@ -191,9 +200,9 @@ pub fn maps(
 struct SkyTexels {
     side: usize,
     texels: Vec<SkyTexel>,
-    /// Of their radiance.
+    /// Factor that scales the mean radiances so that an open horizontal receiver gets DHI.
     scale: f64,
-    /// Of skies that have one.
+    /// Band at the horizon, if the sky has one.
     band: Option<HorizonBand>,
 }
 
@@ -202,7 +211,8 @@ impl SkyTexels {
         let side = view.sky.side() * view.sky.block();
         let texel = |t: usize| sky_texel(view.receiver.normal, light, side, t);
         let texels: Vec<SkyTexel> = (0..side * side).into_par_iter().with_min_len(side).map(texel).collect();
-        // As replay does on its texels: an open horizontal receiver gets DHI exactly.
+        // A replay scales its texels in this way, too: an open horizontal receiver gets DHI
+        // exactly.
         let open = texels.iter().map(|t| f64::from(t.horizontal)).sum::<f64>() * texel_sr(side);
         let dome_w_m2 = light.map_or(0.0, |light| light.parts.dome_w_m2);
         let band = light.and_then(|light| light.projection.horizon()).map(|_| HorizonBand::new(side));
@@ -214,15 +224,15 @@ impl SkyTexels {
     }
 }
 
-/// Solid angle of a texel, sr.
+/// Returns the solid angle of a texel, sr.
 fn texel_sr(side: usize) -> f64 {
     HEMISPHERE_SR / (side * side) as f64
 }
 
-/// What is sky, and with a light the sky and the sun that are seen in it.
+/// Returns the map of the visible sky, and with a light the radiances of the sky and the sun in it.
 fn sky_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>, sides: TextureSides) -> Map {
     let (side, texels, texel_sr) = (sky.side, &sky.texels, texel_sr(sky.side));
-    // Bits reach a little behind the surface.
+    // The sky's bits reach a little behind the surface.
     let visible: Vec<bool> =
         texels.iter().enumerate().map(|(t, texel)| texel.cos > 0.0 && view.sky.get(t % side, t / side)).collect();
     let mut map = Map { name: "sky", frame: WORLD, side, channels: Vec::new() };
@@ -240,7 +250,7 @@ fn sky_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>, s
     let radiance = |t: usize, w_m2: f64| (w_m2 * f64::from(through(t)) / (f64::from(texels[t].cos) * texel_sr)) as f32;
     let normal = view.receiver.normal;
     for (direction, t, share) in light.discs(side).filter(|(_, t, _)| visible[*t]) {
-        // Replay takes the cosine of the middle for the whole disc.
+        // A replay takes the cosine at the middle for the whole disc, too.
         let share = share * normal.dot(direction).max(0.0);
         sun[t] += radiance(t, light.condition.dni_w_m2 * share);
         of_sky[t] += radiance(t, light.parts.circumsolar_w_m2 * share);
@@ -254,7 +264,7 @@ fn sky_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>, s
     map
 }
 
-/// What is sky by way of mirrors, on the texels of the sky that light comes from.
+/// Returns the map of the sky seen in mirrors, on the texels of the sky that the light comes from.
 fn mirror_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>) -> Map {
     let side = sky.side;
     let mut weights = vec![0.0_f64; side * side];
@@ -273,7 +283,7 @@ fn mirror_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>
         }
         let Some(light) = light else { continue };
         for (direction, t, of_disc) in light.discs(side).filter(|(_, t, _)| visible.contains(&(t % side, t / side))) {
-            // Replay takes the middle for the whole disc.
+            // A replay takes the direction of the middle for the whole disc, too.
             let share = of_disc * window.reflection.share(direction) * image.dot(direction).max(0.0);
             sun[t] += light.condition.dni_w_m2 * share;
             brightening[t] += light.parts.circumsolar_w_m2 * share;
@@ -296,17 +306,18 @@ fn mirror_map(view: &ReceiverView, sky: &SkyTexels, light: Option<&Illumination>
     map
 }
 
-/// Means over a texel of the sky.
+/// Means over one texel of the sky.
 struct SkyTexel {
-    /// Cosine on the receiver.
+    /// Cosine of the angle of incidence on the receiver.
     cos: f32,
-    /// Radiance by its patches, and that times the cosine on a horizontal surface.
+    /// Radiance by the patches, and radiance times the cosine on a horizontal surface.
     radiance: f32,
     horizontal: f32,
 }
 
 fn sky_texel(normal: DVec3, light: Option<&Illumination>, side: usize, t: usize) -> SkyTexel {
-    // Points 1/2048 of the square apart, 4 in a texel of the usual 1024; no fewer, or texels that the surface's plane cuts would count by halves.
+    // The points lie 1/2048 of the square apart: 4 in a texel of the usual 1024 a side. Fewer would
+    // make texels that the surface's plane cuts count by halves.
     let samples = (2048 / side).max(2);
     let (mut cos, mut radiance, mut horizontal) = (0.0, 0.0, 0.0);
     for i in 0..samples * samples {
@@ -324,7 +335,7 @@ fn sky_texel(normal: DVec3, light: Option<&Illumination>, side: usize, t: usize)
     SkyTexel { cos: mean(cos), radiance: mean(radiance), horizontal: mean(horizontal) }
 }
 
-/// Which cells are met, and what they are worth.
+/// Returns the map of the cells that the receiver sees, with their weights.
 fn hit_map(view: &ReceiverView) -> Map {
     let side = view.texels.len().isqrt();
     let mut map = Map { name: "hit", frame: SURFACE, side, channels: Vec::new() };
@@ -342,13 +353,13 @@ fn hit_map(view: &ReceiverView) -> Map {
         }
     }
     map.add("mirrors", "mirrors passed to the last surface that is seen, 0 for none", mirrors);
-    // Shares of the hemisphere, whose weight is pi.
+    // Texel weights are shares of the hemisphere, and the whole has the weight pi.
     let weights = texel_weights(&view.texels, &view.viewer);
     map.add("weight_sr", "sr", weights.iter().map(|w| (w * HEMISPHERE_SR / 2.0) as f32).collect());
     map
 }
 
-/// What each direction of the sky is worth by way of reflections.
+/// Returns the map of the response: irradiance by reflections for each direction of the sky.
 fn response_map(response: &Response, light: Option<&Illumination>) -> Map {
     const NAMES: [&str; CLASSES * 3] =
         ["ground.x", "ground.y", "ground.z", "obstruction.x", "obstruction.y", "obstruction.z"];
@@ -370,25 +381,25 @@ fn response_map(response: &Response, light: Option<&Illumination>) -> Map {
     map
 }
 
-/// Light that the cells around a receiver send.
+/// Light from the cells around a receiver.
 struct Lit {
-    /// `[texel]` of the hit texture: radiance by the sun, by the sky.
+    /// `[texel]` of the hit texture: radiance by the sun, radiance by the sky.
     texels: Vec<[f64; 2]>,
-    /// Of the receiver, as the sum of all.
+    /// Response of the receiver: the sum over all cells.
     response: Response,
 }
 
-/// A cell that a texel shows, in mirrors or not.
+/// Cell that a texel shows, directly or in mirrors.
 struct Shown {
     cell: CellKey,
     texel: usize,
-    /// Share of its light that is left.
+    /// Share of the cell's light that reaches the receiver.
     left: f64,
-    /// Of what is seen first.
+    /// Class of the first surface seen.
     class: usize,
 }
 
-/// Cells that responses are derived for at a time: some 25 MB.
+/// Number of cells whose responses are derived at a time: some 25 MB.
 const CELLS_AT_ONCE: usize = 1024;
 
 fn lit_cells(
@@ -399,7 +410,8 @@ fn lit_cells(
     storage: &dyn ScratchSpace,
 ) -> Result<Lit> {
     let mut tables = Tables::of(site)?;
-    // Each cell fills the view of a receiver that looks up and has one texel: its response is pi times the cell's radiance.
+    // Each cell fills the view of a receiver that looks up and has one texel. The response of that
+    // receiver is pi times the cell's radiance.
     tables.settings.hit = 1;
     let viewer = Viewer { normal: DVec3::Z, seed: 0, sky_view: 0.0 };
     let responder = ResponseSolver::new(&tables, light.depth, memory, storage)?;
@@ -430,7 +442,8 @@ fn lit_cells(
                 let texel = lit.texels[place.texel].iter_mut().zip(radiances);
                 texel.for_each(|(sum, radiance)| *sum += radiance * place.left);
             }
-            // The cell's own class holds all of it; in a mirror it counts for the mirror's.
+            // The response of a cell holds all light in the cell's own class. A cell in a mirror
+            // counts for the mirror's class, so the classes are added up first.
             let of_class = response.values.len() / CLASSES;
             let all = response.values.chunks(of_class).fold(vec![0.0_f32; of_class], |mut sum, values| {
                 sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
@@ -444,7 +457,7 @@ fn lit_cells(
     Ok(lit)
 }
 
-/// All cells that texels show, by cell.
+/// Returns all cells that texels show, ordered by cell.
 fn shown(view: &ReceiverView, reflectors: &[Reflector]) -> Vec<Shown> {
     let class_of = |material: u16| reflectors[usize::from(material)].class.index();
     let through = view.canopy.through(SEEN, &view.powers);
@@ -453,7 +466,7 @@ fn shown(view: &ReceiverView, reflectors: &[Reflector]) -> Vec<Shown> {
         let left = through.as_ref().map_or(1.0, |shares| f64::from(shares[texel]));
         Some(Shown { cell, texel, left, class: class_of(cell.material) })
     });
-    // A way has at least one mirror: what is seen first.
+    // A path has at least one mirror, which is the first surface seen.
     let in_mirrors = view.paths.iter().map(|path| {
         let (class, left) = (class_of(path.steps[0].0), left(&path.steps, reflectors));
         Shown { cell: path.cell, texel: path.texel as usize, left, class }

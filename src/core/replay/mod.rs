@@ -1,6 +1,7 @@
-//! Replay: layers of an archive and the weather of an hour become irradiance. In: an archive, conditions, the choice of a sky. Out: six
-//! components and their total for every receiver and condition, and longwave irradiance where it is asked for. It never casts a ray:
-//! the crate has no code that could.
+//! Replay: layers of an archive and the weather of an hour become irradiance. In: an archive,
+//! conditions, the choice of a sky. Out: six components and their total for every receiver and
+//! condition, and longwave irradiance on request. A replay never casts a ray: the crate has no code
+//! that could.
 
 pub mod bands;
 pub mod components;

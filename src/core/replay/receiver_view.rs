@@ -1,4 +1,5 @@
-//! One receiver of an archive with its layers. In: an archive and an id. Out: what this receiver sees, decoded.
+//! One receiver of an archive with its layers. In: an archive and an id. Out: the decoded layers of
+//! this receiver.
 
 use glam::DVec3;
 
@@ -24,49 +25,51 @@ use crate::site::cells::CellKey;
 use crate::site::material::{Class, Material};
 use crate::site::receiver::Receiver;
 
-/// Names that an error suggests.
+/// Number of names that an error suggests.
 const SUGGESTED: usize = 3;
 
-/// A receiver and what it sees.
+/// Receiver and its decoded layers.
 pub struct ReceiverView {
-    /// Its id, place and normal.
+    /// Id, place and normal of the receiver.
     pub receiver: Receiver,
-    /// Shares of its hemisphere: sky, ground, obstruction.
+    /// Shares of the receiver's hemisphere: sky, ground, obstruction.
     pub views: [f32; 3],
-    /// The sky that it sees directly, world frame.
+    /// Sky that the receiver sees directly, world frame.
     pub sky: SkyBitmap,
-    /// How often its rays cross leaves and screens.
+    /// Numbers of leaves and screens that the receiver's rays cross.
     pub canopy: Canopy,
-    /// Shares that come through 0, 1, ... 255 crossings of each canopy, by the stored transmittances.
+    /// Shares of light that come through 0, 1, ... 255 crossings of each canopy, by the stored
+    /// transmittances.
     pub powers: Powers,
-    /// Its normal, the seed of its hit rays, its view of the sky.
+    /// Normal of the receiver, seed of its hit rays, and its view of the sky.
     pub viewer: Viewer,
-    /// Cells that its tile sees, sorted.
+    /// Cells that the receiver's tile sees, sorted.
     pub palette: Vec<CellKey>,
     /// `[texel]` of the hit texture: 0 = nothing met, else palette index + 1.
     pub texels: Vec<u32>,
-    /// Surfaces that it sees in mirrors.
+    /// Surfaces that the receiver sees in mirrors.
     pub paths: Vec<MirrorPath>,
-    /// The sky that it sees in mirrors.
+    /// Sky that the receiver sees in mirrors.
     pub(super) mirrors: Vec<MirrorView>,
-    /// The materials, by the numbers in cell keys.
+    /// Materials, by the numbers in cell keys.
     pub materials: Vec<Material>,
-    /// Sides of its textures.
+    /// Sides of the receiver's textures.
     pub(super) sides: TextureSides,
-    /// Whether mirrors of the scene were traced.
+    /// True if mirrors of the scene were traced.
     has_mirrors: bool,
     tile: u32,
     row: usize,
 }
 
 impl ReceiverView {
-    /// Reads the receiver of a name; an unknown one is an error that names those like it.
+    /// Reads the receiver with an id. An unknown id is an error that names similar ids.
     pub fn load(site: &OpenSite, id: &str) -> Result<Self> {
         let (tile, row, table) = find(site, id)?;
         ReceiverView::of(site, tile, row, table)
     }
 
-    /// Reads the receiver of a row of a tile, and no other tile; a row that does not exist is an error.
+    /// Reads the receiver in a row of a tile without reading other tiles. A row that does not exist
+    /// is an error.
     pub fn at(site: &OpenSite, tile: u32, row: usize) -> Result<Self> {
         let table = site.tile_receivers(tile)?;
         if row >= table.rows() {
@@ -111,21 +114,22 @@ impl ReceiverView {
         })
     }
 
-    /// The response that the build derived.
+    /// Returns the response that the build derived.
     pub fn response(&self, site: &OpenSite) -> Result<Response> {
         let found = site.tile_responses(self.tile)?.into_iter().nth(self.row);
         let what = || format!("receiver `{}` has no response", self.receiver.id);
         found.ok_or_else(|| Error::input(site.path(), None, what(), "build the archive again"))
     }
 
-    /// What leaves before the sky let through, by the stored transmittances; none where none stand before it.
+    /// Returns the shares of light that canopies before the sky let through, by the stored
+    /// transmittances, or `None` if no canopy stands before the sky.
     pub(super) fn veil(&self) -> Option<CanopyTransmittance> {
         let shares = self.canopy.through(canopy::SKY, &self.powers);
         shares.map(|shares| CanopyTransmittance::new(shares, self.sides))
     }
 
-    /// The direction in the sky from which light seems to come that is seen in mirrors in a direction, and how much of it is left; `None`
-    /// where no mirror shows the sky.
+    /// Returns the direction in the sky from which the light comes that a mirror shows in direction
+    /// `seen`, and the share of it that is left. Returns `None` if no mirror shows the sky there.
     pub fn in_mirrors(&self, seen: DVec3) -> Option<(DVec3, f64)> {
         self.mirrors.iter().find_map(|mirror| {
             let sky = mirror.reflection.unmirrored(seen);
@@ -133,39 +137,40 @@ impl ReceiverView {
         })
     }
 
-    /// Directions in which a sun is seen in mirrors.
+    /// Returns the directions in which a sun is seen in mirrors.
     pub fn mirror_images(&self, sun: DVec3) -> impl Iterator<Item = DVec3> {
         let shown = self.mirrors.iter().filter(move |mirror| mirror.shows(sun));
         shown.map(move |mirror| mirror.reflection.mirrored(sun))
     }
 
-    /// The cell that a texel of the hit texture meets.
+    /// Returns the cell that a texel of the hit texture meets.
     pub fn cell(&self, texel: usize) -> Option<&CellKey> {
         self.palette.get((*self.texels.get(texel)? as usize).checked_sub(1)?)
     }
 
-    /// Whether there are mirrors in the scene.
+    /// Returns true if there are mirrors in the scene.
     pub fn has_mirrors(&self) -> bool {
         self.has_mirrors
     }
 
-    /// What it meets is made of.
+    /// Returns the material of the surface that a texel of the hit texture meets.
     fn material(&self, texel: usize) -> Option<&Material> {
         self.materials.get(usize::from(self.cell(texel)?.material))
     }
 
-    /// Whether what it meets is a mirror or glass.
+    /// Returns true if a texel of the hit texture meets a mirror or glass.
     pub fn is_mirror(&self, texel: usize) -> bool {
         self.has_mirrors && self.material(texel).is_some_and(Material::mirrors)
     }
 
-    /// The class of what it meets.
+    /// Returns the class of the surface that a texel of the hit texture meets.
     pub fn class(&self, texel: usize) -> Option<Class> {
         self.material(texel).map(|material| material.class)
     }
 
-    /// The texel of the hit texture that holds what is seen in a direction, by the surface's axes, where it is no sky. The texture is coarse: a
-    /// texel at the edge of the sky may hold the sky, the nearest that does not holds what is seen.
+    /// Returns the texel of the hit texture that holds the surface seen in a direction that is not
+    /// sky; `local` is in the surface's axes. The texture is coarse, so a texel at the edge of the
+    /// sky may hold the sky. The nearest texel that holds a surface is taken then.
     pub fn nearest_seen(&self, local: DVec3) -> Option<usize> {
         let n = self.texels.len().isqrt();
         let (column, row) = texel_of(local, n);
@@ -178,7 +183,7 @@ impl ReceiverView {
     }
 }
 
-/// Tile and row of a receiver, and the table that it stands in.
+/// Returns tile and row of a receiver, and the table of that tile.
 fn find(site: &OpenSite, id: &str) -> Result<(u32, usize, ReceiversTable)> {
     for tile in NameIndex::of(site)?.tiles(NameOf::Receiver, id)? {
         let table = site.tile_receivers(tile)?;
@@ -186,7 +191,8 @@ fn find(site: &OpenSite, id: &str) -> Result<(u32, usize, ReceiversTable)> {
             return Ok((tile, row, table));
         }
     }
-    // Nobody tells, or nobody is called so: all are read, and those with such names suggested.
+    // The name index does not know the id. All tables are read, for the id and for similar ids to
+    // suggest.
     let mut near: Vec<(usize, String)> = Vec::new();
     site.expect(&[RECEIVERS], 0..site.tiles());
     for tile in 0..site.tiles() {

@@ -1,5 +1,5 @@
-//! Reflectances and transmittances that a replay changes. In: what the user asks for, the archive's materials, the weather. Out:
-//! schedules of materials, checked.
+//! Reflectances and transmittances that a replay changes. In: the changes that a user requests, the
+//! archive's materials, the weather. Out: checked schedules of materials.
 
 use crate::named::NamedValues;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::site::material::{Class, Material};
 use crate::weather::formats::schedule_csv::{Column, ReadFile, Rows, parse_schedule};
 use crate::weather::row::WeatherRow;
 
-/// What the ground reflects under snow, from the weather file.
+/// Source, in the weather file, of the ground's reflectance under snow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Snow {
@@ -25,17 +25,17 @@ pub enum Snow {
     Albedo,
 }
 
-/// The values of a schedule.
+/// Column of the values in a schedule's file.
 const REFLECTANCE: Column = Column { name: "reflectance", low: 0.0, high: 1.0 };
 const TRANSMITTANCE: Column = Column { name: "transmittance", low: 0.0, high: 1.0 };
 
-/// Depth from which snow covers the ground.
+/// Depth from which on snow covers the ground.
 const COVER_CM: f64 = 1.0;
 
-/// What a transmittance is, or where it stands for each row of a weather file.
+/// Transmittance as a number, or the file that states it for each row of a weather file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConstantOrFile {
-    /// The same in all conditions, 0 to 1.
+    /// One value for all conditions, 0 to 1.
     Value(f64),
     /// A CSV file with a value for each row of the weather file, or for each month.
     File(PathBuf),
@@ -54,31 +54,33 @@ impl FromStr for ConstantOrFile {
     }
 }
 
-/// The materials of an archive.
+/// Materials of an archive whose reflectances and transmittances may change.
 pub struct Changeable<'a> {
-    /// The archive, for messages.
+    /// Path of the archive, for messages.
     pub site: &'a Path,
-    /// By the numbers in cell keys.
+    /// Materials, by the numbers in cell keys.
     pub materials: &'a [Material],
-    /// What the ground reflects by month, if the archive states it: weather follows it where nothing else is asked for.
+    /// Reflectance of the ground by month, if the archive states it. Replays of weather use it
+    /// where no other change applies.
     pub ground: Option<&'a MonthlyGround>,
 }
 
-/// What is changed. Later entries win over earlier ones, constants over what the archive states by month, schedules over constants, snow
-/// over all of them.
+/// Changes of reflectances and transmittances. Later entries win over earlier ones, constants over
+/// the archive's monthly values, schedules over constants, snow over all of them.
 #[derive(Clone, Debug, Default)]
 pub struct Changes {
     /// Group, material or class, and its diffuse reflectance.
     pub constant: Vec<(String, f64)>,
     /// Group, material or class, and the file of its schedule.
     pub scheduled: Vec<(String, PathBuf)>,
-    /// Where it comes from, and the reflectance of snow.
+    /// Source of the snow cover, and the reflectance of snow.
     pub snow: Option<(Snow, f64)>,
-    /// Group, material or class of canopies, and what comes through at each crossing.
+    /// Group, material or class of canopies, and the share of light that comes through at each
+    /// crossing.
     pub transmittance: Vec<(String, ConstantOrFile)>,
 }
 
-/// Files that reflectances and transmittances follow.
+/// Returns the files that reflectances and transmittances follow.
 pub fn followed_files<'a>(
     scheduled: &'a [(String, PathBuf)],
     transmittance: &'a [(String, ConstantOrFile)],
@@ -91,12 +93,12 @@ pub fn followed_files<'a>(
 }
 
 impl Changes {
-    /// Whether nothing is changed.
+    /// Returns true if nothing changes.
     pub fn is_empty(&self) -> bool {
         self.constant.is_empty() && self.scheduled.is_empty() && self.snow.is_none() && self.transmittance.is_empty()
     }
 
-    /// Those of some names.
+    /// Returns the changes whose names are `known`; snow stays.
     pub fn only(&self, known: impl Fn(&str) -> bool) -> Changes {
         let mut some = self.clone();
         some.constant.retain(|(name, _)| known(name));
@@ -105,7 +107,8 @@ impl Changes {
         some
     }
 
-    /// Schedules over `conditions` conditions that have no date. `files` gives the bytes of schedules.
+    /// Returns the schedules over `conditions` conditions that have no date. `files` returns the
+    /// bytes of schedule files.
     pub fn undated(&self, changeable: &Changeable, conditions: usize, files: ReadFile) -> Result<Vec<Schedule>> {
         let rows = Rows::Conditions(conditions);
         let mut schedules = self.reflecting(changeable, conditions)?;
@@ -114,7 +117,7 @@ impl Changes {
         Ok(schedules)
     }
 
-    /// Those of files.
+    /// Returns the schedules of reflectance that files state.
     fn following(&self, changeable: &Changeable, rows: Rows, files: ReadFile) -> Result<Vec<Schedule>> {
         let of = |(name, path): &(String, PathBuf)| {
             let members = changeable.opaque(name)?;
@@ -140,7 +143,8 @@ impl Changes {
         self.transmittance.iter().map(of).collect()
     }
 
-    /// Schedules over the rows of a weather file, and what the user should know about them. `files` gives the bytes of schedules.
+    /// Returns the schedules over the rows of a weather file, and warnings for the user. `files`
+    /// returns the bytes of schedule files.
     pub fn over(
         &self,
         changeable: &Changeable,
@@ -170,6 +174,7 @@ impl Changes {
                     Snow::Albedo => "the weather file has no albedo: {snow} albedo changes nothing".into(),
                 });
             }
+            // Snow lies over the ground as scheduled so far: later schedules win.
             let before = schedules.clone();
             let snowy = |&m: &usize| materials[m].class == Class::Ground && !changeable.is_canopy(m);
             for material in (0..materials.len()).filter(snowy) {
@@ -185,7 +190,8 @@ impl Changes {
 }
 
 impl<'a> Changeable<'a> {
-    /// What an archive holds. One without diffuse reflections has no light that could follow its ground.
+    /// Takes the materials and the monthly ground of an archive. Without diffuse reflections no
+    /// light depends on the ground, so its months are left out.
     pub fn of(site: &'a OpenSite, manifest: &'a Manifest) -> Self {
         let ground = manifest.ground.as_ref().filter(|_| site.settings().diffuse);
         Changeable { site: site.path(), materials: site.materials(), ground }
@@ -193,7 +199,7 @@ impl<'a> Changeable<'a> {
 }
 
 impl Changeable<'_> {
-    /// Whether a name is that of a group, a material or a class.
+    /// Returns true if a group, a material or a class has this name.
     pub fn knows(&self, name: &str) -> bool {
         members(self.site, self.materials, name).is_ok()
     }
@@ -202,7 +208,7 @@ impl Changeable<'_> {
         self.materials[material].transmittance.is_some()
     }
 
-    /// Those of the materials of a name that reflect.
+    /// Returns the opaque materials of a name. It is an error if there are none.
     fn opaque(&self, name: &str) -> Result<Vec<usize>> {
         let mut members = members(self.site, self.materials, name)?;
         members.retain(|&material| !self.is_canopy(material));
@@ -214,7 +220,7 @@ impl Changeable<'_> {
         )
     }
 
-    /// Those of the materials of a name that let light through.
+    /// Returns the canopies of a name. It is an error if there are none.
     fn canopies(&self, name: &str) -> Result<Vec<usize>> {
         let mut members = members(self.site, self.materials, name)?;
         members.retain(|&material| self.is_canopy(material));
@@ -239,7 +245,7 @@ impl Changeable<'_> {
     }
 }
 
-/// The schedule of the ground that the archive states, if it does.
+/// Returns the schedule of the ground that the archive states by month, if it does.
 fn by_month(changeable: &Changeable, rows: &[WeatherRow]) -> Result<Vec<Schedule>> {
     let Some(ground) = changeable.ground else { return Ok(Vec::new()) };
     let Some(material) = changeable.materials.iter().position(|material| material.name == ground.material) else {
@@ -250,7 +256,8 @@ fn by_month(changeable: &Changeable, rows: &[WeatherRow]) -> Result<Vec<Schedule
     Ok(vec![schedule(changeable, vec![material], values)?])
 }
 
-/// Materials of a group; where there is no such group, the material of that name, or else those of that class.
+/// Returns the materials of a group. Without such a group it returns the materials of that name, or
+/// else those of that class.
 fn members(site: &Path, materials: &[Material], name: &str) -> Result<Vec<usize>> {
     let all = |named: &dyn Fn(&Material) -> bool| (0..materials.len()).filter(|&m| named(&materials[m])).collect();
     let of_class = |class| all(&|material| material.class == class);
@@ -278,14 +285,16 @@ fn members(site: &Path, materials: &[Material], name: &str) -> Result<Vec<usize>
     Ok(found)
 }
 
-/// A schedule that leaves room for what its materials reflect like mirrors.
+/// Returns a schedule. Values that exceed 1 together with the specular reflectance of a material
+/// are an error.
 fn schedule(changeable: &Changeable, members: Vec<usize>, values: Vec<f64>) -> Result<Schedule> {
     let materials = changeable.materials;
     let largest = values.iter().copied().fold(0.0, f64::max);
     for &material in &members {
         let specular = specular_mean(&materials[material]);
         if largest + specular > 1.0 + 1e-9 {
-            // What glass reflects has many digits.
+            // Specular reflectances of glass have many digits, so the message rounds them up to
+            // four.
             let shown = (specular * 1e4 - 1e-6).ceil() / 1e4;
             let what = format!(
                 "material `{}` would reflect {largest} diffusely and {shown} like a mirror, more than arrives",
@@ -347,8 +356,8 @@ mod tests {
         vec![row(1, Some(5.0), Some(0.7)), row(2, Some(0.4), None), row(3, None, Some(0.25))]
     }
 
-    /// Snow lies on both grounds in one of three rows by depth and in two by albedo, over the constant 0.3 of the street and the stored
-    /// 0.2 of the lawn.
+    /// By depth, snow lies on both grounds in one of three rows, and by albedo in two, over the
+    /// constant 0.3 of the street and the stored 0.2 of the lawn.
     #[test]
     fn snow() {
         for (snow, lawn, street) in
@@ -369,8 +378,9 @@ mod tests {
         assert_eq!(schedules.iter().map(|s| s.values[0]).collect::<Vec<_>>(), [0.2, 0.1]);
     }
 
-    /// A lawn of 0.1 x month, half of it under any snow, follows the weather: 0.05, 0.1, 0.3; a constant 0.25 wins over it, snow of 0.6 over both
-    /// where it is 1 cm deep; a ground of no material is refused by its name.
+    /// A lawn of 0.1 x month, half of it under any snow, follows the weather: 0.05, 0.1, 0.3. A
+    /// constant 0.25 wins over it, and snow of 0.6 over both where it is 1 cm deep. A monthly
+    /// ground without a material is refused by its name.
     #[test]
     fn ground_by_month() {
         let materials = materials();
@@ -395,8 +405,9 @@ mod tests {
         assert!(refused.to_string().contains("`plane` by month"), "{refused}");
     }
 
-    /// A group takes in its 2 materials, a class its 2, a material's name stands for itself; an unknown name lists the 2 groups and 4 materials; 0.6 on
-    /// a facade with half of its light mirrored is refused with the 0.5 that is left.
+    /// A group includes its 2 materials, a class its 2, and a material's name stands for the
+    /// material. The error for an unknown name lists the 2 groups and 4 materials. A reflectance of
+    /// 0.6 on a facade with half of its light mirrored is refused with the 0.5 that is left.
     #[test]
     fn names() {
         let change = |name: &str, value| Changes { constant: vec![(name.into(), value)], ..Changes::default() };

@@ -1,5 +1,5 @@
-//! The sources of a few results on the response texture, added up. In: suns and skies. Out: reflected irradiance of a receiver by one product
-//! of its response with a map.
+//! Sources of a few results on the response texture, added up. In: suns and skies. Out: reflected
+//! irradiance of a receiver by one product of its response with a map.
 
 use pulp::Arch;
 
@@ -9,21 +9,21 @@ use crate::site::material::Class;
 use crate::sky::projection::Projection;
 use crate::sky::sky_field::SkyField;
 
-/// Products that are added side by side, in a fixed order.
+/// Number of partial sums that are added side by side, in a fixed order.
 const SIDE_BY_SIDE: usize = 16;
 
-/// One vector a texel and result.
+/// Sums of the sources as one vector for each texel and result.
 pub struct ResponseSums {
     /// Results with light.
     bins: Vec<usize>,
     /// `[result with light][axis][texel]`: irradiance x direction.
     maps: Vec<f32>,
-    /// Values of a result: 3 n^2.
+    /// Number of values of a result: 3 n^2.
     len: usize,
 }
 
 impl ResponseSums {
-    /// Of suns, and of skies if there are any, on the response texture of a projection.
+    /// Adds up suns, and skies if there are any, on the response texture of a projection.
     pub fn new(suns: &Sources, skies: Option<&SkyField>, projection: &Projection) -> Self {
         let texels = projection.mean_directions.len();
         let mut sums = Vec::new();
@@ -39,7 +39,7 @@ impl ResponseSums {
         ResponseSums { bins: sums.iter().map(|(bin, _)| *bin).collect(), maps, len: 3 * texels }
     }
 
-    /// Adds the irradiance by a response, or by what is of one class in it, to `out[result]`.
+    /// Adds the irradiance by a response, or by one class of surfaces in it, to `out[result]`.
     pub fn irradiance(&self, response: &Response, class: Option<Class>, out: &mut [f64]) {
         let of_class = response.values.chunks((response.values.len() / CLASSES).max(1)).enumerate();
         for (_, values) in of_class.filter(|(i, _)| class.is_none_or(|class| class.index() == *i)) {
@@ -50,7 +50,7 @@ impl ResponseSums {
     }
 }
 
-/// The map of a result.
+/// Returns the map of a result, which is added if it is new.
 fn bins_place(sums: &mut Vec<(usize, Vec<f64>)>, bin: usize, len: usize) -> &mut [f64] {
     let place = sums.iter().position(|(other, _)| *other == bin).unwrap_or_else(|| {
         sums.push((bin, vec![0.0; len]));
@@ -59,7 +59,7 @@ fn bins_place(sums: &mut Vec<(usize, Vec<f64>)>, bin: usize, len: usize) -> &mut
     &mut sums[place].1
 }
 
-/// The sum of the products of two lists of one length.
+/// Returns the sum of the products of two lists of equal length.
 #[inline(always)]
 pub(super) fn product(a: &[f32], b: &[f32]) -> f32 {
     let mut sums = [0.0_f32; SIDE_BY_SIDE];

@@ -1,4 +1,6 @@
-//! A replay: an archive under a series of conditions, tile by tile. It reads and multiplies; it cannot cast a ray.
+//! A replay: an archive under a series of conditions, tile by tile. In: an open archive,
+//! conditions, settings. Out: irradiances of receivers. A replay reads and multiplies; it cannot
+//! cast a ray.
 
 use std::borrow::Cow;
 
@@ -33,28 +35,29 @@ use crate::sky::patches::Patches;
 use crate::weather::conditions::{Condition, in_axes};
 use crate::weather::time::bins::Bins;
 
-/// Bytes of results and responses that are made at a time, beyond one tile a core.
+/// Bytes of results and responses that are computed at a time, beyond one tile a core.
 const RESULT_BYTES: usize = 48 << 20;
 
-/// Choices of a replay that the weather does not make.
+/// Settings of a replay that do not depend on the weather.
 #[derive(Clone, Copy, Debug)]
 pub struct ReplaySettings<'s> {
-    /// How the sky's radiance is spread.
+    /// Model of the sky's distribution of radiance.
     pub sky: SkyModel,
     /// Number of sky patches: 145, 577 or 2305.
     pub patches: usize,
-    /// Which light counts.
+    /// Light paths that count.
     pub paths: LightPaths,
-    /// What results hold; components that nothing here needs may stay zero.
+    /// Components that results hold. Components that none of them needs may stay zero.
     pub components: ComponentSet,
-    /// Bytes that tables and radiosities may take, besides the results of the tiles that are asked for.
+    /// Bytes that tables and radiosities may take, besides the results of the requested tiles.
     pub memory: MemoryBudget,
-    /// Where radiosities go that do not fit.
+    /// Storage for radiosities that do not fit into memory.
     pub storage: &'s dyn ScratchSpace,
 }
 
 impl Default for ReplaySettings<'_> {
-    /// Perez skies of 577 patches, all light, all components, 4 GiB, and what does not fit stays in memory all the same.
+    /// Returns Perez skies of 577 patches, all light, all components, and 4 GiB. Radiosities that
+    /// do not fit stay in memory all the same.
     fn default() -> Self {
         ReplaySettings {
             sky: SkyModel::Perez,
@@ -67,14 +70,17 @@ impl Default for ReplaySettings<'_> {
     }
 }
 
-/// An archive with its weather, ready to give tile after tile.
+/// Archive with its weather, prepared for one tile after another.
 ///
-/// Suns of conditions go by true north; where the archive knows its place they are turned into its axes.
+/// The directions of the suns of conditions refer to true north. If the archive states its
+/// location, the directions are turned into its axes.
 ///
-/// Results are irradiances on the receivers, f32: means over a condition in W/m2 ([`Replay::new`]), or sums with the weights of
-/// [`Bins`], such as kWh/m2 ([`ReplayBuilder::summed`]). Diffuse reflectances and transmittances may change from condition to condition
-/// ([`ReplayBuilder::scheduled`]). Longwave irradiance needs conditions with an emission, as [`crate::weather::temperatures::emissions`] gives
-/// them. Tiles are independent of each other; 64 receivers to a tile, in the archive's order.
+/// Results are irradiances on the receivers, f32: means over a condition in W/m2 ([`Replay::new`]),
+/// or sums with the weights of [`Bins`], such as kWh/m2 ([`ReplayBuilder::summed`]). Diffuse
+/// reflectances and transmittances may change from condition to condition
+/// ([`ReplayBuilder::scheduled`]). Longwave irradiance needs conditions with an emission, as
+/// [`crate::weather::temperatures::emissions`] gives them. Tiles are independent of each other. A
+/// tile has 64 receivers, in the archive's order.
 ///
 /// ```no_run
 /// use std::path::Path;
@@ -105,25 +111,27 @@ pub struct Replay<'a> {
     site: OpenSite<'a>,
     forcing: Forcing,
     memory: MemoryBudget,
-    /// Only where there are mirrors, and they are asked for.
+    /// Mirrors of the site; `None` if there are none or the components need none.
     mirrors: Option<MirrorTable>,
-    /// Only where the archive's own responses do not serve.
+    /// Tables and solver of responses; `None` if the archive's own responses apply.
     responder: Option<(Tables<'a>, ResponseSolver)>,
     bands: Vec<BandReplay<'a>>,
 }
 
-/// A replay in a band, and the columns that its totals are of, one after the other.
+/// Replay in a band. Its totals are the values of the listed columns, one column after another.
 struct BandReplay<'a> {
     replay: Replay<'a>,
     components: Vec<Component>,
 }
 
-/// Receiver ids, in the order of the tile, and irradiance: `[component][receiver][result]`, W/m2 or what sums add up to.
+/// Receiver ids, in the order of the tile, and irradiance: `[component][receiver][result]`, in W/m2
+/// or the unit of the sums.
 pub type TileResult = (Vec<String>, TileValues);
 
 impl<'a> Replay<'a> {
-    /// One result for every condition: means in W/m2. An error: a number of patches that is not offered, longwave irradiance without
-    /// emissions, cells that do not fit together.
+    /// Prepares one result for every condition: means in W/m2. Returns an error for a number of
+    /// patches other than 145, 577 and 2305, for longwave irradiance without emissions, and for
+    /// cells that do not fit together.
     pub fn new(site: &OpenSite<'a>, conditions: &[Condition], settings: ReplaySettings) -> Result<Self> {
         Replay::builder(site, conditions, settings).build()
     }
@@ -138,7 +146,7 @@ impl<'a> Replay<'a> {
     }
 }
 
-/// A replay about to be made of an archive and conditions.
+/// Builder of a replay of an archive under conditions.
 pub struct ReplayBuilder<'r, 'a> {
     site: &'r OpenSite<'a>,
     conditions: &'r [Condition],
@@ -155,21 +163,23 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         ReplayBuilder { bins: Some(bins), ..self }
     }
 
-    /// Lets reflectances and transmittances follow schedules.
+    /// Makes reflectances and transmittances follow schedules.
     pub fn scheduled(self, schedules: &'r [Schedule]) -> Self {
         ReplayBuilder { schedules, ..self }
     }
 
-    /// Also gives columns of bands; `are_sums` says that the bins add hours / 1000.
+    /// Adds the columns of bands. `are_sums` says that the bins add hours / 1000.
     pub fn with_bands(self, bands: &'r [BandPass<'a>], are_sums: bool) -> Self {
         ReplayBuilder { bands, are_sums, ..self }
     }
 
-    /// Makes the replay ready, and those of its bands. An error: a number of patches that is not offered, longwave irradiance without emissions,
-    /// cells that do not fit together, schedules of an archive that was built without diffuse reflections and has no canopies.
+    /// Prepares the replay and those of its bands. Returns an error for a number of patches other
+    /// than 145, 577 and 2305, for longwave irradiance without emissions, for cells that do not fit
+    /// together, and for schedules of an archive that was built without diffuse reflections and has
+    /// no canopies.
     pub fn build(self) -> Result<Replay<'a>> {
         let (conditions, bands, are_sums) = (self.conditions, self.bands, self.are_sums);
-        // All of them work at once.
+        // All replays work at once, so they share the memory.
         let memory = MemoryBudget::new(self.settings.memory.total() / (1 + bands.len() as u64));
         let settings = ReplaySettings { memory, ..self.settings };
         let bins = self.bins.map_or_else(|| Cow::Owned(Bins::each(conditions.len())), Cow::Borrowed);
@@ -184,7 +194,7 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         Ok(replay)
     }
 
-    /// Makes the replay of all light ready.
+    /// Prepares the replay of all light.
     fn build_one(self) -> Result<Replay<'a>> {
         let ReplayBuilder { site, conditions, settings, bins, schedules, .. } = self;
         let bins = &*bins.map_or_else(|| Cow::Owned(Bins::each(conditions.len())), Cow::Borrowed);
@@ -217,6 +227,7 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
         let matt = !paths.mirror_diffuse && !site.orientations().is_empty();
         let is_changed = !site.is_as_stored() || !schedules.is_empty();
         let derives = reflects && (paths.depth != MaxBounces::All || matt || is_changed);
+        // Stored responses and transmittances apply: no tables have to be read.
         if !derives && (leaves.is_empty() || schedules.is_empty()) {
             let forcing = behind(forced(&[])?, vec![(leaves.clone(), bins.clone())]);
             return Replay::with(site, forcing, settings.memory, None);
@@ -242,6 +253,7 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
             Ok((states, responder))
         };
         let (mut states, mut responder) = solved(false)?;
+        // Few states usually suffice; a finer solution costs more, so it is made on demand.
         if !responder.interpolates(&states.checks)? {
             (states, responder) = solved(true)?;
         }
@@ -263,14 +275,16 @@ impl<'a> Replay<'a> {
         Ok(Replay { site: site.clone(), forcing, memory, mirrors, responder, bands: Vec::new() })
     }
 
-    /// Number of tiles: those from 0 up to it can be asked for.
+    /// Returns the number of tiles, which are numbered from 0.
     pub fn tiles(&self) -> u32 {
         self.site.tiles()
     }
 
-    /// Results of some tiles one after the other, in the order asked for. At least as many as there are cores are made at a time, if
-    /// half of the memory holds them, and as many as neighbours that share what they see had better be, while their results are small. A damaged block is an error in the
-    /// place of all that are made with it; tiles after these follow.
+    /// Returns the results of tiles one after another, in the order of the request. At least one
+    /// tile a core is computed at a time, if half of the memory holds that many. While results are
+    /// small, more tiles are computed at a time, because neighbours share the cells that they see.
+    /// A damaged block is one error in place of all tiles that are computed together; the tiles
+    /// after them follow.
     pub fn results(&self, tiles: impl IntoIterator<Item = u32>) -> impl Iterator<Item = Result<TileResult>> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
         let cores = rayon::current_num_threads().max(1);
@@ -286,12 +300,13 @@ impl<'a> Replay<'a> {
         })
     }
 
-    /// Bytes of all light and of the bands.
+    /// Returns the sum of `of` over the replay of all light and those of the bands, bytes.
     fn bytes(&self, of: impl Fn(&Forcing) -> usize) -> usize {
         of(&self.forcing) + self.bands.iter().map(|band| of(&band.replay.forcing)).sum::<usize>()
     }
 
-    /// Results of some tiles, all in memory at once; a damaged block among theirs is an error.
+    /// Returns the results of tiles, all in memory at once. A damaged block in any of them is an
+    /// error.
     pub fn run(&self, tiles: impl IntoIterator<Item = u32>) -> Result<Vec<TileResult>> {
         let tiles: Vec<u32> = tiles.into_iter().collect();
         let mut results = self.run_one(&tiles)?;
@@ -309,7 +324,7 @@ impl<'a> Replay<'a> {
         Ok(results)
     }
 
-    /// Results of all light.
+    /// Returns the results of all light.
     fn run_one(&self, tiles: &[u32]) -> Result<Vec<TileResult>> {
         self.expect(tiles);
         let reads = self.reads();
@@ -337,12 +352,13 @@ impl<'a> Replay<'a> {
         self.forcing.reads_responses() && self.site.settings().diffuse
     }
 
-    /// Tells of tiles that will be asked for soon.
+    /// Announces tiles that will be requested soon, so that their blocks can be read ahead.
     fn expect(&self, tiles: &[u32]) {
         self.expect_of(&self.site, tiles);
     }
 
-    /// The same of another site, of which a replay of equal conditions is next: from afar its blocks come while this one is computed.
+    /// Announces tiles of another site, which a replay of equal conditions reads next. The blocks
+    /// of a remote archive then arrive while this replay is computed.
     pub fn expect_of(&self, site: &OpenSite, tiles: &[u32]) {
         let besides: &[BlockKind] = match (self.reflects(), &self.responder) {
             (true, None) => &[format::RESPONSE],

@@ -1,8 +1,8 @@
-//! What a receiver sees in each direction of the world's upper hemisphere, in words for people, and where that stands on a disc. In: a
-//! [`ReceiverView`]. Out: classes.
+//! Classes of the surfaces that a receiver sees, by direction of the world's upper hemisphere, and
+//! their places on a disc. In: a [`ReceiverView`]. Out: classes.
 //!
-//! Equidistant: the distance from the middle of the disc is the angle from the zenith. The site's y is up and x is right, as on a map that the
-//! disc is laid on and as on printed sun-path diagrams.
+//! The disc is equidistant: the distance from its middle is the angle from the zenith. The site's y
+//! is up and x is right, as on a map under the disc and on printed sun-path diagrams.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -13,7 +13,7 @@ use crate::replay::direct::canopy_transmittance::CanopyTransmittance;
 use crate::replay::receiver_view::ReceiverView;
 use crate::site::material::Class;
 
-/// What is seen in a direction.
+/// Class of the surface that is seen in a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seen {
     /// Open sky.
@@ -22,29 +22,29 @@ pub enum Seen {
     Canopy,
     /// A surface of class ground.
     Ground,
-    /// Any other surface; also where nothing is known.
+    /// Any other surface, and directions without a known surface.
     Obstruction,
-    /// What reflects like a mirror, whatever its class.
+    /// Surface that reflects like a mirror, whatever its class.
     Mirror,
     /// Nothing: the direction lies behind the receiver's own surface.
     Behind,
 }
 
-/// The hemisphere of a receiver as a disc of radius 1.
+/// Hemisphere of a receiver as a disc of radius 1.
 pub struct SkyDisc<'v> {
     view: &'v ReceiverView,
     frame: Frame,
-    /// What leaves let through; none where none stand before the sky.
+    /// Shares of light that canopies let through; `None` if no canopy stands before the sky.
     veil: Option<CanopyTransmittance>,
 }
 
 impl<'v> SkyDisc<'v> {
-    /// Of a receiver.
+    /// Returns the disc of a receiver.
     pub fn of(view: &'v ReceiverView) -> Self {
         SkyDisc { view, frame: Frame::of(view.receiver.normal), veil: view.veil() }
     }
 
-    /// Where a direction above the horizon stands: x to the right, y up.
+    /// Returns the place of a direction above the horizon: x to the right, y up.
     pub fn place_of(direction: DVec3) -> (f64, f64) {
         let horizontal = direction.x.hypot(direction.y);
         let r = horizontal.atan2(direction.z) / FRAC_PI_2;
@@ -52,7 +52,7 @@ impl<'v> SkyDisc<'v> {
         (direction.x * scale, direction.y * scale)
     }
 
-    /// The direction that stands at a place; `None` outside the horizon.
+    /// Returns the direction at a place, or `None` outside the horizon.
     pub fn direction_at(x: f64, y: f64) -> Option<DVec3> {
         let r = x.hypot(y);
         let zenith_rad = r * FRAC_PI_2;
@@ -60,13 +60,13 @@ impl<'v> SkyDisc<'v> {
         (r <= 1.0).then(|| DVec3::new(x * scale, y * scale, zenith_rad.cos()))
     }
 
-    /// What is seen in a direction.
+    /// Returns the class that is seen in a direction.
     pub fn seen(&self, direction: DVec3) -> Seen {
         let (view, local) = (self.view, self.frame.to_local(direction));
         if local.z <= 0.0 {
             return Seen::Behind;
         }
-        // The sky's texture ends at the horizon.
+        // The texture of the sky ends at the horizon.
         let (column, row) = texel_of(direction, view.sky.side() * view.sky.block());
         if direction.z > 0.0 && view.sky.get(column, row) {
             let through = self.veil.as_ref().map_or(1.0, |veil| veil.at_fine(column, row));
@@ -86,7 +86,8 @@ mod tests {
     use super::*;
     use crate::units::direction_from_degrees;
 
-    /// The zenith is in the middle, north up, east right, 45 degrees of altitude half way; places of 500 directions lead back to them.
+    /// The zenith is in the middle, north up, east right, and 45 degrees of altitude half way. The
+    /// places of 500 directions lead back to them.
     #[test]
     fn equidistant() {
         assert_eq!(SkyDisc::place_of(DVec3::Z), (0.0, 0.0));

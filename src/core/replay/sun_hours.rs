@@ -1,5 +1,5 @@
-//! How long a receiver sees the sun. In: what it sees, the rows of a weather file. Out: hours of each row, by the same lookups of the sun's
-//! disc in its sky as direct irradiance.
+//! Hours of sun at a receiver. In: a receiver's layers, the rows of a weather file. Out: hours of
+//! each row, by the same lookups of the sun's disc in the receiver's sky as direct irradiance.
 
 use crate::layers::sides::TextureSides;
 use crate::replay::direct::sun_samples::SunSamples;
@@ -9,21 +9,24 @@ use crate::site::north::North;
 use crate::weather::row::WeatherRow;
 use crate::weather::series::Weather;
 
-/// Hours of sun at a receiver, clouds left out of account: what the sky holds of them is DNI's matter.
+/// Hours of sun at a receiver without regard to clouds, which DNI accounts for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SunHours {
-    /// `[row]`: how long the sun's centre is above the horizon.
+    /// `[row]`: hours in which the sun's centre is above the horizon.
     pub up_h: Vec<f64>,
-    /// `[row]`: how long the receiver sees it; the seen share of the disc counts, behind leaves what they let through.
+    /// `[row]`: hours in which the receiver sees the sun. A partly hidden disc counts by its
+    /// visible share, and a disc behind canopies by the share that they let through.
     pub seen_h: Vec<f64>,
-    /// `[row]`: how long it stands behind the receiver's own surface.
+    /// `[row]`: hours in which the sun stands behind the receiver's own surface.
     pub behind_h: Vec<f64>,
-    /// Rows with direct irradiance at the receiver: the sun is seen, and the row's DNI is not 0.
+    /// Number of rows with direct irradiance at the receiver: the sun is seen, and the row's DNI is
+    /// not 0.
     pub sunny_rows: usize,
 }
 
 impl SunHours {
-    /// Of a weather file's rows, with so many positions of the sun in each; `north` is where true north lies in the receiver's axes.
+    /// Computes the hours of a weather file's rows with `steps` positions of the sun in each.
+    /// `north` is the direction of true north in the receiver's axes.
     pub fn of(view: &ReceiverView, weather: &Weather, steps: usize, north: North) -> Self {
         let (normal, sides, count) = (view.receiver.normal, view.sides, weather.rows.len());
         let (mut up_h, mut behind_h, mut seen_h) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
@@ -39,7 +42,8 @@ impl SunHours {
                 let direction = north.to_axes(sun);
                 let cos = normal.dot(direction);
                 match cos > 0.0 {
-                    // An irradiance is strength times cosine times seen share: this is hours times seen share.
+                    // An irradiance is strength x cosine x visible share, so this strength makes it
+                    // hours x visible share.
                     true => samples.push(SunSample { bin, strength: hours / cos, direction }),
                     false => behind_h[bin] += hours,
                 }
@@ -55,7 +59,8 @@ impl SunHours {
         SunHours { up_h, seen_h, behind_h, sunny_rows }
     }
 
-    /// Sums over all rows: hours that the sun is up, seen, hidden by surroundings, behind the surface; the last three make up the first.
+    /// Returns sums over all rows: hours in which the sun is up, seen, hidden by surroundings, and
+    /// behind the surface. The last three add up to the first.
     pub fn sums(&self) -> [f64; 4] {
         let [up, seen, behind] = [&self.up_h, &self.seen_h, &self.behind_h].map(|hours| hours.iter().sum::<f64>());
         [up, seen, up - seen - behind, behind]

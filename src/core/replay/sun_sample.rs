@@ -1,4 +1,5 @@
-//! Positions of the sun as results feel them. In: conditions and where they add to. Out: directions and strengths.
+//! Positions of the sun that contribute to results. In: conditions and their bins. Out: directions
+//! and strengths.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -7,24 +8,26 @@ use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
-/// A sun that samples on a result.
+/// Position of the sun that contributes to a result.
 #[derive(Clone, Copy, Debug)]
 pub struct SunSample {
-    /// Result.
+    /// Number of the result.
     pub bin: usize,
-    /// Irradiance normal to it x [`Condition::scale`] x share of the time x what clouds let through x weight in the result.
+    /// Normal irradiance x [`Condition::scale`] x share of the time x share that clouds let through
+    /// x weight in the result.
     pub strength: f64,
-    /// Of its middle.
+    /// Direction of the middle of the disc.
     pub direction: DVec3,
 }
 
 impl SunSample {
-    /// Suns of all conditions with DNI, in their order.
+    /// Returns the suns of all conditions with DNI, in the order of the conditions.
     pub fn of_suns(conditions: &[Condition], bins: &Bins) -> Vec<SunSample> {
         SunSample::of(conditions, bins, |c| c.dni_w_m2 * c.scale.sun)
     }
 
-    /// The same for the light that a model's skies send from where the suns are; most have none.
+    /// Returns the circumsolar light of a model's skies as suns at the positions of the sun, in the
+    /// order of the conditions. Most models have none.
     pub fn of_circumsolar(conditions: &[Condition], bins: &Bins, model: SkyModel) -> Vec<SunSample> {
         let conditions = if model.brightens() { conditions } else { &[] };
         SunSample::of(conditions, bins, |c| model.parts(c).circumsolar_w_m2 * c.scale.sky)

@@ -1,5 +1,6 @@
-//! Direct light behind canopies. In: suns and skies with each leafage, receivers' sky bits and crossings. Out: sun_direct and
-//! sky_direct of those receivers that see the sky through leaves.
+//! Direct light behind canopies. In: suns and skies for each set of transmittances, sky bits and
+//! crossings of receivers. Out: `sun_direct` and `sky_direct` of the receivers that see the sky
+//! through canopies.
 
 use glam::DVec3;
 
@@ -21,23 +22,24 @@ use crate::sky::skies::{Skies, mean_positive};
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
-/// Weather of each leafage.
+/// Weather of each set of transmittances.
 pub struct DirectThroughCanopy {
     ways: Vec<Way>,
     sides: TextureSides,
 }
 
-/// Suns and skies that sun_sample while leaves let through certain shares.
+/// Suns and skies of the conditions in which canopies let the same shares through.
 struct Way {
     powers: Powers,
     suns: SunLookups,
     skies: Skies,
-    /// Light of the sky from where the suns are.
+    /// Circumsolar light of the sky.
     circumsolar: SunLookups,
 }
 
 impl DirectThroughCanopy {
-    /// How conditions add to the results with each leafage; `projection` of the base texels.
+    /// Looks up suns and skies for each set of transmittances. The bins of a set say how conditions
+    /// add to the results with it. `projection` is that of the base texels.
     pub fn new(
         conditions: &[Condition],
         leafages: Vec<(Powers, Bins)>,
@@ -63,9 +65,9 @@ impl DirectThroughCanopy {
         DirectThroughCanopy { ways: ways.collect(), sides }
     }
 
-    /// Replaces the direct light of a tile's receivers that see the sky through leaves.
+    /// Replaces the direct light of a tile's receivers that see the sky through canopies.
     pub fn replace(&self, tile: &TileLayers, projection: &Projection, out: &mut TileValues) {
-        // Whether anything is crossed does not depend on the transmittances.
+        // Transmittances do not decide if a ray crosses a canopy, so the first set tells for all.
         let Some(first) = self.ways.first() else { return };
         let crosses = |receiver: &usize| tile.canopies[*receiver].through(SKY, &first.powers).is_some();
         let behind: Vec<usize> = (0..tile.canopies.len()).filter(crosses).collect();
@@ -101,7 +103,7 @@ impl DirectThroughCanopy {
     }
 }
 
-/// [`crate::sky::skies::sky_coefficients`] behind a veil.
+/// Computes [`crate::sky::skies::sky_coefficients`] behind canopies.
 pub fn coefficients_behind(
     projection: &Projection,
     normal: DVec3,

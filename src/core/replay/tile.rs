@@ -1,5 +1,6 @@
-//! One tile of receivers under a series of conditions. In: the tile's decoded layers and the weather prepared once. Out: six
-//! components and their total for every receiver and condition, and longwave irradiance where it is asked for.
+//! One tile of receivers under a series of conditions. In: the tile's decoded layers and the
+//! weather prepared once. Out: six components and their total for every receiver and condition, and
+//! longwave irradiance on request.
 
 use std::sync::Arc;
 
@@ -34,46 +35,46 @@ use crate::sky::sky_field::{FEW, SkyField};
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
-/// Points per texel side when textures are projected on patches.
+/// Points a side of a texel at which patches are sampled when they are projected on textures.
 pub(super) const PROJECTION_SAMPLES: usize = 8;
 
-/// Weather made ready once for all tiles.
+/// Weather prepared once for all tiles.
 pub(super) struct Forcing {
     /// Number of results.
     bins: usize,
     sides: TextureSides,
     suns: SunLookups,
     skies: Skies,
-    /// The same for few results.
+    /// Skies on the base texels; only for few results.
     sky_field: Option<SkyField>,
-    /// Light of the skies from where the suns are.
+    /// Circumsolar light of the skies.
     circumsolar: SunLookups,
-    /// `[state]`: what is reflected.
+    /// `[state]`: light on the response texture.
     reflected: Vec<Reflected>,
     sky_projection: Projection,
     planes: TexelPlanes,
     response_projection: Projection,
     components: ComponentSet,
-    /// Whether the sky that is seen in mirrors counts.
+    /// True if the sky that is seen in mirrors counts.
     mirror_sky: bool,
     longwave: Option<Longwave>,
-    /// Direct light where canopies stand before the sky.
+    /// Direct light of receivers that see the sky through canopies.
     shaded: Option<DirectThroughCanopy>,
     spares: Arc<Spares>,
 }
 
-/// The weather of one state of the reflectances.
+/// Weather of one state of the reflectances.
 struct Reflected {
     sources: Sources,
     circumsolar: Sources,
-    /// `None` if they are all skies.
+    /// Skies of this state; `None` if all skies belong to it.
     skies: Option<Skies>,
-    /// Suns and skies of few results.
+    /// Sums of suns and of skies; only for few results.
     sums: Option<[ResponseSums; 2]>,
 }
 
 impl Reflected {
-    /// The same with sums, if results are few; `all`: skies if they have none of their own.
+    /// Adds the sums if results are few. `all` are the skies if the state has none of its own.
     fn summed(self, bins: usize, all: &Skies, projection: &Projection) -> Self {
         let field = || SkyField::of(self.skies.as_ref().unwrap_or(all), projection);
         let sums = field().filter(|_| bins <= FEW).map(|field| {
@@ -85,8 +86,9 @@ impl Reflected {
 }
 
 impl Forcing {
-    /// Looks up suns and skies of all conditions, as far as the components need them. `states`: how conditions add to the results in
-    /// each state of the reflectances; empty if there is but one.
+    /// Looks up suns and skies of all conditions, as far as the components need them. `states` says
+    /// how conditions add to the results in each state of the reflectances; it is empty if there is
+    /// but one state.
     pub fn new(
         conditions: &[Condition],
         bins: &Bins,
@@ -100,6 +102,7 @@ impl Forcing {
         let skies_of = when([SkyDirect, SkyDiffuse, SkySpecular].iter().any(|&c| components.needs(c)));
         let projection = |side| Projection::new(patches, side, PROJECTION_SAMPLES).under(model);
         let sky_projection = projection(sides.sky_base);
+        // The first are the skies of all results; those of the states of the reflectances follow.
         let ways: Vec<&Bins> = std::iter::once(bins).chain(states).collect();
         let mut skies = Skies::new(skies_of, &ways, model, patches, &sky_projection.open_horizontal_sr).into_iter();
         let all = skies.next().unwrap_or_default();
@@ -140,22 +143,23 @@ impl Forcing {
         }
     }
 
-    /// The same with longwave irradiance.
+    /// Adds longwave irradiance.
     pub fn with_longwave(self, longwave: Longwave) -> Self {
         Forcing { longwave: Some(longwave), ..self }
     }
 
-    /// The same without the sky that is seen in mirrors.
+    /// Leaves out the sky that is seen in mirrors.
     pub fn without_mirror_sky(self) -> Self {
         Forcing { mirror_sky: false, ..self }
     }
 
-    /// Whether there is a sky to be seen in mirrors, which is asked for.
+    /// Returns true if the components need the sky seen in mirrors, and there is a sky.
     fn mirrors_sky(&self) -> bool {
         self.mirror_sky && self.components.needs(SkySpecular) && !self.skies.is_empty()
     }
 
-    /// The same behind leaves: how conditions add to the results with each leafage.
+    /// Adds direct light through canopies. `leafages` says how conditions add to the results with
+    /// each set of transmittances.
     pub fn behind(
         self,
         conditions: &[Condition],
@@ -168,35 +172,37 @@ impl Forcing {
         Forcing { shaded: Some(shaded), ..self }
     }
 
-    /// Bytes that a full tile takes while it is made: its results, and beside them those of a product and of a class of first hits.
+    /// Returns the bytes that a full tile takes while it is computed: its results, and beside them
+    /// those of a product and of a class of first hits.
     pub fn working_bytes(&self) -> usize {
         self.tile_bytes() + 2 * TILE * self.bins * size_of::<f32>()
     }
 
-    /// Bytes of the results of a full tile, and of the responses that they are made of.
+    /// Returns the bytes of the results of a full tile, and of the responses that they are computed
+    /// from.
     pub fn tile_bytes(&self) -> usize {
         let responses = self.reflected.len() * Response::len(self.response_projection.side());
         TILE * (self.components.places() * self.bins + responses) * size_of::<f32>()
     }
 
-    /// Whether what is asked for needs the receivers' sky textures.
+    /// Returns true if the components need the receivers' sky textures.
     pub fn reads_sky(&self) -> bool {
         self.components.needs(SunDirect) && !self.suns.is_empty()
             || self.components.needs(SkyDirect) && !self.skies.is_empty()
     }
 
-    /// Whether it needs what they see in mirrors.
+    /// Returns true if the components need the sky that the receivers see in mirrors.
     pub fn reads_mirrors(&self) -> bool {
         self.components.needs(SunSpecular) && !self.suns.is_empty() || self.mirrors_sky()
     }
 
-    /// Whether it needs their responses.
+    /// Returns true if the components need the receivers' responses.
     pub fn reads_responses(&self) -> bool {
         self.reflected.iter().any(|state| !state.sources.is_empty())
             || self.components.needs(SkyDiffuse) && !self.skies.is_empty()
     }
 
-    /// Irradiance of every receiver of a tile.
+    /// Returns the irradiance of every receiver of a tile.
     pub fn replay(&self, tile: &TileLayers) -> TileValues {
         let mut out = TileValues::from_spares(&self.spares, tile.normals.len(), self.bins);
         self.add_direct(tile, &mut out);
@@ -296,8 +302,8 @@ impl Forcing {
         }
     }
 
-    /// Adds the light of the skies from where the suns are, as `glow(receiver, sums)` gives it, to that of their patches, and clips the
-    /// whole: parts of a sky may be below 0.
+    /// Adds the circumsolar light of the skies, as `glow(receiver, sums)` gives it, to the light of
+    /// their patches. Negative results, which parts of a sky may cause, become 0.
     fn add_circumsolar(&self, column: Component, glow: impl Fn(usize, &mut [f64]), out: &mut TileValues) {
         let mut sums = vec![0.0_f64; self.bins];
         for receiver in 0..out.receivers() {
@@ -327,7 +333,8 @@ impl Forcing {
                 _ => self.reflected_skies(tile, Some(Class::Ground), &mut grounds),
             }
             for (place, value) in grounds.into_iter().enumerate() {
-                // Neither is below 0 by the error of a texture, and they add up to the whole.
+                // The error of a texture may lie below 0. Clamped, no part is negative and the two
+                // add up to the whole.
                 let all = out.component(whole)[place];
                 let of_ground = value.clamp(0.0, all);
                 out.component_mut(ground)[place] = of_ground;
@@ -336,7 +343,8 @@ impl Forcing {
         }
     }
 
-    /// `[receiver][result]`: the sun by responses, or by what is of one class in them.
+    /// Adds the sun's light by responses, or by one class of surfaces in them, to
+    /// `[receiver][result]`.
     fn reflected_suns(&self, tile: &TileLayers, class: Option<Class>, out: &mut [f32]) {
         for (state, responses) in self.reflected.iter().zip(&tile.responses) {
             match &state.sums {
@@ -347,7 +355,8 @@ impl Forcing {
         out.iter_mut().for_each(|v| *v = v.max(0.0));
     }
 
-    /// The same of the sky.
+    /// Adds the sky's light by responses, or by one class of surfaces in them, to
+    /// `[receiver][result]`.
     fn reflected_skies(&self, tile: &TileLayers, class: Option<Class>, out: &mut [f32]) {
         for (state, responses) in self.reflected.iter().zip(&tile.responses) {
             if let Some([_, skies]) = &state.sums {
@@ -382,12 +391,13 @@ impl Forcing {
     }
 }
 
-/// `[texel][axis]` of a response, or of what is of one class in it.
+/// Returns `[texel][axis]` of a response, or of one class of surfaces in it.
 fn vectors(response: &Response, class: Option<Class>) -> Vec<[f32; 3]> {
     class.map_or_else(|| response.vectors(), |class| response.vectors_of(class))
 }
 
-/// Per base texel: visible share x mean cosine of the part in front of the surface. `directions` of the base texels.
+/// Returns the visible share x mean cosine of the part in front of the surface for each base texel.
+/// `directions` are those of the base texels.
 pub fn visible_cosines(normal: DVec3, sky: &BitSquare, directions: &[DVec3]) -> Vec<f64> {
     let n = directions.len().isqrt();
     let block = sky.side() / n;
@@ -406,7 +416,7 @@ pub fn visible_cosines(normal: DVec3, sky: &BitSquare, directions: &[DVec3]) -> 
         .collect()
 }
 
-/// Cosine-weighted share of a receiver's hemisphere that is sky.
+/// Returns the cosine-weighted share of a receiver's hemisphere that is sky.
 pub fn sky_view_factor(normal: DVec3, sky: &BitSquare, directions: &[DVec3]) -> f64 {
     visible_cosines(normal, sky, directions).iter().sum::<f64>() * 2.0 / directions.len() as f64
 }

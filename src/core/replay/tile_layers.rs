@@ -1,4 +1,5 @@
-//! One tile as replay reads it: what its receivers are, and those of their layers that the weather needs.
+//! One tile as a replay reads it. In: an open archive, the number of a tile. Out: its receivers,
+//! and those of their layers that the weather needs.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -21,28 +22,32 @@ use crate::replay::direct::specular::MirrorView;
 /// Decoded layers of one tile.
 pub struct TileLayers {
     pub normals: Vec<DVec3>,
-    /// Shares of each hemisphere: sky, ground, obstructions.
+    /// Shares of each receiver's hemisphere: sky, ground, obstructions.
     pub views: Vec<[f32; 3]>,
-    /// Empty where a [`Forcing`](crate::replay::tile::Forcing) does not read them.
+    /// `[receiver]`: sky bitmap; empty if a [`Forcing`](crate::replay::tile::Forcing) does not read
+    /// them.
     pub sky: Vec<SkyBitmap>,
-    /// `[receiver]`: what it sees in mirrors; likewise, and where no receiver sees any.
+    /// `[receiver]`: sky seen in mirrors; empty if it is not read or no receiver sees any.
     pub mirrors: Vec<Vec<MirrorView>>,
-    /// What rays to the sky cross; empty where none of the tile's does, likewise.
+    /// `[receiver]`: canopies that rays to the sky cross; empty if they are not read or no ray of
+    /// the tile crosses any.
     pub canopies: Vec<Canopy>,
-    /// `[state][receiver]`: one state of the reflectances for each way that a [`Forcing`](crate::replay::tile::Forcing) was made with; likewise.
+    /// `[state][receiver]`: responses in each state of the reflectances of a
+    /// [`Forcing`](crate::replay::tile::Forcing); empty if they are not read.
     pub responses: Vec<Vec<Response>>,
 }
 
-/// Which layers are read.
+/// Layers that are read.
 #[derive(Clone, Copy)]
 pub struct Reads<'m> {
     pub sky: bool,
-    /// Only where there are mirrors.
+    /// Mirrors of the site; `None` if it has none or they are not read.
     pub mirrors: Option<&'m MirrorTable>,
 }
 
 impl Reads<'_> {
-    /// Tells of tiles that will be read soon, and what of them besides: [`format::RESPONSE`], or what responses are derived of.
+    /// Announces tiles that will be read soon. `besides` are further kinds of blocks:
+    /// [`format::RESPONSE`], or the kinds from which responses are derived.
     pub fn expect(self, site: &OpenSite, tiles: &[u32], besides: &[BlockKind]) {
         let mut kinds = [&[format::RECEIVERS], besides].concat();
         if self.sky {
@@ -56,7 +61,8 @@ impl Reads<'_> {
 }
 
 impl TileLayers {
-    /// Reads a tile, with its receivers' names. `responses`: those to use, `[state][receiver]`.
+    /// Reads a tile, with the names of its receivers. `responses` are the responses to use,
+    /// `[state][receiver]`.
     pub fn read(
         site: &OpenSite,
         tile: u32,
@@ -70,7 +76,8 @@ impl TileLayers {
         TileLayers::of(site, tile, reads, receivers, mirrors, canopies, responses)
     }
 
-    /// The same of a tile that responses were derived for: what was read for them is not read again.
+    /// Reads the layers of a tile whose responses were derived. Blocks that the derivation read are
+    /// not read again.
     pub fn of_view(
         site: &OpenSite,
         view: TileView,
@@ -108,7 +115,7 @@ impl TileLayers {
     }
 }
 
-/// What the receivers of a tile see of the sky in mirrors, ready to be looked up.
+/// Returns the windows of sky that the receivers of a tile see in mirrors, ready for look-ups.
 pub fn mirror_views(
     site: &OpenSite,
     tile: u32,

@@ -1,20 +1,21 @@
-//! Irradiance of a tile of receivers: the six components, their total and what else is asked for, as recombination gives and
-//! outputs take them.
+//! Irradiance of a tile of receivers: the six components, their total and further requested
+//! columns, between replays and outputs.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::replay::components::Component;
 
-/// Values of one tile: `[component][receiver][label]`, row-major, components in the order of their numbers. All components have a place,
-/// and those that nobody asks for are zero: pages that are never written take no memory.
+/// Values of one tile: `[component][receiver][label]`, row-major, components in the order of their
+/// numbers. All components have a place. Components that are not requested are zero: pages that are
+/// never written take no memory.
 #[derive(Clone, Debug)]
 pub struct TileValues {
     values: Vec<f32>,
     receivers: usize,
     labels: usize,
-    /// Bits of components that may not be zero.
+    /// Bits of the components that may not be zero.
     written: u32,
-    /// Where the memory goes when it is done with.
+    /// Store that takes the memory back when the values are dropped.
     home: Option<Arc<Spares>>,
 }
 
@@ -24,13 +25,13 @@ impl PartialEq for TileValues {
     }
 }
 
-/// Memory of tiles that were done with, each with the bits of its components that may not be zero. Of results for each hour, fresh pages cost
-/// a quarter of the time.
+/// Memory of dropped tiles, each with the bits of the components that may not be zero. With results
+/// for each hour, fresh pages would cost a quarter of the time.
 #[derive(Debug, Default)]
 pub(super) struct Spares(Mutex<Vec<(Vec<f32>, u32)>>);
 
 impl Spares {
-    /// Zeros, where there is memory for just as many.
+    /// Takes memory for exactly `len` values, set to zero, if there is any.
     fn take(&self, len: usize) -> Option<Vec<f32>> {
         let (mut values, written) = {
             let mut spares = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -53,45 +54,45 @@ impl Drop for TileValues {
 }
 
 impl TileValues {
-    /// Zeros for all components and a number of receivers and labels.
+    /// Returns zeros for all components and a number of receivers and labels.
     pub fn new(receivers: usize, labels: usize) -> Self {
         let values = vec![0.0; Component::COUNT * receivers * labels];
         TileValues { values, receivers, labels, written: 0, home: None }
     }
 
-    /// The same in memory that comes from, and goes back to, a place.
+    /// Returns zeros in memory that is taken from a store, and goes back to it on drop.
     pub(super) fn from_spares(home: &Arc<Spares>, receivers: usize, labels: usize) -> Self {
         let len = Component::COUNT * receivers * labels;
         let values = home.take(len).unwrap_or_else(|| vec![0.0; len]);
         TileValues { values, receivers, labels, written: 0, home: Some(Arc::clone(home)) }
     }
 
-    /// `[receiver][label]` of a component.
+    /// Returns `[receiver][label]` of a component.
     pub fn component(&self, component: Component) -> &[f32] {
         let size = self.receivers * self.labels;
         &self.values[component as usize * size..][..size]
     }
 
-    /// `[receiver][label]` of a component, to be filled.
+    /// Returns `[receiver][label]` of a component to be filled.
     pub fn component_mut(&mut self, component: Component) -> &mut [f32] {
         let size = self.receivers * self.labels;
         self.written |= 1 << component as u32;
         &mut self.values[component as usize * size..][..size]
     }
 
-    /// `[label]` of a component at a receiver of the tile.
+    /// Returns `[label]` of a component at a receiver of the tile.
     pub fn row(&self, component: Component, receiver: usize) -> &[f32] {
         let labels = self.labels;
         &self.component(component)[receiver * labels..][..labels]
     }
 
-    /// `[label]` of a component at a receiver of the tile, to be filled.
+    /// Returns `[label]` of a component at a receiver of the tile to be filled.
     pub fn row_mut(&mut self, component: Component, receiver: usize) -> &mut [f32] {
         let labels = self.labels;
         &mut self.component_mut(component)[receiver * labels..][..labels]
     }
 
-    /// The values of some receivers: those for which `kept` is true.
+    /// Returns the values of the receivers for which `kept` is true.
     pub fn select(&self, kept: &[bool]) -> TileValues {
         let rows: Vec<usize> = (0..self.receivers).filter(|row| kept.get(*row) == Some(&true)).collect();
         let mut out = TileValues::new(rows.len(), self.labels);
@@ -103,18 +104,18 @@ impl TileValues {
         out
     }
 
-    /// Number of receivers, the second axis.
+    /// Returns the number of receivers, the second axis.
     pub fn receivers(&self) -> usize {
         self.receivers
     }
 
-    /// Number of labels, the third axis: conditions, or bins of sums.
+    /// Returns the number of labels, the third axis: conditions, or bins of sums.
     pub fn labels(&self) -> usize {
         self.labels
     }
 }
 
-/// Rounds sums; what is below 0 by the error of a texture is 0.
+/// Rounds sums to f32. Sums below 0, by the error of a texture, become 0.
 pub(super) fn put(sums: &[f64], out: &mut [f32]) {
     out.iter_mut().zip(sums).for_each(|(out, sum)| *out = sum.max(0.0) as f32);
 }
@@ -123,8 +124,8 @@ pub(super) fn put(sums: &[f64], out: &mut [f32]) {
 mod tests {
     use super::*;
 
-    /// 3 tiles in the memory of one another, of which 2 columns were written, are zero wherever they are read, as a fresh one is; one of
-    /// another size has its own memory.
+    /// 3 tiles that reuse memory of which 2 columns were written are zero wherever they are read,
+    /// as a fresh tile is. A tile of another size has its own memory.
     #[test]
     fn spares_are_zero() {
         let home = Arc::new(Spares::default());

@@ -1,50 +1,51 @@
-//! What canopies leave of the light from each direction of the sky. In: shares by texel of a square. Out: the share at any texel of a
-//! receiver's sky texture.
+//! Share of the light from each direction of the sky that canopies let through. In: shares by texel
+//! of a square. Out: the share at any texel of a receiver's sky texture.
 
 use crate::layers::canopy::sky_side;
 use crate::layers::sides::TextureSides;
 
 /// Shares of the light that come through to a receiver, on a square over its sky texture.
 pub struct CanopyTransmittance {
-    /// Row-major.
+    /// Shares of the texels, row-major.
     shares: Vec<f32>,
     side: usize,
-    /// Fine texels to a side of a texel of the square, and of a base texel.
+    /// Number of fine texels a side of a texel of the square (`wide`) and of a base texel
+    /// (`block`).
     wide: usize,
     block: usize,
 }
 
 impl CanopyTransmittance {
-    /// Of shares by texel, for the sides of a sky texture.
+    /// Takes shares by texel, for a sky texture of the given sides.
     pub fn new(shares: Vec<f32>, sides: TextureSides) -> Self {
         let side = sky_side(sides.sky_base, sides.sky_fine);
         CanopyTransmittance { shares, side, wide: sides.sky_fine / side, block: sides.sky_fine / sides.sky_base }
     }
 
-    /// Nothing in the way.
+    /// Returns shares of 1 in all directions: nothing is in the way.
     pub fn clear(sides: TextureSides) -> Self {
         let side = sky_side(sides.sky_base, sides.sky_fine);
         CanopyTransmittance::new(vec![1.0; side * side], sides)
     }
 
-    /// Bytes that its shares take.
+    /// Returns the size of the shares in bytes.
     pub fn bytes(&self) -> usize {
         self.shares.len() * size_of::<f32>()
     }
 
-    /// Share at a fine texel.
+    /// Returns the share at a fine texel.
     #[inline]
     pub fn at_fine(&self, column: usize, row: usize) -> f32 {
         self.shares[row / self.wide * self.side + column / self.wide]
     }
 
-    /// Share at fine texel `i` of a base texel.
+    /// Returns the share at fine texel `i` of a base texel.
     #[inline]
     pub fn at(&self, column: usize, row: usize, i: usize) -> f32 {
         self.at_fine(column * self.block + i % self.block, row * self.block + i / self.block)
     }
 
-    /// Sum of the shares at all fine texels of a base texel.
+    /// Returns the sum of the shares at all fine texels of a base texel.
     pub fn sum(&self, column: usize, row: usize) -> f64 {
         let step = self.wide.min(self.block);
         let places = || (0..self.block).step_by(step);
@@ -59,8 +60,9 @@ mod tests {
     use super::*;
     use crate::hemisphere::mix;
 
-    /// For 5 pairs of sides, with squares of 16, 4, 256, 66 and 150 texels a side, the sum over a base texel is that of its fine texels
-    /// (1e-9), and a fine texel has the share of the square's texel at the same place.
+    /// For 5 pairs of sides, with squares of 16, 4, 256, 66 and 150 texels a side, the sum over a
+    /// base texel equals that of its fine texels (1e-9), and a fine texel has the share of the
+    /// square's texel at the same place.
     #[test]
     fn places() {
         for (base, fine, side) in [(8, 64, 16), (4, 4, 4), (512, 1024, 256), (33, 66, 66), (300, 600, 150)] {

@@ -1,4 +1,5 @@
-//! Direct light: what receivers get of suns that they see in their sky textures, in the open, in mirrors and behind canopies.
+//! Direct light: irradiance of receivers from the suns that they see in their sky textures, in the
+//! open, in mirrors and behind canopies.
 
 pub mod canopy_transmittance;
 pub mod sky_masks;

@@ -1,5 +1,6 @@
-//! The skies of a tile's receivers side by side. In: their normals and decoded sky textures. Out: for each base texel, which of them see it
-//! whole and in front of them, and which have to look at its bits.
+//! The skies of a tile's receivers, bit by bit side by side. In: normals and decoded sky textures
+//! of the receivers. Out: for each base texel, the receivers that see all of it in front of them,
+//! and the receivers whose bits have to be read.
 
 use glam::DVec3;
 use pulp::Arch;
@@ -9,32 +10,33 @@ use crate::layers::sky_bitmap::{SkyBitmap, Texel};
 use crate::sky::projection::Projection;
 use crate::units::SUN_RADIUS_RAD;
 
-/// Receivers side by side: bits of a mask.
+/// Number of receivers side by side, which is the number of bits of a mask.
 pub const LANES: usize = 64;
 
-/// Halves of a texel that its corners lie from its middle at most: 2.17 for those in the corners of the square with 128 texels a side, 2.04 with
-/// 16.
+/// Largest distance of a texel's corner from its middle, in half texels: 2.17 in the corners of a
+/// square with 128 texels a side, 2.04 with 16.
 const REACH: f32 = 2.2;
 
-/// Middles of the base texels of a sky, f32, as many lanes at a time are compared.
+/// Middles of the base texels of a sky, as f32 by axis, so that many texels are compared at a time.
 pub struct TexelPlanes {
     side: usize,
-    /// `[axis][texel]`.
+    /// `[axis][texel]`: middle of the texel.
     axes: [Vec<f32>; 3],
-    /// Farther than this from a plane through the receiver, no part of a texel lies on its other side, and no middle of a sun whose disc
-    /// reaches into it.
+    /// Largest distance of a texel's middle from a plane through the receiver at which part of the
+    /// texel, or the middle of a sun whose disc reaches into the texel, may lie on the other side.
     reach: f32,
 }
 
 impl TexelPlanes {
-    /// Of a projection's texels.
+    /// Takes the middles of the texels of a projection.
     pub fn new(projection: &Projection) -> Self {
         let axis = |axis: usize| projection.mean_directions.iter().map(|d| d[axis] as f32).collect();
         let reach = REACH * half_texel(projection.side()) as f32 + SUN_RADIUS_RAD as f32;
         TexelPlanes { side: projection.side(), axes: [axis(0), axis(1), axis(2)], reach }
     }
 
-    /// Of texels `first..first + 64`: bits of those that lie in front of a surface as a whole, and of those that do at least in part.
+    /// Returns the bits of texels `first..first + count` that lie wholly in front of a surface, and
+    /// of those that lie at least partly in front of it. `count` is at most 64.
     #[inline(always)]
     fn fronts(&self, normal: [f32; 3], first: usize, count: usize) -> (u64, u64) {
         let mut before = [0.0_f32; LANES];
@@ -51,11 +53,13 @@ impl TexelPlanes {
     }
 }
 
-/// Up to 64 receivers and their skies.
+/// Masks of up to 64 receivers and their skies.
 pub struct SkyMasks<'t> {
-    /// `[texel]`, a bit for each receiver: open, and in front of it as a whole.
+    /// `[texel]`: a bit for each receiver, set if the texel is open and wholly in front of the
+    /// receiver.
     whole: Vec<u64>,
-    /// `[texel]`: seen, but in part only or cut by the surface's plane.
+    /// `[texel]`: a bit for each receiver, set if the receiver sees the texel, but the texel is
+    /// only partly open or the plane of the surface may cut it.
     partial: Vec<u64>,
     skies: &'t [SkyBitmap],
     normals: &'t [DVec3],
@@ -63,7 +67,7 @@ pub struct SkyMasks<'t> {
 }
 
 impl<'t> SkyMasks<'t> {
-    /// Of at most [`LANES`] receivers, one normal for each sky.
+    /// Builds the masks of at most [`LANES`] receivers, with one normal for each sky.
     pub fn new(planes: &TexelPlanes, normals: &'t [DVec3], skies: &'t [SkyBitmap]) -> Self {
         let side = planes.side;
         let stride = side.div_ceil(LANES);
@@ -72,6 +76,7 @@ impl<'t> SkyMasks<'t> {
             for word in 0..side * stride {
                 let (row, column) = (word / stride, word % stride * LANES);
                 let count = (side - column).min(LANES);
+                // Words of a sky run over texels; those of the masks run over receivers.
                 let (mut wholes, mut partials) = ([0_u64; LANES], [0_u64; LANES]);
                 for (lane, (normal, sky)) in normals.iter().zip(skies).take(LANES).enumerate() {
                     let (open, mixed) = sky.words_at(word);
@@ -92,23 +97,24 @@ impl<'t> SkyMasks<'t> {
         SkyMasks { whole, partial, skies, normals, side }
     }
 
-    /// Number of receivers.
+    /// Returns the number of receivers.
     pub fn receivers(&self) -> usize {
         self.normals.len().min(self.skies.len()).min(LANES)
     }
 
-    /// Where a receiver looks.
+    /// Returns the normal of a receiver.
     pub fn normal(&self, receiver: usize) -> DVec3 {
         self.normals[receiver]
     }
 
-    /// Receivers that see a texel whole and in front of them.
+    /// Returns the receivers that see all of a texel in front of them.
     #[inline]
     pub fn whole(&self, texel: usize) -> impl Iterator<Item = usize> {
         ones(self.whole[texel])
     }
 
-    /// Those that see something of it otherwise, and what they see.
+    /// Returns the receivers that see part of a texel, or a texel that the plane of their surface
+    /// may cut, each with its texel.
     #[inline]
     pub fn partial(&self, texel: usize) -> impl Iterator<Item = (usize, Texel<'t>)> {
         let (column, row) = (texel % self.side, texel / self.side);
@@ -116,14 +122,14 @@ impl<'t> SkyMasks<'t> {
     }
 }
 
-/// Set bits of a word, lowest first.
+/// Returns the places of the set bits of a word, lowest first.
 #[inline]
 fn ones(word: u64) -> impl Iterator<Item = usize> {
     let next = |w: &u64| Some(w & w.wrapping_sub(1));
     std::iter::successors(Some(word), next).take_while(|w| *w != 0).map(|w| w.trailing_zeros() as usize)
 }
 
-/// Turns 64 words of 64 bits about their diagonal: Warren, "Hacker's delight", 2012, section 7-3.
+/// Transposes 64 words of 64 bits: Warren, "Hacker's delight", 2012, section 7-3.
 #[inline(always)]
 fn transpose(bits: &mut [u64; LANES]) {
     let (mut half, mut mask) = (32, 0x0000_0000_ffff_ffff_u64);
@@ -146,7 +152,8 @@ mod tests {
     use crate::sky::patches::Patches;
     use glam::DVec2;
 
-    /// Of 64 random words, bit j of word i is bit i of word j once they are turned: 4,096 of 4,096.
+    /// After the transposition of 64 random words, bit j of word i is the former bit i of word j:
+    /// 4,096 of 4,096.
     #[test]
     fn turned() {
         let words: [u64; LANES] = std::array::from_fn(|i| crate::hemisphere::mix(7, i as u64));
@@ -156,8 +163,9 @@ mod tests {
         assert_eq!((0..LANES * LANES).filter(|k| same((k / LANES, k % LANES))).count(), 4096);
     }
 
-    /// For 64 receivers of random normals and skies on 32, 64 and 128 base texels, a texel is whole where it is open and 4 x 4 points of it
-    /// lie before the surface, and neither where it is closed; what is partial is the rest of what is seen before it.
+    /// For 64 receivers of random normals and skies on 32, 64 and 128 base texels a side, a whole
+    /// texel is open and 16 of its 16 sampled points lie in front of the surface. A texel that is
+    /// neither whole nor partial is closed or has none of them in front.
     #[test]
     fn masks() {
         for side in [32_usize, 64, 128] {

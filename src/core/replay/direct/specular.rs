@@ -1,4 +1,5 @@
-//! The sky and the sun that a receiver sees in mirrors. In: its windows. Out: specular irradiance of suns and patches.
+//! The sky and the sun that a receiver sees in mirrors. In: the receiver's windows. Out: specular
+//! irradiance from suns and sky patches.
 
 use glam::DVec3;
 
@@ -11,22 +12,24 @@ use crate::site::chain::Chain;
 use crate::sky::horizon::{BandTexel, HorizonBand};
 use crate::sky::projection::Projection;
 
-/// The part of the sky that is seen by one chain of mirrors: a window through which the receiver's image looks.
+/// Part of the sky that a receiver sees by one chain of mirrors: a window through which the
+/// receiver's mirror image looks.
 #[derive(Clone, Debug)]
 pub struct MirrorView {
     pub reflection: Reflection,
-    /// The chain by the numbers of its mirrors.
+    /// Numbers of the mirrors of the chain.
     pub chain: Chain,
-    /// First base texel of the window.
+    /// Column and row of the window's first base texel.
     column: usize,
     row: usize,
-    /// Fine texels a side of the whole sky.
+    /// Number of fine texels a side of the whole sky.
     whole: usize,
     sky: SkyBitmap,
 }
 
 impl MirrorView {
-    /// A decoded window of a sky of these sides. `None` if it does not describe a texture.
+    /// Decodes a window of a sky of the given sides. Returns `None` if it does not describe a
+    /// texture.
     pub fn new(window: &Window, table: &MirrorTable, sides: TextureSides) -> Option<Self> {
         let (side, block) = (usize::from(window.side), sides.sky_fine / sides.sky_base);
         let mut sky = SkyBitmap::unpack(&window.texture, 1, side, side * block)?;
@@ -40,34 +43,34 @@ impl MirrorView {
         })
     }
 
-    /// About how many bytes it takes.
+    /// Returns the approximate size in bytes.
     pub fn bytes(&self) -> usize {
         self.sky.bytes() + 512
     }
 
-    /// What it shows of the sky.
+    /// Returns the bitmap of the sky that the window shows.
     pub fn sky(&self) -> &SkyBitmap {
         &self.sky
     }
 
-    /// Its first base texel in the whole sky.
+    /// Returns the first base texel of the window in the whole sky.
     pub fn first(&self) -> BaseTexel {
         BaseTexel { column: self.column, row: self.row }
     }
 
-    /// Base texels a side of the whole sky.
+    /// Returns the number of base texels a side of the whole sky.
     pub fn whole_base(&self) -> usize {
         self.whole / self.sky.block().max(1)
     }
 
-    /// What a base texel of the whole sky holds.
+    /// Returns the content of a base texel of the whole sky; closed outside the window.
     #[inline]
     pub fn texel(&self, column: usize, row: usize) -> Texel<'_> {
         let (column, row) = (column.wrapping_sub(self.column), row.wrapping_sub(self.row));
         if column < self.sky.side() && row < self.sky.side() { self.sky.texel(column, row) } else { Texel::Closed }
     }
 
-    /// Whether a direction of the sky is seen by the chain.
+    /// Returns true if the chain shows a direction of the sky.
     pub fn shows(&self, sky: DVec3) -> bool {
         let block = self.sky.block();
         if sky.z <= 0.0 {
@@ -79,7 +82,7 @@ impl MirrorView {
         column < side && row < side && self.sky.get(column, row)
     }
 
-    /// Fine texels (column, row) of the whole sky that are seen.
+    /// Returns the fine texels (column, row) of the whole sky that are seen.
     pub fn visible(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let (side, block) = (self.sky.side() * self.sky.block(), self.sky.block());
         let seen =
@@ -87,7 +90,7 @@ impl MirrorView {
         seen.map(move |(column, row)| (column + self.column * block, row + self.row * block))
     }
 
-    /// Adds the irradiance per unit radiance of each patch, without the texels' solid angle.
+    /// Adds the irradiance per unit radiance of each patch, without the solid angle of the texels.
     pub fn add_patches(&self, projection: &Projection, normal: DVec3, sums: &mut [f64]) {
         let (side, image) = (self.sky.side(), self.reflection.image(normal));
         self.sky.for_visible(|texel, share| {
@@ -99,7 +102,8 @@ impl MirrorView {
             }
         });
     }
-    /// Irradiance by way of the mirrors of a band at the horizon that gives an open wall 1.
+    /// Returns the irradiance by way of the mirrors from a band at the horizon that gives an
+    /// unobstructed wall 1.
     pub fn horizon(&self, band: &HorizonBand, side: usize, normal: DVec3) -> f64 {
         let image = self.reflection.image(normal);
         let of = |found: &BandTexel| {
@@ -110,7 +114,7 @@ impl MirrorView {
         band.texels().iter().map(of).sum()
     }
 
-    /// Share of a base texel of the whole sky that is seen.
+    /// Returns the share of a base texel of the whole sky that is seen.
     fn share(&self, column: usize, row: usize) -> f64 {
         let (column, row) = (column.wrapping_sub(self.column), row.wrapping_sub(self.row));
         let side = self.sky.side();

@@ -1,8 +1,10 @@
-//! The suns of sums as maps. In: where the discs of many suns lie, and how strong they are. Out: direct irradiance of receivers whose skies are
-//! at hand, at a price that does not depend on how many suns there were.
+//! Suns that are added up, as maps. In: positions of many suns, and their strengths. Out: direct
+//! irradiance of receivers with known skies, at a cost that does not depend on the number of suns.
 //!
-//! The sum over suns of strength x visible share x cosine is linear in the vectors strength x direction: those that fall on one texel of the
-//! sky are added before any receiver is asked. A receiver then takes whole base texels by one product, and those with an edge by their bits.
+//! The sum over suns of strength x visible share x cosine is linear in the vectors strength x
+//! direction. The vectors that fall on one texel of the sky are therefore added up before any
+//! receiver is computed. A receiver then takes an open base texel with one product, and a partly
+//! open one by its bits.
 
 use std::ops::Range;
 
@@ -18,13 +20,13 @@ use crate::replay::direct::specular::MirrorView;
 use crate::replay::sun_sample::SunSample;
 use crate::sky::disc::disc_texels;
 
-/// Places in a base texel's bits that are taken at a time: a byte of them.
+/// Number of places of a base texel's bits that are read at a time: one byte.
 const STRIP: usize = 8;
 
-/// Suns whose discs are found at a time.
+/// Number of suns whose discs are found at a time.
 const DISCS: usize = 8192;
 
-/// The light on the places of a byte of a base texel's bits.
+/// Light on the places of one byte of a base texel's bits.
 #[derive(Clone, Copy, Debug)]
 struct Strip {
     /// Number of the byte.
@@ -33,31 +35,31 @@ struct Strip {
     vectors: [[f32; STRIP]; 3],
 }
 
-/// The light of a result on a base texel.
+/// Light of one result on a base texel.
 #[derive(Clone, Debug)]
 struct LitTexel {
     bin: u32,
-    /// Base texel, row-major.
+    /// Number of the base texel, row-major.
     texel: u32,
-    /// Of all of it.
+    /// Irradiance x direction, summed over the whole base texel.
     whole: DVec3,
-    /// Its strips in [`SunMap::strips`].
+    /// Range of the base texel's strips in [`SunMap::strips`].
     strips: Range<u32>,
 }
 
-/// Suns added up, texel by texel of the sky.
+/// Light of suns, added up by texel of the sky.
 #[derive(Clone, Debug, Default)]
 pub struct SunMap {
     side: usize,
-    /// By result and texel.
+    /// Lit base texels, ordered by result and texel.
     texels: Vec<LitTexel>,
     strips: Vec<Strip>,
 }
 
 impl SunMap {
-    /// Adds up light; what falls on one texel is added in the order given.
+    /// Adds up the light of suns. Light on one texel is added in the order given.
     pub fn new(mut suns: Vec<SunSample>, sides: TextureSides) -> Self {
-        // Stable: sums do not depend on the number of threads.
+        // The sort is stable, so sums do not depend on the number of threads.
         suns.sort_by_key(|sun| sun.bin);
         let block = (sides.sky_fine / sides.sky_base.max(1)).max(1);
         let mut map = SunMap { side: sides.sky_base, ..SunMap::default() };
@@ -102,13 +104,14 @@ impl SunMap {
         self.strips.get(texel.strips.start as usize..texel.strips.end as usize).unwrap_or_default()
     }
 
-    /// Column and row.
+    /// Returns the column and the row of a base texel.
     fn place(&self, texel: &LitTexel) -> (usize, usize) {
         let texel = texel.texel as usize;
         (texel % self.side.max(1), texel / self.side.max(1))
     }
 
-    /// Calls `each(receiver, result, irradiance)` for the direct irradiance of each receiver and result with a sun.
+    /// Calls `each(receiver, result, irradiance)` for the direct irradiance of each receiver and
+    /// result with a sun.
     pub fn direct(&self, skies: &SkyMasks, mut each: impl FnMut(usize, usize, f64)) {
         Arch::new().dispatch(|| {
             for of_bin in self.texels.chunk_by(|a, b| a.bin == b.bin) {
@@ -127,7 +130,8 @@ impl SunMap {
         });
     }
 
-    /// The light on each place of a texel that is seen: its number in the texel's bits, irradiance x direction.
+    /// Returns the light on each visible place of a texel: place in the texel's bits, irradiance x
+    /// direction.
     fn seen<'a>(&'a self, lit: &LitTexel, texel: Texel<'a>) -> impl Iterator<Item = (usize, Vec3)> + 'a {
         self.strips_of(lit).iter().flat_map(move |strip| {
             let byte = byte_of(texel, strip.byte as usize);
@@ -137,7 +141,8 @@ impl SunMap {
         })
     }
 
-    /// Adds the direct irradiance of a receiver with this normal and sky, behind a veil, to `out[result]`.
+    /// Adds the direct irradiance of a receiver with this normal and sky, behind canopies, to
+    /// `out[result]`.
     pub fn direct_behind(&self, normal: DVec3, sky: &SkyBitmap, veil: &CanopyTransmittance, out: &mut [f64]) {
         let normal = normal.as_vec3();
         for lit in &self.texels {
@@ -148,7 +153,8 @@ impl SunMap {
         }
     }
 
-    /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors.
+    /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors to
+    /// `out[result]`.
     pub fn by_mirrors(&self, normal: DVec3, view: &MirrorView, out: &mut [f64]) {
         let image = view.reflection.image(normal);
         let left = |(_, v): (usize, Vec3)| {
@@ -164,7 +170,7 @@ impl SunMap {
     }
 }
 
-/// Eight places of what is seen of a texel.
+/// Returns eight places of a texel as a byte: a bit is set where the sky is open.
 #[inline(always)]
 fn byte_of(texel: Texel, byte: usize) -> u8 {
     match texel {
@@ -174,7 +180,8 @@ fn byte_of(texel: Texel, byte: usize) -> u8 {
     }
 }
 
-/// Irradiance of a surface from what it sees of a texel, of which parts may lie behind it: sums of eight, then of those.
+/// Returns the irradiance of a surface from the visible places of a texel, of which some may lie
+/// behind the surface. Eight sums are kept side by side and added at the end.
 #[inline(always)]
 fn seen_before(strips: &[Strip], normal: Vec3, texel: Texel) -> f32 {
     let mut sums = [0.0_f32; STRIP];
@@ -189,15 +196,15 @@ fn seen_before(strips: &[Strip], normal: Vec3, texel: Texel) -> f32 {
     sums.iter().sum()
 }
 
-/// Vectors added up on the fine texels of one result.
+/// Sums of the vectors of one result by fine texel.
 struct TexelSums {
     side: usize,
     block: usize,
-    /// `[base texel]`: its place in `vectors`, from 1 on; 0 if nothing fell on it.
+    /// `[base texel]`: its place in `vectors`, counted from 1; 0 if no light fell on it.
     places: Vec<u32>,
-    /// Base texels with light, and their places from 0 on.
+    /// Lit base texels, and their places counted from 0.
     lit: Vec<(u32, u32)>,
-    /// `[place][fine texel]`, in the order of a texel's bits.
+    /// `[place][fine texel]`: sum of the vectors, in the order of a texel's bits.
     vectors: Vec<DVec3>,
 }
 

@@ -1,5 +1,5 @@
-//! The suns of hours, one by one. In: where the discs of suns lie, and how strong they are. Out: direct irradiance of receivers whose skies are
-//! at hand, for as many results as there are.
+//! Suns one by one. In: positions of suns, and their strengths. Out: direct irradiance of receivers
+//! with known skies, for any number of results.
 
 use std::ops::Range;
 
@@ -14,14 +14,14 @@ use crate::replay::direct::specular::MirrorView;
 use crate::replay::sun_sample::SunSample;
 use crate::sky::disc::disc_texels;
 
-/// One position of the sun.
+/// Position of the sun, and its light.
 #[derive(Clone, Debug)]
 struct Sun {
     bin: usize,
     /// Normal irradiance x share of the condition's time x weight in the result.
     strength: f64,
     direction: DVec3,
-    /// Its [`Part`]s.
+    /// Range of the sun's parts in `SunSamples::parts`.
     parts: Range<usize>,
 }
 
@@ -30,65 +30,67 @@ struct Sun {
 struct Part {
     column: u32,
     row: u32,
-    /// Share of the disc.
+    /// Share of the disc that lies in the base texel.
     share: f32,
-    /// Its texels in [`SunSamples::fine`].
+    /// Range of its fine texels in [`SunSamples::fine`].
     fine: Range<usize>,
-    /// Its texels as bits, in [`SunSamples::words`].
+    /// Range of its fine texels as bits in [`SunSamples::words`].
     words: Range<usize>,
 }
 
-/// The suns of a result in one base texel.
+/// Suns of one result in one base texel.
 #[derive(Clone, Debug)]
 struct Passage {
     bin: usize,
-    /// Base texel, row-major.
+    /// Number of the base texel, row-major.
     texel: usize,
     /// Sum of strength x share of the disc x direction.
     whole: DVec3,
-    /// Its suns and their parts in [`SunSamples::passing`].
+    /// Range of the suns and their parts in [`SunSamples::passing`].
     passing: Range<usize>,
 }
 
-/// A part of a sun's disc, for those who add up by themselves.
+/// Part of a sun's disc in one base texel, for code that adds up by itself.
 pub struct DiscPart<'s> {
     /// Normal irradiance x direction of the sun.
     pub light: DVec3,
-    /// Base texel.
+    /// Column and row of the base texel.
     pub column: u32,
     pub row: u32,
-    /// Share of the disc, and by place in the base texel.
+    /// Share of the disc in the base texel, and by fine texel: place in the base texel, share.
     pub share: f32,
     pub fine: &'s [(u32, f32)],
 }
 
-/// Suns one by one.
+/// Suns one by one, with the parts of their discs.
 #[derive(Default)]
 pub struct SunSamples {
     suns: Vec<Sun>,
     parts: Vec<Part>,
     /// Place in a base texel's bits, and share of the disc.
     fine: Vec<(u32, f32)>,
-    /// Number of a word of a base texel's bits, and those that a disc covers.
+    /// Number of a word of a base texel's bits, and the bits of it that a disc covers.
     words: Vec<(u32, u64)>,
-    /// By run of suns of one result, and texel.
+    /// Passages, ordered by run of suns of one result, then by texel.
     passages: Vec<Passage>,
-    /// Sun, part.
+    /// Number of the sun, number of the part.
     passing: Vec<(u32, u32)>,
 }
 
 impl SunSamples {
-    /// Looks up the discs of suns, in the order of their results.
+    /// Looks up the discs of suns, which are in the order of their results.
     pub fn new(suns: Vec<SunSample>, sides: TextureSides) -> Self {
         let block = (sides.sky_fine / sides.sky_base).max(1) as u32;
         let discs: Vec<_> = suns.par_iter().map(|sun| disc_texels(sun.direction, sides.sky_fine)).collect();
         let mut found = SunSamples::default();
         for (sun, mut disc) in suns.into_iter().zip(discs) {
             let first = found.parts.len();
+            // One part a base texel, so that a receiver looks up each base texel once.
             disc.sort_by_key(|t| (t.1 / block, t.0 / block));
             for part in disc.chunk_by(|a, b| (a.0 / block, a.1 / block) == (b.0 / block, b.1 / block)) {
                 let start = found.fine.len();
                 found.fine.extend(part.iter().map(|&(c, r, share)| (r % block * block + c % block, share)));
+                // By whole words, `share` decides most discs without looking at each texel.
                 let first_word = found.words.len();
                 for &(place, _) in &found.fine[start..] {
                     match found.words[first_word..].iter_mut().find(|(word, _)| *word == place / 64) {
@@ -115,12 +117,12 @@ impl SunSamples {
         found
     }
 
-    /// Whether there is no sun.
+    /// Returns true if there is no sun.
     pub fn is_empty(&self) -> bool {
         self.suns.is_empty()
     }
 
-    /// The parts of all discs.
+    /// Returns the parts of all discs.
     pub fn parts(&self) -> impl Iterator<Item = DiscPart<'_>> {
         self.suns.iter().flat_map(|sun| {
             self.parts[sun.parts.clone()].iter().map(|part| DiscPart {
@@ -133,7 +135,7 @@ impl SunSamples {
         })
     }
 
-    /// Adds up the suns that pass a base texel, of `side` to a side, on their way through a result.
+    /// Adds up the suns of each result by base texel. `side` is the number of base texels a side.
     fn add_passages(&mut self, side: usize) {
         let mut first = 0;
         for of_bin in self.suns.chunk_by(|a, b| a.bin == b.bin) {
@@ -182,7 +184,8 @@ impl SunSamples {
         }
     }
 
-    /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors.
+    /// Adds the irradiance that a receiver with this normal gets by one chain of mirrors to
+    /// `out[result]`.
     pub fn by_mirrors(&self, normal: DVec3, view: &MirrorView, out: &mut [f64]) {
         let image = view.reflection.image(normal);
         for sun in &self.suns {
@@ -198,7 +201,8 @@ impl SunSamples {
         }
     }
 
-    /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`: for few suns, which no masks are made for.
+    /// Adds the direct irradiance of a receiver with this normal and sky to `out[result]`. Meant
+    /// for few suns, for which building masks does not pay.
     pub fn direct_seen(&self, normal: DVec3, sky: &mut impl BaseTexels, out: &mut [f64]) {
         for sun in &self.suns {
             let cos = normal.dot(sun.direction);
@@ -211,7 +215,8 @@ impl SunSamples {
         }
     }
 
-    /// The same behind a veil.
+    /// Adds the direct irradiance of a receiver with this normal and sky, behind canopies, to
+    /// `out[result]`.
     pub fn direct_behind(&self, normal: DVec3, sky: &mut impl BaseTexels, veil: &CanopyTransmittance, out: &mut [f64]) {
         for sun in &self.suns {
             let cos = normal.dot(sun.direction);
@@ -234,14 +239,14 @@ impl SunSamples {
         }
     }
 
-    /// Share of the disc that is seen in a base texel.
+    /// Returns the share of the disc that is visible in a base texel.
     #[inline]
     fn share(&self, part: &Part, texel: Texel) -> f32 {
         match texel {
             Texel::Closed => 0.0,
             Texel::Open => part.share,
             Texel::Mixed(bits) => {
-                // Most discs lie on one side of an edge: a word or two tell.
+                // Most discs lie on one side of an edge, so that one or two words decide.
                 let words = &self.words[part.words.clone()];
                 let (mut hidden, mut shown) = (0, 0);
                 for &(word, disc) in words {

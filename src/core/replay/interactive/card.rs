@@ -1,44 +1,52 @@
-//! InteractiveReplay for a graphics card: the words of a tile, and the light of one condition as texels. In: a tile made ready, a light. Out: words and
-//! numbers whose products a shader adds up. All that is looked up or computed of sun and sky is in them.
+//! Texels for a graphics card. In: a prepared tile, the light of one condition. Out: words and
+//! numbers whose products a shader adds up. The texels hold everything that has to be looked up or
+//! computed of the sun and the sky.
 
 use crate::replay::direct::sun_samples::DiscPart;
 use crate::replay::interactive::light::InteractiveLight;
 use crate::replay::interactive::packed::{PATCHES, Shape, WORDS};
 
-/// The receivers of a tile as texels of four words of 32 bits.
+/// Receivers of a tile as texels of four 32-bit words.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TileTextures<'t> {
-    /// Where what is in them.
+    /// Layout of the words.
     pub shape: Shape,
-    /// All texels.
+    /// Words of all texels.
     pub words: &'t [u32],
-    /// `[receiver]`: its first texel.
+    /// `[receiver]`: number of the receiver's first texel.
     pub starts: &'t [u32],
 }
 
-/// One light; a texel is 4 numbers.
+/// Light of one condition as texels of four numbers.
 #[derive(Default)]
 pub struct LightTexels {
-    /// All texels, the last of zeros where radiances do not fill them.
+    /// Numbers of all texels. The last texel is filled up with zeros.
     pub numbers: Vec<f32>,
-    /// Parts of discs, with which the texels start, two each: normal irradiance x direction, 0 of the sun or 1 of the sky; base texel, share of
-    /// the disc, first of its fine texels and their count. Then the fine ones: place in the base texel, share of the disc.
+    /// Number of parts of solar discs. The texels start with two for each part: normal irradiance x
+    /// direction and 0 (sun) or 1 (circumsolar sky); then base texel, share of the disc, number of
+    /// the first of the part's fine texels and their count. One texel for each fine texel follows:
+    /// place in the base texel, share of the disc.
     pub parts: usize,
-    /// First of the texels of suns on responses, and how many: irradiance x direction in the frame of a texel, which is the fourth number.
+    /// First texel of the suns on responses, and their number. Such a texel holds irradiance x
+    /// direction in the frame of a response texel, then the number of that response texel.
     pub reflected: [usize; 2],
-    /// First of the texels of the sky on responses, likewise, one for each texel of a response.
+    /// First texel of the sky on responses, with one texel for each texel of a response: irradiance
+    /// x direction in that texel's frame, then 0.
     pub field: usize,
-    /// First of the texels of radiances, in which the band at the horizon stands alone before the patches, and texels of their coefficients.
+    /// First texel of the radiances, and the number of coefficient texels that they belong to. The
+    /// first texel holds the radiance of the band at the horizon alone; the radiances of the sky
+    /// patches follow.
     pub radiances: [usize; 2],
 }
 
 impl InteractiveLight {
-    /// The same light for a card; `side` of the sky before it is refined, number of its patches.
+    /// Returns this light for a graphics card. `side` is the number of base texels a side of the
+    /// sky, and `patches` the number of sky patches.
     pub fn texels(&self, side: usize, patches: usize) -> LightTexels {
         let lit = [(&self.suns, 0.0), (&self.circumsolar, 1.0)];
         let parts: Vec<(f32, DiscPart)> =
             lit.into_iter().flat_map(|(suns, component)| suns.parts().map(move |part| (component, part))).collect();
-        // Rows of base texels start new groups.
+        // A new row of base texels starts a new group of 64.
         let stride = side.div_ceil(64) * 64;
         let mut numbers = Vec::new();
         let mut first = 2 * parts.len();

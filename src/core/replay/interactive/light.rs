@@ -1,5 +1,5 @@
-//! The light of one condition, looked up once for all tiles of moments. In: a condition in the axes of a site, a sky. Out: suns on the textures,
-//! radiances of patches.
+//! The light of one condition, looked up once for all prepared tiles. In: a condition in the axes
+//! of a site, a sky model. Out: suns on the textures, radiances of the sky patches.
 
 use crate::error::Result;
 use crate::hemisphere::Frame;
@@ -17,17 +17,19 @@ use crate::sky::sky_field::SkyField;
 use crate::weather::conditions::Condition;
 use crate::weather::time::bins::Bins;
 
-/// Patches on the textures of a site, each with the band at the horizon behind them: skies without one leave that source out.
+/// Sky patches projected on the textures of a site. Each projection has the band at the horizon as
+/// its last source, which a sky without such a band leaves out.
 pub struct SkyGrids {
     pub patches: Patches,
     pub sky: Projection,
     pub response: Projection,
-    /// Of the texels of responses.
+    /// Frames of the texels of a response.
     pub frames: Vec<Frame>,
 }
 
 impl SkyGrids {
-    /// Of so many patches; an error if they are not offered.
+    /// Projects `patches` sky patches on textures of the given sides. Returns an error if there is
+    /// no division into that many patches.
     pub fn new(patches: usize, sides: TextureSides) -> Result<Self> {
         let patches = Patches::new(patches)?;
         let of = |side| Projection::new(&patches, side, PROJECTION_SAMPLES).under(SkyModel::Perez1990);
@@ -36,21 +38,23 @@ impl SkyGrids {
     }
 }
 
-/// One condition, looked up for all tiles.
+/// Light of one condition, looked up for all tiles.
 pub struct InteractiveLight {
     pub(super) suns: SunSamples,
-    /// Light of the sky from where the suns are.
+    /// Circumsolar light of the sky, as suns at the positions of the sun.
     pub(super) circumsolar: SunSamples,
-    /// The suns on responses: texel, irradiance x direction in its frame.
+    /// Suns on responses: number of the response texel, irradiance x direction in its frame.
     pub(super) reflected: Vec<(u32, [f32; 3])>,
-    /// `[part][texel]`: the same of the sky and of its light from where the suns are.
+    /// `[axis][texel]`: irradiance x direction of the sky, circumsolar light included, in the frame
+    /// of each response texel.
     pub(super) reflected_sky: [Vec<f32>; 3],
-    /// `[patch]`, then the band at the horizon, if the sky has one; empty without a sky.
+    /// `[patch]`: radiances, followed by the band at the horizon if the sky has one. Empty without
+    /// a sky.
     pub(super) radiances: Vec<f32>,
 }
 
 impl InteractiveLight {
-    /// Of a condition, and the model of its sky.
+    /// Looks up the light of a condition under the given sky model.
     pub(super) fn new(condition: Condition, sky: SkyModel, grids: &SkyGrids, sides: TextureSides) -> Self {
         let (conditions, bins) = ([condition], Bins::each(1));
         let suns = SunSample::of_suns(&conditions, &bins);
@@ -61,6 +65,7 @@ impl InteractiveLight {
         let mut reflected = Vec::new();
         Sources::new(&suns, sides.response)
             .vectors(|_, texel, vector| reflected.push((texel as u32, in_frame_of(texel, vector))));
+        // Responses are linear, so circumsolar light and the rest of the sky share one field.
         let mut field = vec![[0.0_f64; 3]; grids.frames.len()];
         let mut add = |_: usize, texel: usize, vector: [f64; 3]| {
             field[texel].iter_mut().zip(vector).for_each(|(sum, part)| *sum += part);

@@ -1,8 +1,11 @@
-//! InteractiveReplay: receivers under one sun and sky after another, as a page asks for that lets the sun move. In: an archive, one state of its
-//! reflectances, later conditions. Out: the components of [`Replay`](crate::replay::run::Replay), but for the rounding of what is kept.
+//! Interactive replay: receivers under one sun and sky after another, as a page needs it that lets
+//! a user move the sun. In: an archive, one state of its reflectances, conditions one at a time.
+//! Out: the components of [`Replay`](crate::replay::run::Replay), except for the rounding of what
+//! is kept.
 //!
-//! A replay reads a tile and forgets it, for the light of many hours. Here a tile is made ready once ([`InteractiveTile`]), as words that a graphics
-//! card reads as well, and then costs a few products and look-ups for each condition.
+//! A replay reads a tile, computes the light of many hours and forgets the tile. Here a tile is
+//! prepared once ([`InteractiveTile`]) as words that a graphics card reads as well. After that,
+//! each condition costs a few products and look-ups.
 
 mod card;
 mod light;

@@ -1,15 +1,20 @@
-//! What a receiver makes of light, as words of 32 bits. In: its layers. Out: words, and where what is in them; numbers from them. The
-//! core and the graphics card read the same ones.
+//! Packed layers of a receiver as 32-bit words. In: the layers of a receiver. Out: the words and
+//! their layout; irradiances computed from the words. The core and the graphics card read the same
+//! words.
 //!
-//! A receiver has whole texels, [`WORDS`] words each, one part after another:
-//! - f32: its normal and the step of its response along; then the steps of its response across and of its coefficients, the band at the
-//!   horizon's coefficient, 0;
-//! - `[patch]`: coefficients of the sky seen directly, bytes in steps, the first lowest, see [`Shape::patches`];
-//! - `[texel]`: its response along the texel's direction and twice across it, signed, 14 bits and 9 and 9 in units of 4 and 8 steps, see
-//!   [`Shape::response`]; then a byte each, see [`Shape::rest`]: what these leave, 2 bits and 3 and 3 in steps;
-//! - its sky, see [`packed_sky`](crate::replay::interactive::packed_sky).
+//! The words of a receiver fill whole texels of [`WORDS`] words each, one part after another:
+//! - f32: the normal and the step of the response along the texel's direction; then the step of the
+//!   response across it, the step of the coefficients, the coefficient of the band at the horizon,
+//!   0;
+//! - `[patch]`: coefficients of the sky seen directly, one byte each, counted in steps, the first
+//!   in the lowest byte, see [`Shape::patches`];
+//! - `[texel]`: response along the texel's direction and twice across it, signed, with 14, 9 and 9
+//!   bits in units of 4, 8 and 8 steps, see [`Shape::response`]; then one byte each for the
+//!   remainders, with 2, 3 and 3 bits in steps, see [`Shape::rest`];
+//! - the sky, see [`packed_sky`](crate::replay::interactive::packed_sky).
 //!
-//! A source in direction s meets texels whose directions are close to s: what is across counts by the angle between, so it has fewer bits.
+//! A source in direction s meets texels whose directions are close to s. The parts across count by
+//! the angle between the two directions, so fewer bits suffice for them.
 
 use glam::DVec3;
 use pulp::Arch;
@@ -18,21 +23,21 @@ use crate::hemisphere::{Frame, texel_centres};
 use crate::layers::sky_bitmap::SkyBitmap;
 use crate::replay::interactive::packed_sky;
 
-/// Words of a texel.
+/// Number of words in a texel.
 pub(super) const WORDS: usize = 4;
-/// Patches in a texel of coefficients.
+/// Number of patches in a texel of coefficients.
 pub(super) const PATCHES: usize = 16;
-/// Texels of the head.
+/// Number of texels of the head: normal, steps and the band at the horizon.
 const HEAD: usize = 2;
 /// Largest value of a byte.
 const BYTE: f32 = 255.0;
-/// Bits of the parts of a response in words, and behind these in bytes.
+/// Bits of the three parts of a response in its word, and of their remainders in its byte.
 const WORD_BITS: [u32; 3] = [14, 9, 9];
 const BYTE_BITS: [u32; 3] = [2, 3, 3];
-/// Terms that are added side by side, in a fixed order.
+/// Number of partial sums that are added side by side, in a fixed order.
 const SIDE_BY_SIDE: usize = 16;
 
-/// Sizes of the parts of receivers; the same in all tiles of an archive.
+/// Sizes of the parts of a receiver's words, which are equal in all tiles of an archive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shape {
     /// Texels of the coefficients.
@@ -50,7 +55,8 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Of skies of so many patches, responses with so many texels to a side, and the bitmaps of a tile.
+    /// Returns the layout for skies of `patches` patches, responses of `response` texels a side,
+    /// and the sky bitmaps of a tile.
     pub(super) fn new(patches: usize, response: usize, sky: &SkyBitmap) -> Self {
         Shape {
             patches: patches.div_ceil(PATCHES),
@@ -62,24 +68,26 @@ impl Shape {
         }
     }
 
-    /// Words of what the words of the response leave: byte k of word i is of texel k times as many + i.
+    /// Returns the number of words that hold the remainders of the response. Byte k of word i
+    /// belongs to texel k x `rest` + i.
     pub(super) fn rest(self) -> usize {
         self.response.div_ceil(WORDS) * WORDS
     }
 }
 
-/// A receiver on its way to words.
+/// Layers of a receiver before they are packed.
 pub(super) struct Unpacked<'r> {
     pub normal: DVec3,
-    /// `[patch]`, irradiance per radiance, none below 0; then that of the band at the horizon.
+    /// `[patch]`: irradiance per radiance, none below 0; then the coefficient of the band at the
+    /// horizon.
     pub coefficients: &'r [f32],
-    /// `[texel][axis]`; empty where nothing reflects.
+    /// `[texel][axis]`: response; empty where nothing reflects.
     pub response: &'r [[f32; 3]],
     pub sky: &'r SkyBitmap,
 }
 
 impl Unpacked<'_> {
-    /// Appends its words; `frames` of the texels of responses.
+    /// Appends the words of the receiver. `frames` are the frames of the response texels.
     pub fn pack(&self, shape: Shape, frames: &[Frame], words: &mut Vec<u32>) {
         let (band, patches) = self.coefficients.split_last().map_or((0.0, &[][..]), |(band, patches)| (*band, patches));
         let parts: Vec<[f32; 3]> =
@@ -100,11 +108,11 @@ impl Unpacked<'_> {
     }
 }
 
-/// The words of a receiver, part by part.
+/// Words of a receiver, part by part.
 #[derive(Clone, Copy)]
 pub(super) struct Packed<'w> {
     normal: [f32; 3],
-    /// Steps of the response along and across, and of the coefficients.
+    /// Steps of the response along and across the texel's direction, and step of the coefficients.
     along: f32,
     across: f32,
     coefficient: f32,
@@ -113,13 +121,13 @@ pub(super) struct Packed<'w> {
     patches: &'w [u32],
     response: &'w [u32],
     rest: &'w [u32],
-    /// Its sky, and whatever follows it.
+    /// Words of the sky, and those of the receivers that follow.
     pub sky: &'w [u32],
 }
 
 impl<'w> Packed<'w> {
-    /// The parts of the receiver that `words` begin with. Panics where [`Unpacked::pack`] has not written them with the same shape, as a
-    /// slice does.
+    /// Returns the parts of the receiver at the start of `words`. Panics (slice out of bounds) if
+    /// [`Unpacked::pack`] did not write the words with the same shape.
     pub fn new(words: &'w [u32], shape: Shape) -> Self {
         let (head, words) = words.split_at(HEAD * WORDS);
         let (patches, words) = words.split_at(shape.patches * WORDS);
@@ -139,20 +147,21 @@ impl<'w> Packed<'w> {
         }
     }
 
-    /// Its normal.
+    /// Returns the receiver's normal.
     pub fn normal(&self) -> DVec3 {
         DVec3::from_array(self.normal.map(f64::from))
     }
 
-    /// What it gets of a sky: radiances of patches, then of the band at the horizon; those that a sky does not have are the last, and there
-    /// may be no sky.
+    /// Returns the irradiance from the sky seen directly. `radiances` holds the patches and then
+    /// the band at the horizon; it may lack the band, and is empty without a sky.
     pub fn of_sky(&self, radiances: &[f32], patches: usize) -> f32 {
         let (of_patches, band) = radiances.split_at(patches.min(radiances.len()));
         let sum = Arch::new().dispatch(|| byte_products(self.patches, of_patches));
         sum * self.coefficient + band.first().map_or(0.0, |band| band * self.band)
     }
 
-    /// What it gets of sources by way of surfaces: texels, and irradiance x direction in their frames.
+    /// Returns the irradiance from sources by way of reflecting surfaces. A source is a response
+    /// texel and irradiance x direction in its frame.
     pub fn of_sources(&self, sources: &[(u32, [f32; 3])]) -> f32 {
         let term = |&(texel, [a, u, v]): &(u32, [f32; 3])| {
             let (texel, words) = (texel as usize, self.rest.len());
@@ -164,39 +173,43 @@ impl<'w> Packed<'w> {
         if self.response.is_empty() { 0.0 } else { sources.iter().map(term).sum::<f64>() as f32 }
     }
 
-    /// The same of sources in all texels: `[part][texel]`.
+    /// Returns the irradiance from a field of sources, one in each response texel, by way of
+    /// reflecting surfaces. The field is `[part][texel]`.
     pub fn of_field(&self, [a, u, v]: &[Vec<f32>; 3]) -> f32 {
         let (along, across) = Arch::new().dispatch(|| field_products(self.response, self.rest, [a, u, v]));
         along * self.along + across * self.across
     }
 }
 
-/// Frames of the texels of n x n: n along the direction, u and v across.
+/// Returns the frames of the texels of an n x n response: axis n along the texel's direction, u and
+/// v across it.
 pub(super) fn frames(n: usize) -> Vec<Frame> {
     texel_centres(n).into_iter().map(Frame::of).collect()
 }
 
-/// A vector along the direction of a texel, and across.
+/// Returns the parts of a vector along the direction of a texel and across it.
 pub(super) fn in_frame(frame: &Frame, vector: [f64; 3]) -> [f32; 3] {
     let vector = DVec3::from(vector);
     [frame.n, frame.u, frame.v].map(|axis| axis.dot(vector) as f32)
 }
 
-/// What the largest value is so many of; 0 where all are 0.
+/// Returns the step of which `largest` make up the largest absolute value; 0 where all values are
+/// 0.
 fn step(values: impl Iterator<Item = f32>, largest: f32) -> f32 {
     // Not `max`, which WebAssembly has no instruction for.
     let more = |most: f32, value: f32| if value.abs() > most { value.abs() } else { most };
     values.fold(0.0, more) / largest
 }
 
-/// The nearest number of steps.
+/// Returns the nearest number of steps.
 fn whole(value: f32, step: f32) -> i32 {
     // Halves to even numbers: that is an instruction everywhere.
     if step > 0.0 { (value / step).round_ties_even() as i32 } else { 0 }
 }
 
-/// Numbers of steps as bytes, the first lowest, of which each makes good what those before it were off: radiances of neighbours are alike, so
-/// errors of sums stay within one step.
+/// Returns numbers of steps as bytes, four to a word, the first lowest. Each number makes up for
+/// the rounding errors before it. Radiances of neighbouring patches are alike, so errors of sums
+/// stay within one step.
 fn rounded_in_turn(values: &[f32], step: f32) -> impl Iterator<Item = u32> {
     let mut owed = 0.0_f32;
     let mut next = move |value: &f32| {
@@ -208,18 +221,19 @@ fn rounded_in_turn(values: &[f32], step: f32) -> impl Iterator<Item = u32> {
     values.chunks(4).map(move |four| four.iter().zip([0, 8, 16, 24]).fold(0, |word, (v, at)| word | next(v) << at))
 }
 
-/// Steps of a part of a response that its bits in words count in.
+/// Returns the unit, in steps, in which the word of a response counts a part.
 fn unit(part: usize) -> f32 {
     (1 << BYTE_BITS[part]) as f32
 }
 
-/// Most steps of a part, so that what is nearest in words and in bytes has room there.
+/// Returns the largest number of steps of a part that fits into its bits in the word and in the
+/// byte.
 fn most(part: usize) -> f32 {
     let [word, byte] = [WORD_BITS[part], BYTE_BITS[part]];
     (((1 << (word - 1)) - 1) * (1 << byte) + (1 << (byte - 1)) - 1) as f32
 }
 
-/// The steps of a texel as a word, and a byte of what that leaves.
+/// Packs the steps of a texel into a word, and the remainders into a byte.
 fn in_two(steps: [i32; 3]) -> (u32, u8) {
     let (mut word, mut byte, mut word_at, mut byte_at) = (0, 0, 0, 0);
     for (part, steps) in steps.into_iter().enumerate() {
@@ -233,7 +247,8 @@ fn in_two(steps: [i32; 3]) -> (u32, u8) {
     (word, byte as u8)
 }
 
-/// Puts texels where they belong: their words, and what these leave in bytes, the first bytes of all words before the second.
+/// Writes texels to their places: a word each, and a byte each for the remainders. The lowest bytes
+/// of all words of `rest` are filled before the next ones.
 fn put_in_two(mut texels: impl Iterator<Item = (u32, u8)>, words: &mut [u32], rest: &mut [u32]) {
     for (words, at) in words.chunks_mut(rest.len().max(1)).zip([0, 8, 16, 24]) {
         for ((word, rest), (of_word, of_rest)) in words.iter_mut().zip(rest.iter_mut()).zip(&mut texels) {
@@ -243,21 +258,21 @@ fn put_in_two(mut texels: impl Iterator<Item = (u32, u8)>, words: &mut [u32], re
     }
 }
 
-/// The signed parts of a word of a response, in units.
+/// Returns the signed parts of a word of a response, in units.
 #[inline(always)]
 fn parts(word: u32) -> [f32; 3] {
     let word = word as i32;
     [(word << 18 >> 18) as f32, (word << 9 >> 23) as f32, (word >> 23) as f32]
 }
 
-/// The same with what the word leaves, in steps.
+/// Returns the parts of a word of a response together with their remainders, in steps.
 fn joined(word: u32, rest: u32) -> [f32; 3] {
     let [a, u, v] = parts(word);
     let signed = |at: u32, bits: u32| ((rest << (32 - at - bits)) as i32 >> (32 - bits)) as f32;
     [a * unit(0) + signed(0, 2), u * unit(1) + signed(2, 3), v * unit(2) + signed(5, 3)]
 }
 
-/// The sum of products of bytes with numbers.
+/// Returns the sum of the products of bytes and numbers.
 #[inline(always)]
 fn byte_products(words: &[u32], numbers: &[f32]) -> f32 {
     let mut sums = [0.0_f32; SIDE_BY_SIDE];
@@ -274,7 +289,8 @@ fn byte_products(words: &[u32], numbers: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + rest.iter().enumerate().map(of_place).sum::<f32>()
 }
 
-/// Sums of products of the parts of a response, of words and what they leave: along, and across.
+/// Returns the sums of the products of a response (words and remainders) and a field: along the
+/// texels' directions, and across them.
 #[inline(always)]
 fn field_products(words: &[u32], rest: &[u32], [a, u, v]: [&[f32]; 3]) -> (f32, f32) {
     let (mut along, mut across) = ([0.0_f32; SIDE_BY_SIDE], [0.0_f32; SIDE_BY_SIDE]);
@@ -292,7 +308,7 @@ fn field_products(words: &[u32], rest: &[u32], [a, u, v]: [&[f32]; 3]) -> (f32, 
     (along.iter().sum(), across.iter().sum())
 }
 
-/// Appends words, filled up with 0 to so many texels.
+/// Appends words, filled up with zeros to `texels` texels.
 pub(super) fn padded(words: &mut Vec<u32>, texels: usize, of: impl Iterator<Item = u32>) {
     let end = words.len() + texels * WORDS;
     words.extend(of.take(texels * WORDS));
@@ -303,8 +319,8 @@ pub(super) fn padded(words: &mut Vec<u32>, texels: usize, of: impl Iterator<Item
 mod tests {
     use super::*;
 
-    /// All steps along and across up to the most there are come back from a word and a byte, 65,531 and 4,087 of them; sums of bytes and
-    /// of fields are those of plain loops, for 0 to 40 numbers.
+    /// All numbers of steps along and across, 65,531 and 4,087 of them, come back from a word and a
+    /// byte. Sums over bytes and over fields equal those of plain loops, for 0 to 40 numbers.
     #[test]
     fn as_packed() {
         let [along, across] = [0, 1].map(|part| most(part) as i32);

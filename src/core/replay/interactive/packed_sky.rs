@@ -1,31 +1,37 @@
-//! The sky of a receiver as words of 32 bits. In: its bitmap. Out: words; what base texels hold.
+//! The sky of a receiver as 32-bit words. In: a sky bitmap. Out: the words; the content of base
+//! texels read from them.
 //!
-//! One part after another:
-//! - `[group]`, a texel each: bits of 64 base texels that are sky throughout, then of those that are in part, lowest first;
-//! - `[group]`: how many are in part in the groups before, filled up to whole texels;
-//! - `[base texel in part]`, [`Shape::steps`] words each: where the sky lies on one side of every row, its length in each row, in as
-//!   few bits as the side of a base texel takes; the highest bit but one of the last word says that it is the right side. Where it lies otherwise the
-//!   highest bit is set, and the first word says where its bits are, in words from the first of these;
-//! - bits of those, row by row, lowest first; without steps, bits of all; filled up to whole texels.
+//! The words consist of four parts, one after another:
+//! - `[group]`, one texel each: bits of the 64 base texels that are open throughout, then bits of
+//!   those that are partly open, lowest bit first;
+//! - `[group]`: number of partly open base texels in the groups before, filled up to whole texels;
+//! - `[partly open base texel]`, [`Shape::steps`] words each: if the sky lies on one side of every
+//!   row, its length in each row, in as few bits as the side of a base texel takes; the second
+//!   highest bit of the last word is set if that side is the right one. Otherwise the highest bit
+//!   of the last word is set, and the first word says where the base texel's bits start, in words
+//!   from the start of this part;
+//! - bits of the base texels that row lengths cannot describe, row by row, lowest first; the bits
+//!   of all partly open base texels where [`Shape::steps`] is 0. Filled up to whole texels.
 
 use crate::layers::sky_bitmap::{BaseTexels, SkyBitmap, Texel};
 use crate::replay::interactive::packed::{Shape, WORDS, padded};
 
-/// Marks of the last word of steps.
+/// Flags in the last word of a base texel's row lengths.
 const BITS: u32 = 1 << 31;
 const RIGHT: u32 = 1 << 30;
 
-/// Bits of the length of a row of a block.
+/// Returns the number of bits that the length of a row of a base texel takes.
 fn length_bits(block: usize) -> usize {
     block.max(1).ilog2() as usize + 1
 }
 
-/// Words of the bits of a block.
+/// Returns the number of words that the bits of a base texel take.
 fn bit_words(block: usize) -> usize {
     2 * (block * block).div_ceil(64)
 }
 
-/// Words of the steps of a block; 0 where they save nothing.
+/// Returns the number of words that the row lengths of a base texel take; 0 where they are not
+/// shorter than its bits.
 pub(super) fn step_words(block: usize) -> usize {
     let words = (block * length_bits(block) + 2).div_ceil(32);
     if block <= 64 && words < bit_words(block) { words } else { 0 }
@@ -62,7 +68,7 @@ pub(super) fn pack(sky: &SkyBitmap, shape: Shape, words: &mut Vec<u32>) {
     words.resize(first + (words.len() - first).next_multiple_of(WORDS), 0);
 }
 
-/// A row of a block's bits.
+/// Returns the bits of one row of a base texel.
 fn row_of(bits: &[u64], block: usize, row: usize) -> u64 {
     let place = row * block;
     let mask = if block == 64 { u64::MAX } else { (1 << block) - 1 };
@@ -70,7 +76,8 @@ fn row_of(bits: &[u64], block: usize, row: usize) -> u64 {
     bits[place / 64] >> (place % 64) & mask
 }
 
-/// Whether the sky is on the right of all rows of a block, or on their left; `None` if it lies otherwise.
+/// Returns `Some(true)` if the sky is on the right of all rows of a base texel, `Some(false)` if it
+/// is on their left, and `None` if it lies otherwise.
 fn side(bits: &[u64], block: usize) -> Option<bool> {
     if !block.is_power_of_two() {
         return None;
@@ -85,7 +92,8 @@ fn side(bits: &[u64], block: usize) -> Option<bool> {
     }
 }
 
-/// Lengths of the sky in the rows of a block, one behind the other in words.
+/// Writes the lengths of the sky in the rows of a base texel to words, one length directly after
+/// another.
 fn pack_steps(bits: &[u64], block: usize, words: &mut [u32]) {
     let (mut held, mut count, mut words) = (0_u64, 0, words.iter_mut());
     let mut put = |held: u64| {
@@ -104,26 +112,27 @@ fn pack_steps(bits: &[u64], block: usize, words: &mut [u32]) {
     put(held);
 }
 
-/// So many of the lowest bits.
+/// Returns a word with the `count` lowest bits set.
 fn low(count: u32) -> u64 {
     u64::MAX.checked_shr(64 - count).unwrap_or_default()
 }
 
-/// The sky of a receiver in its words.
+/// Sky of a receiver, read from its words.
 pub(super) struct SkyWords<'w> {
     words: &'w [u32],
     shape: Shape,
-    /// Of the base texel that was asked for last.
+    /// Bits of the base texel that was read last.
     bits: Vec<u64>,
 }
 
 impl<'w> SkyWords<'w> {
-    /// Of the words of a receiver from those of its sky on.
+    /// Reads the sky from the words of a receiver, which start with those of its sky.
     pub fn new(words: &'w [u32], shape: Shape) -> Self {
         SkyWords { words, shape, bits: Vec::new() }
     }
 
-    /// A word; 0 behind the last one, where no bit that counts lies: lengths of rows are read two words at a time.
+    /// Returns a word, or 0 behind the last one. Row lengths are read two words at a time, and the
+    /// bits behind the last word do not count.
     fn word(&self, place: usize) -> u32 {
         self.words.get(place).copied().unwrap_or_default()
     }
@@ -132,7 +141,7 @@ impl<'w> SkyWords<'w> {
         u64::from(self.word(place)) | u64::from(self.word(place + 1)) << 32
     }
 
-    /// Makes the bits of the base texel in part of this number.
+    /// Fills `bits` with those of the partly open base texel of this number.
     fn unfold(&mut self, number: usize) {
         let Shape { groups, block, steps, .. } = self.shape;
         let first = groups * WORDS + groups.div_ceil(WORDS) * WORDS;
@@ -176,7 +185,8 @@ impl BaseTexels for SkyWords<'_> {
     }
 }
 
-/// Low half first, as bits are counted.
+/// Splits a word into its low and its high half, the low half first, which is the order of the
+/// bits.
 fn halves(word: u64) -> [u32; 2] {
     [word as u32, (word >> 32) as u32]
 }
@@ -186,8 +196,10 @@ mod tests {
     use super::*;
     use crate::layers::bits::BitSquare;
 
-    /// Skies cut by straight lines, by two lines, and of single bits come back bit by bit from their words, with base texels of 4 to 64 fine
-    /// texels a side: 40 skies a size. Lines take a third of the words of bits at 16.
+    /// Sky bitmaps cut by one straight line, cut by two lines, and of single bits come back bit by
+    /// bit from their words, with base texels of 4 to 64 fine texels a side: 40 skies for each
+    /// size. At 16 fine texels a side, skies cut by a line take at most 0.38 of the words that
+    /// their bits take.
     #[test]
     fn as_packed() {
         for (base, block, most) in [(16, 4, 1.01), (64, 8, 1.01), (64, 16, 0.38), (8, 32, 0.25), (3, 64, 0.15)] {

@@ -1,4 +1,5 @@
-//! A site in one state of its reflectances. In: an archive, conditions, numbers of tiles. Out: their light, tiles made ready.
+//! A site in one state of its reflectances. In: an archive, conditions, numbers of tiles. Out: the
+//! light of conditions, prepared tiles.
 
 use std::sync::Arc;
 
@@ -24,25 +25,26 @@ use crate::replay::tile_layers::{Reads, TileLayers};
 use crate::sky::model::SkyModel;
 use crate::weather::conditions::Condition;
 
-/// A site in one state of its reflectances, ready to give tile after tile.
+/// Site in one state of its reflectances, from which tiles are prepared.
 pub struct InteractiveReplay<'a> {
     site: OpenSite<'a>,
     grids: Arc<SkyGrids>,
-    /// What canopies let through; none if there are none.
+    /// Transmittance of canopies; empty if the site has no canopies.
     powers: Powers,
     mirrors: Option<MirrorTable>,
-    /// Only where the archive's own responses do not serve.
+    /// Tables and solver of responses; `None` if the archive's own responses apply.
     responder: Option<(Tables<'a>, ResponseSolver)>,
 }
 
 impl<'a> InteractiveReplay<'a> {
-    /// With skies of 145, 577 or 2305 `patches`, and the reflectances and transmittances of schedules over one condition, those of the
-    /// archive where there are none. Errors as of [`ReplayBuilder::build`](crate::replay::run::ReplayBuilder::build).
+    /// Prepares a site under skies of 145, 577 or 2305 `patches`. The schedules give reflectances
+    /// and transmittances for one condition; without schedules those of the archive apply. Returns
+    /// the errors of [`ReplayBuilder::build`](crate::replay::run::ReplayBuilder::build).
     pub fn new(site: &OpenSite<'a>, patches: usize, schedules: &[Schedule]) -> Result<Self> {
         InteractiveReplay::on(site, Arc::new(SkyGrids::new(patches, site.settings().sides())?), schedules)
     }
 
-    /// The same site with other reflectances.
+    /// Returns the replay of this site with other reflectances.
     pub fn reflecting(&self, schedules: &[Schedule]) -> Result<Self> {
         InteractiveReplay::on(&self.site, Arc::clone(&self.grids), schedules)
     }
@@ -73,13 +75,14 @@ impl<'a> InteractiveReplay<'a> {
         Ok(InteractiveReplay { site: site.clone(), grids, powers, mirrors, responder })
     }
 
-    /// A condition, whose suns go by true north, with its sky.
+    /// Looks up the light of a condition with its sky. The directions of its suns refer to true
+    /// north.
     pub fn light(&self, condition: &Condition, sky: SkyModel) -> InteractiveLight {
         let condition = condition.clone().in_axes(self.site.north());
         InteractiveLight::new(condition, sky, &self.grids, self.site.settings().sides())
     }
 
-    /// Tells of tiles that will be made ready soon.
+    /// Announces tiles that will be prepared soon, so that their blocks can be read ahead.
     pub fn expect(&self, tiles: &[u32]) {
         let besides: &[BlockKind] = if self.responder.is_some() { &TileView::KINDS } else { &[format::RESPONSE] };
         self.reads().expect(&self.site, tiles, besides);
@@ -89,8 +92,8 @@ impl<'a> InteractiveReplay<'a> {
         Reads { sky: true, mirrors: self.mirrors.as_ref() }
     }
 
-    /// Makes some tiles ready, which had better be neighbours if reflectances are not those of the archive. A damaged block is an error of
-    /// all of them.
+    /// Prepares tiles. Choose neighbouring tiles if the reflectances are not those of the archive.
+    /// A damaged block is an error for all tiles of the call.
     pub fn tiles(&self, tiles: &[u32]) -> Result<Vec<InteractiveTile>> {
         let reads = self.reads();
         let ready = |(_, layers): (Vec<String>, TileLayers)| {
@@ -122,7 +125,8 @@ mod tests {
     use crate::replay::run::{Replay, ReplaySettings};
     use crate::units::direction_from_degrees;
 
-    /// Largest difference from a replay, as a share of the largest value, over 6 suns and 4 skies.
+    /// Returns the number of compared values and the largest difference from a replay, as a share
+    /// of the largest value, over 6 suns and 4 skies.
     fn off(name: &str, schedules: &[Schedule]) -> (usize, f64) {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/archives").join(name);
         let archive = Archive::open(&path).expect("an archive");
@@ -159,8 +163,9 @@ mod tests {
         (compared, worst / largest)
     }
 
-    /// InteractiveReplay of archives with mirrors and canopies are those of replays within 5e-5 of the largest value, under 6 suns and 4 skies, with
-    /// the stored reflectances and with others: 4 comparisons of 500 values or more.
+    /// Interactive replays of archives with mirrors and canopies equal replays within 5e-5 of the
+    /// largest value, under 6 suns and 4 skies, with the stored reflectances and with others: 4
+    /// comparisons of more than 500 values each.
     #[test]
     fn as_replayed() {
         for name in ["v1.6-experimental.helio", "v1.6-mirrors.helio"] {

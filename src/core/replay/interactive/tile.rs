@@ -1,4 +1,5 @@
-//! A tile made ready for moments. In: its decoded layers, once. Out: irradiance of its receivers in the light of one condition.
+//! A tile prepared for interactive replay. In: its decoded layers, once. Out: irradiance of its
+//! receivers in the light of one condition.
 
 use glam::DVec3;
 use pulp::Arch;
@@ -21,30 +22,31 @@ use crate::replay::values::TileValues;
 use crate::sky::projection::Projection;
 use crate::sky::skies::sky_coefficients;
 
-/// A tile whose receivers are asked for one moment after another.
+/// Tile prepared for one condition after another.
 pub struct InteractiveTile {
     shape: Shape,
-    /// Patches of skies.
+    /// Number of sky patches.
     patches: usize,
-    /// Of all receivers.
+    /// Words of all receivers.
     words: Vec<u32>,
-    /// `[receiver]`: its first texel.
+    /// `[receiver]`: number of the receiver's first texel.
     starts: Vec<u32>,
-    /// `[receiver]`; empty if the tile has neither canopies nor mirrors.
+    /// `[receiver]`: canopies and mirrors; empty if the tile has neither.
     besides: Vec<Besides>,
 }
 
-/// What is not in words.
+/// Data of a receiver that its words do not hold.
 struct Besides {
-    /// What canopies let through, if they stand before its sky.
+    /// Share of light that canopies let through, if they stand before the receiver's sky.
     veil: Option<CanopyTransmittance>,
     mirrors: Vec<MirrorView>,
-    /// `[patch]`, then the band at the horizon, of the sky seen in mirrors: irradiance per unit of each source; empty without mirrors.
+    /// `[patch]`, then the band at the horizon: irradiance per radiance of the sky seen in mirrors;
+    /// empty without mirrors.
     of_sky: Vec<f32>,
 }
 
 impl InteractiveTile {
-    /// Of layers with the responses of one state.
+    /// Packs the layers of a tile with the responses of one state.
     pub(super) fn new(layers: TileLayers, powers: &Powers, grids: &SkyGrids, sides: TextureSides) -> Self {
         let TileLayers { normals, sky, mirrors, canopies, responses, .. } = layers;
         let (mut mirrors, mut canopies) = (mirrors.into_iter(), canopies.into_iter());
@@ -78,19 +80,21 @@ impl InteractiveTile {
         made
     }
 
-    /// About how many bytes it takes.
+    /// Returns the approximate size in bytes.
     pub fn bytes(&self) -> usize {
         let words = self.words.len() + self.starts.len();
         size_of::<InteractiveTile>() + words * size_of::<u32>() + self.besides.iter().map(Besides::bytes).sum::<usize>()
     }
 
-    /// Its receivers for a graphics card; none where mirrors or canopies take part, whose light is not in words.
+    /// Returns the receivers for a graphics card, or `None` if the tile has mirrors or canopies,
+    /// whose light the words do not hold.
     pub fn textures(&self) -> Option<TileTextures<'_>> {
         let all = TileTextures { shape: self.shape, words: &self.words, starts: &self.starts };
         self.besides.is_empty().then_some(all)
     }
 
-    /// Irradiance of every receiver, W/m2, one result: the six components and their total.
+    /// Returns the irradiance of every receiver, W/m2, for one result: the six components and their
+    /// total.
     pub fn irradiance(&self, light: &InteractiveLight) -> TileValues {
         let mut out = TileValues::new(self.starts.len(), 1);
         for (row, start) in self.starts.iter().enumerate() {
@@ -124,7 +128,8 @@ impl Besides {
     }
 }
 
-/// The six components, in their order. A texture may be below 0 by its error, and so may parts of a sky.
+/// Returns the six components in the order of `Component::ALL`. Negative sums, which rounding of
+/// the textures or parts of a sky may cause, become 0.
 fn irradiance(
     receiver: Packed,
     mut sky: SkyWords,
@@ -156,13 +161,14 @@ fn irradiance(
     .map(|value| value.max(0.0))
 }
 
-/// The sum of products; sources that a sky does not have are the last, and there may be no sky.
+/// Returns the sum of products over the sources that both have. A sky may lack the last source, and
+/// there may be no sky.
 fn dot(coefficients: &[f32], radiances: &[f32]) -> f32 {
     let count = coefficients.len().min(radiances.len());
     Arch::new().dispatch(|| product(&coefficients[..count], &radiances[..count]))
 }
 
-/// The coefficients of the sky in mirrors.
+/// Returns the coefficients of the sky seen in mirrors.
 fn specular(projection: &Projection, normal: DVec3, views: &[MirrorView]) -> Vec<f32> {
     if views.is_empty() {
         return Vec::new();

@@ -1,6 +1,7 @@
-//! Where the sun stands: site and time in, unit vectors in the world frame out.
+//! Position of the sun. In: a site and a time. Out: unit vectors in the world frame.
 //!
-//! Positions are geometric (no refraction) and belong to the centre of the disc: archives hold straight rays.
+//! Positions are geometric (no refraction) and belong to the centre of the disc: archives hold
+//! straight rays.
 
 use std::cell::OnceCell;
 
@@ -14,63 +15,65 @@ use crate::weather::time::calendar::Date;
 /// Solar constant of the Perez model and of gendaylit, W/m2.
 pub const SOLAR_CONSTANT_W_M2: f64 = 1367.0;
 
-/// The sun turns 15 deg an hour and its altitude changes no faster; 1 deg is added for the equation of time, parallax
-/// and the change of declination, all far smaller within the hour.
+/// The sun turns 15 deg an hour, and its altitude changes no faster. 1 deg is added for the
+/// equation of time, parallax and the change of declination, all far smaller within the hour.
 const DEGREES_PER_HOUR: f64 = 15.0;
 const MARGIN_DEG: f64 = 1.0;
 
 /// Halvings of a 7.5 minute bracket: the horizon crossing is found to 0.01 s.
 const BISECTIONS: usize = 16;
 
-/// Parts that an interval is cut into before its horizon crossings are bisected.
+/// Number of parts that an interval is cut into before its horizon crossings are bisected.
 const PARTS: usize = 8;
 
-/// Longest interval, minutes, whose suns are those of a [`SunArc`].
+/// Length of the longest interval, minutes, whose suns a [`SunArc`] interpolates.
 const LONGEST_ARC_MIN: f64 = 60.0;
 
-/// A place on Earth whose weather is known.
+/// Place on Earth whose weather is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Location {
-    /// -90..=90, north positive.
+    /// Latitude, -90..=90 degrees, north positive.
     pub latitude_deg: f64,
-    /// -180..=180, east positive.
+    /// Longitude, -180..=180 degrees, east positive.
     pub longitude_deg: f64,
     /// Standard time of the rows, hours ahead of UT.
     pub zone_hours: f64,
-    /// Above sea level, -1000..=10000.
+    /// Elevation above sea level, -1000..=10000 m.
     pub elevation_m: f64,
 }
 
-/// A stretch of local standard time, counted to one day: within it, or over its midnight where time stamps are the middle of their
-/// intervals or were moved.
+/// Stretch of local standard time that counts to one day. It lies within the day, or over its
+/// midnight where time stamps are the middles of their intervals or were moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Day that the interval counts to.
     pub date: Date,
-    /// Minutes after the midnight that starts this day; negative on the day before.
+    /// Start, minutes after the midnight that starts this day; negative on the day before.
     pub start_min: f64,
-    /// Minutes after the same midnight, above `start_min`; 1440 is the next one.
+    /// End, minutes after the same midnight, above `start_min`; 1440 is the next midnight.
     pub end_min: f64,
 }
 
 impl Interval {
-    /// Length in hours.
+    /// Returns the length in hours.
     pub fn hours(&self) -> f64 {
         (self.end_min - self.start_min) / 60.0
     }
 
-    /// When it starts, `YYYY-MM-DDTHH:MM`, on the day before or after its own if that is where it starts.
+    /// Returns the start as `YYYY-MM-DDTHH:MM`, which may be on the day before or after the
+    /// interval's day.
     pub fn label(&self) -> String {
         let (date, minutes) = self.start();
         date.label(minutes as u32)
     }
 
-    /// When it starts: the day that this lies in, and minutes of that day.
+    /// Returns the start: the day in which it lies, and minutes of that day.
     pub fn start(&self) -> (Date, f64) {
         self.date.after(self.start_min)
     }
 
-    /// When it ends, as in [`Interval::start`]; at midnight minute 1440 of the day before.
+    /// Returns the end, as [`Interval::start`] does. An end at midnight is minute 1440 of the day
+    /// before.
     pub fn end(&self) -> (Date, f64) {
         match self.date.after(self.end_min) {
             (_, 0.0) => (self.date.after(self.end_min - 1440.0).0, 1440.0),
@@ -78,14 +81,14 @@ impl Interval {
         }
     }
 
-    /// Its middle, minutes after local midnight.
+    /// Returns the middle, minutes after the midnight that starts the interval's day.
     pub fn middle_min(&self) -> f64 {
         0.5 * (self.start_min + self.end_min)
     }
 }
 
 impl Location {
-    /// A site with coordinates in range; `Err` says which one is not.
+    /// Returns a location with coordinates in range; `Err` says which one is not.
     pub fn new(latitude_deg: f64, longitude_deg: f64, zone_hours: f64, elevation_m: f64) -> Result<Self, String> {
         let checks = [
             ("latitude", latitude_deg, -90.0, 90.0),
@@ -102,9 +105,10 @@ impl Location {
         Ok(Location { latitude_deg, longitude_deg, zone_hours, elevation_m })
     }
 
-    /// Unit vector towards the centre of the sun, by the Solar Position Algorithm (Reda and Andreas, "Solar position
-    /// algorithm for solar radiation applications", Solar Energy 76(5), 2004; years -2000 to 6000, 0.0003 deg), delta T
-    /// estimated from the date. The algorithm fails for no checked site and date; should it, the sun is at the nadir.
+    /// Returns the unit vector towards the centre of the sun by the Solar Position Algorithm (Reda
+    /// and Andreas, "Solar position algorithm for solar radiation applications", Solar Energy
+    /// 76(5), 2004; years -2000 to 6000, 0.0003 deg). Delta T is estimated from the date. The
+    /// algorithm fails for no checked site and date; should it fail, the sun is at the nadir.
     pub fn sun(&self, date: Date, minutes: f64) -> DVec3 {
         let decimal_year = f64::from(date.year) + (f64::from(date.day_of_year()) - 0.5) / 366.0;
         let delta_t_s = solar_positioning::delta_t::estimate(decimal_year).unwrap_or(0.0);
@@ -118,8 +122,9 @@ impl Location {
             .map_or(DVec3::NEG_Z, |p| direction_from_degrees(p.azimuth(), p.elevation_angle()))
     }
 
-    /// Sun directions at `steps` mid-points of the sunlit part of an interval (the time that the centre of the disc is
-    /// above the geometric horizon, in one piece or two); empty when the sun stays down.
+    /// Returns the sun's directions at `steps` mid-points of the sunlit part of an interval: the
+    /// time that the centre of the disc is above the geometric horizon, in one piece or two. The
+    /// list is empty if the sun stays down.
     pub fn sunlit(&self, interval: &Interval, known: KnownSuns, steps: usize) -> Vec<DVec3> {
         let steps = steps.max(1);
         let arc = SunArc::of(self, interval, known);
@@ -146,19 +151,21 @@ impl Location {
             .collect()
     }
 
-    /// How long the sun's centre is up in an interval.
+    /// Returns the hours of an interval in which the sun's centre is up.
     pub fn sunlit_hours(&self, interval: &Interval, known: KnownSuns) -> f64 {
         let pieces = SunArc::of(self, interval, known).sunlit_pieces();
         pieces.iter().map(|(start, end)| end - start).sum::<f64>() / 60.0
     }
 
-    /// How far the clock's meridian lies from the site: hours that the sun is ahead of the clock, -12 to 12.
+    /// Returns the hours that the sun is ahead of the clock, -12 to 12: the distance of the clock's
+    /// meridian from the site.
     pub fn hours_ahead_of_clock(&self) -> f64 {
         (self.longitude_deg / DEGREES_PER_HOUR - self.zone_hours + 12.0).rem_euclid(24.0) - 12.0
     }
 
-    /// The sun `minutes` earlier (negative) or later on the same day circle: turned about the celestial pole, declination held
-    /// (it changes by less than 0.04 deg in two hours).
+    /// Returns the sun `minutes` later (earlier if negative) on the same day circle. The sun is
+    /// turned about the celestial pole with its declination held (it changes by less than 0.04 deg
+    /// in two hours).
     pub fn turned(&self, sun: DVec3, minutes: f64) -> DVec3 {
         let (sin_latitude, cos_latitude) = self.latitude_deg.to_radians().sin_cos();
         let pole = DVec3::new(0.0, cos_latitude, sin_latitude);
@@ -168,12 +175,12 @@ impl Location {
     }
 }
 
-/// Suns that are known before those of an interval are asked for.
+/// Suns of an interval that are known beforehand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KnownSuns {
-    /// At mid-interval.
+    /// Sun at the middle of the interval.
     pub middle: DVec3,
-    /// As long as the interval is earlier, and later.
+    /// Suns one interval length before and after the middle.
     pub beside: Option<[DVec3; 2]>,
 }
 
@@ -184,16 +191,18 @@ impl From<DVec3> for KnownSuns {
     }
 }
 
-/// The sun through an interval. The algorithm costs some microseconds, and an interval has a dozen suns
-/// and more: two suns beside the middle are turned about the pole to it. What then is between the three,
-/// the change of declination and of the equation of time, is a parabola. Over an hour it is within 1e-6
-/// degrees of the algorithm through the suns at start and end. Through the middles of the intervals before
-/// and after, which are known, it is within 1e-5 (tests). The algorithm itself is within 3e-4.
+/// Sun through an interval. The algorithm costs some microseconds, and an interval has a dozen suns
+/// and more. Two suns beside the middle are therefore turned about the pole to the middle. The
+/// differences that remain between the three, the change of declination and of the equation of
+/// time, are interpolated by a parabola. Over an hour it is within 1e-6 degrees of the algorithm
+/// through the suns at start and end. Through the middles of the intervals before and after, which
+/// are known, it is within 1e-5 (tests). The algorithm itself is within 3e-4.
 struct SunArc<'a> {
     site: &'a Location,
     interval: &'a Interval,
     known: KnownSuns,
-    /// Change of the turned sun over half an interval at the middle, and half of how that changes: found when they are asked for first.
+    /// Slope and bend of the parabola in half intervals: change of the turned sun at the middle,
+    /// and half of its second derivative. They are computed on first use.
     parabola: OnceCell<(DVec3, DVec3)>,
 }
 
@@ -202,7 +211,7 @@ impl<'a> SunArc<'a> {
         SunArc { site, interval, known, parabola: OnceCell::new() }
     }
 
-    /// Unit vector towards the sun.
+    /// Returns the unit vector towards the sun.
     fn sun(&self, minutes: f64) -> DVec3 {
         let SunArc { site, interval, known: KnownSuns { middle, beside }, .. } = *self;
         let half_min = 0.5 * (interval.end_min - interval.start_min);
@@ -211,7 +220,7 @@ impl<'a> SunArc<'a> {
         }
         let (slope, bend) = *self.parabola.get_or_init(|| {
             let at = |after: f64| site.sun(interval.date, interval.middle_min() + after);
-            // Halves of the interval from the middle to each of the two.
+            // Distance from the middle to each of the two suns, in half intervals.
             let (halves, [first, last]) = match beside {
                 Some(beside) => (2.0, beside),
                 None => (1.0, [at(-half_min), at(half_min)]),
@@ -225,7 +234,8 @@ impl<'a> SunArc<'a> {
         site.turned(middle + slope * share + bend * (share * share), after).normalize()
     }
 
-    /// Stretches (minutes) in which the sun's centre is up, found without a search where the sun is high or deep enough.
+    /// Returns the stretches (minutes) in which the sun's centre is up, without a search where the
+    /// sun is high or deep enough.
     fn sunlit_pieces(&self) -> Vec<(f64, f64)> {
         let interval = self.interval;
         let middle_deg = self.known.middle.z.clamp(-1.0, 1.0).asin().to_degrees();
@@ -239,8 +249,9 @@ impl<'a> SunArc<'a> {
         }
     }
 
-    /// Stretches (minutes) in which the sun's centre is up, found by `PARTS` samples and bisection: a day or a night
-    /// shorter than an eighth of the interval (the sun then stays within 0.01 deg of the horizon) is not seen.
+    /// Returns the stretches (minutes) in which the sun's centre is up, by `PARTS` samples and
+    /// bisection. It misses a day or a night shorter than an eighth of the interval; the sun then
+    /// stays within 0.01 deg of the horizon.
     fn searched_pieces(&self) -> Vec<(f64, f64)> {
         let interval = self.interval;
         let part = (interval.end_min - interval.start_min) / PARTS as f64;
@@ -275,8 +286,9 @@ impl<'a> SunArc<'a> {
     }
 }
 
-/// Extraterrestrial normal irradiance of a day: solar constant x eccentricity correction (Spencer, "Fourier series
-/// representation of the position of the sun", Search 2(5), 1971), within 0.01 % of the almanac.
+/// Returns the extraterrestrial normal irradiance of a day: solar constant x eccentricity
+/// correction (Spencer, "Fourier series representation of the position of the sun", Search 2(5),
+/// 1971), within 0.01 % of the almanac.
 pub fn extraterrestrial_w_m2(date: Date) -> f64 {
     let day_angle = 2.0 * std::f64::consts::PI * (f64::from(date.day_of_year()) - 1.0) / 365.0;
     let (sin, cos) = day_angle.sin_cos();
@@ -292,9 +304,9 @@ mod tests {
         Date::new(year, month, day).expect("a date")
     }
 
-    /// Reda and Andreas' example (2003-10-17 12:30:30, UTC-7, 39.742476 N, 105.1786 W, 1830.14 m, delta T 67 s) has azimuth
-    /// 194.34024 deg and zenith 50.11162 deg with 0.01632 deg of refraction, so 50.12794 deg without: found to 1e-3 deg, also
-    /// with the estimated delta T.
+    /// Reda and Andreas' example (2003-10-17 12:30:30, UTC-7, 39.742476 N, 105.1786 W, 1830.14 m,
+    /// delta T 67 s) has azimuth 194.34024 deg and zenith 50.11162 deg with 0.01632 deg of
+    /// refraction, so 50.12794 deg without: found to 1e-3 deg, also with the estimated delta T.
     #[test]
     fn published_example() {
         let site = Location::new(39.742476, -105.1786, -7.0, 1830.14).expect("a site");
@@ -309,8 +321,8 @@ mod tests {
         }
     }
 
-    /// An hour with the sunrise in it is cut at the moment of altitude 0 (to 1e-3 deg), its sub-suns are all up, and the hour
-    /// after is used whole.
+    /// An hour with the sunrise in it is cut at the moment of altitude 0 (to 1e-3 deg), all suns in
+    /// it are up, and the hour after is used whole.
     #[test]
     fn sunrise_is_cut() {
         let site = Location::new(51.5, 0.0, 0.0, 10.0).expect("a site");
@@ -333,8 +345,9 @@ mod tests {
         assert!(site.sunlit(&night, site.sun(day, night.middle_min()).into(), 6).is_empty());
     }
 
-    /// Suns of hours and of ten minutes, from pole to pole, through the seasons of four years, are within 1e-6 degrees of the algorithm; where
-    /// they follow from the middles of the intervals beside, within 1e-5.
+    /// Suns of hours and of ten minutes, from pole to pole, through the seasons of four years, are
+    /// within 1e-6 degrees of the algorithm. Those interpolated from the middles of the
+    /// neighbouring intervals are within 1e-5.
     #[test]
     fn arcs_are_suns() {
         let (mut most, mut most_beside) = (0.0_f64, 0.0_f64);
@@ -362,7 +375,8 @@ mod tests {
         assert!(most < 1e-6 && most_beside < 1e-5, "{most} and {most_beside} degrees");
     }
 
-    /// At 70 N the polar night has no sunlit minute and the polar day no dark one, over all 24 hours.
+    /// At 70 N the polar night has no sunlit minute and the polar day no dark one, over all 24
+    /// hours.
     #[test]
     fn polar_night_and_day() {
         let site = Location::new(70.0, 25.0, 1.0, 0.0).expect("a site");
@@ -391,7 +405,8 @@ mod tests {
         assert!((turned - site.sun(day, 820.0)).length().to_degrees() < 0.1);
     }
 
-    /// Extraterrestrial irradiance is 3.4 % above the constant at perihelion and 3.3 % below in early July.
+    /// Extraterrestrial irradiance is 3.4 % above the constant at perihelion and 3.3 % below in
+    /// early July.
     #[test]
     fn extraterrestrial() {
         let ratio = |m, d| extraterrestrial_w_m2(date(2019, m, d)) / SOLAR_CONSTANT_W_M2;
@@ -399,8 +414,9 @@ mod tests {
         assert!((ratio(7, 5) - 0.9666).abs() < 5e-4, "{}", ratio(7, 5));
     }
 
-    /// Clocks and the sun: Golden's agree to 0.01 h, Samoa's beyond the date line are 0.45 h ahead of the sun, Kashgar's, on
-    /// Beijing time, 2.93 h; a lost sign puts Golden 14 h off, which is 10 the other way round.
+    /// Clock and sun agree to 0.012 h in Golden. The clocks of Samoa, beyond the date line, are
+    /// 0.45 h ahead of the sun, and those of Kashgar, on Beijing time, 2.93 h. A lost sign puts
+    /// Golden 14 h off, which is 10 h the other way round.
     #[test]
     fn clocks() {
         for (longitude, zone, expected) in
