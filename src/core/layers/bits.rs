@@ -1,5 +1,5 @@
-//! Squares of bits: what all one-bit textures are made of. In: bits by column and row, or bytes. Out: counts, neighbours, the
-//! same square with twice the side.
+//! Squares of bits: what all one-bit textures are made of. In: bits by column and row, or bytes.
+//! Out: counts, neighbours, the same square with twice the side.
 
 use pulp::Arch;
 
@@ -60,7 +60,8 @@ impl BitSquare {
         })
     }
 
-    /// Those of the `within` bits whose 3 x 3 neighbourhood, as far as it lies within, holds both values of this square.
+    /// Those of the `within` bits whose 3 x 3 neighbourhood, as far as it lies within, holds both
+    /// values of this square.
     pub(super) fn mixed(&self, within: &Self) -> Self {
         let mut out = BitSquare::new(self.n);
         // Compiled for the processor at hand.
@@ -71,7 +72,8 @@ impl BitSquare {
     #[inline(always)]
     fn mix(&self, within: &Self, out: &mut Self) {
         let stride = self.stride;
-        // Ones and zeros of three rows, each widened by its neighbours to the left and right: [row of three][value][word].
+        // Ones and zeros of three rows, each widened by its neighbours to the left and right: [row
+        // of three][value][word].
         let mut wide = vec![0_u64; 6 * stride];
         // With an empty word at either end.
         let mut plain = vec![0_u64; stride + 2];
@@ -130,8 +132,9 @@ impl BitSquare {
         }
     }
 
-    /// The square with twice the side: texels that are `refined` take their four bits, two texels to a byte in the order of
-    /// [`BitSquare::ones`], each with its columns side by side; the others their one.
+    /// The square with twice the side: texels that are `refined` take their four bits, two texels
+    /// to a byte in the order of [`BitSquare::ones`], each with its columns side by side; the
+    /// others their one.
     pub(super) fn refine(&self, refined: &Self, nibbles: &[u8]) -> Self {
         let mut out = self.double();
         for (i, (column, row)) in refined.ones().enumerate() {
@@ -189,7 +192,8 @@ mod tests {
     use super::*;
     use crate::hemisphere::{jitter, mix};
 
-    /// Doubling of 64 random bits of a 96-wide square, and its mixed bits within 8,000 random ones, agree with the plain definition.
+    /// Doubling of 64 random bits of a 96-wide square, and its mixed bits within 8,000 random ones,
+    /// agree with the plain definition.
     #[test]
     fn bit_operations() {
         let mut square = BitSquare::new(96);

@@ -1,8 +1,10 @@
-//! The canopy layer: how often rays cross leaves and screens, and which leaves they see that scatter light. In: what the rays of one receiver or
-//! cell cross. Out: its bytes, and back; and, for given transmittances, the share of the light that comes through along each ray.
+//! The canopy layer: how often rays cross leaves and screens, and which leaves they see that
+//! scatter light. In: what the rays of one receiver or cell cross. Out: its bytes, and back; and,
+//! for given transmittances, the share of the light that comes through along each ray.
 //!
-//! Counts are kept as bit planes of blocks of 64 rays; blocks in which nothing is crossed take one bit. Leaves are kept by cell and by what is
-//! crossed before them, with the share of the hemisphere whose rays cross them there.
+//! Counts are kept as bit planes of blocks of 64 rays; blocks in which nothing is crossed take one
+//! bit. Leaves are kept by cell and by what is crossed before them, with the share of the
+//! hemisphere whose rays cross them there.
 
 use std::collections::BTreeMap;
 
@@ -14,16 +16,19 @@ const BLOCK: usize = 64;
 
 /// Number of the list of rays towards the texels of the sky; a receiver or a cell has two lists.
 pub const SKY: usize = 0;
-/// Number of the list of rays to what else is seen: the texels of a receiver's hits, the rays of a cell.
+/// Number of the list of rays to what else is seen: the texels of a receiver's hits, the rays of a
+/// cell.
 pub const SEEN: usize = 1;
 
 /// Shares that come through 0, 1, ... 255 crossings, by material.
 pub type Powers = BTreeMap<u16, [f32; 256]>;
 
-/// Side above which a receiver's square of sky rays is halved: texels as wide as the sun, and a tile under trees fits into a block.
+/// Side above which a receiver's square of sky rays is halved: texels as wide as the sun, and a
+/// tile under trees fits into a block.
 const WIDE: usize = 256;
 
-/// Side of a receiver's square of sky rays, for the sides of its sky texture: a texel of it is a whole number of fine ones a side.
+/// Side of a receiver's square of sky rays, for the sides of its sky texture: a texel of it is a
+/// whole number of fine ones a side.
 pub fn sky_side(base: usize, fine: usize) -> usize {
     let mut side = (2 * base).min(fine);
     while side > WIDE && side.is_multiple_of(2) {
@@ -50,8 +55,8 @@ pub struct SeenLeaf {
     pub cell: CellKey,
     /// Materials that are crossed before, ascending, and how often each.
     pub before: Vec<(u16, u8)>,
-    /// Cosine-weighted share of the hemisphere whose rays cross them, above 0; a ray that crosses several counts for each of them, and of many
-    /// leaves some stand for others.
+    /// Cosine-weighted share of the hemisphere whose rays cross them, above 0; a ray that crosses
+    /// several counts for each of them, and of many leaves some stand for others.
     pub share: f32,
 }
 
@@ -73,7 +78,8 @@ struct Counts {
 }
 
 impl Canopy {
-    /// From the crossings along both lists of so many rays, each sorted, and the leaves that are seen.
+    /// From the crossings along both lists of so many rays, each sorted, and the leaves that are
+    /// seen.
     pub fn new(crossings: [&[Crossing]; 2], rays: [usize; 2], mut leaves: Vec<SeenLeaf>) -> Self {
         leaves.retain(|leaf| leaf.share > 0.0);
         leaves.sort_by(|a, b| a.cell.cmp(&b.cell).then_with(|| a.before.cmp(&b.before)));
@@ -100,7 +106,8 @@ impl Canopy {
         self.leaves.iter().map(|leaf| leaf.cell)
     }
 
-    /// Cells of leaves, each once, and the share of the hemisphere that comes from them through the others.
+    /// Cells of leaves, each once, and the share of the hemisphere that comes from them through the
+    /// others.
     pub fn leaves(&self, powers: &Powers) -> Vec<(CellKey, f32)> {
         let left = |leaf: &SeenLeaf| {
             let through =
@@ -138,8 +145,9 @@ impl Canopy {
         bytes
     }
 
-    /// Inverse of [`Canopy::to_bytes`] for lists of so many rays; `None` if the bytes are not exactly that or name a material that is no canopy. What is
-    /// allocated is no larger than the bytes.
+    /// Inverse of [`Canopy::to_bytes`] for lists of so many rays; `None` if the bytes are not
+    /// exactly that or name a material that is no canopy. What is allocated is no larger than the
+    /// bytes.
     pub fn from_bytes(bytes: &[u8], rays: [usize; 2], is_canopy: impl Fn(u16) -> bool) -> Option<Self> {
         if bytes.is_empty() {
             return Some(Canopy::default());
@@ -182,7 +190,8 @@ impl Canopy {
         })
     }
 
-    /// Share of the light that comes through along each ray of a list; `None` where nothing is crossed.
+    /// Share of the light that comes through along each ray of a list; `None` where nothing is
+    /// crossed.
     pub fn through(&self, list: usize, powers: &Powers) -> Option<Vec<f32>> {
         let mut shares: Option<Vec<f32>> = None;
         for (material, lists) in &self.materials {
@@ -298,10 +307,10 @@ mod tests {
     use super::*;
     use crate::hemisphere::mix;
 
-    /// Counts of 1 to 255 of two materials along 1000 and 9 rays come back with the product of the powers along each ray (1009
-    /// values, 1e-6); of two cells of leaves come
-    /// what is seen through others. All cuts but 3 are refused, and so are a longer row, a material that is no canopy, a ninth plane, a ray behind
-    /// the last one and 5 leaves that cannot be.
+    /// Counts of 1 to 255 of two materials along 1000 and 9 rays come back with the product of the
+    /// powers along each ray (1009 values, 1e-6); of two cells of leaves come what is seen through
+    /// others. All cuts but 3 are refused, and so are a longer row, a material that is no canopy, a
+    /// ninth plane, a ray behind the last one and 5 leaves that cannot be.
     #[test]
     fn round_trip() {
         let rays = [1000, 9];
@@ -364,8 +373,8 @@ mod tests {
         assert_eq!(Canopy::from_bytes(&ninth, [9, 9], |_| true), None);
     }
 
-    /// 20,000 rows of random bytes after a plausible start: what is not refused has shares from 0 to 1 along all of its 130 and 40
-    /// rays, and at least 50 are not.
+    /// 20,000 rows of random bytes after a plausible start: what is not refused has shares from 0
+    /// to 1 along all of its 130 and 40 rays, and at least 50 are not.
     #[test]
     fn any_bytes() {
         let rays = [130, 40];

@@ -1,5 +1,5 @@
-//! Cells as plain tables, sorted by key: fine probes and the coarse cells of the bounce system alike. In: traced cells, or tables
-//! of an archive. Out: columns that recombination reads.
+//! Cells as plain tables, sorted by key: fine probes and the coarse cells of the bounce system
+//! alike. In: traced cells, or tables of an archive. Out: columns that recombination reads.
 
 use crate::layers::canopy::Canopy;
 use crate::layers::mirror::CellMirrors;
@@ -16,7 +16,8 @@ pub struct Cells {
     pub bits: Vec<u8>,
     /// The coarse cells that rays of these cells met: sorted, no two equal.
     pub seen: Vec<CellKey>,
-    /// `[cell][ray]`, equal weights, ascending: index into `seen`, plus [`DOWN`] for rays below the horizon; [`MISS`] for nothing.
+    /// `[cell][ray]`, equal weights, ascending: index into `seen`, plus [`DOWN`] for rays below the
+    /// horizon; [`MISS`] for nothing.
     pub hits: Vec<u32>,
     /// `[cell]`: what it sees in mirrors; empty where no cell sees any.
     pub mirrors: Vec<CellMirrors>,
@@ -39,13 +40,14 @@ pub const CHUNK_SEEN: usize = (1 << 15) - 1;
 /// Most bytes of the sky bits of a chunk: half of what a block may hold.
 const CHUNK_SKY: usize = 1 << 22;
 
-/// Cells of a chunk of an archive, which cast so many rays each and have a sky of so many texels: so many that 15 bits number all cells that they can
-/// see, and that a block can hold them.
+/// Cells of a chunk of an archive, which cast so many rays each and have a sky of so many texels:
+/// so many that 15 bits number all cells that they can see, and that a block can hold them.
 pub fn cells_per_chunk(rays: usize, texels: usize) -> usize {
     (CHUNK_SEEN / rays.max(1)).min(CHUNK_SKY / texels.div_ceil(8).max(1)).clamp(1, CHUNK)
 }
 
-/// One traced cell: its key, mean normal, sky bits, and for each ray whether it goes up and the cell it met.
+/// One traced cell: its key, mean normal, sky bits, and for each ray whether it goes up and the
+/// cell it met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
     /// Its name.
@@ -54,14 +56,16 @@ pub struct Cell {
     pub normal: [f32; 3],
     /// Sky bits, world frame, row-major, lowest bit of a byte first.
     pub bits: Vec<u8>,
-    /// `[ray]`: whether it goes above the horizon, and the bounce cell that it meets; `None` for nothing.
+    /// `[ray]`: whether it goes above the horizon, and the bounce cell that it meets; `None` for
+    /// nothing.
     pub seen: Vec<(bool, Option<CellKey>)>,
     /// What it sees by way of mirrors.
     pub mirrors: CellMirrors,
     /// What its rays to the texels of its sky, and to what it sees, cross.
     pub canopy: Canopy,
-    /// Whether some of its points seemed hidden, so that paths of light through the whole scene decided on them. All else that a cell
-    /// holds depends on its own surface and on what its own rays meet.
+    /// Whether some of its points seemed hidden, so that paths of light through the whole scene
+    /// decided on them. All else that a cell holds depends on its own surface and on what its own
+    /// rays meet.
     pub doubtful: bool,
 }
 
@@ -93,7 +97,8 @@ impl Cell {
         bytes
     }
 
-    /// Inverse of [`CellKey::to_bytes`] and [`Cell::to_bytes`] for a number of texels of the sky; `None` for anything else.
+    /// Inverse of [`CellKey::to_bytes`] and [`Cell::to_bytes`] for a number of texels of the sky;
+    /// `None` for anything else.
     pub fn from_bytes(key: &[u8], cell: &[u8], texels: usize) -> Option<Self> {
         let bits = texels.div_ceil(8);
         let (&doubtful, rest) = cell.split_first()?;
@@ -304,7 +309,8 @@ mod tests {
     use super::*;
     use crate::layers::mirror::CellPath;
 
-    /// Three cells with four rays come back as they were, and 15 bits suffice for a chunk of any number of rays; with the finest skies it fits a block.
+    /// Three cells with four rays come back as they were, and 15 bits suffice for a chunk of any
+    /// number of rays; with the finest skies it fits a block.
     #[test]
     fn cells_round_trip() {
         let key = |x: i32| CellKey { level: 1, facing: 5, material: 2, voxel: [x, 0, -x] };
@@ -343,7 +349,8 @@ mod tests {
             let cells = cells_per_chunk(rays, 256);
             assert!((1..=4096).contains(&cells) && cells * rays.min(32_767) <= 32_767);
         }
-        // Skies of 128 x 128 texels, with 64 bytes of each cell and 2 of each ray besides, fit a block of 8 MiB.
+        // Skies of 128 x 128 texels, with 64 bytes of each cell and 2 of each ray besides, fit a
+        // block of 8 MiB.
         for rays in 1..=64 {
             assert!(cells_per_chunk(rays, 128 * 128) * (128 * 128 / 8 + 64 + 2 * rays) <= 8 << 20, "{rays}");
         }

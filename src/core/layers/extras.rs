@@ -1,5 +1,6 @@
-//! Layers that only some scenes call for: mirrors and canopies. In: rows of each receiver or cell, empty where there is nothing.
-//! Out: one raw block for all of a tile or a chunk, and back; none if all are empty.
+//! Layers that only some scenes call for: mirrors and canopies. In: rows of each receiver or cell,
+//! empty where there is nothing. Out: one raw block for all of a tile or a chunk, and back; none if
+//! all are empty.
 
 use crate::layers::canopy::Canopy;
 use crate::layers::mirror::ReceiverMirrors;
@@ -13,7 +14,8 @@ pub struct ReceiverExtras {
     pub canopy: Canopy,
 }
 
-/// Raw block of one of the layers: a length (u32) for each row, then all bytes. `None` if there are none.
+/// Raw block of one of the layers: a length (u32) for each row, then all bytes. `None` if there are
+/// none.
 pub fn pack<'a>(rows: impl Iterator<Item = &'a [u8]> + Clone) -> Option<Vec<u8>> {
     if rows.clone().all(<[u8]>::is_empty) {
         return None;
@@ -38,7 +40,8 @@ pub fn unpack(raw: &[u8], rows: usize) -> Option<Vec<Vec<u8>>> {
 mod tests {
     use super::*;
 
-    /// Three rows, one of them empty, come back, rows of nothing make no block, and all 20 cuts are refused.
+    /// Three rows, one of them empty, come back, rows of nothing make no block, and all 20 cuts are
+    /// refused.
     #[test]
     fn round_trip() {
         let rows = [vec![1, 2, 3], Vec::new(), vec![4; 5]];

@@ -1,5 +1,6 @@
-//! What receivers and cells see by way of mirrors. In: parts of the sky, each by a chain of mirrors, and surfaces. Out: the bytes
-//! of one row of a block, and back. Texels are those of the sky that light comes from, as in the sky texture.
+//! What receivers and cells see by way of mirrors. In: parts of the sky, each by a chain of
+//! mirrors, and surfaces. Out: the bytes of one row of a block, and back. Texels are those of the
+//! sky that light comes from, as in the sky texture.
 
 use crate::site::cells::CellKey;
 use crate::site::chain::{Chain, MOST_MIRRORS, MirrorStep};
@@ -102,7 +103,8 @@ impl ReceiverMirrors {
         out
     }
 
-    /// Inverse of [`ReceiverMirrors::to_bytes`] for a sky of `base` and hits of `hit` texels a side; `None` for anything else.
+    /// Inverse of [`ReceiverMirrors::to_bytes`] for a sky of `base` and hits of `hit` texels a
+    /// side; `None` for anything else.
     pub fn from_bytes(bytes: &[u8], base: usize, hit: usize) -> Option<Self> {
         let mut found = ReceiverMirrors::default();
         if bytes.is_empty() {
@@ -155,7 +157,8 @@ impl CellMirrors {
         out
     }
 
-    /// Inverse of [`CellMirrors::to_bytes`] for a number of bytes of sky bits; `None` for anything else.
+    /// Inverse of [`CellMirrors::to_bytes`] for a number of bytes of sky bits; `None` for anything
+    /// else.
     pub fn from_bytes(bytes: &[u8], bits: usize) -> Option<Self> {
         let mut found = CellMirrors::default();
         if bytes.is_empty() {
@@ -280,8 +283,9 @@ mod tests {
         CellKey { level: 1, facing: 60, material: 3, voxel: [x, -7, 2] }
     }
 
-    /// Two windows and three paths of a receiver come back, nothing is no bytes, and of all cuts only the 3 between paths are taken
-    /// for something; a window beyond the sky and a texel beyond the hits are refused.
+    /// Two windows and three paths of a receiver come back, nothing is no bytes, and of all cuts
+    /// only the 3 between paths are taken for something; a window beyond the sky and a texel beyond
+    /// the hits are refused.
     #[test]
     fn receivers() {
         let window = |numbers: &[u16], column| Window {
@@ -307,7 +311,8 @@ mod tests {
         assert_eq!(taken.count(), 3);
     }
 
-    /// A window of 3 texels, one of 86 and two paths of a cell come back, and of all cuts only the 2 between paths are taken for something.
+    /// A window of 3 texels, one of 86 and two paths of a cell come back, and of all cuts only the
+    /// 2 between paths are taken for something.
     #[test]
     fn cells() {
         let window = |texels| CellWindow { chain: Chain::new(&[4, 4]), texels };

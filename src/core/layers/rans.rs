@@ -1,6 +1,8 @@
-//! Entropy coding of small whole numbers by asymmetric numeral systems (rANS: Duda 2013, arXiv:1311.2540), with a table of frequencies for
-//! each context that goes with the bytes, and several states beside each other that share the words (Giesen 2014, arXiv:1402.3392). In:
-//! values, their contexts and states. Out: bytes, and back. Integers only; any bytes decode to values or to `None`.
+//! Entropy coding of small whole numbers by asymmetric numeral systems (rANS: Duda 2013,
+//! arXiv:1311.2540), with a table of frequencies for each context that goes with the bytes, and
+//! several states beside each other that share the words (Giesen 2014, arXiv:1402.3392). In:
+//! values, their contexts and states. Out: bytes, and back. Integers only; any bytes decode to
+//! values or to `None`.
 
 /// Frequencies of a context add up to 2^9: the tables of two dozen contexts fit the first cache.
 const SCALE: u32 = 9;
@@ -111,7 +113,8 @@ fn push(state: &mut u32, words: &mut Vec<u16>, start: u32, frequency: u32, scale
 
 /// What the states of a stream mean.
 pub struct SymbolTables {
-    /// `[context][slot]`: symbol, frequency, and distance from the start of its interval, from the lowest bits 6, 10 and 9 bits.
+    /// `[context][slot]`: symbol, frequency, and distance from the start of its interval, from the
+    /// lowest bits 6, 10 and 9 bits.
     slots: Vec<[u32; WHOLE as usize]>,
 }
 
@@ -123,7 +126,8 @@ pub struct Reader<'a> {
     taken: usize,
 }
 
-/// Reads the frequencies of a number of contexts, and the first states; `None` where they are wrong or missing.
+/// Reads the frequencies of a number of contexts, and the first states; `None` where they are wrong
+/// or missing.
 pub fn open(contexts: usize, bytes: &[u8]) -> Option<(SymbolTables, Reader<'_>)> {
     let mut rest = bytes.iter();
     let mut slots = vec![[0; WHOLE as usize]; contexts];
@@ -202,8 +206,8 @@ mod tests {
     use super::*;
     use crate::hemisphere::mix;
 
-    /// Values of two contexts in eight states come back: small ones, and two of each number of bits up to 23; bytes stay within 2 % and 140
-    /// bytes of the entropy of the small ones.
+    /// Values of two contexts in eight states come back: small ones, and two of each number of bits
+    /// up to 23; bytes stay within 2 % and 140 bytes of the entropy of the small ones.
     #[test]
     fn values_come_back() {
         let small = |i: u64| (mix(7, i) % 10) as u32 % 7 % 4;
@@ -222,8 +226,8 @@ mod tests {
         assert!((bytes.len() as f64) < entropy * 1.02 + 140.0 + 24.0 * 4.0, "{} {entropy}", bytes.len());
     }
 
-    /// Of 4,000 inputs, each a stream with some bytes changed or cut, none panics and each gives values below the limit;
-    /// those of streams that are cut are known to be.
+    /// Of 4,000 inputs, each a stream with some bytes changed or cut, none panics and each gives
+    /// values below the limit; those of streams that are cut are known to be.
     #[test]
     fn any_bytes_are_read() {
         let mut encoder = Encoder::new(2);

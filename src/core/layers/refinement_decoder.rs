@@ -1,8 +1,9 @@
-//! Sky textures from their blocks to bitmaps. In: the raw bytes of a tile. Out: one bitmap a receiver, by work on those words alone that an edge
-//! runs through.
+//! Sky textures from their blocks to bitmaps. In: the raw bytes of a tile. Out: one bitmap a
+//! receiver, by work on those words alone that an edge runs through.
 //!
-//! [`crate::layers::sky`] says what is refined: texels with both values in their 3 x 3 neighbourhood. Such a texel's parent was refined,
-//! or one beside the parent was; so the words that may hold refined texels follow from those of the level before.
+//! [`crate::layers::sky`] says what is refined: texels with both values in their 3 x 3
+//! neighbourhood. Such a texel's parent was refined, or one beside the parent was; so the words
+//! that may hold refined texels follow from those of the level before.
 
 use pulp::Arch;
 
@@ -21,7 +22,8 @@ pub fn is_refined(base: usize, fine: usize) -> bool {
     (2..=WIDEST).contains(&block) && block.is_power_of_two() && base * block == fine && fine <= LARGEST
 }
 
-/// The bitmaps of a raw block whose sides decode_refined; `None` if the bytes do not describe `count` textures exactly.
+/// The bitmaps of a raw block whose sides decode_refined; `None` if the bytes do not describe
+/// `count` textures exactly.
 pub fn decode_refined<'a>(raw: &'a [u8], count: usize, base: usize, fine: usize) -> Option<Vec<SkyBitmap>> {
     let (fronts, bits, mut rest) = planes(raw, count, base)?;
     let mut textures: Vec<RefinementDecoder> =
@@ -59,7 +61,8 @@ struct RefinementDecoder<'a> {
     base_side: usize,
     /// `[row][word]`.
     bits: Vec<u64>,
-    /// The surface's half of the hemisphere, the same in all rows of a base texel: `[base row][word]`.
+    /// The surface's half of the hemisphere, the same in all rows of a base texel: `[base
+    /// row][word]`.
     mask: Vec<u64>,
     /// `[row]`: a bit for each word that may hold refined texels.
     flags: Vec<u64>,
@@ -260,7 +263,8 @@ impl Nibbles<'_> {
     }
 }
 
-/// The two rows of two words that 64 texels become: those that are refined take their bits, the others keep theirs.
+/// The two rows of two words that 64 texels become: those that are refined take their bits, the
+/// others keep theirs.
 #[inline(always)]
 fn doubled(bits: u64, mut refined: u64, nibbles: &mut Nibbles) -> [[u64; 2]; 2] {
     let twice = match bits {

@@ -1,8 +1,10 @@
-//! The adaptive sky texture: one bit a texel, world frame. In: a function that answers for texels. Out: bits of a coarse
-//! square and, wherever a texel's neighbourhood is mixed, of its four children, level by level.
+//! The adaptive sky texture: one bit a texel, world frame. In: a function that answers for texels.
+//! Out: bits of a coarse square and, wherever a texel's neighbourhood is mixed, of its four
+//! children, level by level.
 //!
-//! Which texels are refined follows from the bits alone, so nothing but bits is stored. The surface's own half of the
-//! hemisphere is a second bit plane at the base size: texels wholly behind the surface are 0 and never make an edge.
+//! Which texels are refined follows from the bits alone, so nothing but bits is stored. The
+//! surface's own half of the hemisphere is a second bit plane at the base size: texels wholly
+//! behind the surface are 0 and never make an edge.
 
 use glam::DVec3;
 
@@ -16,15 +18,17 @@ pub struct SkyTexture {
     /// Texels of the base square that lie at least partly in front of the surface.
     front: BitSquare,
     base: BitSquare,
-    /// One byte string a level: four bits for each refined texel of the level before, in its row-major order; children
-    /// in the order (0,0), (1,0), (0,1), (1,1); two refined texels to a byte, the first in the low half.
+    /// One byte string a level: four bits for each refined texel of the level before, in its
+    /// row-major order; children in the order (0,0), (1,0), (0,1), (1,1); two refined texels to a
+    /// byte, the first in the low half.
     levels: Vec<Vec<u8>>,
 }
 
 impl SkyTexture {
-    /// Traces those texels of a base square that are set in `front`, and refines them to `fine` texels a side (the base doubled some
-    /// times); all others are 0 and make no edges. `visible(n, blocks)` answers for texels of an n x n square. Also gives the square of
-    /// `fine` x `fine` bits that the texture describes.
+    /// Traces those texels of a base square that are set in `front`, and refines them to `fine`
+    /// texels a side (the base doubled some times); all others are 0 and make no edges. `visible(n,
+    /// blocks)` answers for texels of an n x n square. Also gives the square of `fine` x `fine`
+    /// bits that the texture describes.
     pub fn trace(
         front: BitSquare,
         fine: usize,
@@ -52,7 +56,8 @@ impl SkyTexture {
         (texture, dense)
     }
 
-    /// What was asked to make this texture, level by level, the base first; [`SkyTexture::trace`] from behind.
+    /// What was asked to make this texture, level by level, the base first; [`SkyTexture::trace`]
+    /// from behind.
     pub fn answers(&self) -> Vec<Answers> {
         let mut all = vec![Answers { asked: self.front.clone(), bits: self.base.clone() }];
         let (mut mask, mut bits) = (self.front.clone(), self.base.clone());
@@ -65,7 +70,8 @@ impl SkyTexture {
         all
     }
 
-    /// Raw block of a tile: all front planes, all base planes, then level after level, receiver by receiver.
+    /// Raw block of a tile: all front planes, all base planes, then level after level, receiver by
+    /// receiver.
     pub fn pack(tile: &[SkyTexture]) -> Vec<u8> {
         let mut raw = Vec::new();
         tile.iter().for_each(|t| t.front.to_bytes(&mut raw));
@@ -77,13 +83,14 @@ impl SkyTexture {
         raw
     }
 
-    /// Inverse of [`SkyTexture::pack`]: the `fine` x `fine` bits of each receiver; `None` if the bytes do not describe
-    /// `count` textures exactly.
+    /// Inverse of [`SkyTexture::pack`]: the `fine` x `fine` bits of each receiver; `None` if the
+    /// bytes do not describe `count` textures exactly.
     pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<BitSquare>> {
         decode(raw, count, base, fine, |texture| texture.dense())
     }
 
-    /// The textures that were packed, each with the bits that it describes; `None` as for [`SkyTexture::unpack`].
+    /// The textures that were packed, each with the bits that it describes; `None` as for
+    /// [`SkyTexture::unpack`].
     pub fn split(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<(SkyTexture, BitSquare)>> {
         let texture = |d: &Decoded| {
             let levels = d.levels.iter().map(|level| level.to_vec()).collect();
@@ -98,11 +105,13 @@ pub(super) struct Decoded<'a> {
     front: BitSquare,
     base: BitSquare,
     levels: Vec<&'a [u8]>,
-    /// The bits before the last refinement, half as many a side as the finest; those of `base` if nothing is refined.
+    /// The bits before the last refinement, half as many a side as the finest; those of `base` if
+    /// nothing is refined.
     pub half: BitSquare,
     /// The surface's half of the hemisphere at that size.
     mask: BitSquare,
-    /// Which of them are refined once more, and their four bits each, two to a byte; `None` if base and finest are one.
+    /// Which of them are refined once more, and their four bits each, two to a byte; `None` if base
+    /// and finest are one.
     pub last: Option<(BitSquare, &'a [u8])>,
 }
 
@@ -130,7 +139,8 @@ impl<'a> Decoded<'a> {
     }
 }
 
-/// What `each` makes of the textures of a raw block; `None` if the bytes do not describe `count` of them exactly.
+/// What `each` makes of the textures of a raw block; `None` if the bytes do not describe `count` of
+/// them exactly.
 pub(super) fn decode<'a, T>(
     raw: &'a [u8],
     count: usize,
@@ -163,7 +173,8 @@ pub(super) fn decode<'a, T>(
     rest.is_empty().then_some(found)
 }
 
-/// The front planes and the base planes that a raw block of `count` textures begins with, and what follows them.
+/// The front planes and the base planes that a raw block of `count` textures begins with, and what
+/// follows them.
 pub(super) fn planes(raw: &[u8], count: usize, base: usize) -> Option<(Vec<BitSquare>, Vec<BitSquare>, &[u8])> {
     // Zero doubled stays zero.
     if base == 0 {
@@ -181,8 +192,8 @@ pub(super) fn sides(base: usize, fine: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(base * 2), |n| Some(n * 2)).take_while(move |&n| n <= fine)
 }
 
-/// Texels of an n x n square that are not wholly behind a surface, given the directions of their centres, row-major: their centre is less
-/// than half a texel's reach behind it.
+/// Texels of an n x n square that are not wholly behind a surface, given the directions of their
+/// centres, row-major: their centre is less than half a texel's reach behind it.
 pub fn front_of(n: usize, normal: DVec3, centres: &[DVec3]) -> BitSquare {
     let mut front = BitSquare::new(n);
     let reach = half_texel(n) * 1.6;
@@ -212,7 +223,8 @@ mod tests {
         d.z > 0.3 + 0.2 * (3.0 * azimuth).sin() + 0.05 * (11.0 * azimuth).cos()
     }
 
-    /// Of 3 textures every question that made them is among their answers, with what was answered, 15,000 of them, and nothing else is.
+    /// Of 3 textures every question that made them is among their answers, with what was answered,
+    /// 15,000 of them, and nothing else is.
     #[test]
     fn answers_are_those_given() {
         let mut given = 0;
@@ -254,7 +266,8 @@ mod tests {
         (texture, dense, rays)
     }
 
-    /// A smooth skyline refined from 128 to 1024 equals the flat 1024 texture in all but 0.02 % of its bits, for under 8 % of its rays.
+    /// A smooth skyline refined from 128 to 1024 equals the flat 1024 texture in all but 0.02 % of
+    /// its bits, for under 8 % of its rays.
     #[test]
     fn refined_equals_flat() {
         let (_, dense, rays) = traced(128, 1024, DVec3::Z);
@@ -269,7 +282,8 @@ mod tests {
         assert!(rays < 84_000, "{rays} rays");
     }
 
-    /// Packing 5 textures of different normals, unpacking and splitting give them back, and every truncation is refused.
+    /// Packing 5 textures of different normals, unpacking and splitting give them back, and every
+    /// truncation is refused.
     #[test]
     fn pack_round_trip() {
         let normals = [DVec3::Z, DVec3::X, DVec3::NEG_Z, DVec3::new(0.6, 0.0, 0.8), DVec3::NEG_Y];

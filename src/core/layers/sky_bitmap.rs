@@ -1,5 +1,6 @@
-//! A decoded sky texture for lookups: open and closed texels of the base square are one bit each, only those with an edge in them
-//! keep their fine bits. 5 to 20 kB a receiver where the whole square takes 128.
+//! A decoded sky texture for lookups: open and closed texels of the base square are one bit each,
+//! only those with an edge in them keep their fine bits. 5 to 20 kB a receiver where the whole
+//! square takes 128.
 
 use crate::layers::bits::BitSquare;
 use crate::layers::refinement_decoder::{decode_refined, is_refined};
@@ -53,7 +54,8 @@ pub struct BaseTexel {
 }
 
 impl SkyBitmap {
-    /// The bitmaps of a raw `sky` block; `None` if the bytes do not describe `count` textures exactly.
+    /// The bitmaps of a raw `sky` block; `None` if the bytes do not describe `count` textures
+    /// exactly.
     pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<SkyBitmap>> {
         if is_refined(base, fine) {
             return decode_refined(raw, count, base, fine);
@@ -129,15 +131,17 @@ impl SkyBitmap {
         }
     }
 
-    /// A word of base texels that are sky throughout, and of those that are in part: rows of words, lowest bit first; 0 beyond them.
+    /// A word of base texels that are sky throughout, and of those that are in part: rows of words,
+    /// lowest bit first; 0 beyond them.
     #[inline]
     pub fn words_at(&self, word: usize) -> (u64, u64) {
         let at = |square: &BitSquare| square.words.get(word).copied().unwrap_or_default();
         (at(&self.open), at(&self.mixed))
     }
 
-    /// All of them: base texels that are sky throughout, and those that are in part, by rows of words, lowest bit first; by word, how many are in
-    /// part in those before; the fine bits of these.
+    /// All of them: base texels that are sky throughout, and those that are in part, by rows of
+    /// words, lowest bit first; by word, how many are in part in those before; the fine bits of
+    /// these.
     pub fn bits(&self) -> (&[u64], &[u64], &[u32], &[u64]) {
         (&self.open.words, &self.mixed.words, &self.ranks, &self.blocks)
     }
@@ -171,7 +175,8 @@ impl SkyBitmap {
         }
     }
 
-    /// Calls `each` for every base texel, row by row, of which something is sky: its number and the share that is.
+    /// Calls `each` for every base texel, row by row, of which something is sky: its number and the
+    /// share that is.
     #[inline(always)]
     pub fn for_visible(&self, mut each: impl FnMut(usize, f64)) {
         let all = (self.block * self.block) as f64;
@@ -211,8 +216,9 @@ mod tests {
     use crate::layers::texel_block::TexelBlock;
     use glam::{DVec2, DVec3};
 
-    /// A skyline, refined and packed for 3 receivers of different normals, gives the same bitmap by the short way as by way of the
-    /// whole square, for 6 pairs of sides; every fine bit and every share of it is that of the square.
+    /// A skyline, refined and packed for 3 receivers of different normals, gives the same bitmap by
+    /// the short way as by way of the whole square, for 6 pairs of sides; every fine bit and every
+    /// share of it is that of the square.
     #[test]
     fn short_way() {
         let skyline = |d: DVec3| {
@@ -251,7 +257,8 @@ mod tests {
         }
     }
 
-    /// Bits behind the last of 33 columns are no texels: of an all open texture whose bytes have them set 1,089 texels are seen.
+    /// Bits behind the last of 33 columns are no texels: of an all open texture whose bytes have
+    /// them set 1,089 texels are seen.
     #[test]
     fn padding() {
         let raw = [0xff; 2 * 5 * 33];

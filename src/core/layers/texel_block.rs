@@ -1,9 +1,10 @@
-//! Blocks of 4 x 4 texels: what a square of bits is asked about by and answered with. In: squares of bits. Out: the blocks in which some
-//! are set, or their children are; and back.
+//! Blocks of 4 x 4 texels: what a square of bits is asked about by and answered with. In: squares
+//! of bits. Out: the blocks in which some are set, or their children are; and back.
 
 use super::bits::BitSquare;
 
-/// Sixteen neighbours of an n x n texture, some of which are asked about. Masks hold column `c` and row `r` of a block at bit 4 r + c.
+/// Sixteen neighbours of an n x n texture, some of which are asked about. Masks hold column `c` and
+/// row `r` of a block at bit 4 r + c.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TexelBlock {
     /// Column of the block: a quarter of that of its first texel.
@@ -67,7 +68,8 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Texels of a block that were asked about, and which of these are 1; both as masks of the block.
+    /// Texels of a block that were asked about, and which of these are 1; both as masks of the
+    /// block.
     #[inline]
     pub fn of(&self, block: &TexelBlock) -> (u16, u16) {
         let asked = self.asked.block(block.column, block.row);
@@ -134,7 +136,8 @@ impl BitSquare {
             .fold(0, |block, (row, bit)| block | ((self.words[row * self.stride + place] >> shift & 15) as u16) << bit)
     }
 
-    /// The four bits of each of the `refined` texels of the square with half the side: [`BitSquare::refine`] from behind.
+    /// The four bits of each of the `refined` texels of the square with half the side:
+    /// [`BitSquare::refine`] from behind.
     pub(super) fn nibbles(&self, refined: &Self) -> Vec<u8> {
         let mut nibbles = Vec::with_capacity((refined.count() as usize).div_ceil(2));
         let mut half = None;
@@ -164,8 +167,9 @@ mod tests {
     use super::*;
     use crate::hemisphere::{jitter, mix};
 
-    /// Of 600 random bits in squares of 5 sides, also ones that 4 does not divide: their blocks hold each of them once and nothing else, the
-    /// blocks of their children four for each; answers put back and read as nibbles are those that were given.
+    /// Of 600 random bits in squares of 5 sides, also ones that 4 does not divide: their blocks
+    /// hold each of them once and nothing else, the blocks of their children four for each; answers
+    /// put back and read as nibbles are those that were given.
     #[test]
     fn blocks_and_back() {
         for side in [3, 8, 70, 128, 200] {

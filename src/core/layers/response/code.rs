@@ -1,5 +1,6 @@
-//! A tile's coefficients as bytes. In: whole numbers of each receiver. Out: bytes, and back. Each receiver is told as what it adds to
-//! one before it, or to nothing, and each coefficient in a context: how large those of lower frequencies above it are.
+//! A tile's coefficients as bytes. In: whole numbers of each receiver. Out: bytes, and back. Each
+//! receiver is told as what it adds to one before it, or to nothing, and each coefficient in a
+//! context: how large those of lower frequencies above it are.
 
 use crate::layers::rans::{self, Encoder, Reader, SymbolTables};
 use crate::layers::response::transform::{BLOCK, LARGEST, PLANES, is_across};
@@ -35,8 +36,8 @@ struct Above {
 }
 
 impl Above {
-    /// Contexts of a row's places in a block of some extent. They follow from the rows above alone, so that no value of a row waits for
-    /// another.
+    /// Contexts of a row's places in a block of some extent. They follow from the rows above alone,
+    /// so that no value of a row waits for another.
     #[inline(always)]
     fn contexts(&self, row: usize, extent: usize) -> [u8; BLOCK] {
         // No sum exceeds 7 x 31.
@@ -116,7 +117,8 @@ fn unfold(folded: u32) -> i32 {
     if folded % 2 == 1 { half + 1 } else { -half }
 }
 
-/// How far before receiver i stands the one that it is told by; 0 for none. The nearest of the best.
+/// How far before receiver i stands the one that it is told by; 0 for none. The nearest of the
+/// best.
 fn best_before(receivers: &[Vec<i16>], i: usize) -> usize {
     let own = &receivers[i];
     let nothing: u32 = own.iter().map(|c| u32::from(c.unsigned_abs().min(8))).sum();
@@ -156,14 +158,16 @@ pub struct TileDecoder<'a> {
 }
 
 impl<'a> TileDecoder<'a> {
-    /// Of so many receivers with so many blocks a plane; `None` if the bytes do not start as they must.
+    /// Of so many receivers with so many blocks a plane; `None` if the bytes do not start as they
+    /// must.
     pub fn new(bytes: &'a [u8], receivers: usize, blocks: usize) -> Option<Self> {
         let (tables, reader) = rans::open(CONTEXTS, bytes)?;
         let known = vec![0; receivers.min(FARTHEST + 1) * PLANES * blocks * BLOCK * BLOCK];
         Some(TileDecoder { tables, reader, blocks, known, count: 0 })
     }
 
-    /// The next receiver's coefficients, of at most as many as were said; `None` if there are none, or wrong ones.
+    /// The next receiver's coefficients, of at most as many as were said; `None` if there are none,
+    /// or wrong ones.
     #[inline(always)]
     pub fn receiver(&mut self) -> Option<&[i32]> {
         let before = self.reader.take(&self.tables, REFERENCE, 0) as usize;
@@ -204,7 +208,8 @@ impl<'a> TileDecoder<'a> {
     }
 }
 
-/// Adds the next coefficients, of contexts from one on and up to an extent, to those of a block; `None` if one gets too large.
+/// Adds the next coefficients, of contexts from one on and up to an extent, to those of a block;
+/// `None` if one gets too large.
 #[inline(always)]
 fn add_block(
     tables: &SymbolTables,

@@ -1,9 +1,12 @@
-//! The response texture: diffuse light at a receiver per unit of irradiance from each direction of the sky. In: 3-vectors
-//! per texel and first-hit class, f32. Out: the bytes of a tile, rounded to what a replay can tell apart, and back.
+//! The response texture: diffuse light at a receiver per unit of irradiance from each direction of
+//! the sky. In: 3-vectors per texel and first-hit class, f32. Out: the bytes of a tile, rounded to
+//! what a replay can tell apart, and back.
 //!
-//! Rounding with steps of 2^-e along a texel's direction and n times that across adds at most sqrt(2 (4/9 + 0.56) / 12) = 0.41 steps of
-//! one W/m2 for each W/m2 of a source at normal incidence, RMS over directions: two classes, uniform errors, and 4/9 and 0.0444 x 2 x 2 pi
-//! the means of the squared bilinear weights, and of these times the squared angles in texels. With e = 7 + log2 n that is 0.0032 / n.
+//! Rounding with steps of 2^-e along a texel's direction and n times that across adds at most
+//! sqrt(2 (4/9 + 0.56) / 12) = 0.41 steps of one W/m2 for each W/m2 of a source at normal
+//! incidence, RMS over directions: two classes, uniform errors, and 4/9 and 0.0444 x 2 x 2 pi the
+//! means of the squared bilinear weights, and of these times the squared angles in texels. With e =
+//! 7 + log2 n that is 0.0032 / n.
 
 mod code;
 mod transform;
@@ -17,8 +20,8 @@ use crate::site::material::Class;
 /// First-hit classes, in the order of the arrays: ground, obstruction.
 pub const CLASSES: usize = 2;
 
-/// Response of one receiver: the diffuse irradiance from a source of direction s in texel t is (normal irradiance of the
-/// source) x `s . G[t]`, W/m2 per W/m2, summed over classes.
+/// Response of one receiver: the diffuse irradiance from a source of direction s in texel t is
+/// (normal irradiance of the source) x `s . G[t]`, W/m2 per W/m2, summed over classes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
     /// `[class][axis x, y, z][texel]`, texels row-major, world frame.
@@ -56,13 +59,15 @@ pub const MAX_VALUES: usize = 1 << 23;
 /// Exponents beyond this mean nothing.
 const MAX_EXPONENT: u8 = 40;
 
-/// The step of n x n texels is 2 to minus this; finer textures, for finer settings, get finer steps.
+/// The step of n x n texels is 2 to minus this; finer textures, for finer settings, get finer
+/// steps.
 fn exponent(n: usize) -> u8 {
     7 + n.max(1).ilog2() as u8
 }
 
-/// Raw block of responses of one size: the exponent, then the coefficients' bytes; `None` if a side of their textures is no multiple of
-/// 8. What was unpacked gives the bytes that it came from, among the same receivers.
+/// Raw block of responses of one size: the exponent, then the coefficients' bytes; `None` if a side
+/// of their textures is no multiple of 8. What was unpacked gives the bytes that it came from,
+/// among the same receivers.
 pub fn pack(tile: &[Response]) -> Option<Vec<u8>> {
     let n = tile.first().map_or(0, |first| (first.values.len() / (CLASSES * 3)).isqrt());
     let transform = Transform::new(n, exponent(n))?;

@@ -1,8 +1,10 @@
-//! From 3-vectors to whole numbers that say what a replay can see of them, and back. In: a receiver's response, f32. Out: coefficients.
+//! From 3-vectors to whole numbers that say what a replay can see of them, and back. In: a
+//! receiver's response, f32. Out: coefficients.
 //!
-//! A source in direction s meets texels whose directions are close to s, so of G the part along its texel's direction counts in
-//! full, the parts across it by the angle between. Each texel's vector is turned into these parts, blocks of 8 x 8 texels into cosines
-//! (Ahmed, Natarajan and Rao 1974, orthonormal), and these are rounded to a step each. All in f64, in one order, without fused
+//! A source in direction s meets texels whose directions are close to s, so of G the part along its
+//! texel's direction counts in full, the parts across it by the angle between. Each texel's vector
+//! is turned into these parts, blocks of 8 x 8 texels into cosines (Ahmed, Natarajan and Rao 1974,
+//! orthonormal), and these are rounded to a step each. All in f64, in one order, without fused
 //! operations: the same bits everywhere.
 
 use glam::DVec3;
@@ -24,8 +26,8 @@ pub fn is_across(plane: usize) -> bool {
 /// Coefficients stay within this, on both sides of 0.
 pub const LARGEST: i32 = (1 << 22) - 1;
 
-/// What a coefficient is rounded up from: more than a half, since what rounds to 0 costs next to nothing. Means are rounded from a half:
-/// they are hardly ever below 0, and light would be lost.
+/// What a coefficient is rounded up from: more than a half, since what rounds to 0 costs next to
+/// nothing. Means are rounded from a half: they are hardly ever below 0, and light would be lost.
 const ROUNDED_UP: f64 = 0.6;
 const MEAN_ROUNDED_UP: f64 = 0.5;
 
@@ -49,7 +51,8 @@ type Square = [[f64; BLOCK]; BLOCK];
 fn basis() -> Square {
     std::array::from_fn(|k| {
         std::array::from_fn(|i| {
-            // The cosine at k (2 i + 1) / 16 half turns, by its symmetries; at frequency 0 as if at 4.
+            // The cosine at k (2 i + 1) / 16 half turns, by its symmetries; at frequency 0 as if at
+            // 4.
             let sixteenths = if k == 0 { 4 } else { k * (2 * i + 1) % 32 };
             let folded = if sixteenths > 16 { 32 - sixteenths } else { sixteenths };
             if folded > 8 { -0.5 * COSINES[16 - folded] } else { 0.5 * COSINES[folded] }
@@ -69,13 +72,14 @@ pub struct Transform {
 }
 
 impl Transform {
-    /// With steps of 2^-exponent along and n times that across: at n texels a side both add alike to a source's light. `None` if n is no
-    /// multiple of a block's side.
+    /// With steps of 2^-exponent along and n times that across: at n texels a side both add alike
+    /// to a source's light. `None` if n is no multiple of a block's side.
     pub fn new(n: usize, exponent: u8) -> Option<Self> {
         if n == 0 || !n.is_multiple_of(BLOCK) {
             return None;
         }
-        // Directions on a grid: what another program computes a little otherwise rounds to the same.
+        // Directions on a grid: what another program computes a little otherwise rounds to the
+        // same.
         const GRID: f64 = (1 << 24) as f64;
         let centres: Vec<DVec3> = texel_centres(n).into_iter().map(|s| (s * GRID).round() / GRID).collect();
         let of_texels = |part: fn(&DVec3) -> f64| centres.iter().map(part).collect();
@@ -151,7 +155,8 @@ impl Transform {
         std::array::from_fn(of_rows)
     }
 
-    /// The response that such coefficients stand for; the values of its planes come to stand in a buffer, whatever it held.
+    /// The response that such coefficients stand for; the values of its planes come to stand in a
+    /// buffer, whatever it held.
     #[inline(always)]
     pub fn inverse(&self, coefficients: &[i32], planes: &mut Vec<f64>) -> Response {
         let count = self.n * self.n;
@@ -187,7 +192,8 @@ impl Transform {
         response
     }
 
-    /// Values of a block: sums over the frequencies of a row, then over the rows, from the lowest to the last one that is not 0.
+    /// Values of a block: sums over the frequencies of a row, then over the rows, from the lowest
+    /// to the last one that is not 0.
     #[inline(always)]
     fn values(&self, coefficients: &[[i32; BLOCK]; BLOCK], step: f64) -> Square {
         let any = coefficients.iter().fold([0; BLOCK], |any, line| std::array::from_fn(|k| any[k] | line[k]));
@@ -214,7 +220,8 @@ fn plus(sums: [f64; BLOCK], line: &[f64; BLOCK], factor: f64) -> [f64; BLOCK] {
     std::array::from_fn(|i| sums[i] + line[i] * factor)
 }
 
-/// Nearest whole number, the lower one as far as `from`; what is one within 0.4 stays it, so that coefficients come back.
+/// Nearest whole number, the lower one as far as `from`; what is one within 0.4 stays it, so that
+/// coefficients come back.
 fn rounded(value: f64, from: f64) -> i32 {
     let size = (value.abs() + (1.0 - from)).floor() as i32;
     let size = size.min(LARGEST);

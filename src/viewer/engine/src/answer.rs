@@ -1,5 +1,5 @@
-//! What a request gives: a value as JSON, and arrays behind it. In: values and numbers. Out: a text that says where in the bytes each array
-//! stands, and the bytes.
+//! What a request gives: a value as JSON, and arrays behind it. In: values and numbers. Out: a text
+//! that says where in the bytes each array stands, and the bytes.
 
 use serde::Serialize;
 use serde_json::{Value, json};

@@ -1,5 +1,5 @@
-//! What the page asks to be recombined: light, a sky, changed reflectances, columns. Equal asks have equal answers, so that what is made for
-//! one is kept for the next tile.
+//! What the page asks to be recombined: light, a sky, changed reflectances, columns. Equal asks
+//! have equal answers, so that what is made for one is kept for the next tile.
 
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
@@ -35,7 +35,8 @@ impl Changes {
     }
 }
 
-/// How a weather file reads the clock, in the words of the command line; what is not said is the file's.
+/// How a weather file reads the clock, in the words of the command line; what is not said is the
+/// file's.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Clock {

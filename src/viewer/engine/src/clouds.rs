@@ -1,4 +1,5 @@
-//! Clouds before the sky and the sun. In: the pixels of a picture, where its top lies. Out: light that came through.
+//! Clouds before the sky and the sun. In: the pixels of a picture, where its top lies. Out: light
+//! that came through.
 
 use heliotile_core::dome::formats::luminance;
 use heliotile_core::dome::image::DomeImage;
@@ -26,8 +27,9 @@ pub struct Clouds {
 }
 
 impl Clouds {
-    /// Takes a picture of `side` x `side` pixels in place of the former, or none of 0; it does not stand before the sky yet. Answers a map of
-    /// `map` points a side, by rows from the top, whose top is the top of the picture: how much is hidden, 0 to 255; 0 beyond the horizon.
+    /// Takes a picture of `side` x `side` pixels in place of the former, or none of 0; it does not
+    /// stand before the sky yet. Answers a map of `map` points a side, by rows from the top, whose
+    /// top is the top of the picture: how much is hidden, 0 to 255; 0 beyond the horizon.
     pub fn take(&mut self, side: usize, levels: &[u8], map: usize) -> Answered {
         *self = Clouds::default();
         if map > MOST || side.checked_mul(side).and_then(|all| all.checked_mul(CHANNELS)) != Some(levels.len()) {
@@ -48,7 +50,8 @@ impl Clouds {
         Ok(Answer::of(json!({ "side": map })).with("hidden", Numbers::U8(&hidden)))
     }
 
-    /// Puts the picture before the sky, with its top at an azimuth, degrees clockwise from true north; takes it away where there is none.
+    /// Puts the picture before the sky, with its top at an azimuth, degrees clockwise from true
+    /// north; takes it away where there is none.
     pub fn turn(&mut self, top: Option<f64>) {
         let turned = self.picture.as_ref().zip(top).map(|(picture, top)| picture.turned(top));
         self.layer = turned.and_then(CloudLayer::of_image);

@@ -1,5 +1,6 @@
-//! What people feel: in a moment, or over a span of the weather. In: light, air, the people of the archive. Out: numbers of each receiver's point, tile by
-//! tile. The formulas are the core's, as of `heliotile comfort`.
+//! What people feel: in a moment, or over a span of the weather. In: light, air, the people of the
+//! archive. Out: numbers of each receiver's point, tile by tile. The formulas are the core's, as of
+//! `heliotile comfort`.
 
 use std::collections::HashMap;
 
@@ -156,7 +157,8 @@ impl PeopleValues {
         self.ask == *ask
     }
 
-    /// The numbers of a tile's receivers, each those of its point; `light` gives the light of a tile in all hours.
+    /// The numbers of a tile's receivers, each those of its point; `light` gives the light of a
+    /// tile in all hours.
     pub fn tile(
         &mut self,
         opened: &Opened,

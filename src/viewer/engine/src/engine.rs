@@ -62,7 +62,8 @@ impl Engine {
             Request::Overview { tile } => geometry::overview(opened, tile),
             Request::Receivers { tile } => receivers::receivers(opened, tile),
             Request::LoadWeather { name, clock } => {
-                // Only archives of people need the air; a column of it that cannot be read must not refuse the file for the others.
+                // Only archives of people need the air; a column of it that cannot be read must not
+                // refuse the file for the others.
                 let read = |with_air| {
                     let options = WeatherOptions { with_air, ..clock.options()? };
                     LoadedWeather::read(&name, &bytes, &options, manifest)

@@ -1,4 +1,5 @@
-//! Why a request could not be answered. In: errors of the core. Out: what the page needs to say so: a kind, a message, what to do.
+//! Why a request could not be answered. In: errors of the core. Out: what the page needs to say so:
+//! a kind, a message, what to do.
 
 use heliotile_core::error::Error;
 use heliotile_core::text::{Named, with_fields};

@@ -1,5 +1,6 @@
-//! What a receiver sees of the world's upper hemisphere. In: a receiver's layers, the place. Out: a class for each point of an equidistant
-//! disc, and the paths of the sun over it; x of the site's axes is right, y is up.
+//! What a receiver sees of the world's upper hemisphere. In: a receiver's layers, the place. Out: a
+//! class for each point of an equidistant disc, and the paths of the sun over it; x of the site's
+//! axes is right, y is up.
 
 use glam::DVec3;
 use heliotile_core::replay::receiver_view::ReceiverView;

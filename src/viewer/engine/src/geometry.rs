@@ -1,5 +1,5 @@
-//! Geometry for the page. In: blocks of the archive. Out: the scene's triangles, places and patches of receivers, relative to the scene's
-//! origin, metres.
+//! Geometry for the page. In: blocks of the archive. Out: the scene's triangles, places and patches
+//! of receivers, relative to the scene's origin, metres.
 
 use glam::DVec3;
 use heliotile_core::archive::format::TileNumber;
@@ -25,8 +25,9 @@ pub fn scene(opened: &Opened, chunk: u32) -> Answered {
         .with("materials", Numbers::U16(&table.material)))
 }
 
-/// What is drawn of the receivers of a tile: from their overview, or else from their places; a square of its area for each whose patch nobody
-/// knows, and a box around the place of those that look from there to several sides.
+/// What is drawn of the receivers of a tile: from their overview, or else from their places; a
+/// square of its area for each whose patch nobody knows, and a box around the place of those that
+/// look from there to several sides.
 pub fn overview(opened: &Opened, tile: u32) -> Answered {
     let tile = opened.tile(tile)?;
     let rows = opened.archive.entries_of(format::RECEIVERS).iter().find(|entry| entry.tile.0 == tile);
@@ -71,8 +72,9 @@ struct Drawn {
 }
 
 impl Drawn {
-    /// Offset of the box face that stands for a receiver, metres; `None` if it is no face. A receiver is a face where another one of its place looks
-    /// sideways of it or the other way, and one of the two has no patch.
+    /// Offset of the box face that stands for a receiver, metres; `None` if it is no face. A
+    /// receiver is a face where another one of its place looks sideways of it or the other way, and
+    /// one of the two has no patch.
     fn face(&self, row: usize) -> Option<[f32; 3]> {
         let (place, &[x, y, z]) = (self.places.get(row)?, self.normals.get(row)?);
         let is_bare = |row: usize| {

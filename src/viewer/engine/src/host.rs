@@ -1,4 +1,5 @@
-//! Bytes of the archive, which the host holds: a server, a file, memory. In: ranges. Out: their bytes, or an error; why, the host keeps.
+//! Bytes of the archive, which the host holds: a server, a file, memory. In: ranges. Out: their
+//! bytes, or an error; why, the host keeps.
 
 use std::io;
 
@@ -10,7 +11,8 @@ const GAP: u64 = 1 << 16;
 
 #[link(wasm_import_module = "host")]
 unsafe extern "C" {
-    /// Writes `length` bytes of the archive from `offset` on to `to`, in this memory: 0, or 1 if they cannot be had.
+    /// Writes `length` bytes of the archive from `offset` on to `to`, in this memory: 0, or 1 if
+    /// they cannot be had.
     safe fn read(offset: f64, to: *mut u8, length: usize) -> u32;
     /// Bytes of the archive that will be read soon.
     safe fn expect(offset: f64, length: f64);

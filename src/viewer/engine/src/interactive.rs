@@ -1,5 +1,5 @@
-//! Tiles that are ready for moments. In: an ask, a tile. Out: its irradiances. Tiles are kept as long as there is room, so that a sun that
-//! moves only multiplies.
+//! Tiles that are ready for moments. In: an ask, a tile. Out: its irradiances. Tiles are kept as
+//! long as there is room, so that a sun that moves only multiplies.
 
 use std::collections::HashMap;
 use std::hint::black_box;
@@ -17,7 +17,8 @@ use crate::open::Opened;
 /// Bytes of tiles that all engines of an archive keep.
 const ROOM: usize = 360 << 20;
 
-/// Memory grows by so much when tiles fill it: at each step the browser looks through all that its script holds.
+/// Memory grows by so much when tiles fill it: at each step the browser looks through all that its
+/// script holds.
 const STEP: usize = 8 << 20;
 
 /// Tiles whose light is solved for together, where reflectances are others.
@@ -69,8 +70,8 @@ impl InteractiveTiles {
         self.lit = None;
     }
 
-    /// The values of a tile; `force` makes the light where the ask is a new one. `next`: tiles that will be asked for, which are made ready
-    /// together where that is cheaper.
+    /// The values of a tile; `force` makes the light where the ask is a new one. `next`: tiles that
+    /// will be asked for, which are made ready together where that is cheaper.
     pub fn values(
         &mut self,
         opened: &Opened,
@@ -117,7 +118,8 @@ impl InteractiveTiles {
         let missing = |other: &&u32| **other < opened.site.tiles() && !state.ready.contains_key(*other);
         let mut group: Vec<u32> = [&tile].into_iter().chain(next.iter().filter(missing)).copied().collect();
         state.moments.expect(&group);
-        // What several tiles see is read and solved once for all of them; a damaged block is an error of its own tile only.
+        // What several tiles see is read and solved once for all of them; a damaged block is an
+        // error of its own tile only.
         group.truncate(if state.schedules.is_empty() { 1 } else { TOGETHER });
         let made = match state.moments.tiles(&group) {
             Err(_) if group.len() > 1 => {
@@ -133,7 +135,8 @@ impl InteractiveTiles {
         found.ok_or_else(none)
     }
 
-    /// The light of an ask, made where the ask is a new one; the state of its reflectances is then the one in use.
+    /// The light of an ask, made where the ask is a new one; the state of its reflectances is then
+    /// the one in use.
     pub fn light(
         &mut self,
         opened: &Opened,
@@ -173,7 +176,8 @@ impl InteractiveTiles {
         Ok(())
     }
 
-    /// Keeps a tile of the state in use, if there is room, or some that was not asked for of late gives it.
+    /// Keeps a tile of the state in use, if there is room, or some that was not asked for of late
+    /// gives it.
     fn keep(&mut self, tile: u32, made: InteractiveTile) {
         let bytes = made.bytes();
         while self.bytes + bytes > ROOM / self.engines.max(1) {

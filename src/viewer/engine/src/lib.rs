@@ -1,8 +1,10 @@
-//! The engine of the page: `heliotile-core` in a worker of the browser. In: requests as JSON, some with bytes, and the bytes of an archive,
-//! which the host reads by ranges ([`host`]). Out: answers as JSON with arrays behind them, or a [`failure`]. There is no formula here.
+//! The engine of the page: `heliotile-core` in a worker of the browser. In: requests as JSON, some
+//! with bytes, and the bytes of an archive, which the host reads by ranges ([`host`]). Out: answers
+//! as JSON with arrays behind them, or a [`failure`]. There is no formula here.
 //!
-//! The host asks for room ([`request_buffer`], [`bytes_buffer`]), writes there, calls [`answer_request`] and reads the text and the arrays where
-//! [`text`] and [`arrays`] say. Buffers are owned here, so no pointer is followed on this side. One engine opens one archive.
+//! The host asks for room ([`request_buffer`], [`bytes_buffer`]), writes there, calls
+//! [`answer_request`] and reads the text and the arrays where [`text`] and [`arrays`] say. Buffers
+//! are owned here, so no pointer is followed on this side. One engine opens one archive.
 
 mod answer;
 mod asked;
@@ -57,7 +59,8 @@ fn room(bytes: &mut Vec<u8>, length: usize) -> *mut u8 {
     bytes.as_mut_ptr()
 }
 
-/// Answers the request that was written: 0, or 1 if that cannot be done. Either way there is a text.
+/// Answers the request that was written: 0, or 1 if that cannot be done. Either way there is a
+/// text.
 #[unsafe(no_mangle)]
 pub extern "C" fn answer_request() -> u32 {
     let (request, bytes) = (REQUEST.take(), BYTES.take());

@@ -1,5 +1,6 @@
-//! Light and reflectances of what is asked for. In: a sun or rows of weather, changes. Out: conditions, what they add to, and schedules of
-//! reflectances, as `heliotile query` and `heliotile replay` make them.
+//! Light and reflectances of what is asked for. In: a sun or rows of weather, changes. Out:
+//! conditions, what they add to, and schedules of reflectances, as `heliotile query` and `heliotile
+//! replay` make them.
 
 use std::path::Path;
 
@@ -95,7 +96,8 @@ pub fn span(
     Ok(Forced { conditions, bins, schedules })
 }
 
-/// Schedules over rows of the weather file: the ground by month where the archive states it, then the changes.
+/// Schedules over rows of the weather file: the ground by month where the archive states it, then
+/// the changes.
 fn over(opened: &Opened, rows: &[WeatherRow], changes: &Changes) -> Result<Vec<Schedule>> {
     let changeable = Changeable::of(&opened.site, opened.archive.manifest());
     Ok(changes.checked()?.over(&changeable, rows, &no_files)?.0)

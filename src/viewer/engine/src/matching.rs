@@ -1,5 +1,5 @@
-//! Which receivers of two archives are the same ones. In: what the page knows of both. Out: the partner of each receiver after, by the rules of
-//! the core.
+//! Which receivers of two archives are the same ones. In: what the page knows of both. Out: the
+//! partner of each receiver after, by the rules of the core.
 
 use glam::DVec3;
 use heliotile_core::opened::{ReceiverMatching, ReceiverPlace};
@@ -26,7 +26,8 @@ impl From<AskedPlace> for ReceiverPlace {
     }
 }
 
-/// `partners`, `[receiver after]`: the receiver before, or [`NONE`]; and how many pairs only the name makes.
+/// `partners`, `[receiver after]`: the receiver before, or [`NONE`]; and how many pairs only the
+/// name makes.
 pub fn matched(before: Vec<AskedPlace>, after: Vec<AskedPlace>) -> Answer {
     let [before, after] = [before, after].map(|side| side.into_iter().map(ReceiverPlace::from).collect::<Vec<_>>());
     let matching = ReceiverMatching::of(&before, &after);

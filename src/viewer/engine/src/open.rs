@@ -1,5 +1,5 @@
-//! An archive that was opened. In: the bytes of the host. Out: the archive, its site, where each tile starts; or which of the ways to be no
-//! archive it is.
+//! An archive that was opened. In: the bytes of the host. Out: the archive, its site, where each
+//! tile starts; or which of the ways to be no archive it is.
 
 use std::path::Path;
 

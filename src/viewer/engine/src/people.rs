@@ -1,5 +1,6 @@
-//! The people of an archive: points with six planes each. In: names of its receivers, their skies. Out: which receivers are whose planes, and what these
-//! see of the heat around them. What they feel stands in [`crate::comfort`].
+//! The people of an archive: points with six planes each. In: names of its receivers, their skies.
+//! Out: which receivers are whose planes, and what these see of the heat around them. What they
+//! feel stands in [`crate::comfort`].
 
 use std::collections::HashMap;
 
@@ -77,7 +78,8 @@ impl People {
         Ok(Some(People { points, of_receiver, views, found, through_leaves }))
     }
 
-    /// What the page is told: how many there are, the numbers that can be asked for, what a UTCI means; and which receivers look up.
+    /// What the page is told: how many there are, the numbers that can be asked for, what a UTCI
+    /// means; and which receivers look up.
     pub fn answer(people: Option<&People>) -> Answer {
         let names = |asked: &[ComfortColumn]| asked.iter().flat_map(|column| column.names()).collect::<Vec<_>>();
         let stress = StressCategory::ALL.map(|category| {

@@ -1,4 +1,5 @@
-//! What the receivers of a tile are, for people: ids, places, what of the model they stand for. In: blocks. Out: rows.
+//! What the receivers of a tile are, for people: ids, places, what of the model they stand for. In:
+//! blocks. Out: rows.
 
 use heliotile_core::units::tilt_and_azimuth;
 use serde_json::json;

@@ -1,5 +1,5 @@
-//! Replays over weather that are ready to give tile after tile. In: an ask. Out: irradiances of a tile. The last few asks are kept, since a page asks for
-//! many tiles of each.
+//! Replays over weather that are ready to give tile after tile. In: an ask. Out: irradiances of a
+//! tile. The last few asks are kept, since a page asks for many tiles of each.
 
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::{Component, ComponentSet};

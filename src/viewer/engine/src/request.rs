@@ -34,14 +34,15 @@ pub enum Request {
         #[serde(default)]
         clock: Clock,
     },
-    /// Takes a picture of clouds, whose levels of red, green, blue and opacity go with the request; of 0 pixels a side, takes it away. `map`:
-    /// points a side of the map that is answered.
+    /// Takes a picture of clouds, whose levels of red, green, blue and opacity go with the request;
+    /// of 0 pixels a side, takes it away. `map`: points a side of the map that is answered.
     Clouds {
         side: usize,
         #[serde(default)]
         map: usize,
     },
-    /// Puts the picture of clouds before the sky, with its top at an azimuth, or takes it away from there.
+    /// Puts the picture of clouds before the sky, with its top at an azimuth, or takes it away from
+    /// there.
     TurnClouds { top: Option<f64> },
     /// Where the sun stands.
     Sun { day_of_year: u32, minutes: f64 },

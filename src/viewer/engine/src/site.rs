@@ -1,4 +1,5 @@
-//! What the page is told of an archive when it is opened. In: its manifest and tables. Out: a [`Site`].
+//! What the page is told of an archive when it is opened. In: its manifest and tables. Out: a
+//! [`Site`].
 
 use std::collections::BTreeSet;
 
@@ -158,7 +159,8 @@ impl Site {
 /// Materials that are listed one by one; of more the classes are.
 const MOST_MATERIALS: usize = 8;
 
-/// What changes take: groups, and materials without one, or if those are many, their classes. What reflects, then canopies.
+/// What changes take: groups, and materials without one, or if those are many, their classes. What
+/// reflects, then canopies.
 fn groups(materials: &[Material], diffuse: bool) -> Vec<SiteGroup> {
     let named: BTreeSet<&str> = materials.iter().filter_map(|material| material.group.as_deref()).collect();
     let alone: Vec<&Material> = materials.iter().filter(|material| material.group.is_none()).collect();

@@ -1,11 +1,13 @@
-//! What the page brings to the graphics card. In: tiles and lights as the core makes texels of them. Out: their arrays, and where what is in them.
+//! What the page brings to the graphics card. In: tiles and lights as the core makes texels of
+//! them. Out: their arrays, and where what is in them.
 
 use heliotile_core::replay::interactive::{LightTexels, TileTextures};
 use serde_json::json;
 
 use crate::answer::{Answer, Numbers};
 
-/// A tile's receivers, of which the first is number `first` of the archive; `served` is false where the core has to serve them.
+/// A tile's receivers, of which the first is number `first` of the archive; `served` is false where
+/// the core has to serve them.
 pub fn tile(first: u64, made: Option<TileTextures<'_>>) -> Answer {
     let served = made.is_some();
     let TileTextures { shape, words, starts } = made.unwrap_or_default();

@@ -1,4 +1,5 @@
-//! The weather file of the page. In: its bytes, unpacked. Out: conditions of rows, and what the page shows of them.
+//! The weather file of the page. In: its bytes, unpacked. Out: conditions of rows, and what the
+//! page shows of them.
 
 use std::path::Path;
 
@@ -42,7 +43,8 @@ pub struct LoadedWeather {
 }
 
 impl LoadedWeather {
-    /// Reads it as `heliotile replay` does; a file that does not say where it is from is of the scene's place.
+    /// Reads it as `heliotile replay` does; a file that does not say where it is from is of the
+    /// scene's place.
     pub fn read(name: &str, bytes: &[u8], options: &WeatherOptions, manifest: &Manifest) -> Result<Self> {
         let (place, steps_an_hour) = (manifest.place, manifest.settings.steps());
         let mut weather = parse_weather_as(Path::new(name), bytes, options, &mut || Ok(place))?;
@@ -162,7 +164,8 @@ fn counts(span: Span, row: &WeatherRow) -> bool {
     }
 }
 
-/// Where the sun is seen from, and its clock: that of the weather, or else of the scene with the zone of its longitude.
+/// Where the sun is seen from, and its clock: that of the weather, or else of the scene with the
+/// zone of its longitude.
 pub fn location(weather: Option<&LoadedWeather>, place: Option<Place>) -> Result<Location> {
     let of_place = |place: Place| {
         let zone = (place.longitude_deg / 15.0).round();
