@@ -65,7 +65,7 @@ impl BitSquare {
     /// Neighbours outside `within` do not count.
     pub(super) fn mixed(&self, within: &Self) -> Self {
         let mut out = BitSquare::new(self.n);
-        // Chooses the code for the processor at hand: wider registers take more words at once.
+        // Runs the code that is compiled for the processor at hand.
         Arch::new().dispatch(|| self.mix(within, &mut out));
         out
     }
@@ -99,7 +99,7 @@ impl BitSquare {
                 }
             }
             if row > 0 {
-                // Above the first row, all of `first` is still 0.
+                // Above the first row, the widened words are still 0.
                 let range = (row - 1) * stride..row * stride;
                 let (first, second) = wide.split_at(2 * stride);
                 let (second, third) = second.split_at(2 * stride);
@@ -177,7 +177,7 @@ impl BitSquare {
     }
 }
 
-/// Repeats every bit of `x` once (Morton spreading).
+/// Returns a word with each bit of `x` twice (Morton spreading).
 #[inline(always)]
 pub(super) fn spread(x: u32) -> u64 {
     let mut v = u64::from(x);

@@ -139,7 +139,7 @@ impl Cells {
     pub fn new(cells: &[Cell]) -> Self {
         let (seen, numbers) = numbered(cells.iter().flat_map(|c| &c.seen).filter_map(|s| s.1));
         let number = |&(up, key): &(bool, Option<CellKey>)| {
-            // `numbers` holds every cell that is seen, so MISS stands for nothing met.
+            // `numbers` holds every cell that is seen.
             let index = key.and_then(|key| numbers.get(&key).copied()).unwrap_or(MISS);
             if up { index } else { index | DOWN }
         };
@@ -195,7 +195,7 @@ impl Cells {
     pub fn join(parts: &[Cells]) -> Cells {
         let (seen, numbers) = numbered(parts.iter().flat_map(|p| p.seen.iter().copied()));
         let hits = parts.iter().flat_map(|part| {
-            // `numbers` holds every cell that is seen, so MISS stands for nothing met.
+            // `numbers` holds every cell that is seen.
             let numbers: Vec<u32> = part.seen.iter().map(|key| numbers.get(key).copied().unwrap_or(MISS)).collect();
             part.hits.iter().map(move |&hit| renumber(hit, &numbers))
         });
