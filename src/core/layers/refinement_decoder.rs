@@ -39,7 +39,7 @@ pub fn decode_refined<'a>(raw: &'a [u8], count: usize, base: usize, fine: usize)
     let mut scratch = Vec::new();
     let finish = |mut texture: RefinementDecoder<'a>| {
         arch.dispatch(|| texture.take(&mut rest))?;
-        // A constant size of blocks lets the compiler unroll the loops over them.
+        // Each size of blocks has code of its own.
         Some(match fine / base {
             2 => arch.dispatch(|| texture.finish::<2>(&mut scratch)),
             4 => arch.dispatch(|| texture.finish::<4>(&mut scratch)),

@@ -118,8 +118,8 @@ fn unfold(folded: u32) -> i32 {
     if folded % 2 == 1 { half + 1 } else { -half }
 }
 
-/// Returns the distance from receiver `i` back to the receiver that predicts it best, or 0 if none
-/// is better than zero. Among equal ones it takes the nearest.
+/// Returns the distance from receiver `i` back to the receiver that predicts it best, the nearest
+/// among equal ones, or 0 if zero predicts it as well.
 fn best_before(receivers: &[Vec<i16>], i: usize) -> usize {
     let own = &receivers[i];
     let nothing: u32 = own.iter().map(|c| u32::from(c.unsigned_abs().min(8))).sum();

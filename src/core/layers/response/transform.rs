@@ -223,8 +223,8 @@ fn plus(sums: [f64; BLOCK], line: &[f64; BLOCK], factor: f64) -> [f64; BLOCK] {
     std::array::from_fn(|i| sums[i] + line[i] * factor)
 }
 
-/// Returns the nearest whole number, or the lower one for fractions below `from`. Values within 0.4
-/// of a whole number become that number, so that coefficients come back.
+/// Rounds a value to a whole number: away from 0 if the fraction is `from` or more, else towards 0.
+/// Values within 0.4 of a whole number become that number, so that coefficients come back.
 fn rounded(value: f64, from: f64) -> i32 {
     let size = (value.abs() + (1.0 - from)).floor() as i32;
     let size = size.min(LARGEST);
