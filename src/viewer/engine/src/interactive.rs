@@ -188,7 +188,8 @@ impl InteractiveTiles {
                 .iter()
                 .enumerate()
                 .flat_map(|(place, state)| state.ready.iter().map(move |(tile, ready)| (ready.turn, place, *tile)));
-            // Tiles are asked for in turn, so the least recent ones come next and stay.
+            // Tiles of a query are asked for in turn, so its least recent tiles come next: tiles of
+            // this query and of the one before stay.
             let Some((_, place, oldest)) = all.min().filter(|(turn, ..)| turn + 1 < self.turn) else { return };
             let gone = self.states[place].ready.remove(&oldest);
             self.bytes -= gone.map_or(0, |gone| gone.tile.bytes());

@@ -164,8 +164,8 @@ fn counts(span: Span, row: &WeatherRow) -> bool {
     }
 }
 
-/// Returns the location and clock of the sun: the weather file's, or else the scene's with the time
-/// zone of its longitude.
+/// Returns the location from which the sun is seen, with its clock: the weather file's, or else the
+/// scene's with the time zone of its longitude.
 pub fn location(weather: Option<&LoadedWeather>, place: Option<Place>) -> Result<Location> {
     let of_place = |place: Place| {
         let zone = (place.longitude_deg / 15.0).round();
