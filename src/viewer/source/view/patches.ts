@@ -1,11 +1,14 @@
-// The patches that receivers stand for, as a few large meshes. In: overviews of tiles as they arrive. Each triangle faces the way its
-// receiver does, so that the two sides of a module keep their own colours.
+// The patches that receivers stand for, as a few large meshes. In: overviews of tiles as they
+// arrive. Each triangle faces the way its receiver does, so that the two sides of a module keep
+// their own colours.
 
 import { Box3, BufferAttribute, BufferGeometry, Mesh, type Group, type ShaderMaterial, Vector3 } from "three";
 import type { Overview } from "../engine/client";
 
-/** Patches are drawn so much wider on each side, by their size and at least in m: neighbours' corners are rounded to mm, and what is behind
- * would shine through. */
+/**
+ * Share of its size by which a patch is drawn wider on each side; the next constant is the least
+ * widening in m. Neighbours' corners are rounded to mm, and the surface behind would shine through.
+ */
 const OVERLAP = 0.01;
 const LEAST_OVERLAP_M = 0.004;
 

@@ -1,4 +1,5 @@
-// The scene's triangles, in calm colours by what they are. In: chunks of the engine, materials of the site. Out: meshes; leaves are translucent.
+// The scene's triangles, in calm colours by what they are. In: chunks of the engine, materials of
+// the site. Out: meshes; leaves are translucent.
 
 import { BufferAttribute, BufferGeometry, DoubleSide, EdgesGeometry, GLSL3, type Group, LineBasicMaterial, LineSegments, Mesh, ShaderMaterial } from "three";
 import type { Site } from "../engine/client";
