@@ -32,7 +32,7 @@ interface Setting {
 
 interface Hooks {
   onShine(shine: Shine): void;
-  /** Values of people in the chosen moment. */
+  /** Called with the air of people in the chosen moment. */
   onAir(air: Air): void;
   /** Called while tiles are read or values arrive; null when that is over. */
   onProgress(progress: Progress | null): void;

@@ -12,9 +12,9 @@ import type { Overview } from "../engine/client";
 const OVERLAP = 0.01;
 const LEAST_OVERLAP_M = 0.004;
 
-/** Triangles that are gathered before they become a mesh. */
+/** Number of triangles that are gathered before they become a mesh. */
 const ENOUGH = 40_000;
-/** And how long they wait for others, ms. */
+/** Longest time that triangles wait for others, ms. */
 const PATIENCE = 250;
 
 export class Patches {
@@ -37,12 +37,12 @@ export class Patches {
     if (this.triangles >= ENOUGH || performance.now() - this.since > PATIENCE) this.flush();
   }
 
-  /** Corners of all patches that are meshes: x, y, z one after the other. */
+  /** Returns the corners of all patches that are meshes: x, y, z one after the other. */
   points(): ArrayLike<number>[] {
     return this.group.children.map((mesh) => (mesh as Mesh<BufferGeometry>).geometry.getAttribute("position").array);
   }
 
-  /** Makes a mesh of what has come; true if there was anything. */
+  /** Makes a mesh of the gathered triangles. Returns true if there were any. */
   flush(): boolean {
     if (this.triangles === 0) return false;
     const positions = new Float32Array(9 * this.triangles);

@@ -6,7 +6,10 @@ import type { Site } from "../engine/client";
 
 type Material = Site["materials"][number];
 
-/** Outlines of more triangles than that take too long and hide more than they show. */
+/**
+ * Largest number of triangles that are outlined: outlines of more take too long and hide more than
+ * they show.
+ */
 const MOST_OUTLINED = 80_000;
 const SHARP_DEG = 28;
 

@@ -32,13 +32,13 @@ export class Stage {
   readonly camera = new PerspectiveCamera(40, 1, 0.1, 1e5);
   readonly controls: OrbitControls;
   readonly renderer: WebGLRenderer;
-  /** Radius of what there is to see, m; bounds how far one can go. */
+  /** Radius of the visible objects, m. It bounds the distance of the camera. */
   private radius = 100;
   private home: { position: Vector3; target: Vector3 } | null = null;
-  /** Unit vector from the target to where boxes are looked at from. */
+  /** Unit vector from the target to the side from which boxes are looked at. */
   private back: Vector3;
   private asked = false;
-  /** Without a graphics card smooth edges cost more than they are worth. */
+  /** True without a graphics card. Then smooth edges cost more than they are worth. */
   readonly software: boolean;
   private readonly afterDrawing = new Set<() => void>();
   private readonly afterMoving: (() => void)[] = [];
@@ -108,7 +108,7 @@ export class Stage {
     gl.deleteSync(fence);
   }
 
-  /** The next box is looked at from the side that the present one is. */
+  /** Makes the next box be looked at from the present side. */
   keepSide(): void {
     this.back = this.camera.position.clone().sub(this.controls.target).normalize();
   }
@@ -124,7 +124,7 @@ export class Stage {
     this.goHome();
   }
 
-  /** Such a view becomes that of `goHome`; the camera stays. */
+  /** Makes such a view the one of `goHome`; the camera stays. */
   setHome(points: readonly ArrayLike<number>[], box: Box3, around: Box3): void {
     const middle = box.getCenter(new Vector3());
     const radius = Math.max(2, box.getSize(new Vector3()).length() / 2);
@@ -170,7 +170,7 @@ export class Stage {
     this.moved();
   }
 
-  /** Radius of what there is to see, when a view is given and need not be framed. */
+  /** Sets the radius of the visible objects if a view is given and need not be framed. */
   setRadius(box: Box3): void {
     this.radius = Math.max(2, box.getSize(new Vector3()).length() / 2);
     this.controls.maxDistance = this.radius * 12;
@@ -212,20 +212,20 @@ export class Stage {
     };
   }
 
-  /** Metres that a pixel of the page covers where the camera looks. */
+  /** Returns the metres that a pixel of the page covers at the target. */
   metresPerPixel(): number {
     const distance = this.camera.position.distanceTo(this.controls.target);
     return (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360)) / Math.max(1, this.canvas.clientHeight);
   }
 
-  /** Direction that the camera looks in, degrees clockwise from +y. */
+  /** Returns the direction in which the camera looks, degrees clockwise from +y. */
   heading(): number {
     const { position } = this.camera;
     const { target } = this.controls;
     return (Math.atan2(target.x - position.x, target.y - position.y) * 180) / Math.PI;
   }
 
-  /** Place on the canvas in pixels of the page; none behind the camera. */
+  /** Returns the place of a point on the canvas in pixels of the page; null behind the camera. */
   project(point: Vector3): { x: number; y: number } | null {
     const seen = point.clone().project(this.camera);
     if (seen.z > 1 || Math.abs(seen.x) > 1 || Math.abs(seen.y) > 1) return null;
