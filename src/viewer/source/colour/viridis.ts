@@ -1,7 +1,5 @@
-// The colour map viridis, dark blue to yellow: even steps for the eye, in grey and for the
-// colour-blind too.
-// By S. van der Walt, N. Smith and E. Firing for matplotlib, given to the public domain (CC0). 256
-// colours, sRGB, six hexadecimal digits each.
+// The colour map viridis, dark blue to yellow: even steps for the eye, in grey and for the colour-blind too.
+// By S. van der Walt, N. Smith and E. Firing for matplotlib, given to the public domain (CC0). 256 colours, sRGB, six hexadecimal digits each.
 import { colourMap } from "./map";
 
 export const VIRIDIS = colourMap(
