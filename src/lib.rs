@@ -6,7 +6,8 @@
 //! program `heliotile`, the Python package and the page fill the same requests.
 //!
 //! ```no_run
-//! use heliotile::{ReplayRequest, Resources, SceneRequest, Silent, SiteArchiveRequest, SiteRequest};
+//! use heliotile::{ReplayRequest, Resources, SceneRequest};
+//! use heliotile::{Silent, SiteArchiveRequest, SiteRequest};
 //!
 //! fn main() -> heliotile::Result<()> {
 //!     // Files of the world: CityJSON, terrain, OBJ, glTF, EnergyPlus, Honeybee.

@@ -1,5 +1,5 @@
-//! Squares of bits: what all one-bit textures are made of. In: bits by column and row, or bytes. Out: counts, neighbours, the
-//! same square with twice the side.
+//! Squares of bits, of which all one-bit textures are made. In: bits by column and row, or bytes.
+//! Out: counts, neighbours, and the square with twice the side.
 
 use pulp::Arch;
 
@@ -12,18 +12,18 @@ pub struct BitSquare {
 }
 
 impl BitSquare {
-    /// A square of `n` x `n` bits, all 0.
+    /// Makes a square of `n` x `n` bits, all 0.
     pub fn new(n: usize) -> Self {
         let stride = n.div_ceil(64);
         BitSquare { n, stride, words: vec![0; stride * n] }
     }
 
-    /// Side of the square.
+    /// Returns the side of the square.
     pub fn side(&self) -> usize {
         self.n
     }
 
-    /// The bit at a column and a row, both below the side.
+    /// Returns the bit at a column and a row, both below the side.
     #[inline]
     pub fn get(&self, column: usize, row: usize) -> bool {
         self.words[row * self.stride + column / 64] >> (column % 64) & 1 == 1
@@ -36,7 +36,8 @@ impl BitSquare {
         *word = *word & !(1 << (column % 64)) | (u64::from(value) << (column % 64));
     }
 
-    /// Number of set bits in the `size` x `size` block at block column and row; size divides 64.
+    /// Returns the number of set bits in the `size` x `size` block at a block column and row;
+    /// `size` divides 64.
     pub fn count_block(&self, size: usize, block_column: usize, block_row: usize) -> u32 {
         let first = block_column * size;
         let mask = if size == 64 { u64::MAX } else { (1 << size) - 1 };
@@ -45,12 +46,12 @@ impl BitSquare {
             .sum()
     }
 
-    /// Number of set bits.
+    /// Returns the number of set bits.
     pub fn count(&self) -> u32 {
         self.words.iter().map(|word| word.count_ones()).sum()
     }
 
-    /// Set bits as (column, row), row by row.
+    /// Returns the set bits as (column, row), row by row.
     pub fn ones(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
         self.words.iter().enumerate().flat_map(move |(i, &word)| {
             let (row, first) = (i / self.stride, i % self.stride * 64);
@@ -60,10 +61,11 @@ impl BitSquare {
         })
     }
 
-    /// Those of the `within` bits whose 3 x 3 neighbourhood, as far as it lies within, holds both values of this square.
+    /// Returns the bits of `within` whose 3 x 3 neighbourhood holds both values of this square.
+    /// Neighbours outside `within` do not count.
     pub(super) fn mixed(&self, within: &Self) -> Self {
         let mut out = BitSquare::new(self.n);
-        // Compiled for the processor at hand.
+        // Runs the code that is compiled for the processor at hand.
         Arch::new().dispatch(|| self.mix(within, &mut out));
         out
     }
@@ -71,9 +73,11 @@ impl BitSquare {
     #[inline(always)]
     fn mix(&self, within: &Self, out: &mut Self) {
         let stride = self.stride;
-        // Ones and zeros of three rows, each widened by its neighbours to the left and right: [row of three][value][word].
+        // Ones and zeros of three rows, each widened by its neighbours to the left and right: [row
+        // of three][value][word].
         let mut wide = vec![0_u64; 6 * stride];
-        // With an empty word at either end.
+        // One row with an empty word at either end, so that the outermost words need no special
+        // case.
         let mut plain = vec![0_u64; stride + 2];
         for row in 0..=self.n {
             for value in 0..2 {
@@ -95,7 +99,7 @@ impl BitSquare {
                 }
             }
             if row > 0 {
-                // In the first row all of the row above is still 0.
+                // Above the first row, the widened words are still 0.
                 let range = (row - 1) * stride..row * stride;
                 let (first, second) = wide.split_at(2 * stride);
                 let (second, third) = second.split_at(2 * stride);
@@ -109,7 +113,7 @@ impl BitSquare {
         }
     }
 
-    /// Each bit becomes 2 x 2 bits.
+    /// Returns the square with twice the side, in which each bit becomes 2 x 2 bits.
     pub(super) fn double(&self) -> Self {
         let mut out = BitSquare::new(self.n * 2);
         Arch::new().dispatch(|| self.double_into(&mut out));
@@ -130,8 +134,9 @@ impl BitSquare {
         }
     }
 
-    /// The square with twice the side: texels that are `refined` take their four bits, two texels to a byte in the order of
-    /// [`BitSquare::ones`], each with its columns side by side; the others their one.
+    /// Returns the square with twice the side. Each texel of `refined` takes its four bits from
+    /// `nibbles`: two texels to a byte in the order of [`BitSquare::ones`], the two columns of a
+    /// row side by side. Every other texel repeats its one bit.
     pub(super) fn refine(&self, refined: &Self, nibbles: &[u8]) -> Self {
         let mut out = self.double();
         for (i, (column, row)) in refined.ones().enumerate() {
@@ -146,7 +151,7 @@ impl BitSquare {
         out
     }
 
-    /// Rows of whole bytes, lowest bit first.
+    /// Appends the rows to `out` as whole bytes, lowest bit first.
     pub(super) fn to_bytes(&self, out: &mut Vec<u8>) {
         let row_bytes = self.n.div_ceil(8);
         for row in self.words.chunks(self.stride) {
@@ -172,7 +177,7 @@ impl BitSquare {
     }
 }
 
-/// Every bit of `x` twice (Morton spreading).
+/// Returns a word with each bit of `x` twice (Morton spreading).
 #[inline(always)]
 pub(super) fn spread(x: u32) -> u64 {
     let mut v = u64::from(x);
@@ -189,7 +194,8 @@ mod tests {
     use super::*;
     use crate::hemisphere::{jitter, mix};
 
-    /// Doubling of 64 random bits of a 96-wide square, and its mixed bits within 8,000 random ones, agree with the plain definition.
+    /// For a 96-wide square with 64 random bits, doubling and the mixed bits within 8,000 random
+    /// ones agree with their plain definitions.
     #[test]
     fn bit_operations() {
         let mut square = BitSquare::new(96);

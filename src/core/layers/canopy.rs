@@ -1,29 +1,35 @@
-//! The canopy layer: how often rays cross leaves and screens, and which leaves they see that scatter light. In: what the rays of one receiver or
-//! cell cross. Out: its bytes, and back; and, for given transmittances, the share of the light that comes through along each ray.
+//! The canopy layer: how often rays cross leaves and screens, and which light-scattering leaves
+//! they see. In: crossings along the rays of one receiver or cell. Out: its bytes, and back; and,
+//! for given transmittances, the share of the light that passes along each ray.
 //!
-//! Counts are kept as bit planes of blocks of 64 rays; blocks in which nothing is crossed take one bit. Leaves are kept by cell and by what is
-//! crossed before them, with the share of the hemisphere whose rays cross them there.
+//! Counts are bit planes of blocks of 64 rays. A block without crossings takes one bit. Leaves are
+//! kept by cell and by the materials crossed before them, with the share of the hemisphere whose
+//! rays cross them there.
 
 use std::collections::BTreeMap;
 
 use crate::site::cells::CellKey;
 use crate::site::crossing::Crossing;
 
-/// Rays of a block.
+/// Number of rays in a block.
 const BLOCK: usize = 64;
 
-/// Number of the list of rays towards the texels of the sky; a receiver or a cell has two lists.
+/// Index of the list of rays towards the texels of the sky. A receiver or a cell has two lists of
+/// rays.
 pub const SKY: usize = 0;
-/// Number of the list of rays to what else is seen: the texels of a receiver's hits, the rays of a cell.
+/// Index of the list of rays to surfaces: to the texels of a receiver's hits, or the rays of a
+/// cell.
 pub const SEEN: usize = 1;
 
-/// Shares that come through 0, 1, ... 255 crossings, by material.
+/// Shares of the light that pass 0, 1, ... 255 crossings, by material.
 pub type Powers = BTreeMap<u16, [f32; 256]>;
 
-/// Side above which a receiver's square of sky rays is halved: texels as wide as the sun, and a tile under trees fits into a block.
+/// Side above which a receiver's square of sky rays is halved. At this side texels are as wide as
+/// the sun, and a tile under trees fits into a block.
 const WIDE: usize = 256;
 
-/// Side of a receiver's square of sky rays, for the sides of its sky texture: a texel of it is a whole number of fine ones a side.
+/// Returns the side of a receiver's square of sky rays for the `base` and `fine` sides of its sky
+/// texture. Each texel of the square covers a whole number of fine texels a side.
 pub fn sky_side(base: usize, fine: usize) -> usize {
     let mut side = (2 * base).min(fine);
     while side > WIDE && side.is_multiple_of(2) {
@@ -32,39 +38,39 @@ pub fn sky_side(base: usize, fine: usize) -> usize {
     side
 }
 
-/// Crossings of one receiver or cell; those that cross nothing are all equal.
+/// Crossings of one receiver or cell. All values without crossings are equal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Canopy {
-    /// Rays of both lists; 0 where nothing is crossed.
+    /// Number of rays of both lists; 0 where nothing is crossed.
     rays: [usize; 2],
-    /// Ascending, each with its counts along both lists of rays.
+    /// Materials in ascending order, each with its counts along both lists of rays.
     materials: Vec<(u16, [Counts; 2])>,
-    /// Ascending, no two of one cell behind the same.
+    /// Leaves in ascending order; no two have the same cell and the same materials before it.
     leaves: Vec<SeenLeaf>,
 }
 
-/// Leaves of a cell, seen through the same others.
+/// Leaves of one cell, all seen through the same crossings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenLeaf {
     /// The cell of leaves.
     pub cell: CellKey,
-    /// Materials that are crossed before, ascending, and how often each.
+    /// Materials that are crossed before the leaves, ascending, and how often each is crossed.
     pub before: Vec<(u16, u8)>,
-    /// Cosine-weighted share of the hemisphere whose rays cross them, above 0; a ray that crosses several counts for each of them, and of many
-    /// leaves some stand for others.
+    /// Cosine-weighted share of the hemisphere whose rays cross the leaves, above 0. A ray that
+    /// crosses several leaves counts for each. Where leaves are many, some stand for others.
     pub share: f32,
 }
 
-/// Largest share that leaves may have, some of which stand for others.
+/// Largest share of a [`SeenLeaf`]. It may exceed 1, since some leaves stand for others.
 const MOST_SHARE: f32 = 256.0;
 
 // Shares are no NaN.
 impl Eq for SeenLeaf {}
 
-/// Counts along a list of rays.
+/// Counts of crossings along a list of rays.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Counts {
-    /// Bits of a count: 0 where nothing is crossed.
+    /// Number of bits of a count; 0 where nothing is crossed.
     bits: usize,
     /// `[block / 64]`: blocks in which something is crossed.
     used: Vec<u64>,
@@ -73,7 +79,8 @@ struct Counts {
 }
 
 impl Canopy {
-    /// From the crossings along both lists of so many rays, each sorted, and the leaves that are seen.
+    /// Makes the layer from the crossings along both lists, each sorted by ray, the numbers of rays
+    /// of the lists, and the leaves that are seen.
     pub fn new(crossings: [&[Crossing]; 2], rays: [usize; 2], mut leaves: Vec<SeenLeaf>) -> Self {
         leaves.retain(|leaf| leaf.share > 0.0);
         leaves.sort_by(|a, b| a.cell.cmp(&b.cell).then_with(|| a.before.cmp(&b.before)));
@@ -90,17 +97,18 @@ impl Canopy {
         Canopy { rays, materials: of_material.into_iter().map(counted).collect(), leaves }
     }
 
-    /// Whether nothing is crossed.
+    /// Returns true if nothing is crossed and no leaves are seen.
     pub fn is_empty(&self) -> bool {
         self.materials.is_empty() && self.leaves.is_empty()
     }
 
-    /// The cells of leaves that are seen.
+    /// Returns the cells of the leaves that are seen.
     pub fn cells(&self) -> impl Iterator<Item = CellKey> + '_ {
         self.leaves.iter().map(|leaf| leaf.cell)
     }
 
-    /// Cells of leaves, each once, and the share of the hemisphere that comes from them through the others.
+    /// Returns the cells of leaves, each once, with the share of the hemisphere whose light comes
+    /// from them through the crossings before them.
     pub fn leaves(&self, powers: &Powers) -> Vec<(CellKey, f32)> {
         let left = |leaf: &SeenLeaf| {
             let through =
@@ -111,7 +119,7 @@ impl Canopy {
         of_cells.filter_map(|of_cell| Some((of_cell.first()?.cell, of_cell.iter().map(left).sum()))).collect()
     }
 
-    /// Bytes of one row of a block; none where nothing is crossed.
+    /// Returns the bytes of one row of a block; none where nothing is crossed.
     pub fn to_bytes(&self) -> Vec<u8> {
         if self.is_empty() {
             return Vec::new();
@@ -138,8 +146,9 @@ impl Canopy {
         bytes
     }
 
-    /// Inverse of [`Canopy::to_bytes`] for lists of so many rays; `None` if the bytes are not exactly that or name a material that is no canopy. What is
-    /// allocated is no larger than the bytes.
+    /// Reads the bytes of [`Canopy::to_bytes`] for lists of `rays` rays. Returns `None` if the
+    /// bytes are anything else or name a material that is no canopy. It allocates no more than the
+    /// bytes take.
     pub fn from_bytes(bytes: &[u8], rays: [usize; 2], is_canopy: impl Fn(u16) -> bool) -> Option<Self> {
         if bytes.is_empty() {
             return Some(Canopy::default());
@@ -167,7 +176,8 @@ impl Canopy {
         (!materials.is_empty() || !leaves.is_empty()).then_some(Canopy { rays, materials, leaves })
     }
 
-    /// Gives materials other numbers, which rise as the old ones do; `None` if a material has none.
+    /// Gives the materials new numbers, which rise as the old ones do. Returns `None` if a material
+    /// has no new number.
     pub fn renumbered(&self, number: impl Fn(u16) -> Option<u16>) -> Option<Self> {
         let material = |(material, lists): &(u16, [Counts; 2])| Some((number(*material)?, lists.clone()));
         let leaf = |leaf: &SeenLeaf| {
@@ -182,7 +192,8 @@ impl Canopy {
         })
     }
 
-    /// Share of the light that comes through along each ray of a list; `None` where nothing is crossed.
+    /// Returns the share of the light that passes along each ray of a list, or `None` where nothing
+    /// is crossed.
     pub fn through(&self, list: usize, powers: &Powers) -> Option<Vec<f32>> {
         let mut shares: Option<Vec<f32>> = None;
         for (material, lists) in &self.materials {
@@ -194,7 +205,7 @@ impl Canopy {
         shares
     }
 
-    /// The largest count of a material along one ray.
+    /// Returns the largest count of one material along one ray.
     pub fn most(&self) -> u8 {
         let mut most = 0;
         for counts in self.materials.iter().flat_map(|(_, lists)| lists) {
@@ -205,7 +216,7 @@ impl Canopy {
 }
 
 impl SeenLeaf {
-    /// Reads one from the front of some bytes.
+    /// Reads one leaf from the front of `bytes` and moves past it.
     fn take(bytes: &mut &[u8], is_canopy: impl Fn(u16) -> bool) -> Option<Self> {
         let (cell, rest) = bytes.split_first_chunk()?;
         let (share, rest) = rest.split_first_chunk()?;
@@ -223,7 +234,7 @@ impl SeenLeaf {
 }
 
 impl Counts {
-    /// Of the crossings of one material, sorted by ray.
+    /// Counts the crossings of one material, sorted by ray.
     fn new(crossings: &[&Crossing]) -> Self {
         let most = crossings.iter().map(|crossing| crossing.count).max().unwrap_or(0);
         let bits = 8 - most.leading_zeros() as usize;
@@ -243,7 +254,7 @@ impl Counts {
         counts
     }
 
-    /// Reads the counts along a number of rays from the front of some bytes.
+    /// Reads the counts along `rays` rays from the front of `bytes` and moves past them.
     fn take(bytes: &mut &[u8], rays: usize) -> Option<Self> {
         let (&bits, rest) = bytes.split_first()?;
         let bits = usize::from(bits);
@@ -257,7 +268,7 @@ impl Counts {
         let blocks: usize = used.iter().map(|word| word.count_ones() as usize).sum();
         let (planes, rest) = rest.split_at_checked(blocks.checked_mul(bits)?.checked_mul(8)?)?;
         *bytes = rest;
-        // As it was traced: nothing behind the last block that is used.
+        // Equal layers have equal words: no empty words stand behind the last used block.
         while used.last() == Some(&0) {
             used.pop();
         }
@@ -288,7 +299,7 @@ impl Counts {
     }
 }
 
-/// Bytes of the mask of blocks for a number of rays.
+/// Returns the number of bytes of the mask of used blocks for a number of rays.
 fn mask_bytes(rays: usize) -> usize {
     rays.div_ceil(BLOCK).div_ceil(8)
 }
@@ -298,10 +309,11 @@ mod tests {
     use super::*;
     use crate::hemisphere::mix;
 
-    /// Counts of 1 to 255 of two materials along 1000 and 9 rays come back with the product of the powers along each ray (1009
-    /// values, 1e-6); of two cells of leaves come
-    /// what is seen through others. All cuts but 3 are refused, and so are a longer row, a material that is no canopy, a ninth plane, a ray behind
-    /// the last one and 5 leaves that cannot be.
+    /// Counts of 1 to 255 of two materials along 1000 and 9 rays come back with the product of the
+    /// powers along each ray (1009 values, 1e-6). Two cells of leaves come back with the share seen
+    /// through their crossings. All truncated rows but 3 are refused, and so are a longer row, a
+    /// material that is no canopy, a ninth plane, a ray behind the last one and 5 impossible
+    /// leaves.
     #[test]
     fn round_trip() {
         let rays = [1000, 9];
@@ -337,7 +349,7 @@ mod tests {
         assert_eq!((canopy.cells().count(), seen.len(), seen[0].0.voxel), (3, 2, [-9, 0, 7]));
         let both = 0.25 * (1.0 + 0.9 * 0.9 * 0.99);
         assert!((seen[1].1 - both).abs() < 1e-6 && seen[0].1 < 0.25 * 0.08, "{seen:?}");
-        // Of all cuts only those between leaves, and before them, are taken for something.
+        // A row cut between leaves, or before them, is a valid row; no other cut is.
         assert_eq!((1..bytes.len()).filter(|&cut| read(&bytes[..cut]).is_some()).count(), 3);
         let shade = Canopy::new([&[], &[]], rays, vec![leaf(4, &[])]);
         assert_eq!(read(&shade.to_bytes()).as_ref(), Some(&shade));
@@ -364,8 +376,8 @@ mod tests {
         assert_eq!(Canopy::from_bytes(&ninth, [9, 9], |_| true), None);
     }
 
-    /// 20,000 rows of random bytes after a plausible start: what is not refused has shares from 0 to 1 along all of its 130 and 40
-    /// rays, and at least 50 are not.
+    /// Among 20,000 rows of random bytes after a plausible start, at least 50 are read. Each of
+    /// these has shares from 0 to 1 along all of its 130 and 40 rays.
     #[test]
     fn any_bytes() {
         let rays = [130, 40];

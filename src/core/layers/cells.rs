@@ -1,26 +1,27 @@
-//! Cells as plain tables, sorted by key: fine probes and the coarse cells of the bounce system alike. In: traced cells, or tables
-//! of an archive. Out: columns that recombination reads.
+//! Cells as plain tables, sorted by key, for fine probes and for the coarse cells of the bounce
+//! system. In: traced cells, or tables of an archive. Out: columns that a replay reads.
 
 use crate::layers::canopy::Canopy;
 use crate::layers::mirror::CellMirrors;
 use crate::site::cells::{CellKey, CellMap};
 
-/// Some cells: what each sees of the sky and which coarse cells.
+/// Table of cells: the sky and the coarse cells that each cell sees.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cells {
-    /// Sorted, no two equal.
+    /// Keys of the cells, sorted, no two equal.
     pub keys: Vec<CellKey>,
-    /// `[cell]`: mean of the unit normals of its points, at most 1 long.
+    /// `[cell]`: mean of the unit normals of the cell's points, at most 1 long.
     pub normals: Vec<[f32; 3]>,
-    /// `[cell][texel / 8]`, world frame, row-major, lowest bit first.
+    /// `[cell][texel / 8]`: sky bits, world frame, row-major, lowest bit first.
     pub bits: Vec<u8>,
-    /// The coarse cells that rays of these cells met: sorted, no two equal.
+    /// Coarse cells that rays of these cells met, sorted, no two equal.
     pub seen: Vec<CellKey>,
-    /// `[cell][ray]`, equal weights, ascending: index into `seen`, plus [`DOWN`] for rays below the horizon; [`MISS`] for nothing.
+    /// `[cell][ray]`, equal weights, ascending: index into `seen`, plus [`DOWN`] for rays below the
+    /// horizon; [`MISS`] for a ray that met nothing.
     pub hits: Vec<u32>,
-    /// `[cell]`: what it sees in mirrors; empty where no cell sees any.
+    /// `[cell]`: sky and surfaces seen in mirrors; empty if no cell sees any.
     pub mirrors: Vec<CellMirrors>,
-    /// `[cell]`: what its rays cross; empty where none does.
+    /// `[cell]`: crossings of leaves along the cell's rays; empty if no cell has any.
     pub canopies: Vec<Canopy>,
     /// `[cell]`: [`Cell::doubtful`].
     pub doubtful: Vec<bool>,
@@ -31,50 +32,54 @@ pub const DOWN: u32 = 1 << 31;
 /// Index of a ray that met nothing.
 pub const MISS: u32 = DOWN - 1;
 
-/// Most cells of a chunk.
+/// Largest number of cells in a chunk.
 const CHUNK: usize = 4096;
-/// Most indices that 15 bits of a block can tell apart, beside the one for nothing.
+/// Largest number of indices that 15 bits of a block can tell apart, beside the one for nothing.
 pub const CHUNK_SEEN: usize = (1 << 15) - 1;
 
-/// Most bytes of the sky bits of a chunk: half of what a block may hold.
+/// Largest number of bytes of a chunk's sky bits: half of what a block may hold.
 const CHUNK_SKY: usize = 1 << 22;
 
-/// Cells of a chunk of an archive, which cast so many rays each and have a sky of so many texels: so many that 15 bits number all cells that they can
-/// see, and that a block can hold them.
+/// Returns the number of cells in a chunk of an archive, for cells with `rays` rays and a sky of
+/// `texels` texels each. With that number, 15 bits number all cells that the chunk can see, and a
+/// block can hold the chunk.
 pub fn cells_per_chunk(rays: usize, texels: usize) -> usize {
     (CHUNK_SEEN / rays.max(1)).min(CHUNK_SKY / texels.div_ceil(8).max(1)).clamp(1, CHUNK)
 }
 
-/// One traced cell: its key, mean normal, sky bits, and for each ray whether it goes up and the cell it met.
+/// One traced cell: its key, mean normal, sky bits, and for each ray whether it goes up and the
+/// cell it met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
-    /// Its name.
+    /// Key of the cell.
     pub key: CellKey,
-    /// Mean of the unit normals of its points, at most 1 long.
+    /// Mean of the unit normals of the cell's points, at most 1 long.
     pub normal: [f32; 3],
     /// Sky bits, world frame, row-major, lowest bit of a byte first.
     pub bits: Vec<u8>,
-    /// `[ray]`: whether it goes above the horizon, and the bounce cell that it meets; `None` for nothing.
+    /// `[ray]`: true if the ray goes above the horizon, and the bounce cell that it meets; `None`
+    /// for nothing.
     pub seen: Vec<(bool, Option<CellKey>)>,
-    /// What it sees by way of mirrors.
+    /// Sky and surfaces that the cell sees in mirrors.
     pub mirrors: CellMirrors,
-    /// What its rays to the texels of its sky, and to what it sees, cross.
+    /// Crossings of leaves along the cell's rays to the texels of its sky and to surfaces.
     pub canopy: Canopy,
-    /// Whether some of its points seemed hidden, so that paths of light through the whole scene decided on them. All else that a cell
-    /// holds depends on its own surface and on what its own rays meet.
+    /// True if some of the cell's points seemed hidden, so that paths of light through the whole
+    /// scene decided on them. Everything else in a cell depends only on its own surface and on what
+    /// its own rays meet.
     pub doubtful: bool,
 }
 
-/// Bytes of a ray of [`Cell::to_bytes`].
+/// Number of bytes of a ray in [`Cell::to_bytes`].
 const RAY_BYTES: usize = 1 + size_of::<u128>();
 
 impl Cell {
-    /// The cells that it sees, some of them in mirrors, and those of leaves.
+    /// Returns the cells that this cell sees, directly, in mirrors and among leaves.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
         self.seen.iter().filter_map(|seen| seen.1).chain(self.mirrors.cells()).chain(self.canopy.cells())
     }
 
-    /// All but the key, for sorting outside memory.
+    /// Returns the bytes of all fields but the key, for sorting outside memory.
     pub fn to_bytes(&self) -> Vec<u8> {
         let layers = [self.mirrors.to_bytes(self.bits.len()), self.canopy.to_bytes()];
         let lengths: usize = layers.iter().map(|layer| 4 + layer.len()).sum();
@@ -93,7 +98,8 @@ impl Cell {
         bytes
     }
 
-    /// Inverse of [`CellKey::to_bytes`] and [`Cell::to_bytes`] for a number of texels of the sky; `None` for anything else.
+    /// Reads a cell with `texels` texels of sky from the bytes of [`CellKey::to_bytes`] and
+    /// [`Cell::to_bytes`]. Returns `None` for any other bytes.
     pub fn from_bytes(key: &[u8], cell: &[u8], texels: usize) -> Option<Self> {
         let bits = texels.div_ceil(8);
         let (&doubtful, rest) = cell.split_first()?;
@@ -128,11 +134,12 @@ impl Cell {
 }
 
 impl Cells {
-    /// A table of traced cells, which are sorted by key and have equal numbers of texels and rays.
+    /// Makes a table of traced cells, which are sorted by key and have equal numbers of texels and
+    /// rays.
     pub fn new(cells: &[Cell]) -> Self {
         let (seen, numbers) = numbered(cells.iter().flat_map(|c| &c.seen).filter_map(|s| s.1));
         let number = |&(up, key): &(bool, Option<CellKey>)| {
-            // Every cell that is seen was listed above.
+            // `numbers` holds every cell that is seen.
             let index = key.and_then(|key| numbers.get(&key).copied()).unwrap_or(MISS);
             if up { index } else { index | DOWN }
         };
@@ -155,7 +162,7 @@ impl Cells {
         }
     }
 
-    /// Some of the cells, by ascending rows, with the cells that these see.
+    /// Returns the cells of `rows`, which ascend, with the cells that these see.
     pub fn select(&self, rows: &[usize]) -> Cells {
         let mut used = vec![false; self.seen.len()];
         let hits = || rows.iter().flat_map(|&row| self.hits_of(row).iter().copied());
@@ -184,11 +191,11 @@ impl Cells {
         }
     }
 
-    /// Tables one after the other; keys rise from table to table.
+    /// Joins tables one after the other; keys rise from table to table.
     pub fn join(parts: &[Cells]) -> Cells {
         let (seen, numbers) = numbered(parts.iter().flat_map(|p| p.seen.iter().copied()));
         let hits = parts.iter().flat_map(|part| {
-            // Every cell that is seen was listed above.
+            // `numbers` holds every cell that is seen.
             let numbers: Vec<u32> = part.seen.iter().map(|key| numbers.get(key).copied().unwrap_or(MISS)).collect();
             part.hits.iter().map(move |&hit| renumber(hit, &numbers))
         });
@@ -204,28 +211,29 @@ impl Cells {
         }
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub fn rows(&self) -> usize {
         self.keys.len()
     }
 
-    /// What a cell sees in mirrors, if some cell sees any.
+    /// Returns what a cell sees in mirrors, or `None` if no cell of the table sees any.
     pub fn mirrors_of(&self, cell: usize) -> Option<&CellMirrors> {
         self.mirrors.get(cell)
     }
 
-    /// What a cell's rays cross, if some cell's do.
+    /// Returns the crossings of leaves along a cell's rays, or `None` if no cell of the table has
+    /// any.
     pub fn canopy_of(&self, cell: usize) -> Option<&Canopy> {
         self.canopies.get(cell)
     }
 
-    /// All cells that are seen, some of them in mirrors, and those of leaves; not sorted.
+    /// Returns all cells that are seen, directly, in mirrors and among leaves; not sorted.
     pub fn reached(&self) -> impl Iterator<Item = CellKey> + '_ {
         let leaves = self.canopies.iter().flat_map(Canopy::cells);
         self.seen.iter().copied().chain(self.mirrors.iter().flat_map(CellMirrors::cells)).chain(leaves)
     }
 
-    /// The first of the cells that see some other cell.
+    /// Returns the first cell that sees the cell `seen`, or `None` if no cell does.
     pub fn observer_of(&self, seen: &CellKey) -> Option<CellKey> {
         let sees = |&cell: &usize| {
             let mut hits = self.hits_of(cell).iter().filter(|hit| **hit & !DOWN != MISS);
@@ -236,19 +244,19 @@ impl Cells {
         (0..self.rows()).find(sees).map(|cell| self.keys[cell])
     }
 
-    /// Sky bits of a cell.
+    /// Returns the sky bits of a cell.
     pub fn bits_of(&self, cell: usize) -> &[u8] {
         let row = self.bits.len().checked_div(self.keys.len()).unwrap_or(0);
         &self.bits[cell * row..(cell + 1) * row]
     }
 
-    /// Hits of a cell.
+    /// Returns the hits of a cell's rays.
     pub fn hits_of(&self, cell: usize) -> &[u32] {
         let rays = self.hits.len().checked_div(self.keys.len()).unwrap_or(0);
         &self.hits[cell * rays..(cell + 1) * rays]
     }
 
-    /// One cell, as it was given to [`Cells::new`] but for the order of its rays.
+    /// Returns one cell as it was given to [`Cells::new`], but for the order of its rays.
     pub fn cell(&self, cell: usize) -> Cell {
         let seen = |&hit: &u32| (hit & DOWN == 0, (hit & !DOWN != MISS).then(|| self.seen[(hit & !DOWN) as usize]));
         Cell {
@@ -263,12 +271,13 @@ impl Cells {
     }
 }
 
-/// Rows of a layer, none if all are empty.
+/// Copies the rows of a layer; returns none if all are empty.
 fn gathered<'a, T: Clone + 'a>(rows: impl Iterator<Item = &'a T> + Clone, is_empty: impl Fn(&T) -> bool) -> Vec<T> {
     if rows.clone().all(is_empty) { Vec::new() } else { rows.cloned().collect() }
 }
 
-/// Rows of a layer of tables of so many cells one after the other, none if all tables have none.
+/// Joins the rows of a layer of several tables, given with their numbers of cells. Returns none if
+/// all tables have none.
 fn joined<'a, T: Clone + Default + 'a>(parts: impl Iterator<Item = (usize, &'a [T])> + Clone) -> Vec<T> {
     let mut all = Vec::new();
     if parts.clone().any(|(_, rows)| !rows.is_empty()) {
@@ -281,9 +290,9 @@ fn joined<'a, T: Clone + Default + 'a>(parts: impl Iterator<Item = (usize, &'a [
     all
 }
 
-/// Keys sorted, each once, and the place of each.
+/// Returns the keys sorted, each once, and the index of each key.
 pub(super) fn numbered(keys: impl Iterator<Item = CellKey>) -> (Vec<CellKey>, CellMap<u32>) {
-    // Most keys come many times: sorting comes after.
+    // Most keys come many times, so duplicates go before the sort.
     let mut numbers: CellMap<u32> = keys.map(|key| (key, 0)).collect();
     let mut sorted: Vec<CellKey> = numbers.keys().copied().collect();
     // Comparing keys costs more than making their bytes once.
@@ -294,7 +303,7 @@ pub(super) fn numbered(keys: impl Iterator<Item = CellKey>) -> (Vec<CellKey>, Ce
     (sorted, numbers)
 }
 
-/// A hit under the new numbers of what is seen.
+/// Returns a hit with the new number of the cell that it meets.
 fn renumber(hit: u32, numbers: &[u32]) -> u32 {
     if hit & !DOWN == MISS { hit } else { hit & DOWN | numbers[(hit & !DOWN) as usize] }
 }
@@ -304,7 +313,8 @@ mod tests {
     use super::*;
     use crate::layers::mirror::CellPath;
 
-    /// Three cells with four rays come back as they were, and 15 bits suffice for a chunk of any number of rays; with the finest skies it fits a block.
+    /// Three cells with four rays come back as they were. 15 bits suffice for a chunk of any number
+    /// of rays, and a chunk with the finest skies fits into a block.
     #[test]
     fn cells_round_trip() {
         let key = |x: i32| CellKey { level: 1, facing: 5, material: 2, voxel: [x, 0, -x] };
@@ -343,7 +353,8 @@ mod tests {
             let cells = cells_per_chunk(rays, 256);
             assert!((1..=4096).contains(&cells) && cells * rays.min(32_767) <= 32_767);
         }
-        // Skies of 128 x 128 texels, with 64 bytes of each cell and 2 of each ray besides, fit a block of 8 MiB.
+        // Skies of 128 x 128 texels, with 64 bytes of each cell and 2 of each ray besides, fit a
+        // block of 8 MiB.
         for rays in 1..=64 {
             assert!(cells_per_chunk(rays, 128 * 128) * (128 * 128 / 8 + 64 + 2 * rays) <= 8 << 20, "{rays}");
         }

@@ -1,19 +1,22 @@
-//! Layers that only some scenes call for: mirrors and canopies. In: rows of each receiver or cell, empty where there is nothing.
-//! Out: one raw block for all of a tile or a chunk, and back; none if all are empty.
+//! Layers that only some scenes need: mirrors and canopies. In: rows of each receiver or cell,
+//! empty where there is nothing. Out: one raw block for all rows of a tile or a chunk, and back; no
+//! block if all rows are empty.
 
 use crate::layers::canopy::Canopy;
 use crate::layers::mirror::ReceiverMirrors;
 
-/// What one receiver has of each.
+/// Mirrors and canopies of one receiver.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReceiverExtras {
-    /// What it sees in mirrors.
+    /// Sky and surfaces that the receiver sees in mirrors.
     pub mirrors: ReceiverMirrors,
-    /// What its rays to the texels of the sky, and to those of its hits, cross.
+    /// Crossings of leaves along the receiver's rays to the texels of its sky and to the texels of
+    /// its hits.
     pub canopy: Canopy,
 }
 
-/// Raw block of one of the layers: a length (u32) for each row, then all bytes. `None` if there are none.
+/// Packs the rows of one layer into a raw block: the length of each row (u32), then the bytes of
+/// all rows. Returns `None` if all rows are empty.
 pub fn pack<'a>(rows: impl Iterator<Item = &'a [u8]> + Clone) -> Option<Vec<u8>> {
     if rows.clone().all(<[u8]>::is_empty) {
         return None;
@@ -22,7 +25,7 @@ pub fn pack<'a>(rows: impl Iterator<Item = &'a [u8]> + Clone) -> Option<Vec<u8>>
     Some(lengths.chain(rows.clone().flatten().copied()).collect())
 }
 
-/// Inverse of [`pack`] for a number of rows; `None` if the bytes are not exactly that.
+/// Unpacks `rows` rows from the bytes of [`pack`]. Returns `None` if the bytes are anything else.
 pub fn unpack(raw: &[u8], rows: usize) -> Option<Vec<Vec<u8>>> {
     let (lengths, mut rest) = raw.split_at_checked(rows.checked_mul(4)?)?;
     let row = |length: &[u8; 4]| {
@@ -38,7 +41,8 @@ pub fn unpack(raw: &[u8], rows: usize) -> Option<Vec<Vec<u8>>> {
 mod tests {
     use super::*;
 
-    /// Three rows, one of them empty, come back, rows of nothing make no block, and all 20 cuts are refused.
+    /// Three rows, one of them empty, come back. Empty rows make no block. All 20 truncated blocks
+    /// are refused.
     #[test]
     fn round_trip() {
         let rows = [vec![1, 2, 3], Vec::new(), vec![4; 5]];

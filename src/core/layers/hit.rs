@@ -1,5 +1,5 @@
-//! The hit texture: which cell each texel of a receiver's own hemisphere meets. In: keys per texel. Out: a tile's palette of
-//! keys and 16-bit indices into it, and back.
+//! The hit texture: which cell each texel of a receiver's own hemisphere meets. In: keys per texel.
+//! Out: a tile's palette of keys and 16-bit indices into it, and back.
 
 use crate::layers::cells::numbered;
 use crate::site::cells::CellKey;
@@ -17,7 +17,7 @@ pub struct HitTile {
 const KEY_BYTES: usize = 16;
 
 impl HitTile {
-    /// Gathers the receivers' textures, each of the same number of texels.
+    /// Gathers the receivers' textures, which all have the same number of texels.
     pub fn new(receivers: &[impl AsRef<[Option<CellKey>]>]) -> Self {
         let textures = || receivers.iter().flat_map(AsRef::as_ref);
         let (palette, numbers) = numbered(textures().flatten().copied());
@@ -27,16 +27,17 @@ impl HitTile {
         HitTile { palette, texels }
     }
 
-    /// The textures of a number of receivers, as they were given to [`HitTile::new`].
+    /// Returns the textures of `receivers` receivers, as they were given to [`HitTile::new`].
     pub fn split(&self, receivers: usize) -> Vec<Vec<Option<CellKey>>> {
         let texels = self.texels.len().checked_div(receivers).unwrap_or(0);
-        // An index of 0 is nothing.
+        // Index 0 stands for a texel that meets nothing.
         let key = |&texel: &u32| (texel as usize).checked_sub(1).and_then(|i| self.palette.get(i).copied());
         (0..receivers).map(|r| self.texels[r * texels..(r + 1) * texels].iter().map(key).collect()).collect()
     }
 
-    /// Raw block: palette length (u32), key columns (level i8, facing u8, material u16, voxel x, y, z as i32), then the
-    /// four byte planes of the texel indices, each receiver by receiver. Little-endian.
+    /// Packs the tile into a raw block, little-endian: palette length (u32), key columns (level i8,
+    /// facing u8, material u16, voxel x, y, z as i32), then the four byte planes of the texel
+    /// indices, each receiver by receiver.
     pub fn pack(&self) -> Vec<u8> {
         let mut raw = Vec::with_capacity(4 + self.palette.len() * KEY_BYTES + self.texels.len() * 4);
         raw.extend((self.palette.len() as u32).to_le_bytes());
@@ -52,7 +53,8 @@ impl HitTile {
         raw
     }
 
-    /// Inverse of [`HitTile::pack`] for `texels` indices; `None` if the bytes are not exactly that or an index is out of range.
+    /// Unpacks a tile of `texels` indices from the bytes of [`HitTile::pack`]. Returns `None` if
+    /// the bytes are anything else or an index is out of range.
     pub fn unpack(raw: &[u8], texels: usize) -> Option<Self> {
         let (head, rest) = raw.split_at_checked(4)?;
         let count = u32::from_le_bytes(head.try_into().ok()?) as usize;
@@ -85,7 +87,8 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// Two receivers' hits with shared and missing cells survive packing and splitting, and each of the truncations is refused.
+    /// Hits of two receivers with shared and missing cells survive packing and splitting, and every
+    /// truncated block is refused.
     #[test]
     fn round_trip() {
         let key = |x: f64| Some(CellKey::new(DVec3::new(x, -3.0, 7.5), DVec3::X, false, 2, 1));

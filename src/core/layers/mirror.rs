@@ -1,28 +1,29 @@
-//! What receivers and cells see by way of mirrors. In: parts of the sky, each by a chain of mirrors, and surfaces. Out: the bytes
-//! of one row of a block, and back. Texels are those of the sky that light comes from, as in the sky texture.
+//! Sky and surfaces that receivers and cells see in mirrors. In: parts of the sky, each by a chain
+//! of mirrors, and surfaces. Out: the bytes of one row of a block, and back. As in the sky texture,
+//! texels are those of the sky that the light comes from.
 
 use crate::site::cells::CellKey;
 use crate::site::chain::{Chain, MOST_MIRRORS, MirrorStep};
 
-/// What a receiver sees in mirrors.
+/// Sky and surfaces that a receiver sees in mirrors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReceiverMirrors {
-    /// Parts of the sky, each by one chain.
+    /// Parts of the sky, each seen by one chain of mirrors.
     pub windows: Vec<Window>,
     /// Surfaces, by texels of the hit texture.
     pub paths: Vec<MirrorPath>,
 }
 
-/// The sky by one chain.
+/// Sky that a receiver sees by one chain of mirrors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
-    /// The mirrors on the way, from the receiver on.
+    /// Mirrors on the way, from the receiver on.
     pub chain: Chain,
     /// First column of the base square that is covered.
     pub column: u16,
     /// First row of the base square that is covered.
     pub row: u16,
-    /// Texels of the base square a side.
+    /// Number of texels of the base square to a side of the window.
     pub side: u16,
     /// A [`SkyTexture`](crate::layers::sky::SkyTexture) of that side, packed.
     pub texture: Vec<u8>,
@@ -33,53 +34,53 @@ pub struct Window {
 pub struct MirrorPath {
     /// Texel of the hit texture, row-major.
     pub texel: u32,
-    /// The cell that is met behind the mirrors.
+    /// Cell that is met behind the mirrors.
     pub cell: CellKey,
-    /// The mirrors on the way, from the receiver on: 1 to 3.
+    /// Mirrors on the way, from the receiver on: 1 to 3.
     pub steps: Vec<MirrorStep>,
 }
 
-/// What a cell sees in mirrors.
+/// Sky and surfaces that a cell sees in mirrors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellMirrors {
-    /// Parts of the sky, each by one chain.
+    /// Parts of the sky, each seen by one chain of mirrors.
     pub windows: Vec<CellWindow>,
     /// Surfaces, by rays of the cell.
     pub paths: Vec<CellPath>,
 }
 
-/// The sky by one chain: those texels of the cell's sky that are seen, ascending.
+/// Sky that a cell sees by one chain of mirrors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellWindow {
-    /// The mirrors on the way, from the cell on.
+    /// Mirrors on the way, from the cell on.
     pub chain: Chain,
-    /// Texels of the sky that light comes from, row-major.
+    /// Texels of the sky that the light comes from, row-major, ascending.
     pub texels: Vec<u16>,
 }
 
 /// A surface that one of the cell's rays meets behind mirrors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellPath {
-    /// Whether the ray starts above the horizon.
+    /// True if the ray starts above the horizon.
     pub up: bool,
-    /// The bounce cell that is met behind the mirrors.
+    /// Bounce cell that is met behind the mirrors.
     pub cell: CellKey,
-    /// The mirrors on the way, from the cell on: 1 to 3.
+    /// Mirrors on the way, from the cell on: 1 to 3.
     pub steps: Vec<MirrorStep>,
 }
 
 impl ReceiverMirrors {
-    /// Whether nothing is seen.
+    /// Returns true if nothing is seen in mirrors.
     pub fn is_empty(&self) -> bool {
         self.windows.is_empty() && self.paths.is_empty()
     }
 
-    /// The cells that are seen.
+    /// Returns the cells that are seen in mirrors.
     pub fn cells(&self) -> impl Iterator<Item = CellKey> + '_ {
         self.paths.iter().map(|path| path.cell)
     }
 
-    /// Empty if nothing is seen.
+    /// Returns the bytes of one row of a block; none if nothing is seen.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Vec::new();
         if self.is_empty() {
@@ -102,7 +103,8 @@ impl ReceiverMirrors {
         out
     }
 
-    /// Inverse of [`ReceiverMirrors::to_bytes`] for a sky of `base` and hits of `hit` texels a side; `None` for anything else.
+    /// Reads the bytes of [`ReceiverMirrors::to_bytes`] for a sky of `base` and hits of `hit`
+    /// texels a side. Returns `None` for any other bytes.
     pub fn from_bytes(bytes: &[u8], base: usize, hit: usize) -> Option<Self> {
         let mut found = ReceiverMirrors::default();
         if bytes.is_empty() {
@@ -131,12 +133,12 @@ impl ReceiverMirrors {
 }
 
 impl CellMirrors {
-    /// Whether nothing is seen.
+    /// Returns true if nothing is seen in mirrors.
     pub fn is_empty(&self) -> bool {
         self.windows.is_empty() && self.paths.is_empty()
     }
 
-    /// For a number of bytes of sky bits; empty if nothing is seen.
+    /// Returns the bytes of one row of a block, for a sky of `bits` bytes; none if nothing is seen.
     pub fn to_bytes(&self, bits: usize) -> Vec<u8> {
         let mut out = Vec::new();
         if self.is_empty() {
@@ -155,7 +157,8 @@ impl CellMirrors {
         out
     }
 
-    /// Inverse of [`CellMirrors::to_bytes`] for a number of bytes of sky bits; `None` for anything else.
+    /// Reads the bytes of [`CellMirrors::to_bytes`] for a sky of `bits` bytes. Returns `None` for
+    /// any other bytes.
     pub fn from_bytes(bytes: &[u8], bits: usize) -> Option<Self> {
         let mut found = CellMirrors::default();
         if bytes.is_empty() {
@@ -177,7 +180,7 @@ impl CellMirrors {
         Some(found)
     }
 
-    /// The cells that are seen.
+    /// Returns the cells that are seen in mirrors.
     pub fn cells(&self) -> impl Iterator<Item = CellKey> + '_ {
         self.paths.iter().map(|path| path.cell)
     }
@@ -188,10 +191,10 @@ fn put_chain(chain: Chain, out: &mut Vec<u8>) {
     out.extend(chain.numbers().flat_map(u16::to_le_bytes));
 }
 
-/// Count of texels that stands for a bit for each.
+/// Count that announces a bit for each texel of the sky instead of a list of texels.
 const ALL: u16 = u16::MAX;
 
-/// The shorter of a list and a bit for each texel.
+/// Appends texels of the sky as a list or as a bit for each texel, whichever is shorter.
 fn put_texels(texels: &[u16], bits: usize, out: &mut Vec<u8>) {
     if texels.len() * 2 <= bits {
         out.extend((texels.len() as u16).to_le_bytes());
@@ -214,7 +217,7 @@ fn put_steps(steps: &[MirrorStep], out: &mut Vec<u8>) {
     }
 }
 
-/// Bytes that are left.
+/// Reader of the bytes that are left.
 struct Reader<'b>(&'b [u8]);
 
 impl<'b> Reader<'b> {
@@ -240,7 +243,7 @@ impl<'b> Reader<'b> {
         self.take().map(|bytes| CellKey::from_bytes(&bytes))
     }
 
-    /// Texels below 8 times a number of bytes, ascending.
+    /// Reads texels below 8 times a number of bytes, ascending.
     fn texels(&mut self, bits: usize) -> Option<Vec<u16>> {
         let count = self.short()?;
         if count == ALL {
@@ -255,7 +258,7 @@ impl<'b> Reader<'b> {
         good.then_some(texels)
     }
 
-    /// One to three.
+    /// Reads the length of a chain, 1 to 3.
     fn length(&mut self) -> Option<usize> {
         let [length] = self.take()?;
         (1..=MOST_MIRRORS).contains(&usize::from(length)).then_some(usize::from(length))
@@ -280,8 +283,9 @@ mod tests {
         CellKey { level: 1, facing: 60, material: 3, voxel: [x, -7, 2] }
     }
 
-    /// Two windows and three paths of a receiver come back, nothing is no bytes, and of all cuts only the 3 between paths are taken
-    /// for something; a window beyond the sky and a texel beyond the hits are refused.
+    /// Two windows and three paths of a receiver come back, and nothing seen gives no bytes. Of all
+    /// truncated rows only the 3 that end between paths are read. A window beyond the sky and a
+    /// texel beyond the hits are refused.
     #[test]
     fn receivers() {
         let window = |numbers: &[u16], column| Window {
@@ -307,7 +311,8 @@ mod tests {
         assert_eq!(taken.count(), 3);
     }
 
-    /// A window of 3 texels, one of 86 and two paths of a cell come back, and of all cuts only the 2 between paths are taken for something.
+    /// A window of 3 texels, one of 86 and two paths of a cell come back. Of all truncated rows
+    /// only the 2 that end between paths are read.
     #[test]
     fn cells() {
         let window = |texels| CellWindow { chain: Chain::new(&[4, 4]), texels };

@@ -1,5 +1,6 @@
-//! Layers: what is kept of a hemisphere, packed and unpacked. In: bits, keys and vectors of receivers and probes. Out: the
-//! raw bytes of a tile's blocks, and back. It casts no rays and knows no weather. Shapes and conventions: `schema/layers.md`.
+//! Layers: the data that the archive keeps of a hemisphere, packed and unpacked. In: bits, keys and
+//! vectors of receivers and probes. Out: the raw bytes of a tile's blocks, and back. This module
+//! casts no rays and knows no weather. Shapes and conventions: `schema/layers.md`.
 
 pub mod bits;
 pub mod canopy;

@@ -1,30 +1,34 @@
-//! Entropy coding of small whole numbers by asymmetric numeral systems (rANS: Duda 2013, arXiv:1311.2540), with a table of frequencies for
-//! each context that goes with the bytes, and several states beside each other that share the words (Giesen 2014, arXiv:1402.3392). In:
-//! values, their contexts and states. Out: bytes, and back. Integers only; any bytes decode to values or to `None`.
+//! Entropy coding of small whole numbers by asymmetric numeral systems (rANS: Duda 2013,
+//! arXiv:1311.2540). A table of frequencies for each context goes with the bytes. Several states
+//! beside each other share the words (Giesen 2014, arXiv:1402.3392). In: values, their contexts and
+//! states. Out: bytes, and back. All arithmetic is in integers; any bytes decode to values or to
+//! `None`.
 
-/// Frequencies of a context add up to 2^9: the tables of two dozen contexts fit the first cache.
+/// Binary logarithm of the sum of a context's frequencies, 2^9: the tables of two dozen contexts
+/// fit into the first-level cache.
 const SCALE: u32 = 9;
 const WHOLE: u32 = 1 << SCALE;
 
-/// States: values of different ones do not wait for each other.
+/// Number of states. Values of different states do not wait for each other.
 pub const STATES: usize = 8;
 
-/// A state stays at 2^16 and above, is that before the first value, and is refilled by 16 bits.
+/// Smallest value of a state, and its value before the first symbol. A state below it is refilled
+/// by 16 bits.
 const LOWEST: u32 = 1 << 16;
 
-/// Values below this are symbols of their own; above, a symbol is a number of bits.
+/// Values below this are symbols themselves. The symbol of a larger value is its number of bits.
 const DIRECT: u32 = 16;
 
-/// Symbols: [`DIRECT`] values, and 4 to 23 bits behind the highest one.
+/// Number of symbols: [`DIRECT`] values, and 4 to 23 bits behind the highest one.
 const SYMBOLS: usize = 36;
 
-/// Values are below this.
+/// Limit that all values stay below.
 pub const LIMIT: u32 = 1 << 24;
 
-/// Bits behind a symbol are taken in pieces of at most so many.
+/// Largest number of bits behind a symbol that are coded at once.
 const PIECE: u32 = 12;
 
-/// The symbol of a value, and the number of its lowest bits that follow.
+/// Returns the symbol of a value, and the number of the value's lowest bits that follow it.
 fn split(value: u32) -> (usize, u32) {
     if value < DIRECT {
         return (value as usize, 0);
@@ -33,25 +37,25 @@ fn split(value: u32) -> (usize, u32) {
     ((bits + DIRECT - 4) as usize, bits)
 }
 
-/// Values on their way into bytes.
+/// Encoder that gathers values and writes them as bytes.
 pub struct Encoder {
     contexts: usize,
-    /// Context, state, value.
+    /// Context, state and value of each value.
     values: Vec<(u8, u8, u32)>,
 }
 
 impl Encoder {
-    /// An encoder with a number of contexts, at most 256.
+    /// Makes an encoder with `contexts` contexts, at most 256.
     pub fn new(contexts: usize) -> Self {
         Encoder { contexts, values: Vec::new() }
     }
 
-    /// Appends a value below [`LIMIT`] in a context and a state that exist.
+    /// Appends a value below [`LIMIT`] in an existing context and state.
     pub fn put(&mut self, context: usize, state: usize, value: u32) {
         self.values.push((context as u8, state as u8, value.min(LIMIT - 1)));
     }
 
-    /// The bytes: frequencies of each context, the states, then the words that refill them.
+    /// Returns the bytes: frequencies of each context, the states, then the words that refill them.
     pub fn finish(self) -> Vec<u8> {
         let mut counts = vec![[0_u32; SYMBOLS]; self.contexts];
         for &(context, _, value) in &self.values {
@@ -70,7 +74,7 @@ impl Encoder {
             }
         }
         let (mut states, mut words) = ([LOWEST; STATES], Vec::new());
-        // The last value in is the first one out.
+        // The decoder reads in reverse order: the value that is encoded last comes out first.
         for &(context, state, value) in self.values.iter().rev() {
             let (symbol, bits) = split(value);
             let low = bits.min(PIECE);
@@ -86,21 +90,22 @@ impl Encoder {
     }
 }
 
-/// Counts scaled to [`WHOLE`], none that occurs to 0; without any, symbol 0 has all.
+/// Scales counts to a sum of [`WHOLE`]. A symbol that occurs keeps at least 1; if none occurs,
+/// symbol 0 takes all.
 fn scaled(counts: &[u32; SYMBOLS]) -> [u32; SYMBOLS] {
     let total: u64 = counts.iter().map(|&count| u64::from(count)).sum();
     let mut out = counts.map(|count| match u64::from(count) * u64::from(WHOLE) / total.max(1) {
         0 => u32::from(count > 0),
         share => share as u32,
     });
-    // What rounding left over goes to the most frequent symbol, the first of equal ones.
+    // The most frequent symbol takes the rounding remainder; among equal ones, the first.
     let largest = (0..SYMBOLS).rev().max_by_key(|&symbol| out[symbol]).unwrap_or(0);
     let others: u32 = out.iter().sum::<u32>() - out[largest];
     out[largest] = WHOLE - others;
     out
 }
 
-/// Puts the interval from `start`, `frequency` wide, of 2^`scale` into a state.
+/// Puts an interval into a state: it starts at `start` and is `frequency` wide, of 2^`scale`.
 fn push(state: &mut u32, words: &mut Vec<u16>, start: u32, frequency: u32, scale: u32) {
     if u64::from(*state) >= u64::from(frequency) << (32 - scale) {
         words.push(*state as u16);
@@ -109,21 +114,23 @@ fn push(state: &mut u32, words: &mut Vec<u16>, start: u32, frequency: u32, scale
     *state = ((*state / frequency) << scale) + start + *state % frequency;
 }
 
-/// What the states of a stream mean.
+/// Decoding tables of the contexts of a stream.
 pub struct SymbolTables {
-    /// `[context][slot]`: symbol, frequency, and distance from the start of its interval, from the lowest bits 6, 10 and 9 bits.
+    /// `[context][slot]`: symbol, frequency, and distance from the start of the symbol's interval,
+    /// in 6, 10 and 9 bits from the lowest on.
     slots: Vec<[u32; WHOLE as usize]>,
 }
 
-/// Reads one value after the other.
+/// Decoder that reads one value after the other.
 pub struct Reader<'a> {
     states: [u32; STATES],
     words: &'a [[u8; 2]],
-    /// Words that were taken; those behind the last one are 0.
+    /// Number of words that were taken. Words behind the last one count as 0.
     taken: usize,
 }
 
-/// Reads the frequencies of a number of contexts, and the first states; `None` where they are wrong or missing.
+/// Reads the frequencies of `contexts` contexts and the first states. Returns `None` if they are
+/// wrong or missing.
 pub fn open(contexts: usize, bytes: &[u8]) -> Option<(SymbolTables, Reader<'_>)> {
     let mut rest = bytes.iter();
     let mut slots = vec![[0; WHOLE as usize]; contexts];
@@ -152,7 +159,8 @@ pub fn open(contexts: usize, bytes: &[u8]) -> Option<(SymbolTables, Reader<'_>)>
 }
 
 impl Reader<'_> {
-    /// The next value, in a context and a state that exist; any value behind the last word.
+    /// Returns the next value of an existing context and state. Behind the last word, any value may
+    /// come.
     #[inline(always)]
     pub fn take(&mut self, tables: &SymbolTables, context: usize, state: usize) -> u32 {
         let before = self.states[state];
@@ -164,7 +172,7 @@ impl Reader<'_> {
         if symbol < DIRECT { symbol } else { self.bits(state, symbol + 4 - DIRECT) }
     }
 
-    /// A value of so many bits behind its highest one.
+    /// Reads a value that has `bits` bits behind its highest one.
     #[cold]
     fn bits(&mut self, state: usize, bits: u32) -> u32 {
         let low = bits.min(PIECE);
@@ -177,7 +185,8 @@ impl Reader<'_> {
         value
     }
 
-    /// Without a branch: whether a word is taken cannot be foretold.
+    /// Refills a state below [`LOWEST`] by one word. It does so without a branch, since a processor
+    /// cannot predict whether a word is taken.
     #[inline(always)]
     fn refilled(&mut self, state: u32) -> u32 {
         let word = self.words.get(self.taken).map_or(0, |word| u16::from_le_bytes(*word));
@@ -186,12 +195,12 @@ impl Reader<'_> {
         if low { state << 16 | u32::from(word) } else { state }
     }
 
-    /// Whether more words were taken than there are.
+    /// Returns true if more words were taken than there are.
     pub fn is_beyond(&self) -> bool {
         self.taken > self.words.len()
     }
 
-    /// Whether the values end where the bytes do.
+    /// Returns true if the values end where the bytes do.
     pub fn is_done(&self) -> bool {
         self.states == [LOWEST; STATES] && self.taken == self.words.len()
     }
@@ -202,8 +211,8 @@ mod tests {
     use super::*;
     use crate::hemisphere::mix;
 
-    /// Values of two contexts in eight states come back: small ones, and two of each number of bits up to 23; bytes stay within 2 % and 140
-    /// bytes of the entropy of the small ones.
+    /// Values of two contexts in eight states come back: small ones, and two of each number of bits
+    /// up to 23. The bytes stay within 2 % and 140 bytes of the entropy of the small ones.
     #[test]
     fn values_come_back() {
         let small = |i: u64| (mix(7, i) % 10) as u32 % 7 % 4;
@@ -222,8 +231,8 @@ mod tests {
         assert!((bytes.len() as f64) < entropy * 1.02 + 140.0 + 24.0 * 4.0, "{} {entropy}", bytes.len());
     }
 
-    /// Of 4,000 inputs, each a stream with some bytes changed or cut, none panics and each gives values below the limit;
-    /// those of streams that are cut are known to be.
+    /// None of 4,000 streams with changed or missing bytes makes the reader panic, and all values
+    /// that are read lie below the limit. The reader reports a truncated stream.
     #[test]
     fn any_bytes_are_read() {
         let mut encoder = Encoder::new(2);

@@ -1,8 +1,9 @@
-//! Sky textures from their blocks to bitmaps. In: the raw bytes of a tile. Out: one bitmap a receiver, by work on those words alone that an edge
-//! runs through.
+//! Decoder of sky textures from blocks to bitmaps. In: the raw bytes of a tile. Out: one bitmap a
+//! receiver. It works only on the words that an edge runs through.
 //!
-//! [`crate::layers::sky`] says what is refined: texels with both values in their 3 x 3 neighbourhood. Such a texel's parent was refined,
-//! or one beside the parent was; so the words that may hold refined texels follow from those of the level before.
+//! [`crate::layers::sky`] says which texels are refined: those with both values in their 3 x 3
+//! neighbourhood. The parent of such a texel was refined, or a neighbour of the parent was. So the
+//! words that may hold refined texels follow from those of the level before.
 
 use pulp::Arch;
 
@@ -10,18 +11,19 @@ use crate::layers::bits::{BitSquare, spread};
 use crate::layers::sky::{planes, sides};
 use crate::layers::sky_bitmap::SkyBitmap;
 
-/// Largest side: flags of a row's words fit a word.
+/// Largest side of a square: the flags of a row's words fit into one word.
 const LARGEST: usize = 4096;
-/// Widest block: its rows lie within a word.
+/// Largest number of fine texels to a side of a base texel: a row of them lies within a word.
 const WIDEST: usize = 64;
 
-/// Whether textures of these sides can be unfolded.
+/// Returns true if [`decode_refined`] can decode textures of these sides.
 pub fn is_refined(base: usize, fine: usize) -> bool {
     let block = fine / base.max(1);
     (2..=WIDEST).contains(&block) && block.is_power_of_two() && base * block == fine && fine <= LARGEST
 }
 
-/// The bitmaps of a raw block whose sides decode_refined; `None` if the bytes do not describe `count` textures exactly.
+/// Decodes the bitmaps of a raw block, for sides that [`is_refined`] accepts. Returns `None` if the
+/// bytes do not describe `count` textures exactly.
 pub fn decode_refined<'a>(raw: &'a [u8], count: usize, base: usize, fine: usize) -> Option<Vec<SkyBitmap>> {
     let (fronts, bits, mut rest) = planes(raw, count, base)?;
     let mut textures: Vec<RefinementDecoder> =
@@ -33,11 +35,11 @@ pub fn decode_refined<'a>(raw: &'a [u8], count: usize, base: usize, fine: usize)
             arch.dispatch(|| texture.grow());
         }
     }
-    // The last refinement is the largest: one texture after the other, and then forgotten.
+    // The last refinement is the largest, so only one texture holds it at a time.
     let mut scratch = Vec::new();
     let finish = |mut texture: RefinementDecoder<'a>| {
         arch.dispatch(|| texture.take(&mut rest))?;
-        // One piece of code for each size of blocks.
+        // Each size of blocks has code of its own.
         Some(match fine / base {
             2 => arch.dispatch(|| texture.finish::<2>(&mut scratch)),
             4 => arch.dispatch(|| texture.finish::<4>(&mut scratch)),
@@ -51,21 +53,21 @@ pub fn decode_refined<'a>(raw: &'a [u8], count: usize, base: usize, fine: usize)
     rest.is_empty().then_some(found)
 }
 
-/// A texture on its way down.
+/// Texture that is being decoded, level by level.
 struct RefinementDecoder<'a> {
     side: usize,
-    /// Words of a row.
+    /// Number of words of a row.
     stride: usize,
     base_side: usize,
-    /// `[row][word]`.
+    /// `[row][word]`: bits of the level.
     bits: Vec<u64>,
-    /// The surface's half of the hemisphere, the same in all rows of a base texel: `[base row][word]`.
+    /// The surface's half of the hemisphere, equal in all rows of a base texel: `[base row][word]`.
     mask: Vec<u64>,
     /// `[row]`: a bit for each word that may hold refined texels.
     flags: Vec<u64>,
     /// `[row][word]`: texels that are refined.
     refined: Vec<u64>,
-    /// Their four bits each, two to a byte.
+    /// Four bits of each refined texel, two texels to a byte.
     nibbles: &'a [u8],
 }
 
@@ -84,12 +86,13 @@ impl<'a> RefinementDecoder<'a> {
         }
     }
 
-    /// Finds what is refined, and takes its bits from the front of `rest`.
+    /// Finds the texels that are refined, and takes their bits from the front of `rest`. Returns
+    /// `None` if bits are missing.
     #[inline(always)]
     fn take(&mut self, rest: &mut &'a [u8]) -> Option<()> {
         self.refined = vec![0; self.bits.len()];
         let mut count = 0;
-        // Rows of a base texel: a power of two.
+        // Binary logarithm of the rows of a base texel, whose number is a power of two.
         let steps = (self.side / self.base_side.max(1)).trailing_zeros();
         for row in 0..self.side {
             let mut flags = self.flags[row];
@@ -106,7 +109,7 @@ impl<'a> RefinementDecoder<'a> {
         Some(())
     }
 
-    /// [`BitSquare::mixed`] of one word.
+    /// Returns one word of [`BitSquare::mixed`].
     #[inline(always)]
     fn mixed(&self, row: usize, word: usize, steps: u32) -> u64 {
         let (mut ones, mut zeros, mut within) = (0, 0, 0);
@@ -134,7 +137,7 @@ impl<'a> RefinementDecoder<'a> {
         ones & zeros & within
     }
 
-    /// Doubles the side.
+    /// Makes the next level, with twice the side.
     #[inline(always)]
     fn grow(&mut self) {
         let (side, stride) = (self.side * 2, (self.side * 2).div_ceil(64));
@@ -147,7 +150,7 @@ impl<'a> RefinementDecoder<'a> {
             for word in 0..self.stride {
                 let at = row * self.stride + word;
                 let refined = self.refined[at];
-                // Closed throughout, as the new rows are.
+                // All 64 texels are closed, as the new rows are from the start.
                 if self.bits[at] | refined == 0 {
                     continue;
                 }
@@ -180,7 +183,8 @@ impl<'a> RefinementDecoder<'a> {
         (self.side, self.stride, self.bits, self.flags) = (side, stride, bits, flags);
     }
 
-    /// The bitmap of the last refinement; `BLOCK` fine texels to a side of a base texel.
+    /// Returns the bitmap of the last refinement, with `BLOCK` fine texels to a side of a base
+    /// texel.
     #[inline(always)]
     fn finish<const BLOCK: usize>(self, scratch: &mut Vec<u64>) -> SkyBitmap {
         let (base, rows) = (self.base_side, BLOCK / 2);
@@ -260,7 +264,8 @@ impl Nibbles<'_> {
     }
 }
 
-/// The two rows of two words that 64 texels become: those that are refined take their bits, the others keep theirs.
+/// Returns the two rows of two words that 64 texels become. Refined texels take their bits from
+/// `nibbles`, the others keep theirs.
 #[inline(always)]
 fn doubled(bits: u64, mut refined: u64, nibbles: &mut Nibbles) -> [[u64; 2]; 2] {
     let twice = match bits {
@@ -279,7 +284,7 @@ fn doubled(bits: u64, mut refined: u64, nibbles: &mut Nibbles) -> [[u64; 2]; 2] 
     [above, below]
 }
 
-/// Keeps every 2^steps-th bit of a word, moved together.
+/// Returns every 2^steps-th bit of a word, moved together.
 #[inline(always)]
 fn every(word: u64, steps: u32) -> u64 {
     (0..steps).fold(word, |w, _| {

@@ -1,12 +1,12 @@
 //! Sides of the textures of a receiver's sky and of its response.
 
-/// Sides of the textures that forcing is looked up in.
+/// Sides of the textures in which a replay looks up the sun and the sky, in texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TextureSides {
-    /// Side of the sky before it is refined; the finest level is it doubled some times.
+    /// Side of the sky texture before it is refined. The finest level is this doubled some times.
     pub sky_base: usize,
-    /// Side of the finest level, which the sun's disc is looked up in.
+    /// Side of the finest level of the sky texture, in which the sun's disc is looked up.
     pub sky_fine: usize,
-    /// The response, which has the texels of the probes' sky.
+    /// Side of the response texture, whose texels are those of the probes' sky.
     pub response: usize,
 }

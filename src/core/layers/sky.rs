@@ -1,8 +1,10 @@
-//! The adaptive sky texture: one bit a texel, world frame. In: a function that answers for texels. Out: bits of a coarse
-//! square and, wherever a texel's neighbourhood is mixed, of its four children, level by level.
+//! The adaptive sky texture: one bit a texel, world frame. In: a function that answers for texels.
+//! Out: bits of a coarse square and, where a texel's neighbourhood is mixed, of the texel's four
+//! children, level by level.
 //!
-//! Which texels are refined follows from the bits alone, so nothing but bits is stored. The surface's own half of the
-//! hemisphere is a second bit plane at the base size: texels wholly behind the surface are 0 and never make an edge.
+//! The bits alone decide which texels are refined, so only bits are stored. The surface's own half
+//! of the hemisphere is a second bit plane at the base size. Texels wholly behind the surface are 0
+//! and never make an edge.
 
 use glam::DVec3;
 
@@ -10,21 +12,23 @@ use crate::hemisphere::HEMISPHERE_SR;
 use crate::layers::bits::BitSquare;
 use crate::layers::texel_block::{Answers, TexelBlock};
 
-/// Bits of one receiver, as stored.
+/// Sky texture of one receiver, as stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SkyTexture {
     /// Texels of the base square that lie at least partly in front of the surface.
     front: BitSquare,
     base: BitSquare,
-    /// One byte string a level: four bits for each refined texel of the level before, in its row-major order; children
-    /// in the order (0,0), (1,0), (0,1), (1,1); two refined texels to a byte, the first in the low half.
+    /// One byte string a level: four bits for each refined texel of the level before, in that
+    /// level's row-major order. Children come in the order (0,0), (1,0), (0,1), (1,1); two refined
+    /// texels share a byte, the first in the low half.
     levels: Vec<Vec<u8>>,
 }
 
 impl SkyTexture {
-    /// Traces those texels of a base square that are set in `front`, and refines them to `fine` texels a side (the base doubled some
-    /// times); all others are 0 and make no edges. `visible(n, blocks)` answers for texels of an n x n square. Also gives the square of
-    /// `fine` x `fine` bits that the texture describes.
+    /// Traces the texels of a base square that are set in `front`, and refines them to `fine`
+    /// texels a side, the base doubled some times. All other texels are 0 and make no edges.
+    /// `visible(n, blocks)` answers for texels of an n x n square. Returns the texture and the
+    /// square of `fine` x `fine` bits that it describes.
     pub fn trace(
         front: BitSquare,
         fine: usize,
@@ -52,7 +56,8 @@ impl SkyTexture {
         (texture, dense)
     }
 
-    /// What was asked to make this texture, level by level, the base first; [`SkyTexture::trace`] from behind.
+    /// Returns the questions and answers that made this texture, level by level, the base first. It
+    /// is the inverse of [`SkyTexture::trace`].
     pub fn answers(&self) -> Vec<Answers> {
         let mut all = vec![Answers { asked: self.front.clone(), bits: self.base.clone() }];
         let (mut mask, mut bits) = (self.front.clone(), self.base.clone());
@@ -65,7 +70,8 @@ impl SkyTexture {
         all
     }
 
-    /// Raw block of a tile: all front planes, all base planes, then level after level, receiver by receiver.
+    /// Packs the textures of a tile into a raw block: all front planes, all base planes, then level
+    /// after level, receiver by receiver.
     pub fn pack(tile: &[SkyTexture]) -> Vec<u8> {
         let mut raw = Vec::new();
         tile.iter().for_each(|t| t.front.to_bytes(&mut raw));
@@ -77,13 +83,14 @@ impl SkyTexture {
         raw
     }
 
-    /// Inverse of [`SkyTexture::pack`]: the `fine` x `fine` bits of each receiver; `None` if the bytes do not describe
-    /// `count` textures exactly.
+    /// Unpacks the `fine` x `fine` bits of each receiver from the bytes of [`SkyTexture::pack`].
+    /// Returns `None` if the bytes do not describe `count` textures exactly.
     pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<BitSquare>> {
         decode(raw, count, base, fine, |texture| texture.dense())
     }
 
-    /// The textures that were packed, each with the bits that it describes; `None` as for [`SkyTexture::unpack`].
+    /// Unpacks textures as they were packed, each with the bits that it describes. Returns `None`
+    /// as [`SkyTexture::unpack`] does.
     pub fn split(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<(SkyTexture, BitSquare)>> {
         let texture = |d: &Decoded| {
             let levels = d.levels.iter().map(|level| level.to_vec()).collect();
@@ -98,16 +105,18 @@ pub(super) struct Decoded<'a> {
     front: BitSquare,
     base: BitSquare,
     levels: Vec<&'a [u8]>,
-    /// The bits before the last refinement, half as many a side as the finest; those of `base` if nothing is refined.
+    /// Bits before the last refinement, half as many a side as the finest; the base bits if nothing
+    /// is refined.
     pub half: BitSquare,
-    /// The surface's half of the hemisphere at that size.
+    /// The surface's half of the hemisphere, at the size of `half`.
     mask: BitSquare,
-    /// Which of them are refined once more, and their four bits each, two to a byte; `None` if base and finest are one.
+    /// Texels of `half` that are refined once more, and their four bits each, two to a byte; `None`
+    /// if nothing is refined.
     pub last: Option<(BitSquare, &'a [u8])>,
 }
 
 impl<'a> Decoded<'a> {
-    /// The finest square.
+    /// Returns the finest square.
     pub fn dense(&self) -> BitSquare {
         match &self.last {
             Some((refined, nibbles)) => self.half.refine(refined, nibbles),
@@ -115,7 +124,8 @@ impl<'a> Decoded<'a> {
         }
     }
 
-    /// Follows one more refinement, whose bits come first in `rest`.
+    /// Follows one more refinement, whose bits come first in `rest`. Returns `None` if they are
+    /// missing.
     fn follow(&mut self, rest: &mut &'a [u8]) -> Option<()> {
         if let Some((refined, nibbles)) = self.last.take() {
             self.half = self.half.refine(&refined, nibbles);
@@ -130,7 +140,8 @@ impl<'a> Decoded<'a> {
     }
 }
 
-/// What `each` makes of the textures of a raw block; `None` if the bytes do not describe `count` of them exactly.
+/// Decodes the textures of a raw block and returns the results of `each`. Returns `None` if the
+/// bytes do not describe `count` textures exactly.
 pub(super) fn decode<'a, T>(
     raw: &'a [u8],
     count: usize,
@@ -152,7 +163,7 @@ pub(super) fn decode<'a, T>(
     for _ in 1..levels {
         textures.iter_mut().try_for_each(|texture| texture.follow(&mut rest))?;
     }
-    // The last refinement is the largest: one texture after the other, and then forgotten.
+    // The last refinement is the largest, so only one texture holds it at a time.
     let finish = |mut texture: Decoded<'a>| {
         if levels > 0 {
             texture.follow(&mut rest)?;
@@ -163,9 +174,10 @@ pub(super) fn decode<'a, T>(
     rest.is_empty().then_some(found)
 }
 
-/// The front planes and the base planes that a raw block of `count` textures begins with, and what follows them.
+/// Splits a raw block of `count` textures into its front planes, its base planes and the bytes
+/// behind them. Returns `None` if the block is too short or `base` is 0.
 pub(super) fn planes(raw: &[u8], count: usize, base: usize) -> Option<(Vec<BitSquare>, Vec<BitSquare>, &[u8])> {
-    // Zero doubled stays zero.
+    // A side of zero would never reach `fine` by doubling.
     if base == 0 {
         return None;
     }
@@ -176,13 +188,14 @@ pub(super) fn planes(raw: &[u8], count: usize, base: usize) -> Option<(Vec<BitSq
     Some((squares(fronts), squares(bases), rest))
 }
 
-/// Sides of the refined levels: twice the base, four times, ... up to `fine`.
+/// Returns the sides of the refined levels: twice the base, four times, ... up to `fine`.
 pub(super) fn sides(base: usize, fine: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(base * 2), |n| Some(n * 2)).take_while(move |&n| n <= fine)
 }
 
-/// Texels of an n x n square that are not wholly behind a surface, given the directions of their centres, row-major: their centre is less
-/// than half a texel's reach behind it.
+/// Returns the texels of an n x n square that are not wholly behind a surface: their centre is less
+/// than half a texel's reach behind it. `centres` holds the directions of the texels' centres,
+/// row-major.
 pub fn front_of(n: usize, normal: DVec3, centres: &[DVec3]) -> BitSquare {
     let mut front = BitSquare::new(n);
     let reach = half_texel(n) * 1.6;
@@ -195,7 +208,7 @@ pub fn front_of(n: usize, normal: DVec3, centres: &[DVec3]) -> BitSquare {
     front
 }
 
-/// Half the side of a square of a texel's solid angle, in radians.
+/// Returns half the side, in radians, of a square with a texel's solid angle.
 pub fn half_texel(n: usize) -> f64 {
     0.5 * (HEMISPHERE_SR / (n * n) as f64).sqrt()
 }
@@ -206,13 +219,14 @@ mod tests {
     use crate::hemisphere::{texel_centres, texel_direction};
     use glam::DVec2;
 
-    /// A random skyline at direction d: visible above a bumpy horizon.
+    /// Returns true if direction `d` lies above a bumpy horizon.
     fn skyline(d: DVec3) -> bool {
         let azimuth = d.y.atan2(d.x);
         d.z > 0.3 + 0.2 * (3.0 * azimuth).sin() + 0.05 * (11.0 * azimuth).cos()
     }
 
-    /// Of 3 textures every question that made them is among their answers, with what was answered, 15,000 of them, and nothing else is.
+    /// The answers of 3 textures hold every question that made them, 15,000 texels in all, with its
+    /// answer, and nothing else.
     #[test]
     fn answers_are_those_given() {
         let mut given = 0;
@@ -254,7 +268,8 @@ mod tests {
         (texture, dense, rays)
     }
 
-    /// A smooth skyline refined from 128 to 1024 equals the flat 1024 texture in all but 0.02 % of its bits, for under 8 % of its rays.
+    /// A smooth skyline refined from 128 to 1024 equals the flat 1024 texture in all but 0.02 % of
+    /// its bits, for under 8 % of its rays.
     #[test]
     fn refined_equals_flat() {
         let (_, dense, rays) = traced(128, 1024, DVec3::Z);
@@ -269,7 +284,8 @@ mod tests {
         assert!(rays < 84_000, "{rays} rays");
     }
 
-    /// Packing 5 textures of different normals, unpacking and splitting give them back, and every truncation is refused.
+    /// 5 textures of different normals come back from packing, unpacking and splitting, and every
+    /// truncated block is refused.
     #[test]
     fn pack_round_trip() {
         let normals = [DVec3::Z, DVec3::X, DVec3::NEG_Z, DVec3::new(0.6, 0.0, 0.8), DVec3::NEG_Y];

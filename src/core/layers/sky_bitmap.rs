@@ -1,38 +1,39 @@
-//! A decoded sky texture for lookups: open and closed texels of the base square are one bit each, only those with an edge in them
-//! keep their fine bits. 5 to 20 kB a receiver where the whole square takes 128.
+//! A decoded sky texture for lookups. Open and closed texels of the base square are one bit each;
+//! only texels with an edge in them keep their fine bits. A receiver takes 5 to 20 kB, where the
+//! whole square takes 128.
 
 use crate::layers::bits::BitSquare;
 use crate::layers::refinement_decoder::{decode_refined, is_refined};
 use crate::layers::sky::decode;
 
-/// Bits of one receiver.
+/// Decoded sky texture of one receiver.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SkyBitmap {
-    /// Fine texels to a side of a base texel.
+    /// Number of fine texels to a side of a base texel.
     block: usize,
-    /// Base texels that are sky throughout, and those that are sky in part.
+    /// Base texels that are sky throughout (`open`) and in part (`mixed`).
     pub(super) open: BitSquare,
     pub(super) mixed: BitSquare,
-    /// `[word of mixed]`: how many mixed texels lie in the words before.
+    /// `[word of mixed]`: number of mixed texels in the words before.
     ranks: Vec<u32>,
-    /// `[mixed texel][word]`: its fine bits row by row, lowest bit first.
+    /// `[mixed texel][word]`: fine bits of the texel, row by row, lowest bit first.
     pub(super) blocks: Vec<u64>,
 }
 
-/// What a base texel holds.
+/// Contents of a base texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Texel<'a> {
-    /// No part of it is sky.
+    /// No part of the texel is sky.
     Closed,
-    /// All of it is sky.
+    /// All of the texel is sky.
     Open,
-    /// Fine bits, row by row.
+    /// Part of the texel is sky: its fine bits, row by row.
     Mixed(&'a [u64]),
 }
 
-/// Skies whose base texels can be asked for, one at a time.
+/// Skies that give the contents of one base texel at a time.
 pub trait BaseTexels {
-    /// What a base texel holds.
+    /// Contents of a base texel.
     fn texel(&mut self, column: usize, row: usize) -> Texel<'_>;
 }
 
@@ -43,17 +44,18 @@ impl BaseTexels for &SkyBitmap {
     }
 }
 
-/// Place of a base texel.
+/// Column and row of a base texel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BaseTexel {
-    /// Counted from the left.
+    /// Column, counted from the left.
     pub column: usize,
-    /// Counted from the first row.
+    /// Row, counted from the first.
     pub row: usize,
 }
 
 impl SkyBitmap {
-    /// The bitmaps of a raw `sky` block; `None` if the bytes do not describe `count` textures exactly.
+    /// Unpacks the bitmaps of a raw `sky` block. Returns `None` if the bytes do not describe
+    /// `count` textures exactly.
     pub fn unpack(raw: &[u8], count: usize, base: usize, fine: usize) -> Option<Vec<SkyBitmap>> {
         if is_refined(base, fine) {
             return decode_refined(raw, count, base, fine);
@@ -61,7 +63,7 @@ impl SkyBitmap {
         decode(raw, count, base, fine, |texture| SkyBitmap::of(&texture.dense(), base))
     }
 
-    /// The bitmap of a square of fine bits; `base` divides its side.
+    /// Makes the bitmap of a square of fine bits; `base` divides its side.
     pub fn of(dense: &BitSquare, base: usize) -> SkyBitmap {
         let block = dense.side() / base;
         let mut bitmap = SkyBitmap::closed(base, block);
@@ -91,32 +93,32 @@ impl SkyBitmap {
         SkyBitmap { block, open, mixed, ranks: Vec::new(), blocks: Vec::new() }
     }
 
-    /// Counts mixed texels once all are there.
+    /// Counts the mixed texels of each word, once all texels are there.
     pub(super) fn rank(&mut self) {
         self.ranks = ranks(&self.mixed);
     }
 
-    /// Words of a mixed texel.
+    /// Returns the number of words of a mixed texel.
     fn words(&self) -> usize {
         (self.block * self.block).div_ceil(64)
     }
 
-    /// Bytes that its bits take.
+    /// Returns the number of bytes that the bitmap's bits take.
     pub fn bytes(&self) -> usize {
         (self.open.words.len() + self.mixed.words.len() + self.blocks.len()) * 8 + self.ranks.len() * 4
     }
 
-    /// Side of the base square.
+    /// Returns the side of the base square.
     pub fn side(&self) -> usize {
         self.open.side()
     }
 
-    /// Fine texels to a side of a base texel.
+    /// Number of fine texels to a side of a base texel.
     pub fn block(&self) -> usize {
         self.block
     }
 
-    /// What a base texel holds.
+    /// Contents of a base texel.
     #[inline]
     pub fn texel(&self, column: usize, row: usize) -> Texel<'_> {
         let (place, bit) = (row * self.open.stride + column / 64, column % 64);
@@ -129,15 +131,17 @@ impl SkyBitmap {
         }
     }
 
-    /// A word of base texels that are sky throughout, and of those that are in part: rows of words, lowest bit first; 0 beyond them.
+    /// Returns word `word` of the base texels that are sky throughout, and of those that are sky in
+    /// part. Words go row by row, lowest bit first; words beyond the square are 0.
     #[inline]
     pub fn words_at(&self, word: usize) -> (u64, u64) {
         let at = |square: &BitSquare| square.words.get(word).copied().unwrap_or_default();
         (at(&self.open), at(&self.mixed))
     }
 
-    /// All of them: base texels that are sky throughout, and those that are in part, by rows of words, lowest bit first; by word, how many are in
-    /// part in those before; the fine bits of these.
+    /// Returns all bits: the base texels that are sky throughout, and those that are sky in part,
+    /// by rows of words, lowest bit first; for each word, the number of mixed texels in the words
+    /// before; the fine bits of the mixed texels.
     pub fn bits(&self) -> (&[u64], &[u64], &[u32], &[u64]) {
         (&self.open.words, &self.mixed.words, &self.ranks, &self.blocks)
     }
@@ -148,7 +152,7 @@ impl SkyBitmap {
         &self.blocks[rank * self.words()..(rank + 1) * self.words()]
     }
 
-    /// Whether a fine texel is sky.
+    /// Returns true if a fine texel is sky.
     pub fn get(&self, column: usize, row: usize) -> bool {
         match self.texel(column / self.block, row / self.block) {
             Texel::Closed => false,
@@ -160,7 +164,7 @@ impl SkyBitmap {
         }
     }
 
-    /// Share of a base texel that is sky, by its number.
+    /// Returns the share of a base texel that is sky. `texel` is its row-major number.
     pub fn share(&self, texel: usize) -> f64 {
         match self.texel(texel % self.side(), texel / self.side()) {
             Texel::Closed => 0.0,
@@ -171,7 +175,8 @@ impl SkyBitmap {
         }
     }
 
-    /// Calls `each` for every base texel, row by row, of which something is sky: its number and the share that is.
+    /// Calls `each` with the number of every base texel that is sky at least in part, and its share
+    /// of sky, row by row.
     #[inline(always)]
     pub fn for_visible(&self, mut each: impl FnMut(usize, f64)) {
         let all = (self.block * self.block) as f64;
@@ -193,7 +198,7 @@ impl SkyBitmap {
     }
 }
 
-/// `[word]`: number of set bits in the words before.
+/// Returns, for each word, the number of set bits in the words before.
 fn ranks(square: &BitSquare) -> Vec<u32> {
     let before = |sum: &mut u32, word: &u64| {
         let rank = *sum;
@@ -211,8 +216,9 @@ mod tests {
     use crate::layers::texel_block::TexelBlock;
     use glam::{DVec2, DVec3};
 
-    /// A skyline, refined and packed for 3 receivers of different normals, gives the same bitmap by the short way as by way of the
-    /// whole square, for 6 pairs of sides; every fine bit and every share of it is that of the square.
+    /// A skyline, refined and packed for 3 receivers of different normals, gives the same bitmap by
+    /// the direct decoder as by way of the whole square, for 6 pairs of sides. Every fine bit and
+    /// every share of it equals the square's.
     #[test]
     fn short_way() {
         let skyline = |d: DVec3| {
@@ -251,7 +257,8 @@ mod tests {
         }
     }
 
-    /// Bits behind the last of 33 columns are no texels: of an all open texture whose bytes have them set 1,089 texels are seen.
+    /// Bits behind the last of 33 columns are no texels: an all-open texture whose bytes have them
+    /// set shows 1,089 open texels.
     #[test]
     fn padding() {
         let raw = [0xff; 2 * 5 * 33];

@@ -1,47 +1,50 @@
-//! Blocks of 4 x 4 texels: what a square of bits is asked about by and answered with. In: squares of bits. Out: the blocks in which some
-//! are set, or their children are; and back.
+//! Blocks of 4 x 4 texels, in which a trace asks for texels of a square of bits and gets the
+//! answers. In: squares of bits. Out: the blocks that hold set bits or children of set bits; and
+//! back.
 
 use super::bits::BitSquare;
 
-/// Sixteen neighbours of an n x n texture, some of which are asked about. Masks hold column `c` and row `r` of a block at bit 4 r + c.
+/// Block of 4 x 4 texels of an n x n texture, some of which are asked for. Masks hold column `c`
+/// and row `r` of the block at bit 4 r + c.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TexelBlock {
-    /// Column of the block: a quarter of that of its first texel.
+    /// Column of the block: a quarter of the column of its first texel.
     pub column: u32,
     /// Row of the block.
     pub row: u32,
-    /// Texels that are asked about.
+    /// Mask of the texels that are asked for.
     pub wanted: u16,
-    /// The answer: those of them that are 1.
+    /// Answer: mask of the texels asked for that are 1.
     pub ones: u16,
 }
 
 impl TexelBlock {
-    /// Texels a side.
+    /// Number of texels to a side of a block.
     pub const SIDE: u32 = 4;
 
     fn asked(column: usize, row: usize, wanted: u16) -> Self {
         TexelBlock { column: column as u32, row: row as u32, wanted, ones: 0 }
     }
 
-    /// Column and row of the texel at a bit of the masks.
+    /// Returns the column and row of the texel at a bit of the masks.
     #[inline]
     pub fn texel(&self, bit: u32) -> (u32, u32) {
         (self.column * Self::SIDE + bit % Self::SIDE, self.row * Self::SIDE + bit / Self::SIDE)
     }
 
-    /// Whether another block is of the same texels.
+    /// Returns true if another block holds the same texels.
     pub fn lies_at(&self, other: &Self) -> bool {
         (self.row, self.column) == (other.row, other.column)
     }
 
-    /// Bits of the texels that are asked about.
+    /// Returns the bits, in the masks, of the texels that are asked for.
     pub fn bits(&self) -> impl Iterator<Item = u32> + use<> {
         let wanted = self.wanted;
         (0..u16::BITS).filter(move |bit| wanted >> bit & 1 == 1)
     }
 
-    /// Answers for blocks of an n x n texture by a function that answers for lists of texels.
+    /// Turns a function that answers for lists of texels into one that answers for blocks of an n x
+    /// n texture.
     pub fn by_texels(
         mut answer: impl FnMut(usize, &[(u32, u32)]) -> Vec<bool>,
     ) -> impl FnMut(usize, &mut [TexelBlock]) {
@@ -59,7 +62,7 @@ impl TexelBlock {
     }
 }
 
-/// Which texels of an n x n square were asked about, and what the answers were.
+/// Texels of an n x n square that were asked for, and their answers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answers {
     pub(super) asked: BitSquare,
@@ -67,7 +70,7 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Texels of a block that were asked about, and which of these are 1; both as masks of the block.
+    /// Returns two masks of a block: its texels that were asked for, and those of them that are 1.
     #[inline]
     pub fn of(&self, block: &TexelBlock) -> (u16, u16) {
         let asked = self.asked.block(block.column, block.row);
@@ -76,7 +79,7 @@ impl Answers {
 }
 
 impl BitSquare {
-    /// Blocks of the set bits, row by row.
+    /// Finds the blocks of the set bits, row by row.
     pub(super) fn blocks(&self, blocks: &mut Vec<TexelBlock>) {
         blocks.clear();
         for (row, band) in self.words.chunks(4 * self.stride).enumerate() {
@@ -94,9 +97,10 @@ impl BitSquare {
         }
     }
 
-    /// Blocks of the children of the set bits, in a square with twice the side, row by row.
+    /// Finds the blocks of the children of the set bits, in a square with twice the side, row by
+    /// row.
     pub(super) fn child_blocks(&self, blocks: &mut Vec<TexelBlock>) {
-        // Two columns twice.
+        // Masks of two columns, by their two bits: each bit becomes 2 x 2 bits.
         const TWICE: [u16; 4] = [0, 0x33, 0xcc, 0xff];
         blocks.clear();
         for (row, band) in self.words.chunks(2 * self.stride).enumerate() {
@@ -113,7 +117,7 @@ impl BitSquare {
         }
     }
 
-    /// Takes over the answers for a block.
+    /// Stores the answers of a block.
     #[inline]
     pub(super) fn put(&mut self, block: &TexelBlock) {
         let (first, side) = (block.row as usize * 4, self.side());
@@ -125,7 +129,7 @@ impl BitSquare {
         }
     }
 
-    /// The bits of a block of 4 x 4 texels as [`TexelBlock`] holds them; 0 beyond the square.
+    /// Returns the bits of a block as [`TexelBlock`] holds them; 0 beyond the square.
     #[inline]
     fn block(&self, column: u32, row: u32) -> u16 {
         let (place, shift) = (column as usize / 16, column % 16 * 4);
@@ -134,7 +138,8 @@ impl BitSquare {
             .fold(0, |block, (row, bit)| block | ((self.words[row * self.stride + place] >> shift & 15) as u16) << bit)
     }
 
-    /// The four bits of each of the `refined` texels of the square with half the side: [`BitSquare::refine`] from behind.
+    /// Returns the four bits of each texel of `refined`, a square with half the side. It is the
+    /// inverse of [`BitSquare::refine`].
     pub(super) fn nibbles(&self, refined: &Self) -> Vec<u8> {
         let mut nibbles = Vec::with_capacity((refined.count() as usize).div_ceil(2));
         let mut half = None;
@@ -164,8 +169,9 @@ mod tests {
     use super::*;
     use crate::hemisphere::{jitter, mix};
 
-    /// Of 600 random bits in squares of 5 sides, also ones that 4 does not divide: their blocks hold each of them once and nothing else, the
-    /// blocks of their children four for each; answers put back and read as nibbles are those that were given.
+    /// For 600 random bits in squares of 5 sides, also sides that 4 does not divide, the blocks
+    /// hold each bit once and nothing else, and the child blocks hold four for each. Answers put
+    /// into a square and read as nibbles come back.
     #[test]
     fn blocks_and_back() {
         for side in [3, 8, 70, 128, 200] {

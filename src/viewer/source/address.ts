@@ -5,7 +5,7 @@ import { DEFAULTS, type Place, type Show, type State, type Store, type Variant }
 const SHOWS: readonly string[] = ["sky", "reference", "sunlight", "glare", "year", "month", "day", "moment"] satisfies Show[];
 const LIGHTS: readonly string[] = ["weather", "clear", "overcast", "own"];
 const VARIANTS: readonly string[] = ["before", "after", "change"] satisfies Variant[];
-/** Stands before the place of a receiver of the archive after. */
+/** Prefix of the place of a receiver of the archive after. */
 const AFTER = "after.";
 /** Bounds of what the address may set. */
 const NUMBERS = {
@@ -40,7 +40,10 @@ function formatPlace({ tile, row, after }: Place): string {
   return `${after ? AFTER : ""}${tile}.${row}`;
 }
 
-/** Whatever of a state the text after `#` holds; unknown and senseless parts are left out. */
+/**
+ * Returns the parts of a state that the text after `#` holds; unknown and invalid parts are left
+ * out.
+ */
 export function parseAddress(hash: string): Partial<State> {
   const parameters = new URLSearchParams(hash.replace(/^#/, ""));
   const found: Partial<State> = {};
@@ -51,7 +54,7 @@ export function parseAddress(hash: string): Partial<State> {
   if (light !== null && LIGHTS.includes(light)) found.light = light as State["light"];
   const by = text("sun");
   if (by === "clock" || by === "angles") found.sunBy = by;
-  // Hours of a weather file and clear skies are those of a clock.
+  // Hours of a weather file and clear skies go by the clock.
   if (light === "weather" || light === "clear") found.sunBy = "clock";
   for (const key of Object.keys(NUMBERS) as (keyof typeof NUMBERS)[]) {
     const value = Number(text(key) ?? "no");
@@ -79,7 +82,10 @@ export function parseAddress(hash: string): Partial<State> {
   return found;
 }
 
-/** The part of the address of a state: only what differs from where everybody starts. */
+/**
+ * Returns the part of the address that holds a state: only the values that differ from the initial
+ * state.
+ */
 export function formatAddress(state: State): string {
   const parameters = new URLSearchParams();
   if (state.part !== null) parameters.set("part", state.part);
@@ -103,14 +109,17 @@ export function formatAddress(state: State): string {
   return `#${parameters.toString().replaceAll("%2C", ",").replaceAll("%3A", ":")}`;
 }
 
-/** Keeps the address up to date, a few times a second at most, and follows it when the user changes it. */
+/**
+ * Keeps the address up to date, a few times a second at most, and follows it when the user changes
+ * it.
+ */
 export function keepAddress(store: Store): void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let written = location.hash;
   store.subscribe(() => {
     clearTimeout(timer);
     timer = setTimeout(() => {
-      // A change by hand is about to be told, and counts.
+      // A change by hand takes precedence; its event follows.
       if (location.hash !== written) return;
       history.replaceState(null, "", formatAddress(store.state));
       written = location.hash;
@@ -121,7 +130,7 @@ export function keepAddress(store: Store): void {
     written = location.hash;
     const found = parseAddress(location.hash);
     const { part, camera } = store.state;
-    // Another part is looked at as a whole, if no camera is given.
+    // If no camera is given, the view shows another part as a whole.
     const elsewhere = found.part !== undefined && found.part !== part;
     if (Object.keys(found).length > 0) store.set({ ...DEFAULTS, part, camera: elsewhere ? null : camera, ...found });
   });

@@ -1,4 +1,5 @@
-// Keeps values in step with the state. One ask at a time: while it is under way the newest wishes wait, and they win.
+// Keeps values in step with the state. One query runs at a time: newer states wait meanwhile, and
+// only the newest of them is asked for.
 
 import type { Card } from "./card/card";
 import { Loader } from "./card/loader";
@@ -10,29 +11,32 @@ import { isOfSun, isSum, type State, type Store } from "./state";
 import type { View } from "./view/stage";
 import { Values } from "./values";
 
-/** A sun that does not move for so long rests, ms: then the core's values replace those of the card. */
+/**
+ * Time after which a sun that does not move is at rest, ms: then the core's values replace the
+ * card's.
+ */
 const REST_MS = 180;
 
-/** A camera that moves changes the order of tiles so often at most, ms. */
+/** Shortest time between two changes of the order of tiles by a moving camera, ms. */
 const TURN_MS = 100;
 
 interface Hooks {
-  /** What is looked at: its tiles come first. */
+  /** The present view: its tiles come first. */
   view(): View;
   onShine(shine: Shine): void;
-  /** Values of people in the chosen moment. */
+  /** Called with the air of people in the chosen moment. */
   onAir(air: Air): void;
-  /** Values arrived, or are about to be asked for. */
+  /** Called when values arrived or are about to be asked for; null when that is over. */
   onValues(progress: { done: number; of: number } | null): void;
-  /** All tiles that were in view when they were asked for have values. */
+  /** Called when all tiles in view at the time of the query have values. */
   onInView(): void;
-  /** The card has the colours of the newest light. */
+  /** Called when the card has the colours of the newest light. */
   onCard(): void;
   onDamage(tile: number, message: string): void;
   onError(error: unknown): void;
 }
 
-/** What has to change for other values to be needed. */
+/** Returns the part of the state on which values depend, as a key. */
 function wish(state: State, session: Session): string {
   const weather = session.weather !== null;
   const isFelt = comfortOf(state, session.people) !== null;
@@ -59,24 +63,24 @@ function wish(state: State, session: Session): string {
 
 export class Asker {
   readonly values: Values;
-  /** Of the sun on a day, or of the sun in mirrors. */
+  /** Minutes of the sun on a day, or of the sun in mirrors. */
   readonly minutes: Values;
-  /** True when all that can be known of the newest wish is known. */
+  /** True when all available values of the newest state are known. */
   settled = true;
   shine: Shine | null = null;
-  /** The air of the moment that people were last asked about. */
+  /** Air of the last moment that people were asked for. */
   air: Air | null = null;
-  /** By names of numbers. */
+  /** Values of people, by the names of the numbers. */
   private readonly ofPeople = new Map<string, Values>();
   private readonly stop: () => void;
   private wished = "";
-  /** Number of the newest wish. */
+  /** Number of the newest state that was asked for. */
   private wishes = 0;
   private shown = "";
   private ask = 0;
   private waiting = false;
   private isTurning = false;
-  /** True when the card has drawn the newest wish. */
+  /** True when the card has drawn the newest state. */
   private drawn = false;
   private whenSettled: (() => void)[] = [];
   private whenSeen: (() => void)[] = [];
@@ -97,7 +101,7 @@ export class Asker {
     });
   }
 
-  /** Numbers of people, with these names. */
+  /** Returns the numbers of people with these names. */
   felt(names: readonly string[]): Values {
     const key = names.join();
     let values = this.ofPeople.get(key);
@@ -110,7 +114,7 @@ export class Asker {
     return comfortOf(state, this.session.people) === null ? this.values : this.felt(namesOf(state, this.session.people));
   }
 
-  /** What still comes is of no use any more. */
+  /** Discards all answers that still come. */
   close(): void {
     this.stop();
     this.loader?.stop();
@@ -118,7 +122,7 @@ export class Asker {
     for (const resolve of [...this.whenSettled.splice(0), ...this.whenSeen.splice(0)]) resolve();
   }
 
-  /** Asks again where the state wishes for other values. */
+  /** Asks again if the state needs other values. */
   update(): void {
     const now = wish(this.store.state, this.session);
     if (now === this.wished) return;
@@ -134,7 +138,7 @@ export class Asker {
     });
   }
 
-  /** Weather or clouds are others: what depends on it is asked again. */
+  /** Asks again for all values that depend on weather or clouds, since these changed. */
   renew(): void {
     this.wished = "";
     this.shown = "";
@@ -145,7 +149,7 @@ export class Asker {
     return this.settled ? Promise.resolve() : new Promise((resolve) => this.whenSettled.push(resolve));
   }
 
-  /** Resolves when colours are those of the newest wish, even if not all numbers are. */
+  /** Resolves when the colours show the newest state, even if not all numbers do. */
   seeing(): Promise<void> {
     return this.settled || this.drawn ? Promise.resolve() : new Promise((resolve) => this.whenSeen.push(resolve));
   }
@@ -158,12 +162,12 @@ export class Asker {
       if (!done || ask !== this.ask) return;
     } catch (error) {
       if (ask !== this.ask) return;
-      // What was shown before is not what was asked for.
+      // Values shown before belong to another query.
       const values = this.valuesOf(this.store.state);
       if (values.fresh === 0) values.begin(true);
       this.hooks.onError(error);
     }
-    // A newer wish may wait for the next picture.
+    // A newer state may wait for the next picture.
     if (wishes !== this.wishes || this.wished !== wish(this.store.state, this.session)) return;
     this.settled = true;
     if (this.card) this.card.shown = null;
@@ -172,7 +176,7 @@ export class Asker {
     for (const resolve of [...this.whenSettled.splice(0), ...this.whenSeen.splice(0)]) resolve();
   }
 
-  /** True when it came to its end, false when a newer ask took its place. */
+  /** Returns true if the query was completed, false if a newer one replaced it. */
   private async askEngine(isNewest: () => boolean): Promise<boolean> {
     const { session, hooks } = this;
     const { engine, site } = session;
@@ -182,7 +186,7 @@ export class Asker {
     const isFelt = comfortOf(state, session.people) !== null;
     const asked = isFelt ? `felt ${kind}` : kind;
     const forget = asked !== this.shown;
-    // What another kind of ask still computes is of no use any more.
+    // The engine drops queries of another kind, whose values are no longer needed.
     if (forget && isSum(this.shown as State["show"]) && (isFelt || !isSum(kind))) void this.drop("sums");
     if (forget && isOfSun(this.shown as State["show"]) && !isOfSun(kind)) void this.drop("sunMinutes");
     if (forget && this.shown === "moment") void this.drop("moment");
@@ -247,14 +251,15 @@ export class Asker {
     const ask = { light: shine.light, ...common };
     if (card && this.loader && !forget && shine.light.kind === "sun" && card.serves(JSON.stringify(changes), state.component)) {
       begin();
-      // Only what the card does not have, and what is read in tables, keeps in step with a sun that moves.
+      // Only what the card does not have, and what is read in tables, keeps in step with a sun that
+      // moves.
       const chosen = [state.selected, state.pinned].flatMap((place) => (place ? [place.tile] : []));
       const some = engine.moment({ ...ask, tiles: [...new Set([...chosen, ...this.loader.missing])] }, onTile, onDamage);
-      // Its failure is told where it is waited for.
+      // The failure is reported where the result is awaited.
       some.catch(() => undefined);
       const light = await engine.light({ ...ask, tiles: [] });
       if (!isNewest()) return false;
-      // What is shown may have become another component since.
+      // The user may have chosen another component since.
       const { component } = this.store.state;
       if (card.serves(JSON.stringify(changes), component)) {
         card.draw(light, component);
@@ -272,14 +277,14 @@ export class Asker {
     return engine.moment({ ...ask, tiles }, onTile, onDamage);
   }
 
-  /** Brings receivers to the card for the next time that the sun moves. */
+  /** Loads receivers to the card for the next time that the sun moves. */
   private load(): void {
     const { state } = this.store;
     if (!this.loader || state.show !== "moment" || state.light === "weather" || comfortOf(state, this.session.people) !== null) return;
     void this.loader.load(this.session.changes(state), this.session.tilesInOrder(this.hooks.view()).tiles);
   }
 
-  /** What comes into view is made next. */
+  /** Asks for tiles that come into view first. */
   private preferInView(): void {
     if (this.isTurning || (this.settled && !this.loader?.isLoading)) return;
     this.isTurning = true;
@@ -298,7 +303,7 @@ export class Asker {
       else if (what === "sums") await this.session.engine.sums({ span: { kind: "year" }, ...nothing }, ignore, ignore);
       else await this.session.engine.moment({ light: { kind: "sun", azimuth: 0, altitude: -1, dni: 0, dhi: 0 }, ...nothing }, ignore, ignore);
     } catch {
-      // Whoever asks next gets the engine's error.
+      // The next query reports the engine's error.
     }
   }
 }

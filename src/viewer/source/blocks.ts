@@ -1,8 +1,12 @@
-// Data that stand in the page itself as `<script type="application/octet-stream">`: the engine, and what the program put there.
+// Data in the page itself, as `<script type="application/octet-stream">`: the engine, and data that
+// the program embedded.
 
 import type { Clock } from "./engine/client";
 
-/** Bytes of a block, unpacked where it says that it is packed; none where the page has no such block. Its text is let go. */
+/**
+ * Returns the bytes of a block, unpacked if it is packed, or null if the page has no such block.
+ * The text of the block is freed.
+ */
 export async function takeBlock(id: string): Promise<{ bytes: ArrayBuffer; name: string } | null> {
   const block = document.getElementById(id);
   const text = block?.textContent?.trim();
@@ -15,7 +19,10 @@ export async function takeBlock(id: string): Promise<{ bytes: ArrayBuffer; name:
   return { bytes: await new Response(stream).arrayBuffer(), name };
 }
 
-/** The same for a block that stands behind the script of the page, and may still be on its way. */
+/**
+ * Returns the bytes of a block behind the script of the page, which may still be loading, as
+ * `takeBlock` does.
+ */
 export async function takeLaterBlock(id: string): Promise<{ bytes: ArrayBuffer; name: string } | null> {
   if (document.readyState === "loading") await new Promise((resolve) => document.addEventListener("DOMContentLoaded", resolve, { once: true }));
   return takeBlock(id);
@@ -23,18 +30,21 @@ export async function takeLaterBlock(id: string): Promise<{ bytes: ArrayBuffer; 
 
 export interface Options {
   archive?: string;
-  /** Of an archive that is shown beside it. */
+  /** Address of an archive that is shown beside the first. */
   after?: string;
-  /** In place of an archive: address of the list of an atlas' parts. */
+  /** Address of the list of an atlas' parts, in place of an archive. */
   parts?: string;
   weather?: string;
-  /** What the weather file is called, if not as its address ends. */
+  /** Name of the weather file, if not the end of its address. */
   weatherName?: string;
-  /** Of the weather that comes with the page. */
+  /** Clock of the weather that comes with the page. */
   clock: Clock;
-  /** Most memory of the graphics card for textures of receivers, MB; 0: none. Else as the card is. */
+  /**
+   * Largest memory of the graphics card for textures of receivers, MB; 0: none. By default it
+   * depends on the card.
+   */
   card?: number;
-  /** Workers that make values; else as many as suit processor and archive. */
+  /** Number of workers that compute values. By default it depends on processor and archive. */
   workers?: number;
 }
 

@@ -1,5 +1,5 @@
-// What one archive has more than the other. In: a quantity of both, and which receivers are the same. Out: the change, by receivers of the archive
-// after.
+// Change of a quantity from one archive to another. In: the quantity in both, and which receivers
+// are the same. Out: the change, by receivers of the archive after.
 
 import { type Matching, NO_PARTNER, type ReceiverPlace } from "./engine/client";
 import type { Quantity } from "./quantity";
@@ -22,7 +22,10 @@ export class Partners {
   }
 }
 
-/** What receivers of an archive are recognised by, with their rows: those of damaged tiles are missing. */
+/**
+ * Returns the properties by which receivers of an archive are recognised, with their rows.
+ * Receivers of damaged tiles are missing.
+ */
 async function placesOf(session: Session): Promise<{ places: ReceiverPlace[]; rows: number[] }> {
   const [places, rows]: [ReceiverPlace[], number[]] = [[], []];
   for (const [tile, { first }] of session.tiles.entries()) {
@@ -39,7 +42,7 @@ async function placesOf(session: Session): Promise<{ places: ReceiverPlace[]; ro
   return { places, rows };
 }
 
-/** Lets the engine say which receivers of two archives are the same. */
+/** Lets the engine find the receivers that two archives have in common. */
 export async function matched(before: Session, after: Session): Promise<Partners> {
   const [one, other] = await Promise.all([placesOf(before), placesOf(after)]);
   const { partners, moved }: Matching = await after.engine.match(one.places, other.places);
@@ -50,18 +53,18 @@ export async function matched(before: Session, after: Session): Promise<Partners
   return new Partners(pairs, before.site.receivers, after.site.receivers, moved);
 }
 
-/** In percent of what was before; there are none of 0. */
+/** Returns the change in percent of the value before; NaN if that is 0. */
 export function percentOf(before: number, after: number): number {
   return before === 0 ? NaN : (100 * (after - before)) / before;
 }
 
-/** By receivers of the archive after; NaN, or nothing, where one has no partner. */
+/** Returns the change by receivers of the archive after; NaN for a receiver without a partner. */
 export function changeOf(before: Quantity, after: Quantity, partners: Partners, percent: boolean): Quantity {
-  // A temperature has no percent.
+  // A temperature has no meaningful percentage.
   const isShare = percent && after.unit !== CELSIUS;
   const differ = (one: number, other: number): number => (isShare ? percentOf(one, other) : other - one);
   const unit = isShare ? "% of before" : after.unit === "%" ? "% points" : after.unit === CELSIUS ? "K" : after.unit;
-  // Of people before and light after there is nothing to compare.
+  // Comfort before and light after cannot be compared.
   if (before.unit !== after.unit || before.shown !== after.shown) return { ...after, shownTitle: "No change: two kinds of values", column: null, of: () => null };
   const [from, to] = [before.column, after.column];
   const column = from && to && to.map((value, row) => (partners.ofAfter[row]! < 0 ? NaN : differ(from[partners.ofAfter[row]!]!, value)));

@@ -1,16 +1,20 @@
-// A picture of clouds. In: a file. Out: its levels as they are coded, and its map as the engine makes it. Shares of light are the engine's matter.
+// A picture of clouds. In: a file. Out: its levels as they are coded, and its map as the engine
+// makes it. The engine turns levels into shares of light.
 
 import type { Engine } from "./engine/client";
 import { el } from "./dom";
 import { EngineError } from "./engine/failure";
 
-/** Most pixels a side. */
+/** Largest number of pixels to a side. */
 const MOST = 4096;
 
-/** Points a side of the map. */
+/** Number of points to a side of the map. */
 const MAP = 256;
 
-/** What hides, on the map, and how much of it is drawn: what lies behind is still told. */
+/**
+ * Colour of clouds on the map. They are not drawn opaque, so that the content behind them stays
+ * visible.
+ */
 export const CLOUD_RGB = [104, 114, 125] as const;
 
 export const CLOUD_OPACITY = 0.8;
@@ -22,10 +26,13 @@ export interface CloudPicture {
   levels: Uint8Array;
 }
 
-/** A picture that an engine has, as it is shown. */
+/** Picture that an engine has, with its map. */
 export interface Clouds {
   name: string;
-  /** As a map, whose top is that of the picture and whose right is clockwise of it; where nothing is hidden it lets through. */
+  /**
+   * Map whose top is the top of the picture and whose right is clockwise of it; transparent where
+   * nothing is hidden.
+   */
   map: HTMLCanvasElement;
 }
 
@@ -33,11 +40,12 @@ function refused(message: string, hint: string): EngineError {
   return new EngineError({ kind: "other", message, hint });
 }
 
-/** Reads a picture; one that is not square is refused. */
+/** Reads a picture. Throws an error if it is not square. */
 export async function readPicture(file: File): Promise<CloudPicture> {
   let bitmap: ImageBitmap;
   try {
-    // Levels are shares as they stand in the file, whatever the colours that it says they are, and behind whatever opacity.
+    // Levels are shares as they stand in the file, so colour space and opacity must not change
+    // them.
     bitmap = await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
   } catch {
     throw refused("this browser does not read it as a picture", "Save the picture as PNG.");
@@ -52,7 +60,10 @@ export async function readPicture(file: File): Promise<CloudPicture> {
   }
 }
 
-/** A 2D canvas would multiply levels by opacity, which cannot be undone; a texture keeps them. */
+/**
+ * Returns the levels of a picture by way of a texture: a 2D canvas would multiply them by opacity,
+ * which cannot be undone.
+ */
 function levelsOf(bitmap: ImageBitmap): Uint8Array {
   const { width, height } = bitmap;
   const gl = new OffscreenCanvas(1, 1).getContext("webgl2");
@@ -71,7 +82,7 @@ function levelsOf(bitmap: ImageBitmap): Uint8Array {
   }
 }
 
-/** The picture of an engine. */
+/** Gives a picture to an engine and returns it with its map. */
 export async function cloudsOf(engine: Engine, { name, side, levels }: CloudPicture): Promise<Clouds> {
   const hidden = await engine.clouds(side, levels, MAP);
   const map = el("canvas", { width: MAP, height: MAP });

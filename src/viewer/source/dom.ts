@@ -31,21 +31,21 @@ export function svg<K extends keyof SVGElementTagNameMap>(
   return element;
 }
 
-/** The element of the page's markup with this id, which is of this class. */
+/** Returns the element of the page's markup with this id and class. */
 export function byId<T extends Element>(id: string, kind: abstract new () => T): T {
   const element = document.getElementById(id);
   if (!(element instanceof kind)) throw new Error(`the page has no ${kind.name} #${id}`);
   return element;
 }
 
-/** Fills a select; keeps its choice where that is still there. */
+/** Fills a select; keeps its choice if the list still has it. */
 export function options(select: HTMLSelectElement, list: { value: string; label: string; disabled?: boolean }[]): void {
   const before = select.value;
   select.replaceChildren(...list.map((o) => el("option", { value: o.value, text: o.label, disabled: o.disabled ?? false })));
   if (list.some((o) => o.value === before)) select.value = before;
 }
 
-/** A file for the user's downloads. */
+/** Offers a file as a download. */
 export function download(blob: Blob, name: string): void {
   const link = el("a", { href: URL.createObjectURL(blob), download: name });
   link.click();

@@ -1,5 +1,5 @@
-// One archive on the stage: its meshes, its values, their colours. In: a session. What is shown of it, and beside which other, is the opened
-// site's to say.
+// One archive on the stage: its meshes, its values, their colours. In: a session. The opened site
+// decides what is shown of it, and beside which other archive.
 
 import { Box3, type BufferGeometry, Group, LineSegments, Mesh, Vector3 } from "three";
 import { Asker } from "./asker";
@@ -26,19 +26,19 @@ interface Setting {
   messages: Messages;
   /** Memory of the graphics card, MB. */
   cardMb: number;
-  /** What is called damaged: "" where there is one archive only. */
+  /** Name of the archive in reports of damage; "" if there is only one. */
   name: string;
 }
 
 interface Hooks {
   onShine(shine: Shine): void;
-  /** Values of people in the chosen moment. */
+  /** Called with the air of people in the chosen moment. */
   onAir(air: Air): void;
-  /** Tiles are read, or values arrive; none when that is over. */
+  /** Called while tiles are read or values arrive; null when that is over. */
   onProgress(progress: Progress | null): void;
-  /** There is something new to colour. */
+  /** Called when there is something new to colour. */
   onChange(): void;
-  /** What was in view when it was asked for has values. */
+  /** Called when tiles that were in view at the time of the query have values. */
   onInView(): void;
 }
 
@@ -50,7 +50,7 @@ export class Layer {
   private readonly root = new Group();
   private readonly patches: Patches;
 
-  /** `before`: the layer that this one may be compared with. */
+  /** `before` is the layer that this one may be compared with. */
   constructor(
     private readonly setting: Setting,
     readonly session: Session,
@@ -84,7 +84,7 @@ export class Layer {
     }, card);
   }
 
-  /** Lets go of everything that stands on the stage and on the graphics card. */
+  /** Frees everything on the stage and on the graphics card. */
   close(): void {
     this.session.closed = true;
     this.asker.close();
@@ -104,19 +104,19 @@ export class Layer {
     this.root.visible = visible;
   }
 
-  /** Of the whole scene, m from the origin of the page. */
+  /** Box of the whole scene, m from the origin of the page. */
   get bounds(): Box3 {
     const { bounds, origin } = this.session.site;
     const [low, high] = bounds.map((corner) => new Vector3(...corner));
     return new Box3(low, high).translate(new Vector3(...this.session.shift).sub(new Vector3(...origin)));
   }
 
-  /** Of its receivers' patches, m from the origin of the page. */
+  /** Box of the receivers' patches, m from the origin of the page. */
   get patchBox(): Box3 {
     return this.patches.box.clone().translate(this.root.position);
   }
 
-  /** All corners of its patches, m from the origin of its scene. */
+  /** Returns all corners of the patches, m from the origin of the scene. */
   patchPoints(): ArrayLike<number>[] {
     return this.patches.points();
   }
@@ -168,7 +168,10 @@ export class Layer {
     this.paint.show(column);
   }
 
-  /** Whether the card has the newest colours: then no value of a receiver is touched but those that it leaves to the core. */
+  /**
+   * Returns true if the card has the newest colours. Then only the values of receivers that the
+   * card leaves to the core are uploaded.
+   */
   private byCard(quantity: Quantity): boolean {
     const { card } = this.asker;
     if (!card?.shown || !quantity.column || this.setting.store.state.show !== "moment") return false;

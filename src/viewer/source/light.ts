@@ -1,16 +1,17 @@
-// State -> the light that the engine is asked for. Suns and clear skies come from the engine; nothing is computed here.
+// State -> the light that the engine is asked for. Suns and clear skies come from the engine;
+// nothing is computed here.
 
 import type { Engine, Light, WeatherInfo } from "./engine/client";
 import type { State } from "./state";
 
-/** Row of a weather file nearest to a day and a clock time. */
+/** Returns the row of a weather file nearest to a day and a clock time. */
 export function weatherRow(weather: WeatherInfo, dayOfYear: number, minutes: number): number {
   let best = 0;
   let least = Infinity;
   for (let row = 0; row < weather.rows; row++) {
     const days = Math.abs(weather.dayOfYear[row]! - dayOfYear);
     const distance = Math.min(days, 365 - days) * 1440 + Math.abs(weather.minutes[row]! - minutes);
-    // At the border of two intervals the one that begins there.
+    // At the border of two intervals, the one that begins there is taken.
     if (distance <= least) [best, least] = [row, distance];
   }
   return best;
@@ -20,19 +21,19 @@ interface KnowsClearSkies {
   clear(dayOfYear: number, minutes: number): Promise<{ dni: number; dhi: number }>;
 }
 
-/** Whether this engine tells what a cloudless sky gives. */
+/** Returns true if this engine offers clear skies. */
 export function knowsClearSkies(engine: object): engine is KnowsClearSkies {
   return "clear" in engine && typeof engine.clear === "function";
 }
 
-/** The sun and the irradiances behind a light, for those who read. */
+/** Sun and irradiances of a light, for display. */
 export interface Shine {
   light: Light;
   azimuth: number;
   altitude: number;
   dni: number;
   dhi: number;
-  /** The interval of a weather file, else none. */
+  /** Interval of a weather file, else null. */
   label: string | null;
 }
 

@@ -30,7 +30,11 @@ import { Stage } from "./view/stage";
 
 declare global {
   interface Window {
-    /** For automation and tests. `after`: the engine of the archive after. `card`: what the graphics card does by itself. `ready`, asked at any time, resolves when all that is wished for is on the page, or its failure is told. */
+    /**
+     * For automation and tests. `after` is the engine of the archive after, `card` the graphics
+     * card's part. `ready`, asked at any time, resolves when the page shows the newest state or
+     * reports a failure.
+     */
     heliotile?: { readonly engine: Engine | null; readonly after: Engine | null; readonly card: Card | null; readonly state: Readonly<State>; readonly ready: Promise<void> };
   }
 }
@@ -38,10 +42,10 @@ declare global {
 class Main {
   readonly store = new Store();
   readonly messages = new Messages();
-  /** Resolves when what the page was opened with is on it, or its failure is told. */
+  /** Resolves when the page shows the archive that it was opened with, or reports a failure. */
   started: Promise<void> = Promise.resolve();
   engine: Engine | null = null;
-  /** Of the archive that is beside the first. */
+  /** Engine of the archive beside the first. */
   after: Engine | null = null;
   private given = parseAddress(location.hash);
   private readonly stage = new Stage(byId("view", HTMLCanvasElement));
@@ -51,7 +55,7 @@ class Main {
   private opened: OpenedSite | null = null;
   private keeping = false;
   private parts: PartsPanel | null = null;
-  /** Of archives that are opened one after the other. */
+  /** Chain of openings: archives are opened one after the other. */
   private opening: Promise<void> = Promise.resolve();
   /** Starts one more engine. */
   private startEngine: () => Promise<Engine> = () => Promise.reject(new Error("the engine has not started"));
@@ -60,7 +64,7 @@ class Main {
   private turnBeside = 0;
   /** Reads the weather again, which an archive that is opened needs. */
   private weather: (engine: Engine) => Promise<WeatherInfo | null> = () => Promise.resolve(null);
-  /** Of clouds, which an archive that is opened gets. */
+  /** Picture of clouds, which every opened archive gets. */
   private picture: CloudPicture | null = null;
 
   constructor() {
@@ -131,7 +135,10 @@ class Main {
     await (source ? this.open(source, null, beside) : this.openParts(outside ?? ""));
   }
 
-  /** Shows the parts of an atlas: first the one of the address, or else the first that is built; later those that are wished for. */
+  /**
+   * Shows the parts of an atlas: first the one in the address, or else the first that is built;
+   * later those that the user chooses.
+   */
   private async openParts(address: string): Promise<void> {
     const parts = await readParts(address);
     this.parts = new PartsPanel(parts, (part) => {
@@ -150,7 +157,7 @@ class Main {
     await this.opening;
   }
 
-  /** Opens the part of the state; what is set stays as it is where that part can show it. */
+  /** Opens the part of the state. Settings stay as they are if that part can show them. */
   private async openPart(): Promise<void> {
     const { part } = this.store.state;
     const url = this.parts?.parts.find(({ name }) => name === part)?.archive;
@@ -174,7 +181,10 @@ class Main {
     await this.opened?.settled();
   }
 
-  /** Opens an archive in place of those that are open, and another beside it; a part is called by its name. */
+  /**
+   * Opens an archive in place of those that are open, and another beside it; a part is called by
+   * its name.
+   */
   private async open(source: Source, part: string | null = null, beside: () => Promise<Source | null> = () => Promise.resolve(null)): Promise<void> {
     const { engine } = this;
     if (!engine) return;
@@ -186,7 +196,7 @@ class Main {
       site = await engine.open(source);
       if (part !== null) site = { ...site, name: part };
     } catch (error) {
-      // Who asks for another one meanwhile wants that.
+      // A newer request for an archive supersedes this one.
       if (turn !== this.turn) return;
       this.messages.error(`opening ${name}`, error);
       byId("welcome", HTMLElement).hidden = this.opened !== null;
@@ -207,7 +217,7 @@ class Main {
     this.page.light.open(session);
     if (!this.keeping) keepAddress(this.store);
     this.keeping = true;
-    // Weather is read first where the address asks for what needs it, else the picture comes first.
+    // Weather is read first if the address needs it; else the picture comes first.
     const found = this.weather(engine);
     const reading = this.opened.read();
     const people = session.readPeople();
@@ -216,7 +226,7 @@ class Main {
     if (turn !== this.turn) return;
     this.takePeople(session);
     this.takeWeather(weather);
-    // What is beside it comes when the first is on the screen.
+    // The archive beside it comes when the first is on the screen.
     await reading;
     const other = turn === this.turn ? await beside() : null;
     if (other && turn === this.turn) await this.openAfter(other);
@@ -273,7 +283,7 @@ class Main {
     this.store.set({ reflectance, transmittance: { ...only("canopy", known.transmittance), ...state.transmittance } });
   }
 
-  /** Where the address says nothing: what this archive can show. */
+  /** Returns values that this archive can show, for a state that the address does not set. */
   private fallbacks(site: Site): Partial<State> {
     const clear = this.engine !== null && knowsClearSkies(this.engine) && site.place !== null;
     return {
@@ -283,7 +293,7 @@ class Main {
     };
   }
 
-  /** What the address says, without what this archive does not have. */
+  /** Returns the state of the address, without the parts that this archive does not have. */
   private sensible(site: Site): Partial<State> {
     const given = { ...this.given };
     if (given.component !== undefined && !site.components.includes(given.component) && !isOfComfort(given.component)) delete given.component;
@@ -305,7 +315,7 @@ class Main {
     return found;
   }
 
-  /** People show what they feel, if the address does not ask for something else. */
+  /** Shows the comfort of people, if the address does not ask for something else. */
   private takePeople({ people }: Session): void {
     const { state } = this.store;
     if (people && this.given.show === undefined && this.given.component === undefined) {
@@ -339,7 +349,7 @@ class Main {
   private async anotherArchive(file: File): Promise<void> {
     this.messages.clear();
     if (this.opened) {
-      // The address speaks of the former archive.
+      // The address belongs to the former archive.
       this.given = {};
       this.store.set({ ...DEFAULTS });
     }

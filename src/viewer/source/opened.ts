@@ -1,5 +1,5 @@
-// What is open on the page: an archive, or two of them, before and after; its colours and panels. In: sessions. Everything here goes when another
-// archive is opened.
+// The archives that are open on the page: one, or two of them, before and after; with their colours
+// and panels. In: sessions. All of it is freed when another archive is opened.
 
 import { Vector3 } from "three";
 import { readOptions } from "./blocks";
@@ -25,7 +25,10 @@ import { Picker } from "./view/pick";
 import { corners, type Stage } from "./view/stage";
 import { number } from "./words";
 
-/** Where drawing takes longer (ms), as without a graphics card, the engine gets that many times as long between two pictures. */
+/**
+ * Where drawing takes longer (ms), as without a graphics card, the engine gets that many times as
+ * long between two pictures.
+ */
 const SLOW = 50;
 const PAINT_SHARE = 10;
 
@@ -44,16 +47,16 @@ export interface Page {
 
 export class OpenedSite {
   readonly before: Layer;
-  /** Beside it, if there is one. */
+  /** Layer of the archive after, if there is one. */
   after: Layer | null = null;
-  /** Known when the names of all receivers of both are read. */
+  /** Receivers that both archives have in common; known when all names of both are read. */
   partners: Partners | null = null;
   readonly receiver: ReceiverPanel;
   private readonly picker: Picker;
   private readonly overlay: Overlay;
   private readonly stop: () => void;
   private readonly reading = new Map<Layer, Progress>();
-  /** When colours were last on the screen, and what that took, ms. */
+  /** Time of the last drawing of colours, and its duration, ms. */
   private painted = 0;
   private paintCost = 0;
   private repaintAsked = false;
@@ -82,7 +85,7 @@ export class OpenedSite {
     this.stop = store.subscribe((changed) => this.follow(changed));
   }
 
-  /** Lets go of everything that stands on the page and on the graphics card. */
+  /** Frees everything on the page and on the graphics card. */
   close(): void {
     this.stop();
     this.receiver.close();
@@ -96,7 +99,7 @@ export class OpenedSite {
     return this.after ? [this.before, this.after] : [this.before];
   }
 
-  /** What of two archives can be shown, as far as they are read. */
+  /** Variant that can be shown, as far as the archives are read. */
   get variant(): Variant {
     const { variant } = this.page.store.state;
     if (!this.after?.session.ready) return "before";
@@ -108,14 +111,17 @@ export class OpenedSite {
     return this.variant === "before" ? this.before : (this.after ?? this.before);
   }
 
-  /** What colours and legend show. */
+  /** Returns the quantity that colours and legend show. */
   quantity(): Quantity {
     const { partners, shown } = this;
     if (this.variant !== "change" || !partners) return shown.quantity();
     return changeOf(this.before.quantity(), shown.quantity(), partners, this.page.store.state.percent);
   }
 
-  /** Reads what there is to see; resolves when all of it is on the screen, but for values that are still made. */
+  /**
+   * Reads scene and receivers. Resolves when all of it is on the screen, but for values that are
+   * still computed.
+   */
   async read(): Promise<void> {
     const { stage, store } = this.page;
     const { before } = this;
@@ -129,7 +135,7 @@ export class OpenedSite {
     const sceneDone = before.readScene();
     await before.readTiles();
     if (this.session.closed) return;
-    // The receivers are what is looked at; nobody who has moved is moved.
+    // The camera frames the receivers, but not if the user has moved it.
     if (camera === null && stage.camera.position.equals(started) && !before.patchBox.isEmpty()) stage.frame(before.patchPoints(), before.patchBox, box);
     this.follow(new Set(["selected", "pinned"]));
     this.repaint();
@@ -137,7 +143,7 @@ export class OpenedSite {
     await sceneDone;
   }
 
-  /** Lets go of the archive that is beside it. */
+  /** Removes the archive beside the first. */
   dropAfter(): void {
     if (!this.after) return;
     this.after.close();
@@ -148,7 +154,9 @@ export class OpenedSite {
     this.follow(new Set(["selected"]));
   }
 
-  /** Puts another archive beside it, and finds out which receivers are the same; the camera stays. */
+  /**
+   * Puts another archive beside it, and finds out which receivers are the same; the camera stays.
+   */
   async compareWith(session: Session): Promise<Partners> {
     const { show, stage, variant } = this.page;
     const after = this.layer(session, this.before);
@@ -174,24 +182,24 @@ export class OpenedSite {
     return partners;
   }
 
-  /** Resolves when values and the chosen receiver on the page are those that the state wishes for. */
+  /** Resolves when values and the chosen receiver on the page show the state. */
   async settled(): Promise<void> {
     await this.settling();
     await this.receiver.choosing;
     if (!this.session.closed) this.paintNow();
   }
 
-  /** Resolves when the values of all archives are those of the newest wish. */
+  /** Resolves when the values of all archives are those of the newest state. */
   async settling(): Promise<void> {
     await Promise.all(this.layers.map(({ asker }) => asker.settling()));
   }
 
-  /** Resolves when colours are those of the newest wish, even if not all numbers are. */
+  /** Resolves when the colours show the newest state, even if not all numbers do. */
   async seeing(): Promise<void> {
     await Promise.all(this.layers.map(({ asker }) => asker.seeing()));
   }
 
-  /** What is drawn at a place of the canvas becomes the chosen receiver. */
+  /** Chooses the receiver that is drawn at a place of the canvas. */
   pick(x: number, y: number): void {
     const { stage, store, say, openTab } = this.page;
     const { canvas } = stage;
@@ -204,7 +212,7 @@ export class OpenedSite {
     } else say("There is no receiver.");
   }
 
-  /** It is known whether receivers are people. */
+  /** Shows the people, once it is known if receivers are people. */
   takePeople(): void {
     this.page.show.refresh();
     this.page.light.renew();
@@ -212,7 +220,7 @@ export class OpenedSite {
     this.repaint();
   }
 
-  /** Weather or clouds are others. */
+  /** Shows new values, since weather or clouds changed. */
   renew(): void {
     this.page.light.renew();
     this.page.show.refresh();
@@ -223,7 +231,8 @@ export class OpenedSite {
   private layer(session: Session, before: Layer | null): Layer {
     const { page } = this;
     const { stage, store, messages } = page;
-    // Where the processor has to do the work of a card, the core is faster at it. A second archive gets half as much.
+    // If the processor draws in place of a card, the core is faster. A second archive gets half as
+    // much memory.
     const cardMb = (readOptions().card ?? (stage.software ? 0 : BUDGET_MB)) / (before ? 2 : 1);
     const layer = new Layer({ store, stage, messages, cardMb, name: before ? "the archive after" : "" }, session, {
       onShine: (shine) => {
@@ -246,7 +255,10 @@ export class OpenedSite {
     return layer;
   }
 
-  /** A receiver in the words of the address: that of the archive before, where it has a partner there. */
+  /**
+   * A receiver in the words of the address: that of the archive before, where it has a partner
+   * there.
+   */
   private placeOf(layer: Layer, index: number): Place | null {
     if (layer === this.before) return layer.session.placeOf(index);
     const partner = this.partners?.ofAfter[index] ?? -1;
@@ -266,7 +278,7 @@ export class OpenedSite {
     return place.after ? [...side(before, partners?.ofAfter[own]), ...side(after, own)] : [...side(before, own), ...side(after, partners?.ofBefore[own])];
   }
 
-  /** What a chosen receiver has of what is shown, in words. */
+  /** Returns the values of a chosen receiver in words. */
   private spoken(sides: readonly Side[]): string {
     const quantity = this.quantity();
     const index = sides.find(({ layer }) => layer === this.shown)?.index;
@@ -277,7 +289,7 @@ export class OpenedSite {
   private follow(changed: ReadonlySet<keyof State>): void {
     const { store, stage } = this.page;
     const { selected, pinned, camera } = store.state;
-    // Who moved by hand is there already; this is a new address.
+    // If the user moved the camera, it is there already; this is a new address.
     if (changed.has("camera") && camera) {
       const [position, target] = [new Vector3(...camera.slice(0, 3)), new Vector3(...camera.slice(3))];
       if (position.distanceTo(stage.camera.position) > 0.02 || target.distanceTo(stage.controls.target) > 0.02) stage.look(position, target);
@@ -322,7 +334,10 @@ export class OpenedSite {
     return this.layers.every(({ asker }) => asker.settled);
   }
 
-  /** However many tiles came, colours and numbers follow once a frame, and less often where more are to come and drawing takes long. */
+  /**
+   * Draws colours and numbers once a frame, however many tiles came; less often if more are to come
+   * and drawing takes long.
+   */
   private repaint(): void {
     const isWhole = this.isSettled && this.reading.size === 0;
     const wait = isWhole || this.paintCost <= SLOW ? 0 : this.painted + PAINT_SHARE * this.paintCost - performance.now();
@@ -353,7 +368,7 @@ export class OpenedSite {
     const isChange = this.variant === "change";
     for (const layer of isChange ? this.layers : [shown]) layer.colour();
     const quantity = this.quantity();
-    // Colours of what a UTCI means, unless someone wants a range of their own.
+    // The classes of the UTCI have colours of their own, unless the user set a range.
     const stress = isChange || store.state.range ? undefined : quantity.stress;
     const map = isChange ? PUOR : stress ? stressMap(stress) : VIRIDIS;
     shown.paint.shows(isChange ? (store.state.percent ? "percent" : "change") : "values", map);
@@ -368,7 +383,10 @@ export class OpenedSite {
     stage.draw();
   }
 
-  /** By hand, else from the values; while the sun moves it stands still, so that one sees light change and not the legend. */
+  /**
+   * Returns the range set by hand, else the range of the values. While the sun moves the range
+   * stays, so that changes of colour show changes of light.
+   */
   private rangeFor(quantity: Quantity, playing: boolean): readonly [number, number] {
     const { range, show } = this.page.store.state;
     if (range) return range;
@@ -377,7 +395,7 @@ export class OpenedSite {
     const what = `${quantity.shownTitle} ${quantity.unit} ${this.layers.length}`;
     const fresh = what !== this.rangeOf || this.settledRange === null;
     if (quantity.column && (fresh || (this.isSettled && !playing) || isSum(show) || isOfSun(show))) {
-      // Before and after are coloured alike.
+      // Before and after share one range of colours.
       const columns = this.layers.map((layer) => layer.quantity().column).filter((column) => column !== null);
       const found = isChange ? symmetricRange(quantity.column) : autoRange(...columns);
       if (found) [this.settledRange, this.rangeOf] = [found, what];

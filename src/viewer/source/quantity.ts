@@ -1,4 +1,5 @@
-// What is shown now, as numbers and words: title, unit, a value for each receiver, all components of one.
+// The present quantity as numbers and words: title, unit, a value for each receiver, all components
+// of one.
 
 import type { Asker } from "./asker";
 import type { Stress } from "./engine/client";
@@ -10,27 +11,27 @@ import { CELSIUS, comfortUnit, componentLabel, dayName, KWH_M2, MONTHS, number, 
 export interface Quantity {
   /** "Year", "This moment" ... */
   title: string;
-  /** With the component. */
+  /** Title with the component. */
   shownTitle: string;
   unit: string;
-  /** Unit of value x area; none where a sum over areas means nothing. */
+  /** Unit of value x area; null if a sum over areas means nothing. */
   wholeUnit: string | null;
-  /** What stands behind names in tables: the unit, where the names do not have it. */
+  /** Suffix of names in tables: the unit, if the names do not have it. */
   suffix: string;
   components: readonly string[];
   /** The component that colours show. */
   shown: string;
-  /** By receiver; NaN where there is none yet. */
+  /** Values by receiver; NaN where there is none yet. */
   column: Float32Array | null;
   of(index: number): readonly number[] | null;
   label(value: number): string;
-  /** Of people: whether a receiver stands for its point. */
+  /** For people: returns true if a receiver stands for its point. */
   isRow?: (index: number) => boolean;
-  /** Of a UTCI: what it means. */
+  /** Classes of a UTCI. */
   stress?: readonly Stress[];
 }
 
-/** What is shown in any case: of those that need weather, nothing without it. */
+/** Returns the present quantity. Quantities that need weather have no values without it. */
 export function quantityOf(state: State, session: Session, asker: Asker): Quantity {
   const { show } = state;
   if (show === "sky") {
@@ -61,7 +62,7 @@ export function quantityOf(state: State, session: Session, asker: Asker): Quanti
   };
 }
 
-/** Hours of sun on the day, or minutes of sun in mirrors. */
+/** Returns the hours of sun on the day, or the minutes of sun in mirrors. */
 function ofSun({ show, dayOfYear }: State, { minutes }: Asker): Quantity {
   const column = minutes.column("minutes")!;
   const title = show === "glare" ? `Sun in mirrors, ${dayName(dayOfYear)}` : `Possible sun, ${dayName(dayOfYear)}`;
@@ -69,7 +70,7 @@ function ofSun({ show, dayOfYear }: State, { minutes }: Asker): Quantity {
   return single(title, "h", "h·m²", "sun_hours", column.map((value) => value / 60));
 }
 
-/** What people feel. */
+/** Returns a quantity of comfort. */
 function ofPeople(title: string, shown: string, state: State, { people }: Session, asker: Asker): Quantity {
   const components = namesOf(state, people);
   const values = asker.felt(components);

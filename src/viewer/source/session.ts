@@ -1,4 +1,5 @@
-// One opened archive: its tiles as they arrive, names of receivers, weather. In: the engine. Out: plain arrays by receiver.
+// One opened archive: its tiles as they arrive, names of receivers, weather. In: the engine. Out:
+// plain arrays by receiver.
 
 import { cloudsOf, type CloudPicture, type Clouds } from "./clouds";
 import type { Changes, Engine, Group, Overview, People, ReceiverInfo, Site, Vector, WeatherInfo } from "./engine/client";
@@ -6,12 +7,12 @@ import type { Place, State } from "./state";
 import type { View } from "./view/stage";
 
 export interface Tile {
-  /** Row in the archive of its first receiver. */
+  /** Row in the archive of the tile's first receiver. */
   first: number;
   count: number;
   /** Middle of its receivers, m from the origin of the page; none where it could not be read. */
   middle: [number, number, number] | null;
-  /** Of a sphere about it with the middles of all its receivers, m. */
+  /** Radius of a sphere about the middle that holds the middles of all its receivers, m. */
   radius: number;
 }
 
@@ -29,37 +30,46 @@ export function namesBeyond(site: Site, other: Site): ReadonlySet<string> {
   return new Set(site.groups.filter(({ name }) => !CLASSES.includes(name)).map(nameOf).filter((name) => !known.has(name)));
 }
 
-/** Overviews under way at once: enough to hide the way to the worker and back. */
+/**
+ * Number of overviews under way at once: enough to hide the time of messages to the worker and
+ * back.
+ */
 const AHEAD = 16;
 
-/** So many tiles that lie one behind the other in the archive are read together. */
+/** Number of neighbouring tiles of the archive that are read together. */
 const NEIGHBOURS = 16;
 
 export class Session {
   readonly tiles: Tile[] = [];
-  /** By receiver; NaN until read. */
+  /** Sky view by receiver; NaN until read. */
   readonly skyView: Float32Array;
   readonly reference: Float32Array;
   /** x, y, z by receiver, m from the origin of the page. */
   readonly middles: Float32Array;
-  /** Where the scene's origin lies on the page, m: not in its middle where another archive was open first. */
+  /**
+   * Place of the scene's origin on the page, m. It is not in the page's middle if another archive
+   * was open first.
+   */
   readonly shift: Vector;
   /** The overviews of all tiles are read. */
   ready = false;
-  /** Another archive is open: nothing is asked any more. */
+  /** True once another archive is open: then the session asks nothing any more. */
   closed = false;
   weather: WeatherInfo | null = null;
-  /** Of an archive of people. */
+  /** People of an archive of people. */
   people: People | null = null;
   /** The picture that its engine has. */
   clouds: Clouds | null = null;
-  /** What only the other archive has of names that changes take, by `nameOf`. */
+  /** Names that changes take and only the other archive has, by `nameOf`. */
   foreign: ReadonlySet<string> = new Set();
-  /** Where the engine has their top. */
+  /** Azimuth of the top of the clouds in the engine. */
   private turned: number | null = null;
   private readonly tables = new Map<number, Promise<ReceiverInfo[]>>();
 
-  /** `first`: the archive that was open before this one was put beside it; its engine says where the sun stands for both. */
+  /**
+   * `first` is the session that was open before this one was put beside it. Its engine says where
+   * the sun stands for both.
+   */
   constructor(
     readonly engine: Engine,
     readonly site: Site,
@@ -117,11 +127,11 @@ export class Session {
       const people = await this.engine.people();
       this.people = people.count > 0 ? people : null;
     } catch {
-      // What is damaged is told of where its values are asked for.
+      // Queries for the values report the damage.
     }
   }
 
-  /** The engine that is asked where the sun stands. */
+  /** Engine that says where the sun stands. */
   get suns(): Engine {
     return this.first?.engine ?? this.engine;
   }
@@ -146,18 +156,20 @@ export class Session {
     const top = this.cloudsTop(state);
     if (top === this.turned) return;
     this.turned = top;
-    // What is wrong with the engine is told of what it is asked next.
+    // The next query reports the engine's error.
     this.engine.turnClouds(top).catch(() => undefined);
   }
 
-  /** Where the top of the clouds before the sky lies; none where there are no clouds. */
+  /**
+   * Returns the azimuth of the top of the clouds before the sky, or null if there are no clouds.
+   */
   cloudsTop({ clouds }: State): number | null {
     return this.clouds && clouds;
   }
 
   /**
-   * Tiles in the order that they are asked for, and how many are in view: these come first, by neighbours in the archive, the nearest to what is
-   * looked at first.
+   * Returns tiles in the order of queries, and how many are in view. Tiles in view come first, by
+   * neighbours in the archive, the nearest to the target first.
    */
   tilesInOrder({ target, isSeen }: View): { tiles: number[]; seen: number } {
     const [seen, others]: [Map<number, number[]>, Map<number, number[]>] = [new Map(), new Map()];
@@ -172,7 +184,7 @@ export class Session {
     return { tiles: [...first, ...[...others.values()].flatMap(inOrder)], seen: first.length };
   }
 
-  /** Tiles, those nearest to a point first. */
+  /** Returns the tiles, those nearest to a point first. */
   tilesNear(point: readonly [number, number, number]): number[] {
     const distance = (tile: number): number => {
       const middle = this.tiles[tile]?.middle;
@@ -183,7 +195,7 @@ export class Session {
     return near.map(({ tile }) => tile);
   }
 
-  /** Names, areas and places of the receivers of a tile; read once. */
+  /** Returns names, areas and places of the receivers of a tile; they are read once. */
   table(tile: number): Promise<ReceiverInfo[]> {
     let table = this.tables.get(tile);
     if (!table) {

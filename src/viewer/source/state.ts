@@ -1,13 +1,14 @@
-// What the user has chosen, and who wants to know. All of it goes into the address and comes back from there (address.ts).
+// The choices of the user, and their listeners. All of them go into the address and come back from
+// there (address.ts).
 
 export type Show = "sky" | "reference" | "sunlight" | "glare" | "year" | "month" | "day" | "moment";
 export type LightFrom = "weather" | "clear" | "overcast" | "own";
-/** Which of two archives is shown, or what one has more than the other. */
+/** Variant of two archives that is shown: one of them, or the change. */
 export type Variant = "before" | "after" | "change";
 export interface Place {
   tile: number;
   row: number;
-  /** Of the archive after; else of the one before, or of the only one. */
+  /** True for a receiver of the archive after; else it is of the one before, or of the only one. */
   after?: true;
 }
 
@@ -17,34 +18,34 @@ export interface State {
   month: number;
   dayOfYear: number;
   minutes: number;
-  /** Where the sun stands by: the clock, or its own angles. */
+  /** Source of the sun's position: the clock, or its own angles. */
   sunBy: "clock" | "angles";
   azimuth: number;
   altitude: number;
   light: LightFrom;
   dni: number;
   dhi: number;
-  /** Air of people where no weather file says: °C, %, m/s at 10 m. */
+  /** Air of people without a weather file: °C, %, m/s at 10 m. */
   air: number;
   humidity: number;
   wind: number;
   sky: string;
   /** Azimuth of the top of the picture of clouds, degrees; none: no clouds. */
   clouds: number | null;
-  /** By name of a group; only what differs from the archive's values. */
+  /** Changed values by name of a group; only values that differ from the archive's. */
   reflectance: Readonly<Record<string, number>>;
   transmittance: Readonly<Record<string, number>>;
-  /** None: chosen from the values. */
+  /** Range of the legend; null: chosen from the values. */
   range: readonly [number, number] | null;
   /** Position and target, m from the scene's origin. */
   camera: readonly number[] | null;
   selected: Place | null;
   pinned: Place | null;
-  /** Of an atlas. */
+  /** Part of an atlas. */
   part: string | null;
-  /** Where two archives are open. */
+  /** Variant that is shown if two archives are open. */
   variant: Variant;
-  /** Whether the change is shown in percent of what was before. */
+  /** True if the change is shown in percent of the value before. */
   percent: boolean;
 }
 
@@ -92,14 +93,14 @@ export class Store {
     for (const listener of this.listeners) listener(changed);
   }
 
-  /** Returns how to stop. */
+  /** Adds a listener. Returns a function that removes it. */
   subscribe(listener: Listener): () => void {
     this.listeners.add(listener);
     return () => this.listeners.delete(listener);
   }
 }
 
-/** Hours of sun on a day, or minutes of sun in mirrors. */
+/** Returns true for hours of sun on a day or minutes of sun in mirrors. */
 export function isOfSun(show: Show): show is "sunlight" | "glare" {
   return show === "sunlight" || show === "glare";
 }

@@ -4,7 +4,7 @@ import type { TileValues } from "./engine/client";
 
 export class Values {
   readonly columns: Float32Array[];
-  /** Ask that each receiver's values came from; 0: none yet. */
+  /** Number of the query that each receiver's values came from; 0: none yet. */
   private readonly askOf: Uint32Array;
   private ask = 0;
   private freshCount = 0;
@@ -17,7 +17,10 @@ export class Values {
     this.askOf = new Uint32Array(receivers);
   }
 
-  /** A new ask: old values stay until theirs arrive, or go at once where they mean something else. */
+  /**
+   * Begins a new query. Old values stay until new ones arrive, or go at once if they mean something
+   * else.
+   */
   begin(forget: boolean): void {
     this.ask += 1;
     this.freshCount = 0;
@@ -33,7 +36,7 @@ export class Values {
     }
   }
 
-  /** Values of a damaged tile are none. */
+  /** Marks the values of a damaged tile as missing. */
   lose(first: number, count: number): void {
     for (const column of this.columns) column.fill(NaN, first, first + count);
   }
@@ -42,7 +45,7 @@ export class Values {
     return this.ask > 0 && this.askOf[index] === this.ask;
   }
 
-  /** Receivers that have values of the newest ask. */
+  /** Number of receivers that have values of the newest query. */
   get fresh(): number {
     return this.freshCount;
   }
@@ -51,7 +54,7 @@ export class Values {
     return this.columns[this.components.indexOf(component)] ?? null;
   }
 
-  /** All components of a receiver, none while they are not those of the newest ask. */
+  /** Returns all components of a receiver, or null until the newest query has given them. */
   of(index: number): number[] | null {
     return this.isFresh(index) ? this.columns.map((column) => column[index]!) : null;
   }

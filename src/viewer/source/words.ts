@@ -48,12 +48,12 @@ export function componentLabel(name: string): string {
   return COMPONENT_LABELS[name] ?? name;
 }
 
-/** Unit of a number of people. */
+/** Returns the unit of a number of people. */
 export function comfortUnit(name: string): string {
   return name.endsWith("_c") ? CELSIUS : name.endsWith("_h") ? "h" : W_M2;
 }
 
-/** A value as one reads it: about four figures, never more than three decimals. */
+/** Returns a value for display: about four figures, never more than three decimals. */
 export function number(value: number): string {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
@@ -61,12 +61,12 @@ export function number(value: number): string {
   return value.toLocaleString("en-US", { minimumFractionDigits: 0, maximumFractionDigits: decimals }).replaceAll(",", "\u202f").replace("-", "−");
 }
 
-/** With its sign, also where it is more. */
+/** Returns a value with its sign, also if it is positive. */
 export function signed(value: number): string {
   return value > 0 ? `+${number(value)}` : number(value);
 }
 
-/** Day of a year without 29 February, 1..365, as `21 June`. */
+/** Returns a day of a year without 29 February, 1..365, as `21 June`. */
 export function dayName(dayOfYear: number): string {
   let day = dayOfYear;
   for (const [month, days] of MONTH_DAYS.entries()) {
@@ -81,7 +81,7 @@ export function clock(minutes: number): string {
   return `${String(Math.floor(whole / 60)).padStart(2, "0")}:${String(whole % 60).padStart(2, "0")}`;
 }
 
-/** North, north-east ... of an azimuth in degrees. */
+/** Returns the name of an azimuth in degrees: north, north-east ... */
 export function bearing(azimuth: number): string {
   const names = ["north", "north-east", "east", "south-east", "south", "south-west", "west", "north-west"];
   return names[Math.round(azimuth / 45) % 8] ?? "north";
@@ -92,7 +92,7 @@ export function bytes(count: number): string {
   return count < 1e9 ? `${number(count / 1e6)} MB` : `${number(count / 1e9)} GB`;
 }
 
-/** What `--sky` calls a sky, for people. */
+/** Returns the label of a sky by its name in `--sky`. */
 export function skyLabel(name: string): string {
   const known: Record<string, string> = {
     perez: "Perez 1993",

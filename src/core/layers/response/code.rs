@@ -1,33 +1,35 @@
-//! A tile's coefficients as bytes. In: whole numbers of each receiver. Out: bytes, and back. Each receiver is told as what it adds to
-//! one before it, or to nothing, and each coefficient in a context: how large those of lower frequencies above it are.
+//! Coding of a tile's coefficients as bytes. In: whole numbers of each receiver. Out: bytes, and
+//! back. Each receiver is coded as its difference from an earlier receiver, or from zero. Each
+//! coefficient is coded in a context: the size of the coefficients of lower frequencies above it.
 
 use crate::layers::rans::{self, Encoder, Reader, SymbolTables};
 use crate::layers::response::transform::{BLOCK, LARGEST, PLANES, is_across};
 
-/// Receivers that one may be told by are at most so many before it.
+/// Largest distance, in receivers, between a receiver and the earlier one that predicts it.
 const FARTHEST: usize = 63;
 
-/// Values around one, weighed, from which on it is in the next context.
+/// Weighted sums of the neighbours of a coefficient at which the next context begins.
 const THRESHOLDS: [u8; 8] = [1, 3, 7, 13, 23, 39, 63, 103];
 
-/// Larger values around one count as this.
+/// Limit of a neighbour in these sums; larger values count as this.
 const LARGE: u32 = 31;
 
-/// Contexts of a place in a block: that of the mean value, then by what is around.
+/// Number of contexts of a place in a block: one for the mean value, the others by the neighbours.
 const PLACES: usize = THRESHOLDS.len() + 2;
 
-/// Context of the receivers that others are told by.
+/// Context of the distances to predicting receivers.
 const REFERENCE: usize = 0;
 
-/// Contexts of extents, along and across.
+/// Contexts of the extents, for parts along the direction and across it.
 const EXTENT: [usize; 2] = [1, 2];
 
-/// First contexts of a block's places, along and across.
+/// First contexts of a block's places, for parts along the direction and across it.
 const PLACE: [usize; 2] = [3, 3 + PLACES];
 
 const CONTEXTS: usize = 3 + 2 * PLACES;
 
-/// The rows of folded values above one: values of 8 bits, at most [`LARGE`], column 0 the lowest.
+/// Two rows of folded values above a coefficient: values of 8 bits, at most [`LARGE`], column 0 the
+/// lowest.
 #[derive(Default)]
 struct Above {
     row: u64,
@@ -35,15 +37,15 @@ struct Above {
 }
 
 impl Above {
-    /// Contexts of a row's places in a block of some extent. They follow from the rows above alone, so that no value of a row waits for
-    /// another.
+    /// Returns the contexts of a row's places in a block of some extent. They follow only from the
+    /// rows above, so that no value of a row waits for another.
     #[inline(always)]
     fn contexts(&self, row: usize, extent: usize) -> [u8; BLOCK] {
-        // No sum exceeds 7 x 31.
+        // No sum exceeds 7 x 31, so that it fits into 8 bits.
         let around = if row > 0 {
             (3 * self.row + 2 * (self.row << 8) + (self.row >> 8) + self.twice).to_le_bytes()
         } else {
-            // Nothing is above: the nearer to the extent, the smaller.
+            // No row is above: the nearer to the extent, the smaller.
             std::array::from_fn(|column| 6 * extent.saturating_sub(1 + column) as u8)
         };
         let mut contexts = [1; BLOCK];
@@ -53,26 +55,26 @@ impl Above {
             }
         }
         if row == 0 {
-            // The mean value.
+            // The mean value has a context of its own.
             contexts[0] = 0;
         }
         contexts
     }
 
-    /// Goes on behind a row of such values.
+    /// Moves on to the next row, below a row of folded values.
     #[inline(always)]
     fn push(&mut self, row: u64) {
         *self = Above { row, twice: self.row };
     }
 }
 
-/// A folded value of a row among its others.
+/// Places a folded value in its column of a row.
 #[inline(always)]
 fn in_row(column: usize, folded: u32) -> u64 {
     u64::from(folded.min(LARGE)) << (8 * column)
 }
 
-/// Bytes of the coefficients of a tile's receivers, each `[plane][block][row][column]`.
+/// Encodes the coefficients of a tile's receivers, each `[plane][block][row][column]`.
 pub fn encode(receivers: &[Vec<i32>]) -> Vec<u8> {
     let mut encoder = Encoder::new(CONTEXTS);
     let small: Vec<Vec<i16>> =
@@ -104,19 +106,20 @@ pub fn encode(receivers: &[Vec<i32>]) -> Vec<u8> {
     encoder.finish()
 }
 
-/// 0, 1, -1, 2, ... as 0, 1, 2, 3, ...
+/// Folds 0, 1, -1, 2, ... to 0, 1, 2, 3, ...
 fn fold(value: i32) -> u32 {
     if value > 0 { 2 * value as u32 - 1 } else { 2 * value.unsigned_abs() }
 }
 
-/// Inverse of [`fold`] below 2^31.
+/// Returns the value that [`fold`] folds to `folded`, below 2^31.
 #[inline(always)]
 fn unfold(folded: u32) -> i32 {
     let half = (folded / 2) as i32;
     if folded % 2 == 1 { half + 1 } else { -half }
 }
 
-/// How far before receiver i stands the one that it is told by; 0 for none. The nearest of the best.
+/// Returns the distance from receiver `i` back to the receiver that predicts it best, the nearest
+/// among equal ones, or 0 if zero predicts it as well.
 fn best_before(receivers: &[Vec<i16>], i: usize) -> usize {
     let own = &receivers[i];
     let nothing: u32 = own.iter().map(|c| u32::from(c.unsigned_abs().min(8))).sum();
@@ -130,40 +133,42 @@ fn best_before(receivers: &[Vec<i16>], i: usize) -> usize {
     best.1
 }
 
-/// What it takes to tell one by another, roughly.
+/// Estimates the cost of coding one receiver as its difference from another.
 fn difference(a: &[i16], b: &[i16]) -> u32 {
     let of_part = |(a, b): (&[i16], &[i16])| a.iter().zip(b).map(|(a, b)| (a - b).abs().min(8)).sum::<i16>() as u32;
     a.chunks(1024).zip(b.chunks(1024)).map(of_part).sum()
 }
 
-/// Coefficients are told where row + column is below this, 0 to 15: the others are 0.
+/// Returns the extent of a block, 0 to 15: coefficients are 0 where row + column is not below it.
 fn extent_of(block: &[[i32; BLOCK]; BLOCK]) -> usize {
     let of_row =
         |(row, line): (usize, &[i32; BLOCK])| line.iter().rposition(|c| *c != 0).map_or(0, |column| row + column + 1);
     block.iter().enumerate().map(of_row).max().unwrap_or(0)
 }
 
-/// Reads the coefficients of one receiver after the other.
+/// Decoder that reads the coefficients of one receiver after the other.
 pub struct TileDecoder<'a> {
     tables: SymbolTables,
     reader: Reader<'a>,
-    /// Blocks of a plane.
+    /// Number of blocks in a plane.
     blocks: usize,
-    /// `[receiver modulo those that are kept][plane][block][row][column]`.
+    /// `[receiver modulo the number that is kept][plane][block][row][column]`.
     known: Vec<i32>,
-    /// Receivers that were read.
+    /// Number of receivers that were read.
     count: usize,
 }
 
 impl<'a> TileDecoder<'a> {
-    /// Of so many receivers with so many blocks a plane; `None` if the bytes do not start as they must.
+    /// Makes the decoder of `receivers` receivers with `blocks` blocks a plane. Returns `None` if
+    /// the frequencies or states at the start of the bytes are wrong.
     pub fn new(bytes: &'a [u8], receivers: usize, blocks: usize) -> Option<Self> {
         let (tables, reader) = rans::open(CONTEXTS, bytes)?;
         let known = vec![0; receivers.min(FARTHEST + 1) * PLANES * blocks * BLOCK * BLOCK];
         Some(TileDecoder { tables, reader, blocks, known, count: 0 })
     }
 
-    /// The next receiver's coefficients, of at most as many as were said; `None` if there are none, or wrong ones.
+    /// Returns the next receiver's coefficients. Returns `None` if they are missing or wrong. It
+    /// may be called once for each receiver that [`TileDecoder::new`] was told.
     #[inline(always)]
     pub fn receiver(&mut self) -> Option<&[i32]> {
         let before = self.reader.take(&self.tables, REFERENCE, 0) as usize;
@@ -198,13 +203,14 @@ impl<'a> TileDecoder<'a> {
         (!self.reader.is_beyond()).then_some(coefficients)
     }
 
-    /// Whether the bytes end with the last receiver.
+    /// Returns true if the bytes end with the last receiver.
     pub fn is_done(&self) -> bool {
         self.reader.is_done()
     }
 }
 
-/// Adds the next coefficients, of contexts from one on and up to an extent, to those of a block; `None` if one gets too large.
+/// Adds the next coefficients up to an extent to those of a block, with contexts from `place` on.
+/// Returns `None` if a coefficient gets too large.
 #[inline(always)]
 fn add_block(
     tables: &SymbolTables,
@@ -218,7 +224,7 @@ fn add_block(
         let (contexts, mut values) = (above.contexts(row, extent), 0);
         for column in 0..(extent - row).min(BLOCK) {
             let folded = reader.take(tables, place + usize::from(contexts[column]), column);
-            // Neither can overflow: 2^22 and 2^23.
+            // Neither operation can overflow: the values are at most 2^22 and 2^23.
             line[column] += unfold(folded);
             values |= in_row(column, folded);
         }

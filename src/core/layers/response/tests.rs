@@ -2,7 +2,8 @@ use super::*;
 use crate::hemisphere::{mix, texel_centres, unit};
 use glam::DVec3;
 
-/// Responses of receivers that see patches of a few orientations, each lit from a part of the sky; every third one sees nothing.
+/// Makes responses of receivers that see patches of a few orientations, each lit from a part of the
+/// sky. Every third receiver sees nothing.
 fn tile(count: usize, n: usize, scale: f64) -> Vec<Response> {
     let centres = texel_centres(n);
     let texels = n * n;
@@ -24,7 +25,8 @@ fn tile(count: usize, n: usize, scale: f64) -> Vec<Response> {
     (0..count).map(response).collect()
 }
 
-/// The largest and the RMS difference of the part of G along the texels' directions, both classes together.
+/// Returns the largest and the RMS difference of the part of G along the texels' directions, summed
+/// over both classes.
 fn difference(a: &[Response], b: &[Response], n: usize) -> [f64; 2] {
     let centres = texel_centres(n);
     let (mut largest, mut sum) = (0.0_f64, 0.0);
@@ -39,8 +41,9 @@ fn difference(a: &[Response], b: &[Response], n: usize) -> [f64; 2] {
     [largest, (sum / (a.len() * n * n) as f64).sqrt()]
 }
 
-/// At 8, 16 and 32 texels a side responses come back within 0.41 / sqrt(4/9) steps RMS along the directions and 4 steps at most, those
-/// of 0 as exactly 0, and what came back packs to the same bytes, also in another order and company.
+/// At 8, 16 and 32 texels a side, responses come back within 0.41 / sqrt(4/9) steps RMS along the
+/// directions and 4 steps at most. Responses of 0 come back as exactly 0. Unpacked responses pack
+/// to the same bytes, and come back also in another order and among fewer receivers.
 #[test]
 fn round_trip() {
     for n in [8, 16, 32] {
@@ -57,7 +60,8 @@ fn round_trip() {
     }
 }
 
-/// Values of 100 and of 1e-7 come back within 1e-3 of the largest and within a step; infinities and NaN become numbers.
+/// Values of 100 and of 1e-7 come back within 1e-3 of the largest and within a step. Infinities and
+/// NaN become finite numbers.
 #[test]
 fn extremes() {
     for scale in [100.0, 1e-7] {
@@ -72,8 +76,9 @@ fn extremes() {
     }
 }
 
-/// Of 3,000 blocks with changed or missing bytes none panics, and every one that is read holds finite values; other counts and sides, a
-/// larger exponent and more than 2^23 values are refused, and so are 12 texels a side, on writing too.
+/// None of 3,000 blocks with changed or missing bytes makes the reader panic, and every block that
+/// is read holds finite values. Other counts and sides, a larger exponent and more than 2^23 values
+/// are refused. 12 texels a side are refused in reading and in writing.
 #[test]
 fn any_bytes_are_read() {
     let tile = tile(6, 16, 0.02);

@@ -1,35 +1,39 @@
-//! From 3-vectors to whole numbers that say what a replay can see of them, and back. In: a receiver's response, f32. Out: coefficients.
+//! Transform from 3-vectors to the whole numbers that a replay can tell apart, and back. In: a
+//! receiver's response, f32. Out: coefficients.
 //!
-//! A source in direction s meets texels whose directions are close to s, so of G the part along its texel's direction counts in
-//! full, the parts across it by the angle between. Each texel's vector is turned into these parts, blocks of 8 x 8 texels into cosines
-//! (Ahmed, Natarajan and Rao 1974, orthonormal), and these are rounded to a step each. All in f64, in one order, without fused
-//! operations: the same bits everywhere.
+//! A source in direction s meets texels whose directions are close to s. So the part of G along its
+//! texel's direction counts in full, and the parts across it count by the angle between. Each
+//! texel's vector is turned into these parts, blocks of 8 x 8 texels into cosines (Ahmed, Natarajan
+//! and Rao 1974, orthonormal), and these are rounded to a step each. All arithmetic is in f64, in
+//! one order, without fused operations, so that every machine gives the same bits.
 
 use glam::DVec3;
 
 use crate::hemisphere::texel_centres;
 use crate::layers::response::{CLASSES, Response};
 
-/// Texels of a side of a block.
+/// Number of texels to a side of a block.
 pub const BLOCK: usize = 8;
 
-/// Planes of a receiver: for each class the part along the direction, then the two across.
+/// Number of planes of a receiver: for each class the part along the direction, then the two
+/// across.
 pub const PLANES: usize = CLASSES * 3;
 
-/// Whether a plane holds a part across.
+/// Returns true if a plane holds a part across the direction.
 pub fn is_across(plane: usize) -> bool {
     !plane.is_multiple_of(3)
 }
 
-/// Coefficients stay within this, on both sides of 0.
+/// Largest size of a coefficient, above and below 0.
 pub const LARGEST: i32 = (1 << 22) - 1;
 
-/// What a coefficient is rounded up from: more than a half, since what rounds to 0 costs next to nothing. Means are rounded from a half:
-/// they are hardly ever below 0, and light would be lost.
+/// Fraction of a step from which a coefficient is rounded up. It is more than a half, since a
+/// coefficient that rounds to 0 costs next to nothing. Means are rounded from a half: they are
+/// hardly ever below 0, so that rounding them down would lose light.
 const ROUNDED_UP: f64 = 0.6;
 const MEAN_ROUNDED_UP: f64 = 0.5;
 
-/// cos(k pi / 16) for k from 0 to 8.
+/// Values of cos(k pi / 16) for k from 0 to 8.
 const COSINES: [f64; 9] = [
     1.0,
     0.980_785_280_403_230_4,
@@ -45,11 +49,12 @@ const COSINES: [f64; 9] = [
 /// A block of values or coefficients, row by row.
 type Square = [[f64; BLOCK]; BLOCK];
 
-/// `[frequency][place]`: the orthonormal cosines.
+/// Returns the orthonormal cosines: `[frequency][place]`.
 fn basis() -> Square {
     std::array::from_fn(|k| {
         std::array::from_fn(|i| {
-            // The cosine at k (2 i + 1) / 16 half turns, by its symmetries; at frequency 0 as if at 4.
+            // The cosine at k (2 i + 1) / 16 half turns follows from its symmetries; frequency 0
+            // uses the cosine of 4 sixteenths.
             let sixteenths = if k == 0 { 4 } else { k * (2 * i + 1) % 32 };
             let folded = if sixteenths > 16 { 32 - sixteenths } else { sixteenths };
             if folded > 8 { -0.5 * COSINES[16 - folded] } else { 0.5 * COSINES[folded] }
@@ -57,25 +62,27 @@ fn basis() -> Square {
     })
 }
 
-/// Parts of the vectors of n x n texels.
+/// Transform of the responses of n x n texels.
 pub struct Transform {
     /// Side of the texture.
     n: usize,
-    /// `[x, y, z of its direction; x and y over 1 + z][texel]`.
+    /// `[x, y, z of the direction; x and y over 1 + z][texel]`.
     texels: [Vec<f64>; 5],
     basis: Square,
-    /// Step of a coefficient along the direction, and across.
+    /// Steps of a coefficient, along the direction and across.
     steps: [f64; 2],
 }
 
 impl Transform {
-    /// With steps of 2^-exponent along and n times that across: at n texels a side both add alike to a source's light. `None` if n is no
-    /// multiple of a block's side.
+    /// Makes the transform with steps of 2^-exponent along the direction and n times that across:
+    /// at n texels a side both add alike to a source's light. Returns `None` if `n` is no multiple
+    /// of a block's side.
     pub fn new(n: usize, exponent: u8) -> Option<Self> {
         if n == 0 || !n.is_multiple_of(BLOCK) {
             return None;
         }
-        // Directions on a grid: what another program computes a little otherwise rounds to the same.
+        // Directions lie on a grid, so that another program with slightly different results rounds
+        // to the same values.
         const GRID: f64 = (1 << 24) as f64;
         let centres: Vec<DVec3> = texel_centres(n).into_iter().map(|s| (s * GRID).round() / GRID).collect();
         let of_texels = |part: fn(&DVec3) -> f64| centres.iter().map(part).collect();
@@ -98,7 +105,7 @@ impl Transform {
         self.texels.each_ref().map(|of_texels| of_texels[t])
     }
 
-    /// Blocks of a plane.
+    /// Returns the number of blocks of a plane.
     pub fn blocks(&self) -> usize {
         (self.n / BLOCK).pow(2)
     }
@@ -107,14 +114,14 @@ impl Transform {
         self.steps[usize::from(is_across(plane))]
     }
 
-    /// Index in a plane of the first texel in a row of a block.
+    /// Returns the index in a plane of the first texel in a row of a block.
     #[inline(always)]
     fn start(&self, block: usize, row: usize) -> usize {
         let wide = self.n / BLOCK;
         (block / wide * BLOCK + row) * self.n + block % wide * BLOCK
     }
 
-    /// Coefficients `[plane][block][row][column]`.
+    /// Returns the coefficients of a response: `[plane][block][row][column]`.
     pub fn forward(&self, response: &Response) -> Vec<i32> {
         let count = self.n * self.n;
         let mut planes = vec![0.0; PLANES * count];
@@ -151,7 +158,8 @@ impl Transform {
         std::array::from_fn(of_rows)
     }
 
-    /// The response that such coefficients stand for; the values of its planes come to stand in a buffer, whatever it held.
+    /// Returns the response of some coefficients. `planes` is a buffer for the values of the
+    /// planes; its former contents do not matter.
     #[inline(always)]
     pub fn inverse(&self, coefficients: &[i32], planes: &mut Vec<f64>) -> Response {
         let count = self.n * self.n;
@@ -187,7 +195,8 @@ impl Transform {
         response
     }
 
-    /// Values of a block: sums over the frequencies of a row, then over the rows, from the lowest to the last one that is not 0.
+    /// Returns the values of a block. It sums over the frequencies of a row, then over the rows,
+    /// from the lowest to the last one that is not 0.
     #[inline(always)]
     fn values(&self, coefficients: &[[i32; BLOCK]; BLOCK], step: f64) -> Square {
         let any = coefficients.iter().fold([0; BLOCK], |any, line| std::array::from_fn(|k| any[k] | line[k]));
@@ -214,7 +223,8 @@ fn plus(sums: [f64; BLOCK], line: &[f64; BLOCK], factor: f64) -> [f64; BLOCK] {
     std::array::from_fn(|i| sums[i] + line[i] * factor)
 }
 
-/// Nearest whole number, the lower one as far as `from`; what is one within 0.4 stays it, so that coefficients come back.
+/// Rounds a value to a whole number: away from 0 if the fraction is `from` or more, else towards 0.
+/// Values within 0.4 of a whole number become that number, so that coefficients come back.
 fn rounded(value: f64, from: f64) -> i32 {
     let size = (value.abs() + (1.0 - from)).floor() as i32;
     let size = size.min(LARGEST);

@@ -1,10 +1,10 @@
-//! What a request gives: a value as JSON, and arrays behind it. In: values and numbers. Out: a text that says where in the bytes each array
-//! stands, and the bytes.
+//! Answers to requests: a value as JSON, and arrays behind it. In: values and numbers. Out: a text
+//! that says where in the bytes each array stands, and the bytes.
 
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// Arrays start at multiples of this.
+/// Arrays start at multiples of this number of bytes.
 const ALIGNMENT: usize = 4;
 
 /// Numbers of one array.
@@ -15,23 +15,23 @@ pub enum Numbers<'n> {
     F32(&'n [f32]),
 }
 
-/// An answer that is being made.
+/// Answer that is being made.
 pub struct Answer {
     value: Value,
-    /// Name, type, first byte, number of values.
+    /// Name, type, first byte and number of values of each array.
     sections: Vec<Value>,
     bytes: Vec<u8>,
 }
 
 impl Answer {
-    /// One without arrays.
+    /// Makes an answer without arrays.
     pub fn of(value: impl Serialize) -> Self {
         // Maps here have texts for keys, and no number is refused.
         let value = serde_json::to_value(value).unwrap_or(Value::Null);
         Answer { value, sections: Vec::new(), bytes: Vec::new() }
     }
 
-    /// With one more array.
+    /// Adds an array.
     #[must_use]
     pub fn with(mut self, name: &str, numbers: Numbers) -> Self {
         let (first, bytes) = (self.bytes.len(), &mut self.bytes);
@@ -58,7 +58,7 @@ impl Answer {
         self
     }
 
-    /// Text and arrays.
+    /// Returns the text and the bytes of the arrays.
     pub fn finish(self) -> (Vec<u8>, Vec<u8>) {
         (json!({ "value": self.value, "arrays": self.sections }).to_string().into_bytes(), self.bytes)
     }

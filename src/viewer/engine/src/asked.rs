@@ -1,5 +1,5 @@
-//! What the page asks to be recombined: light, a sky, changed reflectances, columns. Equal asks have equal answers, so that what is made for
-//! one is kept for the next tile.
+//! Queries of the page: light, a sky, changed reflectances, columns. In: JSON. Out: the core's
+//! options. Equal queries have equal answers, so results for one tile serve the next.
 
 use heliotile_core::error::{Error, Result};
 use heliotile_core::replay::components::Component;
@@ -18,7 +18,7 @@ pub struct Changes {
 }
 
 impl Changes {
-    /// As the core takes them, in range.
+    /// Returns the changes as the core takes them, or an error if a value is not from 0 to 1.
     pub fn checked(&self) -> Result<reflectances::Changes> {
         for (option, values) in [("reflectance", &self.reflectance), ("transmittance", &self.transmittance)] {
             if let Some((name, value)) = values.iter().find(|(_, value)| !(0.0..=1.0).contains(value)) {
@@ -35,7 +35,8 @@ impl Changes {
     }
 }
 
-/// How a weather file reads the clock, in the words of the command line; what is not said is the file's.
+/// Clock of a weather file, in the words of the command line. The file decides on fields that are
+/// not given.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Clock {
@@ -46,7 +47,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// What the reader of the file is told.
+    /// Returns the options for the reader of the file.
     pub fn options(&self) -> Result<WeatherOptions> {
         let zone = self.time_zone.as_deref().map(|text| {
             parse_zone(text).ok_or_else(|| Error::argument("timeZone", format!("`{text}`"), "give hours ahead of UTC"))
@@ -71,28 +72,30 @@ impl Clock {
     }
 }
 
-/// Where the light of a moment comes from.
+/// Source of the light of a moment.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(rename_all = "camelCase", tag = "kind")]
 pub enum Light {
-    /// A row of the weather file.
+    /// Row of the weather file.
     Weather { hour: usize },
-    /// A sun by degrees from true north and above the horizon, W/m2.
+    /// Sun by its azimuth from true north and its altitude above the horizon, degrees; DNI and DHI,
+    /// W/m2.
     Sun { azimuth: f64, altitude: f64, dni: f64, dhi: f64 },
 }
 
-/// Where the air of a moment comes from.
+/// Source of the air of a moment.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(rename_all = "camelCase", tag = "kind")]
 pub enum AirAsk {
-    /// A row of the weather file.
+    /// Row of the weather file.
     Weather { hour: usize },
-    /// Degrees Celsius, percent, m/s at 10 m; tenths of the sky that clouds hide.
+    /// Temperature, degrees Celsius; humidity, percent; wind at 10 m, m/s; clouds, tenths of the
+    /// sky.
     Own { temperature: f64, humidity: f64, wind: f64, cover: f64 },
 }
 
 impl AirAsk {
-    /// What messages call it.
+    /// Returns the name of the air in messages.
     pub fn label(self, weather: Option<&LoadedWeather>) -> String {
         let of_row = |hour: usize| Some(weather?.weather.rows.get(hour)?.interval.label());
         match self {
@@ -111,7 +114,7 @@ pub enum Span {
     Day { day_of_year: u32 },
 }
 
-/// A moment.
+/// Query for the irradiances of a moment.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 pub struct MomentAsk {
     pub light: Light,
@@ -120,7 +123,7 @@ pub struct MomentAsk {
     pub components: Vec<String>,
 }
 
-/// Sums.
+/// Query for sums over part of the weather file.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 pub struct SumAsk {
     pub span: Span,
@@ -129,16 +132,16 @@ pub struct SumAsk {
     pub components: Vec<String>,
 }
 
-/// Minutes of a day.
+/// Query for the minutes of sun on a day.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(rename_all = "camelCase")]
 pub struct MinutesAsk {
     pub day_of_year: u32,
-    /// Of the sun in mirrors, not of the sun.
+    /// True for the sun in mirrors, false for the sun itself.
     pub in_mirrors: bool,
 }
 
-/// Columns by their names, in the order asked for.
+/// Returns columns by their names, in the order asked for, or an error for an unknown name.
 pub fn columns(names: &[String]) -> Result<Vec<Component>> {
     let of = |name: &String| Component::ALL.into_iter().find(|component| component.name() == name);
     match names.iter().find(|name| of(name).is_none()) {
@@ -150,7 +153,7 @@ pub fn columns(names: &[String]) -> Result<Vec<Component>> {
     }
 }
 
-/// A sky by the name that `--sky` takes.
+/// Returns a sky model by the name that `--sky` takes.
 pub fn sky_of(name: &str) -> Result<SkyModel> {
     name.parse()
 }

@@ -1,4 +1,5 @@
-//! Clouds before the sky and the sun. In: the pixels of a picture, where its top lies. Out: light that came through.
+//! Clouds before the sky and the sun. In: the pixels of a picture, and the azimuth of its top. Out:
+//! the light that passes.
 
 use heliotile_core::dome::formats::luminance;
 use heliotile_core::dome::image::DomeImage;
@@ -12,13 +13,13 @@ use crate::asked::sky_of;
 use crate::failure::{Failure, Kind};
 use crate::light::Forced;
 
-/// Levels of a pixel: red, green, blue, and opacity, which counts for nothing.
+/// Number of levels of a pixel: red, green, blue, and opacity, which is ignored.
 const CHANNELS: usize = 4;
 
-/// Most points a side of a map.
+/// Largest number of points to a side of a map.
 const MOST: usize = 2048;
 
-/// A picture of shares of light that come through, and whether it stands before the sky.
+/// Picture of the shares of light that pass, and its layer if it stands before the sky.
 #[derive(Default)]
 pub struct Clouds {
     picture: Option<DomeImage>,
@@ -26,8 +27,10 @@ pub struct Clouds {
 }
 
 impl Clouds {
-    /// Takes a picture of `side` x `side` pixels in place of the former, or none of 0; it does not stand before the sky yet. Answers a map of
-    /// `map` points a side, by rows from the top, whose top is the top of the picture: how much is hidden, 0 to 255; 0 beyond the horizon.
+    /// Replaces the picture by one of `side` x `side` pixels, or removes it if `side` is 0. The new
+    /// picture does not stand before the sky yet. Answers a map of `map` points a side, by rows
+    /// from the top, whose top is the top of the picture: the hidden share, 0 to 255; 0 beyond the
+    /// horizon.
     pub fn take(&mut self, side: usize, levels: &[u8], map: usize) -> Answered {
         *self = Clouds::default();
         if map > MOST || side.checked_mul(side).and_then(|all| all.checked_mul(CHANNELS)) != Some(levels.len()) {
@@ -48,13 +51,15 @@ impl Clouds {
         Ok(Answer::of(json!({ "side": map })).with("hidden", Numbers::U8(&hidden)))
     }
 
-    /// Puts the picture before the sky, with its top at an azimuth, degrees clockwise from true north; takes it away where there is none.
+    /// Puts the picture before the sky, with its top at an azimuth, degrees clockwise from true
+    /// north. Removes it from there if `top` is `None`.
     pub fn turn(&mut self, top: Option<f64>) {
         let turned = self.picture.as_ref().zip(top).map(|(picture, top)| picture.turned(top));
         self.layer = turned.and_then(CloudLayer::of_image);
     }
 
-    /// Light of a sky, behind the clouds: the same ones at all hours.
+    /// Returns the light of a sky behind the clouds, which are equal at all hours. Returns an error
+    /// for a sky that no clouds can stand before.
     pub fn over(&self, sky: &str, light: Forced) -> heliotile_core::error::Result<Forced> {
         let Some(layer) = &self.layer else { return Ok(light) };
         if sky_of(sky)?.brightens() {

@@ -1,5 +1,6 @@
-//! What people feel: in a moment, or over a span of the weather. In: light, air, the people of the archive. Out: numbers of each receiver's point, tile by
-//! tile. The formulas are the core's, as of `heliotile comfort`.
+//! Comfort of people in a moment, or over a span of the weather. In: light, air, the people of the
+//! archive. Out: numbers of each receiver's point, tile by tile. The formulas are the core's, as in
+//! `heliotile comfort`.
 
 use std::collections::HashMap;
 
@@ -33,22 +34,22 @@ pub const MOMENT: [ComfortColumn; 5] = [
     ComfortColumn::Longwave,
 ];
 
-/// Columns of a span, without the PET: an hour of it costs over ten times one of the UTCI.
+/// Columns of a span. The PET is left out: an hour of it costs over ten times one of the UTCI.
 const SUMS: [ComfortColumn; 2] = [ComfortColumn::MeanRadiant, ComfortColumn::Utci];
 
-/// Names of the numbers of a span.
+/// Returns the names of the numbers of a span.
 pub fn sum_names() -> Vec<String> {
     of_span().map(|(column, sum)| column.names().iter().map(|name| sum.name(name)).collect()).collect()
 }
 
-/// Columns of a span, and what is said of each.
+/// Returns the columns of a span, each with every sum that is made of it.
 fn of_span() -> impl Iterator<Item = (ComfortColumn, PeriodSum)> {
     let above_c = PeriodSum::usual_thresholds_c();
     SUMS.into_iter()
         .flat_map(move |column| PeriodSum::of_column(column, &above_c).into_iter().map(move |sum| (column, sum)))
 }
 
-/// Comfort in a moment or over a span.
+/// Query for comfort in a moment or over a span.
 #[derive(Clone, Debug, Deserialize, PartialEq)]
 #[serde(rename_all = "camelCase", tag = "of")]
 pub enum ComfortAsk {
@@ -57,7 +58,7 @@ pub enum ComfortAsk {
 }
 
 impl ComfortAsk {
-    /// The light of a moment that has to be there.
+    /// Returns the query for the light of a moment, or `None` for a span.
     pub fn light(&self) -> Option<MomentAsk> {
         let ComfortAsk::Moment { light, sky, changes, .. } = self else { return None };
         Some(MomentAsk { light: *light, sky: sky.clone(), changes: changes.clone(), components: Vec::new() })
@@ -77,7 +78,7 @@ impl ComfortAsk {
         }
     }
 
-    /// Air of its hours, with their labels.
+    /// Returns the air of the query's hours, with their labels.
     fn hours(&self, weather: Option<&LoadedWeather>) -> Result<Vec<(HourAir, String)>> {
         match self {
             ComfortAsk::Moment { air, .. } => Ok(vec![(HourAir::of(air_of(*air, weather)?), air.label(weather))]),
@@ -90,7 +91,7 @@ impl ComfortAsk {
     }
 }
 
-/// The air of a moment: of a row of the weather, or by numbers.
+/// Returns the air of a moment: of a row of the weather, or by numbers.
 pub fn air_of(ask: AirAsk, weather: Option<&LoadedWeather>) -> Result<Air> {
     match ask {
         AirAsk::Weather { hour } => weather.ok_or_else(no_weather)?.air(hour),
@@ -118,21 +119,22 @@ fn no_weather() -> Error {
 /// Bits of the six planes of a point.
 const ALL_PLANES: u8 = 0b11_1111;
 
-/// What was found of an ask, tile by tile; points whose planes lie in two tiles wait for both.
+/// Comfort numbers of one query, found tile by tile. Points whose planes lie in two tiles wait for
+/// both.
 pub struct PeopleValues {
     ask: ComfortAsk,
     model: ComfortModel,
     climates: Vec<HourClimate>,
-    /// `[tile]` whose light was taken.
+    /// `[tile]`: true if the light of the tile was taken.
     taken: Vec<bool>,
-    /// By point: a bit for each plane that is there, and their light.
+    /// Points that lack planes: a bit for each plane whose light is there, and that light.
     waiting: HashMap<usize, (u8, PersonLight)>,
-    /// `[point]`: its numbers.
+    /// `[point]`: comfort numbers of the point, `None` until they are found.
     found: Vec<Option<Box<[f32]>>>,
 }
 
 impl PeopleValues {
-    /// Of an ask, where the air of all its hours is known.
+    /// Starts the numbers of a query. Returns an error if the air of one of its hours is not known.
     pub fn of(
         opened: &Opened,
         weather: Option<&LoadedWeather>,
@@ -151,12 +153,13 @@ impl PeopleValues {
         Ok(PeopleValues { ask, model, climates, taken, waiting: HashMap::new(), found: Vec::new() })
     }
 
-    /// Whether it is of this ask.
+    /// Returns true if the numbers belong to this query.
     pub fn is_of(&self, ask: &ComfortAsk) -> bool {
         self.ask == *ask
     }
 
-    /// The numbers of a tile's receivers, each those of its point; `light` gives the light of a tile in all hours.
+    /// Returns the numbers of a tile's receivers, each those of its point. `light` returns the
+    /// light of a tile in all hours.
     pub fn tile(
         &mut self,
         opened: &Opened,
@@ -185,7 +188,7 @@ impl PeopleValues {
         Ok(all.fold(answer, |answer, (name, column)| answer.with(name, Numbers::F32(column))))
     }
 
-    /// Takes the light of a tile, and finds the numbers of points that are whole with it.
+    /// Takes the light of a tile, and finds the numbers of the points that it completes.
     fn take(
         &mut self,
         opened: &Opened,
@@ -222,7 +225,7 @@ impl PeopleValues {
         Ok(())
     }
 
-    /// Numbers of the whole span from those of its hours.
+    /// Returns the numbers of the whole span from those of its hours.
     fn over(&self, hours: &[Vec<f32>]) -> Box<[f32]> {
         let lengths: Vec<f64> = self.climates.iter().map(|climate| climate.hours).collect();
         let bins = Bins { count: 1, of_condition: vec![(0, 1.0); lengths.len()] };
@@ -234,7 +237,7 @@ impl PeopleValues {
     }
 }
 
-/// What is known of the air of a moment, for those who read; nulls where nothing is.
+/// Returns the known values of the air of a moment, for display; unknown values are null.
 pub fn facts(air: &Air) -> Answer {
     Answer::of(json!({
         "temperature": air.dry_bulb_c,

@@ -1,4 +1,4 @@
-//! One engine: an archive, a weather file, what was recombined. In: a request. Out: its answer.
+//! One engine: an archive, a weather file, and kept results. In: a request. Out: its answer.
 
 use heliotile_core::error::Result;
 use heliotile_core::sunlight::DayMinutes;
@@ -24,7 +24,7 @@ use crate::{fisheye, geometry, light, matching, receivers, textures, weather};
 /// Months of a year.
 const MONTHS: u32 = 12;
 
-/// What a worker works with.
+/// State of a worker.
 #[derive(Default)]
 pub struct Engine {
     opened: Option<Opened>,
@@ -32,16 +32,17 @@ pub struct Engine {
     recombinations: Recombinations,
     moments: InteractiveTiles,
     clouds: Clouds,
-    /// Whether receivers are people, once that was asked.
+    /// People of the archive, once the page asked for them: `Some(None)` if its receivers are no
+    /// people.
     people: Option<Option<People>>,
-    /// What people felt in the last moment, and over the last span.
+    /// Comfort in the last moment, and over the last span.
     felt: [Option<PeopleValues>; 2],
-    /// The day of the year that minutes of sun were asked of last.
+    /// Last day of the year for which the page asked for minutes of sun, and its minutes.
     day: Option<(u32, DayMinutes)>,
 }
 
 impl Engine {
-    /// Answers a request, JSON, with the bytes that go with it.
+    /// Answers a request in JSON, with the bytes that go with it.
     pub fn answer(&mut self, request: &[u8], bytes: Vec<u8>) -> Answered {
         let request: Request = serde_json::from_slice(request)
             .map_err(|error| Failure::new(Kind::Other, format!("the request cannot be read: {error}"), ""))?;
@@ -62,7 +63,8 @@ impl Engine {
             Request::Overview { tile } => geometry::overview(opened, tile),
             Request::Receivers { tile } => receivers::receivers(opened, tile),
             Request::LoadWeather { name, clock } => {
-                // Only archives of people need the air; a column of it that cannot be read must not refuse the file for the others.
+                // Only archives of people need the air. A column of it that cannot be read must not
+                // make the file useless to other archives.
                 let read = |with_air| {
                     let options = WeatherOptions { with_air, ..clock.options()? };
                     LoadedWeather::read(&name, &bytes, &options, manifest)
@@ -193,7 +195,7 @@ impl Engine {
     }
 }
 
-/// The people of the archive, looked for once.
+/// Returns the people of the archive, and looks for them at the first call only.
 fn found<'p>(people: &'p mut Option<Option<People>>, opened: &Opened) -> Result<&'p mut Option<People>> {
     match people.take() {
         Some(known) => Ok(people.insert(known)),

@@ -1,10 +1,11 @@
-//! Why a request could not be answered. In: errors of the core. Out: what the page needs to say so: a kind, a message, what to do.
+//! Failures of requests. In: errors of the core. Out: a kind, a message and a hint, for the page to
+//! show.
 
 use heliotile_core::error::Error;
 use heliotile_core::text::{Named, with_fields};
 use serde::Serialize;
 
-/// What stands between a message of the core and its hint.
+/// Separator between a message of the core and its hint.
 const TO_FIX: &str = "\n  to fix: ";
 
 /// Kinds that the page tells apart.
@@ -15,29 +16,29 @@ pub enum Kind {
     Version,
     Cut,
     Damaged,
-    /// The archive lies elsewhere than the one that it is to be shown with.
+    /// The archive lies elsewhere than the one that the page shows it with.
     OtherPlace,
-    /// Bytes could not be had; the host knows why.
+    /// The host could not provide bytes; the host knows why.
     Source,
     Other,
 }
 
-/// A failure.
+/// Failure of a request.
 #[derive(Debug, Serialize)]
 pub struct Failure {
     pub kind: Kind,
     pub message: String,
-    /// What to do; empty where the message says it.
+    /// Hint about what to do; empty if the message says it.
     pub hint: String,
 }
 
 impl Failure {
-    /// One that the core does not know of.
+    /// Makes a failure that the core does not know of.
     pub fn new(kind: Kind, message: impl Into<String>, hint: impl Into<String>) -> Self {
         Failure { kind, message: message.into(), hint: hint.into() }
     }
 
-    /// The same error, of another kind.
+    /// Returns this failure with another kind.
     pub fn of_kind(self, kind: Kind) -> Self {
         Failure { kind, ..self }
     }
@@ -58,12 +59,13 @@ impl From<Error> for Failure {
     }
 }
 
-/// A text in the words of the page.
+/// Returns a text in the words of the page.
 pub fn worded_text(text: &str) -> String {
     with_fields(text, &in_page)
 }
 
-/// Names as people say them, and the program for what the page cannot do.
+/// Returns field names in plain words, and the program's commands for tasks that the page cannot
+/// do.
 fn in_page(named: Named) -> Option<String> {
     Some(match named {
         Named::Field(field) => field.replace('_', " "),

@@ -1,5 +1,6 @@
-//! What a receiver sees of the world's upper hemisphere. In: a receiver's layers, the place. Out: a class for each point of an equidistant
-//! disc, and the paths of the sun over it; x of the site's axes is right, y is up.
+//! View of a receiver over the world's upper hemisphere. In: a receiver's layers, the place. Out: a
+//! class for each point of an equidistant disc, and the paths of the sun over it. The x axis of the
+//! site points right, the y axis up.
 
 use glam::DVec3;
 use heliotile_core::replay::receiver_view::ReceiverView;
@@ -13,10 +14,10 @@ use crate::failure::{Failure, Kind};
 use crate::open::Opened;
 use crate::weather::{LoadedWeather, location};
 
-/// Most points a side.
+/// Largest number of points to a side of the disc.
 const MOST: usize = 2048;
 
-/// The disc of a receiver, by rows from the top.
+/// Answers the disc of a receiver, by rows from the top.
 pub fn fisheye(opened: &Opened, weather: Option<&LoadedWeather>, tile: u32, row: usize, side: usize) -> Answered {
     if !(1..=MOST).contains(&side) {
         return Err(Failure::new(Kind::Other, format!("a disc of {side} points a side"), "ask for 1 to 2048"));
@@ -49,7 +50,7 @@ pub fn fisheye(opened: &Opened, weather: Option<&LoadedWeather>, tile: u32, row:
         .with("points", Numbers::F32(&points)))
 }
 
-/// As the page knows what is seen; 0 is outside.
+/// Returns the number of a class in the page; 0 is outside the disc.
 fn code(seen: Seen) -> u8 {
     match seen {
         Seen::Sky => 1,
@@ -61,7 +62,7 @@ fn code(seen: Seen) -> u8 {
     }
 }
 
-/// The runs of a line that lie above the horizon, to where they cross it.
+/// Returns the runs of a line that lie above the horizon, up to the points where they cross it.
 fn above(line: &[DVec3]) -> Vec<Vec<DVec3>> {
     let mut runs = Vec::new();
     let mut run: Vec<DVec3> = Vec::new();

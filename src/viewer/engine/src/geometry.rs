@@ -1,5 +1,5 @@
-//! Geometry for the page. In: blocks of the archive. Out: the scene's triangles, places and patches of receivers, relative to the scene's
-//! origin, metres.
+//! Geometry for the page. In: blocks of the archive. Out: the scene's triangles, places and patches
+//! of receivers, relative to the scene's origin, metres.
 
 use glam::DVec3;
 use heliotile_core::archive::format::TileNumber;
@@ -10,13 +10,13 @@ use crate::Answered;
 use crate::answer::{Answer, Numbers};
 use crate::open::Opened;
 
-/// Patches of receivers whose area nobody gave, m2.
+/// Area of the square drawn for a receiver whose area is not given, m2.
 const AREA_M2: f64 = 1.0;
 
-/// Sides of the box that receivers of one place are drawn as, metres: those of a person.
+/// Side of the box that stands for receivers of one place, metres: the width of a person.
 const BOX_M: f64 = 0.6;
 
-/// A chunk of the scene's triangles.
+/// Answers a chunk of the scene's triangles.
 pub fn scene(opened: &Opened, chunk: u32) -> Answered {
     let table = tables::GeometryTable::from_block(&opened.site.block(format::SCENE, TileNumber(chunk))?)?;
     Ok(Answer::of(())
@@ -25,8 +25,9 @@ pub fn scene(opened: &Opened, chunk: u32) -> Answered {
         .with("materials", Numbers::U16(&table.material)))
 }
 
-/// What is drawn of the receivers of a tile: from their overview, or else from their places; a square of its area for each whose patch nobody
-/// knows, and a box around the place of those that look from there to several sides.
+/// Answers the shapes that stand for the receivers of a tile, from the tile's overview or else from
+/// the receivers' places. A receiver without a patch is drawn as a square of its area. Receivers
+/// that look to several sides from one place are drawn as a box around it.
 pub fn overview(opened: &Opened, tile: u32) -> Answered {
     let tile = opened.tile(tile)?;
     let rows = opened.archive.entries_of(format::RECEIVERS).iter().find(|entry| entry.tile.0 == tile);
@@ -57,22 +58,23 @@ pub fn overview(opened: &Opened, tile: u32) -> Answered {
     }
 }
 
-/// The receivers of a tile; places relative to the scene's origin.
+/// Receivers of a tile as they are drawn; places are relative to the scene's origin.
 struct Drawn {
     places: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
-    /// m2, 0 where nobody says.
+    /// Areas, m2; 0 where not given.
     areas: Vec<f32>,
-    /// Empty where nobody says.
+    /// Patches; an empty patch where none is given.
     patches: Vec<Patch>,
     sky: Vec<f32>,
-    /// kWh/m2; empty where nobody says.
+    /// Sums of a clear year, kWh/m2; empty where not given.
     clear_year: Vec<f32>,
 }
 
 impl Drawn {
-    /// Offset of the box face that stands for a receiver, metres; `None` if it is no face. A receiver is a face where another one of its place looks
-    /// sideways of it or the other way, and one of the two has no patch.
+    /// Returns the offset of the box face that stands for a receiver, metres, or `None` if it is no
+    /// face. A receiver is a face if another one at its place looks sideways of it or the other
+    /// way, and one of the two has no patch.
     fn face(&self, row: usize) -> Option<[f32; 3]> {
         let (place, &[x, y, z]) = (self.places.get(row)?, self.normals.get(row)?);
         let is_bare = |row: usize| {

@@ -1,29 +1,31 @@
-//! Bytes of the archive, which the host holds: a server, a file, memory. In: ranges. Out: their bytes, or an error; why, the host keeps.
+//! Bytes of the archive, which the host holds: a server, a file, memory. In: ranges. Out: their
+//! bytes, or an error. The host keeps the reason of an error.
 
 use std::io;
 
 use heliotile_core::archive::ReadAt;
 use heliotile_core::archive::format::Entry;
 
-/// Blocks with no more bytes between them are one range.
+/// Largest gap between two blocks that are announced as one range, bytes.
 const GAP: u64 = 1 << 16;
 
 #[link(wasm_import_module = "host")]
 unsafe extern "C" {
-    /// Writes `length` bytes of the archive from `offset` on to `to`, in this memory: 0, or 1 if they cannot be had.
+    /// Writes `length` bytes of the archive from `offset` on to `to`, in this memory. Returns 0, or
+    /// 1 if the host cannot provide them.
     safe fn read(offset: f64, to: *mut u8, length: usize) -> u32;
-    /// Bytes of the archive that will be read soon.
+    /// Announces bytes of the archive that will be read soon.
     safe fn expect(offset: f64, length: f64);
 }
 
-/// The archive of the host.
+/// Archive of the host.
 #[derive(Debug)]
 pub struct HostBytes {
     length: u64,
 }
 
 impl HostBytes {
-    /// Of so many bytes.
+    /// Makes the archive of a host that holds `length` bytes.
     pub fn new(length: u64) -> Self {
         HostBytes { length }
     }
@@ -35,7 +37,7 @@ impl ReadAt for HostBytes {
     }
 
     fn read_at(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()> {
-        // Exact up to 2^53, more than hosts can count.
+        // An f64 is exact up to 2^53, more than hosts can count.
         match read(offset as f64, bytes.as_mut_ptr(), bytes.len()) {
             0 => Ok(()),
             _ => Err(io::Error::other("the bytes could not be had")),

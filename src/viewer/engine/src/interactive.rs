@@ -1,5 +1,5 @@
-//! Tiles that are ready for moments. In: an ask, a tile. Out: its irradiances. Tiles are kept as long as there is room, so that a sun that
-//! moves only multiplies.
+//! Tiles that are prepared for moments. In: a query, a tile. Out: its irradiances. Prepared tiles
+//! are kept as long as there is room, so that a sun that moves costs multiplications only.
 
 use std::collections::HashMap;
 use std::hint::black_box;
@@ -14,63 +14,66 @@ use crate::failure::{Failure, Kind};
 use crate::light::Forced;
 use crate::open::Opened;
 
-/// Bytes of tiles that all engines of an archive keep.
+/// Bytes of prepared tiles that all engines of an archive keep together.
 const ROOM: usize = 360 << 20;
 
-/// Memory grows by so much when tiles fill it: at each step the browser looks through all that its script holds.
+/// Step by which memory grows when tiles fill it, bytes. At each step the browser looks through all
+/// that its script holds, so steps are few.
 const STEP: usize = 8 << 20;
 
-/// Tiles whose light is solved for together, where reflectances are others.
+/// Number of tiles whose light is solved for together, if reflectances are changed.
 const TOGETHER: usize = 4;
 
-/// States of the reflectances that are kept: what is stored, what is set, what was set before.
+/// Number of states of the reflectances that are kept: the stored one, the one in use and the one
+/// before.
 const STATES: usize = 3;
 
-/// The site in one state of its reflectances.
+/// Site in one state of its reflectances.
 struct State {
     schedules: Vec<Schedule>,
     moments: InteractiveReplay<'static>,
     ready: HashMap<u32, Ready>,
 }
 
-/// A tile, and when it was asked for last.
+/// Prepared tile, and the number of the query that used it last.
 struct Ready {
     tile: InteractiveTile,
     turn: u64,
 }
 
-/// The light of the last ask.
+/// Light of the last query.
 struct Lit {
     ask: MomentAsk,
     light: InteractiveLight,
 }
 
-/// What moments are made of.
+/// Prepared tiles and light of moments.
 #[derive(Default)]
 pub struct InteractiveTiles {
-    /// The one in use first.
+    /// States of the reflectances, the one in use first.
     states: Vec<State>,
     lit: Option<Lit>,
-    /// Number of the ask.
+    /// Number of the present query.
     turn: u64,
     bytes: usize,
-    /// Engines that share the room; none are as one.
+    /// Number of engines that share the room; 0 counts as 1.
     engines: usize,
 }
 
 impl InteractiveTiles {
-    /// Keeps tiles in a share of the room from now on, where there are so many engines.
+    /// Keeps tiles in a share of the room from now on: all of it divided by `engines`.
     pub fn share(&mut self, engines: usize) {
         self.engines = engines;
     }
 
-    /// Forgets the light: weather or clouds are others.
+    /// Forgets the light, since the weather or the clouds changed.
     pub fn clear(&mut self) {
         self.lit = None;
     }
 
-    /// The values of a tile; `force` makes the light where the ask is a new one. `next`: tiles that will be asked for, which are made ready
-    /// together where that is cheaper.
+    /// Returns the values of a tile. `force` makes the light if the query is a new one. `next`
+    /// names tiles that the page will ask for, which are prepared together with this one where that
+    /// is cheaper.
     pub fn values(
         &mut self,
         opened: &Opened,
@@ -84,7 +87,7 @@ impl InteractiveTiles {
         self.made(opened, tile, next, |lit, made| lit.map(|lit| made.irradiance(&lit.light)))?.ok_or_else(none)
     }
 
-    /// What `of` makes of a tile with these reflectances, for whatever light.
+    /// Returns the result of `of` for a tile with these reflectances, for any light.
     pub fn textures<T>(
         &mut self,
         opened: &Opened,
@@ -101,7 +104,7 @@ impl InteractiveTiles {
         self.made(opened, tile, next, |_, made| of(made.textures()))
     }
 
-    /// What `of` makes of a tile in the state in use, which is made ready where it is not.
+    /// Returns the result of `of` for a tile in the state in use, and prepares the tile if needed.
     fn made<T>(
         &mut self,
         opened: &Opened,
@@ -117,7 +120,8 @@ impl InteractiveTiles {
         let missing = |other: &&u32| **other < opened.site.tiles() && !state.ready.contains_key(*other);
         let mut group: Vec<u32> = [&tile].into_iter().chain(next.iter().filter(missing)).copied().collect();
         state.moments.expect(&group);
-        // What several tiles see is read and solved once for all of them; a damaged block is an error of its own tile only.
+        // Cells that several tiles see are read and solved once for all of them. If a block is
+        // damaged, only the tile asked for may fail.
         group.truncate(if state.schedules.is_empty() { 1 } else { TOGETHER });
         let made = match state.moments.tiles(&group) {
             Err(_) if group.len() > 1 => {
@@ -133,7 +137,8 @@ impl InteractiveTiles {
         found.ok_or_else(none)
     }
 
-    /// The light of an ask, made where the ask is a new one; the state of its reflectances is then the one in use.
+    /// Returns the light of a query, made if the query is a new one. The state of its reflectances
+    /// is then the one in use.
     pub fn light(
         &mut self,
         opened: &Opened,
@@ -152,7 +157,7 @@ impl InteractiveTiles {
         self.lit.as_ref().map(|lit| &lit.light).ok_or_else(none)
     }
 
-    /// Makes a state of the reflectances the one in use.
+    /// Puts a state of the reflectances in use.
     fn reflecting(&mut self, opened: &Opened, schedules: Vec<Schedule>) -> std::result::Result<(), Failure> {
         match self.states.iter().position(|state| state.schedules == schedules) {
             Some(place) => self.states[..=place].rotate_right(1),
@@ -173,7 +178,8 @@ impl InteractiveTiles {
         Ok(())
     }
 
-    /// Keeps a tile of the state in use, if there is room, or some that was not asked for of late gives it.
+    /// Keeps a tile of the state in use if there is room, or if tiles not used of late can make
+    /// room.
     fn keep(&mut self, tile: u32, made: InteractiveTile) {
         let bytes = made.bytes();
         while self.bytes + bytes > ROOM / self.engines.max(1) {
@@ -182,7 +188,8 @@ impl InteractiveTiles {
                 .iter()
                 .enumerate()
                 .flat_map(|(place, state)| state.ready.iter().map(move |(tile, ready)| (ready.turn, place, *tile)));
-            // Of tiles that are asked for in turn, those that were first are those that come next.
+            // Tiles of a query are asked for in turn, so its least recent tiles come next: tiles of
+            // this query and of the one before stay.
             let Some((_, place, oldest)) = all.min().filter(|(turn, ..)| turn + 1 < self.turn) else { return };
             let gone = self.states[place].ready.remove(&oldest);
             self.bytes -= gone.map_or(0, |gone| gone.tile.bytes());
@@ -198,10 +205,10 @@ impl InteractiveTiles {
     }
 }
 
-/// Lets memory grow by a step at once, where it can.
+/// Makes memory grow by a step at once, if it can.
 fn grow() {
     let mut room = Vec::<u8>::new();
-    // Without it tiles ask for memory one by one.
+    // If memory cannot grow, tiles ask for memory one by one.
     let _ = room.try_reserve(STEP);
     black_box(room);
 }

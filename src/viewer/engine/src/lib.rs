@@ -1,8 +1,10 @@
-//! The engine of the page: `heliotile-core` in a worker of the browser. In: requests as JSON, some with bytes, and the bytes of an archive,
-//! which the host reads by ranges ([`host`]). Out: answers as JSON with arrays behind them, or a [`failure`]. There is no formula here.
+//! The engine of the page: `heliotile-core` in a worker of the browser. In: requests as JSON, some
+//! with bytes, and the bytes of an archive, which the host reads by ranges ([`host`]). Out: answers
+//! as JSON with arrays behind them, or a [`failure`]. The formulas are the core's.
 //!
-//! The host asks for room ([`request_buffer`], [`bytes_buffer`]), writes there, calls [`answer_request`] and reads the text and the arrays where
-//! [`text`] and [`arrays`] say. Buffers are owned here, so no pointer is followed on this side. One engine opens one archive.
+//! The host asks for buffers ([`request_buffer`], [`bytes_buffer`]), writes there, calls
+//! [`answer_request`] and reads the text and the arrays at [`text`] and [`arrays`]. The engine owns
+//! the buffers, so it follows no pointer of the host. One engine opens one archive.
 
 mod answer;
 mod asked;
@@ -39,13 +41,13 @@ thread_local! {
     static ARRAYS: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Room for a request of `length` bytes, JSON.
+/// Returns a buffer for a request of `length` bytes, JSON.
 #[unsafe(no_mangle)]
 pub extern "C" fn request_buffer(length: usize) -> *mut u8 {
     REQUEST.with_borrow_mut(|bytes| room(bytes, length))
 }
 
-/// Room for the bytes that go with a request.
+/// Returns a buffer for the `length` bytes that go with a request.
 #[unsafe(no_mangle)]
 pub extern "C" fn bytes_buffer(length: usize) -> *mut u8 {
     BYTES.with_borrow_mut(|bytes| room(bytes, length))
@@ -57,7 +59,8 @@ fn room(bytes: &mut Vec<u8>, length: usize) -> *mut u8 {
     bytes.as_mut_ptr()
 }
 
-/// Answers the request that was written: 0, or 1 if that cannot be done. Either way there is a text.
+/// Answers the request in the buffers. Returns 0, or 1 if the request fails. In both cases there is
+/// a text.
 #[unsafe(no_mangle)]
 pub extern "C" fn answer_request() -> u32 {
     let (request, bytes) = (REQUEST.take(), BYTES.take());
@@ -72,29 +75,29 @@ pub extern "C" fn answer_request() -> u32 {
     code
 }
 
-/// Where the text of the last answer starts.
+/// Returns the start of the text of the last answer.
 #[unsafe(no_mangle)]
 pub extern "C" fn text() -> *const u8 {
     TEXT.with_borrow(|text| text.as_ptr())
 }
 
-/// Its bytes.
+/// Returns the number of bytes of the last answer's text.
 #[unsafe(no_mangle)]
 pub extern "C" fn text_length() -> usize {
     TEXT.with_borrow(Vec::len)
 }
 
-/// Where the arrays of the last answer start.
+/// Returns the start of the arrays of the last answer.
 #[unsafe(no_mangle)]
 pub extern "C" fn arrays() -> *const u8 {
     ARRAYS.with_borrow(|arrays| arrays.as_ptr())
 }
 
-/// Their bytes.
+/// Returns the number of bytes of the last answer's arrays.
 #[unsafe(no_mangle)]
 pub extern "C" fn arrays_length() -> usize {
     ARRAYS.with_borrow(Vec::len)
 }
 
-/// What every request gives.
+/// Result of a request.
 type Answered = Result<Answer, Failure>;

@@ -1,5 +1,6 @@
-//! Light and reflectances of what is asked for. In: a sun or rows of weather, changes. Out: conditions, what they add to, and schedules of
-//! reflectances, as `heliotile query` and `heliotile replay` make them.
+//! Light and reflectances of a query. In: a sun or rows of weather, changes. Out: conditions, the
+//! bins that they add to, and schedules of reflectances, as `heliotile query` and `heliotile
+//! replay` make them.
 
 use std::path::Path;
 
@@ -18,30 +19,30 @@ use crate::weather::LoadedWeather;
 /// Months of a year.
 const MONTHS: usize = 12;
 
-/// What a replay is made of.
+/// Input of a replay.
 pub struct Forced {
     pub conditions: Vec<Condition>,
     pub bins: Bins,
     pub schedules: Vec<Schedule>,
 }
 
-/// What conditions add to.
+/// Bins that conditions add to.
 #[derive(Clone, Copy, Debug)]
 pub enum Every {
-    /// A mean each, W/m2.
+    /// One mean for each hour, W/m2.
     Hour,
-    /// Twelve sums, kWh/m2.
+    /// Twelve sums, one a month, kWh/m2.
     Month,
-    /// One sum.
+    /// One sum, kWh/m2.
     Total,
 }
 
-/// A page has no other files.
+/// Refuses a file in place of a value: the page has no files but those of its requests.
 fn no_files(path: &Path) -> Result<Vec<u8>> {
     Err(Error::argument("changes", format!("`{}` is a file", path.display()), "give a number from 0 to 1"))
 }
 
-/// One moment.
+/// Returns the light of one moment.
 pub fn moment(opened: &Opened, weather: Option<&LoadedWeather>, light: Light, changes: &Changes) -> Result<Forced> {
     match light {
         Light::Weather { hour } => {
@@ -64,13 +65,13 @@ pub fn moment(opened: &Opened, weather: Option<&LoadedWeather>, light: Light, ch
     }
 }
 
-/// Schedules of changes where no weather file says more.
+/// Returns the schedules of changes where no weather file gives dates.
 pub fn changed(opened: &Opened, changes: &Changes) -> Result<Vec<Schedule>> {
     let changeable = Changeable::of(&opened.site, opened.archive.manifest());
     changes.checked()?.undated(&changeable, 1, &no_files)
 }
 
-/// A span of the weather file.
+/// Returns the light of a span of the weather file.
 pub fn span(
     opened: &Opened,
     weather: Option<&mut LoadedWeather>,
@@ -95,13 +96,14 @@ pub fn span(
     Ok(Forced { conditions, bins, schedules })
 }
 
-/// Schedules over rows of the weather file: the ground by month where the archive states it, then the changes.
+/// Returns the schedules over rows of the weather file: the ground by month where the archive
+/// states it, then the changes.
 fn over(opened: &Opened, rows: &[WeatherRow], changes: &Changes) -> Result<Vec<Schedule>> {
     let changeable = Changeable::of(&opened.site, opened.archive.manifest());
     Ok(changes.checked()?.over(&changeable, rows, &no_files)?.0)
 }
 
-/// The weather that is needed.
+/// Returns the weather, or an error if none is loaded.
 fn loaded<W>(weather: Option<W>) -> Result<W> {
     weather.ok_or_else(|| Error::argument("weather", "there is none", "load a weather file"))
 }

@@ -1,5 +1,5 @@
-//! Which receivers of two archives are the same ones. In: what the page knows of both. Out: the partner of each receiver after, by the rules of
-//! the core.
+//! Matching of the receivers of two archives. In: ids, positions and normals of both. Out: the
+//! partner of each receiver of the second archive, by the rules of the core.
 
 use glam::DVec3;
 use heliotile_core::opened::{ReceiverMatching, ReceiverPlace};
@@ -8,10 +8,10 @@ use serde_json::json;
 
 use crate::answer::{Answer, Numbers};
 
-/// Stands for "no partner".
+/// Number that stands for "no partner".
 const NONE: u32 = u32::MAX;
 
-/// What a receiver is recognised by.
+/// Properties by which a receiver is recognised.
 #[derive(Debug, Deserialize)]
 pub struct AskedPlace {
     id: String,
@@ -26,7 +26,8 @@ impl From<AskedPlace> for ReceiverPlace {
     }
 }
 
-/// `partners`, `[receiver after]`: the receiver before, or [`NONE`]; and how many pairs only the name makes.
+/// Answers the partners `[receiver after]`, each the receiver before or [`NONE`], and the number of
+/// pairs that only the name makes.
 pub fn matched(before: Vec<AskedPlace>, after: Vec<AskedPlace>) -> Answer {
     let [before, after] = [before, after].map(|side| side.into_iter().map(ReceiverPlace::from).collect::<Vec<_>>());
     let matching = ReceiverMatching::of(&before, &after);

@@ -1,5 +1,5 @@
-//! An archive that was opened. In: the bytes of the host. Out: the archive, its site, where each tile starts; or which of the ways to be no
-//! archive it is.
+//! An open archive. In: the bytes of the host. Out: the archive, its site and the first receiver of
+//! each tile; or the reason why the bytes are no archive.
 
 use std::path::Path;
 
@@ -11,16 +11,16 @@ use heliotile_core::opened::OpenSite;
 use crate::failure::{Failure, Kind};
 use crate::host::HostBytes;
 
-/// An archive for as long as the engine lives: the memory of both is given back together.
+/// Open archive. It lives as long as the engine: the memory of both is freed together.
 pub struct Opened {
     pub archive: &'static Archive,
     pub site: OpenSite<'static>,
-    /// `[tile]`: receivers of the tiles before it.
+    /// `[tile]`: number of receivers of the tiles before it.
     pub firsts: Vec<u64>,
 }
 
 impl Opened {
-    /// The archive of the host; `name` is what messages call it.
+    /// Opens the archive of the host, `bytes` long; `name` is its name in messages.
     pub fn of(name: &str, bytes: u64) -> Result<Self, Failure> {
         let archive = Archive::of(Path::new(name), HostBytes::new(bytes)).map_err(|error| refused(error, bytes))?;
         let archive: &'static Archive = Box::leak(Box::new(archive));
@@ -34,7 +34,7 @@ impl Opened {
         Ok(Opened { archive, site, firsts: firsts.collect() })
     }
 
-    /// A tile that exists.
+    /// Returns the tile if it exists, or else an error.
     pub fn tile(&self, tile: u32) -> Result<u32, Failure> {
         match tile < self.site.tiles() {
             true => Ok(tile),
@@ -42,13 +42,14 @@ impl Opened {
         }
     }
 
-    /// Number of its first receiver.
+    /// Returns the number of the first receiver of a tile.
     pub fn first(&self, tile: u32) -> u64 {
         self.firsts.get(tile as usize).copied().unwrap_or_default()
     }
 }
 
-/// Whether bytes are of no archive, of a part of one, or of a later one.
+/// Returns the failure of bytes that cannot be opened: no archive, a part of one, or one of a later
+/// version.
 fn refused(error: Error, bytes: u64) -> Failure {
     let kind = match &error {
         Error::Io { .. } => return error.into(),
@@ -70,7 +71,7 @@ fn starts_as_archive(bytes: u64) -> bool {
     bytes >= start.len() as u64 && HostBytes::new(bytes).read_at(0, &mut start).is_ok() && start == MAGIC
 }
 
-/// Whether a slot of the header tells of more bytes than there are.
+/// Returns true if a slot of the header states more bytes than there are.
 fn lacks_bytes(bytes: u64) -> bool {
     let slot = |offset: u64| {
         let mut slot = [0; SLOT_SIZE];

@@ -1,5 +1,6 @@
-//! The people of an archive: points with six planes each. In: names of its receivers, their skies. Out: which receivers are whose planes, and what these
-//! see of the heat around them. What they feel stands in [`crate::comfort`].
+//! The people of an archive: points with six planes each. In: names of its receivers, their skies.
+//! Out: the point and plane of each receiver, and what the planes see of the heat around them.
+//! Their comfort stands in [`crate::comfort`].
 
 use std::collections::HashMap;
 
@@ -23,27 +24,28 @@ use crate::comfort::{MOMENT, sum_names};
 use crate::failure::{Failure, Kind};
 use crate::open::Opened;
 
-/// A plane of a point.
+/// Tile and row of a plane of a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     pub tile: u32,
     pub row: usize,
 }
 
-/// The points, and what of their views was found.
+/// Points of the archive, and the views of their planes as far as they were found.
 pub struct People {
     points: PersonPoints,
-    /// `[receiver]`: its point, and which plane of it it is.
+    /// `[receiver]`: number of its point, and number of the plane in the point.
     of_receiver: Vec<(usize, usize)>,
-    /// `[tile][row]`
+    /// `[tile][row]`: views of the planes, of tiles that were asked for.
     views: HashMap<u32, Vec<ViewShares>>,
     found: PlaneViews,
-    /// The light of a uniform sky, where leaves stand before the sky.
+    /// Replay of a uniform sky; `None` if no leaves stand before the sky.
     through_leaves: Option<Replay<'static>>,
 }
 
 impl People {
-    /// Whether names of the first tile are those of planes: others are not read to find out.
+    /// Returns true if names of the first tile are names of planes. It reads no other tile to find
+    /// out.
     pub fn are_likely(opened: &Opened) -> Result<bool> {
         if opened.site.tiles() == 0 {
             return Ok(false);
@@ -52,7 +54,7 @@ impl People {
         Ok(receivers.iter().any(|receiver| point_of(&receiver.id).1 > 0))
     }
 
-    /// The people of an archive; none where its receivers are not all planes of points.
+    /// Returns the people of an archive, or `None` if its receivers are not all planes of points.
     pub fn of(opened: &Opened) -> Result<Option<Self>> {
         if !People::are_likely(opened)? {
             return Ok(None);
@@ -77,7 +79,8 @@ impl People {
         Ok(Some(People { points, of_receiver, views, found, through_leaves }))
     }
 
-    /// What the page is told: how many there are, the numbers that can be asked for, what a UTCI means; and which receivers look up.
+    /// Answers the number of people, the names of the numbers that can be asked for, the classes of
+    /// the UTCI, and the receivers that look up.
     pub fn answer(people: Option<&People>) -> Answer {
         let names = |asked: &[ComfortColumn]| asked.iter().flat_map(|column| column.names()).collect::<Vec<_>>();
         let stress = StressCategory::ALL.map(|category| {
@@ -92,14 +95,14 @@ impl People {
         Answer::of(value).with("up", Numbers::U8(&up))
     }
 
-    /// Points that have a plane among the receivers of a tile, `[row]`.
+    /// Returns the points that have a plane among the receivers of a tile, `[row]`.
     pub fn in_tile(&self, opened: &Opened, tile: u32) -> std::result::Result<Vec<usize>, Failure> {
         let first = opened.first(opened.tile(tile)?) as usize;
         let rows = self.of_receiver.get(first..first + opened.site.tile_rows(tile)).ok_or_else(lost)?;
         Ok(rows.iter().map(|(point, _)| *point).collect())
     }
 
-    /// Where the planes of a point are.
+    /// Returns the tile and row of each plane of a point.
     pub fn planes(&self, opened: &Opened, point: usize) -> std::result::Result<[Plane; 6], Failure> {
         let receivers = self.points.planes(point).ok_or_else(lost)?;
         Ok(receivers.map(|receiver| {
@@ -108,7 +111,7 @@ impl People {
         }))
     }
 
-    /// What the planes of a point see.
+    /// Returns the shares of the surroundings that the planes of a point see.
     pub fn views(&mut self, opened: &Opened, point: usize) -> std::result::Result<SixPlanes<ViewShares>, Failure> {
         let planes = self.planes(opened, point)?;
         for Plane { tile, .. } in planes {
@@ -140,7 +143,8 @@ impl People {
     }
 }
 
-/// A replay of a sky of equal radiance, for what leaves let through.
+/// Makes a replay of a sky of equal radiance, which gives the share of the sky that leaves let
+/// through.
 fn below_uniform_sky(opened: &Opened) -> Result<Replay<'static>> {
     let settings = ReplaySettings {
         sky: SkyModel::Uniform,

@@ -1,4 +1,5 @@
-//! What the receivers of a tile are, for people: ids, places, what of the model they stand for. In: blocks. Out: rows.
+//! Receivers of a tile, for display: ids, places, and the parts of the model that they stand for.
+//! In: blocks. Out: rows.
 
 use heliotile_core::units::tilt_and_azimuth;
 use serde_json::json;
@@ -7,7 +8,7 @@ use crate::Answered;
 use crate::answer::Answer;
 use crate::open::Opened;
 
-/// The rows of a tile.
+/// Answers the rows of a tile.
 pub fn receivers(opened: &Opened, tile: u32) -> Answered {
     let (site, north) = (&opened.site, opened.site.north());
     let table = site.tile_receivers(opened.tile(tile)?)?;

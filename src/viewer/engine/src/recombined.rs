@@ -1,5 +1,5 @@
-//! Replays over weather that are ready to give tile after tile. In: an ask. Out: irradiances of a tile. The last few asks are kept, since a page asks for
-//! many tiles of each.
+//! Replays over weather that are kept to give tile after tile. In: a query. Out: irradiances of a
+//! tile. The last few queries are kept, since a page asks for many tiles of each.
 
 use heliotile_core::error::Result;
 use heliotile_core::replay::components::{Component, ComponentSet};
@@ -13,10 +13,10 @@ use crate::failure::{Failure, Kind};
 use crate::light::Forced;
 use crate::open::Opened;
 
-/// Asks that are kept.
+/// Number of queries that are kept.
 const KEPT: usize = 4;
 
-/// What a replay is for.
+/// Purpose of a replay.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Key {
     Sums(SumAsk),
@@ -29,7 +29,7 @@ pub enum Key {
         sky: String,
         changes: Changes,
     },
-    /// Light of people in all hours of a span.
+    /// Light on people in all hours of a span.
     Hours {
         span: Span,
         sky: String,
@@ -45,7 +45,7 @@ impl Key {
         }
     }
 
-    /// The columns that are asked for: of a receiver, all.
+    /// Returns the columns of the query; all columns for a single receiver.
     pub fn columns(&self) -> Result<Vec<Component>> {
         match self {
             Key::Sums(SumAsk { components, .. }) => columns(components),
@@ -55,19 +55,20 @@ impl Key {
     }
 }
 
-/// The last replays, the newest first.
+/// Last replays, the newest first.
 #[derive(Default)]
 pub struct Recombinations {
     kept: Vec<(Key, Replay<'static>)>,
 }
 
 impl Recombinations {
-    /// Forgets what was made: weather or clouds are others.
+    /// Forgets the replays, since the weather or the clouds changed.
     pub fn clear(&mut self) {
         self.kept.clear();
     }
 
-    /// The values of a tile by what is asked for; `force` makes the light where it is not at hand.
+    /// Returns the values of a tile for a query. `force` makes the light if no kept replay answers
+    /// the query.
     pub fn values(
         &mut self,
         opened: &Opened,
@@ -99,7 +100,7 @@ impl Recombinations {
     }
 }
 
-/// Columns of a tile of one result.
+/// Answers columns of a tile from the values of a replay.
 pub fn of_tile(opened: &Opened, tile: u32, columns: &[Component], values: &TileValues) -> Answered {
     let first = opened.first(tile);
     let answer = Answer::of(serde_json::json!({ "tile": tile, "first": first }));
@@ -107,7 +108,7 @@ pub fn of_tile(opened: &Opened, tile: u32, columns: &[Component], values: &TileV
     Ok(columns.iter().fold(answer, with))
 }
 
-/// All columns of one receiver.
+/// Answers all columns of one receiver.
 pub fn of_receiver(labels: &[String], row: usize, values: &TileValues) -> Answered {
     if row >= values.receivers() {
         let what = format!("there is no receiver {row} of {} in the tile", values.receivers());

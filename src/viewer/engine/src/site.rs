@@ -1,4 +1,5 @@
-//! What the page is told of an archive when it is opened. In: its manifest and tables. Out: a [`Site`].
+//! Facts about an archive for the page when it opens it. In: its manifest and tables. Out: a
+//! [`Site`].
 
 use std::collections::BTreeSet;
 
@@ -13,18 +14,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::open::Opened;
 
-/// Where the archive lies.
+/// Place of the archive.
 #[derive(Debug, Deserialize, Serialize)]
 pub struct SitePlace {
     latitude: f64,
     longitude: f64,
-    /// Of y from true north, degrees clockwise.
+    /// Angle of the y axis from true north, degrees clockwise.
     convergence: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     crs: Option<String>,
 }
 
-/// What stands before the number of a coordinate reference system.
+/// Prefix of the number of a coordinate reference system.
 const EPSG: &str = "EPSG:";
 
 impl From<&Place> for SitePlace {
@@ -49,20 +50,20 @@ impl From<&SitePlace> for Place {
     }
 }
 
-/// The archive that another one is shown with.
+/// Archive that another one is shown with.
 #[derive(Debug, Deserialize)]
 pub struct Beside {
     place: Option<SitePlace>,
 }
 
 impl Beside {
-    /// Whether an archive that lies there may be of the same site.
+    /// Returns true if an archive at `place` may be of the same site.
     pub fn is_of(&self, place: Option<&Place>) -> bool {
         Place::is_one_site(self.place.as_ref().map(Place::from).as_ref(), place)
     }
 }
 
-/// A material.
+/// Material of the scene.
 #[derive(Debug, Serialize)]
 pub struct SiteMaterial {
     name: String,
@@ -75,7 +76,7 @@ pub struct SiteMaterial {
     mirror: bool,
 }
 
-/// A name that changes take, and the mean of what it stands for.
+/// Name that changes take, and the mean value of the materials that it stands for.
 #[derive(Debug, Serialize)]
 pub struct SiteGroup {
     name: String,
@@ -84,7 +85,7 @@ pub struct SiteGroup {
     materials: usize,
 }
 
-/// An archive as the page knows it.
+/// Facts about an archive.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Site {
@@ -108,12 +109,12 @@ pub struct Site {
     scene_chunks: usize,
     has_reference: bool,
     skies: Vec<String>,
-    /// Those that no clouds can stand before.
+    /// Skies that no clouds can stand before.
     cloudless_skies: Vec<String>,
 }
 
 impl Site {
-    /// Of an archive of so many bytes.
+    /// Collects the facts of an archive of `bytes` bytes.
     pub fn of(opened: &Opened, bytes: u64) -> Self {
         let (archive, manifest) = (opened.archive, opened.archive.manifest());
         let slot = &archive.header().slot;
@@ -140,7 +141,8 @@ impl Site {
             origin: manifest.scene.origin_m,
             bounds: manifest.scene.bounds_m,
             place: manifest.place.as_ref().map(SitePlace::from),
-            // From y to true north is the way back from true north to y.
+            // `north_deg` is the angle from y to true north, the reverse of the angle from true
+            // north to y.
             north_deg: -opened.site.north().y_deg(),
             materials: materials.iter().map(material).collect(),
             groups: groups(materials, diffuse),
@@ -155,10 +157,12 @@ impl Site {
     }
 }
 
-/// Materials that are listed one by one; of more the classes are.
+/// Largest number of materials that are listed one by one; if there are more, their classes are
+/// listed.
 const MOST_MATERIALS: usize = 8;
 
-/// What changes take: groups, and materials without one, or if those are many, their classes. What reflects, then canopies.
+/// Returns the names that changes take: groups, and the materials without a group, or their classes
+/// if these materials are many. Names with a reflectance come first, then canopies.
 fn groups(materials: &[Material], diffuse: bool) -> Vec<SiteGroup> {
     let named: BTreeSet<&str> = materials.iter().filter_map(|material| material.group.as_deref()).collect();
     let alone: Vec<&Material> = materials.iter().filter(|material| material.group.is_none()).collect();
@@ -192,7 +196,7 @@ fn groups(materials: &[Material], diffuse: bool) -> Vec<SiteGroup> {
     found
 }
 
-/// The stated error, as `info` words it.
+/// Returns the stated error in the words of `info`.
 fn stated(accuracy: &Accuracy) -> String {
     format!(
         "{} % of the mean total ({} W/m2), RMSE of hourly totals; bias {} %, means over all hours {} %; {} receivers, {} conditions ({})",

@@ -1,11 +1,13 @@
-//! What the page brings to the graphics card. In: tiles and lights as the core makes texels of them. Out: their arrays, and where what is in them.
+//! Arrays for the graphics card. In: tiles and lights as texels that the core makes. Out: their
+//! arrays, and where each part of them stands.
 
 use heliotile_core::replay::interactive::{LightTexels, TileTextures};
 use serde_json::json;
 
 use crate::answer::{Answer, Numbers};
 
-/// A tile's receivers, of which the first is number `first` of the archive; `served` is false where the core has to serve them.
+/// Answers the receivers of a tile, whose first is number `first` of the archive. `served` is false
+/// if the core has to compute them.
 pub fn tile(first: u64, made: Option<TileTextures<'_>>) -> Answer {
     let served = made.is_some();
     let TileTextures { shape, words, starts } = made.unwrap_or_default();
@@ -15,7 +17,7 @@ pub fn tile(first: u64, made: Option<TileTextures<'_>>) -> Answer {
         .with("starts", Numbers::U32(starts))
 }
 
-/// A light.
+/// Answers a light.
 pub fn light(light: &LightTexels) -> Answer {
     let LightTexels { numbers, parts, reflected, field, radiances } = light;
     Answer::of(json!({ "parts": parts, "reflected": reflected, "field": field, "radiances": radiances }))

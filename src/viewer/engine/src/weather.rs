@@ -1,4 +1,5 @@
-//! The weather file of the page. In: its bytes, unpacked. Out: conditions of rows, and what the page shows of them.
+//! The weather file of the page. In: its bytes, unpacked. Out: conditions of rows, and the facts
+//! that the page shows.
 
 use std::path::Path;
 
@@ -27,22 +28,23 @@ use crate::failure::{Failure, worded_text};
 /// Minutes of a day.
 const DAY_MIN: f64 = 1440.0;
 
-/// The year that the sun is shown of where no weather file has one, as for its paths.
+/// Year in which the sun is shown if no weather file has one, as for its paths.
 const YEAR: i32 = 2021;
 
-/// A weather file.
+/// Weather file that is loaded.
 pub struct LoadedWeather {
     pub weather: Weather,
-    /// Sun positions of an interval.
+    /// Number of sun positions in an interval.
     steps: usize,
-    /// `[row]`: its condition, once it was asked for.
+    /// `[row]`: condition of the row, once it was asked for.
     conditions: Vec<Option<Condition>>,
-    /// Why the air of the file cannot be read.
+    /// Reason why the air of the file cannot be read; `None` if it can.
     without_air: Option<String>,
 }
 
 impl LoadedWeather {
-    /// Reads it as `heliotile replay` does; a file that does not say where it is from is of the scene's place.
+    /// Reads a weather file as `heliotile replay` does. A file without a place takes the scene's
+    /// place.
     pub fn read(name: &str, bytes: &[u8], options: &WeatherOptions, manifest: &Manifest) -> Result<Self> {
         let (place, steps_an_hour) = (manifest.place, manifest.settings.steps());
         let mut weather = parse_weather_as(Path::new(name), bytes, options, &mut || Ok(place))?;
@@ -56,18 +58,18 @@ impl LoadedWeather {
         })
     }
 
-    /// The same, with the reason why the air of the file cannot be read.
+    /// Returns the file with the reason why its air cannot be read.
     pub fn without_air(self, why: Error) -> Self {
         LoadedWeather { without_air: Some(Failure::from(why).message), ..self }
     }
 
-    /// Refuses a file whose air cannot be read.
+    /// Returns an error if the air of the file cannot be read.
     pub fn expect_air(&self) -> Result<()> {
         let hint = "mend the file, or set the air by numbers";
         self.without_air.as_ref().map_or(Ok(()), |why| Err(Error::argument("weather", why.clone(), hint)))
     }
 
-    /// The air of one row.
+    /// Returns the air of one row.
     pub fn air(&self, row: usize) -> Result<Air> {
         self.expect_air()?;
         self.weather.air.get(row).copied().ok_or_else(|| {
@@ -76,7 +78,7 @@ impl LoadedWeather {
         })
     }
 
-    /// The air of the rows of a span; of a file without air, none is known.
+    /// Returns the air of the rows of a span; in a file without air, all values are unknown.
     pub fn airs(&self, span: Span) -> Vec<HourAir> {
         let hours = self.weather.interval_hours;
         let rows = self.weather.rows.iter().enumerate().filter(|(_, row)| counts(span, row));
@@ -84,7 +86,7 @@ impl LoadedWeather {
             .collect()
     }
 
-    /// The condition of one row.
+    /// Returns one row and its condition.
     pub fn condition(&self, row: usize) -> Result<(WeatherRow, Condition)> {
         let found = self.weather.rows.get(row).copied();
         let condition = self.of_rows(found.into_iter().collect()).pop();
@@ -94,19 +96,19 @@ impl LoadedWeather {
         })
     }
 
-    /// The conditions of some rows.
+    /// Returns the conditions of some rows.
     fn of_rows(&self, rows: Vec<WeatherRow>) -> Vec<Condition> {
         let (place, air, report) = (String::new(), Vec::new(), WeatherReport::default());
         Weather { place, rows, air, report, ..self.weather }.conditions(self.steps)
     }
 
-    /// Starts of the intervals of a span.
+    /// Returns the labels of the intervals of a span: their starts.
     pub fn labels(&self, span: Span) -> Vec<String> {
         let rows = self.weather.rows.iter().filter(|row| counts(span, row));
         rows.map(|row| row.interval.label()).collect()
     }
 
-    /// The conditions of a span, and which rows they are of.
+    /// Returns the conditions of a span, and for each row of the file true if it lies in the span.
     pub fn conditions(&mut self, span: Span) -> (Vec<Condition>, Vec<bool>) {
         let chosen: Vec<bool> = self.weather.rows.iter().map(|row| counts(span, row)).collect();
         let missing: Vec<usize> = (0..chosen.len()).filter(|&i| chosen[i] && self.conditions[i].is_none()).collect();
@@ -116,13 +118,13 @@ impl LoadedWeather {
         (taken.filter_map(|(condition, _)| condition.clone()).collect(), chosen)
     }
 
-    /// A date of the file on a day of the year.
+    /// Returns the first date of the file on a day of the year.
     fn date(&self, day_of_year: u32) -> Option<Date> {
         let mut dates = self.weather.rows.iter().map(|row| row.interval.date);
         dates.find(|date| date.day_of_year() == day_of_year)
     }
 
-    /// What the page shows of it.
+    /// Answers the facts about the file that the page shows.
     pub fn info(&self, name: &str) -> Answer {
         let Weather { rows, site, report, place, .. } = &self.weather;
         let of = |value: &dyn Fn(&WeatherRow) -> f64| rows.iter().map(|row| value(row) as f32).collect::<Vec<f32>>();
@@ -153,7 +155,7 @@ impl LoadedWeather {
     }
 }
 
-/// Whether a row lies in a span, by the day that it counts to.
+/// Returns true if a row lies in a span, by the day that the row counts to.
 fn counts(span: Span, row: &WeatherRow) -> bool {
     match span {
         Span::Year => true,
@@ -162,7 +164,8 @@ fn counts(span: Span, row: &WeatherRow) -> bool {
     }
 }
 
-/// Where the sun is seen from, and its clock: that of the weather, or else of the scene with the zone of its longitude.
+/// Returns the location from which the sun is seen, with its clock: the weather file's, or else the
+/// scene's with the time zone of its longitude.
 pub fn location(weather: Option<&LoadedWeather>, place: Option<Place>) -> Result<Location> {
     let of_place = |place: Place| {
         let zone = (place.longitude_deg / 15.0).round();
@@ -174,13 +177,14 @@ pub fn location(weather: Option<&LoadedWeather>, place: Option<Place>) -> Result
     })
 }
 
-/// Where the sun stands on a day of the year: degrees from true north, and above the horizon.
+/// Answers the azimuth of the sun on a day of the year, degrees from true north, and its altitude
+/// above the horizon.
 pub fn sun(weather: Option<&LoadedWeather>, place: Option<Place>, day_of_year: u32, minutes: f64) -> Result<Answer> {
     let (tilt, azimuth) = tilt_and_azimuth(direction(weather, place, day_of_year, minutes)?);
     Ok(Answer::of(json!({ "azimuth": azimuth, "altitude": 90.0 - tilt })))
 }
 
-/// DNI and DHI at that time under a clear sky, W/m2.
+/// Answers DNI and DHI under a clear sky at a time of a day of the year, W/m2.
 pub fn clear(weather: Option<&LoadedWeather>, place: Option<Place>, day_of_year: u32, minutes: f64) -> Result<Answer> {
     let condition = clear_moment(String::new(), direction(weather, place, day_of_year, minutes)?);
     Ok(Answer::of(json!({ "dni": condition.dni_w_m2, "dhi": condition.dhi_w_m2 })))
@@ -190,7 +194,7 @@ fn direction(weather: Option<&LoadedWeather>, place: Option<Place>, day_of_year:
     Ok(location(weather, place)?.sun(date(weather, day_of_year)?, minutes))
 }
 
-/// A day of the year, in the year of the weather file where it has one.
+/// Returns the date of a day of the year, in the year of the weather file if it has one.
 pub fn date(weather: Option<&LoadedWeather>, day_of_year: u32) -> Result<Date> {
     let of_year = || {
         let first = Date::new(YEAR, 1, 1)?.day_number();

@@ -1,5 +1,6 @@
-// Values of receivers by the graphics card: layers are textures, so a sun that moves is a few look-ups. In: textures of tiles, a light. Out: a
-// texture of values with the places of `Paint`; where a receiver is not on the card, the core's value stands in it.
+// Values of receivers computed by the graphics card. Layers are textures, so that a sun that moves
+// costs a few look-ups. In: textures of tiles, a light. Out: a texture of values with the places of
+// `Paint`. Receivers that are not on the card keep the core's value there.
 
 import {
   BufferAttribute, BufferGeometry, Camera, DataTexture, FloatType, GLSL3, Mesh, NearestFilter, NoBlending, RedFormat, RGBAFormat, ShaderMaterial, type Texture,
@@ -10,12 +11,12 @@ import { WIDTH } from "../view/paint";
 import { Room } from "./room";
 import { FRAGMENT, ROW, VERTEX } from "./shader";
 
-/** Memory of the card for receivers, MB, where nobody says otherwise. */
+/** Default memory of the card for receivers, MB. */
 export const BUDGET_MB = 256;
 
 const COMPONENTS = ["sun_direct", "sky_direct", "sun_diffuse", "sky_diffuse"];
 
-/** Which components count; none where they are not on the card. */
+/** Returns the components that count, or null if the card does not have them. */
 function chosen(component: string): Vector4 | null {
   if (component === "total") return new Vector4(1, 1, 1, 1);
   const at = COMPONENTS.indexOf(component);
@@ -23,13 +24,13 @@ function chosen(component: string): Vector4 | null {
 }
 
 export class Card {
-  /** Changes of reflectances that the textures are made with. */
+  /** Changes of reflectances for which the textures were made. */
   changes = "";
-  /** Receivers on the card. */
+  /** Number of receivers on the card. */
   receivers = 0;
-  /** True when there is nothing more to bring. */
+  /** True when there are no more tiles to load. */
   complete = false;
-  /** What is drawn, as long as it is the newest there is. */
+  /** Light and component of the drawn values, while they are the newest. */
   shown: { light: LightTexels; component: string } | null = null;
   private readonly target: WebGLRenderTarget;
   private readonly pass: Mesh<BufferGeometry, ShaderMaterial>;
@@ -37,7 +38,7 @@ export class Card {
   private room: Room;
   private lightTexture: DataTexture | null = null;
 
-  /** None for a card that does not draw numbers. */
+  /** Returns null for a card that cannot draw floating-point numbers. */
   static of(renderer: WebGLRenderer, values: Texture, receivers: number, budgetMb: number): Card | null {
     return budgetMb > 0 && renderer.extensions.has("EXT_color_buffer_float") ? new Card(renderer, values, receivers, budgetMb) : null;
   }
@@ -72,22 +73,22 @@ export class Card {
     return this.target.texture;
   }
 
-  /** Bytes of its textures of receivers: in use, and of whole pages. */
+  /** Bytes of the textures of receivers: in use, and of whole pages. */
   get bytes(): { used: number; taken: number } {
     return { used: this.room.used, taken: this.room.taken };
   }
 
-  /** Whether all receivers are on the card. */
+  /** True if all receivers are on the card. */
   get whole(): boolean {
     return this.receivers === this.count;
   }
 
-  /** No more room. */
+  /** True if there is no more room. */
   get full(): boolean {
     return this.room.full;
   }
 
-  /** Whether the values of a component can be had for these changes. */
+  /** Returns true if the card can give the values of a component for these changes. */
   serves(changes: string, component: string): boolean {
     return this.receivers > 0 && this.changes === changes && chosen(component) !== null;
   }
@@ -99,14 +100,14 @@ export class Card {
     [this.changes, this.receivers, this.complete, this.shown] = ["", 0, false, null];
   };
 
-  /** Brings a tile; false where the core has to serve it. */
+  /** Loads a tile. Returns false if the core has to compute it. */
   put(tile: TileTextures): boolean {
     if (!tile.served || !this.room.put(tile)) return false;
     this.receivers += tile.starts.length;
     return true;
   }
 
-  /** Makes the values of a component under a light. */
+  /** Computes the values of a component under a light. */
   draw(light: LightTexels, component: string): void {
     const counts = chosen(component);
     const { shape, pages, places } = this.room;
@@ -139,7 +140,7 @@ export class Card {
     renderer.setRenderTarget(before);
   }
 
-  /** The values, read back: for tests. */
+  /** Reads the values back, for tests. */
   read(): Float32Array {
     const { renderer, target } = this;
     const gl = renderer.getContext();

@@ -1,4 +1,5 @@
-// Brings tiles to the graphics card while nothing else is asked of the engine, in about the order of moments.
+// Loads tiles to the graphics card while the engine has no other work, in about the order of
+// moments.
 
 import type { Changes, TileTextures } from "../engine/client";
 import type { Session } from "../session";
@@ -6,7 +7,7 @@ import type { Card } from "./card";
 
 export class Loader {
   private turn = 0;
-  /** Tiles that the core has to serve. */
+  /** Tiles that the core has to compute. */
   private readonly left = new Set<number>();
   isLoading = false;
 
@@ -27,7 +28,10 @@ export class Loader {
     this.isLoading = false;
   }
 
-  /** Goes on where it was stopped, or begins anew for other changes, with these tiles of all; resolves when done or stopped. */
+  /**
+   * Continues an interrupted load, or begins anew for other changes, with these tiles. Resolves
+   * when it is done or stopped.
+   */
   async load(changes: Changes, tiles: readonly number[]): Promise<void> {
     const turn = ++this.turn;
     const { card, session, left } = this;
@@ -49,10 +53,10 @@ export class Loader {
     };
     this.isLoading = true;
     try {
-      // A damaged tile is told of by the moments.
+      // Queries for moments report damaged tiles.
       await session.engine.textures({ changes, tiles: tiles.filter((tile) => left.has(tile)) }, onTile, () => undefined);
     } catch {
-      // So is what else is wrong; the core serves what is left.
+      // They report other errors, too; the core computes the remaining tiles.
     }
     if (isStopped()) return;
     this.isLoading = false;

@@ -1,5 +1,5 @@
-// Memory of the graphics card for receivers, within a budget. In: tiles as the engine makes texels of them. Out: pages, textures of whole rows
-// of texels, and a place for each receiver.
+// Memory of the graphics card for receivers, within a budget. In: tiles as the engine makes texels
+// of them. Out: pages, textures of whole rows of texels, and a place for each receiver.
 
 import { DataTexture, NearestFilter, RedIntegerFormat, RGBAIntegerFormat, UnsignedIntType, Vector2, type WebGLRenderer } from "three";
 import type { TileTextures } from "../engine/client";
@@ -23,14 +23,14 @@ function integers(data: Uint32Array | null, width: number, height: number, singl
 
 export class Room {
   readonly pages: DataTexture[] = [];
-  /** [row of the archive]: page and first texel, 0 where the core serves. */
+  /** [row of the archive]: page and first texel, 0 if the core computes the receiver. */
   readonly places: DataTexture;
-  /** Bytes of receivers that are there. */
+  /** Bytes of receivers that are loaded. */
   used = 0;
   shape: TileTextures["shape"] | null = null;
   private readonly placesData: Uint32Array;
   private rows = ROWS;
-  /** Nothing more fits. */
+  /** True if nothing more fits. */
   full = false;
 
   constructor(
@@ -48,7 +48,7 @@ export class Room {
     return this.pages.length * PAGE_BYTES;
   }
 
-  /** Brings a tile; false where there is no room for it. */
+  /** Loads a tile. Returns false if there is no room for it. */
   put(tile: TileTextures): boolean {
     const rows = Math.ceil((tile.words.length * 4) / ROW_BYTES);
     this.shape ??= tile.shape;
@@ -78,10 +78,10 @@ export class Room {
     if (this.full) return false;
     while (gl.getError() !== gl.NO_ERROR && !gl.isContextLost());
     const page = integers(null, ROW, ROWS, false);
-    // Room alone: tiles are brought one by one.
+    // This only allocates memory: tiles are loaded one by one.
     page.source.dataReady = false;
     this.renderer.initTexture(page);
-    // Not all memory is there to be had.
+    // The card may have less memory than the budget.
     if (gl.getError() !== gl.NO_ERROR) {
       page.dispose();
       this.full = true;

@@ -1,5 +1,6 @@
-// Adds up what the core made of receivers and of one light, texels as its `moments` say. There is no formula of sun, sky or geometry
-// here: sums of products, and the core's rule that no component is below 0.
+// Shader that adds up the texels that the core made of receivers and of one light, as its
+// `interactive` module lays them out. It has no formula of sun, sky or geometry: it computes sums
+// of products and applies the rule of the core that no component is below 0.
 
 export const ROW = 1024;
 /** Bits of a place: texel of a page; above them the page; 1 more than both, so that 0 is none. */

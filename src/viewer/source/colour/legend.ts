@@ -7,13 +7,13 @@ import { number } from "../words";
 import type { ColourMap } from "./map";
 import { VIRIDIS } from "../../../results/page/viridis";
 
-/** What the legend says. */
+/** Content of the legend. */
 export interface Key {
   title: string;
   unit: string;
   range: readonly [number, number];
   map: ColourMap;
-  /** In place of the bar: what colours mean. */
+  /** Meaning of the colours, in place of the bar. */
   bands?: readonly Band[];
 }
 
@@ -36,7 +36,7 @@ export class Legend {
     this.bar.hidden = key.bands !== undefined;
     this.labels.className = key.bands ? "bands" : "";
     if (key.bands) {
-      // Hot ones on top, as on a thermometer.
+      // Hot bands stand on top, as on a thermometer.
       const rows = [...key.bands].reverse().map((band) => {
         const swatch = el("i", {});
         swatch.style.background = band.colour;
@@ -52,7 +52,7 @@ export class Legend {
     const [low, high] = key.range;
     this.labels.replaceChildren(
       ...legendTicks(low, high).map((value) => {
-        // Where colours part, the mark crosses the bar.
+        // In a diverging colour map, the mark at zero crosses the bar.
         const label = el("span", { text: number(value), class: low < 0 && value === 0 ? "zero" : "" });
         label.style.left = `${(100 * (value - low)) / (high - low)}%`;
         return label;

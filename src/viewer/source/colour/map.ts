@@ -1,15 +1,16 @@
-// A colour map as the page uses it. In: its stops, six hexadecimal digits each. Out: bytes for the graphics card, and colours of CSS.
+// A colour map as the page uses it. In: its stops, six hexadecimal digits each. Out: bytes for the
+// graphics card, and colours of CSS.
 
 export const STEPS = 256;
 
 export interface ColourMap {
   /** [step][red, green, blue, 255], 0..255. */
   readonly bytes: Uint8Array;
-  /** CSS colour at a share 0..1 of the map. */
+  /** Returns the CSS colour at a share 0..1 of the map. */
   css(share: number): string;
 }
 
-/** Of stops in sRGB, linear between them. */
+/** Makes the colour map of stops in sRGB, linear between them. */
 export function colourMap(hex: string): ColourMap {
   const last = hex.length / 6 - 1;
   const stop = (at: number, channel: number): number => parseInt(hex.slice(6 * at + 2 * channel, 6 * at + 2 * channel + 2), 16);

@@ -1,4 +1,5 @@
-// The range of the legend. In: values. Out: a range of nice numbers that holds 2 to 98 % of them; of differences, 98 % on both sides of 0.
+// The range of the legend. In: values. Out: a range of nice numbers that holds 2 to 98 % of them;
+// of differences, 98 % on both sides of 0.
 
 const MOST_SAMPLED = 20_000;
 
@@ -9,7 +10,7 @@ export function niceStep(length: number): number {
   return power * ([1, 2, 2.5, 5].find((step) => step * power >= length * (1 - 1e-9)) ?? 10);
 }
 
-/** Some of the values that there are, ascending. */
+/** Returns a sample of the finite values, ascending. */
 function sampled(columns: readonly Float32Array[]): number[] {
   const sample: number[] = [];
   for (const values of columns) {
@@ -19,7 +20,7 @@ function sampled(columns: readonly Float32Array[]): number[] {
   return sample.sort((a, b) => a - b);
 }
 
-/** As far below nought as above, for differences; none where there are no values. */
+/** Returns a range of differences with 0 in its middle, or null if there are no values. */
 export function symmetricRange(values: Float32Array): [number, number] | null {
   const sample = sampled([values.map(Math.abs)]);
   if (sample.length === 0) return null;
@@ -29,13 +30,13 @@ export function symmetricRange(values: Float32Array): [number, number] | null {
   return [-end, end];
 }
 
-/** One range for all columns; none where there are no values. */
+/** Returns one range for all columns, or null if there are no values. */
 export function autoRange(...columns: readonly Float32Array[]): [number, number] | null {
   const sample = sampled(columns);
   if (sample.length === 0) return null;
   const at = (share: number): number => sample[Math.round(share * (sample.length - 1))]!;
   let [low, high] = [at(0.02), at(0.98)];
-  // Nought belongs to the range unless that would waste more than half of it.
+  // Zero belongs to the range unless it would waste more than half of the range.
   if (low > 0 && low < 0.5 * high) low = 0;
   const step = niceStep((high - low) / 10);
   const [from, to] = [Math.floor(low / step + 1e-6) * step, Math.ceil(high / step - 1e-6) * step];
@@ -43,13 +44,15 @@ export function autoRange(...columns: readonly Float32Array[]): [number, number]
   return to > from ? [tidy(from), tidy(to)] : [tidy(from), tidy(from + (Math.abs(from) > 0 ? step : 1))];
 }
 
-/** What stands below the legend's bar: its ends, and round values that keep clear of them. */
+/**
+ * Returns the labels below the legend's bar: its ends, and round values that keep clear of them.
+ */
 export function legendTicks(low: number, high: number): number[] {
   const clear = (high - low) / 5.5;
   return [low, ...ticks(low, high).filter((value) => value > low + clear && value < high - clear), high];
 }
 
-/** Four to six round values from low to high. */
+/** Returns four to six round values from low to high. */
 export function ticks(low: number, high: number): number[] {
   const step = niceStep((high - low) / 5);
   const found: number[] = [];

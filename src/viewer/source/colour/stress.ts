@@ -1,4 +1,5 @@
-// Colours of thermal stress: what a UTCI means, in steps. Blue is cold, red is hot; the steps differ in lightness too, for the colour-blind.
+// Colours of thermal stress: the classes of the UTCI, in steps. Blue is cold, red is hot; the steps
+// differ in lightness too, for colour-blind readers.
 
 import type { Stress } from "../engine/client";
 import { STEPS, type ColourMap } from "./map";
@@ -9,7 +10,10 @@ const COLOURS = ["08306b", "2159a0", "4287bf", "7cb3d8", "bbd9ea", "b5dca0", "fd
 const STEP_C = 0.5;
 const LOW_C = -50.25;
 
-/** What colours mean: from a limit, none at the cold end, up to one, none at the hot end. */
+/**
+ * Band of one colour, from a limit to a limit; the coldest has no lower and the hottest no upper
+ * limit.
+ */
 export interface Band {
   name: string;
   from: number | null;
@@ -24,7 +28,7 @@ export function bandsOf(stress: readonly Stress[]): Band[] {
   return stress.map(({ name, to }, at) => ({ name, from: stress[at - 1]?.to ?? null, to, colour: `#${COLOURS[at] ?? "888888"}` }));
 }
 
-/** The bands from the coldest to the hottest of some values. */
+/** Returns the bands from the coldest to the hottest of some values. */
 export function bandsAmong(bands: readonly Band[], columns: readonly Float32Array[]): Band[] {
   let [low, high] = [bands.length, -1];
   for (const column of columns) {
@@ -39,7 +43,7 @@ export function bandsAmong(bands: readonly Band[], columns: readonly Float32Arra
 
 let made: { of: readonly Stress[]; map: ColourMap } | null = null;
 
-/** In steps, over `STRESS_RANGE`. */
+/** Returns the colour map of the classes, in steps over `STRESS_RANGE`. */
 export function stressMap(stress: readonly Stress[]): ColourMap {
   if (made?.of === stress) return made.map;
   const bands = bandsOf(stress);
@@ -56,7 +60,7 @@ export function stressMap(stress: readonly Stress[]): ColourMap {
   return map;
 }
 
-/** Limits of a band, in words. */
+/** Returns the limits of a band in words. */
 export function limitsOf({ from, to }: Band): string {
   const shown = (value: number): string => String(value).replace("-", "−");
   if (from === null) return to === null ? "" : `≤ ${shown(to)}`;

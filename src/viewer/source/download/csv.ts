@@ -1,4 +1,5 @@
-// What is shown, as CSV: a row a receiver, columns named as `query`, `replay` and `compare` name them; what it was made of stands on top.
+// The shown values as CSV: a row a receiver, columns named as `query`, `replay` and `compare` name
+// them, and the inputs of the result on top.
 
 import { percentOf, type Partners } from "../change";
 import type { ReceiverInfo } from "../engine/client";
@@ -7,14 +8,14 @@ import { comfortOf } from "../people";
 import type { Session } from "../session";
 import { isOfSun, isSum, type State } from "../state";
 
-/** Of one archive, or of two of which one is before. */
+/** One archive, or two of which one is before. */
 interface Site {
   before: Layer;
   after: Layer | null;
   partners: Partners | null;
 }
 
-/** What a result was made of, a line each. */
+/** Returns the inputs of a result, a line each. */
 export function provenance(state: State, { before, after }: Site): string[] {
   const { site, weather } = before.session;
   const { shine } = before.asker;
@@ -55,7 +56,10 @@ function figures(value: number): string {
   return Number.isFinite(value) ? String(Number(value.toPrecision(7))) : "";
 }
 
-/** Names of columns: of two archives, before, after, change and percent of each component. */
+/**
+ * Returns the names of columns. For two archives they are before, after, change and percent of each
+ * component.
+ */
 function columnsOf(components: readonly string[], suffix: string, isPair: boolean): string[] {
   return components.flatMap((name) => {
     const whole = name + suffix;
@@ -63,7 +67,7 @@ function columnsOf(components: readonly string[], suffix: string, isPair: boolea
   });
 }
 
-/** Values by these columns; empty where there is none. */
+/** Returns the values of these columns; empty where there is none. */
 function cells(components: readonly string[], before: readonly number[] | null, after: readonly number[] | null): string[] {
   return components.flatMap((_, at) => {
     const [one, other] = [before?.[at] ?? NaN, after?.[at] ?? NaN];
@@ -71,18 +75,21 @@ function cells(components: readonly string[], before: readonly number[] | null, 
   });
 }
 
-/** `onProgress` gets the share done: names of all receivers may have to be read. */
+/**
+ * Makes the CSV. `onProgress` gets the share done, since names of all receivers may have to be
+ * read.
+ */
 export async function csv(state: State, site: Site, onProgress: (share: number) => void): Promise<Blob> {
   const { before, after, partners } = site;
   const pair = after && partners;
   const [former, latter] = [before.quantity(), (after ?? before).quantity()];
   const { components } = former;
-  // Of people before and light after there is nothing to compare.
+  // Comfort before and light after cannot be compared.
   const compares = former.unit === latter.unit && former.shown === latter.shown;
   const columns = columnsOf(components, former.suffix, pair !== null);
   const chunks = [...provenance(state, site).map((line) => `# ${line.replaceAll(/[\r\n]+/g, " ")}\n`)];
   chunks.push(`${["receiver", "surface", "object", "building", "area_m2", "x", "y", "z", "tilt_deg", "azimuth_deg", "sky_view", ...columns].join(",")}\n`);
-  // Of two archives the receivers after, then those that are before only.
+  // With two archives, the receivers after come first, then those that only the archive before has.
   const archives = pair ? [after, before] : [before];
   for (const [which, layer] of archives.entries()) {
     const { session } = layer;
@@ -114,7 +121,7 @@ export async function csv(state: State, site: Site, onProgress: (share: number) 
   return new Blob(chunks, { type: "text/csv" });
 }
 
-/** Who and where a receiver is. */
+/** Returns the columns that identify a receiver and its place. */
 function about(receiver: ReceiverInfo, session: Session, index: number): string[] {
   return [
     cell(receiver.id), cell(receiver.surface ?? ""), cell(receiver.object), cell(receiver.building), receiver.area === null ? "" : figures(receiver.area),

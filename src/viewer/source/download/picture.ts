@@ -1,4 +1,5 @@
-// The 3D view with its legend, as PNG. In: the canvas as it is drawn, words of the legend, what it was made of.
+// The 3D view with its legend, as PNG. In: the canvas as it is drawn, words of the legend, what it
+// was made of.
 
 import type { Key } from "../colour/legend";
 import { legendTicks } from "../colour/range";
@@ -43,7 +44,7 @@ export async function picture(view: HTMLCanvasElement, scale: number, key: Key, 
   return new Promise((resolve, reject) => canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("the picture could not be written"))), "image/png"));
 }
 
-/** What colours mean, cold to hot: a box each, and the limits between them. */
+/** Draws the meaning of the colours, cold to hot: a box each, and the limits between them. */
 function drawBands(draw: CanvasRenderingContext2D, bands: readonly Band[], left: number, width: number): void {
   const wide = width / bands.length;
   draw.font = "11px system-ui, sans-serif";

@@ -1,4 +1,5 @@
-// Bytes of an archive, wherever they are held, read by ranges without waiting: the engine asks in the middle of its work.
+// Bytes of an archive in memory, in a file or on a server. They are read by ranges and
+// synchronously, since the engine reads in the middle of its work.
 
 import { EngineError } from "./failure";
 import { Pages } from "./pages";
@@ -8,13 +9,13 @@ export interface Bytes {
   readonly length: number;
   /** Fills `into` from a position; throws an EngineError if it cannot. */
   read(offset: number, into: Uint8Array): void;
-  /** Whether others can read them in parts too. */
+  /** True if other workers can read the bytes by ranges, too. */
   readonly isDivisible: boolean;
-  /** What will be read soon. */
+  /** Announces a range that will be read soon. */
   expect(offset: number, length: number): void;
-  /** Keeps less of what it read, where so many workers read the same. */
+  /** Divides the memory for read bytes by the number of workers that read the same archive. */
   share(workers: number): void;
-  /** What was asked of others so far. */
+  /** Number of requests so far. */
   readonly requests: number;
   readonly received: number;
 }
@@ -39,15 +40,15 @@ export class MemoryBytes implements Bytes {
   }
 
   expect(): void {
-    // They are there.
+    // All bytes are in memory already.
   }
 
   share(): void {
-    // Nothing is kept of them.
+    // This class keeps no copies of bytes.
   }
 }
 
-/** Of workers only, which the types of the page do not know. */
+/** Class of workers only, which the types of the page do not know. */
 declare class FileReaderSync {
   readAsArrayBuffer(blob: Blob): ArrayBuffer;
 }

@@ -1,4 +1,4 @@
-// Why something could not be done: a kind that the page tells apart, a message, what to do.
+// Failures of calls: a kind that the page tells apart, a message, and a hint.
 
 export type Kind =
   | "not-found"
@@ -29,7 +29,7 @@ export class EngineError extends Error {
   }
 }
 
-/** An error as it crosses from the worker to the page. */
+/** Returns an error as it crosses from the worker to the page. */
 export function failureOf(error: unknown): Failure {
   if (error instanceof EngineError) {
     return { kind: error.kind, message: error.message, hint: error.hint };

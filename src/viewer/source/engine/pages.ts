@@ -1,31 +1,35 @@
-// Pages of something that is fetched by ranges. In: ranges. Out: their bytes; what was fetched is kept, the least recently used goes first,
-// and pages side by side are fetched by one request.
+// Cache of the pages of a file that is fetched by ranges. In: ranges. Out: their bytes. Fetched
+// pages are kept, and the least recently used goes first. One request fetches pages that lie side
+// by side.
 
-/** Bytes from a position on, fetched. */
+/** Function that fetches bytes from a position on. */
 export type Fetch = (offset: number, length: number) => Uint8Array;
 
-/** Pages are aligned: ranges that lie side by side share them. */
+/** Bytes of a page. Pages are aligned, so that neighbouring ranges share them. */
 export const PAGE = 1 << 17;
 
-/** Bytes that are kept. */
+/** Largest number of bytes that are kept. */
 const LIMIT = 32 << 20;
 
-/** Bytes of one request at most. */
+/** Largest number of bytes of one request. */
 const LONGEST = 16 << 20;
 
-/** So many pages in a row that were asked for one after the other let the next be fetched twice as far ahead. */
+/**
+ * Number of pages in a row, read one after the other, after which the cache fetches twice as far
+ * ahead.
+ */
 const AHEAD = 8;
 
 export class Pages {
-  /** By number of the page, the least recently used first. */
+  /** Kept pages by number, the least recently used first. */
   private readonly kept = new Map<number, Uint8Array>();
-  /** The page behind the last that was fetched, and how far to fetch ahead there. */
+  /** Page behind the last that was fetched, and how far to fetch ahead there. */
   private next = -1;
   private ahead = 1;
 
   constructor(private readonly length: number, private readonly fetch: Fetch, private limit = LIMIT) {}
 
-  /** Keeps what was got otherwise, such as the first answer of a server. */
+  /** Keeps bytes from another source, such as the first answer of a server. */
   put(offset: number, bytes: Uint8Array): void {
     for (let at = 0; at < bytes.length; at += PAGE) {
       const part = bytes.subarray(at, at + PAGE);
@@ -34,7 +38,7 @@ export class Pages {
     }
   }
 
-  /** Keeps a share of what one alone keeps. */
+  /** Divides the memory for pages by the number of workers. */
   share(workers: number): void {
     this.limit /= workers;
   }
@@ -49,13 +53,16 @@ export class Pages {
     }
   }
 
-  /** Fetches what will be read soon by as few requests as it takes. */
+  /** Fetches a range that will be read soon, with as few requests as possible. */
   expect(offset: number, length: number): void {
     const last = Math.floor((Math.min(offset + length, this.length) - 1) / PAGE);
     for (let page = Math.floor(offset / PAGE); page <= last; page++) if (!this.kept.has(page)) this.load(page, last);
   }
 
-  /** Fetches a page with those behind it that are missing, up to the last that is asked for or that comes next in order. */
+  /**
+   * Fetches a page and the missing pages behind it, up to the last that is asked for or that comes
+   * next in order.
+   */
   private load(page: number, last: number): Uint8Array {
     this.ahead = page === this.next ? Math.min(2 * this.ahead, AHEAD) : 1;
     const end = Math.min(Math.max(last + 1, page + this.ahead), Math.ceil(this.length / PAGE), page + LONGEST / PAGE);

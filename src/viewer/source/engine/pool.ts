@@ -1,53 +1,57 @@
-// The workers of an archive: the first answers every question, helpers make tiles beside it. In: asks of tiles. Out: their answers, from whichever
-// worker has a tile or is free. What a worker made it keeps, so a tile stays with the worker that had it first.
+// The workers of an archive: the first answers every question, and helpers compute tiles beside it.
+// In: queries for tiles. Out: their answers, from whichever worker has a tile or is free. A worker
+// keeps the tiles that it made, so a tile stays with its first worker.
 
 import { EngineError } from "./failure";
 import type { Call, TileCall } from "./messages";
 import { EngineThread, type Listener } from "./thread";
 import type { Site, Source } from "./types";
 
-/** Tiles that a worker is given at a time: what comes first may change meanwhile. */
+/**
+ * Number of tiles that a worker is given at a time. It is small, since the order of tiles may
+ * change meanwhile.
+ */
 const PART = 8;
 
-/** Parts that lie before a worker: the page may be busy with a picture when one is done. */
+/** Number of parts that wait at a worker: the page may be busy with a picture when one is done. */
 const AHEAD = 3;
 
-/** Workers at most: each takes some 50 MB besides its share of what all keep. */
+/** Largest number of workers. Each takes some 50 MB besides its share of the common memory. */
 const MOST = 4;
 
-/** Tiles for which one more worker is worth its start. */
+/** Number of tiles for which one more worker is worth its start. */
 const WORTH = 32;
 
-/** An ask that is under way. */
+/** Query that is under way. */
 interface Ask {
   /** Tiles that no worker was given yet, the next one first. */
   left: number[];
-  /** All by the first worker. */
+  /** True if the first worker computes all tiles. */
   readonly isAlone: boolean;
 }
 
-/** The archive that is open. */
+/** Archive that is open. */
 interface Opened {
   source: Source;
   site: Site;
-  /** None as long as nobody needs them. */
+  /** Helpers; null until they are needed. */
   helpers: Promise<EngineThread | null>[] | null;
 }
 
 export class EnginePool {
-  /** Told when a helper is lost, once each; the others make its tiles. */
+  /** Called once for each helper that is lost; the others compute its tiles. */
   onLost: (error: unknown) => void = () => undefined;
   private opened: Opened | null = null;
   private helpers: EngineThread[] = [];
-  /** By tile: who had it first. */
+  /** First worker of each tile. */
   private owners = new Map<number, EngineThread>();
-  /** The newest ask of each kind, which supersedes those before. */
+  /** Newest query of each kind, which supersedes those before. */
   private readonly asks = new Map<TileCall, Ask>();
   private turn = 0;
-  /** What a worker has to know before it is asked: the last call of each kind. */
+  /** Last call of each kind that a worker needs before it is asked. */
   private readonly told = new Map<Call, unknown[]>();
 
-  /** `workers`: so many; else as many as suit the processor and the archive. */
+  /** `workers` is the number of workers; by default it depends on the processor and the archive. */
   constructor(
     readonly first: EngineThread,
     private readonly start: () => Promise<EngineThread>,
@@ -73,17 +77,20 @@ export class EnginePool {
     for (const thread of [this.first, ...this.helpers]) thread.end(why);
   }
 
-  /** No helpers are started for this archive from now on. */
+  /** Starts no helpers for this archive from now on. */
   stayAlone(): void {
     if (this.opened) this.opened.helpers ??= [];
   }
 
-  /** Tells all workers, also those that come later, in place of what was told by this call and by those of `gone`. */
+  /**
+   * Sends a call to all workers, also to those that start later. It replaces the last such call and
+   * the last calls of `gone`.
+   */
   async tell<T>(call: Call, args: unknown[], gone: Call[] = []): Promise<T> {
     const before = [...this.told];
     for (const other of [call, ...gone]) this.told.delete(other);
     this.told.set(call, args);
-    // They fail as the first does, which says so.
+    // Helpers fail as the first worker does, which reports the failure.
     for (const helper of this.helpers) helper.call(call, args).catch(() => undefined);
     try {
       return await this.first.call<T>(call, args);
@@ -94,19 +101,22 @@ export class EnginePool {
     }
   }
 
-  /** Asks every worker. */
+  /** Calls every worker. */
   all<T>(call: Call): Promise<T[]> {
     return Promise.all([this.first, ...this.helpers].map((thread) => thread.call<T>(call, [])));
   }
 
-  /** What no worker was given yet comes in this order from now on. */
+  /** Sets the order of the tiles that no worker was given yet. */
   prefer(tiles: readonly number[]): void {
     const places = new Map(tiles.map((tile, place) => [tile, place]));
     const placeOf = (tile: number): number => places.get(tile) ?? tiles.length;
     for (const { left } of this.asks.values()) left.sort((a, b) => placeOf(a) - placeOf(b));
   }
 
-  /** Tiles in this order, as far as several workers keep one; false if a newer ask of the kind came before all were done. */
+  /**
+   * Computes tiles in this order, as far as several workers keep one. Resolves with false if a
+   * newer query of the kind came before all were done.
+   */
   async tiles(call: TileCall, rest: object, tiles: readonly number[], listener: Listener, isAlone = false): Promise<boolean> {
     const turn = ++this.turn;
     const former = this.asks.get(call);
@@ -115,7 +125,7 @@ export class EnginePool {
     this.asks.set(call, ask);
     const isNewest = (): boolean => this.asks.get(call) === ask;
     const give = (thread: EngineThread, part: number[], to: Listener): Promise<boolean> => thread.call(call, [{ ...rest, tiles: part }, turn], to);
-    // Nothing is wanted any more: then workers leave what they are at.
+    // An empty query supersedes those before, so workers stop their work.
     if (tiles.length === 0) return (await Promise.all([this.first, ...this.helpers].map((thread) => give(thread, [], listener)))).every(Boolean);
     const joined: Promise<boolean>[] = [];
     const work = async (thread: EngineThread): Promise<boolean> => {
@@ -141,7 +151,7 @@ export class EnginePool {
     const join = (thread: EngineThread): void => {
       for (let place = 0; place < AHEAD; place++) {
         const working = work(thread);
-        // Its failure is told where it is waited for.
+        // The failure is reported where the result is awaited.
         working.catch(() => undefined);
         joined.push(working);
       }
@@ -149,12 +159,15 @@ export class EnginePool {
     join(this.first);
     const helpers = isAlone ? [] : tiles.length > PART ? this.startHelpers() : (this.opened?.helpers ?? []);
     for (const helper of helpers) void helper.then((thread) => thread && isNewest() && join(thread));
-    // More may join while these are waited for.
+    // More workers may join while these are awaited.
     for (let place = 0; place < joined.length; place++) if (!(await joined[place]!)) return false;
     return true;
   }
 
-  /** The next tiles of an ask for a worker: its own, and those that nobody had. */
+  /**
+   * Returns the next tiles of a query for a worker: tiles that it had before, and tiles that no
+   * worker had.
+   */
   private take(ask: Ask, thread: EngineThread): number[] {
     const part: number[] = [];
     if (thread.ended && thread !== this.first) return part;
@@ -177,7 +190,7 @@ export class EnginePool {
     return (opened.helpers ??= Array.from({ length: workers - 1 }, () => this.helper(opened, workers)));
   }
 
-  /** Starts a helper; none if that fails. */
+  /** Starts a helper. Resolves with null if that fails. */
   private async helper(opened: Opened, workers: number): Promise<EngineThread | null> {
     let thread: EngineThread | null = null;
     const isWanted = (): boolean => this.opened === opened;

@@ -1,5 +1,5 @@
-// The work of the worker, one thing at a time. In: calls of the client. Out: their results. Long work goes tile by tile and lets messages in
-// between, so that what is newer supersedes it.
+// The work of the worker, one task at a time. In: calls of the client. Out: their results. Long
+// work goes tile by tile and lets messages in between, so that newer calls supersede it.
 
 import { FileBytes, MemoryBytes, type Bytes } from "./bytes";
 import { EngineError } from "./failure";
@@ -11,10 +11,13 @@ import type {
 import { UrlBytes } from "./url";
 import { Wasm, type Answer } from "./wasm";
 
-/** Work that takes longer lets messages in. */
+/** Time after which work lets messages in, ms. */
 const SLICE_MS = 12;
 
-/** Tiles that the engine is told of at a time: it reads neighbours together, and solves for their light together where it has to. */
+/**
+ * Number of tiles that the engine is given ahead: it reads neighbours together, and solves for
+ * their light together where it has to.
+ */
 const NEXT = 8;
 
 export type OnTile = (tile: TileValues) => void;
@@ -24,14 +27,17 @@ export type OnDamage = (tile: number, message: string) => void;
 export class Tasks {
   private wasm: Wasm | undefined;
   private bytes: Bytes | undefined;
-  /** Columns of the archive that is open. */
+  /** Columns of the open archive. */
   private components: string[] = [];
   /** Numbers of the last calls, which supersede those before. */
   private readonly newest = { moment: 0, textures: 0, sums: 0, sunMinutes: 0, comfort: 0, open: 0 };
 
   constructor(private readonly module: WebAssembly.Module, private readonly pause: () => Promise<void>) {}
 
-  /** Opens an archive in a fresh engine; if that succeeds the former one is forgotten, its weather too. */
+  /**
+   * Opens an archive in a fresh engine; if that succeeds the former one is forgotten, its weather
+   * too.
+   */
   async open(source: Source, beside: Pick<Site, "place"> | null = null): Promise<Site> {
     const turn = ++this.newest.open;
     this.newest.moment++;
@@ -49,7 +55,7 @@ export class Tasks {
     return site;
   }
 
-  /** Takes a share of the memory that one worker alone has, where there are so many. */
+  /** Divides the memory for tiles by the number of workers. */
   share(workers: number): void {
     this.call({ request: "share", workers });
     this.bytes?.share(workers);
@@ -159,12 +165,15 @@ export class Tasks {
     return this.each(request, { ask }, tiles, made, onDamage, turn);
   }
 
-  /** Tile after tile of a request, until one of a later turn comes; several of one turn go side by side. */
+  /**
+   * Computes the tiles of a request one after the other, until a request of a later turn comes.
+   * Several requests of one turn go side by side.
+   */
   private async each(
     request: TileCall, rest: object, tiles: number[], made: (tile: number, answer: Answer) => void, onDamage: OnDamage, turn = this.newest[request] + 1,
   ): Promise<boolean> {
     this.newest[request] = Math.max(turn, this.newest[request]);
-    // Sums are slow to begin: of those that wait, as behind a slider, the newest does.
+    // Sums are slow to begin: if several wait, as behind a slider, only the newest begins.
     if (request === "sums" || request === "comfort") await this.pause();
     if (turn !== this.newest[request]) return false;
     let started = performance.now();
@@ -205,7 +214,7 @@ async function bytesOf(source: Source): Promise<Bytes> {
   return new MemoryBytes(source.name, source.bytes);
 }
 
-/** What gzip packed, unpacked. */
+/** Unpacks gzip. */
 async function unpack(bytes: ArrayBuffer): Promise<Uint8Array> {
   const [first, second] = new Uint8Array(bytes, 0, Math.min(2, bytes.byteLength));
   if (first !== 0x1f || second !== 0x8b) return new Uint8Array(bytes);

@@ -1,10 +1,11 @@
-// One worker of the browser with an engine in it. In: calls. Out: promises of their results. Once it has ended, calls fail.
+// One worker of the browser with an engine in it. In: calls. Out: promises of their results. Once
+// it has ended, calls fail.
 
 import { EngineError } from "./failure";
 import type { Call, FromWorker, ToWorker } from "./messages";
 import type { Tile } from "./types";
 
-/** Who is told of tiles while a call is under way. */
+/** Listener for tiles while a call is under way. */
 export interface Listener {
   onTile(tile: Tile): void;
   onDamage(tile: number, message: string): void;
@@ -16,9 +17,9 @@ interface Pending extends Partial<Listener> {
 }
 
 export class EngineThread {
-  /** Why it ended; none as long as it works. */
+  /** Reason why the worker ended; null as long as it works. */
   ended: EngineError | null = null;
-  /** Told when it ended by itself. */
+  /** Called if the worker ends by itself. */
   onLost: () => void = () => undefined;
   private readonly pending = new Map<number, Pending>();
   private last = 0;
@@ -53,7 +54,7 @@ export class EngineThread {
     });
   }
 
-  /** Ends the worker and lets go of its memory; what was asked fails. */
+  /** Ends the worker and frees its memory. Calls under way fail. */
   end(why: string): void {
     this.worker.terminate();
     this.ended ??= new EngineError({ kind: "other", message: why, hint: "" });

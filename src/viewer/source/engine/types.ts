@@ -1,6 +1,7 @@
-// What the page and the engine speak of. Angles are degrees, irradiances W/m2, sums kWh/m2; numbers are made by heliotile-core only.
+// Types that the page and the engine share. Angles are degrees, irradiances W/m2, sums kWh/m2. Only
+// heliotile-core computes numbers.
 
-/** Where an archive comes from. */
+/** Source of an archive. */
 export type Source = { url: string } | { file: File } | { bytes: ArrayBuffer; name: string };
 
 export interface Material {
@@ -14,7 +15,7 @@ export interface Material {
   mirror: boolean;
 }
 
-/** A name that changes take, with the mean of what it stands for. */
+/** Name that changes take, with the mean value of the materials that it stands for. */
 export interface Group {
   name: string;
   kind: "opaque" | "canopy";
@@ -27,7 +28,7 @@ export type Vector = [number, number, number];
 export interface SitePlace {
   latitude: number;
   longitude: number;
-  /** Of y from true north, degrees clockwise. */
+  /** Angle of y from true north, degrees clockwise. */
   convergence: number;
   crs?: string;
 }
@@ -59,13 +60,13 @@ export interface Site {
   hasReference: boolean;
   /** Names that `sky` takes. */
   skies: string[];
-  /** Those that no clouds can stand before. */
+  /** Skies that no clouds can stand before. */
   cloudlessSkies: string[];
-  /** Whether more workers can read it without loading all of it. */
+  /** True if more workers can read the archive without loading all of it. */
   isDivisible: boolean;
 }
 
-/** As the option --sky takes it. */
+/** Name of a sky, as the option --sky takes it. */
 export type Sky = string;
 
 export type Light =
@@ -110,13 +111,16 @@ export interface Scene {
   materials: Uint16Array;
 }
 
-/** Places are relative to the scene's origin, metres, x east, y north, z up; row by row of a tile's receivers. */
+/**
+ * Places are relative to the scene's origin, metres, x east, y north, z up; row by row of a tile's
+ * receivers.
+ */
 export interface Overview {
   middle: Float32Array;
   normal: Float32Array;
   points: Float32Array;
   corners: Uint32Array;
-  /** Of each triangle: the row of its receiver. */
+  /** Row of the receiver of each triangle. */
   owner: Uint32Array;
   sky: Float32Array;
   reference: Float32Array;
@@ -134,16 +138,16 @@ export interface ReceiverInfo {
   objectType: string;
   face: string;
   tilt: number;
-  /** From true north. */
+  /** Azimuth from true north. */
   azimuth: number;
   /** Shares of the hemisphere: sky, ground, obstructions. */
   views: Vector;
 }
 
-/** What a receiver is recognised by in another archive. */
+/** Properties by which a receiver is recognised in another archive. */
 export type ReceiverPlace = Pick<ReceiverInfo, "id" | "position" | "normal">;
 
-/** Which receivers of two archives are the same ones. */
+/** Receivers that two archives have in common. */
 export interface Matching {
   /** [receiver after]: the receiver before; `NO_PARTNER` where there is none. */
   partners: Uint32Array;
@@ -158,14 +162,17 @@ export interface Sun {
   altitude: number;
 }
 
-/** How a weather file reads the clock, in the words of the command line; what is not said is the file's. */
+/**
+ * Clock of a weather file, in the words of the command line. The file decides on fields that are
+ * not given.
+ */
 export interface Clock {
   timeZone?: string;
   shift?: string;
   stamp?: string;
 }
 
-/** W/m2. */
+/** Irradiances under a clear sky, W/m2. */
 export interface ClearSky {
   dni: number;
   dhi: number;
@@ -188,19 +195,22 @@ export interface LightTexels {
   radiances: [number, number];
 }
 
-/** Tiles for the graphics card. */
+/** Query for tiles for the graphics card. */
 export interface TextureAsk {
   changes: Changes;
   tiles: number[];
 }
 
-/** A tile for the graphics card. */
+/** Tile for the graphics card. */
 export interface TileTextures {
   tile: number;
   first: number;
-  /** False where mirrors or canopies take part: the engine's moments have to serve. */
+  /** False if mirrors or canopies take part, so that the engine has to compute the tile. */
   served: boolean;
-  /** Texels of patches, response, groups of base texels; side of one, and words of the steps of one in part. */
+  /**
+   * Texels of patches, response, groups of base texels; side of one, and words of the steps of one
+   * in part.
+   */
   shape: [number, number, number, number, number];
   words: Uint32Array;
   starts: Uint32Array;
@@ -214,22 +224,22 @@ export interface SumAsk {
   tiles: number[];
 }
 
-/** Minutes of a day. */
+/** Query for the minutes of sun on a day. */
 export interface MinutesAsk {
   dayOfYear: number;
-  /** Of the sun in mirrors, not of the sun. */
+  /** True for the sun in mirrors, false for the sun itself. */
   inMirrors: boolean;
   tiles: number[];
 }
 
-/** What can be asked of an archive of people, and which receivers stand for them. */
+/** Numbers that an archive of people offers, and the receivers that stand for the people. */
 export interface People {
   /** Points with six planes; 0: the receivers are no people. */
   count: number;
   /** Names of the numbers of a moment, and of a span of weather. */
   moment: string[];
   sums: string[];
-  /** What a UTCI means, from cold to hot; up to a limit, the last to none, °C. */
+  /** Classes of the UTCI, from cold to hot, each with its upper limit, °C; the last has none. */
   stress: Stress[];
   /** [receiver]: 1 for those that look up, one a point. */
   up: Uint8Array;
@@ -240,12 +250,15 @@ export interface Stress {
   to: number | null;
 }
 
-/** The air of a moment: a row of the weather file, or °C, %, m/s at 10 m and tenths of the sky that clouds hide. */
+/**
+ * The air of a moment: a row of the weather file, or °C, %, m/s at 10 m and tenths of the sky that
+ * clouds hide.
+ */
 export type AirAsk =
   | { kind: "weather"; hour: number }
   | { kind: "own"; temperature: number; humidity: number; wind: number; cover: number };
 
-/** What is known of it; `sky`: its longwave irradiance, W/m2. */
+/** Known values of the air; `sky` is its longwave irradiance, W/m2. */
 export interface Air {
   temperature: number | null;
   humidity: number | null;
@@ -253,7 +266,7 @@ export interface Air {
   sky: number | null;
 }
 
-/** `names`: numbers that are wanted, of those that `People` offers. */
+/** Query for comfort; `names` are the wanted numbers, of those that `People` offers. */
 export type ComfortAsk = { sky: Sky; changes: Changes; names: readonly string[]; tiles: number[] } & (
   | { of: "moment"; light: Light; air: AirAsk }
   | { of: "span"; span: Span }
@@ -263,11 +276,11 @@ export interface TileValues {
   tile: number;
   /** Number of the tile's first receiver in the archive. */
   first: number;
-  /** One array a column that was asked for, one value a receiver. */
+  /** One array for each column asked for, with one value a receiver. */
   values: Float32Array[];
 }
 
-/** What asks that go tile by tile give. */
+/** Results of queries that go tile by tile. */
 export type Tile = TileValues | TileTextures;
 
 export interface ReceiverAsk {
@@ -285,16 +298,22 @@ export interface Series {
 
 export interface Fisheye {
   side: number;
-  /** By rows from the top: 0 outside, 1 sky, 2 ground, 3 obstruction, 4 mirror, 5 canopy, 6 behind the surface. */
+  /**
+   * By rows from the top: 0 outside, 1 sky, 2 ground, 3 obstruction, 4 mirror, 5 canopy, 6 behind
+   * the surface.
+   */
   classes: Uint8Array;
-  /** Runs of the sun's paths above the horizon: pairs of x to the right and y up, -1 to 1. A label may have several. */
+  /**
+   * Runs of the sun's paths above the horizon: pairs of x to the right and y up, -1 to 1. A label
+   * may have several.
+   */
   paths: { label: string; points: Float32Array }[];
 }
 
 export interface Traffic {
-  /** Since the archive was opened. */
+  /** Number of requests since the archive was opened. */
   requests: number;
   bytes: number;
-  /** Of the engine, bytes. */
+  /** Memory of the engine, bytes. */
   memory: number;
 }

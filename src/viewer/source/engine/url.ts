@@ -1,11 +1,12 @@
-// An archive on a web server, read by ranges. Ranges are found out by a GET that is answered 206; a server without them sends all at once,
-// which is kept if it is small and else told of before it has come. A file that changes in the meantime is an error.
+// An archive on a web server, read by ranges. A GET that is answered with 206 shows that the server
+// has ranges. A server without them sends the whole file, which is kept if it is small; a large
+// file is refused before it has come. A file that changes in the meantime is an error.
 
 import type { Bytes } from "./bytes";
 import { EngineError } from "./failure";
 import { PAGE, Pages } from "./pages";
 
-/** Without ranges, larger files are not taken. */
+/** Largest file that is taken without ranges, bytes. */
 const WHOLE_LIMIT = 50e6;
 
 /** Bytes of the first request: enough for the header, and for a small archive. */
@@ -20,7 +21,10 @@ export class UrlBytes implements Bytes {
   private readonly etag: string | null;
   private readonly pages: Pages;
 
-  /** Asks for the first bytes; of a server without ranges all come. A pointer is followed, once (schema/pointer.md). */
+  /**
+   * Requests the first bytes; a server without ranges sends all. A pointer is followed, once
+   * (schema/pointer.md).
+   */
   static async open(url: string, isFollowed = false): Promise<UrlBytes> {
     const refuse = refusing(url);
     const first = await fetch(url, { headers: { Range: `bytes=0-${FIRST - 1}` } }).catch(() => refuse("network", ...UNREACHED));
@@ -95,13 +99,16 @@ export class UrlBytes implements Bytes {
   }
 }
 
-/** Longest pointer. */
+/** Largest number of bytes of a pointer. */
 const MAX_POINTER = 4096;
 
-/** How pointers begin. */
+/** Beginning of a pointer. */
 const POINTER = '{"heliotile_pointer":';
 
-/** The archive that a pointer leads to, in its own folder; none of bytes that are no pointer of layout 1. */
+/**
+ * Returns the archive that a pointer leads to, in the pointer's folder, or undefined if the bytes
+ * are no pointer of layout 1.
+ */
 function pointedAt(body: Uint8Array, length: number): { name: string; length: number } | undefined {
   if (length > MAX_POINTER || body.length !== length) return undefined;
   const text = new TextDecoder().decode(body);
@@ -136,7 +143,7 @@ function bytesOf(request: XMLHttpRequest): Uint8Array {
   return body instanceof ArrayBuffer ? new Uint8Array(body) : new Uint8Array(0);
 }
 
-/** Length of the whole by `Content-Range: bytes 0-99/1234`. */
+/** Returns the length of the whole file by `Content-Range: bytes 0-99/1234`. */
 function totalOf(range: string | null): number | undefined {
   const total = /\/(\d+)$/.exec(range ?? "")?.[1];
   return total === undefined ? undefined : Number(total);

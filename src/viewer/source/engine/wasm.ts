@@ -1,4 +1,5 @@
-// One engine in WebAssembly with the bytes of its archive. In: requests. Out: values with their arrays, or an EngineError.
+// One engine in WebAssembly with the bytes of its archive. In: requests. Out: values with their
+// arrays, or an EngineError.
 
 import type { Bytes } from "./bytes";
 import { EngineError, type Kind } from "./failure";
@@ -24,7 +25,7 @@ interface Exports {
   arrays_length(): number;
 }
 
-/** A failure; `source` where bytes could not be had. */
+/** Failure of a request; `source` if the host could not provide bytes. */
 interface Refusal {
   kind: Kind | "source";
   message: string;
@@ -41,7 +42,7 @@ export class Wasm {
 
   private constructor(private readonly exports: Exports) {}
 
-  /** A fresh engine over some bytes; its memory goes when it does. */
+  /** Starts a fresh engine over some bytes. Its memory is freed with it. */
   static async start(module: WebAssembly.Module, bytes: Bytes): Promise<Wasm> {
     let wasm: Wasm | undefined;
     const read = (offset: number, to: number, length: number): number => {
@@ -58,7 +59,7 @@ export class Wasm {
       try {
         bytes.expect(offset, length);
       } catch {
-        // Whoever reads them is told why they cannot be had.
+        // `error` reports why the bytes cannot be read.
       }
     };
     const instance = await WebAssembly.instantiate(module, { host: { read, expect } });
@@ -66,7 +67,7 @@ export class Wasm {
     return wasm;
   }
 
-  /** Bytes of its memory. */
+  /** Bytes of the engine's memory. */
   get memory(): number {
     return this.exports.memory.buffer.byteLength;
   }
@@ -87,14 +88,14 @@ export class Wasm {
     ) as Told;
     if (code !== 0) throw this.error(told.value as Refusal);
     const [first, length] = [exports.arrays(), exports.arrays_length()];
-    // A copy: the next request writes there.
+    // This is a copy, since the next request writes there.
     const memory = exports.memory.buffer.slice(first, first + length) as ArrayBuffer;
     const arrays: Record<string, Numbers> = {};
     for (const [name, kind, at, count] of told.arrays) arrays[name] = numbers(kind, memory, at, count);
     return { value: told.value, arrays, memory };
   }
 
-  /** Why bytes could not be had is known here. */
+  /** Returns the error of a failure. Only the host knows why it could not provide bytes. */
   private error({ kind, message, hint }: Refusal): unknown {
     if (kind !== "source") return new EngineError({ kind, message, hint });
     return this.failed ?? new EngineError({ kind: "network", message, hint });

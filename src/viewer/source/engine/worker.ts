@@ -13,7 +13,7 @@ interface Scope {
 const scope = globalThis as unknown as Scope;
 let tasks: Tasks | undefined;
 
-/** Lets messages in that wait. */
+/** Channel that lets waiting messages in. */
 const channel = new MessageChannel();
 const waiting: (() => void)[] = [];
 channel.port1.onmessage = () => waiting.shift()?.();
@@ -46,7 +46,7 @@ async function answer(number: number, call: Call, args: unknown[]): Promise<unkn
   return await method.apply(tasks, [ask, onTile, onDamage, turn]);
 }
 
-/** Memory of arrays that is given away with a message, each once. */
+/** Returns the memory of arrays that is transferred with a message, each once. */
 function transferable(value: unknown): ArrayBuffer[] {
   const found = new Set<ArrayBuffer>();
   const look = (part: unknown): void => {

@@ -1,4 +1,5 @@
-// A small sky: zenith in the middle, horizon round it, north up. Shows the sun and its way on that day; dragging moves the sun.
+// A small sky: zenith in the middle, horizon round it, north up. Shows the sun and its way on that
+// day; dragging moves the sun.
 
 import { CLOUD_OPACITY } from "../clouds";
 import { byId, svg } from "../dom";
@@ -54,7 +55,7 @@ export class Dial {
     this.sun.setAttribute("visibility", direction.altitude > 0 ? "visible" : "hidden");
   }
 
-  /** A map of clouds; the state says where its top lies. */
+  /** Shows a map of clouds; the state has the azimuth of its top. */
   showClouds(map: HTMLCanvasElement | null): void {
     if (map) this.clouds.setAttribute("href", map.toDataURL());
     else this.clouds.removeAttribute("href");

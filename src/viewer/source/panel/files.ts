@@ -1,4 +1,4 @@
-// Files from this computer: pickers and dropping. What they are is told by their names, and by the engine.
+// Files from this computer: pickers and dropping. Their names, and the engine, tell their kinds.
 
 import { byId } from "../dom";
 

@@ -1,4 +1,4 @@
-// Controls of sun and sky. In: the state. Out: the state; what the sun then does is the engine's word.
+// Controls of sun and sky. In: the state. Out: the state. The engine says where the sun stands.
 
 import { byId, el, options } from "../dom";
 import type { Air } from "../engine/client";
@@ -51,7 +51,7 @@ export class LightPanel {
     this.renew();
   }
 
-  /** Weather or clouds are others. */
+  /** Shows new sun and sky, since weather or clouds changed. */
   renew(): void {
     this.wayOf = "";
     this.dial.showClouds(this.session?.clouds?.map ?? null);
@@ -86,7 +86,7 @@ export class LightPanel {
     byId("air-facts", HTMLElement).replaceChildren(...texts.flatMap(([name, value]) => [el("dt", { text: name }), el("dd", { text: value })]));
   }
 
-  /** Where the air of people comes from. */
+  /** Shows the source of the air of people. */
   private refreshAir(session: Session): void {
     const { state } = this.store;
     const isAsked = state.show === "moment" && comfortOf(state, session.people) !== null;
@@ -109,7 +109,10 @@ export class LightPanel {
     this.store.set(ofDay ? changes : { ...changes, show: "moment", ...(show === "moment" ? {} : { range: null }) });
   }
 
-  /** A sun by angles has no hour of a weather file and no clear sky of a date: it shines by DNI and DHI. */
+  /**
+   * A sun by angles has no hour of a weather file and no clear sky of a date: it shines by DNI and
+   * DHI.
+   */
   private anglesNeed(): Parameters<Store["set"]>[0] {
     const { light } = this.store.state;
     return { sunBy: "angles", light: light === "overcast" ? light : "own" };
@@ -157,7 +160,7 @@ export class LightPanel {
     void this.followSun(session, placed);
   }
 
-  /** Clouds, and which skies they can stand before. */
+  /** Shows the clouds, and which skies they can stand before. */
   private showClouds(session: Session): void {
     const { state } = this.store;
     const top = session.cloudsTop(state);

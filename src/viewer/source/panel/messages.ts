@@ -1,4 +1,5 @@
-// What went wrong, in a sentence and with what to do, on the page. In: errors of the engine. Texts are shown as text, whatever they hold.
+// Messages about failures on the page, with a hint. In: errors of the engine. Texts are shown as
+// text, whatever they hold.
 
 import { byId, el } from "../dom";
 
@@ -36,7 +37,10 @@ export class Messages {
   private readonly damages = byId("damage-list", HTMLElement);
   private readonly damaged = new Set<string>();
 
-  /** `what` is what was being done: "opening x.epw". What to do is the page's own word where it knows the kind, else the engine's. */
+  /**
+   * Shows an error. `what` names the action that failed: "opening x.epw". The hint is the page's
+   * own if it knows the kind of error, else the engine's.
+   */
   error(what: string, error: unknown): void {
     const { kind, message, hint } = told(error);
     const advice = ADVICE[kind];
@@ -53,7 +57,7 @@ export class Messages {
       close,
     );
     close.addEventListener("click", () => message.remove());
-    // What is told again, as of the weather of each part, stands there once.
+    // A repeated message, as of the weather of each part, stands there once.
     for (const former of [...this.box.children]) if (former.textContent === message.textContent) former.remove();
     this.box.append(message);
     while (this.box.children.length > MOST) this.box.firstElementChild?.remove();
@@ -66,7 +70,10 @@ export class Messages {
     this.damage.hidden = true;
   }
 
-  /** A part that cannot be read, of an archive that is called so where there are two: it is listed once, the rest goes on. */
+  /**
+   * A part that cannot be read, of an archive that is called so where there are two: it is listed
+   * once, the rest goes on.
+   */
   lost(tile: number, error: unknown, archive: string): void {
     const message = `${archive === "" ? "" : `${archive}: `}${typeof error === "string" ? error : told(error).message}`;
     if (this.damaged.has(message)) return;

@@ -1,4 +1,5 @@
-// The parts of an atlas as a plan to click and a list, north up as far as the axes are. One of them is open.
+// The parts of an atlas as a plan to click and a list, north up as far as the axes are. One of them
+// is open.
 
 import { byId, el, svg } from "../dom";
 import type { Part } from "../parts";

@@ -4,7 +4,7 @@ import { byId } from "../dom";
 import type { Session } from "../session";
 import type { Store } from "../state";
 
-/** Least time a picture stands, ms. */
+/** Shortest time that a picture stands, ms. */
 const FRAME = 120;
 const STILL_FRAME = 1000;
 
@@ -37,7 +37,7 @@ export class Player {
     if (!opened) return;
     const { session } = opened;
     const turn = ++this.turn;
-    // Who asked for less motion gets an hour at a time, slowly.
+    // With reduced motion the clock goes slowly, an hour at a time.
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     const step = this.store.state.light === "weather" || calm ? 60 : 10;
     if (this.store.state.show !== "moment") this.store.set({ show: "moment", range: null });
@@ -47,7 +47,7 @@ export class Player {
       const shown = performance.now();
       const { state } = this.store;
       let minutes = (state.minutes + step) % 1440;
-      // Nights are left out; where there is no sun all day, nothing is.
+      // Nights are left out, but not if there is no sun all day.
       for (let tries = 0; tries < 1440 / step; tries++) {
         if ((await session.engine.sun(state.dayOfYear, minutes)).altitude > -1) break;
         minutes = (minutes + step) % 1440;

@@ -64,7 +64,7 @@ export class ShowPanel {
     const placed = session.site.place !== null || !dry;
     const mirrors = session.site.materials.some(({ mirror }) => mirror);
     const hint = dry ? " – needs weather" : "";
-    // Of people units are those of what is chosen below.
+    // Units of people belong to the numbers chosen below.
     const of = (unit: string): string => (session.people ? "" : `, ${unit}`);
     options(this.what, [
       { value: "reference", label: `Clear year, ${KWH_M2}`, disabled: !session.site.hasReference },
@@ -99,7 +99,7 @@ export class ShowPanel {
     this.note.hidden = told.length === 0;
   }
 
-  /** What people feel, where there are people, then light: the total, then its parts. */
+  /** Offers the numbers of people, if there are people, then light: the total, then its parts. */
   private offer({ site, people }: Session): void {
     const { state } = this.store;
     const choices = choicesOf(state, people);
@@ -115,7 +115,7 @@ export class ShowPanel {
   }
 }
 
-/** Whom the colours of a change speak of. */
+/** Returns the receivers to which the colours of a change apply, in words. */
 function compared({ count, moved, ofAfter, ofBefore }: Partners): string {
   const [added, gone] = [ofAfter.length - count, ofBefore.length - count];
   const told = [
@@ -127,7 +127,7 @@ function compared({ count, moved, ofAfter, ofBefore }: Partners): string {
   return `${told.join("; ")}.`;
 }
 
-/** How people are taken: as by the program without options. */
+/** Returns the assumptions about people in words: the program's default ones. */
 function ofPeople(name: string): string {
   const index = name.startsWith("utci_above") ? "Hours in which the Universal Thermal Climate Index is higher. " : name.startsWith("utci") ? "Universal Thermal Climate Index: colours are its categories of stress. " : name.startsWith("pet") ? "Physiological Equivalent Temperature. " : "";
   return `${index}Standing people; ground and walls have their sol-air temperature, without storage; the wind is the same everywhere.`;

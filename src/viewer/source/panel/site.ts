@@ -1,4 +1,4 @@
-// What is open, in words: names, sizes, where archives come from; and what two of them have to do with each other.
+// The open archives in words: names, sizes, sources, and the relation of two archives.
 
 import type { Partners } from "../change";
 import { byId, el } from "../dom";
@@ -10,7 +10,7 @@ function addFact(name: string, value: string): void {
   byId("site-facts", HTMLElement).append(el("dt", { text: name }), el("dd", { text: value }));
 }
 
-/** An archive, and the one that is beside it. */
+/** Describes an archive, and the one beside it. */
 export function describe(site: Site, after: Site | null = null): void {
   const all = after ? [site, after] : [site];
   const name = all.map((one) => one.name).join(" → ");
@@ -31,7 +31,7 @@ export function describeWeather({ name, place }: WeatherInfo): void {
   addFact("Weather", [name, place].filter((text) => text !== "").join(", "));
 }
 
-/** Says what cannot be compared. */
+/** Reports what cannot be compared. */
 export function tellOf({ count }: Partners, before: Site, after: Site, messages: Messages): void {
   if (before.root === after.root) messages.tell(["The two archives are equal: nothing changes.", "Choose the archive of another variant."], false, "equal");
   else if (count === 0) messages.tell(["The two archives have no receiver in common: no change can be shown.", "Before and after can be looked at. To compare them, build both with receivers at the same places."], false, "no-common");

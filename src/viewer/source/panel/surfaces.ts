@@ -1,4 +1,5 @@
-// A slider for the reflectance of each group and the transmittance of each canopy; the archive's own value is marked and can be had back.
+// A slider for the reflectance of each group and the transmittance of each canopy; the archive's
+// own value is marked and can be had back.
 
 import type { Site } from "../engine/client";
 import { byId, el } from "../dom";
@@ -7,10 +8,10 @@ import type { Store } from "../state";
 
 type Group = Site["groups"][number];
 
-/** With the value in an archive that is beside the first one. */
+/** Group with its value in the archive beside the first one. */
 type SharedGroup = Group & { after: number };
 
-/** Those of both; what only one has keeps its value. */
+/** Returns the groups that both archives have. A group that only one has keeps its value. */
 function shared(before: readonly Group[], after: readonly Group[]): SharedGroup[] {
   const groupIn = (groups: readonly Group[], group: Group): Group | undefined => groups.find((other) => nameOf(other) === nameOf(group));
   const both = before.map((group) => ({ ...group, after: groupIn(after, group)?.value ?? group.value }));

@@ -1,4 +1,5 @@
-// In a narrow window the panels are one sheet at the bottom, and one part of it shows at a time. The tab that shows folds the sheet.
+// In a narrow window the panels are one sheet at the bottom, and one part of it shows at a time.
+// The tab that shows folds the sheet.
 
 export function listenToTabs(): (part: string) => void {
   const tabs = [...document.querySelectorAll<HTMLButtonElement>("#tabs button")];

@@ -1,4 +1,5 @@
-// The switch on the 3D view where two archives are open: before, after, what changed. In: the state. Out: the state.
+// The switch on the 3D view where two archives are open: before, after, what changed. In: the
+// state. Out: the state.
 
 import type { Partners } from "../change";
 import { byId } from "../dom";

@@ -1,4 +1,5 @@
-// Bars stacked by component, with axes and units, and the same as a table for those who do not see bars.
+// Bars stacked by component, with axes and units, and the same as a table for those who do not see
+// bars.
 
 import { el, svg } from "../dom";
 import { niceStep, ticks } from "../colour/range";
@@ -7,7 +8,7 @@ import { COMPONENT_COLOURS, componentLabel, number } from "../words";
 export interface Chart {
   title: string;
   unit: string;
-  /** One a bar. */
+  /** Label of each bar. */
   labels: string[];
   /** Bars whose label stands below the axis. */
   labelled: (bar: number) => string | null;
@@ -20,12 +21,12 @@ export interface Chart {
 
 const [WIDTH, HEIGHT, LEFT, TOP, BOTTOM] = [340, 150, 40, 8, 20];
 
-/** The parts that add up to the total, in the order they are stacked. */
+/** Returns the parts that add up to the total, in the order in which they are stacked. */
 function parts(chart: Pick<Chart, "components">): { name: string; at: number }[] {
   return chart.components.map((name, at) => ({ name, at })).filter(({ name }) => name in COMPONENT_COLOURS);
 }
 
-/** Height of the highest bar, up to a round value. */
+/** Returns the height of the highest bar, rounded up. */
 export function topOf(components: readonly string[], values: readonly Float32Array[]): number {
   const bars = values[0]?.length ?? 0;
   let most = 0;
@@ -83,7 +84,7 @@ function table(chart: Chart): HTMLTableElement {
   return el("table", {}, el("thead", {}, head), el("tbody", {}, ...rows));
 }
 
-/** Colours of the components that are there. */
+/** Returns the key of colours of the components that are present. */
 export function key(components: readonly string[], values: readonly (readonly Float32Array[])[]): HTMLElement {
   const there = parts({ components }).filter(({ at }) => values.some((columns) => columns[at]?.some((value) => value !== 0)));
   return el("ul", { class: "key" }, ...there.map(({ name }) => el("li", {}, swatch(name), componentLabel(name))));

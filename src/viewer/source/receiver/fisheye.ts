@@ -1,4 +1,5 @@
-// What a receiver sees of the upper hemisphere, from below as a map: north up, east right, the horizon round it; with the ways of the sun.
+// View of a receiver over the upper hemisphere, from below as a map: north up, east right, the
+// horizon round it; with the paths of the sun.
 
 import { CLOUD_OPACITY, CLOUD_RGB } from "../clouds";
 import type { Fisheye } from "../engine/client";
@@ -14,7 +15,7 @@ const CLASSES = [
   { name: "behind the surface", rgb: [58, 63, 70] },
 ] as const;
 
-/** Points a side that are asked of the engine, and drawn. */
+/** Number of points to a side, as computed by the engine and drawn. */
 export const SIDE = 256;
 const DRAWN = 512;
 const RIM = 30;
@@ -22,12 +23,12 @@ const RADIUS = DRAWN / 2 - RIM;
 /** The class of the sky. */
 const SKY = 1;
 
-/** The picture of what a receiver sees; it is drawn anew where clouds turn. */
+/** Picture of the view; it is drawn anew when clouds turn. */
 export class Sight {
   readonly figure: HTMLElement;
   private readonly canvas: HTMLCanvasElement;
   private readonly classes: OffscreenCanvas;
-  /** Where the sky is seen. */
+  /** Mask of the visible sky. */
   private readonly sky: OffscreenCanvas;
   private readonly cloudKey = el("li", {}, swatch(CLOUD_RGB), "clouds");
 
@@ -46,7 +47,7 @@ export class Sight {
     this.figure = el("figure", {}, this.canvas, el("ul", { class: "key" }, ...key, this.cloudKey));
   }
 
-  /** Draws it, with a map of clouds whose top lies at an azimuth. */
+  /** Draws the view, with a map of clouds whose top lies at an azimuth. */
   draw(clouds: HTMLCanvasElement | null, top: number | null): void {
     const { northDeg } = this;
     const draw = this.canvas.getContext("2d");
@@ -86,7 +87,7 @@ export class Sight {
     });
   }
 
-  /** Clouds where the sky is seen, turned clockwise. */
+  /** Returns the clouds in the visible sky, turned clockwise. */
   private behind(clouds: HTMLCanvasElement, degrees: number): OffscreenCanvas {
     const veil = new OffscreenCanvas(2 * RADIUS, 2 * RADIUS);
     const draw = veil.getContext("2d");

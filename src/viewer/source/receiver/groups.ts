@@ -1,12 +1,12 @@
-// Sums of a surface and of a building: means of their receivers, weighted by area. In: names and areas, values. Names of all tiles are
-// needed for that; they are read once, those near by first.
+// Sums of a surface and of a building: means of their receivers, weighted by area. In: names and
+// areas, values. Names of all tiles are needed for that; they are read once, those near by first.
 
 import type { ReceiverInfo } from "../engine/client";
 import type { Session } from "../session";
 
 export interface Sum {
   receivers: number;
-  /** m2; none where a receiver has no area: all then count the same. */
+  /** Sum of areas, m2; null if a receiver has no area: then all receivers count the same. */
   area: number | null;
   mean: number;
   /** mean x area. */
@@ -16,7 +16,7 @@ export interface Sum {
 export type Grouping = "surface" | "object" | "building";
 
 export class Groups {
-  /** Of each name: rows in the archive and areas. */
+  /** Rows in the archive and areas, by name. */
   private readonly members: Record<Grouping, Map<string, { rows: number[]; areas: (number | null)[] }>> = {
     surface: new Map(), object: new Map(), building: new Map(),
   };

@@ -1,4 +1,5 @@
-// The panel of the chosen receiver: who it is, its values, its surface and building, months and day, what it sees; and a second one beside it.
+// The panel of the chosen receiver: its name, its values, its surface and building, months and day,
+// its view; and a second one beside it.
 
 import { byId, el } from "../dom";
 import type { Fisheye, ReceiverInfo, Series } from "../engine/client";
@@ -17,16 +18,16 @@ export interface Side {
   index: number;
   tile: number;
   row: number;
-  /** None where one archive is open. */
+  /** Before or after; null if one archive is open. */
   when: When | null;
 }
 
 interface Site {
-  /** A receiver in each archive that has it. */
+  /** Returns the receiver in each archive that has it. */
   sides(place: Place): Side[];
-  /** Whether it is known which receivers of two archives are the same. */
+  /** Returns true if it is known which receivers of two archives are the same. */
   isWhole(): boolean;
-  /** The value that is shown of a receiver, in words. */
+  /** Returns the shown value of a receiver in words. */
   spoken(sides: readonly Side[]): string;
   settling(): Promise<void>;
   onError(what: string, error: unknown): void;
@@ -39,7 +40,7 @@ interface Chosen {
   sides: (Side & { info: ReceiverInfo })[];
 }
 
-/** Charts follow a slider when it has rested for that long, ms. */
+/** Time for which a slider has to rest before charts follow it, ms. */
 const REST = 250;
 
 export class ReceiverPanel {
@@ -47,7 +48,7 @@ export class ReceiverPanel {
   private readonly parts: Record<"title" | "facts" | "values" | "sums" | "charts" | "sight", HTMLElement>;
   private sights: { sight: Sight; layer: Layer }[] = [];
   private readonly groups = new Map<Layer, Groups>();
-  /** Resolves when who was chosen last is on the page. */
+  /** Resolves when the receiver chosen last is on the page. */
   choosing: Promise<void> = Promise.resolve();
   private chosen: Chosen[] = [];
   private turn = 0;
@@ -114,7 +115,7 @@ export class ReceiverPanel {
   showValues(): void {
     if (this.chosen.length === 0) return;
     const { title, components, unit: ofShown, wholeUnit } = this.quantity();
-    // Of people each number has a unit of its own.
+    // Each number of people has a unit of its own.
     const unit = wholeUnit === null ? "" : ofShown;
     const all = this.chosen.map(({ sides }) => sides.map(({ layer, index, when }) => ({ when, values: layer.quantity().of(index) })));
     const tables = this.isPair
@@ -134,7 +135,7 @@ export class ReceiverPanel {
     this.timer = setTimeout(() => void this.drawCharts(withSight), wait);
   }
 
-  /** What was picked, for those who listen. */
+  /** Announces the first chosen receiver and its value to screen readers. */
   speak(): void {
     const [first] = this.chosen;
     if (!first) return;
@@ -142,7 +143,7 @@ export class ReceiverPanel {
     this.site.say(`${first.sides[0]!.info.id}${value === "" ? "" : `, ${value}`}`);
   }
 
-  /** Of the archive that the receiver is in, or of one of the two. */
+  /** Returns the quantity of the archive that has the receiver, or of one of the two. */
   private quantity(): Quantity {
     return this.chosen[0]!.sides[0]!.layer.quantity();
   }
@@ -157,12 +158,12 @@ export class ReceiverPanel {
     return groups;
   }
 
-  /** A or B, where there are two. */
+  /** Returns the letter A or B, if two receivers are chosen. */
   private letters(which: number): HTMLElement[] {
     return this.chosen.length > 1 ? [letter(this.chosen[which]!.which)] : [];
   }
 
-  /** What a side is called, where there are several. */
+  /** Returns the name of a side, if there are several. */
   private tags(which: number, when: When | null): HTMLElement[] {
     return [...this.letters(which), ...(when ? [tag(when)] : [])];
   }
@@ -197,7 +198,7 @@ export class ReceiverPanel {
     this.parts.sums.replaceChildren(...(tables.length > 0 ? [title, ...tables] : []));
   }
 
-  /** Of the surface, object and building of a receiver. */
+  /** Returns the sums of the surface, object and building of a receiver. */
   private sumsOf({ layer, info }: Chosen["sides"][number]): NamedSum[] {
     const { column } = layer.quantity();
     if (!column) return [];

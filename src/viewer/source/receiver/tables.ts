@@ -9,21 +9,21 @@ import type { Grouping, Sum } from "./groups";
 
 export type When = "before" | "after";
 
-/** A sum of what has this name. */
+/** Sum over the receivers with this name. */
 export interface NamedSum {
   kind: Grouping;
   name: string;
   sum: Sum;
 }
 
-/** The same before and after, as far as it is there. */
+/** Sum before and after, as far as both exist. */
 export interface ChangedSum {
   name: string;
   before?: Sum;
   after?: Sum;
 }
 
-/** A number's name, with its unit where the table has none for all. */
+/** Returns the name of a number, with its unit if the table has no common unit. */
 function labelOf(name: string, unit: string): string {
   return unit === "" ? `${componentLabel(name)}, ${comfortUnit(name)}` : componentLabel(name);
 }
@@ -32,7 +32,7 @@ export function letter(which: number): HTMLElement {
   return el("span", { class: which === 0 ? "letter" : "letter second", text: which === 0 ? "A" : "B" });
 }
 
-/** Before or after. */
+/** Returns the mark for before or after. */
 export function tag(when: When): HTMLElement {
   return el("span", { class: `tag ${when}`, text: when });
 }
@@ -42,15 +42,18 @@ function head(first: string, count: number): HTMLElement {
   return el("thead", {}, el("tr", {}, el("th", { scope: "col", text: first }), ...letters));
 }
 
-/** A name without the beginning that stands in the row above. */
+/** Returns a name without the beginning that stands in the row above. */
 function beyond(name: string, above: string): string {
   return above !== "" && name !== above && name.startsWith(above) ? `…${name.slice(above.length)}` : name === above ? "" : name;
 }
 
-/** Less than this of the hemisphere is rounding. */
+/** Share of the hemisphere below which a difference is rounding. */
 const NOTHING = 0.005;
 
-/** Shares of the hemisphere by name; what is neither sky nor met is nothing: below the horizon, where the scene ends. */
+/**
+ * Returns the shares of the hemisphere by name. Directions that are neither sky nor met are
+ * nothing: below the horizon, where the scene ends.
+ */
 function views(receiver: ReceiverInfo): [string, number][] {
   const known = ["sky", "ground", "obstructions"].map((name, at): [string, number] => [name, receiver.views[at]!]);
   const nothing = 1 - known.reduce((sum, [, share]) => sum + share, 0);
@@ -63,7 +66,9 @@ interface Known {
   skyView: number;
 }
 
-/** Who they are and where they look: [receiver][archive that has it]. */
+/**
+ * Makes the table of names, places and directions of receivers: [receiver][archive that has it].
+ */
 export function facts(receivers: readonly (readonly Known[])[]): HTMLTableElement {
   const level = (r: ReceiverInfo): boolean => r.tilt < 0.05 || r.tilt > 179.95;
   const rows: [string, (r: ReceiverInfo, skyView: number) => string][] = [
@@ -84,7 +89,7 @@ export function facts(receivers: readonly (readonly Known[])[]): HTMLTableElemen
   return el("table", { id: "receiver-facts" }, ...(receivers.length > 1 ? [head("", receivers.length)] : []), el("tbody", {}, ...body));
 }
 
-/** All components of each; numbers as they are in `data-value`. */
+/** Makes the table of all components of receivers, with exact numbers in `data-value`. */
 export function values(caption: string, unit: string, components: readonly string[], columns: readonly (readonly number[] | null)[]): HTMLTableElement {
   const pair = columns.length > 1;
   const body = components.map((name, at) => {
@@ -101,7 +106,10 @@ export function values(caption: string, unit: string, components: readonly strin
   return el("table", { id: "receiver-values" }, el("caption", { text: caption }), heading, el("tbody", {}, ...body));
 }
 
-/** All components of a receiver before and after, and their change; of a receiver that an archive does not have, nothing, if that is known. */
+/**
+ * Makes the table of all components of a receiver before and after, and their change. A receiver
+ * that an archive is known not to have has no values there.
+ */
 export function changes(
   heading: (Node | string)[], unit: string, components: readonly string[], isKnown: boolean, sides: Record<When, readonly number[] | null | undefined>,
 ): HTMLTableElement {
@@ -139,7 +147,7 @@ function soFar(part: number): HTMLElement[] {
   return part < 1 ? [el("p", { class: "note", text: `Names of ${Math.floor(100 * part)} % of the receivers read so far.` })] : [];
 }
 
-/** Rows about surface and building, and how many of the names were read so far. */
+/** Makes the table of surface and building, and shows how many of the names were read so far. */
 function sumsTable(titles: readonly string[], body: readonly HTMLElement[], part: number): HTMLElement {
   const table = el(
     "table",
@@ -150,7 +158,7 @@ function sumsTable(titles: readonly string[], body: readonly HTMLElement[], part
   return el("div", {}, table, ...soFar(part));
 }
 
-/** Means of surface and building before and after, and their change. */
+/** Makes the table of means of surface and building before and after, and of their change. */
 export function changedSums(unit: string, kinds: readonly (readonly [kind: string, sum: ChangedSum])[], part: number): HTMLElement {
   const cell = (value: number | undefined, text: (value: number) => string): HTMLElement =>
     value === undefined ? el("td", { text: "–" }) : el("td", { "data-value": value, text: text(value) });
@@ -168,7 +176,7 @@ export function changedSums(unit: string, kinds: readonly (readonly [kind: strin
   return sumsTable(titles, body, part);
 }
 
-/** Means and sums of surface and building. */
+/** Makes the table of means and sums of surface and building. */
 export function sums(unit: string, wholeUnit: string, rows: readonly NamedSum[], part: number): HTMLElement {
   const body = rows.map(({ kind, name, sum }) =>
     el(

@@ -1,9 +1,10 @@
-// Keyboard and pointer on the 3D view. Dragging and pinching belong to three's orbit; this tells clicks from drags and moves by keys.
+// Keyboard and pointer on the 3D view. Dragging and pinching belong to three's orbit; this tells
+// clicks from drags and moves by keys.
 
 import type { Stage } from "./stage";
 
 const TURN = Math.PI / 36;
-/** A pointer that moved less is a click, page pixels. */
+/** Movement below which a pointer press is a click, page pixels. */
 const STILL = 5;
 
 /** `pick` gets a place on the canvas in page pixels. */

@@ -1,4 +1,5 @@
-// What lies on the 3D view in page pixels: north arrow with the sun, scale bar, letters at chosen receivers.
+// Overlay of the 3D view in page pixels: north arrow with the sun, scale bar, letters at chosen
+// receivers.
 
 import { Vector3 } from "three";
 import { byId } from "../dom";
@@ -28,13 +29,13 @@ export class Overlay {
     for (const pin of this.pins) pin.hidden = true;
   }
 
-  /** Letters A and B, m from the scene's origin. */
+  /** Puts a letter A or B at a point, m from the scene's origin. */
   pin(which: 0 | 1, point: readonly [number, number, number] | null): void {
     this.points[which] = point ? new Vector3(...point) : null;
     this.place();
   }
 
-  /** Degrees from true north; none while there is no sun. */
+  /** Shows the sun's azimuth, degrees from true north; null while there is no sun. */
   showSun(azimuth: number | null): void {
     this.sunAzimuth = azimuth;
     this.place();

@@ -1,5 +1,6 @@
-// Colours of receivers on the graphics card: a texture of values by receiver, a colour map and a range. A new range costs nothing, new values
-// one small upload. In: values by row of the archive. Out: a material for patches whose attribute `owner` is that row.
+// Colours of receivers on the graphics card: a texture of values by receiver, a colour map and a
+// range. A new range costs nothing, new values one small upload. In: values by row of the archive.
+// Out: a material for patches whose attribute `owner` is that row.
 
 import { DataTexture, FloatType, FrontSide, GLSL3, RedFormat, RGBAFormat, ShaderMaterial, type Texture, UnsignedByteType, Vector2 } from "three";
 import { STEPS, type ColourMap } from "../colour/map";
@@ -7,10 +8,13 @@ import { VIRIDIS } from "../../../results/page/viridis";
 
 /** Receivers in a row of the texture of values. */
 export const WIDTH = 1024;
-/** Stands for "no value": what NaN is on a card differs from card to card. */
+/** Number that stands for "no value", since graphics cards differ in their NaN. */
 const NONE = -1e30;
 
-/** What colours show: values, their change from those of another archive, or that in percent. */
+/**
+ * Meaning of the colours: values, their change from those of another archive, or that change in
+ * percent.
+ */
 export type Shown = "values" | "change" | "percent";
 const SHOWN: readonly Shown[] = ["values", "change", "percent"];
 
@@ -72,7 +76,7 @@ const FRAGMENT = /* glsl */ `
 
 export class Paint {
   readonly material: ShaderMaterial;
-  /** Of the core, [row of the archive]; what the card makes has the same places. */
+  /** Values of the core, [row of the archive]; values that the card makes have the same places. */
   readonly texture: DataTexture;
   private readonly data: Float32Array;
   private readonly maps = new Map<ColourMap, DataTexture>();
@@ -116,12 +120,12 @@ export class Paint {
     this.texture.needsUpdate = true;
   }
 
-  /** Colours what the card made, or the core's values again. */
+  /** Colours the values that the card made, or the core's values again. */
   use(made: Texture | null): void {
     this.material.uniforms["values"]!.value = made ?? this.texture;
   }
 
-  /** Receivers of the archive before by those here; -1 where there is none. */
+  /** Sets the receivers of the archive before, by those here; -1 where there is none. */
   compareWith(partners: Int32Array): void {
     const data = new Float32Array(this.data.length).fill(-1);
     data.set(partners);
@@ -155,7 +159,7 @@ export class Paint {
     this.material.dispose();
   }
 
-  /** Receivers that stand out; -1 for none. */
+  /** Marks two receivers; -1 for none. */
   mark(first: number, second: number): void {
     (this.material.uniforms["marks"]!.value as Vector2).set(first, second);
   }

@@ -1,17 +1,20 @@
-// The patches that receivers stand for, as a few large meshes. In: overviews of tiles as they arrive. Each triangle faces the way its
-// receiver does, so that the two sides of a module keep their own colours.
+// The patches that receivers stand for, as a few large meshes. In: overviews of tiles as they
+// arrive. Each triangle faces the way its receiver does, so that the two sides of a module keep
+// their own colours.
 
 import { Box3, BufferAttribute, BufferGeometry, Mesh, type Group, type ShaderMaterial, Vector3 } from "three";
 import type { Overview } from "../engine/client";
 
-/** Patches are drawn so much wider on each side, by their size and at least in m: neighbours' corners are rounded to mm, and what is behind
- * would shine through. */
+/**
+ * Share of its size by which a patch is drawn wider on each side; the next constant is the least
+ * widening in m. Neighbours' corners are rounded to mm, and the surface behind would shine through.
+ */
 const OVERLAP = 0.01;
 const LEAST_OVERLAP_M = 0.004;
 
-/** Triangles that are gathered before they become a mesh. */
+/** Number of triangles that are gathered before they become a mesh. */
 const ENOUGH = 40_000;
-/** And how long they wait for others, ms. */
+/** Longest time that triangles wait for others, ms. */
 const PATIENCE = 250;
 
 export class Patches {
@@ -34,12 +37,12 @@ export class Patches {
     if (this.triangles >= ENOUGH || performance.now() - this.since > PATIENCE) this.flush();
   }
 
-  /** Corners of all patches that are meshes: x, y, z one after the other. */
+  /** Returns the corners of all patches that are meshes: x, y, z one after the other. */
   points(): ArrayLike<number>[] {
     return this.group.children.map((mesh) => (mesh as Mesh<BufferGeometry>).geometry.getAttribute("position").array);
   }
 
-  /** Makes a mesh of what has come; true if there was anything. */
+  /** Makes a mesh of the gathered triangles. Returns true if there were any. */
   flush(): boolean {
     if (this.triangles === 0) return false;
     const positions = new Float32Array(9 * this.triangles);

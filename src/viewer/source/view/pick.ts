@@ -1,4 +1,5 @@
-// Which receiver is drawn at a pixel: the graphics card draws that one pixel with rows in place of colours.
+// Which receiver is drawn at a pixel: the graphics card draws that one pixel with rows in place of
+// colours.
 
 import { type Camera, Color, DoubleSide, FrontSide, GLSL3, Mesh, type Object3D, type PerspectiveCamera, type Scene, ShaderMaterial, type WebGLRenderer, WebGLRenderTarget } from "three";
 import { LEAVES } from "./scenery";
@@ -45,7 +46,10 @@ export class Picker {
 
   constructor(private readonly renderer: WebGLRenderer) {}
 
-  /** Row of the receiver at a pixel of the canvas (page pixels), or none. Leaves are looked through. */
+  /**
+   * Returns the row of the receiver at a pixel of the canvas (page pixels), or none. Leaves are
+   * looked through.
+   */
   at(scene: Scene, camera: PerspectiveCamera, patches: Object3D, x: number, y: number, width: number, height: number): number | null {
     const restore: (() => void)[] = [];
     const isPatch = new Set(patches.children);

@@ -1,11 +1,15 @@
-// The scene's triangles, in calm colours by what they are. In: chunks of the engine, materials of the site. Out: meshes; leaves are translucent.
+// The scene's triangles, in calm colours by what they are. In: chunks of the engine, materials of
+// the site. Out: meshes; leaves are translucent.
 
 import { BufferAttribute, BufferGeometry, DoubleSide, EdgesGeometry, GLSL3, type Group, LineBasicMaterial, LineSegments, Mesh, ShaderMaterial } from "three";
 import type { Site } from "../engine/client";
 
 type Material = Site["materials"][number];
 
-/** Outlines of more triangles than that take too long and hide more than they show. */
+/**
+ * Largest number of triangles that are outlined: outlines of more take too long and hide more than
+ * they show.
+ */
 const MOST_OUTLINED = 80_000;
 const SHARP_DEG = 28;
 

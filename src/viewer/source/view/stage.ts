@@ -1,14 +1,15 @@
-// The 3D view's renderer, camera and orbit. Draws only when something changed. Axes: x east, y north, z up, metres from the scene's origin.
+// The 3D view's renderer, camera and orbit. Draws only when something changed. Axes: x east, y
+// north, z up, metres from the scene's origin.
 
 import { Box3, Color, Frustum, Matrix4, MOUSE, PerspectiveCamera, Scene, Sphere, Spherical, TOUCH, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 const UP = new Vector3(0, 0, 1);
 
-/** What is looked at, m from the origin of the page. */
+/** View of the camera, m from the origin of the page. */
 export interface View {
   target: [number, number, number];
-  /** Whether a part of a sphere is in the window, or behind what is. */
+  /** Returns true if a part of a sphere is in the window, even behind other objects. */
   isSeen(middle: readonly [number, number, number], radius: number): boolean;
 }
 
@@ -20,7 +21,7 @@ function isSoftware(): boolean {
   return /swiftshader|llvmpipe|software|basic render/i.test(String(name));
 }
 
-/** Corners of a box: x, y, z one after the other. */
+/** Returns the corners of a box: x, y, z one after the other. */
 export function corners(box: Box3): number[] {
   const ends = [box.min, box.max];
   return ends.flatMap((a) => ends.flatMap((b) => ends.flatMap((c) => [a.x, b.y, c.z])));
@@ -31,13 +32,13 @@ export class Stage {
   readonly camera = new PerspectiveCamera(40, 1, 0.1, 1e5);
   readonly controls: OrbitControls;
   readonly renderer: WebGLRenderer;
-  /** Radius of what there is to see, m; bounds how far one can go. */
+  /** Radius of the visible objects, m. It bounds the distance of the camera. */
   private radius = 100;
   private home: { position: Vector3; target: Vector3 } | null = null;
-  /** Unit vector from the target to where boxes are looked at from. */
+  /** Unit vector from the target to the side from which boxes are looked at. */
   private back: Vector3;
   private asked = false;
-  /** Without a graphics card smooth edges cost more than they are worth. */
+  /** True without a graphics card. Then smooth edges cost more than they are worth. */
   readonly software: boolean;
   private readonly afterDrawing = new Set<() => void>();
   private readonly afterMoving: (() => void)[] = [];
@@ -63,18 +64,18 @@ export class Stage {
     this.resize();
   }
 
-  /** Returns how to stop. */
+  /** Adds a listener. Returns a function that removes it. */
   onDraw(listener: () => void): () => void {
     this.afterDrawing.add(listener);
     return () => this.afterDrawing.delete(listener);
   }
 
-  /** After the camera moved, by whomever. */
+  /** Adds a listener for movements of the camera, by the user or the page. */
   onMove(listener: () => void): void {
     this.afterMoving.push(listener);
   }
 
-  /** Draws before the next frame is shown; however often it is asked, once. */
+  /** Draws before the next frame is shown, once for any number of calls. */
   draw(): void {
     if (this.asked) return;
     this.asked = true;
@@ -93,7 +94,10 @@ export class Stage {
     for (const listener of this.afterDrawing) listener();
   }
 
-  /** Resolves when the next frame is drawn: without a graphics card that is long after it was asked for. */
+  /**
+   * Resolves when the next frame is drawn: without a graphics card that is long after it was asked
+   * for.
+   */
   async drawn(): Promise<void> {
     const frame = (): Promise<unknown> => new Promise(requestAnimationFrame);
     await frame();
@@ -104,21 +108,23 @@ export class Stage {
     gl.deleteSync(fence);
   }
 
-  /** The next box is looked at from the side that the present one is. */
+  /** Makes the next box be looked at from the present side. */
   keepSide(): void {
     this.back = this.camera.position.clone().sub(this.controls.target).normalize();
   }
 
   /**
-   * Looks from the south, half from above, or from the side that was kept, at points of the scene (x, y, z one after the other) in a box; with some
-   * of what is around it, if there is much. The camera stands as near as it can with all points in the window, which they fill in one direction.
+   * Looks from the south, half from above, or from the side that was kept, at points of the scene
+   * (x, y, z one after the other) in a box; with some of what is around it, if there is much. The
+   * camera stands as near as it can with all points in the window, which they fill in one
+   * direction.
    */
   frame(points: readonly ArrayLike<number>[], box: Box3, around: Box3): void {
     this.setHome(points, box, around);
     this.goHome();
   }
 
-  /** Such a view becomes that of `goHome`; the camera stays. */
+  /** Makes such a view the one of `goHome`; the camera stays. */
   setHome(points: readonly ArrayLike<number>[], box: Box3, around: Box3): void {
     const middle = box.getCenter(new Vector3());
     const radius = Math.max(2, box.getSize(new Vector3()).length() / 2);
@@ -130,8 +136,9 @@ export class Stage {
     const above = new Vector3().crossVectors(back, right);
     const tall = Math.tan((this.camera.fov * Math.PI) / 360) * (around.getSize(new Vector3()).length() > 3 * radius ? 0.68 : 0.9);
     const wide = tall * this.camera.aspect;
-    // A point at depth z towards the camera is in the window if it lies less than (distance - z) * wide from the middle line: the outermost
-    // ones of each side decide where that line is and how far the camera.
+    // A point at depth z towards the camera is in the window if it lies less than (distance - z) *
+    // wide from the middle line: the outermost ones of each side decide where that line is and how
+    // far the camera.
     const most = { right: -Infinity, left: -Infinity, above: -Infinity, below: -Infinity, near: -Infinity };
     const at = new Vector3();
     for (const list of points) {
@@ -163,7 +170,7 @@ export class Stage {
     this.moved();
   }
 
-  /** Radius of what there is to see, when a view is given and need not be framed. */
+  /** Sets the radius of the visible objects if a view is given and need not be framed. */
   setRadius(box: Box3): void {
     this.radius = Math.max(2, box.getSize(new Vector3()).length() / 2);
     this.controls.maxDistance = this.radius * 12;
@@ -205,20 +212,20 @@ export class Stage {
     };
   }
 
-  /** Metres that a pixel of the page covers where the camera looks. */
+  /** Returns the metres that a pixel of the page covers at the target. */
   metresPerPixel(): number {
     const distance = this.camera.position.distanceTo(this.controls.target);
     return (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360)) / Math.max(1, this.canvas.clientHeight);
   }
 
-  /** Direction that the camera looks in, degrees clockwise from +y. */
+  /** Returns the direction in which the camera looks, degrees clockwise from +y. */
   heading(): number {
     const { position } = this.camera;
     const { target } = this.controls;
     return (Math.atan2(target.x - position.x, target.y - position.y) * 180) / Math.PI;
   }
 
-  /** Place on the canvas in pixels of the page; none behind the camera. */
+  /** Returns the place of a point on the canvas in pixels of the page; null behind the camera. */
   project(point: Vector3): { x: number; y: number } | null {
     const seen = point.clone().project(this.camera);
     if (seen.z > 1 || Math.abs(seen.x) > 1 || Math.abs(seen.y) > 1) return null;
