@@ -414,8 +414,8 @@ fn files_are_short() {
     assert!(lengths[lengths.len() / 2] < 300, "median {}", lengths[lengths.len() / 2]);
 }
 
-/// No doc of the sources begins with words that lean on what stands before it, such as "The same" or
-/// "Whether": each names its subject. No comment but a table is wider than 100 columns.
+/// No doc of the sources begins with words that lean on what stands before it, such as "The same"
+/// or "Whether": each names its subject. No comment but a table is wider than 100 columns.
 #[test]
 fn docs_name_their_subject() {
     const LEANING: [&str; 6] = ["The same", "That of", "Those of", "Of ", "What ", "Whether "];

@@ -5,8 +5,8 @@
 //! www.utci.org), published with Bröde and others, "Deriving the operational procedure for the
 //! Universal Thermal Climate Index (UTCI)", International Journal of Biometeorology 56, 2012: all
 //! 210 terms of order 6 in four variables, fitted to the multi-node model of Fiala and
-//! others, 2012. The coefficients were compared term by term with those of pythermalcomfort 4.8.1, of
-//! thermofeel and of a transcript of the Fortran code (Rojj/Climate-Analysis): all are equal.
+//! others, 2012. The coefficients were compared term by term with those of pythermalcomfort 4.8.1,
+//! of thermofeel and of a transcript of the Fortran code (Rojj/Climate-Analysis): all are equal.
 
 /// Variables of the polynomial. [`utci`](super::utci) checks their ranges.
 #[derive(Clone, Copy, Debug)]

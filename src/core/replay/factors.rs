@@ -3,9 +3,11 @@
 //! with a reflectance of 1.
 //!
 //! The factors hold one diffuse reflection, the sun in mirrors, and a uniform sky (EnergyPlus,
-//! Engineering Reference, "Solar Radiation Reflected from Exterior Surfaces"). Irradiance = DNI x
-//! (BmToDiffSolObs + BmToBmSolObs) + DNI sin(altitude) x reflectance of the ground x BmToDiffSolGnd
-//! + DHI x SkySolObs + DHI x reflectance of the ground x SkySolGnd.
+//! Engineering Reference, "Solar Radiation Reflected from Exterior Surfaces"). The irradiance is
+//!
+//! DNI x (BmToDiffSolObs + BmToBmSolObs)
+//!   \+ DNI sin(altitude) x reflectance of the ground x BmToDiffSolGnd
+//!   \+ DHI x SkySolObs + DHI x reflectance of the ground x SkySolGnd.
 
 use crate::error::Result;
 use crate::light::paths::LightPaths;

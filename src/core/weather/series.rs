@@ -132,7 +132,7 @@ mod tests {
     }
 
     /// All of the DNI of a sunrise hour goes to the sunlit part: six suns, all up, weights sum
-    /// to 1. Labels are the start of the interval, and E0 is the day's value (1378 W/m2 on 21 March,
+    /// to 1. Labels are the start of the interval. E0 is the day's value (1378 W/m2 on 21 March,
     /// within 2).
     #[test]
     fn sunrise_hour() {

@@ -10,8 +10,7 @@ use heliotile_core::replay::components::Component;
 pub const STEPS: usize = 256;
 
 /// Source files of the page's colour maps: one definition for both.
-const PAGE: [&str; 2] =
-    [include_str!("../../page/viridis.ts"), include_str!("../../page/puor.ts")];
+const PAGE: [&str; 2] = [include_str!("../../page/viridis.ts"), include_str!("../../page/puor.ts")];
 
 static VIRIDIS: LazyLock<Vec<Rgb>> = LazyLock::new(|| stops(PAGE[0]));
 
