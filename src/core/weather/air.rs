@@ -84,8 +84,8 @@ mod tests {
 
     /// By hand: at 20 and a dew point of 10 degrees Celsius a clear sky has an emissivity of
     /// 0.787 + 0.764 ln(283.15 / 273.15) = 0.81447, 341.1 W/m2. Full cover times 1.154 makes it
-    /// 0.93990, 393.6 W/m2; half cover times 1.0595, 361.4 W/m2. The example of the engineering reference,
-    /// 293 and 283 K, is 340.6 there and 340.2 here.
+    /// 0.93990, 393.6 W/m2; half cover times 1.0595, 361.4 W/m2. The example of the engineering
+    /// reference, 293 and 283 K, is 340.6 there and 340.2 here.
     #[test]
     fn by_hand() {
         for (air, expected) in [
