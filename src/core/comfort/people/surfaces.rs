@@ -65,10 +65,7 @@ pub fn seen_surfaces(site: &OpenSite, tile: u32, receivers: usize) -> Result<Vec
         };
         SeenSurfaces { ground: of_class(Class::Ground), obstruction: of_class(Class::Obstruction) }
     };
-    let mut seen: Vec<SeenSurfaces> = hits.texels.chunks_exact(side * side).map(of_receiver).collect();
-    // The hits have this length already, except in a tile without receivers.
-    seen.resize(receivers, SeenSurfaces::default());
-    Ok(seen)
+    Ok(hits.texels.chunks_exact(side * side).map(of_receiver).collect())
 }
 
 fn usual_emissivity(class: Class) -> f64 {

@@ -64,7 +64,7 @@ impl FootprintArgs {
 #[derive(Args, Clone, Debug)]
 pub struct MaterialsArgs {
     /// Reflectances, one table per material name: they win over those that the files state;
-    /// materials without a table keep theirs, or usual ones
+    /// materials without a table keep their own values, or usual ones
     #[arg(long, short)]
     pub materials: Option<PathBuf>,
     /// Ignore all materials that the files state: --materials has to name all of them

@@ -29,7 +29,7 @@ pub struct WeatherArgs {
 #[command(next_help_heading = "About the weather file")]
 pub struct ClockArgs {
     /// Time zone of the file's clock, hours ahead of UTC, such as +01:00, -7 or UTC, in place of
-    /// its own; if time stamps state theirs, the zone of days and labels
+    /// its own; if time stamps state an offset, the zone of days and labels
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true, value_parser = parse_time_zone)]
     pub time_zone: Option<f64>,
     /// Shift of the file's time stamps, such as 41min, -30min or 0.5h; `auto` takes the shift that
