@@ -107,6 +107,6 @@ fn wrong_questions_are_refused() {
     }
     for (name, said) in [("a.ifc", "IfcConvert"), ("a.laz", "pdal pipeline"), ("a.b3dm", "3d-tiles-tools")] {
         folder.write(name, "x");
-        folder.refused(&format!("info {name}"), &["which is not read", said]);
+        folder.refused(&format!("info {name}"), &["which heliotile does not read as a scene", said]);
     }
 }

@@ -46,10 +46,15 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
             break;
         }
         let Some(&key) = KEYS.iter().find(|key| key.as_bytes().eq_ignore_ascii_case(word)) else {
-            return Err(Error::input(file, line(), format!("`{}` is no key of a grid", excerpt(word)), HEADER));
+            return Err(Error::input(
+                file,
+                line(),
+                format!("`{}` is not a header key of an ASCII grid", excerpt(word)),
+                HEADER,
+            ));
         };
         if header.get(key).is_some() {
-            return Err(Error::input(file, line(), format!("{key} stands here for the second time"), HEADER));
+            return Err(Error::input(file, line(), format!("{key} is stated twice"), HEADER));
         }
         words.next();
         let value = words.next().map(|(word, _)| word).unwrap_or_default();
@@ -64,7 +69,7 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let count = |key: &str| -> Result<u64> {
         let value = header.get(key).ok_or_else(|| missing(key))?;
         if value < 0.0 || value.fract() != 0.0 || value > 1e15 {
-            return Err(refuse(format!("{key} is {value}, not a number of samples")));
+            return Err(refuse(format!("{key} is {value}, not a count of samples")));
         }
         Ok(value as u64)
     };
@@ -73,7 +78,7 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let step = |key: &str| header.get(key).or_else(|| header.get("cellsize")).ok_or_else(|| missing("cellsize"));
     let step = DVec2::new(step("dx")?, step("dy")?);
     if step.min_element() <= 0.0 {
-        return Err(refuse(format!("the cells are {} x {} in size, not above 0", step.x, step.y)));
+        return Err(refuse(format!("the cell size is {} x {}, but must be above 0", step.x, step.y)));
     }
     let least = |corner: &str, center: &str, step: f64| {
         header.get(center).or_else(|| header.get(corner).map(|at| at + step / 2.0)).ok_or_else(|| missing(corner))
@@ -100,7 +105,7 @@ fn other_kind(bytes: &[u8]) -> Option<&'static str> {
         return None;
     }
     if head.contains(&0) {
-        return Some("bytes that are no text, as the raw heights of GTOPO30 are");
+        return Some("binary data, such as the raw heights of GTOPO30");
     }
     let small = |columns| {
         let text = std::str::from_utf8(head.get(columns)?).ok()?;
@@ -115,18 +120,19 @@ fn heights(words: &mut Offsets, samples: usize, file: &Path, [columns, rows]: [u
     while let Some((word, at)) = words.next() {
         let Some(height) = number(word) else {
             let what = format!("`{}` is not a height", excerpt(word));
-            let hint = "heights are decimal numbers with a point, between blanks";
+            let hint = "write heights as decimal numbers with a point, separated by blanks";
             return Err(Error::input(file, line_of_offset(words.bytes, at), what, hint));
         };
         if heights.len() == samples {
-            let what = format!("more than the {samples} heights of {columns} x {rows} samples");
+            let what = format!("the file holds more than the {samples} heights of {columns} x {rows} samples");
             return Err(Error::input(file, line_of_offset(words.bytes, at), what, "correct ncols and nrows"));
         }
         heights.push(height as f32);
     }
     if heights.len() < samples {
-        let what = format!("only {} of the {samples} heights of {columns} x {rows} samples", heights.len());
-        return Err(Error::input(file, None, what, "the file may be cut off: export or fetch it again"));
+        let what =
+            format!("the file holds only {} of the {samples} heights of {columns} x {rows} samples", heights.len());
+        return Err(Error::input(file, None, what, "export or download the file again: it may be cut off"));
     }
     Ok(heights)
 }
@@ -176,7 +182,7 @@ mod tests {
     /// in any case, values over any lines, centres instead of corners, and `dx` with `dy` give the
     /// same grid.
     #[test]
-    fn places() {
+    fn spellings_of_the_header_give_the_same_grid() {
         let read = |text: &str| parse(text.as_bytes(), Path::new("g.asc")).expect("a grid");
         let plain = read(&format!("{HEAD}NODATA_value -9999\n1 2 3\n4 5 -9999\n"));
         assert_eq!(plain.grid, Grid { columns: 3, rows: 2, first: DVec2::new(105.0, 215.0), step: DVec2::splat(10.0) });
@@ -194,7 +200,7 @@ mod tests {
     /// Other files named `.dem` are recognised by their bytes, 2 of 2: a USGS DEM by its columns,
     /// raw heights by their zeros. A grid with whole numbers in those columns is read.
     #[test]
-    fn other_kinds() {
+    fn other_formats_named_dem_are_recognised() {
         let usgs = format!("{:<40}{:<104}{:>6}{:>6}{:>6}{:>6}", "MT WASHINGTON, NH", "BIG BASIN", 1, 1, 1, 19);
         for (bytes, expected) in [(usgs.as_bytes(), "found a USGS DEM"), (&[0, 7, 0, 9][..], "raw heights of GTOPO30")]
         {
@@ -208,7 +214,7 @@ mod tests {
     /// Twelve damaged files are refused with a message of what was found; where a value is at
     /// fault, the message names its line.
     #[test]
-    fn hostile() {
+    fn damaged_files_are_refused_with_a_reason() {
         let body = "1 2 3\n4 5 6\n";
         for (text, expected) in [
             (String::new(), "the grid has no ncols"),
@@ -216,13 +222,16 @@ mod tests {
             (format!("{}{body}", HEAD.replace("cellsize 10\n", "")), "the grid has no cellsize"),
             (format!("{}{body}", HEAD.replace("yllcorner 200\n", "")), "the grid has no yllcorner"),
             (format!("{HEAD}1 2 3\n4 5\n"), "only 5 of the 6 heights of 3 x 2"),
-            (format!("{HEAD}1 2 3\n4 5 6\n7"), "line 8: more than the 6 heights"),
+            (format!("{HEAD}1 2 3\n4 5 6\n7"), "line 8: the file holds more than the 6 heights"),
             (format!("{HEAD}1 2 3\n4 x5 6\n"), "line 7: `x5` is not a height"),
-            (format!("{}{body}", HEAD.replace("cellsize 10", "cellsize -10")), "-10 x -10 in size, not above 0"),
+            (
+                format!("{}{body}", HEAD.replace("cellsize 10", "cellsize -10")),
+                "the cell size is -10 x -10, but must be above 0",
+            ),
             (format!("{}{body}", HEAD.replace("ncols 3", "ncols 1e14")), "the limit is 268435456"),
             (format!("{}{body}", HEAD.replace("ncols 3", "ncols 1")), "the raster has 1 x 2 samples"),
             (format!("{HEAD}NODATA_value none\n{body}"), "line 6: nodata_value is `none`, not a number"),
-            (format!("{HEAD}colour 7\n{body}"), "line 6: `colour` is no key of a grid"),
+            (format!("{HEAD}colour 7\n{body}"), "line 6: `colour` is not a header key"),
             (format!("{HEAD}-9999 -9999 -9999 nan inf 1e30"), "none of the 6 samples is a height"),
             (
                 "ncols 2 nrows 2 xllcorner 11.5 yllcorner 47.5 cellsize 0.000833 700 800 900 650".into(),

@@ -107,7 +107,7 @@ mod tests {
     /// A tag with items of two bands gives the scale 0.1, the offset 50 and the unit of the first
     /// band. Broken items give nothing.
     #[test]
-    fn items_of_the_first_band() {
+    fn only_items_of_the_first_band_are_read() {
         let xml = "<GDALMetadata>\n<Item name=\"AREA\">7</Item><Item name=\"SCALE\" sample=\"1\" role=\"scale\">9</Item>\
                    <Item name=\"SCALE\" sample=\"0\" role=\"scale\"> 0.1 </Item><Item name=\"OFFSET\" sample=\"0\" role=\"offset\">50</Item>\
                    <Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">US survey foot</Item></GDALMetadata>";
@@ -128,7 +128,7 @@ mod tests {
     /// An `.aux.xml` file states nodata -1, offset 5, scale 2 and feet; the raster's own statement
     /// comes first.
     #[test]
-    fn notes_of_a_file_beside() {
+    fn an_aux_xml_file_states_nodata_scale_and_unit() {
         let xml = "<PAMDataset><SRS dataAxisToSRSAxisMapping=\"1,2\">LOCAL</SRS><PAMRasterBand band=\"1\"><NoDataValue>-1</NoDataValue>\
                    <UnitType>ft</UnitType><Offset>5</Offset><Scale>2</Scale></PAMRasterBand></PAMDataset>";
         let notes = BandNotes::of_aux(xml);
@@ -143,7 +143,7 @@ mod tests {
 
     /// Six spellings of units give their metres; a name that is no length gives `None`.
     #[test]
-    fn names_of_units() {
+    fn unit_names_become_metres() {
         for (name, metres) in [
             ("metre", Some(1.0)),
             ("US survey foot", Some(1200.0 / 3937.0)),

@@ -146,30 +146,29 @@ impl GeoKeys {
         // 1 is projected, 2 longitude and latitude, 3 geocentric.
         let model = self.get(MODEL_TYPE);
         let geographic = self.get(GEOGRAPHIC_SYSTEM);
-        let system = geographic.map_or("a geographic system".into(), |code| format!("EPSG:{code}"));
+        let system = geographic.map_or("geographic".into(), |code| format!("EPSG:{code}"));
         let axes = match self.system() {
             Some(Reference::Epsg(number)) => axes_of(number),
             _ => None,
         };
         if model == Some(3) || axes == Some(Axes::Geocentric) {
-            return Err(geocentric(file, &format!("it is stated in {system}")));
+            return Err(geocentric(file, &format!("its coordinate system is {system}")));
         }
         if model == Some(2) || (model.is_none() && geographic.is_some()) || axes == Some(Axes::Degrees) {
-            return Err(degrees(file, &format!("it is stated in {system}")));
+            return Err(degrees(file, &format!("its coordinate system is {system}")));
         }
         let file = file.display();
         if self.get(PROJECTED_SYSTEM) == Some(USER_DEFINED) && self.system().is_none() {
             warnings.push(format!(
-                "{file}: defines a coordinate system of its own, whose number in the EPSG register is not known here; the place stays \
-                 unknown: give {{crs}}"
+                "{file}: no EPSG code was found for the coordinate system that the file defines; the place on Earth stays unknown: \
+                 give {{crs}}"
             ));
         }
         for (key, known, what) in
             [(PLANE_UNIT, self.plane_unit_m(), "coordinates"), (HEIGHT_UNIT, self.height_unit_m(), "heights")]
         {
             if let Some(unit) = self.get(key).filter(|_| known.is_none()) {
-                warnings
-                    .push(format!("{file}: the unit of the {what} (EPSG:{unit}) is not known and taken for metres"));
+                warnings.push(format!("{file}: the unit of the {what} (EPSG:{unit}) is not known; metres are assumed"));
             }
         }
         Ok(Meaning {
@@ -220,7 +219,7 @@ mod tests {
     /// number of the system, which is kept. Longitude and latitude and geocentric coordinates are
     /// refused.
     #[test]
-    fn systems() {
+    fn projected_systems_pass_and_degrees_are_refused() {
         let (utm, warnings) = meaning(&[[1024, 0, 1, 1], [3072, 0, 1, 32611], [3076, 0, 1, 9001]]).expect("metres");
         assert_eq!((utm.reference, utm.plane_unit_m, warnings), (Some(Reference::Epsg(32611)), Some(1.0), 0));
         for keys in [&[[1024, 0, 1, 1], [3072, 0, 1, 2225], [3076, 0, 1, 9003]][..], &[[3072, 0, 1, 2225]]] {
@@ -237,7 +236,7 @@ mod tests {
     /// Heights are in feet by their unit (0.3048 m) or by their system (EPSG:6360: 1200/3937 m;
     /// EPSG:5703: 1 m); otherwise their unit is unknown.
     #[test]
-    fn units_of_heights() {
+    fn unit_of_heights_follows_from_key_or_system() {
         for (keys, unit) in [
             (&[[4099, 0, 1, 9002]][..], Some(0.3048)),
             (&[[4096, 0, 1, 6360]], Some(1200.0 / 3937.0)),
@@ -252,7 +251,7 @@ mod tests {
     /// A system without a number is found by its parameters: NAD83 with the Lambert cone of Long
     /// Island in US feet is EPSG:2263. An unregistered system gets a warning.
     #[test]
-    fn a_system_by_its_parameters() {
+    fn parameters_find_the_epsg_code() {
         let doubles = [40.666_666_666_7, 41.033_333_333_3, -74.0, 40.166_666_666_7, 984_250.0, 0.0];
         let keys = |first: u16| {
             let mut keys =
@@ -271,7 +270,7 @@ mod tests {
 
     /// A user-defined unit of 0.5 m is read from the tag of floating-point numbers.
     #[test]
-    fn a_unit_of_its_own() {
+    fn a_user_defined_unit_is_read() {
         let directory = [1, 1, 0, 2, 3076, 0, 1, 32767, 3077, 34736, 1, 1];
         let keys = GeoKeys::read(&directory, &[7.0, 0.5]);
         assert_eq!(keys.meaning(Path::new("r.tif"), &mut Vec::new()).expect("read").plane_unit_m, Some(0.5));
@@ -279,7 +278,7 @@ mod tests {
 
     /// Directories of 0 to 9 numbers are read without keys; nothing panics.
     #[test]
-    fn short() {
+    fn short_directories_hold_no_keys() {
         for length in 0..10 {
             assert_eq!(GeoKeys::read(&vec![1; length], &[]).codes.len(), 0);
         }

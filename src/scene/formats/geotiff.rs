@@ -86,7 +86,7 @@ fn open<'b>(bytes: &'b [u8], patches: Patches, file: &Path) -> Result<Tiff<'b>> 
 
 pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let bad = |doing: &'static str| move |e: TiffError| refused(file, doing, &e);
-    let cut = "the file is damaged or cut off: fetch or export it again";
+    let cut = "download or export the file again: it is damaged or cut off";
     let patches = tiff_directory::check(bytes).map_err(|what| Error::input(file, None, what, cut))?;
     let mut tiff = open(bytes, patches, file)?;
     let (columns, rows) = tiff.dimensions().map_err(bad("its size"))?;
@@ -94,8 +94,8 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
     let is_zstd = tiff.find_tag_unsigned::<u16>(Tag::Compression).ok().flatten() == Some(ZSTD);
     // An impossible claim is refused before anything of its size is allocated.
     if samples as u64 > bytes.len() as u64 * if is_zstd { MOST_PACKED_ZSTD } else { MOST_PACKED } {
-        let what = format!("{columns} x {rows} samples are claimed in {} bytes", bytes.len());
-        return Err(Error::input(file, None, what, "the file is damaged or cut off: fetch it again"));
+        let what = format!("the header states {columns} x {rows} samples, more than {} bytes can hold", bytes.len());
+        return Err(Error::input(file, None, what, cut));
     }
     let mut warnings = Vec::new();
     let aux = sidecar::aux(file)?;
@@ -108,7 +108,7 @@ pub(crate) fn parse(bytes: &[u8], file: &Path) -> Result<Raster> {
         let metres = metres_of_unit(unit);
         if metres.is_none() {
             let (file, unit) = (file.display(), excerpt(unit.as_bytes()));
-            warnings.push(format!("{file}: the unit of the heights, `{unit}`, is not known and taken for metres"));
+            warnings.push(format!("{file}: the unit of the heights, `{unit}`, is not known; metres are assumed"));
         }
         meaning.height_unit_m = metres.or(meaning.height_unit_m);
     }
@@ -142,12 +142,12 @@ fn refused(file: &Path, doing: &str, error: &TiffError) -> Error {
             what: format!("the raster {}", file.display()),
             found: why,
             supported:
-                "16, 32 and 64 bit integers and 32 and 64 bit floats, raw, Deflate, LZW, Zstandard or PackBits; \
-                        `gdal_translate -co COMPRESS=DEFLATE in.tif out.tif` writes that"
+                "8, 16, 32 and 64 bit integers and 32 and 64 bit floats, uncompressed or with Deflate, LZW, Zstandard or \
+                        PackBits, such as `gdal_translate -co COMPRESS=DEFLATE in.tif out.tif` writes"
                     .into(),
         },
         TiffError::IoError(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
-            let hint = "the file is cut off or no TIFF: fetch or export it again";
+            let hint = "download or export the file again: it is cut off or is not a TIFF file";
             Error::input(file, None, format!("the file ends within {doing}"), hint)
         }
         _ => Error::input(file, None, format!("{doing} cannot be read: {why}"), "export it again as GeoTIFF"),
@@ -164,7 +164,7 @@ fn nodata(tiff: &mut Tiff, file: &Path, warnings: &mut Vec<String>) -> Option<f6
     let number = word.parse().ok();
     if number.is_none() {
         let shown = excerpt(word.as_bytes());
-        warnings.push(format!("{}: the nodata value `{shown}` is not a number and ignored", file.display()));
+        warnings.push(format!("{}: the nodata value `{shown}` is not a number and is ignored", file.display()));
     }
     number
 }
@@ -207,13 +207,13 @@ fn georeference(
         }
         ([_, _, ..], _, _) => {
             return refuse(
-                "the raster has no ModelTiepoint (tag 33922): nobody says where it lies",
+                "the raster states no position: it has no ModelTiepoint (tag 33922)",
                 "georeference it, for example with `gdal_translate -a_ullr`",
             );
         }
         _ => {
             return refuse(
-                "the raster has neither ModelPixelScale (tag 33550) nor ModelTransformation (34264): nobody says where it lies",
+                "the raster states no position: it has neither ModelPixelScale (tag 33550) nor ModelTransformation (34264)",
                 "georeference it, for example with `gdal_translate -a_srs EPSG:32632 -a_ullr west north east south`",
             );
         }
@@ -240,8 +240,8 @@ fn first_band(tiff: &mut Tiff, file: &Path, samples: usize, warnings: &mut Vec<S
     let bad = |e: TiffError| refused(file, "its samples", &e);
     // "White is zero" inverts numbers, and `tiff` would invert them; no heights are meant that way.
     if tiff.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten() == Some(0) {
-        let what = "its samples are stated as white at 0 (tag 262)";
-        return Err(Error::input(file, None, what, "export it as GeoTIFF of heights"));
+        let what = "its samples are a picture with white at 0 (tag 262, PhotometricInterpretation), not heights";
+        return Err(Error::input(file, None, what, "export it as a GeoTIFF of heights"));
     }
     let bands = tiff.colortype().map_err(bad)?.num_samples();
     // The extra bands stand behind the colour bands; kinds 1 and 2 are opacity (tag 338).
@@ -250,7 +250,8 @@ fn first_band(tiff: &mut Tiff, file: &Path, samples: usize, warnings: &mut Vec<S
     let alpha =
         extra.iter().position(|kind| matches!(kind, 1 | 2)).map(|place| colours + place).filter(|place| *place > 0);
     if usize::from(bands) > 1 + usize::from(alpha.is_some()) {
-        warnings.push(format!("{}: the first of {bands} bands is taken for heights", file.display()));
+        warnings
+            .push(format!("{}: the first of {bands} bands holds the heights; the others are ignored", file.display()));
     }
     let mut heights = band(tiff, file, 0, samples)?;
     if let Some(alpha) = alpha {
@@ -269,8 +270,8 @@ fn band(tiff: &mut Tiff, file: &Path, number: usize, samples: usize) -> Result<V
     let within = if planar { 0 } else { number };
     let bits = color.bit_depth();
     if bits < 8 && !(bits == 1 && between == 1) {
-        let what = format!("its samples have {bits} bits");
-        return Err(Error::input(file, None, what, "export it as GeoTIFF of heights"));
+        let what = format!("its samples have {bits} bits, fewer than 8");
+        return Err(Error::input(file, None, what, "export it as a GeoTIFF of heights"));
     }
     let tag = match tiff.get_chunk_type() {
         ChunkType::Strip => Tag::StripByteCounts,
@@ -282,8 +283,8 @@ fn band(tiff: &mut Tiff, file: &Path, number: usize, samples: usize) -> Result<V
     let plane = u64::from(across) * u64::from(down);
     let first = if planar { number as u64 * plane } else { 0 };
     if wide == 0 || high == 0 || (counts.len() as u64) < first + plane {
-        let what = format!("{} strips or tiles are fewer than {across} x {down}", counts.len());
-        return Err(Error::input(file, None, what, "the file is damaged: fetch or export it again"));
+        let what = format!("the file has {} strips or tiles, fewer than {across} x {down}", counts.len());
+        return Err(Error::input(file, None, what, "download or export the file again: it is damaged"));
     }
     let mut heights = vec![f32::NAN; samples];
     for (chunk, &bytes) in (0..across * down).zip(counts.iter().skip(first as usize)) {

@@ -38,7 +38,7 @@ fn compared(raster: &Raster, written: impl Fn(f64) -> f64) -> (f64, usize) {
 /// Four rasters of four number types, LZW in tiles or Deflate, are read to 0.01 mm. The LZW tiles
 /// reach beyond the raster, which the decoder alone takes for a cut file.
 #[test]
-fn packings_of_gdal() {
+fn rasters_packed_by_gdal_keep_their_heights() {
     for (name, times) in [("int16_lzw_tiles.tif", 4.0), ("float32_lzw_tiles.tif", 1.0), ("float64_deflate.tif", 1.0)] {
         let raster = read(name);
         assert_eq!((raster.grid.columns, raster.grid.rows), (40, 36));
@@ -53,7 +53,7 @@ fn packings_of_gdal() {
 /// Stored whole numbers become (0.01 n + 5) feet. Nodata is the stored value 11900, which stands
 /// for 124 ft and occurs in 14 places.
 #[test]
-fn scale_offset_and_unit() {
+fn stored_numbers_in_scaled_feet_become_metres() {
     let raster = read("int32_scaled_ft.tif");
     let (most, nodata) = compared(&raster, |stored| (stored + 5.0) * 0.3048);
     assert!(most < 1e-4, "{most}");
@@ -68,7 +68,7 @@ fn scale_offset_and_unit() {
 /// COG with overviews, or by an opacity band in planes or beside each height. No band gets a
 /// warning. A mask that is not packed hides 200 of 400.
 #[test]
-fn masks_and_opacity() {
+fn masks_and_opacity_make_samples_nodata() {
     for (name, times) in [
         ("mask_strips.tif", 1.0),
         ("mask_big_endian.tif", 1.0),
@@ -89,7 +89,7 @@ fn masks_and_opacity() {
 /// Units of feet that follow only from the system numbers become metres: a raster is 57.9 m wide
 /// and starts at 304.80 m, and heights of 100 US feet are 30.48 m.
 #[test]
-fn feet_by_their_numbers() {
+fn feet_of_an_epsg_code_become_metres() {
     let raster = read("gdal_6839_like.tif");
     let [low, high] = raster.extent();
     assert!((high.x - low.x - 190.0 * 1200.0 / 3937.0).abs() < 1e-6 && (low.z - 304.8006).abs() < 1e-3, "{low} {high}");
@@ -108,7 +108,7 @@ fn load(names: &[&str], frame: SiteFrame) -> Result<Scene> {
 /// 0.3048006: 118.9 m wide, 8 m high from 9.14 m on. Alone, the raster's heights are read as
 /// metres, a warning names the scale, and stating its system again changes nothing.
 #[test]
-fn feet_meet_in_new_york() {
+fn model_and_raster_in_feet_meet_in_new_york() {
     let feet = SiteFrame { scale: Some(0.3048006), ..SiteFrame::default() };
     let scene = load(&["feet_2263.city.json", "dem_2263_ft_nounit.tif"], feet).expect("a scene");
     let (low, high) = scene.mesh.bounds();
@@ -129,7 +129,7 @@ fn feet_meet_in_new_york() {
 /// UTM metres stay at 51.45 N 9.00 E, where the file says, although the user asks for a system in
 /// feet; one warning says so.
 #[test]
-fn metres_are_no_feet() {
+fn a_raster_in_metres_ignores_a_system_in_feet() {
     let scene = load(&["scale_offset.tif"], SiteFrame { epsg: Some(2263), ..SiteFrame::default() }).expect("a scene");
     let place = scene.place.expect("Germany");
     assert!((place.latitude_deg - 51.4503).abs() < 1e-3 && (place.longitude_deg - 9.0014).abs() < 1e-3, "{place}");
@@ -141,7 +141,7 @@ fn metres_are_no_feet() {
 /// 5699995, EPSG:25832), an `.aux.xml` with a scale of 0.1 and nodata, and a `.prj` beside an ASCII
 /// grid. A `.prj` in degrees and a world file of five numbers are refused.
 #[test]
-fn files_beside_a_raster() {
+fn files_beside_a_raster_state_its_place() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
     let bare: Vec<u8> = {
@@ -178,7 +178,10 @@ fn files_beside_a_raster() {
     assert!((raster.height(2, 1) - 6.0).abs() < 1e-6 && raster.height(1, 1).is_nan());
     write("c.tfw", b"10 0 0 -10 5");
     assert!(
-        read("c.tif").expect_err("five numbers").to_string().contains("c.tfw: holds `10 0 0 -10 5`, not six numbers")
+        read("c.tif")
+            .expect_err("five numbers")
+            .to_string()
+            .contains("c.tfw: the world file holds `10 0 0 -10 5`, not six numbers")
     );
     write("d.tfw", b"10 0 0 -10 5 5");
     write("d.prj", b"GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\"]]");
@@ -191,7 +194,7 @@ fn files_beside_a_raster() {
 /// Float32 in Zstandard with predictor 3, and UInt8 with and without a scale. The surface is 79.79
 /// to 92.73 m, the ground 79.87 to 81.13 m, crowns reach 8 m, and codes run from 1 to 5.
 #[test]
-fn rasters_of_a_street() {
+fn rasters_of_a_street_have_the_right_range() {
     for (name, least, most) in [
         ("street_dsm.tif", 79.79, 92.73),
         ("street_dem.tif", 79.8698, 81.1302),

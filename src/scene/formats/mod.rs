@@ -222,7 +222,7 @@ pub(super) fn read(path: &Path, asked: &Asked) -> Result<Content> {
         if let Some(frame) = geometry.local_frame {
             geometry.reference = Some(frame.reference());
             geometry.warnings.push(format!(
-                "{}: its coordinates are geocentric (EPSG:4978); x, y and z are now metres east, north and up of {}, height 0 of the \
+                "{}: its geocentric (EPSG:4978) coordinates became x, y and z in metres east, north and up of {} at height 0 of the \
                  ellipsoid",
                 path.display(),
                 frame.reference()
@@ -289,7 +289,7 @@ mod tests {
     /// The message that lists the supported endings lists all of them, and says that each may be
     /// packed.
     #[test]
-    fn endings_are_named() {
+    fn the_message_lists_every_ending() {
         for (ending, format) in ENDINGS {
             assert!(SUPPORTED.contains(&format!(".{ending}")), "{format:?}");
         }
@@ -298,7 +298,7 @@ mod tests {
 
     /// 23 of 24 endings belong to one format, packed or not.
     #[test]
-    fn formats_of_names() {
+    fn every_ending_but_json_names_one_format() {
         let named = |ending: &str, more: &str| format_of_name(Path::new(&format!("A.{}{more}", ending.to_uppercase())));
         assert_eq!(ENDINGS.iter().filter(|(ending, _)| named(ending, "").is_some()).count(), 23);
         assert!(ENDINGS.iter().all(|(ending, _)| named(ending, "") == named(ending, ".gz")));

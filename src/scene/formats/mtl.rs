@@ -66,8 +66,8 @@ pub(super) fn read_libraries(
                 // A library of hundreds of materials would otherwise flood the warnings.
                 if odd.len() > MOST_ODD {
                     let sentence = format!(
-                        "{}: {} things about materials are not taken as they stand (textures, transparency, more light than \
-                         arrives, second definitions)",
+                        "{}: {} properties of materials are ignored or changed (textures, transparency, reflectances above 1 in \
+                         sum, second definitions)",
                         path.display(),
                         odd.len()
                     );
@@ -76,7 +76,7 @@ pub(super) fn read_libraries(
                 warnings.append(&mut odd);
             } else {
                 warnings.push(format!(
-                    "{}, line {}: the material library {} is not there",
+                    "{}, line {}: the material library {} was not found",
                     obj.display(),
                     library.line,
                     path.display()
@@ -185,7 +185,7 @@ fn finish(block: Block, file: &Path, table: &mut MaterialTable, nothing: &mut Un
     let shown = excerpt(block.name.as_bytes());
     let place = format!("{}, line {}: material `{shown}`", file.display(), block.line);
     if table.contains_key(&block.name) {
-        warnings.push(format!("{place} was defined before; the first definition stands"));
+        warnings.push(format!("{place} is defined twice; the first definition is used"));
         return;
     }
     let stated = block.diffuse.filter(|diffuse| !is_white(*diffuse));
@@ -209,8 +209,9 @@ fn finish(block: Block, file: &Path, table: &mut MaterialTable, nothing: &mut Un
         ));
     }
     if block.not_modelled {
-        warnings
-            .push(format!("{place} has a texture or is transparent, which is ignored: it is opaque, of its plain Kd"));
+        warnings.push(format!(
+            "{place} has a texture or is transparent, which is ignored: it is opaque and reflects its Kd"
+        ));
     }
     let class = class_of_name(&block.name);
     table.insert(block.name.clone(), Material { specular, ..Material::matt(block.name, diffuse, class) });
@@ -236,7 +237,7 @@ mod tests {
 
     /// Diffuse is the mean of `Kd`; `Ks` counts only from illumination model 3 on.
     #[test]
-    fn reflectances() {
+    fn diffuse_is_the_mean_of_kd() {
         let (table, warnings) = read(
             "# x\nnewmtl gloss\n\tKd 0.1 0.2 0.6\n Ks 0.5 0.5 0.5\nillum 2\r\nnewmtl my mirror\nKd 0.1\nKs 0.8 0.7 0.9\nillum 3 # mirror\n",
         )
@@ -250,7 +251,7 @@ mod tests {
     /// Reflectances above 1 in sum are scaled to 1 with a warning. A second definition is ignored
     /// with a warning, and a texture gets a warning.
     #[test]
-    fn warnings() {
+    fn scaled_and_repeated_materials_give_warnings() {
         let (table, warnings) =
             read("newmtl a\nKd 1 1 1\nKs 1 1 1\nillum 5\nmap_Kd a.png\nnewmtl a\nKd 0 0 0\n").expect("readable");
         assert_eq!((table["a"].diffuse, table["a"].specular), (0.2 / 1.2, 1.0 / 1.2));
@@ -260,7 +261,7 @@ mod tests {
 
     /// Every refusal names the file, the line and the offending text.
     #[test]
-    fn refusals() {
+    fn refusals_name_file_line_and_text() {
         for (text, line, quoted) in [
             ("newmtl a\nKd 0.1 x 0.2", 2, "`0.1 x 0.2`"),
             ("newmtl a\nKd 0.1 0.2", 2, "`0.1 0.2`"),
@@ -279,7 +280,7 @@ mod tests {
     /// one are not described, textured or not. A white mirror keeps its specular 0.7 and scatters
     /// the usual 0.2. A material that no face uses is not read.
     #[test]
-    fn white_says_nothing() {
+    fn white_materials_have_no_stated_reflectance() {
         let text = "newmtl wall\nKd 1 1 1\nnewmtl roof\nKa 1 1 1\nmap_Kd a.png\nnewmtl near\nKd 0.98 0.99 0.98\nmap_Kd b.png\n\
                     newmtl paint\nKd 0.9 0.9 0.9\nnewmtl mirror\nKd 1 1 1\nKs 0.7 0.7 0.7\nillum 3\nnewmtl unused\nKd spectral a.rfl\n";
         let used = ["wall", "roof", "near", "paint", "mirror"].into();
@@ -297,7 +298,7 @@ mod tests {
     /// Libraries are found beside the OBJ file, with blanks in the name or two on a line. A missing
     /// one is a warning.
     #[test]
-    fn libraries() {
+    fn libraries_are_found_beside_the_obj_file() {
         let folder = tempfile::tempdir().expect("a scratch folder");
         for (name, material) in [("my town.mtl", "a"), ("b.mtl", "b"), ("c.mtl", "c")] {
             fs::write(folder.path().join(name), format!("newmtl {material}\nKd 0.5\n")).expect("written");

@@ -199,12 +199,12 @@ impl<'f> Reader<'f> {
                 self.file,
                 None,
                 format!("the file holds no faces ({count} vertices were read)"),
-                "export surfaces as `f` lines; points, lines and free-form surfaces shade nothing",
+                "export surfaces as `f` lines; points, lines and free-form surfaces are not read",
             ));
         }
         for (keyword, line, times) in &self.ignored {
             self.geometry.warnings.push(format!(
-                "{}, line {line}: `{}` is no polygon statement; {times} such lines were passed over",
+                "{}, line {line}: `{}` is not a polygon statement; {times} such lines are ignored",
                 self.file.display(),
                 excerpt(keyword)
             ));
@@ -231,7 +231,7 @@ mod tests {
     /// All four spellings of a corner, relative indices and indices of later vertices name the
     /// right vertex.
     #[test]
-    fn corner_forms() {
+    fn every_spelling_of_a_corner_names_its_vertex() {
         let text = format!("{SQUARE}f 1 2/7 3//8 4/9/9\nf -4 -3/1 -2//1 -1/1/1\nf 1 2 5\nv 3 3 3 # late\n");
         assert_eq!(corners(&text), [vec![0, 1, 2, 3], vec![0, 1, 2, 3], vec![0, 1, 4]]);
     }
@@ -239,7 +239,7 @@ mod tests {
     /// CRLF, tabs, leading blanks, continued lines, comments and bytes that are not UTF-8 change
     /// nothing.
     #[test]
-    fn as_found_in_the_wild() {
+    fn line_ends_and_comments_change_nothing() {
         let wild = b"\xef\xbb\xbf# caf\xe9\r\no b\r\n \tv\t0 0 0\r\nv 1. +0 .0e0\r\nv 1 1 0\r\nv 0 1 0\r\nvn 0 0 1\r\n\
             vt 0 0\r\ng roof\r\ns off\r\nmtllib my town.mtl\r\nusemtl tile\xe9 red \r\nf 1 2\\\r\n 3 4 # end\r\nl 1 2\r\ncurv 0 1\r\n";
         let (obj, libraries) = super::parse(wild, Path::new("town.obj")).expect("readable");
@@ -255,7 +255,7 @@ mod tests {
     /// Faces before any `usemtl` have the material "default", and a name used twice is one
     /// material.
     #[test]
-    fn materials_in_file_order() {
+    fn materials_keep_the_order_of_the_file() {
         let obj = parse(&format!("{SQUARE}f 1 2 3\nusemtl b\nf 1 2 3\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n"));
         let obj = obj.expect("readable");
         assert_eq!(obj.materials.as_slice(), ["default", "b", "a"]);
@@ -265,7 +265,7 @@ mod tests {
 
     /// Every refusal names the file, the line and the offending text.
     #[test]
-    fn refusals() {
+    fn refusals_name_file_line_and_text() {
         for (text, line, quoted) in [
             ("v 0 0\nf 1", Some(1), "no z coordinate"),
             ("v 0 1,5 0\nf 1", Some(1), "y of the vertex is `1,5`"),

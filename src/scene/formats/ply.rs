@@ -40,12 +40,12 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
             }
         } else {
             let what = format!("the file holds no faces ({} vertices were read)", geometry.vertices.len());
-            Error::input(file, None, what, "a cloud of points shades nothing: export a surface, `element face`")
+            Error::input(file, None, what, "export a surface (`element face`): points cast no shadow")
         });
     }
     let left = body.left();
     if left > 0 {
-        let text = format!("{}: {left} bytes after the last element were passed over", file.display());
+        let text = format!("{}: {left} bytes after the last element are ignored", file.display());
         geometry.warnings.push(text);
     }
     Ok(geometry)
@@ -104,9 +104,10 @@ fn read_faces<'b>(element: &'b Element, vertices: u64, body: &mut Body<'b>, geom
                 let corner = body.number(property.kind)?;
                 // An f64 holds every index below 2^32 exactly.
                 if !(corner >= 0.0 && corner < vertices.min(1 << 32) as f64 && corner.fract() == 0.0) {
-                    return Err(
-                        body.error(&format!("names vertex {corner}, but vertices are 0 to {}", vertices as f64 - 1.0))
-                    );
+                    return Err(body.error(&format!(
+                        "names vertex {corner}, but vertices are numbered 0 to {}",
+                        vertices as f64 - 1.0
+                    )));
                 }
                 geometry.push_corner(corner as u32);
             }

@@ -106,7 +106,10 @@ impl<'b> Body<'b> {
     pub(super) fn count(&mut self, property: &Property) -> Result<u64> {
         let count = self.number(property.list.unwrap_or(Kind::U8))?;
         if !(0.0..=f64::from(u32::MAX)).contains(&count) || count.fract() != 0.0 {
-            return Err(self.error(&format!("has a list `{}` of {count} values", excerpt(property.name.as_bytes()))));
+            return Err(self.error(&format!(
+                "has a list `{}` of {count} values, which is not a valid count",
+                excerpt(property.name.as_bytes())
+            )));
         }
         Ok(count as u64)
     }
@@ -134,7 +137,7 @@ impl<'b> Body<'b> {
     }
 
     fn ends(&self) -> Error {
-        self.error("is where the file ends")
+        self.error("is missing or incomplete: the file ends here")
     }
 
     /// Returns an error about the item being read.
@@ -143,6 +146,6 @@ impl<'b> Body<'b> {
         let (item, element) = (self.item, excerpt(self.element.as_bytes()));
         let what = format!("{element} {item} of {} {what}", self.items);
         let line = Some(self.line).filter(|_| !self.is_binary());
-        Error::input(self.file, line, what, "export or copy it again; items count from 0")
+        Error::input(self.file, line, what, "export or copy the file again (items are counted from 0)")
     }
 }

@@ -90,7 +90,12 @@ impl Header {
             [b'p', b'l', b'y', b'\r', ..] => b"\r",
             _ => {
                 let what = format!("the first line is `{}`, not `ply`", excerpt(bytes));
-                return Err(Error::input(file, 1, what, "give a PLY file, or name the file after its format"));
+                return Err(Error::input(
+                    file,
+                    1,
+                    what,
+                    "give a PLY file, or rename the file with the ending of its format",
+                ));
             }
         };
         let fail = |line: usize, what: String| Error::input(file, line, what, "export it again");
@@ -112,15 +117,16 @@ impl Header {
                         b"ascii" => Encoding::Text,
                         b"binary_little_endian" => Encoding::LittleEndian,
                         b"binary_big_endian" => Encoding::BigEndian,
-                        _ => return Err(fail(line, format!("`{}` is no format of PLY", excerpt(text)))),
+                        _ => return Err(fail(line, format!("`{}` is not a format of PLY", excerpt(text)))),
                     });
                 }
                 [b"element", name, count] => {
                     let count = std::str::from_utf8(count).ok().and_then(|count| count.parse().ok());
-                    let count = count.ok_or_else(|| fail(line, format!("`{}` counts nothing", excerpt(text))))?;
+                    let count =
+                        count.ok_or_else(|| fail(line, format!("`{}` has no valid count of items", excerpt(text))))?;
                     let name = String::from_utf8_lossy(name).into_owned();
                     if ["vertex", "face"].contains(&name.as_str()) && header.elements.iter().any(|e| e.name == name) {
-                        return Err(fail(line, format!("`element {name}` stands twice")));
+                        return Err(fail(line, format!("`element {name}` is declared twice")));
                     }
                     header.elements.push(Element { name, count, properties: Vec::new(), line });
                 }
@@ -137,17 +143,17 @@ impl Header {
                         _ => None,
                     };
                     let (Some(property), Some(element)) = (property, header.elements.last_mut()) else {
-                        return Err(fail(line, format!("`{}` is no property of an element", excerpt(text))));
+                        return Err(fail(line, format!("`{}` is not a valid property of an element", excerpt(text))));
                     };
                     element.properties.push(property);
                 }
-                _ => return Err(fail(line, format!("`{}` is no statement of a PLY head", excerpt(text)))),
+                _ => return Err(fail(line, format!("`{}` is not a statement of a PLY header", excerpt(text)))),
             }
             if length.is_none() {
                 return Err(fail(line, "the file ends before `end_header`".into()));
             }
         }
-        header.encoding = encoding.ok_or_else(|| fail(header.lines, "the head states no `format`".into()))?;
+        header.encoding = encoding.ok_or_else(|| fail(header.lines, "the header has no `format` line".into()))?;
         Ok((header, rest))
     }
 }

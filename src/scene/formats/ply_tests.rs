@@ -52,7 +52,7 @@ fn binary(big: bool, float: usize, count: usize, index: usize) -> Vec<u8> {
 /// A cube of 6 quadrangles has 6 m2 and 1 m3 as text and in both byte orders, with other properties
 /// and elements in between.
 #[test]
-fn cubes() {
+fn three_encodings_give_the_same_cube() {
     let mut files = vec![];
     for (big, order) in [(false, "binary_little_endian"), (true, "binary_big_endian")] {
         for (float, real) in [(4, "float"), (8, "float64")] {
@@ -93,7 +93,7 @@ const POINTS: &str = "0 0 0\n1 0 0\n0 1 0\n";
 /// 31 damaged files are refused with a message of what was found; counts of billions without data
 /// take no memory.
 #[test]
-fn refusals() {
+fn damaged_files_are_refused_with_a_reason() {
     let swap = |from: &str, to: &str| {
         let text = String::from_utf8(small("3", "1", &format!("{POINTS}3 0 1 2\n"))).expect("text");
         assert!(text.contains(from), "{from}");
@@ -110,32 +110,32 @@ fn refusals() {
         (vec![], "line 1: the first line is ``, not `ply`"),
         (b"plywood\n".to_vec(), "line 1: the first line is `plywood"),
         (b"ply\nformat ascii 1.0\n".to_vec(), "ends before `end_header`"),
-        (b"ply\nend_header\n".to_vec(), "line 2: the head states no `format`"),
-        (swap("ascii", "morse"), "line 2: `format morse 1.0` is no format"),
-        (swap("vertex 3", "vertex -3"), "line 3: `element vertex -3` counts nothing"),
+        (b"ply\nend_header\n".to_vec(), "line 2: the header has no `format` line"),
+        (swap("ascii", "morse"), "line 2: `format morse 1.0` is not a format"),
+        (swap("vertex 3", "vertex -3"), "line 3: `element vertex -3` has no valid count"),
         (swap("vertex 3", "vertex 99999999999999999999"), "line 3: `element vertex 9999"),
-        (swap("float z", "real z"), "line 6: `property real z` is no property"),
+        (swap("float z", "real z"), "line 6: `property real z` is not a valid property"),
         (swap("float z", "float w"), "line 3: `element vertex` has no property `z`"),
         (swap("float z", "list uchar float z"), "has no property `z` that is a number"),
         (swap("vertex_indices", "edges"), "line 7: `element face` has no list `vertex_indices`"),
-        (swap("element face", "element vertex"), "line 7: `element vertex` stands twice"),
-        (swap("element face", "elephant"), "line 7: `elephant 1` is no statement"),
+        (swap("element face", "element vertex"), "line 7: `element vertex` is declared twice"),
+        (swap("element face", "elephant"), "line 7: `elephant 1` is not a statement"),
         (swap("element face", "element tristrips"), "found triangle strips"),
         (swap("face 1", "face 0"), "holds no faces (3 vertices were read)"),
-        (swap("face 1", "face 4294967295"), "face 1 of 4294967295 is where the file ends"),
-        (swap("vertex 3", "vertex 4000000000"), "vertex 4 of 4000000000 is where the file ends"),
+        (swap("face 1", "face 4294967295"), "face 1 of 4294967295 is missing or incomplete"),
+        (swap("vertex 3", "vertex 4000000000"), "vertex 4 of 4000000000 is missing or incomplete"),
         (swap("0 1 0\n", "0 nan 0\n"), "line 12: vertex 2 of 3 lies at [0, NaN, 0]"),
         (swap("0 1 0\n", "0 1,5 0\n"), "line 12: vertex 2 of 3 holds `1,5`"),
         (swap("0 1 0\n", "0 1e10 0\n"), "vertex 2 of 3 lies at [0, 10000000000, 0]"),
-        (swap("3 0 1 2", "3 0 1 3"), "line 13: face 0 of 1 names vertex 3, but vertices are 0 to 2"),
+        (swap("3 0 1 2", "3 0 1 3"), "line 13: face 0 of 1 names vertex 3, but vertices are numbered 0 to 2"),
         (swap("3 0 1 2", "3 0 1 -1"), "names vertex -1,"),
         (swap("3 0 1 2", "3 0 1 0.5"), "names vertex 0.5,"),
         (swap("3 0 1 2", "-3 0 1 2"), "face 0 of 1 has a list `vertex_indices` of -3 values"),
         (swap("3 0 1 2", "4 0 1 2"), "line 13: face 0 of 1 has too few numbers"),
-        (binary("4000000000", "1", &[0; 30]), "vertex 2 of 4000000000 is where the file ends"),
+        (binary("4000000000", "1", &[0; 30]), "vertex 2 of 4000000000 is missing or incomplete"),
         (binary("3", "1", &corners(-1, 0)), "face 0 of 1 has a list `vertex_indices` of -1 values"),
-        (binary("3", "1", &corners(i32::MAX, 0)), "face 0 of 1 is where the file ends"),
-        (binary("3", "4294967295", &corners(1, 2)), "face 1 of 4294967295 is where the file ends"),
+        (binary("3", "1", &corners(i32::MAX, 0)), "face 0 of 1 is missing or incomplete"),
+        (binary("3", "4294967295", &corners(1, 2)), "face 1 of 4294967295 is missing or incomplete"),
         (binary("3", "1", &corners(1, -2)), "names vertex -2,"),
         (binary("1", "1", &nan), "vertex 0 of 1 lies at [0, 0, NaN]"),
     ] {
@@ -146,18 +146,18 @@ fn refusals() {
 
 /// An element of 2^64 - 1 items without properties takes no time, and 3 extra bytes are a warning.
 #[test]
-fn empty_items() {
+fn items_without_properties_take_no_time() {
     let head = "ply\nformat binary_big_endian 1.0\nelement air 18446744073709551615\nelement vertex 1\nproperty char x\n\
                 property char y\nproperty char z\nelement face 1\nproperty list uchar uchar vertex_index\nend_header\n";
     let geometry = parse(&[head.as_bytes(), &[0, 0, 255, 3, 0, 0, 0, 1, 2, 3]].concat()).expect("readable");
     assert_eq!(geometry.vertices[0], DVec3::new(0.0, 0.0, -1.0));
-    assert_eq!(geometry.warnings, ["town.ply: 3 bytes after the last element were passed over"]);
+    assert_eq!(geometry.warnings, ["town.ply: 3 bytes after the last element are ignored"]);
 }
 
 /// A polygon of 1,000,000 corners is read, and triangulation refuses it by its size before spending
 /// any time on it.
 #[test]
-fn huge_polygon() {
+fn a_polygon_of_a_million_corners_is_refused() {
     let corners = "0 1 2 ".repeat(333_333);
     let geometry = parse(&small("3", "1", &format!("{POINTS}1000000 {corners}0\n"))).expect("readable");
     let message = triangulate(&geometry).map(drop).expect_err("too large").to_string();

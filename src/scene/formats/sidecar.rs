@@ -51,11 +51,13 @@ pub(super) fn world_file(raster: &Path) -> Result<Option<WorldFile>> {
     match numbers.as_slice() {
         [Some(wide), Some(turned), Some(other), Some(high), Some(x), Some(y), ..] => {
             if *turned != 0.0 || *other != 0.0 || *wide <= 0.0 || *high >= 0.0 {
-                return refuse(format!("the raster is rotated or mirrored ({wide}, {turned}, {other}, {high})"));
+                return refuse(format!(
+                    "the world file turns or mirrors the raster ({wide}, {turned}, {other}, {high})"
+                ));
             }
             Ok(Some(WorldFile { first: DVec2::new(*x, *y), step: DVec2::new(*wide, -*high) }))
         }
-        _ => refuse(format!("holds `{}`, not six numbers", excerpt(text.trim().as_bytes()))),
+        _ => refuse(format!("the world file holds `{}`, not six numbers", excerpt(text.trim().as_bytes()))),
     }
 }
 
@@ -99,7 +101,9 @@ pub(super) fn complete(
     let shown = path.display();
     let Some(system) = TextSystem::of(&text) else {
         let text = excerpt(text.trim().as_bytes());
-        warnings.push(format!("{shown}: `{text}` is no coordinate system in well-known text; the place stays unknown"));
+        warnings.push(format!(
+            "{shown}: `{text}` is not a coordinate system in well-known text (WKT); the place on Earth stays unknown: give {{crs}}"
+        ));
         return Ok(());
     };
     let why = format!("{shown} names `{}`", system.name);
@@ -107,7 +111,7 @@ pub(super) fn complete(
         Some(Axes::Degrees) => return Err(degrees(raster, &why)),
         Some(Axes::Geocentric) => return Err(geocentric(raster, &why)),
         Some(Axes::Plane) if system.epsg.is_none() => warnings.push(format!(
-            "{shown}: the number of `{}` in the EPSG register is not known here; the place stays unknown: give {{crs}}",
+            "{shown}: no EPSG code was found for the coordinate system `{}`; the place on Earth stays unknown: give {{crs}}",
             system.name
         )),
         _ => {}

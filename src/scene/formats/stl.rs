@@ -29,8 +29,16 @@ pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<Geometry> {
         _ if is_text(bytes) => Text::new(file).read(bytes)?,
         Some(count) => binary(bytes, count, file)?,
         None => {
-            let what = format!("{} bytes are no STL file, text begins with `solid`", bytes.len());
-            return Err(Error::input(file, None, what, "binary files have 84 bytes and 50 for each triangle"));
+            let what = format!(
+                "the file is not STL: its {} bytes do not begin with `solid` and are too few for a binary file",
+                bytes.len()
+            );
+            return Err(Error::input(
+                file,
+                None,
+                what,
+                "export it again: a binary file has 84 bytes and 50 for each triangle",
+            ));
         }
     };
     if geometry.face_count() == 0 {
@@ -88,7 +96,7 @@ fn binary(bytes: &[u8], count: u32, file: &Path) -> Result<Geometry> {
     normals.warn(file, &mut geometry);
     let left = bytes.len() as u64 - binary_size(count);
     if left > 0 {
-        let text = format!("{}: {left} bytes after the last of {count} triangles were passed over", file.display());
+        let text = format!("{}: {left} bytes after the last of {count} triangles are ignored", file.display());
         geometry.warnings.push(text);
     }
     Ok(geometry)
@@ -111,7 +119,7 @@ impl Normals {
     fn warn(&self, file: &Path, geometry: &mut Geometry) {
         if 2 * self.against > self.judged {
             geometry.warnings.push(format!(
-                "{}: {} of {} facet normals point against the order of their corners, which counts; sides may be swapped",
+                "{}: {} of {} facet normals contradict the order of their corners; the order is used, so that outsides may be swapped",
                 file.display(),
                 self.against,
                 self.judged
@@ -161,7 +169,7 @@ impl<'f> Text<'f> {
                 }
                 b"outer" | b"endloop" | b"endsolid" => {}
                 _ => {
-                    let what = format!("`{}` is no statement of an STL file", excerpt(text));
+                    let what = format!("`{}` is not a statement of an STL file", excerpt(text));
                     return Err(self.error(line, &what));
                 }
             }
@@ -187,7 +195,7 @@ impl<'f> Text<'f> {
 
     fn end_facet(&mut self, line: usize) -> Result<()> {
         let Some((begin, normal, corners)) = self.facet.take() else {
-            return Err(self.error(line, "`endfacet` stands without a facet"));
+            return Err(self.error(line, "`endfacet` has no facet before it"));
         };
         if let &[a, b, c] = corners.as_slice() {
             self.normals.compare(normal, [a, b, c]);
@@ -253,7 +261,7 @@ mod tests {
     /// A cube has 12 triangles, 6 m2 and a volume of 1 m3 as text and as binary, even if its head
     /// begins with "solid".
     #[test]
-    fn cubes() {
+    fn text_and_binary_give_the_same_cube() {
         for (bytes, object) in [
             (binary_cube(b"exported"), "town"),
             (binary_cube(b"solid of no text"), "town"),
@@ -273,12 +281,12 @@ mod tests {
     /// 12 normals against the corner order and 7 extra bytes are warnings; two solids are two
     /// objects.
     #[test]
-    fn warnings() {
+    fn swapped_normals_and_extra_bytes_give_warnings() {
         let swapped = parse(text_cube(-1.0).as_bytes()).expect("readable");
         assert_eq!(swapped.warnings.len(), 1);
         assert!(swapped.warnings[0].starts_with("town.stl: 12 of 12 facet normals"), "{:?}", swapped.warnings);
         let longer = parse(&[binary_cube(b"long"), vec![0; 7]].concat()).expect("readable");
-        assert_eq!(longer.warnings, ["town.stl: 7 bytes after the last of 12 triangles were passed over"]);
+        assert_eq!(longer.warnings, ["town.stl: 7 bytes after the last of 12 triangles are ignored"]);
         let two = text_cube(1.0) + &text_cube(1.0).replace("my cube", "other");
         assert_eq!(parse(two.as_bytes()).expect("readable").objects.as_slice(), ["my cube", "other"]);
     }
@@ -286,15 +294,15 @@ mod tests {
     /// 15 files that are not STL or are damaged are refused with a message of what was found; 4
     /// billion claimed triangles take no memory.
     #[test]
-    fn refusals() {
+    fn damaged_files_are_refused_with_a_reason() {
         let facet = |inside: &str| format!("solid a\nfacet normal 0 0 1\nouter loop\n{inside}").into_bytes();
         let mut claims = binary_cube(b"")[..84].to_vec();
         claims[80..84].fill(255);
         let mut nan = binary_cube(b"");
         nan[84 + 50 + 12..84 + 50 + 16].copy_from_slice(&f32::NAN.to_le_bytes());
         for (bytes, said) in [
-            (vec![], "town.stl: 0 bytes are no STL file"),
-            (b"hello".to_vec(), "5 bytes are no STL file"),
+            (vec![], "town.stl: the file is not STL: its 0 bytes"),
+            (b"hello".to_vec(), "is not STL: its 5 bytes"),
             (b"solid".to_vec(), "holds no triangles"),
             (claims, "ends after 0 of the 4294967295 triangles"),
             (binary_cube(b"")[..400].to_vec(), "ends after 6 of the 12 triangles"),
@@ -306,8 +314,8 @@ mod tests {
             (facet("vertex 0 0 0\nfacet"), "line 5: a facet begins within another one"),
             (facet("vertex 0 0 0\n"), "line 4: the file ends within the facet of line 2"),
             (b"solid\nvertex 0 0 0".to_vec(), "line 2: a vertex stands outside of a facet"),
-            (b"solid\nendfacet".to_vec(), "line 2: `endfacet` stands without"),
-            (b"solid\n<html>\x1b[1m".to_vec(), "line 2: `<html>\u{fffd}[1m` is no statement"),
+            (b"solid\nendfacet".to_vec(), "line 2: `endfacet` has no facet"),
+            (b"solid\n<html>\x1b[1m".to_vec(), "line 2: `<html>\u{fffd}[1m` is not a statement"),
         ] {
             let message = parse(&bytes).map(drop).expect_err(said).to_string();
             assert!(message.starts_with("town.stl") && message.contains(said), "{said}: {message}");

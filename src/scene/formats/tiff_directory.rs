@@ -131,7 +131,10 @@ impl<'b> Bytes<'b> {
                 let length = each(lengths, i).unwrap_or_default();
                 let end = each(offsets, i).filter(|_| i < offsets.count).map(|at| at.saturating_add(length));
                 if end.is_some_and(|end| end > self.bytes.len() as u64) {
-                    return Err(format!("strip or tile {i} lies beyond its {} bytes", self.bytes.len()));
+                    return Err(format!(
+                        "strip or tile {i} lies beyond the end of the file, {} bytes",
+                        self.bytes.len()
+                    ));
                 }
                 let most = u64::MAX >> (64 - 8 * lengths.size.clamp(1, 8));
                 // Length 0 stands for a strip or tile that is left out.
@@ -148,7 +151,7 @@ impl<'b> Bytes<'b> {
         let all = self.bytes.len() as u64;
         match directory.entries.iter().find(|entry| entry.place.saturating_add(entry.length) > all) {
             Some(Entry { tag, count, .. }) => {
-                Err(format!("tag {tag} claims {count} values that lie beyond its {all} bytes"))
+                Err(format!("tag {tag} has {count} values that lie beyond the end of the file, {all} bytes"))
             }
             None => Ok(()),
         }
@@ -228,12 +231,12 @@ mod tests {
     /// Values within 64 bytes pass in all 4 kinds of file. A count of 4 billion, or a position
     /// behind the end, is an error that names the tag. A cut file and a file that is not TIFF pass.
     #[test]
-    fn claims() {
+    fn values_beyond_the_file_are_refused() {
         for (big, little) in [(false, true), (false, false), (true, true), (true, false)] {
             assert!(check(&file(big, little, 4, 48)).is_ok_and(|patches| patches.list.is_empty()));
             for (count, place) in [(4, 49), (u64::from(u32::MAX), 8), (3, u64::from(u32::MAX))] {
                 let what = check(&file(big, little, count, place)).err().expect("beyond the end");
-                assert_eq!(what, format!("tag 273 claims {count} values that lie beyond its 64 bytes"));
+                assert_eq!(what, format!("tag 273 has {count} values that lie beyond the end of the file, 64 bytes"));
             }
             let whole = file(big, little, 4, 48);
             assert!((0..20).all(|length| check(&whole[..length]).is_ok()));

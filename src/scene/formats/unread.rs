@@ -14,7 +14,7 @@ const UNREAD: [(&[&str], &str, &str); 17] = [
     ),
     (
         &["rvt", "rfa"],
-        "a model of Revit",
+        "a Revit model",
         "export IFC from Revit, convert it with IfcOpenShell: `IfcConvert model.ifc model.obj`, and give model.obj",
     ),
     (
@@ -24,34 +24,30 @@ const UNREAD: [(&[&str], &str, &str); 17] = [
     ),
     (
         &["osm"],
-        "a model of OpenStudio, or data of OpenStreetMap",
-        "of OpenStudio save IDF (File, Export); of OpenStreetMap take the buildings: `ogr2ogr town.gpkg town.osm multipolygons -where \"building is not null\"`",
+        "an OpenStudio model or OpenStreetMap data",
+        "from OpenStudio, export IDF (File, Export); from OpenStreetMap, extract the buildings: `ogr2ogr town.gpkg town.osm multipolygons -where \"building is not null\"`",
     ),
     (
         &["pbf"],
-        "data of OpenStreetMap",
-        "take the buildings: `ogr2ogr town.gpkg town.osm.pbf multipolygons -where \"building is not null\"`, and give town.gpkg",
+        "OpenStreetMap data",
+        "extract the buildings: `ogr2ogr town.gpkg town.osm.pbf multipolygons -where \"building is not null\"`, and give town.gpkg",
     ),
     (
         &["las", "laz", "copc", "e57"],
-        "a cloud of points",
+        "a point cloud",
         "make a raster of its highest points with PDAL: `pdal pipeline dsm.json`, where dsm.json is [\"points.laz\", {\"type\": \"writers.gdal\", \"filename\": \"dsm.tif\", \"resolution\": 0.5, \"output_type\": \"max\"}], and give dsm.tif as {dsm}",
     ),
     (
         &["b3dm", "i3dm", "cmpt"],
         "a tile of 3D Tiles",
-        "take the glTF out of it: `npx 3d-tiles-tools b3dmToGlb -i tile.b3dm -o tile.glb` (i3dmToGlb, cmptToGlb), and give the .glb; tiles have no names of buildings, so prefer CityGML or CityJSON of the same city",
+        "extract its glTF: `npx 3d-tiles-tools b3dmToGlb -i tile.b3dm -o tile.glb` (i3dmToGlb, cmptToGlb), and give the .glb; better give CityGML or CityJSON of the same city, because tiles do not name their buildings",
     ),
-    (
-        &["pnts"],
-        "a cloud of points of 3D Tiles",
-        "make a raster of its highest points with PDAL, and give that as {dsm}",
-    ),
-    (&["skp"], "a model of SketchUp", "export glTF (.glb) or OBJ from SketchUp"),
-    (&["3dm"], "a model of Rhino", "export glTF (.glb) or OBJ from Rhino"),
+    (&["pnts"], "a point cloud of 3D Tiles", "make a raster of its highest points with PDAL, and give that as {dsm}"),
+    (&["skp"], "a SketchUp model", "export glTF (.glb) or OBJ from SketchUp"),
+    (&["3dm"], "a Rhino model", "export glTF (.glb) or OBJ from Rhino"),
     (
         &["dwg", "dxf"],
-        "a drawing",
+        "a CAD drawing",
         "export meshes as OBJ or STL; outlines of buildings as GeoPackage: `ogr2ogr town.gpkg drawing.dxf`",
     ),
     (
@@ -61,13 +57,13 @@ const UNREAD: [(&[&str], &str, &str); 17] = [
     ),
     (
         &["fgb", "kml", "kmz", "gpx", "tab", "mif"],
-        "features that GDAL reads",
+        "a GIS file that GDAL reads",
         "convert them: `ogr2ogr town.gpkg town.kml`, and give town.gpkg",
     ),
     (
         &["gdb", "mdb"],
-        "a geodatabase of Esri",
-        "take the buildings: `ogr2ogr town.gpkg data.gdb buildings`, and give town.gpkg",
+        "an Esri geodatabase",
+        "extract the buildings: `ogr2ogr town.gpkg data.gdb buildings`, and give town.gpkg",
     ),
     (
         &["nc", "hgt", "vrt", "jp2", "img", "bil", "flt", "xyz", "ecw"],
@@ -77,15 +73,15 @@ const UNREAD: [(&[&str], &str, &str); 17] = [
     (&["shx", "dbf", "prj", "cpg", "sbn"], "a part of a shapefile", "give the .shp beside it"),
     (
         &["epw", "csv", "wea"],
-        "no geometry",
-        "weather goes to {weather}, receivers to {receivers}; here scene files are asked for",
+        "weather or a table",
+        "give weather as {weather} and receivers as {receivers}, and files with geometry as the scene",
     ),
 ];
 
 /// Returns the error for a known ending that heliotile does not read; `None` for other endings.
 pub(super) fn refusal(path: &Path, ending: &str) -> Option<Error> {
     let (_, what, hint) = UNREAD.iter().find(|(endings, _, _)| endings.contains(&ending))?;
-    Some(Error::input(path, None, format!("is {what}, which is not read"), *hint))
+    Some(Error::input(path, None, format!("the file is {what}, which heliotile does not read as a scene"), *hint))
 }
 
 #[cfg(test)]
@@ -94,7 +90,7 @@ mod tests {
 
     /// Each of more than 50 endings is listed once, in lower case, with a hint on what to do.
     #[test]
-    fn endings_are_known_once() {
+    fn each_ending_is_listed_once_with_a_hint() {
         let mut all: Vec<&str> = UNREAD.iter().flat_map(|(endings, _, _)| endings.iter().copied()).collect();
         let count = all.len();
         all.sort_unstable();
@@ -105,7 +101,8 @@ mod tests {
         );
         let message = refusal(Path::new("a.ifc"), "ifc").expect("known").to_string();
         assert!(
-            message.contains("a building model in IFC, which is not read") && message.contains("IfcConvert"),
+            message.contains("the file is a building model in IFC, which heliotile does not read")
+                && message.contains("IfcConvert"),
             "{message}"
         );
         assert!(refusal(Path::new("a.obj"), "obj").is_none());

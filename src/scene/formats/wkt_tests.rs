@@ -97,7 +97,7 @@ fn numbers_and_units_are_read() {
 /// Keywords of ArcInfo state UTM zone 11 of NAD83 with heights in decimetres; longitude and
 /// latitude are recognised.
 #[test]
-fn keywords_of_arcinfo() {
+fn keywords_of_arcinfo_state_a_system() {
     let found = of(
         "Projection    UTM\r\nZone          11\r\nDatum         NAD83\r\nZunits        10\r\nUnits         METERS\r\nParameters\r\n",
     );
@@ -108,7 +108,7 @@ fn keywords_of_arcinfo() {
 /// Texts that are cut anywhere, are no system, or have a thousand brackets give no EPSG number;
 /// nothing panics.
 #[test]
-fn hostile_texts() {
+fn hostile_texts_give_no_epsg_code() {
     let whole = esri("WGS_1984_UTM_Zone_32N", WGS, UTM_32, "\"Meter\",1.0");
     assert!((0..whole.len()).all(|end| TextSystem::of(&whole[..end]).is_none()));
     for text in
