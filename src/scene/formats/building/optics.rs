@@ -34,7 +34,7 @@ pub(in crate::formats) fn glass_of_panes(panes: usize) -> Option<Glass> {
 /// Returns a share of light, clamped to 0..=1, with a note if it lies outside.
 pub(in crate::formats) fn share(value: f64, name: &str, notes: &mut Notes) -> f64 {
     if !(0.0..=1.0).contains(&value) {
-        notes.add("shares of light are not from 0 to 1; the nearest is taken", name);
+        notes.add("reflectances or other optical properties lie outside 0 to 1; the nearest limit is used", name);
     }
     value.clamp(0.0, 1.0)
 }

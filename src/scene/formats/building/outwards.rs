@@ -185,7 +185,7 @@ mod tests {
     /// In a room of 7 faces, exactly the faces that look inwards are found: none, one, two and
     /// all 7. Without its ceiling, none of the other 6 is found.
     #[test]
-    fn faces_that_look_into_a_closed_room() {
+    fn inward_faces_of_a_closed_room_are_found() {
         for turned in [vec![], vec![1], vec![0, 6], (0..7).collect()] {
             let mut room = room();
             turned.iter().for_each(|i: &usize| room[*i].reverse());

@@ -9,10 +9,9 @@ pub(in crate::formats) const TOO_FAR: &str = "because they lie more than 1e9 m a
 /// Reason for faces inside the building.
 pub(in crate::formats) const INSIDE: &str = "because they lie inside the building";
 /// Reason for walls that are windows altogether.
-pub(in crate::formats) const ALL_WINDOW: &str = "because a window takes up the whole of them";
+pub(in crate::formats) const ALL_WINDOW: &str = "because a window fills them completely";
 /// Note on openings that look the other way than their wall.
-pub(in crate::formats) const TURNED_OPENINGS: &str =
-    "windows or doors look the other way than their wall and are turned";
+pub(in crate::formats) const TURNED_OPENINGS: &str = "windows or doors face against their wall and are turned round";
 /// Note on openings that do not fit into their wall.
-pub(in crate::formats) const BEYOND: &str = "windows or doors are left out of walls that stay whole there: they reach over an edge or \
-                                             each other, or lie off the plane";
+pub(in crate::formats) const BEYOND: &str = "windows or doors are left out, and their wall stays whole there: they reach over its edge, \
+                                             overlap each other or lie off its plane";

@@ -40,15 +40,16 @@ pub(in crate::formats) fn ground_elevation_m(geometry: &mut Geometry, shades: Sh
     let below = lowest.iter().filter(|z| **z < -ROUNDED_M).count();
     if below > 0 {
         geometry.warnings.push(format!(
-            "{}: {below} surfaces in the sun reach below z = 0, down to {lowest_m:.2} m: the ground is a plane there. That of EnergyPlus \
-             stays at z = 0, hides nothing, and sends no light to points below it; raise the model if it stands on the ground",
+            "{}: {below} surfaces in the sun reach below z = 0, down to {lowest_m:.2} m, where the ground plane is placed; raise the \
+             model if it stands on the ground. EnergyPlus keeps its ground at z = 0; it hides nothing and sends no light to points \
+             below it",
             file.display()
         ));
     }
     if lowest_m > HIGH_M {
         geometry.warnings.push(format!(
-            "{}: the lowest surface in the sun lies {lowest_m:.2} m above the ground, which EnergyPlus has at z = 0; lower the model if it \
-             stands on the ground",
+            "{}: the lowest surface in the sun lies {lowest_m:.2} m above the ground, which is at z = 0 as in EnergyPlus; lower the \
+             model if it stands on the ground",
             file.display()
         ));
     }

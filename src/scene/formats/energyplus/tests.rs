@@ -367,7 +367,7 @@ fn the_ground_of_energyplus_lies_at_zero() {
     let ground = geometry.ground.expect("a plane");
     assert_eq!(ground.reflectance, [0.1, 0.2, 0.3, 1.0, 0.5, 0.6, 0.7, 0.2, 0.9, 0.1, 0.1, 0.12]);
     assert_eq!((ground.snow_modifier, ground.stated, ground.changes()), (1.5, true, true));
-    assert!(geometry.warnings[0].contains("shares of light are not from 0 to 1"), "{:?}", geometry.warnings);
+    assert!(geometry.warnings[0].contains("optical properties lie outside 0 to 1"), "{:?}", geometry.warnings);
     let below = idf(&(wall("Outdoors", 0.0) + "Site:GroundReflectance:SnowModifier,-2;"));
     assert_eq!((below.ground.map(|ground| ground.snow_modifier), below.warnings.len()), (Some(0.0), 1));
 }
@@ -422,7 +422,7 @@ fn walls_of_a_closed_zone_look_outwards() {
     for (text, said) in [
         (zone(&['S', 'E', 'N', 'W'], true), "4 surfaces look into their zone and are turned"),
         (zone(&['N'], false), "1 surfaces look into their zone and are turned"),
-        (zone(&[], true), "1 windows or doors look the other way than their wall"),
+        (zone(&[], true), "1 windows or doors face against their wall"),
     ] {
         let geometry = idf(&text);
         assert!(geometry.warnings.len() == 1 && geometry.warnings[0].contains(said), "{:?}", geometry.warnings);

@@ -122,7 +122,7 @@ fn read_with_a_word() {
                 modifier(json!({"type": "Plastic", "identifier": "bright", "r_reflectance": 3})),
             ),
             2,
-            "1 shares of light are not from 0 to 1; the nearest is taken (first: `bright`)",
+            "1 reflectances or other optical properties lie outside 0 to 1; the nearest limit is used (first: `bright`)",
         ),
         (
             shade("odd", square.clone(), modifier(json!({"type": "Trans", "identifier": "t"}))),

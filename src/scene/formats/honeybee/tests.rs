@@ -403,7 +403,7 @@ fn faces_of_a_closed_room_look_outwards() {
         (&whole, "6 faces of closed rooms look inwards and are turned"),
         (&flipped, "6 faces of closed rooms look inwards and are turned"),
         (&roof, "1 faces of closed rooms look inwards and are turned"),
-        (&window, "1 windows or doors look the other way than their wall and are turned"),
+        (&window, "1 windows or doors face against their wall and are turned round"),
     ] {
         let geometry = read(&model.to_string());
         let turned: Vec<&String> = geometry.warnings.iter().filter(|warning| warning.contains("turned")).collect();
