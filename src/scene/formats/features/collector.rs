@@ -168,8 +168,9 @@ impl<'a> Collector<'a> {
         let placing = Placing::of(self.file, &system, bounds, self.asked.system)?;
         let place = |at: DVec2| {
             placing.to_metres.place(at).filter(|p| is_position(p.extend(0.0))).ok_or_else(|| {
-                let what = format!("the corner at {:.5} {:.5} has no place in the system of the scene", at.x, at.y);
-                Error::input(self.file, None, what, "correct it, or give another system as {crs}")
+                let what =
+                    format!("the corner at {:.5} {:.5} lies outside of the coordinate system of the scene", at.x, at.y);
+                Error::input(self.file, None, what, "correct the corner, or give another system as {crs}")
             })
         };
         for vertex in &mut self.geometry.vertices {
@@ -205,20 +206,20 @@ impl<'a> Collector<'a> {
         let file = self.file.display();
         if !self.mended.is_empty() {
             let sentence = format!(
-                "{} outlines crossed themselves: what an odd number of their loops encloses counts",
+                "{} outlines cross themselves and were repaired: areas within an odd number of their loops belong to the building",
                 self.mended.len()
             );
             self.geometry.doubts.push(with_list(&sentence, self.mended.drain(..)));
         }
         if let Some(count) = self.geometry.left_out.remove(NO_HEIGHT) {
             self.geometry.doubts.push(format!(
-                "{count} of {} features state neither a height nor storeys and are left out: {{height}} height,9m takes 9 m for them",
+                "{count} of {} features state neither a height nor storeys and are left out: {{height}} height,9m gives them 9 m",
                 self.features
             ));
         }
         if self.has_heights && !self.geometry.footprints.is_empty() {
             self.geometry.notes.push(format!(
-                "{file}: heights of the corners of outlines are not read; {{base}} says where buildings begin"
+                "{file}: heights of the corners of outlines are not read; {{base}} sets the height at which buildings begin"
             ));
         }
     }
@@ -234,7 +235,8 @@ impl<'a> Collector<'a> {
         }
         let reasons: Vec<String> =
             self.geometry.left_out.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
-        let what = format!("none of its {} features becomes a building: {}", self.features, reasons.join(", "));
+        let what =
+            format!("none of its {} features became a building; left out: {}", self.features, reasons.join(", "));
         match self.geometry.left_out.contains_key(NO_HEIGHT) {
             true => refuse(
                 what,

@@ -58,7 +58,7 @@ pub(super) fn read(bytes: &[u8], file: &Path, take: &mut TakeFeature) -> Result<
             let line = crate::text::line_of_offset(bytes, start) + error.line().saturating_sub(1);
             let text = error.to_string();
             let what = text.split(" at line ").next().unwrap_or_default();
-            let hint = "the file is no valid GeoJSON, or is cut off: export it again";
+            let hint = "export the file again: it is not valid GeoJSON or is cut off";
             Error::input(file, line, excerpt(what.as_bytes()), hint)
         })?;
         if source.end().is_ok() {
@@ -237,5 +237,5 @@ fn position(value: &Value) -> std::result::Result<DVec3, String> {
 fn list(value: &Value) -> std::result::Result<&Vec<Value>, String> {
     value
         .as_array()
-        .ok_or_else(|| format!("`coordinates` hold `{}` in place of a list", excerpt(value.to_string().as_bytes())))
+        .ok_or_else(|| format!("`coordinates` holds `{}`, not a list", excerpt(value.to_string().as_bytes())))
 }

@@ -26,8 +26,8 @@ struct Table {
 pub(super) fn read(file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
     let wrong = |error: rusqlite::Error| {
         let text = error.to_string();
-        let what = format!("it cannot be read as a GeoPackage: {}", excerpt(text.as_bytes()));
-        Error::input(file, None, what, "the file is damaged, packed or no GeoPackage: unpack or export it again")
+        let what = format!("the file cannot be read as a GeoPackage: {}", excerpt(text.as_bytes()));
+        Error::input(file, None, what, "unpack or export the file again: it is damaged, packed or not a GeoPackage")
     };
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let database = Connection::open_with_flags(file, flags).map_err(wrong)?;
@@ -39,7 +39,7 @@ pub(super) fn read(file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem>
     // The features become one geometry, which has one coordinate system.
     if let Some(other) = tables.iter().find(|table| table.system != first.system) {
         let what = format!(
-            "its tables `{}` and `{}` are in two coordinate systems",
+            "its tables `{}` and `{}` have different coordinate systems",
             excerpt(first.name.as_bytes()),
             excerpt(other.name.as_bytes())
         );

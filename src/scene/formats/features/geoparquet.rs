@@ -22,15 +22,15 @@ const DEPTH: usize = 8;
 pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
     let wrong = |error: ParquetError| {
         let text = error.to_string();
-        let what = format!("it cannot be read as Parquet: {}", excerpt(text.as_bytes()));
-        Error::input(file, None, what, "the file is damaged or cut off: fetch or export it again")
+        let what = format!("the file cannot be read as Parquet: {}", excerpt(text.as_bytes()));
+        Error::input(file, None, what, "download or export the file again: it is damaged or cut off")
     };
     let reader = SerializedFileReader::new(bytes::Bytes::from(bytes)).map_err(wrong)?;
     let metadata = reader.metadata().file_metadata();
     let geo = metadata.key_value_metadata().into_iter().flatten().find(|entry| entry.key == "geo");
     let geo: Value = geo.and_then(|entry| serde_json::from_str(entry.value.as_deref()?).ok()).unwrap_or(Value::Null);
     let Some(column) = geo.get("primary_column").and_then(Value::as_str).map(str::to_owned) else {
-        let what = "it is no GeoParquet: its metadata have no key `geo` with a primary column";
+        let what = "the file is Parquet, but not GeoParquet: its metadata have no key `geo` with a primary column";
         return Err(Error::input(file, None, what, "write it with geopandas (`to_parquet`), DuckDB or GDAL"));
     };
     let about = geo.get("columns").and_then(|columns| columns.get(&column)).unwrap_or(&Value::Null);

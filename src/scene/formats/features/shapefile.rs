@@ -35,8 +35,8 @@ pub(super) fn read(bytes: Vec<u8>, file: &Path, take: &mut TakeFeature) -> Resul
 pub(super) fn read_parts(parts: &ShapefileParts, file: &Path, take: &mut TakeFeature) -> Result<FeatureSystem> {
     let wrong = |what: &str, error: &dyn std::fmt::Display| {
         let text = error.to_string();
-        let what = format!("its {what} cannot be read: {}", excerpt(text.as_bytes()));
-        Error::input(file, None, what, "the file is damaged or cut off: fetch or export it again")
+        let what = format!("the {what} of the shapefile cannot be read: {}", excerpt(text.as_bytes()));
+        Error::input(file, None, what, "download or export the file again: it is damaged or cut off")
     };
     let mut shapes = ShapeReader::new(Cursor::new(&parts.shapes)).map_err(|error| wrong("shapes", &error))?;
     let mut table = match &parts.table {

@@ -59,7 +59,7 @@ impl GeomProcessor for Shapes {
     ) -> Result<()> {
         self.corners += 1;
         if self.corners > MOST_CORNERS {
-            return Err(GeozeroError::Geometry("a geometry of more than 16 million corners".to_owned()));
+            return Err(GeozeroError::Geometry("a geometry has more than 16 million corners".to_owned()));
         }
         // Some files write missing heights as NaN.
         let z = z.filter(|z| z.is_finite()).unwrap_or_default();
@@ -115,6 +115,8 @@ impl GeomProcessor for Shapes {
     }
 
     fn curvepolygon_begin(&mut self, _: usize, _: usize) -> Result<()> {
-        Err(GeozeroError::Geometry("a polygon of curves, which is not read: write it with straight sides".to_owned()))
+        Err(GeozeroError::Geometry(
+            "a polygon has curved sides, which are not read: write it with straight sides".to_owned(),
+        ))
     }
 }

@@ -80,8 +80,8 @@ impl Placing {
                     "its coordinates are stated as longitude and latitude, but reach from {:.1} {:.1} to {:.1} {:.1}",
                     low.x, low.y, high.x, high.y
                 );
-                let hint = "they are metres of some system: write the file with its system (GeoJSON with a `crs`, or .gpkg), or \
-                            reproject it to EPSG:4326";
+                let hint = "write the file with its coordinate system (GeoJSON with a `crs`, or .gpkg), or reproject it to \
+                            EPSG:4326: such numbers are metres, not degrees";
                 return Err(Error::input(file, None, what, hint));
             }
             axes => axes == Some(Axes::Degrees),
@@ -93,9 +93,9 @@ impl Placing {
             let system = to(stated.epsg, middle.x, middle.y)?;
             let reference = system.reference();
             let note = format!(
-                "{}: longitude and latitude become metres of {reference}{}",
+                "{}: longitude and latitude are converted to metres of {reference}{}",
                 file.display(),
-                if asked.is_some() { "" } else { ", UTM of its middle ({crs} takes another system)" }
+                if asked.is_some() { "" } else { ", the UTM zone of its middle ({crs} sets another system)" }
             );
             let to_metres = ToMetres::Degrees(Box::new(system));
             return Ok(Placing { to_metres, reference: Some(reference), in_metres: true, note: Some(note) });
@@ -108,7 +108,7 @@ impl Placing {
             let system = to(None, longitude, latitude)?;
             let reference = system.reference();
             let note = format!(
-                "{}: coordinates of web maps (EPSG:{WEB_MAPS}), whose metre is not that of the ground, become metres of {reference}",
+                "{}: coordinates in Web Mercator (EPSG:{WEB_MAPS}), whose metres are not metres on the ground, are converted to metres of {reference}",
                 file.display()
             );
             let to_metres = ToMetres::Plane(Box::new(plane), Box::new(system));
@@ -121,7 +121,8 @@ impl Placing {
                 "its coordinates reach from {:.5} {:.5} to {:.5} {:.5} and no coordinate system is stated",
                 low.x, low.y, high.x, high.y
             );
-            let hint = "if they are longitude and latitude, write the system with the file (.prj with EPSG:4326), or write GeoJSON";
+            let hint =
+                "if they are longitude and latitude, state that in the file (.prj with EPSG:4326), or write GeoJSON";
             return Err(Error::input(file, None, what, hint));
         }
         Ok(Placing {
@@ -150,8 +151,8 @@ impl ToMetres {
 fn unplaced(file: &Path, why: Unplaced, asked: Option<u32>) -> Error {
     let system = asked.map_or("UTM".to_owned(), |epsg| format!("EPSG:{epsg}"));
     let what = match why {
-        Unplaced::Outside => format!("its middle has no coordinates in {system}"),
-        _ => format!("{} is no plane system that is known here", excerpt(system.as_bytes())),
+        Unplaced::Outside => format!("the middle of the file lies outside of {system}"),
+        _ => format!("{} is not a known plane coordinate system", excerpt(system.as_bytes())),
     };
-    Error::input(file, None, what, "give the number of a national grid or of UTM there as {crs}")
+    Error::input(file, None, what, "give the EPSG code of the national grid or UTM zone of the place as {crs}")
 }

@@ -45,7 +45,7 @@ fn written(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
 /// roofs and 6,220 m2 of walls of a sum by hand, within 0.2 % because of UTM's scale. 9 of 10
 /// buildings have a height, and the tower keeps its name and year.
 #[test]
-fn one_town_in_four_formats() {
+fn four_formats_give_the_same_town() {
     for (ending, epsg) in [("geojson", 32632), ("gpkg", 25832), ("shp.zip", 25832), ("parquet", 25832)] {
         let (scene, soup) = load(&town(ending), &FootprintOptions::default());
         let [roofs, walls] = areas(&scene, &soup);
@@ -69,7 +69,7 @@ fn one_town_in_four_formats() {
 /// Degrees become metres of the system that the user asks for. The shed gets the last height of the
 /// list, and storeys of 4 m make the court 20 m high.
 #[test]
-fn systems_and_heights_are_asked_for() {
+fn the_user_sets_system_and_heights() {
     let options = FootprintOptions {
         height: ["height", "levels", "2.5m"].map(|text| text.parse().expect("a source")).to_vec(),
         storey_height_m: Some(4.0),
@@ -88,7 +88,7 @@ fn systems_and_heights_are_asked_for() {
 /// Six layouts of GeoJSON hold the same house: a collection, a feature, a geometry, lines with and
 /// without separators, and a file with a `crs` in metres.
 #[test]
-fn layouts_of_geojson() {
+fn all_layouts_of_geojson_give_the_same_house() {
     let ring = "[[[4.3,52.0],[4.3002,52.0],[4.3002,52.0001],[4.3,52.0001],[4.3,52.0]]]";
     let feature = format!(
         "{{\"type\":\"Feature\",\"properties\":{{\"height\":10}},\"geometry\":{{\"type\":\"Polygon\",\"coordinates\":{ring}}}}}"
@@ -117,7 +117,7 @@ fn layouts_of_geojson() {
 /// Eight files that cannot be meant are refused or get a warning, with a hint on how to correct
 /// them.
 #[test]
-fn what_cannot_be_meant_is_said() {
+fn implausible_files_are_refused_with_a_hint() {
     let polygon = |ring: &str, properties: &str| {
         format!(
             "{{\"type\":\"FeatureCollection\",\"features\":[{{\"type\":\"Feature\",\"properties\":{{{properties}}},\
@@ -128,14 +128,14 @@ fn what_cannot_be_meant_is_said() {
     for (text, said) in [
         (String::new(), "the file is empty"),
         ("{\"type\":\"FeatureCollection\",\"features\":[]}".to_owned(), "holds no features"),
-        (polygon(here, ""), "none of its 1 features becomes a building: 1 without a height"),
+        (polygon(here, ""), "none of its 1 features became a building; left out: 1 without a height"),
         (
             polygon("[[690000,5330000],[690010,5330000],[690010,5330010]]", "\"height\":3"),
             "stated as longitude and latitude, but reach",
         ),
         (polygon("[[4.3,52.0],[4.4]]", "\"height\":3"), "not two or three numbers"),
-        (polygon("[[4.3,52.0],[4.4,52],[1e999,3]]", "\"height\":3"), "no valid GeoJSON"),
-        ("{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\"".to_owned(), "no valid GeoJSON"),
+        (polygon("[[4.3,52.0],[4.4,52],[1e999,3]]", "\"height\":3"), "not valid GeoJSON"),
+        ("{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\"".to_owned(), "not valid GeoJSON"),
         (
             "{\"type\":\"Feature\",\"geometry\":{\"type\":\"Point\",\"coordinates\":[4.3,52]},\"properties\":{}}"
                 .to_owned(),
@@ -150,7 +150,7 @@ fn what_cannot_be_meant_is_said() {
         written("a.geojson", &polygon("[[4.3,52.0],[4.301,52.001],[4.301,52.0],[4.3,52.001]]", "\"height\":3"));
     let scene = Scene::load(&path, None).expect("mended");
     assert!(
-        scene.report.warnings.iter().any(|said| said.contains("1 outlines crossed themselves")),
+        scene.report.warnings.iter().any(|said| said.contains("1 outlines cross themselves")),
         "{:?}",
         scene.report
     );
@@ -159,7 +159,7 @@ fn what_cannot_be_meant_is_said() {
 /// Each of the six files is read or refused, and nothing panics, when it is cut at any of 60
 /// lengths or has one byte changed at any of 300 places.
 #[test]
-fn damaged_files_do_no_harm() {
+fn damaged_files_cause_no_panic() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut state = 0x2545_f491_4f6c_dd1d_u64;
     let mut random = move |below: usize| {
