@@ -37,7 +37,7 @@ pub(super) fn split<'b>(bytes: &'b [u8], file: &Path) -> Result<(&'b [u8], Optio
     }
     let (total, mut rest) = word(behind).ok_or_else(cut)?;
     if total as usize > bytes.len() {
-        return Err(refuse(format!("the file has {} bytes of the {total} that it announces", bytes.len())));
+        return Err(refuse(format!("the file has {} of the {total} bytes that its header states", bytes.len())));
     }
     let mut next = |kind: &[u8; 4]| {
         let (length, behind) = word(rest)?;
@@ -48,7 +48,7 @@ pub(super) fn split<'b>(bytes: &'b [u8], file: &Path) -> Result<(&'b [u8], Optio
             chunk
         })
     };
-    let json = next(b"JSON").ok_or_else(|| refuse("the first chunk is no whole JSON chunk".into()))?;
+    let json = next(b"JSON").ok_or_else(|| refuse("the first chunk is not a complete JSON chunk".into()))?;
     Ok((json, next(b"BIN\0")))
 }
 
@@ -88,8 +88,8 @@ impl<'r> Buffers<'r> {
                 }
                 (Some(uri), _) => {
                     let path = beside(file, uri).ok_or_else(|| {
-                        let what = format!("is `{}`, not a file in the folder of this one", excerpt(uri.as_bytes()));
-                        refuse(what, "copy it beside this file, or export one .glb file")
+                        let what = format!("is `{}`, not a file in the folder of the scene", excerpt(uri.as_bytes()));
+                        refuse(what, "copy it beside the scene, or export one .glb file")
                     })?;
                     let path = input::plain_or_packed(path);
                     match files.get(&path) {
@@ -131,7 +131,7 @@ impl<'r> Buffers<'r> {
             let view = self.view(index, number)?;
             stride = view.stride.filter(|stride| *stride > 0).unwrap_or(size);
             if stride < size {
-                return Err(refuse(format!("has values of {size} bytes every {stride} bytes")));
+                return Err(refuse(format!("has values of {size} bytes every {stride} bytes, which overlap")));
             }
             let needed = count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size));
             let found = needed.and_then(|needed| part(view.bytes, byte_offset, needed));
@@ -239,7 +239,7 @@ fn decode(uri: &str) -> std::result::Result<Vec<u8>, String> {
     if !head.ends_with(";base64") {
         return Err(format!("is `{}`, which is not written in base64", excerpt(uri.as_bytes())));
     }
-    GeneralPurpose::new(&STANDARD, config).decode(text).map_err(|error| format!("is no base64: {error}"))
+    GeneralPurpose::new(&STANDARD, config).decode(text).map_err(|error| format!("is not valid base64: {error}"))
 }
 
 /// Returns the path of a file beside `file` or in a folder below it; `None` for other places, which

@@ -33,7 +33,7 @@ pub(super) fn placements(
         return Err(refuse("have neither TRANSLATION nor ROTATION nor SCALE".into()));
     };
     if counts.iter().any(|other| *other != count) {
-        return Err(refuse(format!("have attributes of {counts:?} values, not as many of each")));
+        return Err(refuse(format!("have attributes of {counts:?} values; the counts must be equal")));
     }
     let vector = |values: &Option<Values>, i: usize, usual: DVec3| match values {
         Some(values) => values.vector(i).filter(|vector| vector.is_finite()),
@@ -47,7 +47,9 @@ pub(super) fn placements(
         };
         let (at, size) = (vector(&translation, i, DVec3::ZERO), vector(&scale, i, DVec3::ONE));
         let (Some(turn), Some(at), Some(size)) = (turn, at, size) else {
-            return Err(refuse(format!("have a placement, number {i}, that is none")));
+            return Err(refuse(format!(
+                "have an invalid placement, number {i}: a number is not finite, or its rotation is not a unit quaternion"
+            )));
         };
         found.push(DAffine3::from_scale_rotation_translation(size, turn.normalize(), at));
     }

@@ -226,7 +226,7 @@ impl Root {
     pub(super) fn parse(json: &[u8], file: &Path, lines: bool) -> Result<Root> {
         let refuse = |error: serde_json::Error| {
             let line = Some(error.line()).filter(|line| lines && *line > 0);
-            Error::input(file, line, format!("the JSON is not that of glTF: {error}"), "export it again")
+            Error::input(file, line, format!("the JSON is not valid glTF: {error}"), "export it again")
         };
         // The version is checked first: in other versions the lists have another shape.
         let version = serde_json::from_slice::<Versioned>(json).map_err(refuse)?.asset.version;

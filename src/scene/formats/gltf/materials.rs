@@ -48,7 +48,8 @@ impl<'r> Materials<'r> {
     pub(super) fn id(&mut self, index: Option<usize>, geometry: &mut Geometry) -> Result<u32> {
         let Some(index) = index else { return Ok(geometry.materials.id(DEFAULT_MATERIAL)) };
         let (Some(material), Some(known)) = (self.root.materials.get(index), self.known.get(index)) else {
-            let what = format!("material {index} is used but not there; there are {}", self.known.len());
+            let what =
+                format!("material {index} is used but does not exist; the file has {} materials", self.known.len());
             return Err(Error::input(self.file, None, what, "export it again"));
         };
         if let Some(id) = known {
@@ -88,7 +89,8 @@ impl<'r> Materials<'r> {
         // factor counts as not described.
         let Some(metal) = surface.metallic_factor else { return Ok(None) };
         if ![red, green, blue, metal].iter().all(|share| (0.0..=1.0).contains(share)) {
-            let what = format!("material `{}` has a factor beyond 0 to 1", excerpt(name.as_bytes()));
+            let what =
+                format!("material `{}` has a colour or metallic factor outside 0 to 1", excerpt(name.as_bytes()));
             return Err(Error::input(self.file, None, what, "give reflectances in materials.toml ({materials})"));
         }
         // White is also the default of the colour factor.
@@ -107,14 +109,17 @@ impl<'r> Materials<'r> {
     pub(super) fn warn(self, geometry: &mut Geometry) {
         geometry.warnings.extend(undescribed(self.file, &self.white, WHITE_WORDS));
         for (names, what) in [
-            (&self.textured, "have a texture, which is ignored: they count as not described"),
-            (&self.see_through, "let light through (alphaMode), which is ignored: they count as opaque"),
-            (&self.metallic, "are metallic: only the rest of their colour, which is scattered, counts as reflected"),
+            (&self.textured, "have a texture, which is ignored: their reflectance is assumed from their name"),
+            (&self.see_through, "are transparent (alphaMode), which is ignored: they count as opaque"),
+            (
+                &self.metallic,
+                "are metallic: only the part of their colour that is not metallic counts, as diffuse reflectance",
+            ),
         ] {
             if let Some(first) = names.first() {
                 let (file, count, first) = (self.file.display(), names.len(), excerpt(first.as_bytes()));
                 geometry.warnings.push(format!(
-                    "{file}: {count} materials (`{first}` is the first) {what}; a materials.toml ({{materials}}) describes them"
+                    "{file}: {count} materials (`{first}` is the first) {what}; give their reflectances in materials.toml ({{materials}})"
                 ));
             }
         }

@@ -101,7 +101,7 @@ impl<'r> Reader<'r> {
                 let mesh = root
                     .meshes
                     .get(number)
-                    .ok_or_else(|| self.error(format!("node {index} is of mesh {number}, which does not exist")))?;
+                    .ok_or_else(|| self.error(format!("node {index} uses mesh {number}, which does not exist")))?;
                 self.unmoved.0 += usize::from(node.skin.is_some());
                 self.add_mesh(index, node, mesh, placed)?;
             }
@@ -118,7 +118,9 @@ impl<'r> Reader<'r> {
             return Ok(scene.nodes.clone());
         }
         if let Some(scene) = self.root.scene {
-            return Err(self.error(format!("scene {scene} is to be shown, but there are {count}")));
+            return Err(
+                self.error(format!("the default scene is number {scene}, but the file has {count}, counted from 0"))
+            );
         }
         let mut is_child = vec![false; self.root.nodes.len()];
         for child in self.root.nodes.iter().flat_map(|node| &node.children) {
@@ -140,14 +142,14 @@ impl<'r> Reader<'r> {
             let matrix = DMat4::from_cols_array(matrix);
             let last = matrix.row(3);
             if !(last - glam::DVec4::W).abs().cmple(glam::DVec4::splat(1e-6)).all() {
-                return Err(refuse("has a matrix that is no placement: its last row is not 0 0 0 1"));
+                return Err(refuse("has a matrix that is not a placement: its last row is not 0 0 0 1"));
             }
             return Ok(DAffine3::from_mat4(matrix));
         }
         let rotation = match node.rotation.map(DQuat::from_array) {
             None => DQuat::IDENTITY,
             Some(rotation) if (0.5..2.0).contains(&rotation.length()) => rotation.normalize(),
-            Some(_) => return Err(refuse("has a rotation that is no unit quaternion")),
+            Some(_) => return Err(refuse("has a rotation that is not a unit quaternion")),
         };
         let scale = node.scale.map_or(DVec3::ONE, DVec3::from);
         let translation = node.translation.map_or(DVec3::ZERO, DVec3::from);
@@ -274,7 +276,7 @@ impl<'r> Reader<'r> {
         let Some((slot, position)) = found else {
             let (shown, count) = (excerpt(name.as_bytes()), positions.count);
             return Err(self.error(format!(
-                "`{shown}` has a triangle of vertex {index}, but vertices are 0 to {}",
+                "`{shown}` has a triangle of vertex {index}, but vertices are numbered 0 to {}",
                 count as i64 - 1
             )));
         };
@@ -299,12 +301,13 @@ impl<'r> Reader<'r> {
                 "its scene holds no triangles ({} nodes, {points} meshes of other kinds)",
                 self.root.nodes.len()
             );
-            return Err(Error::input(self.file, None, what, "export surfaces, as parts of the scene that is shown"));
+            return Err(Error::input(self.file, None, what, "export surfaces as parts of the default scene"));
         }
         self.materials.warn(&mut self.geometry);
         for (count, what) in [(self.unmoved.0, "nodes have skins"), (self.unmoved.1, "meshes have morph targets")] {
             if count > 0 {
-                let text = format!("{}: {count} {what}, which are ignored: they stand as stored", self.file.display());
+                let text =
+                    format!("{}: {count} {what}, which are ignored: the stored pose is used", self.file.display());
                 self.geometry.warnings.push(text);
             }
         }

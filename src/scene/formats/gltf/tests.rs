@@ -64,7 +64,7 @@ fn bounds(geometry: &Geometry) -> [[f64; 3]; 2] {
 /// A cube keeps 6 m2 and +1 m3, outsides out, however its node places it: moved, turned, mirrored,
 /// in a child, by TRS or by matrix.
 #[test]
-fn placed_cubes() {
+fn a_placed_cube_keeps_its_area_and_volume() {
     let half = 0.5_f64.sqrt();
     for (nodes, low, high) in [
         (json!([{"mesh": 0}]), [0., 0., 0.], [1., 1., 1.]),
@@ -100,7 +100,7 @@ fn placed_cubes() {
 /// Two instances give 24 triangles and two objects, named after the node or, without a node name,
 /// after the mesh. Nodes outside the scene are not read.
 #[test]
-fn instances() {
+fn two_nodes_of_a_mesh_are_two_objects() {
     let nodes =
         json!([{"children": [1, 2]}, {"mesh": 0, "name": "house"}, {"mesh": 0}, {"mesh": 0, "name": "elsewhere"}]);
     let geometry = parse(&scene(nodes.clone())).expect("readable");
@@ -115,7 +115,7 @@ fn instances() {
 /// A .glb, a buffer in a file with a blank in its name, and embedded base64 without padding give
 /// the same cube of 1 m3.
 #[test]
-fn containers() {
+fn all_containers_give_the_same_cube() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let write = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).expect("written");
     let read = |name: &str| {
@@ -145,7 +145,7 @@ fn glb(json: &Value, buffer: &[u8]) -> Vec<u8> {
 /// A quadrangle gives 2 triangles of 1 m2, upwards, as a list, a strip, a fan, without indices,
 /// interleaved and quantized; lines are counted.
 #[test]
-fn modes() {
+fn all_triangle_modes_give_the_same_square() {
     let square = [[0., 0., 0.], [1., 0., 0.], [0., 0., -1.], [1., 0., -1.]];
     let floats = |places: &[usize], gap: usize| -> Vec<u8> {
         let one = |place: &usize| {
@@ -191,7 +191,7 @@ fn modes() {
 /// Three of seven materials are described: 0.4 for (0.3, 0.4, 0.5), half of it for one that is half
 /// metal, and a second one of the same name.
 #[test]
-fn materials() {
+fn materials_with_a_stated_colour_are_described() {
     let color = |name: &str, metal: f64| json!({"name": name, "pbrMetallicRoughness": {"baseColorFactor": [0.3, 0.4, 0.5, 1], "metallicFactor": metal}});
     let textured =
         json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0}, "alphaMode": "MASK"});
@@ -210,7 +210,7 @@ fn materials() {
     let expected = [
         "town.gltf: extensions not read: KHR_materials_ior",
         "town.gltf: 1 materials (`material_3` is the first) have a texture",
-        "town.gltf: 1 materials (`material_3` is the first) let light through",
+        "town.gltf: 1 materials (`material_3` is the first) are transparent",
         "town.gltf: 2 materials (`half` is the first) are metallic",
         "town.gltf: 1 nodes have skins",
     ];
@@ -230,7 +230,7 @@ fn materials() {
 /// 45 damaged files are refused with a message of what was found; billions of values without bytes
 /// take no memory.
 #[test]
-fn refusals() {
+fn damaged_files_are_refused_with_a_reason() {
     let plain = || scene(json!([{"mesh": 0}]));
     let nodes = |nodes: Value| scene(nodes);
     let mut nan = cube_bytes();
@@ -239,7 +239,7 @@ fn refusals() {
     beyond[96] = 8;
     let required = |name: &str| with(plain(), "/extensionsRequired", json!([name]));
     for (json, said) in [
-        (json!(null), "the JSON is not that of glTF"),
+        (json!(null), "the JSON is not valid glTF"),
         (json!({"asset": {"version": "1.0"}, "meshes": {}}), "found glTF 1.0, this release supports glTF 2.0"),
         (json!({"asset": {"version": "2.0"}}), "holds no triangles (0 nodes"),
         (with(plain(), "/nodes/0/mesh", Value::Null), "holds no triangles (1 nodes, 0 meshes of other kinds)"),
@@ -247,20 +247,23 @@ fn refusals() {
             with(plain(), "/meshes/0/primitives/0/mode", json!(0)),
             "holds no triangles (1 nodes, 1 meshes of other kinds)",
         ),
-        (with(plain(), "/scene", json!(3)), "scene 3 is to be shown, but there are 1"),
+        (with(plain(), "/scene", json!(3)), "the default scene is number 3, but the file has 1,"),
         (with(plain(), "/scene", json!(-1)), "invalid value: integer `-1`"),
         (with(plain(), "/nodes/0/mesh", json!(4_000_000_000_u32)), "mesh 4000000000, which does not exist"),
         (nodes(json!([{"children": [0]}])), "node 0 has two parents or is one of its own children"),
         (nodes(json!([{"children": [1]}, {"children": [2]}, {"children": [1]}])), "node 1 has two parents"),
         (nodes(json!([{"children": [7]}])), "node 7 does not exist, there are 1"),
-        (nodes(json!([{"mesh": 0, "rotation": [0, 0, 0, 0]}])), "node 0 has a rotation that is no unit quaternion"),
-        (nodes(json!([{"mesh": 0, "matrix": [0,0,0,0, 0,0,0,0, 0,0,0,0, 0,0,0,0]}])), "matrix that is no placement"),
-        (nodes(json!([{"mesh": 0, "matrix": [1, 2]}])), "the JSON is not that of glTF"),
+        (nodes(json!([{"mesh": 0, "rotation": [0, 0, 0, 0]}])), "node 0 has a rotation that is not a unit quaternion"),
+        (nodes(json!([{"mesh": 0, "matrix": [0,0,0,0, 0,0,0,0, 0,0,0,0, 0,0,0,0]}])), "matrix that is not a placement"),
+        (nodes(json!([{"mesh": 0, "matrix": [1, 2]}])), "the JSON is not valid glTF"),
         (nodes(json!([{"mesh": 0, "translation": [1e300, 0, 0]}])), "vertex 0 of `cube` lies at [1"),
         (nodes(json!([{"mesh": 0, "scale": [1e300, 1e300, 1]}, {}])), "beyond all positions on Earth"),
         (with(plain(), "/buffers/0/uri", json!(data(&nan))), "vertex 0 of `cube` lies at [NaN, "),
-        (with(plain(), "/buffers/0/uri", json!(data(&beyond))), "triangle of vertex 8, but vertices are 0 to 7"),
-        (with(plain(), "/buffers/0/uri", json!("data:;base64,AA*A")), "buffer 0 is no base64"),
+        (
+            with(plain(), "/buffers/0/uri", json!(data(&beyond))),
+            "triangle of vertex 8, but vertices are numbered 0 to 7",
+        ),
+        (with(plain(), "/buffers/0/uri", json!("data:;base64,AA*A")), "buffer 0 is not valid base64"),
         (with(plain(), "/buffers/0/uri", json!("data:text/plain,hello")), "which is not written in base64"),
         (with(plain(), "/buffers/0/uri", json!("../cube.bin")), "`../cube.bin`, not a file in the folder"),
         (with(plain(), "/buffers/0/uri", json!("a/%2e%2e/%2E%2E/cube.bin")), "not a file in the folder"),
@@ -284,8 +287,11 @@ fn refusals() {
         (with(plain(), "/accessors/0/componentType", json!(5130)), "component type 5130"),
         (with(plain(), "/accessors/0/type", json!("VEC9")), "accessor 0 is `VEC9`"),
         (with(plain(), "/accessors/1/componentType", json!(5122)), "`cube` has positions or indices of a type"),
-        (with(plain(), "/accessors/0/sparse", json!({"count": 1})), "the JSON is not that of glTF"),
-        (with(plain(), "/meshes/0/primitives/0/material", json!(2)), "material 2 is used but not there; there are 0"),
+        (with(plain(), "/accessors/0/sparse", json!({"count": 1})), "the JSON is not valid glTF"),
+        (
+            with(plain(), "/meshes/0/primitives/0/material", json!(2)),
+            "material 2 is used but does not exist; the file has 0",
+        ),
         (with(plain(), "/meshes/0/primitives/0/indices", json!(2)), "accessor 2 does not exist"),
         (
             required("KHR_draco_mesh_compression"),
@@ -334,7 +340,7 @@ fn instanced(attributes: Value) -> Value {
 /// ROTATION about the upright axis and a SCALE of 2 turn and stretch the cube alike as floats,
 /// bytes and shorts. A single instance keeps the name.
 #[test]
-fn gpu_instances() {
+fn gpu_instances_are_placed_cubes() {
     let three = floats(&[0., 0., 0., 30., 0., 0., 60., 0., 0.]);
     let geometry = parse(&with_accessors(instanced(json!({"TRANSLATION": 2, "_ID": 9})), &[("VEC3", 5126, &three, 3)]));
     let geometry = geometry.expect("readable");
@@ -361,7 +367,7 @@ fn gpu_instances() {
         (json!({"TRANSLATION": 2, "SCALE": 3}), "have attributes of [3, 2] values"),
         (json!({"ROTATION": 2}), "of a type that the extension does not allow"),
         (json!({"TRANSLATION": 7}), "accessor 7 does not exist"),
-        (json!({"SCALE": 4}), "have a placement, number 0, that is none"),
+        (json!({"SCALE": 4}), "have an invalid placement, number 0"),
     ] {
         let bad = floats(&[f32::NAN, 1., 1.]);
         let accessors: [(&str, u32, &[u8], usize); 3] =
@@ -375,7 +381,7 @@ fn gpu_instances() {
 /// diagonals), over a buffer view or over zeros. Indices that do not increase or exceed the values
 /// are refused.
 #[test]
-fn sparse_accessors() {
+fn sparse_values_replace_stored_ones() {
     let sparse = |base: bool, places: &[u8], count: u64, values: &[f32]| {
         let moved = floats(values);
         let json = with_accessors(
@@ -412,7 +418,7 @@ fn sparse_accessors() {
 /// "missing", even if the extension is not required. A compressed mesh that also has plain numbers
 /// is read, with a warning.
 #[test]
-fn geometry_in_extensions() {
+fn geometry_only_in_an_extension_is_refused() {
     let primitive = "/meshes/0/primitives/0";
     let draco =
         |json| with(json, &format!("{primitive}/extensions"), json!({"KHR_draco_mesh_compression": {"bufferView": 0}}));
@@ -441,7 +447,7 @@ fn geometry_in_extensions() {
 /// A scene relative to a CESIUM_RTC centre is placed about it, z up: the cube from (7, 8, 9) to (8,
 /// 9, 10).
 #[test]
-fn relative_to_a_center() {
+fn a_cesium_rtc_centre_moves_the_scene() {
     let mut json = scene(json!([{"mesh": 0}]));
     json["extensions"] = json!({"CESIUM_RTC": {"center": [7, 8, 9]}});
     assert_eq!(bounds(&parse(&json).expect("readable")), [[7., 8., 9.], [8., 9., 10.]]);
@@ -450,7 +456,7 @@ fn relative_to_a_center() {
 /// White factors, stated or left out, and nearly white ones give no reflectance: 3 materials in one
 /// warning, none described.
 #[test]
-fn white_says_nothing() {
+fn white_factors_state_no_reflectance() {
     let plain = json!({"name": "wall", "pbrMetallicRoughness": {"metallicFactor": 0}});
     let stated =
         json!({"name": "roof", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0.0}});
@@ -470,7 +476,7 @@ fn white_says_nothing() {
 /// 8 .glb files that are cut or have a wrong length are refused, and so are 9,000 instances of 12
 /// triangles, beyond the limit.
 #[test]
-fn hostile_containers() {
+fn cut_or_oversized_files_are_refused() {
     let whole = glb(&with(scene(json!([{"mesh": 0}])), "/buffers/0/uri", Value::Null), &cube_bytes());
     let parse = |bytes: &[u8]| crate::formats::gltf::parse(bytes, Path::new("town.glb"), &asked()).map(drop);
     parse(&whole).expect("readable");
@@ -480,7 +486,7 @@ fn hostile_containers() {
     }
     let mut long = whole.clone();
     long[12..16].fill(255);
-    assert!(parse(&long).expect_err("long").to_string().contains("no whole JSON chunk"));
+    assert!(parse(&long).expect_err("long").to_string().contains("not a complete JSON chunk"));
     let mut old = whole.clone();
     old[4] = 1;
     assert!(parse(&old).expect_err("old").to_string().contains("found binary glTF 1"));
