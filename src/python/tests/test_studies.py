@@ -173,7 +173,7 @@ def test_footprints_give_their_attributes_back(tmp_path: Path) -> None:
     town = DATA / "footprints" / "town.geojson"
     scene = heliotile.Scene(town, height=["height", "levels"], storey_height=3.0)
     assert scene.place == (pytest.approx(48.138, abs=0.01), pytest.approx(11.576, abs=0.01))
-    assert any("UTM of its middle" in note for note in scene.notes)
+    assert any("UTM zone of its middle" in note for note in scene.notes)
     done = heliotile.run(scene, DAYS, tmp_path / "out", quality="draft", cover={"spacing": 6.0})
     done.open().write(tmp_path / "map.parquet", DAYS, every="total", by="building", geo=True)
     years = duckdb.sql(f"select building, year, typeof(year) from '{tmp_path}/map.parquet' order by building").fetchall()

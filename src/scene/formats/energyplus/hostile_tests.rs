@@ -18,7 +18,7 @@ const JSON_HEAD: &str = r#"{"Version":{"v":{"version_identifier":"25.2"}},"Zone"
 
 /// Twenty-nine unreadable files are refused with the place and the words at fault.
 #[test]
-fn refused() {
+fn unreadable_models_are_refused_with_a_reason() {
     let surface = |vertices: &str| {
         format!(
             r#"{JSON_HEAD},"BuildingSurface:Detailed":{{"S":{{"construction_name":"W","zone_name":"Z","surface_type":"Wall","outside_boundary_condition":"Outdoors","vertices":{vertices}}}}}}}"#
@@ -98,21 +98,21 @@ fn refused() {
 
 /// Sixteen files with an oddity are read, and one warning or count says how it was handled.
 #[test]
-fn read_with_a_word() {
+fn odd_models_are_read_with_one_warning() {
     let window = "FenestrationSurface:Detailed,Pane,Window,W,Wall,,,,1,4, 1,0,2, 1,0,1, 2,0,1, 2,0,2;\n";
     for (text, faces, words) in [
-        (format!("{HEAD}{WALL}{WALL}"), 2, "1 surfaces bear the name of another (first: `Wall`)"),
-        (format!("{HEAD}{}", WALL.replace(",Z,,", ",Y,,")), 1, "1 surfaces are of a zone that is not in the file"),
+        (format!("{HEAD}{WALL}{WALL}"), 2, "1 surfaces have the name of another surface (first: `Wall`)"),
+        (format!("{HEAD}{}", WALL.replace(",Z,,", ",Y,,")), 1, "1 surfaces belong to a zone that is not in the file"),
         (format!("{HEAD}{}", WALL.replace(",W,Z,", ",X,Z,")), 1, "1 constructions are not in the file"),
-        (format!("{HEAD}{}", WALL.replace(",4, 0,0,3", ",3, 0,0,3")), 1, "1 surfaces have another number of vertices"),
+        (format!("{HEAD}{}", WALL.replace(",4, 0,0,3", ",3, 0,0,3")), 1, "1 surfaces state a wrong number of vertices"),
         (
             format!("{HEAD}{}", WALL.replace(",4, 0,0,3", ",1e9, 0,0,3")),
             1,
-            "1 surfaces have another number of vertices",
+            "1 surfaces state a wrong number of vertices",
         ),
         (format!("{HEAD}{}", WALL.replace(",4, 0,0,3", ",autoCalculate, 0,0,3")), 1, ""),
         (format!("{HEAD}{WALL}{}", window.replace(",Wall,", ",Hall,")), 1, "LEFT 1 because the surface that they name"),
-        (format!("{HEAD}{WALL}{}", window.replace("1,4,", "3,4,")), 2, "1 windows or doors stand for several"),
+        (format!("{HEAD}{WALL}{}", window.replace("1,4,", "3,4,")), 2, "1 windows or doors have a multiplier"),
         (
             format!("{HEAD}{WALL}BuildingSurface:Detailed,Two,Wall,W,Z,,Outdoors,,,,,, 0,0,3, 0,0,0;"),
             1,
@@ -122,8 +122,8 @@ fn read_with_a_word() {
         (format!("{HEAD}{WALL}Shading:Overhang,O,Nothing,1,90,0,0,1;"), 1, "LEFT 1 because the window"),
         (format!("{HEAD}{WALL}Shading:Zone:Detailed,S,Nothing,,3,0,0,1,0,0,2,1,0,1;"), 2, "1 shades name a surface"),
         (format!("{HEAD}{WALL}GeometryTransform,XY,1,2;"), 1, "1 GeometryTransform"),
-        (format!("{HEAD}{WALL}Site:Location,S,91,0;"), 1, "1 places lie nowhere"),
-        (format!("{HEAD}{WALL}Zone,Y,0,0,0,0,1,10;"), 1, "1 zones stand for several"),
+        (format!("{HEAD}{WALL}Site:Location,S,91,0;"), 1, "1 locations have no valid latitude"),
+        (format!("{HEAD}{WALL}Zone,Y,0,0,0,0,1,10;"), 1, "1 zones have a multiplier"),
         (format!("{HEAD}{}", WALL.replace(",Wall,W", ",Floor,W").replace("4,0,0, 4,0,3", "4,3,3, 4,3,3.5")), 1, ""),
     ] {
         let geometry = read_bytes(text.as_bytes(), "m.idf").expect(words);
@@ -138,7 +138,7 @@ fn read_with_a_word() {
 /// CRLF, tabs, comments, bytes that are not UTF-8, fields over several lines and other case give
 /// the same single face as plain text.
 #[test]
-fn as_found_in_the_wild() {
+fn line_ends_and_comments_change_nothing() {
     let wild = b"\xef\xbb\xbf!- caf\xe9 \r\nVERSION,\r\n\t25.2 ; !- Version Identifier\r\n zone,Z;Globalgeometryrules , upperleftcorner,\r\n\
         COUNTERCLOCKWISE,\tWORLD;\r\nUnknown:Class,1,2,\xff;\r\nbuildingsurface:DETAILED, W\xe4nd, ! name\r\n wall, W, z,\r\n ,outdoors,,,\r\n,,\
         4,!- Number of Vertices\r\n0,0,3, !- X,Y,Z ==> Vertex 1 {m}\r\n0,0,0,\r\n4,0,0,4,0,\r\n3\r\n;\r\n";
@@ -153,7 +153,7 @@ fn as_found_in_the_wild() {
 /// A polygon of a million corners is read unchanged, and triangulation refuses it at the limit of
 /// 65,536 corners.
 #[test]
-fn a_million_corners() {
+fn a_polygon_of_a_million_corners_is_refused() {
     let zigzag: String = (0..1_000_000).map(|i| format!(",{},{},5", i % 1000, i / 1000)).collect();
     let text = format!("{HEAD}Shading:Site:Detailed,Round,,{zigzag};");
     let geometry = read_bytes(text.as_bytes(), "m.idf").expect("readable");
@@ -165,7 +165,7 @@ fn a_million_corners() {
 /// Six texts are told apart: a model is recognised by its classes, not by words that other formats
 /// have too.
 #[test]
-fn json_that_is_a_model() {
+fn a_model_is_recognised_by_its_classes() {
     for (text, is) in [
         (r#"{"AirLoopHVAC":{"a":{"b":[1]}},"Building":{"x":{"north_axis":1}}}"#, true),
         (r#"{"Version":{"v":{}}, broken"#, true),

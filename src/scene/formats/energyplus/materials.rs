@@ -102,7 +102,7 @@ impl<'m> Materials<'m> {
                 self.stated.add(material, geometry)
             }
             None => {
-                notes.add("constructions are not in the file; what they reflect is assumed", name);
+                notes.add("constructions are not in the file; their reflectance is assumed", name);
                 geometry.materials.id(if name.is_empty() { "default" } else { name })
             }
         };
@@ -190,7 +190,10 @@ impl<'m> Materials<'m> {
         if glazed == 1.0 && (front - clear).abs() <= AS_CLEAR {
             return Ok(self.stated.add(Material { glass: Some(glass), ..matt }, geometry));
         }
-        notes.add("shades are glazed; the glass is a mirror of the same reflectance at any angle", &shade.name);
+        notes.add(
+            "shades are glazed; their glass counts as a mirror with the same reflectance at any angle",
+            &shade.name,
+        );
         Ok(self.stated.add(Material { specular: glazed * front, ..matt }, geometry))
     }
 
@@ -213,10 +216,8 @@ impl<'m> Materials<'m> {
         match self.schedules.get(&same(name)) {
             Some(schedule) => share(schedule, self.file, "hourly_value", 0.0, notes),
             None => {
-                notes.add(
-                    "shades let light through by a schedule that is not constant; they are opaque here",
-                    &shade.name,
-                );
+                notes
+                    .add("shades transmit light by a schedule that is not constant; they count as opaque", &shade.name);
                 Ok(0.0)
             }
         }

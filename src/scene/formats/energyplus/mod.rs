@@ -59,11 +59,11 @@ fn assemble(model: &Model, file: &Path, asked: &Asked) -> Result<Geometry> {
     let place = Place::read(model, file, &mut geometry.warnings)?;
     geometry.reference = reference(model, file, &mut notes)?;
     for object in model.of("GeometryTransform") {
-        notes.add("GeometryTransform objects are passed over: the building keeps its proportions", &object.name);
+        notes.add("GeometryTransform objects are ignored: the building keeps its proportions", &object.name);
     }
     for zone in model.of("Zone") {
         if zone.number_or(file, "multiplier", 1.0)? > 1.0 {
-            notes.add("zones stand for several by their multiplier and are drawn once", &zone.name);
+            notes.add("zones have a multiplier above 1 and are drawn once", &zone.name);
         }
     }
     let mut materials = Materials::new(model, file);
@@ -97,7 +97,7 @@ fn reference(model: &Model, file: &Path, notes: &mut Notes) -> Result<Option<Ref
         return Ok(None);
     };
     if latitude_deg.abs() > 90.0 || longitude_deg.abs() > 180.0 {
-        notes.add("places lie nowhere on Earth and are passed over", &site.name);
+        notes.add("locations have no valid latitude and longitude and are ignored", &site.name);
         return Ok(None);
     }
     Ok(Some(Reference::Place { latitude_deg, longitude_deg }))

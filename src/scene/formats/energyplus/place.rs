@@ -63,8 +63,8 @@ impl Place {
             && ["relative", "world", "absolute"].contains(&system.as_str());
         if !known || corner.is_none() {
             warnings.push(format!(
-                "{}: GlobalGeometryRules are missing or unclear; taken are UpperLeftCorner, Counterclockwise and, as \
-                 EnergyPlus does, World where they do not say so",
+                "{}: GlobalGeometryRules are missing or unclear; where they state nothing else, UpperLeftCorner, \
+                 Counterclockwise and, as in EnergyPlus, World are assumed",
                 file.display()
             ));
         }

@@ -7,7 +7,7 @@ use crate::Scene;
 /// An IDF file and the epJSON that EnergyPlus made of it give the same scene of 6 materials, byte
 /// for byte. A model in a file named `.json` is read too.
 #[test]
-fn both_syntaxes() {
+fn both_syntaxes_give_the_same_scene() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/energyplus");
     let load = |path: &Path| Scene::load(path, None).expect("readable");
     let (text, json) = (load(&data.join("box.idf")), load(&data.join("box.epJSON")));

@@ -108,7 +108,7 @@ impl<'m> Surfaces<'m> {
         let zone = object.text("zone_name");
         if !place.has_zone(zone) {
             notes.add(
-                "surfaces are of a zone that is not in the file, which is taken to lie at the origin",
+                "surfaces belong to a zone that is not in the file; the zone is assumed to lie at the origin",
                 &object.name,
             );
         }
@@ -152,7 +152,7 @@ impl<'m> Surfaces<'m> {
             return Ok(());
         };
         if object.number_or(file, "multiplier", 1.0)? > 1.0 {
-            notes.add("windows or doors stand for several by their multiplier and are drawn once", &object.name);
+            notes.add("windows or doors have a multiplier above 1 and are drawn once", &object.name);
         }
         let (vertices, frame);
         if object.layout.class == "FenestrationSurface:Detailed" {
@@ -202,7 +202,7 @@ impl<'m> Surfaces<'m> {
         }
         let index = self.list.len();
         if self.by_name.insert(same(&object.name), index).is_some() {
-            notes.add("surfaces bear the name of another", &object.name);
+            notes.add("surfaces have the name of another surface", &object.name);
         }
         self.list.push(Surface { object, vertices, frame, base, behind, kind, exposed });
         Some(index)
@@ -386,7 +386,7 @@ pub(super) fn stated_vertices<'o>(object: &'o Object, file: &Path, notes: &mut N
     if stated == all.len() as f64 {
         return Ok(all);
     }
-    notes.add("surfaces have another number of vertices than they state", &object.name);
+    notes.add("surfaces state a wrong number of vertices", &object.name);
     // The cast saturates, so that negative and huge numbers are safe.
     Ok(all.get(..stated as usize).unwrap_or(all))
 }

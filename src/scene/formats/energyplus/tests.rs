@@ -48,7 +48,7 @@ fn areas(geometry: &Geometry) -> HashMap<String, f64> {
 /// Net and gross area, azimuth, tilt and corners of all 28 surfaces of the box agree with
 /// EnergyPlus to its last digit.
 #[test]
-fn as_energyplus_has_it() {
+fn areas_and_corners_agree_with_energyplus() {
     for (text, name) in [(BOX_IDF, "box.idf"), (BOX_JSON, "box.epJSON")] {
         let geometry = read_bytes(text.as_bytes(), name).expect("readable");
         assert_eq!((geometry.face_count(), geometry.warnings.as_slice()), (28, &[][..]));
@@ -103,7 +103,7 @@ fn wall_and(windows: &[[f64; 4]]) -> String {
 /// Windows within the wall, at one to three edges, side by side and corner to corner leave the wall
 /// 12 m2 less their own area.
 #[test]
-fn windows_are_holes() {
+fn windows_are_holes_of_their_wall() {
     for windows in [
         &[[1.0, 1.0, 2.0, 2.0]][..],
         &[[0.0, 1.0, 2.0, 2.0]],
@@ -129,7 +129,7 @@ fn windows_are_holes() {
 /// overlaps another is left out. The wall keeps its 12 m2, or what the other window leaves. A
 /// window that takes up the whole wall replaces it.
 #[test]
-fn windows_that_do_not_fit() {
+fn windows_that_do_not_fit_are_left_out() {
     for (windows, wall) in [
         (&[[3.0, 1.0, 5.0, 2.0]][..], 12.0),
         (&[[-1.0, -1.0, 5.0, 4.0]], 12.0),
@@ -153,7 +153,7 @@ fn windows_that_do_not_fit() {
 /// Fields of versions 8.9, 9.5 and 9.6 are found at their positions: three files give the same
 /// geometry.
 #[test]
-fn versions() {
+fn fields_of_older_versions_are_found() {
     let newest = wall_and(&[[1.0, 1.0, 2.0, 2.0]]);
     let expected = faces(&idf(&newest));
     let no_space = newest.replace("W,Z,,Outdoors", "W,Z,Outdoors");
@@ -182,7 +182,7 @@ fn versions() {
 /// Four of six walls form the hull: outdoors, to the ground, to a neighbour and one behind itself.
 /// Two that separate zones are left out.
 #[test]
-fn hull() {
+fn walls_between_zones_are_left_out() {
     let wall = |name: &str, behind: &str, x: f64, flip: bool| {
         let (a, b) = if flip { (2.0, 0.0) } else { (0.0, 2.0) };
         format!(
@@ -208,7 +208,7 @@ fn hull() {
 /// layer, 0.3 of a shade and 0.2 of a half-glazed shade. A layer that states none, a layer with
 /// equal absorptances and a shade without a statement have no value by band. IDF and epJSON agree.
 #[test]
-fn visible_light() {
+fn visible_absorptances_become_visible_reflectances() {
     let text = "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World; Zone,Z;\n".to_owned()
         + "Material,Brick,Rough,0.1,0.5,1000,900,0.9,0.6,0.8;\nMaterial,Plain,Rough,0.1,0.5,1000,900,0.9,0.6;\n"
         + "Material:NoMass,Same,Rough,1,0.9,0.7,0.7;\nConstruction,Wall,Brick;\nConstruction,Bare,Plain;\nConstruction,Even,Same;\n"
@@ -233,7 +233,7 @@ fn visible_light() {
 /// Seventeen surfaces get the material of their construction or shade, and all these materials pass
 /// the checks.
 #[test]
-fn materials() {
+fn surfaces_get_the_material_of_their_construction() {
     let text = r#"{"Version":{"v":{"version_identifier":"25.2"}},"Zone":{"Z":{}},
         "GlobalGeometryRules":{"g":{"starting_vertex_position":"UpperLeftCorner","vertex_entry_direction":"Counterclockwise","coordinate_system":"World"}},
         "Material":{"Brick":{"solar_absorptance":0.6},"Plain":{},"Odd":{"solar_absorptance":1.5}},"Material:AirGap":{"Gap":{}},
@@ -302,7 +302,7 @@ fn materials() {
 /// beside 0.35 on the rest. Clear panes (0.075, or n = 1.526, and 0.128 for two) stay glass with
 /// its dependence on the angle.
 #[test]
-fn glazed_shades() {
+fn glazed_shades_reflect_as_their_panes_state() {
     let mut text = String::from(
         "Version,25.2; GlobalGeometryRules,UpperLeftCorner,Counterclockwise,World;\n\
          WindowMaterial:Glazing,Coated,SpectralAverage,,0.006,0.3,0.4,0.35; WindowMaterial:Glazing,Tinted,SpectralAverage,,0.006,0.5,0.12,0.2;\n\

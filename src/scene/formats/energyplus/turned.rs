@@ -16,8 +16,7 @@ use crate::formats::building::reasons::TURNED_OPENINGS;
 use crate::formats::energyplus::model::same;
 use crate::formats::energyplus::surfaces::Surface;
 
-const INWARDS: &str =
-    "surfaces look into their zone and are turned; EnergyPlus lights them from that side: reverse their vertices";
+const INWARDS: &str = "surfaces look into their zone and are turned round; reverse their vertices, because EnergyPlus lights their inner side";
 
 /// Turns surfaces that look into their zone, and openings that look the other way than their wall.
 pub(super) fn turn_outwards(list: &mut [Surface], notes: &mut Notes) {
