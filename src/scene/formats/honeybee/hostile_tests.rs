@@ -21,7 +21,7 @@ fn shade(boundary: &str) -> String {
 
 /// Twenty-five unreadable files are refused with the place and the words at fault.
 #[test]
-fn refused() {
+fn unreadable_models_are_refused_with_a_reason() {
     let with = |pointer: &str, value: Value| {
         let mut model: Value = serde_json::from_str(TWO_ROOMS).expect("JSON");
         *model.pointer_mut(pointer).expect(pointer) = value;
@@ -34,7 +34,7 @@ fn refused() {
         ("{}".into(), "missing field `type`"),
         (r#"{"type":"Model"}"#.into(), "no surface of the 0 rooms faces outdoors"),
         (r#"{"type":"Room"}"#.into(), "`type` is `Room`, not Model"),
-        (r#"{"type":"Model","buildings":[]}"#.into(), "a model of Dragonfly"),
+        (r#"{"type":"Model","buildings":[]}"#.into(), "a Dragonfly model"),
         (r#"{"type":"Model"} more"#.into(), "trailing characters"),
         (
             r#"{"type":"Model","units":"Furlongs"}"#.into(),
@@ -64,7 +64,10 @@ fn refused() {
             with("/shade_meshes/0/geometry/faces/1", json!([0, 1])),
             "shade mesh `hill`: face 1 has 2 corners, not 3 or 4",
         ),
-        (with("/shade_meshes/0/geometry/faces/1", json!([0, 1, 5])), "shade mesh `hill`: face 1 names vertex 5 of 5"),
+        (
+            with("/shade_meshes/0/geometry/faces/1", json!([0, 1, 5])),
+            "shade mesh `hill`: face 1 names vertex 5, but the 5 vertices",
+        ),
         (
             with("/shade_meshes/0/geometry/faces/1", json!([0, 1, -1])),
             "geometry.faces[1][2]: invalid value: integer `-1`",
@@ -82,7 +85,7 @@ fn refused() {
 
 /// A model cut at every 37th byte is refused as cut off, more than 400 times.
 #[test]
-fn cut_anywhere() {
+fn a_model_cut_anywhere_is_refused_as_cut_off() {
     let mut refused = 0;
     for end in (0..TWO_ROOMS.len()).step_by(37) {
         let message = read_bytes(&TWO_ROOMS.as_bytes()[..end]).map(drop).expect_err("cut").to_string();
@@ -97,7 +100,7 @@ fn cut_anywhere() {
 
 /// Nine files with an oddity are read, and one warning or count says how it was handled.
 #[test]
-fn read_with_a_word() {
+fn odd_models_are_read_with_one_warning() {
     let shade = |name: &str, boundary: Value, properties: Value| json!({"identifier": name, "geometry": {"boundary": boundary}, "properties": properties});
     let square = json!([[0, 0, 0], [1, 0, 0], [1, 1, 0]]);
     let modifier = |modifier: Value| json!({"radiance": {"modifier": modifier}});
@@ -127,7 +130,7 @@ fn read_with_a_word() {
         (
             shade("odd", square.clone(), modifier(json!({"type": "Trans", "identifier": "t"}))),
             2,
-            "1 modifiers let light through",
+            "1 modifiers transmit light",
         ),
         (
             shade(
@@ -136,7 +139,7 @@ fn read_with_a_word() {
                 json!({"radiance": {"modifier": "m"}, "energy": {"transmittance_schedule": "gone"}}),
             ),
             2,
-            "1 shades let light through by a schedule that is not constant",
+            "1 shades transmit light by a schedule that is not constant",
         ),
         (shade("odd", square.clone(), modifier(json!("m"))), 2, ""),
     ] {
@@ -154,7 +157,7 @@ fn read_with_a_word() {
 /// An outline of a million corners is read unchanged, and triangulation refuses it at the limit of
 /// 65,536 corners.
 #[test]
-fn a_million_corners() {
+fn a_polygon_of_a_million_corners_is_refused() {
     let zigzag: Vec<String> = (0..1_000_000).map(|i| format!("[{},{},5]", i % 1000, i / 1000)).collect();
     let geometry = read_bytes(shade(&format!("[{}]", zigzag.join(","))).as_bytes()).expect("readable");
     assert_eq!((geometry.face_count(), geometry.vertices.len()), (1, 1_000_000));

@@ -13,8 +13,8 @@ use crate::geometry::Geometry;
 use crate::materials::select::MaterialTable;
 use heliotile_core::site::material::{Class, Glass, Material};
 
-const NOT_THERE: &str = "modifiers or constructions are not in the file; what is named next is taken";
-const NOTHING_SAID: &str = "surfaces have neither modifier nor construction; what honeybee assumes is taken";
+const NOT_THERE: &str = "modifiers or constructions are not in the file; the next statement for the surface is used";
+const NOTHING_SAID: &str = "surfaces have neither modifier nor construction; the default of honeybee is used";
 
 /// Modifiers, constructions and their parts by identifier; the first of an identifier counts.
 pub(super) struct Materials<'d> {

@@ -48,7 +48,7 @@ pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry
     }
     if model.buildings.is_some() {
         let hint = "translate it first: `dragonfly translate model-to-honeybee`";
-        return Err(Error::input(file, None, "this is a model of Dragonfly, not of Honeybee", hint));
+        return Err(Error::input(file, None, "the file is a Dragonfly model, not a Honeybee model", hint));
     }
     let (mut geometry, materials) = rooms::write(&model, file)?;
     for note in geometry.object_notes.values_mut().filter(|note| !note.object.is_empty()) {

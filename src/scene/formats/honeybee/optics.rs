@@ -50,7 +50,7 @@ pub(super) fn of_modifier(modifier: &Modifier, notes: &mut Notes) -> Option<Mate
         "Mirror" => Some(Material { specular: mean(channels(1.0), name, notes), ..matt(name, 0.0) }),
         "Glass" => Some(Material { glass: Some(Glass::Single), ..matt(name, 0.0) }),
         "Trans" => {
-            notes.add("modifiers let light through; here they are opaque and reflect as they do", name);
+            notes.add("modifiers transmit light; they count as opaque with the same reflectance", name);
             let through = share(modifier.transmitted_diff.unwrap_or(0.0), name, notes);
             let color = mean(channels(0.0), name, notes);
             Some(matt(name, color * (1.0 - specularity(notes, 0.0)) * (1.0 - through)))
@@ -59,7 +59,7 @@ pub(super) fn of_modifier(modifier: &Modifier, notes: &mut Notes) -> Option<Mate
             Some(matt(name, mean(modifier.front_diffuse_reflectance.unwrap_or_default(), name, notes)))
         }
         _ => {
-            notes.add("modifiers do not say what they reflect; what is named next is taken", name);
+            notes.add("modifiers state no reflectance; the next statement for the surface is used", name);
             None
         }
     }
@@ -111,7 +111,7 @@ pub(super) fn of_construction(construction: &Construction, layers: &Layers, note
             share(layer.leaf_reflectivity.unwrap_or(LEAF_REFLECTANCE), name, notes)
         }
         _ => {
-            notes.add("constructions have an outer layer without solar absorptance; what is named next is taken", name);
+            notes.add("constructions have an outer layer without solar absorptance; the next statement for the surface is used", name);
             return None;
         }
     };
@@ -126,7 +126,7 @@ pub(super) fn shade_transmittance(schedule: Option<&Schedule>, shade: &str, note
     let mut values = days.flat_map(|day| &day.values).chain(list).copied();
     let first = values.next();
     let Some(constant) = first.filter(|first| values.all(|value| value == *first)) else {
-        notes.add("shades let light through by a schedule that is not constant; they are opaque here", shade);
+        notes.add("shades transmit light by a schedule that is not constant; they count as opaque", shade);
         return None;
     };
     let through = share(constant, shade, notes);

@@ -21,7 +21,7 @@ use crate::geometry::Geometry;
 use heliotile_core::error::{Error, Result};
 
 /// Reason for leaving out shades at the inner side of something.
-const INDOORS: &str = "because they are shades indoors";
+const INDOORS: &str = "because they are indoor shades";
 const INWARDS: &str = "faces of closed rooms look inwards and are turned";
 /// Largest tolerance that is used, metres: a larger one says nothing about which points coincide.
 const MOST_ROUNDED_M: f64 = 0.1;
@@ -77,9 +77,7 @@ impl<'d> Reader<'_, 'd> {
         }
         for room in rooms {
             if room.multiplier.is_some_and(|count| count > 1.0) {
-                self.writer
-                    .notes
-                    .add("rooms stand for several by their multiplier and are drawn once", &room.identifier);
+                self.writer.notes.add("rooms have a multiplier above 1 and are drawn once", &room.identifier);
             }
             self.shades(room.outdoor_shades.as_ref(), Some(room))?;
             self.indoors(room.indoor_shades.as_ref().map_or(0, Vec::len));
@@ -245,7 +243,7 @@ impl<'d> Reader<'_, 'd> {
                 let found = usize::try_from(index).ok().and_then(|index| mesh.geometry.vertices.get(index));
                 found.map(|&p| DVec3::from_array(p) * self.metres).ok_or_else(|| {
                     let count = mesh.geometry.vertices.len();
-                    refuse(format!("face {i} names vertex {index} of {count}, the first of which is 0"))
+                    refuse(format!("face {i} names vertex {index}, but the {count} vertices are numbered from 0"))
                 })
             };
             let outline: Result<Vec<DVec3>> = face.iter().map(vertex).collect();

@@ -53,7 +53,7 @@ fn areas(geometry: &Geometry) -> BTreeMap<String, Vec<DVec3>> {
 /// Net areas and normals of all 33 surfaces of two rooms, with holes, shades of every kind and a
 /// mesh, agree with honeybee to the sixth digit.
 #[test]
-fn as_honeybee_has_it() {
+fn areas_and_normals_agree_with_honeybee() {
     let geometry = read(TWO_ROOMS);
     let found = areas(&geometry);
     let mut compared = 0;
@@ -72,14 +72,14 @@ fn as_honeybee_has_it() {
     }
     assert_eq!((compared, geometry.face_count()), (33, 33));
     let left: Vec<(&str, usize)> = geometry.left_out.iter().map(|(why, count)| (why.as_str(), *count)).collect();
-    assert_eq!(left, [("because they are shades indoors", 3), ("because they lie inside the building", 4)]);
+    assert_eq!(left, [("because they are indoor shades", 3), ("because they lie inside the building", 4)]);
     assert!(geometry.reference.is_none());
 }
 
 /// Two rooms in millimetres, centimetres, feet and inches give the same metres, 4 of 4, to a
 /// millionth of a metre.
 #[test]
-fn units() {
+fn all_units_give_the_same_metres() {
     fn scale(value: &mut Value, by: f64) {
         match value {
             Value::Array(list) if list.len() == 3 && list.iter().all(Value::is_number) => {
@@ -126,7 +126,7 @@ fn materials(geometry: &Geometry) -> HashMap<String, (String, f64, f64, Option<G
 /// sets, otherwise honeybee's default. A shade that transmits half of the light has that
 /// transmittance.
 #[test]
-fn made_of() {
+fn surfaces_get_the_material_that_they_name() {
     let geometry = read(TWO_ROOMS);
     let found = materials(&geometry);
     let (single, double) = (Some(Glass::Single), Some(Glass::Double));
@@ -166,7 +166,7 @@ fn made_of() {
 /// In the global sets, which honeybee writes into every model, constructions come before modifiers,
 /// and both come after what a room or an object names: 5 of 5.
 #[test]
-fn global_sets() {
+fn global_constructions_precede_global_modifiers() {
     let with = |radiance: bool, energy: bool| {
         let mut model = model();
         if radiance {
@@ -203,7 +203,7 @@ fn global_sets() {
 /// in the visible band. A shade with equal values has no value by band, and a specular shade has
 /// the value of its mirror: 4 of 4.
 #[test]
-fn visible_light() {
+fn visible_absorptances_become_visible_reflectances() {
     let shade = |more: Value| {
         let mut shade = json!({"type": "ShadeConstruction", "identifier": "s", "solar_reflectance": 0.3});
         shade.as_object_mut().expect("an object").extend(more.as_object().expect("an object").clone());
@@ -230,7 +230,7 @@ fn visible_light() {
 /// Six modifiers reflect as in Radiance: a rough one is matt, metal colours its mirror image,
 /// plastic does not.
 #[test]
-fn modifiers() {
+fn modifiers_reflect_as_in_radiance() {
     for (modifier, diffuse, specular) in [
         (
             json!({"type": "Plastic", "r_reflectance": 0.2, "g_reflectance": 0.4, "b_reflectance": 0.6, "specularity": 0.05}),
@@ -269,7 +269,7 @@ fn modifiers() {
 /// Adiabatic walls back to back are left out, a single one stays, and so does the window of a wall
 /// without corners.
 #[test]
-fn walls() {
+fn walls_between_rooms_are_left_out() {
     let wall = |name: &str, x: f64, back: bool, condition: &str, windows: Value| {
         let mut boundary = vec![[0.0, x, 0.0], [4.0, x, 0.0], [4.0, x, 3.0], [0.0, x, 3.0]];
         if back {
@@ -307,7 +307,7 @@ fn walls() {
 /// A model is recognised in a file named `.json` too, wherever its type stands; four other kinds of
 /// JSON are not models.
 #[test]
-fn json_that_is_a_model() {
+fn a_model_is_recognised_by_its_type() {
     for (text, is) in [
         (TWO_ROOMS, true),
         (r#"{"rooms":[{"type":"Room"}],"type":"Model"}"#, true),
@@ -377,7 +377,7 @@ fn what_stands_in_the_hole_of_a_window_is_wall() {
         for (name, area_m2) in [("wall", 77.0 - inner_m2), ("pane", 3.0), ("inner", inner_m2)] {
             assert!((area(name) - area_m2).abs() < 1e-9, "{name}: {}", area(name));
         }
-        assert_eq!(geometry.warnings.iter().filter(|said| said.contains("left out of walls")).count(), 0);
+        assert_eq!(geometry.warnings.iter().filter(|said| said.contains("windows or doors are left out")).count(), 0);
     }
 }
 
