@@ -19,9 +19,9 @@ use crate::formats::cityjson::templates::MAX_CORNERS;
 use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
-const NOWHERE: &str = "as references that lead nowhere in the file";
+const NOWHERE: &str = "as references to ids that are not in the file";
 const ENDLESS: &str = "as references that lead to each other in circles or without end";
-const BESIDE: &str = "as solids whose surfaces stand beside them under their names";
+const BESIDE: &str = "as solids whose surfaces are repeated as thematic surfaces";
 
 /// Surfaces of a feature in one level of detail.
 #[derive(Default)]

@@ -137,7 +137,7 @@ mod tests {
     /// Two values of one name become a list, an empty value is dropped, and a value of 5,000 bytes
     /// is dropped.
     #[test]
-    fn values_by_name() {
+    fn values_of_one_name_become_a_list() {
         let mut attributes = Attributes::default();
         for (name, text, is_number) in [
             ("usage", "1000", false),

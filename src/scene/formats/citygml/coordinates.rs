@@ -84,19 +84,20 @@ impl Coordinates {
         match &self.stated {
             Some((_, known)) if known.epsg == name.epsg => Ok(()),
             Some((known, _)) => Err(format!(
-                "it is in `{}`, and the file before it in `{}`",
+                "its coordinate system is `{}`, but objects before it are in `{}`",
                 excerpt(text.as_bytes()),
                 excerpt(known.as_bytes())
             )),
             // Positions were read as plain metres already.
-            None if self.way.is_some() => {
-                Err(format!("it is in `{}`, and objects before it state no system", excerpt(text.as_bytes())))
-            }
+            None if self.way.is_some() => Err(format!(
+                "its coordinate system is `{}`, but objects before it state no system",
+                excerpt(text.as_bytes())
+            )),
             None => {
                 if name.epsg.is_none() {
                     let shown = excerpt(text.as_bytes());
                     self.doubts.push(format!(
-                        "`srsName` is `{shown}`, no number of the EPSG register; the place stays unknown"
+                        "`srsName` is `{shown}`, which has no known EPSG code; the place on Earth stays unknown"
                     ));
                 }
                 self.stated = Some((text.to_owned(), name));
@@ -124,7 +125,7 @@ impl Coordinates {
         };
         found
             .filter(|position| is_position(*position))
-            .ok_or_else(|| Unusable::Object(format!("a corner has the coordinates {a} {b} {height}")))
+            .ok_or_else(|| Unusable::Object(format!("a corner has impossible coordinates: {a} {b} {height}")))
     }
 
     /// Returns the conversion for a file whose first position this is.
@@ -154,13 +155,13 @@ impl Coordinates {
                 "the first corner has latitude {latitude} and longitude {longitude} of EPSG:{epsg}{}",
                 if swapped { ": the two seem to be swapped" } else { "" }
             );
-            let hint = if swapped { SWAP } else { "coordinates of this system are degrees: correct `srsName`" };
+            let hint = if swapped { SWAP } else { "correct `srsName`: coordinates of this system are degrees" };
             return Err(Unusable::File { what, hint });
         }
         let from = FromDegrees::new(Some(epsg), self.scene, latitude, longitude).map_err(|why| {
             let what = match (self.scene, why) {
-                (Some(scene), Unplaced::Unknown) => format!("degrees cannot become metres of EPSG:{scene}"),
-                _ => format!("there are no plane coordinates of latitude {latitude} and longitude {longitude}"),
+                (Some(scene), Unplaced::Unknown) => format!("degrees cannot be converted to metres of EPSG:{scene}"),
+                _ => format!("latitude {latitude} and longitude {longitude} have no plane coordinates"),
             };
             Unusable::File { what, hint: "reproject the file to a system in metres, such as the national grid or UTM" }
         })?;
@@ -174,13 +175,13 @@ impl Coordinates {
         };
         if self.scene.is_some() && fits(latitude, longitude).is_none() && fits(longitude, latitude).is_some() {
             let what = format!(
-                "latitude {latitude} and longitude {longitude} of EPSG:{epsg} lie far off {}, and would fit it swapped",
+                "latitude {latitude} and longitude {longitude} of EPSG:{epsg} lie far outside of {}; swapped, they would lie in it",
                 from.reference()
             );
             return Err(Unusable::File { what, hint: SWAP });
         }
         let reference = from.reference();
-        self.notes.push(format!("latitude and longitude (EPSG:{epsg}) became metres of {reference}"));
+        self.notes.push(format!("latitude and longitude (EPSG:{epsg}) are converted to metres of {reference}"));
         Ok(Way::Degrees { from: Box::new(from), longitude_first })
     }
 
@@ -198,13 +199,14 @@ impl Coordinates {
         };
         if northing_first != (by_register && is_formal) {
             let order = if northing_first { "northing, easting" } else { "easting, northing" };
-            self.notes
-                .push(format!("coordinates are taken as {order}: only so they lie where EPSG:{epsg} is made for"));
+            self.notes.push(format!(
+                "coordinates are read as {order}: in the other order they lie outside of the area of EPSG:{epsg}"
+            ));
         }
         let height_unit_m = stated_unit.unwrap_or(unit_m);
         if unit_m != 1.0 || height_unit_m != 1.0 {
             self.notes.push(format!(
-                "coordinates became metres: {unit_m:.7} m a unit of EPSG:{epsg}, {height_unit_m:.7} m a unit of heights"
+                "coordinates are converted to metres: a unit of EPSG:{epsg} is {unit_m:.7} m, a unit of heights {height_unit_m:.7} m"
             ));
         }
         Way::Plane { northing_first, unit_m, height_unit_m }
@@ -269,7 +271,7 @@ mod tests {
     fn wrong_orders_and_systems_are_named() {
         for (system, scene, numbers, said) in [
             ("EPSG:6697", None, [139.7, 35.25, 0.0], "swapped"),
-            ("EPSG:4258", Some(25832), [9.0, 52.0, 0.0], "would fit it swapped"),
+            ("EPSG:4258", Some(25832), [9.0, 52.0, 0.0], "swapped, they would lie in it"),
             ("EPSG:4978", None, [3.9e6, 3e5, 5e6], "geocentric"),
             ("EPSG:4326", None, [3.9e6, 3e5, 5.0], "latitude 3900000"),
         ] {

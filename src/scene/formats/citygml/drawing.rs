@@ -31,7 +31,7 @@ enum Ring {
 }
 
 pub(super) const LINES: &str = "as points or lines, which shade nothing";
-const FLAT: &str = "as outlines of two coordinates, without heights";
+const FLAT: &str = "as outlines whose corners have no heights";
 const CURVED: &str = "as surfaces that are bounded by curves";
 const UNKNOWN: &str = "as geometry of a kind that is not read";
 
@@ -178,7 +178,7 @@ impl Scan<'_> {
             // An even number that 3 does not divide means corners of two coordinates.
             None if !count.is_multiple_of(3) && count.is_multiple_of(2) => Ok(Ring::Flat),
             _ if !count.is_multiple_of(3) => {
-                self.wrong(ring.line, &format!("a ring has {count} numbers, not three a corner"));
+                self.wrong(ring.line, &format!("a ring has {count} numbers, not three for each corner"));
                 Ok(Ring::Wrong)
             }
             _ => self.corners(ring, around),
@@ -194,7 +194,7 @@ impl Scan<'_> {
             match crate::text::number(word).filter(|number| number.is_finite()) {
                 Some(number) => self.numbers.push(number),
                 None => {
-                    let what = format!("a coordinate is `{}`, which is no number", crate::text::excerpt(word));
+                    let what = format!("a coordinate is `{}`, not a number", crate::text::excerpt(word));
                     self.wrong(line, &what);
                     return Ok(false);
                 }
@@ -229,7 +229,7 @@ impl Scan<'_> {
         self.corners_read += self.ring_corners.len() as u64;
         if self.corners_read > MAX_CORNERS {
             return Err(Error::Limit {
-                what: format!("the number of corners of {}, which tiles keep small,", self.xml.file().display()),
+                what: format!("the number of corners of {} (split it into tiles)", self.xml.file().display()),
                 value: self.corners_read,
                 max: MAX_CORNERS,
             });

@@ -17,12 +17,12 @@ fn a_wrong_object_costs_no_other() {
     let one = |id: &str, geometry: &str| member(&format!(r#"<bldg:Building gml:id="{id}">{geometry}</bldg:Building>"#));
     let sound = solid(1, &ALL);
     for (from, to, said) in [
-        ("10 10 5", "10 ten 5", "`ten`, which is no number"),
-        ("10 10 5", "10 NaN 5", "`NaN`, which is no number"),
-        ("10 10 5", "10 1e999 5", "`1e999`, which is no number"),
-        ("10 10 5", "10 1e12 5", "a corner has the coordinates 10 1000000000000 5"),
+        ("10 10 5", "10 ten 5", "`ten`, not a number"),
+        ("10 10 5", "10 NaN 5", "`NaN`, not a number"),
+        ("10 10 5", "10 1e999 5", "`1e999`, not a number"),
+        ("10 10 5", "10 1e12 5", "a corner has impossible coordinates: 10 1000000000000 5"),
         ("<gml:posList>", "<gml:posList srsDimension=\"3\">7 ", "a ring has 16 numbers"),
-        ("<gml:Solid>", "<gml:Solid srsName=\"EPSG:25833\">", "it is in `EPSG:25833`"),
+        ("<gml:Solid>", "<gml:Solid srsName=\"EPSG:25833\">", "its coordinate system is `EPSG:25833`"),
     ] {
         let wrong = sound.replacen(from, to, 1);
         assert_ne!(wrong, sound);
@@ -37,12 +37,12 @@ fn a_wrong_object_costs_no_other() {
 
 /// Ten files are refused with what they are or lack.
 #[test]
-fn refusals() {
+fn unreadable_files_are_refused_with_a_reason() {
     let sound = building(&solid(1, &ALL));
     let with = |from: &str, to: &str| sound.replace(from, to);
     for (text, said) in [
         (String::new(), "the file is empty"),
-        ("<gbXML/>".into(), "this is gbXML"),
+        ("<gbXML/>".into(), "the file is gbXML"),
         ("<html><body/></html>".into(), "the root element is `html`"),
         ("{\"type\":\"CityJSON\"}".into(), "the file is empty"),
         (model(""), "holds no city objects"),
@@ -60,7 +60,7 @@ fn refusals() {
 /// A circle of references, a reference that leads nowhere, one into another file and an outline
 /// without heights leave 1 face and 4 reasons.
 #[test]
-fn references_that_lead_nowhere() {
+fn references_that_lead_nowhere_are_left_out() {
     let text = building(&format!(
         r##"<lod2MultiSurface><gml:MultiSurface gml:id="m"><gml:surfaceMember>{}</gml:surfaceMember><gml:surfaceMember xlink:href="#m"/>
         <gml:surfaceMember xlink:href="#n"/><gml:surfaceMember xlink:href="other.gml#n"/><gml:surfaceMember><gml:Polygon><gml:exterior><gml:LinearRing>
@@ -88,7 +88,7 @@ fn circles_across_objects_end() {
 /// A hundred thousand rings in one polygon, and a ring of a hundred thousand corners, are read: 2
 /// faces.
 #[test]
-fn many_rings_and_corners() {
+fn many_rings_and_corners_are_read() {
     let ring = |corners: usize| "1 2 3 4 5 6 ".repeat(corners / 2);
     let hole =
         format!("<gml:interior><gml:LinearRing><gml:posList>{}</gml:posList></gml:LinearRing></gml:interior>", ring(4));
@@ -129,7 +129,7 @@ fn a_template_bomb_ends_at_the_limit() {
 /// A file of 3 kB that is cut after any byte, or has one bit of any byte flipped, is read or
 /// refused without a panic.
 #[test]
-fn any_cut_and_any_bit() {
+fn any_cut_and_any_bit_cause_no_panic() {
     let tree = member(
         r#"<veg:SolitaryVegetationObject gml:id="t"><lod1ImplicitRepresentation><ImplicitGeometry><transformationMatrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1
         </transformationMatrix><relativeGMLGeometry xlink:href="&#35;p1"/><referencePoint><gml:Point><gml:pos>1 2 3</gml:pos></gml:Point></referencePoint>

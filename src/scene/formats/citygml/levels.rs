@@ -79,7 +79,7 @@ impl Levels {
         let first = self.coarser.first()?;
         let count = counted(self.coarser.len() as u64, "building");
         let sentence = format!(
-            "{count} (`{first}`) read in a coarser level of detail: the finest one is not closed; a stated `lod` counts"
+            "{count} (`{first}`) read in a coarser level of detail: the finest one is not closed; state `lod` to choose a level"
         );
         Some(with_list(&sentence, self.coarser.iter().skip(1).cloned()))
     }

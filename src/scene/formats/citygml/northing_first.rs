@@ -31,7 +31,7 @@ mod tests {
     /// Six of ten systems in use have the northing first: Gauss-Krueger, Poland, Japan, Sweden, and
     /// two of Europe.
     #[test]
-    fn systems_with_the_northing_first() {
+    fn six_of_ten_systems_have_the_northing_first() {
         for (epsg, expected) in [
             (31467, true),
             (2180, true),

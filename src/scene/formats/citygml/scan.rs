@@ -10,7 +10,7 @@ use crate::text::excerpt;
 use heliotile_core::error::{Error, Result};
 
 /// Hint on how to repair a damaged file.
-pub(super) const MEND: &str = "the file is no valid CityGML: validate it (val3dity, a schema) or export it again";
+pub(super) const MEND: &str = "validate the file (val3dity, a schema) or export it again: it is not valid CityGML";
 
 /// A city object with its parts, as far as it is read.
 #[derive(Default)]
@@ -117,10 +117,10 @@ fn is_collection(name: &str) -> bool {
 
 fn other_root(root: &Element, file: &Path) -> Error {
     let (what, hint) = match root.name.as_str() {
-        "gbXML" => ("this is gbXML, not CityGML".to_owned(), "convert the model to EnergyPlus or Honeybee"),
-        "kml" => ("this is KML, not CityGML".to_owned(), "export the city model as CityGML or CityJSON"),
+        "gbXML" => ("the file is gbXML, not CityGML".to_owned(), "convert the model to EnergyPlus or Honeybee"),
+        "kml" => ("the file is KML, not CityGML".to_owned(), "export the city model as CityGML or CityJSON"),
         name => (
-            format!("the root element is `{}`, so this is no CityGML", excerpt(name.as_bytes())),
+            format!("the root element is `{}`, so the file is not CityGML", excerpt(name.as_bytes())),
             "give a CityGML file, whose root element is CityModel",
         ),
     };

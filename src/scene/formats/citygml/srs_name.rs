@@ -63,7 +63,7 @@ mod tests {
     /// Fourteen spellings give their number. Heights in feet give 0.3048 m, and a plain name does
     /// not follow the register's axes.
     #[test]
-    fn spellings_of_systems() {
+    fn spellings_of_a_system_give_its_epsg_code() {
         for (text, epsg) in [
             ("http://www.opengis.net/def/crs/EPSG/0/6697", Some(6697)),
             ("https://www.opengis.net/def/crs/EPSG/9.9/25832/", Some(25832)),

@@ -121,7 +121,7 @@ pub(super) fn left_out(geometry: &Geometry) -> usize {
 /// A solid of 6 inline polygons is named by tilt, its 8 corners are stored once, and faces are
 /// named after their lines.
 #[test]
-fn a_solid_without_thematic_surfaces() {
+fn a_solid_without_surface_names_is_named_by_tilt() {
     let geometry = read(&building(&solid(1, &ALL)));
     assert_eq!((geometry.face_count(), geometry.vertices.len()), (6, 8));
     assert_eq!(
@@ -192,7 +192,7 @@ fn names_and_orientations_go_through_references() {
 /// The finest outside level of levels 0 to 4 is read; level 4 is read if there is no other, and a
 /// level that is asked for is read.
 #[test]
-fn levels_of_detail() {
+fn the_finest_outside_level_is_read() {
     let outline = format!("<lod0FootPrint><gml:MultiSurface>{}</gml:MultiSurface></lod0FootPrint>", members(&[1], 0));
     let text = building(&(outline.clone() + &solid(1, &ALL) + &solid(2, &ALL) + &solid(4, &ALL[..5])));
     for (lod, found, others) in [(None, 6, 3), (Some("1"), 6, 3), (Some("4"), 5, 3), (Some("0"), 1, 3)] {
@@ -222,7 +222,7 @@ fn an_open_level_gives_way_to_a_closed_one() {
 /// Parts belong to their building, whose own coarser geometry is left out. An installation is an
 /// object, and a room is left out.
 #[test]
-fn parts_installations_and_rooms() {
+fn parts_are_read_and_rooms_are_left_out() {
     let part = |property: &str, kind: &str, id: &str, lod: u32| {
         format!(r#"<bldg:{property}><bldg:{kind} gml:id="{id}">{}</bldg:{kind}></bldg:{property}>"#, solid(lod, &ALL))
     };
@@ -239,7 +239,7 @@ fn parts_installations_and_rooms() {
 /// Version 3.0 with its namespaces, a window in a wall and a default prefix gives 4 faces with 4
 /// names, one of them a window.
 #[test]
-fn version_3_0() {
+fn version_3_0_gives_named_faces() {
     let filled = format!(
         r#"<boundary><con:WallSurface><con:fillingSurface><con:WindowSurface><lod3MultiSurface><gml:MultiSurface>{}</gml:MultiSurface></lod3MultiSurface>
         </con:WindowSurface></con:fillingSurface><lod3MultiSurface><gml:MultiSurface>{}</gml:MultiSurface></lod3MultiSurface></con:WallSurface></boundary>"#,
@@ -260,7 +260,7 @@ fn version_3_0() {
 /// Terrain of two triangles has the material `TINRelief`; breaklines and mass points are left out,
 /// 2 of 2.
 #[test]
-fn terrain() {
+fn terrain_is_read_without_its_breaklines() {
     let triangle = |ring: &str| {
         format!(
             "<gml:Triangle><gml:exterior><gml:LinearRing><gml:posList>{ring}</gml:posList></gml:LinearRing></gml:exterior></gml:Triangle>"
@@ -282,7 +282,7 @@ fn terrain() {
 /// A template is placed for three trees, 10 m apart, one of them mirrored; a tree may come before
 /// the tree that holds the template.
 #[test]
-fn templates() {
+fn a_template_is_placed_for_each_tree() {
     let tree = |id: &str, geometry: &str, scale: &str, x: u32| {
         member(&format!(
             r#"<veg:SolitaryVegetationObject gml:id="{id}"><veg:lod2ImplicitRepresentation><core:ImplicitGeometry>
@@ -311,7 +311,7 @@ fn templates() {
 /// Buildings that refer to each other's walls are read with them, in either order; a reference to
 /// nothing is counted.
 #[test]
-fn references_across_objects() {
+fn references_across_objects_are_followed() {
     let one = |id: &str, geometry: &str| {
         member(&format!(
             r#"<bldg:Building gml:id="{id}"><bldg:lod2MultiSurface><gml:MultiSurface>{geometry}</gml:MultiSurface></bldg:lod2MultiSurface></bldg:Building>"#
@@ -329,7 +329,7 @@ fn references_across_objects() {
 /// Latitude and longitude in Japan become metres of UTM, 10 m apart, or of the scene's system; a
 /// note says which.
 #[test]
-fn degrees() {
+fn degrees_become_metres_with_a_note() {
     let text = building(
         "<lod1MultiSurface><gml:MultiSurface srsName=\"http://www.opengis.net/def/crs/EPSG/0/6697\"><gml:surfaceMember><gml:Polygon><gml:exterior><gml:LinearRing>\
          <gml:posList>35.25 139.7 1 35.25 139.70011 1 35.2501 139.7 1 35.25 139.7 1</gml:posList></gml:LinearRing></gml:exterior></gml:Polygon>\
@@ -347,7 +347,7 @@ fn degrees() {
 /// Attributes of a building in version 2.0 and of its part in 3.0 are kept by name, 7 of them;
 /// attributes of extensions and addresses are dropped.
 #[test]
-fn attributes_of_objects() {
+fn attributes_are_kept_by_name() {
     let text = building(
         r#"<gml:name>Town hall</gml:name><bldg:usage>1000</bldg:usage><bldg:usage>1010</bldg:usage><bldg:measuredHeight uom="m">7.50</bldg:measuredHeight>
         <gen:stringAttribute name="owner"><gen:value>A &amp; B</gen:value></gen:stringAttribute><uro:surveyYear>2020</uro:surveyYear>
@@ -398,7 +398,7 @@ fn the_hamlet_has_the_areas_of_the_second_reader() {
 /// Holes, single points and coordinates of GML 2 are read: 1 face of 8 corners, 4 of which are a
 /// hole, and 1 face of 4.
 #[test]
-fn spellings_of_rings() {
+fn every_spelling_of_a_ring_is_read() {
     let pos = |text: &str| text.split(',').map(|pos| format!("<gml:pos>{pos}</gml:pos>")).collect::<String>();
     let holed = format!(
         "<gml:surfaceMember><gml:Polygon><gml:exterior><gml:LinearRing>{}</gml:LinearRing></gml:exterior><gml:interior><gml:LinearRing>{}</gml:LinearRing></gml:interior></gml:Polygon></gml:surfaceMember>",

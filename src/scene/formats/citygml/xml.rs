@@ -23,7 +23,7 @@ const LONGEST: usize = 64 << 20;
 /// Attributes that are kept, by their local names.
 const KEPT: [&str; 7] = ["id", "href", "srsName", "srsDimension", "orientation", "name", "uom"];
 
-const CUT_OFF: &str = "the file is damaged or was cut off: copy or export it again";
+const CUT_OFF: &str = "copy or export the file again: it is damaged or cut off";
 
 /// A start tag.
 pub(super) struct Element {
@@ -137,8 +137,8 @@ impl<'f> Xml<'f> {
                 pass(&tag);
                 *depth += 1;
                 if *depth > DEEPEST {
-                    let what = format!("elements stand in elements more than {DEEPEST} deep");
-                    return Err(Error::input(file, *line, what, "the file is no valid CityGML: export it again"));
+                    let what = format!("elements are nested more than {DEEPEST} deep");
+                    return Err(Error::input(file, *line, what, "export the file again: it is not valid CityGML"));
                 }
                 Piece::Open(element(&tag, *line))
             }
@@ -169,8 +169,8 @@ impl<'f> Xml<'f> {
             }
             Event::DocType(declaration) => {
                 if declaration.contains(&b'[') {
-                    let what = "its DOCTYPE declares entities or elements, which are not expanded here";
-                    return Err(Error::input(file, *line, what, "take the declaration out, CityGML needs none"));
+                    let what = "its DOCTYPE declares entities or elements, which are not read";
+                    return Err(Error::input(file, *line, what, "remove the declaration: CityGML needs none"));
                 }
                 pass(&declaration);
                 Piece::Text
@@ -229,7 +229,7 @@ fn letter_of(name: &BytesRef) -> Option<char> {
 #[cold]
 fn broken(error: &quick_xml::Error, file: &Path, line: usize) -> Error {
     let what = match error {
-        quick_xml::Error::Io(cause) => format!("it cannot be read further: {cause}"),
+        quick_xml::Error::Io(cause) => format!("the file cannot be read further: {cause}"),
         other => format!("its XML is broken: {}", excerpt(other.to_string().as_bytes())),
     };
     Error::input(file, line, what, CUT_OFF)
