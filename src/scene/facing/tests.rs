@@ -394,7 +394,7 @@ fn windows_on_a_whole_wall_are_cut_out_of_it() {
         let kinds = &found["b"];
         assert!((kinds[&SurfaceKind::Wall] - (320.0 - 6.0)).abs() < 1e-9, "{kinds:?}");
         assert_eq!(kinds[&SurfaceKind::Window], 6.0);
-        let sentences = warnings.iter().filter(|w| w.contains("2 openings (windows, doors) lay on whole walls"));
+        let sentences = warnings.iter().filter(|w| w.contains("2 openings (windows, doors) lie on walls"));
         assert_eq!(sentences.count(), said, "{warnings:?}");
     }
 }
@@ -420,7 +420,7 @@ fn flat_outlines_are_no_roofs() {
     };
     assert_eq!(load(Some("0")).expect("asked for").mesh.triangles.len(), 2);
     let message = load(None).expect_err("no walls").to_string();
-    assert!(message.contains("it holds flat outlines of buildings (LoD 0): export walls and roofs"), "{message}");
+    assert!(message.contains("the file holds flat outlines of buildings (LoD 0)"), "{message}");
 }
 
 /// An outline of five corners of which two neighbours changed places is put in order, 26 m2; one

@@ -287,7 +287,7 @@ mod tests {
 
     /// Six levels are read from texts and numbers alike, and are ordered: 2.10 comes after 2.2.
     #[test]
-    fn levels() {
+    fn levels_are_read_and_ordered_by_number() {
         let levels: Vec<Lod> = serde_json::from_str("[0, \"1\", 1.2, \"2.0\", \"2.2\", \"2.10\"]").expect("levels");
         assert!(levels.is_sorted() && levels.windows(2).all(|pair| pair[0] != pair[1]));
         assert_eq!(levels.iter().map(Lod::to_string).collect::<Vec<_>>(), ["0", "1", "1.2", "2", "2.2", "2.10"]);
@@ -298,7 +298,7 @@ mod tests {
 
     /// A text without escapes borrows the file's 3 bytes, a text with escapes is a copy.
     #[test]
-    fn texts() {
+    fn a_text_without_escapes_is_not_copied() {
         let texts: Vec<Text> = serde_json::from_str(r#"["abc", "a\nc"]"#).expect("texts");
         assert!(
             matches!(texts[0].0, Cow::Borrowed("abc")) && matches!(&texts[1].0, Cow::Owned(text) if text == "a\nc")

@@ -30,7 +30,7 @@ impl Frame {
                 return Ok(Frame { scale: DVec3::ONE, translate: DVec3::ZERO });
             }
             let what =
-                format!("`transform` is missing, which CityJSON {} asks for", excerpt(document.version.0.as_bytes()));
+                format!("`transform` is missing, which CityJSON {} requires", excerpt(document.version.0.as_bytes()));
             let hint = "add `\"transform\": {\"scale\": [0.001, 0.001, 0.001], \"translate\": [0, 0, 0]}` with the values \
                         that the vertices were written with";
             return Err(Error::input(file, None, what, hint));
@@ -39,7 +39,7 @@ impl Frame {
         // serde_json yields no infinite numbers, but the type `f64` does not promise that.
         if !(scale.is_finite() && translate.is_finite() && scale.min_element() > 0.0) {
             let what = format!("`transform` has the scale {scale} and the translation {translate}");
-            return Err(Error::input(file, None, what, "scales are metres a step, more than 0 on every axis"));
+            return Err(Error::input(file, None, what, "write scales in metres per step, above 0 on every axis"));
         }
         Ok(Frame { scale, translate })
     }
@@ -67,7 +67,7 @@ pub(super) fn reference(text: &str, file: &Path, warnings: &mut Vec<String>) -> 
     }
     if number.is_none() {
         warnings.push(format!(
-            "{}: `metadata.referenceSystem` is `{}`, no number of the EPSG register; the place stays unknown",
+            "{}: `metadata.referenceSystem` is `{}`, which has no known EPSG code; the place on Earth stays unknown",
             file.display(),
             excerpt(text.as_bytes())
         ));
@@ -81,7 +81,7 @@ mod tests {
 
     /// Seven spellings of reference systems give their number, three others none.
     #[test]
-    fn spellings() {
+    fn spellings_of_a_system_give_its_epsg_code() {
         for (text, expected) in [
             ("https://www.opengis.net/def/crs/EPSG/0/7415", Some(7415)),
             ("http://www.opengis.net/def/crs/EPSG/9.8.5/28992/", Some(28992)),
@@ -101,7 +101,7 @@ mod tests {
     /// Degrees are refused under 6 names and geocentric coordinates under 2. Metres are accepted,
     /// and a name without a number gives 1 warning.
     #[test]
-    fn degrees() {
+    fn degrees_and_geocentric_systems_are_refused() {
         let mut warnings = Vec::new();
         let mut of = |text: &str| reference(text, Path::new("town.city.json"), &mut warnings);
         for text in [

@@ -37,7 +37,7 @@ pub(super) use surfaces::name_by_tilt;
 use templates::Template;
 
 /// Hint on how to repair a damaged file.
-const MEND: &str = "the file is no valid CityJSON: validate it (cjval) or export it again";
+const MEND: &str = "validate the file (cjval) or export it again: it is not valid CityJSON";
 
 /// Reads a city model. A name that ends with `.jsonl` means a sequence.
 pub(super) fn parse(bytes: &[u8], file: &Path, asked: &Asked) -> Result<Geometry> {
@@ -146,7 +146,9 @@ pub(super) fn finish(reader: Reader) -> Result<Geometry> {
         let cut = openings::cut_openings(&mut geometry);
         if cut > 0 {
             let what = counted(cut as u64, "opening");
-            geometry.doubts.push(format!("{what} (windows, doors) lay on whole walls and roofs: cut out of them"));
+            geometry
+                .doubts
+                .push(format!("{what} (windows, doors) lie on walls and roofs without holes: cut out of them"));
         }
         geometry.warnings.extend(left_out(file, &skipped, mend));
         return Ok(geometry);
@@ -167,9 +169,11 @@ pub(super) fn finish(reader: Reader) -> Result<Geometry> {
     let levels: Vec<String> = levels.iter().map(Lod::to_string).collect();
     let hint = match asked {
         None if only_outlines => {
-            "it holds flat outlines of buildings (LoD 0): export walls and roofs, LoD 1 or finer".to_owned()
+            "export walls and roofs (LoD 1 or finer): the file holds flat outlines of buildings (LoD 0)".to_owned()
         }
-        Some(asked) => format!("level of detail {asked} is asked for, the file holds {}", levels.join(", ")),
+        Some(asked) => {
+            format!("give one of the levels of detail that the file holds: {} (requested: {asked})", levels.join(", "))
+        }
         None => "export surfaces or solids; points and lines shade nothing".into(),
     };
     Err(Error::input(file, None, what, hint))
@@ -185,7 +189,7 @@ fn left_out(file: &Path, skipped: &[Error], mend: &str) -> Option<String> {
     };
     let (first, others) = skipped.split_first()?;
     let sentence = format!(
-        "{}: {} left out, whose geometry is wrong: {}; {mend}",
+        "{}: {} left out because of wrong geometry: {}; {mend}",
         file.display(),
         counted(skipped.len() as u64, "city object"),
         words(first)
@@ -196,7 +200,7 @@ fn left_out(file: &Path, skipped: &[Error], mend: &str) -> Option<String> {
 /// Returns the level of detail in a user's text.
 pub(super) fn level(text: &str, file: &Path) -> Result<Lod> {
     Lod::of(text).ok_or_else(|| {
-        let what = format!("level of detail `{}` is asked for", excerpt(text.as_bytes()));
-        Error::input(file, None, what, "levels are numbers as 1, 1.3 or 2.2")
+        let what = format!("level of detail `{}` is not a number", excerpt(text.as_bytes()));
+        Error::input(file, None, what, "give a number such as 1, 1.3 or 2.2")
     })
 }

@@ -170,7 +170,7 @@ impl Values<'_> {
 }
 
 fn differs() -> String {
-    "the values of its semantics are not one for each surface, in arrays as those of boundaries".into()
+    "the values of its semantics are not one for each surface, in the same arrays as its boundaries".into()
 }
 
 impl<'de> Deserialize<'de> for Nested {
@@ -216,7 +216,7 @@ impl<'de> Visitor<'de> for Level<'_> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<(), A::Error> {
         if self.depth == DEEPEST {
-            return Err(A::Error::custom(format_args!("arrays in arrays more than {DEEPEST} deep")));
+            return Err(A::Error::custom(format_args!("arrays are nested more than {DEEPEST} deep")));
         }
         self.marks.push(OPEN);
         while items.next_element_seed(Level { marks: &mut *self.marks, depth: self.depth + 1 })?.is_some() {}
@@ -236,7 +236,7 @@ mod tests {
     /// Two shells of 2 and 1 surfaces are read with their indices, their 4 rings and their values;
     /// the values of a whole shell may be null.
     #[test]
-    fn in_step() {
+    fn values_in_step_name_their_surfaces() {
         let solid = nested("[[[[0,1,2],[3,4,5]],[[6,7,8]]],[[[9,10,11]]]]");
         for (values, expected) in [
             (Some("[[4,null],[5]]"), [Some(4), None, Some(5)]),
@@ -258,7 +258,7 @@ mod tests {
 
     /// Nine shapes that do not match are refused with a message.
     #[test]
-    fn out_of_step() {
+    fn shapes_out_of_step_are_refused() {
         for (boundaries, depth, values, said) in [
             ("[[0,1,2]]", 3, None, "2 arrays deep in place of 3"),
             ("7", 3, None, "0 arrays deep in place of 3"),

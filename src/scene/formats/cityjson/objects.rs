@@ -25,7 +25,8 @@ pub(super) const OUTLINES: &str = "as flat outlines of buildings (LoD 0), which 
 /// Reasons for leaving out geometry: of levels of detail that are not chosen, and of objects
 /// without a level to choose.
 pub(in crate::formats) const OTHER_LEVEL: &str = "as geometry in another level of detail";
-pub(in crate::formats) const NO_LEVEL: &str = "for want of the level of detail asked for or a coarser one";
+pub(in crate::formats) const NO_LEVEL: &str =
+    "because they have neither the requested level of detail nor a coarser one";
 
 /// Most levels of detail that a message lists.
 pub(in crate::formats) const LEVELS_NAMED: usize = 12;
@@ -216,7 +217,10 @@ impl<'h> Reader<'_, 'h> {
         }
         let Some(template) = self.template(shape) else {
             let what = match shape.template {
-                Some(number) => format!("it stands for template {number} of {}, counted from 0", self.templates.len()),
+                Some(number) => format!(
+                    "its `template` is {number}, but the {} templates are numbered from 0",
+                    self.templates.len()
+                ),
                 None => "its instance of a template has no `template`".into(),
             };
             return Err(self.wrong(owner, what));
@@ -251,7 +255,7 @@ impl<'h> Reader<'_, 'h> {
             let line = shape.lines.get(i).map(|line| *line as usize);
             let stated = semantic(shape, surface.value).map_err(|what| self.wrong(owner, what))?;
             if stated.is_some_and(|name| VIRTUAL.contains(&name)) {
-                self.geometry.leave_out("as surfaces that only close a volume where nothing is");
+                self.geometry.leave_out("as surfaces that only close a volume, such as ClosureSurface");
                 continue;
             }
             let source = match line {

@@ -27,14 +27,14 @@ pub(super) fn document<'a>(text: &'a [u8], file: &Path, line: Option<usize>) -> 
         let shown: String =
             said.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).take(LONGEST_MESSAGE).collect();
         let (what, hint) = if said.contains("EOF while") {
-            (format!("the JSON text ends too early: {shown}"), "the file was cut off: copy or export it again")
+            (format!("the JSON text ends too early: {shown}"), "copy or export the file again: it was cut off")
         } else if said.contains("trailing characters") && line.is_none() {
             (
-                format!("more follows on the JSON value: {shown}"),
-                "let the name of a sequence of features end with .city.jsonl",
+                format!("more text follows after the JSON value: {shown}"),
+                "end the name of a sequence of features with .city.jsonl",
             )
         } else {
-            (shown, "the file is no valid CityJSON: validate it (cjval) or export it again")
+            (shown, "validate the file (cjval) or export it again: it is not valid CityJSON")
         };
         let at = line.unwrap_or(error.line());
         Error::input(file, (at > 0).then_some(at), format!("{what} (column {})", error.column()), hint)
@@ -56,7 +56,7 @@ pub(super) fn version(document: &Document, file: &Path) -> Result<()> {
         return Err(Error::Unsupported {
             what: format!("the CityJSON version of {}", file.display()),
             found: format!("`{}`", excerpt(document.version.0.as_bytes())),
-            supported: "1.0, 1.1, 2.0; `cjio old.json upgrade save new.city.json` brings older ones up".into(),
+            supported: "1.0, 1.1, 2.0; upgrade older files: `cjio old.json upgrade save new.city.json`".into(),
         });
     }
     Ok(())
@@ -68,7 +68,7 @@ pub(super) fn other_than_features(document: &Document, file: &Path, line: usize)
         return Ok(());
     }
     let what = format!("the line's `type` is `{}`, not CityJSONFeature", excerpt(document.kind.0.as_bytes()));
-    Err(Error::input(file, line, what, "a sequence has one header, its first line; join two with cjio"))
+    Err(Error::input(file, line, what, "a sequence has one header, its first line; join two files with cjio"))
 }
 
 /// Returns an error unless the value names itself CityJSON.
@@ -83,25 +83,28 @@ fn kind_of(sketch: &Sketch, file: &Path, line: Option<usize>) -> Result<()> {
             "a sequence begins with a line of type CityJSON that holds `transform`",
         ),
         Some("FeatureCollection" | "Feature") => {
-            ("this is GeoJSON, not CityJSON".to_owned(), "export the 3D city model, flat outlines shade nothing")
+            ("the file is GeoJSON, not CityJSON".to_owned(), "export the 3D city model: flat outlines cast no shadow")
         }
         Some(other) => (
             format!("`type` is `{}`, not CityJSON", excerpt(other.as_bytes())),
             "give a CityJSON file, one of type CityJSON",
         ),
-        None if sketch.is_list => ("this is a JSON list, not a CityJSON object".to_owned(), "give a CityJSON file"),
+        None if sketch.is_list => ("the file is a JSON list, not a CityJSON object".to_owned(), "give a CityJSON file"),
         None if has("Building") || has("Zone") || has("BuildingSurface:Detailed") => (
-            "this looks like an EnergyPlus model (epJSON), not CityJSON".to_owned(),
-            "let the name of an EnergyPlus model end with .epJSON",
+            "the file looks like an EnergyPlus model (epJSON), not CityJSON".to_owned(),
+            "end the name of an EnergyPlus model with .epJSON",
         ),
         None if has("asset") && (has("scenes") || has("meshes") || has("nodes")) => {
-            ("this looks like glTF, not CityJSON".to_owned(), "let the name of a glTF file end with .gltf")
+            ("the file looks like glTF, not CityJSON".to_owned(), "end the name of a glTF file with .gltf")
         }
         None => {
             let keys: Vec<String> = sketch.keys.iter().map(|key| format!("`{}`", excerpt(key.as_bytes()))).collect();
             let found =
                 if keys.is_empty() { "holds nothing".into() } else { format!("begins with {}", keys.join(", ")) };
-            (format!("this JSON has no `type`, so it is no CityJSON; it {found}"), "give a CityJSON file")
+            (
+                format!("the JSON object has no `type`, so the file is not CityJSON; the object {found}"),
+                "give a CityJSON file",
+            )
         }
     };
     Err(Error::input(file, line, what, hint))

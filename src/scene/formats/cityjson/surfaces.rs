@@ -106,7 +106,7 @@ mod tests {
     /// Faces 0 to 74 degrees from level are roofs, 76 to 104 degrees walls, from 106 degrees on
     /// floor plates, also far from the origin.
     #[test]
-    fn tilt() {
+    fn tilt_names_roofs_walls_and_floors() {
         for (degrees, expected) in [
             (0.0, "RoofSurface"),
             (45.0, "RoofSurface"),

@@ -63,7 +63,7 @@ fn left_out(geometry: &Geometry) -> usize {
 /// The six faces of a box without semantics are named by tilt, moved by the transform, and belong
 /// to the object.
 #[test]
-fn box_without_semantics() {
+fn a_box_without_semantics_is_named_by_tilt() {
     let geometry = read(&building(&solid("2")));
     let names = ["GroundSurface", "RoofSurface", "WallSurface", "WallSurface", "WallSurface", "WallSurface"];
     assert_eq!(materials(&geometry), names);
@@ -75,7 +75,7 @@ fn box_without_semantics() {
 /// Semantics name 4 of 6 faces. A null, or a null for a whole shell, leaves faces to the object's
 /// type. The closure surface is left out and counted.
 #[test]
-fn semantics() {
+fn semantics_name_faces_before_the_object_type() {
     let shape = |values: &str| {
         format!(
             r#"{{"type":"Solid","lod":2,"boundaries":{BOX},"semantics":{{"values":{values},"surfaces":[
@@ -95,7 +95,7 @@ fn semantics() {
 /// The finest of three levels of detail is read, 2.10 before 2.2; or the one asked for, or the
 /// finest below it, or none.
 #[test]
-fn levels() {
+fn the_finest_or_requested_level_is_read() {
     let roof = |lod: &str| format!(r#"{{"type":"MultiSurface","lod":"{lod}","boundaries":[[[4,5,6,7]]]}}"#);
     let text = building(&[solid("2.2"), roof("2.10"), solid("1"), roof("2.10")].join(","));
     for (asked, faces, others) in
@@ -105,9 +105,9 @@ fn levels() {
         assert_eq!((geometry.face_count(), left_out(&geometry)), (faces, others), "{asked:?}");
     }
     let message = read_as(&text, "town.json", Some("0.3")).expect_err("nothing so coarse").to_string();
-    assert!(message.contains("level of detail 0.3 is asked for, the file holds 1, 2.2, 2.10"), "{message}");
+    assert!(message.contains("that the file holds: 1, 2.2, 2.10 (requested: 0.3)"), "{message}");
     let message = read_as(&text, "town.json", Some("fine")).expect_err("no level").to_string();
-    assert!(message.contains("level of detail `fine` is asked for"), "{message}");
+    assert!(message.contains("level of detail `fine` is not a number"), "{message}");
     // Points do not count as finer geometry.
     let points = building(&[solid("1"), r#"{"type":"MultiPoint","lod":"3","boundaries":[1,2]}"#.into()].join(","));
     assert_eq!((read(&points).face_count(), left_out(&read(&points))), (6, 1));
@@ -116,7 +116,7 @@ fn levels() {
 /// A building's coarser geometry is left out where its parts are finer. A main part of equal
 /// detail, an installation and a finer parent stay.
 #[test]
-fn parents() {
+fn geometry_coarser_than_the_parts_is_left_out() {
     for (parent, kind, child, faces, relation) in [
         ("1", "BuildingPart", "2.2", 6, r#""parents":["b"],"#),
         ("1", "BuildingPart", "2.2", 6, ""),
@@ -137,7 +137,7 @@ fn parents() {
 /// An outline with a hole has 100 - 4 = 96 m2, a solid with an inner shell 400 + 32 m2, two solids
 /// twice that.
 #[test]
-fn holes_shells_solids() {
+fn holes_and_shells_have_the_right_area() {
     let area = |geometry: &Geometry| -> f64 {
         let cut = triangulate(geometry).expect("within limits");
         let corner = |corner: u32| geometry.vertices[corner as usize];
@@ -170,7 +170,7 @@ fn holes_shells_solids() {
 /// A template stands twice, turned, stretched and mirrored by its matrix; the transform does not
 /// apply to its 4 vertices.
 #[test]
-fn templates() {
+fn templates_are_placed_by_their_matrix() {
     let instance = |matrix: &str| {
         let place =
             format!(r#"{{"type":"GeometryInstance","template":0,"boundaries":[6],"transformationMatrix":[{matrix}]}}"#);
@@ -197,7 +197,7 @@ fn templates() {
         assert!((at(1) - at(0)).cross(at(2) - at(1)).z > 0.0, "still faces up: {matrix}");
     }
     for (from, to, said) in [
-        ("\"template\":0", "\"template\":1", "object `t`: it stands for template 1 of 1"),
+        ("\"template\":0", "\"template\":1", "object `t`: its `template` is 1, but the 1 templates"),
         ("\"template\":0", "\"template\":-1", "object `t`: invalid value"),
         ("\"template\":0,", "", "object `t`: its instance of a template has no `template`"),
         ("0,0,0,1]", "0,0,1]", "object `t`: its `transformationMatrix` has 15 numbers, not 16"),
@@ -222,7 +222,7 @@ fn templates() {
 /// A file of 0.7 MB that repeats a template of 100,000 corners 1400 times is refused at the limit
 /// of 134 million corners.
 #[test]
-fn template_bomb() {
+fn a_template_bomb_ends_at_the_limit() {
     let ring = (0..100_000).map(|i| (i % 8).to_string()).collect::<Vec<_>>().join(",");
     let place = r#"{"type":"GeometryInstance","template":0,"boundaries":[0],"transformationMatrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}"#;
     let places = vec![place; 1400].join(",");
@@ -242,7 +242,7 @@ fn template_bomb() {
 /// A sequence gives each of 2 features its own vertices and line; empty lines and a byte order mark
 /// are ignored.
 #[test]
-fn sequences() {
+fn features_of_a_sequence_have_their_own_vertices() {
     let header = format!(
         r#"{{"type":"CityJSON","version":"1.1",{TRANSFORM},"metadata":{{"referenceSystem":"urn:ogc:def:crs:EPSG::7415"}},"CityObjects":{{}},"vertices":[]}}"#
     );
@@ -289,7 +289,7 @@ fn sequences() {
 
 /// Version 1.0 needs no transform and writes levels as numbers; metres stay exact.
 #[test]
-fn version_1_0() {
+fn version_1_0_needs_no_transform() {
     let text =
         building(&solid("2")).replace(&format!("{TRANSFORM},"), "").replace("\"2.0\"", "\"1.0\"").replace("\"2\"", "2");
     assert!(text.contains("\"lod\":2,"));
@@ -299,7 +299,7 @@ fn version_1_0() {
 
 /// Odd pieces are left out and counted by reason, 4 reasons here, and the rest of the object stays.
 #[test]
-fn odd_pieces() {
+fn odd_pieces_are_left_out_by_reason() {
     let group = format!(r#""g":{{"type":"CityObjectGroup","geometry":[{}]}},"#, solid("0"));
     let odd = r#"{"type":"MultiSurface","lod":"2","boundaries":[[[0,1]],[],[[]],[[0,1,2,3],[1]],[[0,1,0,1]]]}"#;
     let text = building(&[odd, r#"{"type":"Blob","lod":"2","boundaries":[]}"#].join(","));
@@ -312,7 +312,7 @@ fn odd_pieces() {
 /// A face of a million corners is read, and triangulation refuses it by its object's name. A ring
 /// that touches itself is cut into its 2 triangles.
 #[test]
-fn long_and_touching_rings() {
+fn long_rings_are_refused_and_touching_ones_cut() {
     let ring = vec!["0,1,2,3"; 250_000].join(",");
     let geometry = read(&building(&format!(r#"{{"type":"MultiSurface","lod":"2","boundaries":[[[{ring}]]]}}"#)));
     let message = triangulate(&geometry).expect_err("too long").to_string();
@@ -347,7 +347,7 @@ fn a_wrong_object_costs_no_other() {
 /// A service's answer is read as its feature or features: 6 faces of one, 12 of two, with one
 /// header for each or one for all. The metadata state the place.
 #[test]
-fn answers_of_services() {
+fn answers_of_services_are_read_as_features() {
     let metadata = format!(
         r#"{{"type":"CityJSON","version":"2.0",{TRANSFORM},"metadata":{{"referenceSystem":"EPSG:7415"}},"CityObjects":{{}},"vertices":[]}}"#
     );
@@ -378,7 +378,7 @@ fn answers_of_services() {
 
 /// Each of more than 30 refusals names the file, the line where there is one, and what is wrong.
 #[test]
-fn refusals() {
+fn refusals_name_file_line_and_fault() {
     let sound = building(&solid("2"));
     let with = |from: &str, to: &str| {
         let broken = sound.replacen(from, to, 1);
@@ -406,7 +406,7 @@ fn refusals() {
         (with("\"CityJSON\"", "\"CityGML\""), None, "`type` is `CityGML`"),
         (with("\"CityJSON\"", "3"), None, "`type` is ``"),
         (with("\"2.0\"", "\"0.8\""), None, "found `0.8`, this release supports 1.0"),
-        (with(&format!("{TRANSFORM},"), ""), None, "`transform` is missing, which CityJSON 2.0 asks for"),
+        (with(&format!("{TRANSFORM},"), ""), None, "`transform` is missing, which CityJSON 2.0 requires"),
         (with("[1,1,1]", "[1,0,1]"), None, "`transform` has the scale [1, 0, 1]"),
         (with("[1,1,1]", "[1,1]"), Some(1), "transform: invalid length 2"),
         (with("[1,1,1]", "[1,1e999,1]"), Some(1), "transform: number out of range"),
@@ -419,7 +419,7 @@ fn refusals() {
         (with("[0,3,2,1]", "[0,3,2,8]"), None, "object `b`: its boundaries name vertex 8 of 8 vertices"),
         (with("[0,3,2,1]", "[0,3,2,-1]"), Some(1), "object `b`: invalid type: integer `-1`"),
         (with("[0,3,2,1]", "[0,3,2,1.5]"), Some(1), "object `b`: invalid type: floating point `1.5`"),
-        (with("[0,3,2,1]", "[[[0,3,2,1]]]"), Some(1), "object `b`: arrays in arrays more than 5 deep"),
+        (with("[0,3,2,1]", "[[[0,3,2,1]]]"), Some(1), "object `b`: arrays are nested more than 5 deep"),
         (shape("MultiSurface", BOX, ""), None, "object `b`: boundaries are nested more than 3 arrays deep"),
         (shape("MultiSolid", BOX, ""), None, "object `b`: boundaries hold vertex numbers 4 arrays deep in place of 5"),
         (building(r#"{"type":"Solid","lod":"2"}"#), None, "object `b`: its Solid has no `boundaries`"),
