@@ -238,7 +238,7 @@ impl fmt::Display for Error {
             ),
             Error::SourceChanged { path, what } => write!(
                 f,
-                "{}: has changed while it was read: {what}\n  to fix: do it again, then the new one is read",
+                "{}: has changed while it was read: {what}\n  to fix: try again to read the new archive",
                 path.display()
             ),
             Error::Defect { path, block, field, what, hint } => write!(

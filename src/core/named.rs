@@ -11,15 +11,18 @@ pub trait NamedValues: Clone + Send + Sync + 'static {
 
 /// Returns the value of a name; `argument` is the field that an error names.
 pub fn by_name<T: NamedValues>(argument: &str, name: &str) -> Result<T> {
-    let refuse =
-        |_| Error::argument(argument, format!("`{name}` is none of its values"), format!("give {}", names::<T>()));
+    let refuse = |_| {
+        Error::argument(argument, format!("`{name}` is not a known value"), format!("give one of {}", names::<T>()))
+    };
     of_name(name).map_err(refuse)
 }
 
 /// Returns the value of a name, or a sentence that lists the known names.
 pub fn of_name<T: NamedValues>(name: &str) -> std::result::Result<T, String> {
     let found = T::VALUES.iter().find(|(known, _, _)| *known == name);
-    found.map(|(_, _, value)| value.clone()).ok_or_else(|| format!("`{name}` is none of {}", names::<T>()))
+    found
+        .map(|(_, _, value)| value.clone())
+        .ok_or_else(|| format!("`{name}` is not a known value; known values: {}", names::<T>()))
 }
 
 fn names<T: NamedValues>() -> String {
@@ -63,6 +66,6 @@ mod tests {
             assert_eq!(by_name::<StampedAt>("weather_stamp", name_of(&at)).ok(), Some(at));
         }
         let refused = by_name::<StampedAt>("weather_stamp", "noon").expect_err("no such place").to_string();
-        assert!(refused.contains("`noon`") && refused.contains("give start, middle, end"), "{refused}");
+        assert!(refused.contains("`noon`") && refused.contains("give one of start, middle, end"), "{refused}");
     }
 }

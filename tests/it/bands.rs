@@ -330,7 +330,7 @@ fn notes_and_refusals() {
     ] {
         folder.refused(&format!("{QUERY} --bands {bands}"), &parts);
     }
-    folder.refused(&format!("{QUERY},total_red"), &["`total_red` is no column"]);
+    folder.refused(&format!("{QUERY},total_red"), &["`total_red` is not a known column"]);
     let weather = golden().display().to_string();
     let honeybee = format!("replay site.helio --weather {weather} --bands par --honeybee out");
     folder.refused(&honeybee, &["results of Honeybee are `total`"]);

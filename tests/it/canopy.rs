@@ -483,7 +483,7 @@ fn names_and_values() {
     };
     for (command, option, value, expected) in [
         ("query", "--transmittance", "bush=0.5", "no group and no material `bush`"),
-        ("query", "--transmittance", "wall=0.5", "`wall` is no canopy"),
+        ("query", "--transmittance", "wall=0.5", "`wall` is not a canopy"),
         ("query", "--transmittance", "trees=1.2", "from 0 to 1, not 1.2"),
         ("query", "--transmittance", "trees=leaf.csv", "12 values for a table of conditions of 1 rows"),
         ("query", "--reflectance", "leaf=0.5", "`leaf` is a canopy"),

@@ -316,7 +316,7 @@ fn refusals() {
     let replay = format!("replay site.helio --weather {}", golden().display());
     folder.refused(&format!("{replay} --temperature ground=5"), &["--temperature", "--columns total,longwave"]);
     for (rest, expected) in [
-        ("roof=5", "`ground` and `obstruction`"),
+        ("roof=5", "`ground` or `obstruction`"),
         ("ground=285.65", "-100 to 150 degrees Celsius"),
         ("ground=none.csv", "none.csv"),
         ("ground=short.csv", "1 values for a weather file of 72 rows"),

@@ -257,7 +257,7 @@ fn a_table_of_radiances() {
     folder.write("others.csv", &format!("condition{names}\nx{}\ny{}\n", ",1".repeat(577), ",1".repeat(577)));
     folder.refused(
         "query open.helio --conditions one.csv --sky others.csv",
-        &["others.csv", "no row for `noon` among 2", "to fix: name rows as the results do"],
+        &["others.csv", "none of 2 rows is named `noon`", "to fix: name rows as the results name them"],
     );
 }
 
@@ -285,9 +285,9 @@ fn bad_files() {
     encoder.write_header().and_then(|mut writer| writer.write_image_data(&[9; 12])).expect("a PNG");
     fs::write(folder.path("wide.png"), wide).expect("a picture");
     for (matrix, found, fix) in [
-        ("mf3.mtx", "1298 rows, which are no patches", "gendaymtx -s -O1"),
-        ("five.mtx", "5 columns of time for a weather file of 8 rows", "of the same rows"),
-        ("below.mtx", "row 146, column 8, is -2", "from 0 on"),
+        ("mf3.mtx", "1298 rows, not the 146", "gendaymtx -s -O1"),
+        ("five.mtx", "5 columns of time for a weather file of 8 rows", "one row for each of these rows"),
+        ("below.mtx", "row 146, column 8, is -2", "0 or more"),
         ("nan.mtx", "row 146, column 8, is NaN", "make the matrix again"),
     ] {
         folder.refused(&format!("{weather} --sky {matrix}"), &[matrix, found, "to fix: ", fix]);
@@ -297,8 +297,8 @@ fn bad_files() {
         ("--sky wide.png", ["wide.png", "4 x 3 pixels are not a square", "crop it"]),
         ("--sky sky.png --sky-scale given", ["sky.png", "levels of a PNG are no radiances", "--sky-white"]),
         ("--clouds thick.csv", ["thick.csv, line 2", "patch 1 is `1.5`", "from 0 to 1"]),
-        ("--sky holes.csv", ["holes.csv, line 2", "patch 1 is `NaN`", "from 0 on"]),
-        ("--sky perez1990 --clouds sky.png", ["--sky", "`perez1990` has light at the sun", "choose another sky"]),
+        ("--sky holes.csv", ["holes.csv, line 2", "patch 1 is `NaN`", "0 or more"]),
+        ("--sky perez1990 --clouds sky.png", ["--sky", "`perez1990` adds light at the sun", "choose another sky"]),
         ("--sky-scale dhi", ["--sky-scale", "the sky is a model", "name a file with --sky"]),
         ("--sky missing.mtx", ["missing.mtx", "", ""]),
     ] {

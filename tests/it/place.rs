@@ -49,13 +49,13 @@ fn south_is_symmetric_about_solar_noon() {
     let built = folder.run("build meadow.obj --crs EPSG:25832 -r south.csv -o s.helio");
     assert_eq!(built.status.code(), Some(0), "{}", stderr(&built));
     assert!(
-        stderr(&built).contains("note: y lies 2.27 degrees west of true north in EPSG:25832: suns"),
+        stderr(&built).contains("note: the y axis points 2.27 degrees west of true north in EPSG:25832: suns"),
         "{}",
         stderr(&built)
     );
     let turn_deg = |options: &str| {
         let output = folder.run(&format!("query s.helio -c suns.csv --columns sun_direct{options}"));
-        let said = stderr(&output).contains("y lies 2.27 degrees west of true north");
+        let said = stderr(&output).contains("the y axis points 2.27 degrees west of true north");
         assert_eq!(said, options.is_empty(), "{}", stderr(&output));
         let table = stdout(&output);
         let values = table.lines().skip(1).map(|line| line.rsplit(',').next().and_then(|v| v.parse::<f64>().ok()));

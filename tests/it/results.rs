@@ -64,9 +64,9 @@ fn columns() {
     let (header, one) = table(&folder.run("query site.helio -c conditions.csv --columns sun_diffuse"));
     assert_eq!((header.as_str(), one.len()), ("condition,receiver,sun_diffuse", 8));
     let query = "query site.helio -c conditions.csv --columns";
-    folder.refused(&format!("{query} sun"), &["`sun` is no column", "sun_direct", "sky_specular", "total"]);
-    folder.refused(&format!("{query} total,total"), &["`total` stands there twice"]);
-    folder.refused(&format!("{query} total,"), &["`` is no column"]);
+    folder.refused(&format!("{query} sun"), &["`sun` is not a known column", "sun_direct", "sky_specular", "total"]);
+    folder.refused(&format!("{query} total,total"), &["`total` is named twice"]);
+    folder.refused(&format!("{query} total,"), &["`` is not a known column"]);
 }
 
 /// Spans of the three days give their hours, one day or two, and `total` is the sum of the days. 5

@@ -91,7 +91,8 @@ fn leap_days() {
     let (rows, said) = replay(&leap, "--year 2019");
     assert_eq!(rows.keys().filter(|(_, id)| id == "up").count(), 8760);
     assert!(
-        said.contains("29 February is left out, as 2019 has none: 24 of 8784 rows") && said.lines().count() == 1,
+        said.contains("29 February is left out, because 2019 has no such day: 24 of 8784 rows")
+            && said.lines().count() == 1,
         "{said}"
     );
     let (rows, said) = replay(&leap, "--every day --year 2024");

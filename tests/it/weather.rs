@@ -308,7 +308,7 @@ fn place_of_the_archive() {
     assert!(refused.status.code() == Some(2) && message.contains("such as --time-zone +00:00"), "{message}");
     let done = run(&["--time-zone", "UTC"]);
     let note = String::from_utf8_lossy(&done.stderr).into_owned();
-    assert!(note.contains("the place of the scene is taken, latitude 52.0000, longitude 4.3000"), "{note}");
+    assert!(note.contains("the place of the scene is used: latitude 52.0000, longitude 4.3000"), "{note}");
     let table = String::from_utf8_lossy(&done.stdout).into_owned();
     let noon: f64 =
         table.lines().nth(1).and_then(|line| line.rsplit(',').next()).expect("a cell").parse().expect("W/m2");

@@ -39,8 +39,10 @@ pub fn read(source: &Source) -> Result<Header> {
     }
     if valid.is_empty() {
         return Err(match magic {
-            true => corrupt(path, "two slots with a wrong checksum".to_string(), "one that is right".to_string()),
-            false => not_an_archive(path, "it does not start as one".to_string()),
+            true => {
+                corrupt(path, "two slots with a wrong checksum".to_string(), "one with a right checksum".to_string())
+            }
+            false => not_an_archive(path, "its first bytes are not those of an archive".to_string()),
         });
     }
     valid.iter().try_for_each(|slot| check_supported(path, slot))?;

@@ -176,7 +176,7 @@ impl Manifest {
         let refuse = |found: String| Error::Unsupported {
             what: "writing the manifest".to_string(),
             found,
-            supported: "finite numbers, and unknown keys that are not known ones".to_string(),
+            supported: "finite numbers, and no unknown key with the name of a known one".to_string(),
         };
         let mut value = serde_json::to_value(self).map_err(|e| refuse(e.to_string()))?;
         value.sort_all_objects();

@@ -128,7 +128,7 @@ impl Archive {
             Some(entry) => self.fetch(entry),
             None => {
                 let what = format!("holds no block {}", format::block_name(kind, tile));
-                Err(Error::input(self.path(), None, what, "build the archive with the layer that is asked for"))
+                Err(Error::input(self.path(), None, what, "build the archive again with this layer"))
             }
         }
     }

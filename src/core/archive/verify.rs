@@ -174,8 +174,9 @@ fn check(archive: &Archive, entry: &Entry, site: &Site) -> Result<()> {
     block.check_content()?;
     let settings = &archive.manifest().settings;
     let rows = block.items() as usize;
-    let shape =
-        |good: bool| if good { Ok(()) } else { Err(block.corrupt("a layer of another shape", "the manifest's")) };
+    let shape = |good: bool| {
+        if good { Ok(()) } else { Err(block.corrupt("a malformed layer", "a layer that matches the manifest")) }
+    };
     match entry.kind {
         RECEIVERS => ReceiversTable::from_block(&block).map(|_| ()),
         PARTS => {
@@ -252,7 +253,10 @@ fn check_extents(archive: &Archive, block: &Block, deep: bool) -> Result<()> {
         // Receivers that cannot be read are a problem of their own block.
         let Ok(receivers) = archive.fetch(entry).and_then(|block| ReceiversTable::from_block(&block)) else { continue };
         if ExtentsTable::around(receivers.position.iter().map(|&p| p.into())) != Some(stated) {
-            return Err(block.corrupt(format!("another box of tile {}", entry.tile), "that of its receivers"));
+            return Err(block.corrupt(
+                format!("a box of tile {} that its receivers do not have", entry.tile),
+                "the box around its receivers",
+            ));
         }
     }
     Ok(())
@@ -274,7 +278,10 @@ fn check_names(archive: &Archive, block: &Block) -> Result<()> {
         };
         let begins = rows.first().is_some_and(|row| (row.of, &row.name) == (first.of, &first.name));
         if TileNumber(first.tile) != entry.tile || !begins || last.as_ref() >= rows.first() {
-            return Err(block.corrupt(format!("chunk {} with other names", entry.tile), "names in order"));
+            return Err(block.corrupt(
+                format!("chunk {} with names that do not match the list of first names", entry.tile),
+                "names in order",
+            ));
         }
         rows.iter().for_each(|row| stated.add(row.of, &row.name, row.tile));
         last = rows.into_iter().next_back();
@@ -285,7 +292,11 @@ fn check_names(archive: &Archive, block: &Block) -> Result<()> {
         let names: BTreeSet<(NameOf, &str)> = receivers.iter().flat_map(NameOf::names).collect();
         names.iter().filter(|(_, name)| !name.is_empty()).for_each(|(of, name)| held.add(*of, name, tile));
     }
-    if held == stated { Ok(()) } else { Err(block.corrupt("other names", "those of the receivers")) }
+    if held == stated {
+        Ok(())
+    } else {
+        Err(block.corrupt("names that differ from those of the receivers", "the names of the receivers"))
+    }
 }
 
 /// Digest by which two sets of names are compared, in any order.
@@ -331,7 +342,10 @@ fn check_canopies(
     let good = |row: &Vec<u8>| Canopy::from_bytes(row, rays, is_canopy).is_some();
     match extras::unpack(block.bytes(), rows as usize) {
         Some(found) if found.iter().all(good) => Ok(()),
-        _ => Err(block.corrupt("crossings of another shape", "those of the settings' textures and rays, of canopies")),
+        _ => Err(block.corrupt(
+            "malformed crossings of canopies",
+            "crossings of canopies that match the textures and rays of the settings",
+        )),
     }
 }
 
@@ -342,10 +356,10 @@ fn check_cells(block: &Block, firsts: &[CellKey], site: &Site) -> Result<()> {
     check_materials(block, cells.keys.iter().chain(&cells.seen).map(|key| key.material), site)?;
     let chunk = block.entry().tile.0 as usize;
     if cells.keys.first() != firsts.get(chunk) {
-        return Err(block.corrupt("another first cell", "the one of the index"));
+        return Err(block.corrupt("a first cell that differs from the index", "the first cell that the index states"));
     }
     if cells.keys.last().zip(firsts.get(chunk.saturating_add(1))).is_some_and(|(last, next)| last >= next) {
-        return Err(block.corrupt("keys that pass the next chunk's", "keys that rise from chunk to chunk"));
+        return Err(block.corrupt("keys beyond the first key of the next chunk", "keys that rise from chunk to chunk"));
     }
     match &site.keys {
         Some(keys) => check_references(block, &cells.seen, &keys.bounces),
@@ -368,7 +382,7 @@ fn check_mirrors(archive: &Archive, block: &Block, site: &Site) -> Result<()> {
     if entry.items != expected {
         return Err(block.corrupt(format!("{} rows", entry.items), format!("{expected}, as {}", format::kind_name(of))));
     }
-    let bad = || block.corrupt("a layer of another shape", "the manifest's");
+    let bad = || block.corrupt("a malformed layer", "a layer that matches the manifest");
     let rows = extras::unpack(block.bytes(), entry.items as usize).ok_or_else(bad)?;
     let Some(keys) = &site.keys else { return Ok(()) };
     let side = side as usize;

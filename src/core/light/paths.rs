@@ -33,7 +33,7 @@ impl LightPaths {
             (MaxBounces::All, depth) => Ok(LightPaths { depth, ..self }),
             (first, MaxBounces::All | MaxBounces::Count(1)) => Ok(LightPaths { depth: first, ..self }),
             (_, MaxBounces::Count(count)) => {
-                Err(format!("{count} diffuse reflections cannot count without `{}` among the paths", NAMES[0]))
+                Err(format!("{count} diffuse reflections need `{}` among the paths", NAMES[0]))
             }
         }
     }
@@ -62,10 +62,13 @@ impl FromStr for LightPaths {
         let mut counted = [false; NAMES.len()];
         for part in text.split(',').map(str::trim) {
             let Some(place) = NAMES.iter().position(|name| *name == part) else {
-                return Err(format!("`{part}` is no path, give all, none, or some of {}", NAMES.join(", ")));
+                return Err(format!(
+                    "`{part}` is not a known light path; give all, none, or some of {}",
+                    NAMES.join(", ")
+                ));
             };
             if std::mem::replace(&mut counted[place], true) {
-                return Err(format!("`{part}` stands there twice"));
+                return Err(format!("`{part}` is named twice"));
             }
         }
         let [bounces, mirror_diffuse, mirror_sky] = counted;

@@ -316,7 +316,7 @@ impl Group<'_> {
                 return Err(tables.bounces.defect(
                     key,
                     "cells that are seen",
-                    "are no coarser than the one that sees them",
+                    "a seen cell is not coarser than the cell that sees it",
                 ));
             }
         }

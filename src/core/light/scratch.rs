@@ -76,7 +76,7 @@ fn range(offset: u64, length: usize) -> Result<(usize, usize)> {
 /// Returns the error for more bytes than there are addresses or memory.
 fn too_much(offset: u64, length: usize) -> Error {
     Error::Limit {
-        what: "bytes of temporary storage, which lies in memory here".to_string(),
+        what: "size of the temporary storage in memory, in bytes,".to_string(),
         value: offset.saturating_add(length as u64),
         max: isize::MAX as u64,
     }

@@ -78,13 +78,13 @@ impl States {
             let found = distinct.reflectances.len();
             if found > MOST && any_steep(nodes) {
                 let what =
-                    "different transmittances, whose powers bend too much to be interpolated (round the values of the \
-                            schedule): their number"
+                    "number of different transmittances in the schedule, which vary too much to be interpolated \
+                     (round them),"
                         .to_string();
                 return Err(Error::Limit { what, value: found as u64, max: MOST as u64 });
             }
             if found > MOST {
-                let what = format!("states of {} reflectances that change independently", series.len());
+                let what = format!("number of states of {} reflectances that change independently", series.len());
                 return Err(Error::Limit { what, value: found as u64, max: MOST as u64 });
             }
             return Ok(distinct);

@@ -33,7 +33,7 @@ impl OpenSite<'_> {
         let mut cells = tables::CellsTable::from_block(block)?.into_cells();
         let (rows, [texels, rays]) = (cells.rows(), self.rays_of(kind));
         if cells.bits.len() != rows * texels.div_ceil(8) || cells.hits.len() != rows * rays {
-            return Err(block.corrupt("cells of another shape", "textures and rays as in the manifest"));
+            return Err(block.corrupt("malformed cells", "cells whose textures and rays match the manifest"));
         }
         self.check_materials(block, cells.keys.iter().chain(&cells.seen).map(|key| key.material))?;
         let [mirror, canopy] = kind.extras();
@@ -52,14 +52,14 @@ impl OpenSite<'_> {
         let row = |row: &Vec<u8>| CellMirrors::from_bytes(row, texels.div_ceil(8));
         let found: Vec<CellMirrors> = extras::unpack(block.bytes(), rows)
             .and_then(|rows| rows.iter().map(row).collect())
-            .ok_or_else(|| block.corrupt("mirrors of another shape", format!("those of {rows} cells")))?;
+            .ok_or_else(|| block.corrupt("malformed mirrors", format!("mirrors of {rows} cells")))?;
         for mirrors in &found {
             self.check_chains(block, mirrors.windows.iter().map(|window| window.chain))?;
             self.check_steps(block, mirrors.paths.iter().map(|path| path.steps.as_slice()))?;
             self.check_materials(block, mirrors.cells().map(|key| key.material))?;
             let mut seen = mirrors.windows.iter().flat_map(|window| &window.texels);
             if let Some(texel) = seen.find(|texel| usize::from(**texel) >= texels) {
-                return Err(block.corrupt(format!("texel {texel}"), format!("below {texels}")));
+                return Err(block.corrupt(format!("texel {texel}"), format!("a texel below {texels}")));
             }
         }
         Ok(found)
@@ -69,8 +69,8 @@ impl OpenSite<'_> {
     fn cell_canopies(&self, block: &Block, rows: usize, rays: [usize; 2]) -> Result<Vec<Canopy>> {
         let row = |row: &Vec<u8>| Canopy::from_bytes(row, rays, |material| self.is_canopy(material));
         let found = extras::unpack(block.bytes(), rows).and_then(|rows| rows.iter().map(row).collect());
-        let expected = "those of the settings' textures and rays, of canopies";
-        found.ok_or_else(|| block.corrupt("crossings of another shape", expected))
+        let expected = "crossings of canopies that match the textures and rays of the settings";
+        found.ok_or_else(|| block.corrupt("malformed crossings of canopies", expected))
     }
 }
 
@@ -130,10 +130,14 @@ impl<'a> CellSource<'a> {
         let block = self.site.block(self.kind.chunks(), TileNumber(chunk as u32))?;
         let cells = self.site.cells_in(self.kind, &block)?;
         if cells.keys.first() != self.firsts.get(chunk) {
-            return Err(block.corrupt("another first cell", "the one of the index"));
+            return Err(
+                block.corrupt("a first cell that differs from the index", "the first cell that the index states")
+            );
         }
         if cells.keys.last().zip(self.firsts.get(chunk + 1)).is_some_and(|(last, next)| last >= next) {
-            return Err(block.corrupt("cells of the chunk after it", "keys that rise from chunk to chunk"));
+            return Err(
+                block.corrupt("keys beyond the first key of the next chunk", "keys that rise from chunk to chunk")
+            );
         }
         Ok(cells)
     }

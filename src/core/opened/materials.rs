@@ -17,22 +17,24 @@ pub(super) fn materials(blocks: &dyn Blocks) -> Result<Vec<Material>> {
     let table = tables::MaterialsTable::from_block(&block)?;
     let (optics, bands) = (optics(blocks, table.rows())?, bands(blocks, table.rows())?);
     let group = |row: usize| Some(table.group[row].clone()).filter(|group| !group.is_empty());
-    let material = |row: usize| {
-        let material = Material {
-            name: table.name[row].clone(),
-            diffuse: table.diffuse[row],
-            specular: table.specular[row],
-            glass: optics.as_ref().and_then(|optics| Glass::of_panes(optics.panes[row])),
-            transmittance: optics.as_ref().and_then(|o| (o.canopy[row] == 1).then(|| o.transmittance[row])),
-            class: table.class_of(row),
-            group: group(row),
-            bands: bands.get(row).copied().unwrap_or_default(),
+    let material =
+        |row: usize| {
+            let material = Material {
+                name: table.name[row].clone(),
+                diffuse: table.diffuse[row],
+                specular: table.specular[row],
+                glass: optics.as_ref().and_then(|optics| Glass::of_panes(optics.panes[row])),
+                transmittance: optics.as_ref().and_then(|o| (o.canopy[row] == 1).then(|| o.transmittance[row])),
+                class: table.class_of(row),
+                group: group(row),
+                bands: bands.get(row).copied().unwrap_or_default(),
+            };
+            match material.check() {
+                Ok(()) => Ok(material),
+                Err(what) => Err(block
+                    .corrupt(format!("material `{}`: {what}", material.name), "properties that a material can have")),
+            }
         };
-        match material.check() {
-            Ok(()) => Ok(material),
-            Err(what) => Err(block.corrupt(format!("material `{}`: {what}", material.name), "a material that can be")),
-        }
-    };
     (0..table.rows()).map(material).collect()
 }
 
@@ -58,7 +60,7 @@ fn bands(blocks: &dyn Blocks, materials: usize) -> Result<Vec<BandOptics>> {
     }
     let block = blocks.block(format::BANDS, TileNumber::FIRST)?;
     let bands = tables::BandsTable::from_block(&block)?.optics(materials);
-    bands.ok_or_else(|| block.corrupt("an unknown material", "rows of the materials table"))
+    bands.ok_or_else(|| block.corrupt("an unknown material", "a row of the materials table"))
 }
 
 /// Reads the orientations of the mirrors and checks that their materials are among `materials`;
@@ -70,7 +72,7 @@ pub(super) fn orientations(blocks: &dyn Blocks, materials: usize) -> Result<Vec<
     let block = blocks.block(format::MIRRORS, TileNumber::FIRST)?;
     let table = tables::MirrorsTable::from_block(&block)?;
     if table.material.iter().any(|&material| usize::from(material) >= materials) {
-        return Err(block.corrupt("an unknown material", "rows of the materials table"));
+        return Err(block.corrupt("an unknown material", "a row of the materials table"));
     }
     let rows = table.normal.into_iter().zip(table.material);
     Ok(rows.map(|(normal, material)| MirrorPlane { normal: DVec3::from(normal), material }).collect())

@@ -88,7 +88,8 @@ impl<'a> OpenSite<'a> {
         let kinds: BTreeSet<BlockKind> = manifest.layers.iter().map(|layer| layer.kind).collect();
         let in_mirrors = [format::MIRROR, format::PROBE_MIRROR, format::BOUNCE_MIRROR];
         if let Some(kind) = in_mirrors.into_iter().find(|kind| orientations.is_empty() && kinds.contains(kind)) {
-            let (block, what) = (format::kind_name(kind), "there is no table of mirrors that its chains could name");
+            let (block, what) =
+                (format::kind_name(kind), "the chains name mirrors, but the archive has no table of mirrors");
             return Err(Error::defect(path, block, "chains", what));
         }
         let mut facts =

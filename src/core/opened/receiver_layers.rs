@@ -66,7 +66,7 @@ impl OpenSite<'_> {
     pub fn tile_hits(&self, tile: u32, rows: usize) -> Result<HitTile> {
         let (block, side) = (self.block(format::HIT, TileNumber(tile))?, self.settings().hit);
         let hits = HitTile::unpack(block.bytes(), rows.saturating_mul(side * side))
-            .ok_or_else(|| block.corrupt("hits of another shape", "hits of the settings' shape"))?;
+            .ok_or_else(|| block.corrupt("malformed hits", "hits that match the texture size of the settings"))?;
         self.check_materials(&block, hits.palette.iter().map(|key| key.material))?;
         Ok(hits)
     }
@@ -81,7 +81,7 @@ impl OpenSite<'_> {
         let row = |row: &Vec<u8>| ReceiverMirrors::from_bytes(row, settings.sky_base, settings.hit);
         let found: Vec<ReceiverMirrors> = extras::unpack(block.bytes(), rows)
             .and_then(|rows| rows.iter().map(row).collect())
-            .ok_or_else(|| block.corrupt("mirrors of another shape", format!("those of {rows} receivers")))?;
+            .ok_or_else(|| block.corrupt("malformed mirrors", format!("mirrors of {rows} receivers")))?;
         for mirrors in &found {
             self.check_chains(&block, mirrors.windows.iter().map(|window| window.chain))?;
             self.check_steps(&block, mirrors.paths.iter().map(|path| path.steps.as_slice()))?;
@@ -99,7 +99,12 @@ impl OpenSite<'_> {
         let (block, rays) = (self.block(format::CANOPY, TileNumber(tile))?, self.settings().receiver_rays());
         let row = |bytes: &Vec<u8>| Canopy::from_bytes(bytes, rays, |material| self.is_canopy(material));
         let found = extras::unpack(block.bytes(), rows).and_then(|bytes| bytes.iter().map(row).collect());
-        found.ok_or_else(|| block.corrupt("crossings of another shape", "those of the settings' textures, of canopies"))
+        found.ok_or_else(|| {
+            block.corrupt(
+                "malformed crossings of canopies",
+                "crossings of canopies that match the textures of the settings",
+            )
+        })
     }
 
     /// Reads mirrors and canopies, one value of each for every receiver.
@@ -114,14 +119,15 @@ impl OpenSite<'_> {
     /// Reads the responses that the build derived: for its own reflectances and all bounces.
     pub fn tile_responses(&self, tile: u32) -> Result<Vec<Response>> {
         let block = self.block(format::RESPONSE, TileNumber(tile))?;
-        response::unpack(block.bytes(), block.items() as usize, self.settings().probe)
-            .ok_or_else(|| block.corrupt("responses of another shape", "responses of the manifest's shape"))
+        response::unpack(block.bytes(), block.items() as usize, self.settings().probe).ok_or_else(|| {
+            block.corrupt("malformed responses", "responses that match the texture size of the manifest")
+        })
     }
 
     /// Refuses a block that names a missing material.
     pub(super) fn check_materials(&self, block: &Block, mut materials: impl Iterator<Item = u16>) -> Result<()> {
         match materials.find(|&material| !self.has_material(material)) {
-            Some(material) => Err(block.corrupt(format!("material {material}"), "rows of the materials table")),
+            Some(material) => Err(block.corrupt(format!("material {material}"), "a row of the materials table")),
             None => Ok(()),
         }
     }
@@ -131,7 +137,7 @@ impl OpenSite<'_> {
         let count = self.orientations().len();
         let unknown = |number: &u16| usize::from(*number) >= count;
         match chains.find_map(|chain| chain.numbers().find(unknown)) {
-            Some(number) => Err(block.corrupt(format!("mirror {number}"), format!("below {count}"))),
+            Some(number) => Err(block.corrupt(format!("mirror {number}"), format!("a mirror below {count}"))),
             None => Ok(()),
         }
     }
@@ -143,5 +149,5 @@ impl OpenSite<'_> {
 }
 
 fn other_sky(block: &Block) -> Error {
-    block.corrupt("sky bits of another shape", "sky bits of the manifest's shape")
+    block.corrupt("malformed sky bits", "sky bits that match the texture size of the manifest")
 }

@@ -63,7 +63,7 @@ impl SiteSettings {
         }
         let (base, fine) = (stated.sky_base, stated.sky_fine);
         if fine % base != 0 || !(fine / base).is_power_of_two() {
-            return refuse(format!("sky_fine {fine}"), format!("sky_base {base} doubled some times"));
+            return refuse(format!("sky_fine {fine}"), format!("sky_base {base} times a power of two"));
         }
         for (setting, number) in stated.numbers().filter(|(setting, _)| OF_REPLAY.contains(&setting.name)) {
             if !setting.range.contains(number) {

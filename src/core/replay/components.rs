@@ -358,10 +358,10 @@ impl FromStr for ComponentList {
             let is_named = |c: &Component| part.strip_suffix(c.measure().sum_suffix()).unwrap_or(part) == c.name();
             let Some(component) = known().find(is_named) else {
                 let names: Vec<&str> = known().map(Component::name).collect();
-                return Err(format!("`{part}` is no column, name some of {}", names.join(", ")));
+                return Err(format!("`{part}` is not a known column; known columns: {}", names.join(", ")));
             };
             if list.contains(&component) {
-                return Err(format!("`{}` stands there twice", component.name()));
+                return Err(format!("`{}` is named twice", component.name()));
             }
             list.push(component);
         }
@@ -418,7 +418,7 @@ mod tests {
                 && unknown.contains("`sun`"),
             "{unknown}"
         );
-        assert!(refused("total,").contains("`` is no column"));
-        assert!(refused("total,total_kwh_m2").contains("`total` stands there twice"));
+        assert!(refused("total,").contains("`` is not a known column"));
+        assert!(refused("total,total_kwh_m2").contains("`total` is named twice"));
     }
 }

@@ -49,7 +49,7 @@ impl SunGrid {
         for (whole, step) in [(360.0, azimuth_step_deg), (90.0, altitude_step_deg)] {
             let count = (whole / step).round();
             if !(step >= 1.0 && step <= whole && (count * step - whole).abs() < 1e-9) {
-                return Err(format!("{step} degrees do not divide {whole}, or are below 1"));
+                return Err(format!("a step of {step} degrees does not divide {whole} degrees, or is below 1 degree"));
             }
         }
         Ok(SunGrid { azimuth_step_deg, altitude_step_deg })

@@ -215,7 +215,7 @@ impl Changeable<'_> {
         self.some(
             members,
             name,
-            "is a canopy: what it scatters follows from what it lets through",
+            "is a canopy, whose reflectance follows from its transmittance",
             "change its {transmittance}",
         )
     }
@@ -234,7 +234,7 @@ impl Changeable<'_> {
             true => "give a material a `transmittance` in materials.toml and build the archive again".to_string(),
             false => format!("name canopies or their group: {}", canopies.join(", ")),
         };
-        self.some(members, name, "is no canopy: it lets no light through", &hint)
+        self.some(members, name, "is not a canopy: it has no transmittance", &hint)
     }
 
     fn some(&self, members: Vec<usize>, name: &str, what: &str, hint: &str) -> Result<Vec<usize>> {
@@ -249,7 +249,8 @@ impl Changeable<'_> {
 fn by_month(changeable: &Changeable, rows: &[WeatherRow]) -> Result<Vec<Schedule>> {
     let Some(ground) = changeable.ground else { return Ok(Vec::new()) };
     let Some(material) = changeable.materials.iter().position(|material| material.name == ground.material) else {
-        let what = format!("states the ground `{}` by month, and there is no such material", ground.material);
+        let what =
+            format!("states monthly reflectances of the ground `{}`, but holds no such material", ground.material);
         return Err(Error::input(changeable.site, None, what, "build the archive again"));
     };
     let values = rows.iter().map(|row| ground.of(row.interval.date.month, row.snow_depth_cm)).collect();
@@ -297,7 +298,7 @@ fn schedule(changeable: &Changeable, members: Vec<usize>, values: Vec<f64>) -> R
             // four.
             let shown = (specular * 1e4 - 1e-6).ceil() / 1e4;
             let what = format!(
-                "material `{}` would reflect {largest} diffusely and {shown} like a mirror, more than arrives",
+                "material `{}` would reflect more light than arrives: {largest} diffusely and {shown} like a mirror",
                 materials[material].name
             );
             let hint = format!("its diffuse reflectance can be at most {:.4}", 1.0 - shown);
@@ -402,7 +403,7 @@ mod tests {
         }
         let other = MonthlyGround { material: "plane".into(), ..ground };
         let refused: Error = over(&other, &Changes::default()).expect_err("no such material");
-        assert!(refused.to_string().contains("`plane` by month"), "{refused}");
+        assert!(refused.to_string().contains("of the ground `plane`"), "{refused}");
     }
 
     /// A group includes its 2 materials, a class its 2, and a material's name stands for the

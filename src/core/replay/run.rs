@@ -216,7 +216,7 @@ impl<'r, 'a> ReplayBuilder<'r, 'a> {
             && [Component::SunDiffuse, Component::SkyDiffuse].iter().any(|&c| settings.components.needs(c));
         let leaves = canopies::stored(site.materials());
         if !schedules.is_empty() && !site.settings().diffuse && leaves.is_empty() {
-            let what = "was built without diffuse reflections: there is nothing whose reflectance could change";
+            let what = "was built without diffuse reflections, so no reflectance can be changed";
             return Err(Error::input(site.path(), None, what, "build it with {effects} all"));
         }
         let behind = |forcing: Forcing, ways| match leaves.is_empty() {

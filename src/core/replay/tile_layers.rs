@@ -132,8 +132,9 @@ pub fn mirror_views(
     let views = |of: &ReceiverMirrors| of.windows.iter().map(view).collect();
     match mirrors.par_iter().map(views).collect::<Option<_>>() {
         Some(found) => Ok(found),
-        None => Err(site
-            .block(format::MIRROR, TileNumber(tile))?
-            .corrupt("windows of another shape, or of too much", "the manifest's, and mirrors that exist")),
+        None => Err(site.block(format::MIRROR, TileNumber(tile))?.corrupt(
+            "malformed mirror windows, or windows of missing mirrors",
+            "windows that match the manifest, of mirrors that exist",
+        )),
     }
 }

@@ -190,7 +190,10 @@ impl Material {
         let outside = values.find(|(_, value)| !(-1e-9..=1.0 + 1e-9).contains(value));
         let outside = outside.map(|(property, value)| format!("`{}` would be {}", property.name(), rounded(value)));
         let all = self.unclipped(band).given_back();
-        outside.or_else(|| (all > 1.0 + 1e-9).then(|| format!("it would give back {} of the light", rounded(all))))
+        outside.or_else(|| {
+            (all > 1.0 + 1e-9)
+                .then(|| format!("`diffuse`, `specular` and `transmittance` would add up to {}", rounded(all)))
+        })
     }
 
     /// Checks the values by band; the error says what is wrong.
@@ -205,7 +208,8 @@ impl Material {
             }
             if self.solar(property).is_none() {
                 return Err(format!(
-                    "`{key}` is {value} for `{name}` and 0 for all light: what is traced follows from the value for all light"
+                    "`{key}` is {value} for `{name}`, but 0 for all light, which decides what is traced: give a \
+                     value for all light, too"
                 ));
             }
             let given_back = self.unclipped(band).given_back();
@@ -227,10 +231,10 @@ impl Material {
             }
         }
         if self.glass.is_some() && specular > 0.0 {
-            return Err(format!("`glass` has the reflectance of its panes, not a `specular` of {specular}"));
+            return Err(format!("`glass` excludes `specular` ({specular}): its reflectance is that of its panes"));
         }
         if self.transmittance.is_some() && self.mirrors() {
-            return Err("a material with `transmittance` is no mirror: `specular` is 0 and `glass` is false".into());
+            return Err("a material with `transmittance` cannot be a mirror: leave out `specular` and `glass`".into());
         }
         if diffuse + transmittance > 1.0 + 1e-12 {
             return Err(format!(
@@ -275,7 +279,10 @@ mod tests {
         assert_eq!(mirror.check(), Ok(()));
         let nir = mirror.in_band(Band::Nir);
         assert!((nir.diffuse + nir.specular - 1.0).abs() < 1e-12 && nir.check() == Ok(()), "{nir:?}");
-        assert_eq!(mirror.misfit(Band::Nir).as_deref(), Some("it would give back 1.0555 of the light"));
+        assert_eq!(
+            mirror.misfit(Band::Nir).as_deref(),
+            Some("`diffuse`, `specular` and `transmittance` would add up to 1.0555")
+        );
         let seen = mirror.in_band(Band::Par);
         assert_eq!((seen.diffuse, seen.specular, seen.bands.is_empty()), (0.1, 0.3, true));
         assert!([Band::Uv, Band::Visible, Band::Par].iter().all(|band| mirror.misfit(*band).is_none()));

@@ -57,7 +57,7 @@ impl Place {
     pub fn note(&self) -> Option<String> {
         let grid = self.epsg.map_or(String::new(), |epsg| format!(" in EPSG:{epsg}"));
         let noted = self.convergence_deg.abs() > NOTED_DEG;
-        noted.then(|| format!("y lies {}{grid}: suns are turned by that", self.y()))
+        noted.then(|| format!("the y axis points {}{grid}: suns are turned by this angle", self.y()))
     }
 
     /// Returns true if two places are equal but for the last digits that are lost when they are
@@ -110,8 +110,15 @@ mod tests {
             grid.to_string(),
             "latitude 52.0000, longitude 4.0000, y 0.73 degrees west of true north, EPSG:28992"
         );
-        assert!(grid.note().expect("noted").starts_with("y lies 0.73 degrees west of true north in EPSG:28992"));
-        assert!(place(30.0, None).note().expect("noted").contains("y lies 30.00 degrees east of true north: suns"));
+        assert!(
+            grid.note().expect("noted").starts_with("the y axis points 0.73 degrees west of true north in EPSG:28992")
+        );
+        assert!(
+            place(30.0, None)
+                .note()
+                .expect("noted")
+                .contains("the y axis points 30.00 degrees east of true north: suns")
+        );
         assert!(place(-0.004, None).to_string().ends_with("y to true north"));
         assert_eq!(place(0.1, None).note(), None);
         let same = [place(-0.73 + 1e-12, Some(28992)), place(-0.7301, Some(28992)), place(-0.73, None)];

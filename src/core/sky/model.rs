@@ -95,7 +95,7 @@ impl SkyModel {
     /// Name, meaning and model of each sky without a number. `cie:1` to `cie:16` name the others.
     pub const NAMED: [(&'static str, &'static str, SkyModel); 3] = [
         ("perez", "all-weather, 1993", SkyModel::Perez),
-        ("perez1990", "tilted surfaces as of EnergyPlus and pvlib", SkyModel::Perez1990),
+        ("perez1990", "tilted surfaces, as in EnergyPlus and pvlib", SkyModel::Perez1990),
         ("uniform", "the same radiance everywhere", SkyModel::Uniform),
     ];
 

@@ -37,8 +37,7 @@ impl NamedValues for SkyScale {
 /// Returns the error for conditions with a sky from a file or clouds under a model with light
 /// beside its patches, Perez' tilted surfaces of 1990.
 pub fn no_parts() -> Error {
-    let what =
-        "`perez1990` has light at the sun and on the horizon, which are no patches that a file or clouds could change";
+    let what = "`perez1990` adds light at the sun and on the horizon, which a file of skies or clouds cannot change";
     Error::argument("sky", what, "choose another sky, such as `perez`")
 }
 

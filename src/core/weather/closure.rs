@@ -121,9 +121,9 @@ impl Closure {
         let Closure { rmse_w_m2, best_rmse_w_m2, sunless_rmse_w_m2, .. } = *self;
         if !self.fits_somewhere() {
             return Some(format!(
-                "GHI = DHI + DNI cos(z) does not hold: {rmse_w_m2:.1} W/m2 RMSE, {best_rmse_w_m2:.1} at the best of all time \
-                 shifts, {sunless_rmse_w_m2:.1} without any sun. Latitude or the radiation columns look wrong; they are used as \
-                 they stand"
+                "GHI = DHI + DNI cos(z) does not hold: {rmse_w_m2:.1} W/m2 RMSE, {best_rmse_w_m2:.1} with the best \
+                 time shift, {sunless_rmse_w_m2:.1} without any sun. Latitude or the radiation columns look wrong; \
+                 they are used unchanged"
             ));
         }
         self.better_shift_min().map(|shift_min| {
@@ -133,7 +133,10 @@ impl Closure {
             let longitude = (site.longitude_deg + 15.0 * hours + 180.0).rem_euclid(360.0) - 180.0;
             // Binary fractions of tenths are not worth printing.
             let whole_shift = ((moved_min + shift_min) * 1e3).round() / 1e3;
-            let done = if moved_min == 0.0 { "Nothing was shifted".into() } else { format!("With {moved_min}min it is not mended") };
+            let done = match moved_min == 0.0 {
+                true => "Nothing was shifted".into(),
+                false => format!("A shift of {moved_min}min does not correct it"),
+            };
             let (suspects, so_does) = match zone_is_certain {
                 true => ("longitude", String::new()),
                 false => ("time zone, longitude", format!(" a time zone of {zone:.2} or")),

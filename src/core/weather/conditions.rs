@@ -214,7 +214,7 @@ pub fn parse_conditions(path: &Path, bytes: &[u8]) -> Result<ConditionsFile> {
         if altitude_deg <= 0.0 && dni_w_m2 > 0.0 {
             warnings.push(format!(
                 "{}, line {line}: condition `{name}` has a DNI of {dni_w_m2} W/m2 with the sun at {altitude_deg} deg, not \
-                 above the horizon: its sun parts are zero",
+                 above the horizon: its components from the sun are zero",
                 path.display()
             ));
         }

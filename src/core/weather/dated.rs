@@ -55,20 +55,20 @@ impl DatedRows {
         let mut warnings = Vec::new();
         if lost > 0 {
             warnings.push(format!(
-                "{}: 29 February is left out, as {year} has none: {lost} of {} rows",
+                "{}: 29 February is left out, because {year} has no such day: {lost} of {} rows",
                 file.display(),
                 taken().count()
             ));
         }
         if lacks_a_day {
             warnings.push(format!(
-                "{}: results have no rows of 29 February, as {year} has one and the file has not",
+                "{}: results have no rows of 29 February, because the file lacks this day of {year}",
                 file.display()
             ));
         }
         chosen.iter_mut().zip(rows).for_each(|(chosen, row)| *chosen &= at(row.date).is_some());
         if !chosen.contains(&true) {
-            let what = format!("nothing is left: it is all of 29 February, which {year} has not");
+            let what = format!("no row is left: all are of 29 February, and {year} has no such day");
             return Err(Error::input(file, None, what, "choose a leap year, or leave {year} out"));
         }
         let dates = moved.into_iter().map(|row| row.date).collect();
@@ -114,7 +114,10 @@ mod tests {
         assert!(put.dates.iter().all(|date| date.year == 2019));
         assert_eq!(count(&in_year(&days, "2019-02-01", "2019-02-01", 2019).expect("rows")), 2);
         let text = in_year(&days, "1996-02-01", "1996-02-01", 2019).expect_err("of 2019").to_string();
-        assert!(text.contains("holds 2019-01-31T00:00 to 2019-02-28T24:00, nothing from 1996-02-01"), "{text}");
+        assert!(
+            text.contains("in the part from 1996-02-01; they reach from 2019-01-31T00:00 to 2019-02-28T24:00"),
+            "{text}"
+        );
     }
 
     /// 29 February of 2020 is left out of 2019, 2 of 6 rows, and stays in 2024. Alone it is
@@ -124,14 +127,14 @@ mod tests {
         let leap = [(2020, 2, 28), (2020, 2, 29), (2020, 3, 1)];
         let put = in_year(&leap, "", "", 2019).expect("rows");
         assert_eq!(put.chosen, [true, true, false, false, true, true]);
-        assert_eq!(put.warnings, ["w.epw: 29 February is left out, as 2019 has none: 2 of 6 rows"]);
+        assert_eq!(put.warnings, ["w.epw: 29 February is left out, because 2019 has no such day: 2 of 6 rows"]);
         let kept = in_year(&leap, "", "", 2024).expect("rows");
         assert_eq!((count(&kept), kept.warnings.len(), kept.dates[2].year), (6, 0, 2024));
         let text = in_year(&leap, "02-29", "02-29", 2019).expect_err("nothing").to_string();
-        assert!(text.contains("all of 29 February, which 2019 has not"), "{text}");
+        assert!(text.contains("all are of 29 February, and 2019 has no such day"), "{text}");
         let short = in_year(&[(2019, 2, 28), (2019, 3, 1)], "", "", 2020).expect("rows");
         assert_eq!((count(&short), short.warnings.len()), (4, 1));
-        assert!(short.warnings[0].contains("2020 has one and the file has not"), "{:?}", short.warnings);
+        assert!(short.warnings[0].contains("the file lacks this day of 2020"), "{:?}", short.warnings);
         assert_eq!(in_year(&[(2019, 3, 1)], "", "", 2020).expect("rows").warnings.len(), 0);
     }
 

@@ -102,11 +102,12 @@ impl Findings {
                     format!("DNI with the sun below the horizon in {hours} hours, {dni_kwh_m2:.3} kWh/m2, is left out")
                 }
                 Finding::AboveExtraterrestrial => format!(
-                    "DNI above what arrives outside the atmosphere in {hours} hours, {dni_kwh_m2:.3} kWh/m2, is used as it \
-                     stands; check these rows"
+                    "DNI above what arrives outside the atmosphere in {hours} hours, {dni_kwh_m2:.3} kWh/m2, is \
+                     used unchanged; check these rows"
                 ),
                 Finding::DhiAboveGhi => format!(
-                    "DHI above GHI by more than 10 % in {hours} hours; DNI and DHI are used as they stand; check these rows"
+                    "DHI above GHI by more than 10 % in {hours} hours; DNI and DHI are used unchanged; check these \
+                     rows"
                 ),
                 Finding::ComputedInfrared => format!(
                     "missing infrared radiation of {hours} hours computed from dry bulb, dew point and opaque sky cover \

@@ -45,7 +45,7 @@ fn zone_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D:
         Some(StatedZone::Text(text)) => {
             let hours = parse_zone(&text).map(Some);
             hours.ok_or_else(|| {
-                D::Error::custom(format!("`{text}` is no time zone: hours ahead of UTC, such as +01:00"))
+                D::Error::custom(format!("`{text}` is not a time zone: give hours ahead of UTC, such as +01:00"))
             })
         }
     }
@@ -200,9 +200,9 @@ pub fn parse_zone(text: &str) -> Option<f64> {
 
 impl NamedValues for StampedAt {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        (StampedAt::Start.name(), "The interval starts there", StampedAt::Start),
-        (StampedAt::Middle.name(), "It is the middle of the interval", StampedAt::Middle),
-        (StampedAt::End.name(), "The interval ends there", StampedAt::End),
+        (StampedAt::Start.name(), "The interval starts at the time stamp", StampedAt::Start),
+        (StampedAt::Middle.name(), "The time stamp is the middle of the interval", StampedAt::Middle),
+        (StampedAt::End.name(), "The interval ends at the time stamp", StampedAt::End),
     ];
 }
 
@@ -257,7 +257,7 @@ mod tests {
             let again = serde_json::to_string(&options).expect("JSON");
             assert_eq!(serde_json::from_str::<WeatherOptions>(&again).expect("options"), options);
         }
-        assert!(read("\"CET\"").expect_err("no zone").to_string().contains("`CET` is no time zone"));
+        assert!(read("\"CET\"").expect_err("no zone").to_string().contains("`CET` is not a time zone"));
     }
 
     /// 41min, -30min, 0.5h, 1h and 90s are 41, -30, 30, 60 and 1.5 minutes. Seven other texts are

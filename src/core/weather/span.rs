@@ -128,7 +128,7 @@ impl Span {
     pub fn rows_of(&self, rows: &[Interval], file: &Path) -> Result<Vec<bool>> {
         let has_year = [self.from, self.to].into_iter().flatten().any(|moment| moment.year.is_some());
         if has_year && Years::of(rows.iter().map(|row| row.date)) == Years::Typical {
-            let what = format!("its months come from different years, {self} would take some of them only");
+            let what = format!("its months come from different years, so the part {self} would hold only some of them");
             let hint = "give month and day alone, such as 03-01, or put them into one year with {year}";
             return Err(Error::input(file, None, what, hint));
         }
@@ -139,8 +139,8 @@ impl Span {
         let label =
             |moment: Option<(Date, f64)>| moment.map_or_else(String::new, |(date, minutes)| date.label(minutes as u32));
         let (first, last) = (label(rows.first().map(Interval::start)), label(rows.last().map(Interval::end)));
-        let what = format!("holds {first} to {last}, nothing {self}");
-        Err(Error::input(file, None, what, "choose a part of the file"))
+        let what = format!("none of its rows lies in the part {self}; they reach from {first} to {last}");
+        Err(Error::input(file, None, what, "choose dates within the file"))
     }
 
     fn contains(&self, interval: &Interval) -> bool {
@@ -234,7 +234,11 @@ mod tests {
             match hours {
                 0 => {
                     let text = chosen.expect_err("nothing").to_string();
-                    assert!(text.contains("w.epw: holds 2019-01-01T00:00 to 2019-12-31T24:00, nothing to 2018-12-31"));
+                    assert!(
+                        text.contains(
+                            "in the part to 2018-12-31; they reach from 2019-01-01T00:00 to 2019-12-31T24:00"
+                        )
+                    );
                 }
                 _ => assert_eq!(chosen.expect("rows").iter().filter(|c| **c).count(), hours, "{from} {to}"),
             }

@@ -49,12 +49,12 @@ impl FromStr for Temperature {
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let (name, value) = text.split_once('=').unwrap_or((text, ""));
         let class = Class::of_name(name).ok_or_else(|| {
-            format!("`{name}` has no view factors, `ground` and `obstruction` have: as in ground=12.5")
+            format!("`{name}` cannot have a temperature; give `ground` or `obstruction`, as in ground=12.5")
         })?;
         let of = match value.parse::<f64>() {
             Ok(celsius) if CELSIUS.holds(celsius) => Given::Constant(celsius),
             Ok(_) => return Err(format!("`{value}` is not from {} to {} degrees Celsius", CELSIUS.low, CELSIUS.high)),
-            Err(_) if value.is_empty() => return Err("give degrees Celsius or a CSV file behind an equals sign".into()),
+            Err(_) if value.is_empty() => return Err("give degrees Celsius or a CSV file after the equals sign".into()),
             Err(_) => Given::Schedule(value.into()),
         };
         Ok(Temperature { class, of })
@@ -87,15 +87,16 @@ pub fn emissions(
             let what = format!("horizontal infrared radiation is missing and cannot be computed without {}", {
                 air.lacks().join(" and ")
             });
-            let hint = "fill the column in (13; or 7, 8 and 24, from which it is computed), leave such rows out with {from} and \
-                        {to}, or leave out the column `longwave`";
+            let hint = "fill in column 13, or columns 7, 8 and 24, from which it is computed; or leave such rows \
+                        out with {from} and {to}; or leave out the column `longwave`";
             Error::input(file, row.line, what, hint)
         })?;
         let of_surface = |given: &Option<Vec<f64>>, name: &str| {
             let given = given.as_ref().and_then(|values| values.get(i)).copied();
             let celsius = given.or(air.dry_bulb_c).ok_or_else(|| {
-                let what = format!("dry bulb temperature is missing, which `longwave` takes for that of the {name}");
-                let hint = format!("fill in the column (7), or give a temperature, as in {{temperature}} {name}=12.5");
+                let what =
+                    format!("dry bulb temperature is missing; `longwave` uses it as the temperature of the {name}");
+                let hint = format!("fill in column 7, or give a temperature, as in {{temperature}} {name}=12.5");
                 Error::input(file, row.line, what, hint)
             })?;
             Ok(black_body_w_m2(celsius))
@@ -123,10 +124,10 @@ mod tests {
         let file = read("obstruction=a=b.csv").expect("a file");
         assert_eq!((file.class, file.file()), (Class::Obstruction, Some(Path::new("a=b.csv"))));
         for (text, expected) in [
-            ("roof=12", "`ground` and `obstruction`"),
-            ("12", "`ground` and `obstruction`"),
-            ("ground", "behind an equals sign"),
-            ("ground=", "behind an equals sign"),
+            ("roof=12", "`ground` or `obstruction`"),
+            ("12", "`ground` or `obstruction`"),
+            ("ground", "after the equals sign"),
+            ("ground=", "after the equals sign"),
             ("ground=285.65", "-100 to 150 degrees Celsius"),
             ("ground=NaN", "-100 to 150 degrees Celsius"),
         ] {

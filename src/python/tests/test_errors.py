@@ -89,7 +89,7 @@ def test_weather(site: heliotile.Archive) -> None:
     good = frame(dni=500.0, dhi=100.0)
     with pytest.raises(heliotile.InputError, match="its index has no time zone\n  to fix: .*tz_localize"):
         site.replay(good)
-    with pytest.raises(heliotile.InputError, match="does not say where it is from"):
+    with pytest.raises(heliotile.InputError, match="does not state its latitude and longitude"):
         site.replay(good.tz_localize("UTC"))
     place = dict(latitude=52.0, longitude=4.0, time_zone="+01:00")
     assert site.replay(heliotile.Weather(good, **place)).shape == (78, 24)
@@ -111,17 +111,17 @@ def test_weather(site: heliotile.Archive) -> None:
 @pytest.mark.parametrize(
     ("choice", "text"),
     [
-        ({"every": "week"}, "every: `week` is none of its values\n  to fix: give hour, day, month, year, total"),
+        ({"every": "week"}, "every: `week` is not a known value\n  to fix: give one of hour, day, month, year, total"),
         ({"columns": ["sun"]}, "columns: .*`?sun`?"),
         ({"bands": ["visible", "red"]}, "bands: `red` is no band: name some of uv, visible, par, nir"),
         ({"bands": "own.toml"}, "No such file"),
         ({"sky": "blue"}, "sky: "),
         ({"sky": Path("no.mtx")}, "No such file"),
-        ({"sky_scale": "half"}, "sky_scale: `half` is none of its values\n  to fix: give dhi, given"),
+        ({"sky_scale": "half"}, "sky_scale: `half` is not a known value\n  to fix: give one of dhi, given"),
         ({"sky_scale": "dhi"}, "sky_scale: the sky is a model, not a file\n  to fix: name a file with sky"),
         ({"sky": "sky.hdr", "sky_white": 0.0}, "sky_white: is above 0, not 0"),
         ({"image_top": 45.0}, "image_top: there is no photograph"),
-        ({"sky": "perez1990", "clouds": "c.png"}, "sky: `perez1990` has light at the sun"),
+        ({"sky": "perez1990", "clouds": "c.png"}, "sky: `perez1990` adds light at the sun"),
         ({"paths": "roads"}, "paths: "),
         ({"bounces": 0}, "bounces: is 0"),
         ({"patches": 100}, "100"),
@@ -130,8 +130,8 @@ def test_weather(site: heliotile.Archive) -> None:
         ({"reflectance": {"ground": 1.5}}, "reflectance: is from 0 to 1, not 1.5"),
         ({"reflectance": {"ground": [0.2, 0.3]}}, 'reflectance\\["ground"\\]'),
         ({"reflectance": {"roses": 0.5}}, "there is no group and no material `roses`"),
-        ({"transmittance": {"wall": 0.5}}, "is no canopy"),
-        ({"snow": "deep"}, "snow: `deep` is none of its values"),
+        ({"transmittance": {"wall": 0.5}}, "is not a canopy"),
+        ({"snow": "deep"}, "snow: `deep` is not a known value"),
         ({"temperature": {"ground": 10.0}}, "no column depends on it"),
         ({"receivers": ["nobody"]}, "does not hold 1 receiver: nobody"),
         ({"receivers": []}, "the list is empty"),
@@ -224,7 +224,7 @@ def test_builds(scene: heliotile.Scene, site: heliotile.Archive, tmp_path: Path)
     receivers = DATA / "hague" / "receivers.csv"
     out = tmp_path / "site.helio"
     for change, text in [
-        ({"quality": "best"}, "quality: `best` is none of its values"),
+        ({"quality": "best"}, "quality: `best` is not a known value"),
         ({"error": 99}, "error: is no error to aim at"),
         ({"settings": {"hit": 3}}, "hit"),
         ({"effects": "magic"}, "effects: "),

@@ -93,7 +93,7 @@ test("perez1990 behind clouds and pixels that are no square are refused", async 
   tasks.clouds(SIDE, LEVELS, 0);
   tasks.turnClouds(0);
   const ask = { light: { kind: "sun", ...SUNS[0] }, sky: "perez1990", changes: UNCHANGED, components: ["total"] };
-  await assert.rejects(all(tasks, "moment", ask, tiles), /perez1990.*no patches that a file or clouds could change/);
+  await assert.rejects(all(tasks, "moment", ask, tiles), /perez1990.*a file of skies or clouds cannot change/);
   assert.throws(() => tasks.light({ ...ask, tiles: [] }), /perez1990/);
   assert.throws(() => tasks.clouds(SIDE - 1, LEVELS, 0), /299 x 299/);
 });

@@ -81,7 +81,7 @@ impl Block {
             what: format!("{}: layout of block {}", self.path.display(), self.entry.name()),
             found: format!("schema id {}", self.entry.schema),
             supported: match known {
-                None => "none of this kind".to_string(),
+                None => "no layout of this kind".to_string(),
                 Some(id) => format!("schema id {id}: build the archive again with this release"),
             },
         })
@@ -156,7 +156,8 @@ pub fn check_stored(path: &Path, entry: &Entry, stored: &[u8]) -> Result<()> {
 /// bomb is refused before anything is decoded.
 fn check_frame(stored: &[u8], length: usize) -> std::result::Result<(), (String, String)> {
     let frame = ZstdFrame::at_start_of(stored);
-    let frame = frame.ok_or_else(|| ("no zstd frame".to_string(), format!("a zstd frame of {length} bytes")))?;
+    let frame =
+        frame.ok_or_else(|| ("bytes that are no zstd frame".to_string(), format!("a zstd frame of {length} bytes")))?;
     match frame.content {
         Some(size) if size == length as u64 => {}
         Some(size) => return Err((format!("a zstd frame of {size} bytes"), format!("{length} bytes"))),
@@ -165,7 +166,7 @@ fn check_frame(stored: &[u8], length: usize) -> std::result::Result<(), (String,
     match frame.stored {
         Some(size) if size == stored.len() => Ok(()),
         Some(size) => Err((format!("a zstd frame stored in {size} bytes"), format!("{} bytes", stored.len()))),
-        None => Err(("a broken zstd frame".to_string(), format!("one of {} stored bytes", stored.len()))),
+        None => Err(("a broken zstd frame".to_string(), format!("a zstd frame of {} stored bytes", stored.len()))),
     }
 }
 

@@ -118,28 +118,32 @@ impl NamesTable {
         let lengths = self.shared.iter().zip(&self.own);
         for (row, ((&of, (&shared, &own)), &tile)) in self.of.iter().zip(lengths).zip(&self.tile).enumerate() {
             let flaw = |got: &str, expected: &str| Flaw::new(format!("{got} in row {row}"), expected);
-            let of = NameOf::ALL.get(usize::from(of)).ok_or_else(|| flaw("a name of something else", "0 to 3"))?;
+            let of = NameOf::ALL.get(usize::from(of)).ok_or_else(|| flaw("a name of an unknown kind", "0 to 3"))?;
             let (here, rest) = text
                 .split_at_checked(usize::from(own))
-                .ok_or_else(|| flaw("a name beyond the text", "text for all"))?;
+                .ok_or_else(|| flaw("a name beyond the text", "text for all names"))?;
             if usize::from(shared) > name.len() {
-                return Err(flaw("more shared bytes than there are", "those of the name before"));
+                return Err(flaw("more shared bytes than there are", "at most the bytes of the name before"));
             }
             name.truncate(usize::from(shared));
             name.extend_from_slice(here);
             text = rest;
             if name.is_empty() || name.len() > MAX_STRING {
-                return Err(flaw("a name of another length", "1 to 1024 bytes"));
+                return Err(flaw("a name of a wrong length", "1 to 1024 bytes"));
             }
             let utf8 = std::str::from_utf8(&name).map_err(|_| flaw("a name that is no UTF-8", "text"))?;
             let found = NameRow { of: *of, name: utf8.to_owned(), tile };
             // Look-ups bisect the rows, so they must ascend strictly.
             if names.last().is_some_and(|last| *last >= found) {
-                return Err(flaw("a name after one that belongs behind it", "names in order"));
+                return Err(flaw("a name out of order", "names in order"));
             }
             names.push(found);
         }
-        if text.is_empty() { Ok(names) } else { Err(Flaw::new(format!("{} bytes of no name", text.len()), "none")) }
+        if text.is_empty() {
+            Ok(names)
+        } else {
+            Err(Flaw::new(format!("{} bytes that belong to no name", text.len()), "none"))
+        }
     }
 }
 

@@ -88,7 +88,7 @@ impl ObjectsTable {
             column(name, values, names, "0 to 1024 bytes", |text| text.len() <= MAX_STRING)?;
         }
         if !self.name.array_windows().all(|[a, b]| a < b) {
-            return Err(Flaw::new("a name after one that belongs behind it", "names in order"));
+            return Err(Flaw::new("a name out of order", "names in order"));
         }
         column("attributes", &self.attributes, names, "0 to 16384 bytes", |text| text.len() <= MAX_ATTRIBUTES)?;
         column("beside", &self.beside, names, "0 or 1", |beside| *beside <= 1)?;

@@ -59,7 +59,7 @@ struct KnownAir {
 impl MissingAir {
     /// Returns the message on the value that the hour of this label lacks.
     pub fn in_hour(self, label: &str) -> String {
-        format!("{} is missing in the hour {label}, which comfort depends on", self.0)
+        format!("{} is missing in the hour {label}; comfort depends on it", self.0)
     }
 }
 

@@ -71,11 +71,12 @@ impl PersonPoints {
             let lacks = planes.iter().position(Option::is_none);
             let (Some(planes), None) = (all_of(planes), lacks) else {
                 let lacking = receiver_name(name, lacks.unwrap_or(0));
-                return Err(format!("receiver `{name}` is no point with six planes: `{lacking}` is not there"));
+                return Err(format!("point `{name}` lacks one of its six planes: there is no receiver `{lacking}`"));
             };
             if !are_planes(&planes) {
                 return Err(format!(
-                    "the receivers `{name}`, `{name}/down`, `{name}/north` and so on do not look up, down and to four sides from one place"
+                    "the receivers `{name}`, `{name}/down`, `{name}/north` and so on must stand at one place and \
+                     face up, down and to the four sides"
                 ));
             }
             let SixPlanes { up, down, sides: [north, east, south, west] } = planes;
@@ -83,7 +84,7 @@ impl PersonPoints {
         }
         // Planes that are left belong to no receiver that faces up.
         match found.into_keys().min() {
-            Some(point) => Err(format!("point `{point}` has no receiver `{point}` that looks up")),
+            Some(point) => Err(format!("point `{point}` has no receiver `{point}` that faces up")),
             None => Ok(points),
         }
     }
@@ -178,8 +179,8 @@ mod tests {
         assert_eq!((points.len(), points.name(0), points.number("a")), (2, "b", Some(1)));
         assert_eq!(points.planes(0), Some(&[10, 8, 6, 4, 2, 0]));
         let without = |name: &str| PersonPoints::of(people.iter().filter(|of| of.id != name).cloned());
-        assert!(without("a/east").is_err_and(|what| what.contains("`a/east` is not there")));
-        assert!(without("a").is_err_and(|what| what.contains("no receiver `a` that looks up")));
+        assert!(without("a/east").is_err_and(|what| what.contains("no receiver `a/east`")));
+        assert!(without("a").is_err_and(|what| what.contains("no receiver `a` that faces up")));
     }
 
     /// Planes that face elsewhere than their names say, or stand elsewhere than their point, are no
@@ -189,7 +190,7 @@ mod tests {
         let refused = |change: fn(&mut [Receiver])| {
             let mut people = people();
             change(&mut people);
-            PersonPoints::of(people).is_err_and(|what| what.contains("do not look up, down and to four sides"))
+            PersonPoints::of(people).is_err_and(|what| what.contains("face up, down and to the four sides"))
         };
         let turned = |people: &mut [Receiver]| people.iter_mut().for_each(|of| of.normal.x *= -1.0);
         assert!(refused(turned), "east and west are changed");

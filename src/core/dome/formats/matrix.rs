@@ -24,7 +24,7 @@ pub fn luminance(rgb: [f64; 3]) -> f64 {
 /// First bytes of a header of Radiance.
 const MAGIC: &[u8] = b"#?";
 
-const HINT: &str = "make it with `gendaymtx -s -O1`, with its header, -m 1, 2 or 4, as text or -of";
+const HINT: &str = "write the matrix with its header by `gendaymtx -s -O1 -m 1` (or -m 2, -m 4), as text or with -of";
 
 /// Fields of a header.
 #[derive(Default)]
@@ -48,7 +48,7 @@ pub(super) fn is_matrix(bytes: &[u8]) -> bool {
 pub(super) fn parse_matrix(path: &Path, bytes: &[u8], quantity: PatchQuantity) -> Result<PatchFile> {
     let refuse = |what: String| Error::input(path, None, what, HINT);
     let (header, body) = match bytes.starts_with(MAGIC) {
-        true => header_of(bytes).ok_or_else(|| refuse("its header has no end, an empty line".into()))?,
+        true => header_of(bytes).ok_or_else(|| refuse("the header does not end with an empty line".into()))?,
         false => (Header::default(), bytes),
     };
     let numbers = match header.format.as_deref() {
@@ -56,18 +56,18 @@ pub(super) fn parse_matrix(path: &Path, bytes: &[u8], quantity: PatchQuantity) -
         Some("float") => Numbers::Floats { bytes: body, size: 4, is_big_endian: header.is_big_endian },
         Some("double") => Numbers::Floats { bytes: body, size: 8, is_big_endian: header.is_big_endian },
         Some(other) => {
-            return Err(refuse(format!("its FORMAT is `{}`, not ascii, float or double", excerpt(other, 40))));
+            return Err(refuse(format!("FORMAT is `{}`, not ascii, float or double", excerpt(other, 40))));
         }
     };
     let components = header.components.unwrap_or_else(|| components_of(body));
     if ![1, 3].contains(&components) {
-        return Err(refuse(format!("{components} components a patch, not 1 or 3")));
+        return Err(refuse(format!("each patch has {components} components, not 1 or 3")));
     }
     let columns = header.columns.unwrap_or(1);
     let rows = header.rows.unwrap_or(numbers.len() / components / columns.max(1));
     let Some((grid, true)) = grid_of(rows) else {
         let what = format!(
-            "{rows} rows, which are no patches of the sky and the ground: 146 (MF:1), 578 (MF:2) or 2306 (MF:4)"
+            "{rows} rows, not the 146 (MF:1), 578 (MF:2) or 2306 (MF:4) of the ground and the patches of the sky"
         );
         return Err(refuse(what));
     };
@@ -98,7 +98,7 @@ pub(super) fn parse_matrix(path: &Path, bytes: &[u8], quantity: PatchQuantity) -
             }
         }
     }
-    let series = PatchSeries::new(grid, found).ok_or_else(|| refuse("no columns".into()))?;
+    let series = PatchSeries::new(grid, found).ok_or_else(|| refuse("the matrix has no columns".into()))?;
     Ok(PatchFile { series, labels: None, is_matrix: true })
 }
 
@@ -173,7 +173,7 @@ fn words(path: &Path, body: &[u8]) -> Result<Vec<f32>> {
         let number = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f32>().ok());
         let refuse = || {
             let word = excerpt(&String::from_utf8_lossy(word), 40);
-            Error::input(path, None, format!("`{word}` is no number (number {})", numbers.len() + 1), HINT)
+            Error::input(path, None, format!("value {} is `{word}`, not a number", numbers.len() + 1), HINT)
         };
         numbers.push(number.ok_or_else(refuse)?);
     }
@@ -241,15 +241,15 @@ mod tests {
     fn broken() {
         let ones = |count: usize| "1\n".repeat(count);
         for (text, expected) in [
-            (head(1298, 1, 1, "FORMAT=ascii") + &ones(1298), "1298 rows, which are no patches"),
+            (head(1298, 1, 1, "FORMAT=ascii") + &ones(1298), "1298 rows, not the 146"),
             (head(146, 2, 1, "FORMAT=ascii") + &ones(291), "291 numbers for 146 rows of 2 columns"),
             (head(146, 1, 1, "FORMAT=ascii") + &ones(147), "147 numbers"),
-            (head(146, 1, 1, "FORMAT=ascii") + &ones(145) + "x", "`x` is no number (number 146)"),
+            (head(146, 1, 1, "FORMAT=ascii") + &ones(145) + "x", "value 146 is `x`, not a number"),
             (head(146, 1, 1, "FORMAT=ascii") + &ones(145) + "-1", "row 146, column 1, is -1"),
             (head(146, 1, 1, "FORMAT=ascii") + &ones(145) + "nan", "row 146, column 1, is NaN"),
-            (head(146, 1, 1, "FORMAT=32-bit_rle_rgbe") + &ones(146), "its FORMAT is `32-bit_rle_rgbe`"),
+            (head(146, 1, 1, "FORMAT=32-bit_rle_rgbe") + &ones(146), "FORMAT is `32-bit_rle_rgbe`"),
             (head(146, 1, 20, "FORMAT=ascii") + &ones(2920), "20 components"),
-            ("#?RADIANCE\nNROWS=146".to_owned(), "its header has no end"),
+            ("#?RADIANCE\nNROWS=146".to_owned(), "the header does not end"),
         ] {
             let found = read(text.as_bytes()).expect_err(expected).to_string();
             assert!(found.contains(expected), "{found}");

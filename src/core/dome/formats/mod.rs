@@ -35,7 +35,7 @@ impl PatchQuantity {
     /// Returns the range of the quantity, for messages.
     pub fn range(self) -> &'static str {
         match self {
-            PatchQuantity::Radiance => "radiances are numbers of W/m2/sr from 0 on",
+            PatchQuantity::Radiance => "radiances are numbers of W/m2/sr, 0 or more",
             PatchQuantity::Transmittance => "transmittances are numbers from 0 to 1",
         }
     }
@@ -95,7 +95,7 @@ impl PatchFile {
                     path,
                     None,
                     what,
-                    "make it of the same rows, in their order, or of one row for all",
+                    "give one row for each of these rows, in their order, or a single row for all",
                 ));
             }
             return Ok(to.places.iter().map(|place| Some(*place)).collect());
@@ -112,8 +112,9 @@ impl PatchFile {
             let without_year = label.split_once('-').map_or("", |(_, rest)| rest);
             let row = places.get(*label).or_else(|| places.get(without_year)).copied();
             let missing = || {
-                let what = format!("no row for `{label}` among {found}");
-                let hint = "name rows as the results do, times by the start of their interval in local standard time";
+                let what = format!("none of {found} rows is named `{label}`");
+                let hint = "name rows as the results name them; a time is the start of its interval in local \
+                            standard time";
                 Error::input(path, None, what, hint)
             };
             if row.is_none() && *needed { Err(missing()) } else { Ok(row) }
@@ -173,7 +174,7 @@ mod tests {
         assert_eq!(matched(&file(Some(&["noon"]), 1), &["noon"], 1).expect("words"), [Some(0)]);
         let refused = |file: PatchFile| matched(&file, &hours, 9).expect_err("refused").to_string();
         assert!(refused(file(None, 8)).contains("8 rows for a weather file of 9 rows"));
-        assert!(refused(file(Some(&["03-01T07:00"]), 1)).contains("no row for `2019-03-01T06:00` among 1"));
+        assert!(refused(file(Some(&["03-01T07:00"]), 1)).contains("none of 1 rows is named `2019-03-01T06:00`"));
         assert!(refused(file(Some(&["a", "a"]), 2)).contains("`a` is the name of two rows"));
     }
 }

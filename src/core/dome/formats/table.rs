@@ -29,8 +29,8 @@ pub(super) fn parse_table(path: &Path, bytes: &[u8], quantity: PatchQuantity) ->
     let Some((grid, has_ground)) = grid_of(columns - before.min(columns)) else {
         let what = format!("{} columns of patches, not 145, 577 or 2305", columns - before.min(columns));
         let hint = separator_hint(&excerpt(&header.iter().collect::<Vec<_>>().join(","), 80)).unwrap_or(
-            "give a first column `time` or `condition`, and one a patch: Tregenza's 145, or Reinhart's 577 (MF:2) or 2305 \
-             (MF:4); one more in front is the ground, which is not used",
+            "give a first column `time` or `condition`, then a column for each patch: Tregenza's 145, or Reinhart's \
+             577 (MF:2) or 2305 (MF:4); one more column before them is the ground and is ignored",
         );
         return Err(Error::input(path, 1, what, hint));
     };
@@ -40,7 +40,7 @@ pub(super) fn parse_table(path: &Path, bytes: &[u8], quantity: PatchQuantity) ->
         let record = record.map_err(broken)?;
         let line = record.position().map_or(0, |p| p.line() as usize);
         if record.len() != columns {
-            let what = format!("{} cells, and the first line has {columns}", record.len());
+            let what = format!("the row has {} cells, the header has {columns}", record.len());
             return Err(Error::input(path, line, what, "give every patch a number in every row"));
         }
         labels.extend(record.get(0).filter(|_| has_labels).map(str::to_owned));
@@ -49,7 +49,7 @@ pub(super) fn parse_table(path: &Path, bytes: &[u8], quantity: PatchQuantity) ->
                 Ok(number) if quantity.holds(number) => numbers.push(number as f32),
                 _ => {
                     let what = format!("patch {} is `{}`", patch + 1, excerpt(text, 40));
-                    return Err(Error::input(path, line, what, format!("{}: mend the cell", quantity.range())));
+                    return Err(Error::input(path, line, what, format!("{}: correct the cell", quantity.range())));
                 }
             }
         }
@@ -87,7 +87,7 @@ mod tests {
         for (text, expected) in [
             (format!("time{}\n", names(145)), "the table has no rows"),
             (format!("time{}\n{}", names(144), row("a", 144)), "line 1: 144 columns of patches"),
-            (format!("time{}\n{}", names(145), row("a", 144)), "line 2: 145 cells"),
+            (format!("time{}\n{}", names(145), row("a", 144)), "line 2: the row has 145 cells"),
             (format!("time{}\na,NaN{}", names(145), row("", 144)), "line 2: patch 1 is `NaN`"),
             (format!("time{}\na,1,-0.1{}", names(145), row("", 143)), "line 2: patch 2 is `-0.1`"),
             ("time;a;b\n1;2;3\n".to_owned(), "separate the columns by commas"),

@@ -53,7 +53,7 @@ impl<'a> InteractiveReplay<'a> {
         let diffuse = site.settings().diffuse;
         let mut powers = stored(site.materials());
         if !schedules.is_empty() && !diffuse && powers.is_empty() {
-            let what = "was built without diffuse reflections: there is nothing whose reflectance could change";
+            let what = "was built without diffuse reflections, so no reflectance can be changed";
             return Err(Error::input(site.path(), None, what, "build it with {effects} all"));
         }
         let mirrors = (!site.orientations().is_empty()).then(|| MirrorTable::of(site));

@@ -83,8 +83,8 @@ impl StampedRows {
         let most = counts.iter().filter(|(step, _)| **step > 0).max_by_key(|(step, count)| (**count, -**step));
         let line = self.rows.first().map(|row| row.line);
         let Some((&step, _)) = most else {
-            let what = "has no two rows in order, so that their step is not known";
-            return Err(Error::input(path, line, what, "give a series of weather, in order"));
+            let what = "has no two rows in order of time, so the step of its rows is unknown";
+            return Err(Error::input(path, line, what, "give at least two rows, in order of time"));
         };
         if !STEPS_S.contains(&step) {
             let what = format!("rows are {} min apart", step as f64 / 60.0);
@@ -109,14 +109,15 @@ impl StampedRows {
             if months_meet(before - back, after - back, step) {
                 if self.moved_s != 0 {
                     let what = format!(
-                        "is a typical year: line {} goes on in another year, and days of another clock would mix both",
+                        "is a typical year: line {} starts a month of another year, and days of another time zone \
+                         would mix the two years",
                         row.line
                     );
                     return Err(Error::input(
                         path,
                         None,
                         what,
-                        "leave {time_zone} out: days are then those of the file, such as UTC",
+                        "leave {time_zone} out: days then follow the file's own time zone, such as UTC",
                     ));
                 }
                 continue;
@@ -141,7 +142,7 @@ impl StampedRows {
                     path,
                     row.line,
                     what,
-                    "give rows of one step; they may be missing, not moved",
+                    "give rows at one step; rows may be missing, but not shifted",
                 ));
             }
             missing.rows += apart / step - 1;

@@ -117,7 +117,7 @@ impl SurfradRow<'_> {
             let (hour, minute) = (whole(4).filter(|hour| *hour < 24)?, whole(5).filter(|minute| *minute < 60)?);
             Some(clock_seconds(date, i64::from(hour * 3600 + minute * 60)))
         };
-        let what = "year, month, day, hour and minute are no time that exists";
+        let what = "year, month, day, hour and minute do not form an existing time";
         read().ok_or_else(|| Error::input(self.path, self.line, what, "fetch the file again"))
     }
 
@@ -128,7 +128,7 @@ impl SurfradRow<'_> {
             let missing = |value: f64| value.is_finite() && (value <= MISSING || self.cell(place + 1) == IMPOSSIBLE);
             irradiance(text, missing, &mut negative, || {
                 let what = format!("column `{name}` holds `{}`", excerpt(text, 60));
-                Error::input(self.path, self.line, what, "W/m2 stand here, -9999.9 where missing")
+                Error::input(self.path, self.line, what, "write W/m2, -9999.9 where missing")
             })
         };
         let (ghi, dni, dhi) = (light(GHI, "dw_solar")?, light(DNI, "direct_n")?, light(DHI, "diffuse")?);

@@ -64,7 +64,7 @@ impl Columns {
         for (cell, name) in line.split(',').zip(&names) {
             let unit = cell.split_once('(').and_then(|(_, unit)| unit.rsplit_once(')')).map(|(unit, _)| unit);
             if ["ghi", "dni", "dhi"].contains(&name.as_str()) && unit.is_some_and(|unit| !is_watts(unit)) {
-                let what = format!("the unit of column `{}` is not W/m2, which TMY3 holds", excerpt(cell.trim(), 60));
+                let what = format!("the unit of column `{}` is not W/m2, the unit of TMY3", excerpt(cell.trim(), 60));
                 return Err(Error::input(path, 2, what, "write light in W/m2"));
             }
         }
@@ -124,7 +124,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
 /// elevation. So time zone, latitude and longitude are the first three numbers in their ranges with
 /// an elevation behind them.
 fn site(path: &Path, line: &str) -> Result<Station> {
-    let hint = "number,name,state,time zone,latitude,longitude,elevation";
+    let hint = "write number,name,state,time zone,latitude,longitude,elevation";
     let line = line.trim_start_matches('\u{feff}').trim_end_matches([',', ' ', '\r']);
     let cells: Vec<&str> = line.split(',').map(|cell| cell.trim_matches(['"', ' '])).collect();
     let is = |cell: Option<&&str>, most: f64| {

@@ -64,7 +64,8 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
     if rows.is_empty() {
         return Err(Error::input(path, None, "the file has no weather rows", HINT));
     }
-    let warning = format!("{}: {} rows name no year and are taken as of {}", path.display(), rows.len(), Date::NO_YEAR);
+    let warning =
+        format!("{}: {} rows state no year and are read as rows of {}", path.display(), rows.len(), Date::NO_YEAR);
     let stamped_at = options.stamped_at.unwrap_or(StampedAt::Middle);
     let stamped = StampedRows { rows, seconds, stamped_at, day_of_start: true, late_min: 0.0, moved_s: 0 };
     let stepped: SteppedRows = stamped.stepped(path)?;
@@ -97,7 +98,7 @@ fn take_tag(path: &Path, line: usize, words: &[&str], station: &mut Station) -> 
         }
         "weather_data_file_units" => {}
         _ => {
-            let what = format!("`{}` is no line of a .wea file", excerpt(tag, 60));
+            let what = format!("`{}` does not start a line of a .wea file", excerpt(tag, 60));
             return Err(Error::input(path, line, what, HINT));
         }
     }
@@ -121,7 +122,7 @@ impl WeaRow<'_> {
         let date = whole(0).zip(whole(1)).and_then(|(month, day)| Date::of_no_year(month, day));
         let hours = self.word(2).parse::<f64>().ok().filter(|hours| (0.0..=24.0).contains(hours));
         let (Some(date), Some(hours)) = (date, hours) else {
-            let what = format!("`{}` is no month, day and hour that exist", excerpt(&self.words.join(" "), 60));
+            let what = format!("`{}` is not an existing month, day and hour", excerpt(&self.words.join(" "), 60));
             return Err(Error::input(self.path, self.line, what, "correct the row"));
         };
         // Rounded to whole minutes, because hours of 10-minute steps are rounded to thousandths.

@@ -42,7 +42,7 @@ pub fn parse_weather_as(path: &Path, bytes: &[u8], options: &WeatherOptions, sce
 /// First bytes of files that hold weather and are no text.
 const NO_TEXT: [(&[u8], &str); 6] = [
     (b"PK\x03\x04", "a zip archive"),
-    (b"\x1f\x8b", "packed by gzip"),
+    (b"\x1f\x8b", "a gzip file"),
     (b"PAR1", "a Parquet file"),
     (b"\x89HDF", "a NetCDF or HDF5 file"),
     (b"CDF", "a NetCDF file"),
@@ -66,6 +66,6 @@ fn text_of<'b>(path: &Path, bytes: &'b [u8]) -> Result<Cow<'b, [u8]>> {
     if known.is_none() && !start.contains(&0) {
         return Ok(Cow::Borrowed(bytes));
     }
-    let what = format!("is {}, not a text of weather", known.unwrap_or("a file of bytes"));
+    let what = format!("is {}, not a text file of weather", known.unwrap_or("a binary file"));
     Err(Error::input(path, None, what, "save the weather as CSV or EPW"))
 }

@@ -55,8 +55,8 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
         report.closure = closure(&site, &rows, &done);
         let after = report.closure.map_or(before.best_rmse_w_m2, |closure| closure.rmse_w_m2);
         report.warnings.push(format!(
-            "{}: time stamps are moved by {moved_min} min, which {{shift}} auto found: GHI = DHI + DNI cos(z) then holds to {after:.1} \
-             W/m2 RMSE, before to {:.1}",
+            "{}: {{shift}} auto moves time stamps by {moved_min} min: GHI = DHI + DNI cos(z) then holds to \
+             {after:.1} W/m2 RMSE, before to {:.1}",
             path.display(),
             before.rmse_w_m2
         ));
@@ -99,7 +99,7 @@ pub fn judged(path: &Path, raw: RawWeather, options: &WeatherOptions, scene: Sce
     let hours = rows.len() as f64 * step_min / 60.0;
     if hours < HOURS_OF_YEAR {
         report.warnings.push(format!(
-            "{}: holds {hours:.0} of the {HOURS_OF_YEAR} hours of a year; yearly sums are sums of these",
+            "{}: holds {hours:.0} of the {HOURS_OF_YEAR} hours of a year; yearly sums cover only these hours",
             path.display()
         ));
     }

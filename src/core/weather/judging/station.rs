@@ -57,7 +57,7 @@ impl Station {
         {
             (latitude, longitude) = (Some(latitude_deg), Some(longitude_deg));
             note = Some(format!(
-                "{}: does not say where it is from; the place of the scene is taken, latitude {latitude_deg:.4}, longitude \
+                "{}: states no place; the place of the scene is used: latitude {latitude_deg:.4}, longitude \
                  {longitude_deg:.4}",
                 path.display()
             ));
@@ -68,7 +68,7 @@ impl Station {
                 (Some(_), None) => "longitude",
                 _ => "latitude and longitude",
             };
-            let what = format!("does not say where it is from: {missing} unknown");
+            let what = format!("does not state its {missing}");
             let hint = "give {latitude} and {longitude} in degrees, north and east positive";
             return Err(Error::input(path, None, what, hint));
         };
@@ -77,10 +77,10 @@ impl Station {
                 "give {{time_zone}}, hours ahead of UTC in standard time, such as {{time_zone}} {:+03.0}:00, or {{time_zone}} UTC",
                 longitude / 15.0
             );
-            return Err(Error::input(path, None, "does not say what time zone its time stamps are in", hint));
+            return Err(Error::input(path, None, "does not state the time zone of its time stamps", hint));
         };
         let site = Location::new(latitude, longitude, zone, self.elevation_m).map_err(|what| {
-            Error::input(path, None, what, "correct {latitude}, {longitude} or {time_zone}, or what the file says")
+            Error::input(path, None, what, "correct {latitude}, {longitude} or {time_zone}, or the values in the file")
         })?;
         Ok((site, note))
     }

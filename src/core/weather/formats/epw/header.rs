@@ -25,7 +25,7 @@ impl EpwHeader {
             let hint = "give an EnergyPlus weather file (.epw) or a TMY3 file (.csv)";
             return Err(Error::input(path, 1, "the file does not start with LOCATION", hint));
         }
-        let hint = "LOCATION,city,state,country,source,WMO,latitude,longitude,time zone,elevation";
+        let hint = "write LOCATION,city,state,country,source,WMO,latitude,longitude,time zone,elevation";
         let mut numbers = [0.0; 4];
         let names = ["latitude", "longitude", "time zone", "elevation"];
         for (i, (number, name)) in numbers.iter_mut().zip(names).enumerate() {
@@ -48,7 +48,7 @@ impl EpwHeader {
             }
             let number = |i: usize| cells.get(i).and_then(|c| c.parse::<u32>().ok());
             let (Some(periods), Some(records_per_hour)) = (number(1), number(2)) else {
-                let hint = "DATA PERIODS,number of periods,records per hour,...";
+                let hint = "write DATA PERIODS,number of periods,records per hour,...";
                 return Err(Error::input(path, line, "DATA PERIODS lacks its two numbers", hint));
             };
             if records_per_hour == 0 || 60 % records_per_hour != 0 {

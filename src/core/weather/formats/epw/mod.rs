@@ -102,8 +102,9 @@ pub(super) fn read(path: &Path, bytes: &[u8], options: &WeatherOptions) -> Resul
             path.display()
         )
     });
-    let of_no_year = (no_year > 0)
-        .then(|| format!("{}: {no_year} rows are of the year 0 and are taken as of {}", path.display(), Date::NO_YEAR));
+    let of_no_year = (no_year > 0).then(|| {
+        format!("{}: {no_year} rows state the year 0 and are read as rows of {}", path.display(), Date::NO_YEAR)
+    });
     Ok(RawWeather {
         station: header.station,
         rows: raw,

@@ -65,7 +65,7 @@ fn what_energyplus_runs() {
     assert_eq!((weather.rows.len(), weather.site.elevation_m), (24, 250.0));
     assert!(weather.rows.iter().all(|row| row.ghi_w_m2.is_none() && row.dni_w_m2 == 10.0 && row.dhi_w_m2 == 5.0));
     assert_eq!(weather.rows[0].interval.label(), "2017-06-01T00:00");
-    let said = weather.report.warnings.iter().filter(|warning| warning.contains("24 rows are of the year 0")).count();
+    let said = weather.report.warnings.iter().filter(|warning| warning.contains("24 rows state the year 0")).count();
     assert_eq!(said, 1, "{:?}", weather.report.warnings);
 }
 

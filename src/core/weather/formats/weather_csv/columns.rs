@@ -95,7 +95,7 @@ impl Columns {
             Err(_) if quantity.is_of_air() && !with_air => Ok(None),
             // Few replays need the ground's columns, so a bad one is only left out.
             Err(error) if quantity.is_of_ground() => {
-                let told = error.to_string().replace("\n  to fix: ", ", and it is left out: ");
+                let told = error.to_string().replace("\n  to fix: ", ", and the column is left out: ");
                 warnings.push(told);
                 Ok(None)
             }
@@ -145,7 +145,8 @@ impl Columns {
         if head.slope_deg != Some(0.0) {
             let slope =
                 head.slope_deg.map_or("an inclined plane".into(), |slope| format!("a plane of slope {slope} degrees"));
-            let what = format!("the irradiances are those of {slope}, from which those of others cannot be told");
+            let what =
+                format!("the irradiances are those of {slope}, from which those of other planes cannot be computed");
             let hint = "ask PVGIS for hourly data of slope 0 with radiation components (angle=0&components=1), or for a typical year \
                         (TMY)";
             return Err(Error::input(path, head.lines, what, hint));
@@ -285,8 +286,8 @@ impl Columns {
             ["air", "-90 to 70 degrees Celsius", "(K)"]
         };
         format!(
-            "{}, line {line} and on: `{name}` of {rows} rows, the first `{}`, lies outside {range} and is left out; state its unit in \
-             the name, such as `{quantity} {example}`",
+            "{}, line {line} and on: {rows} values of `{name}`, the first `{}`, lie outside {range} and are left \
+             out; state the unit in the name, such as `{quantity} {example}`",
             path.display(),
             excerpt(text, SHOWN)
         )

@@ -41,7 +41,7 @@ pub fn is_json(bytes: &[u8]) -> bool {
 pub fn table(path: &Path, bytes: &[u8]) -> Result<JsonTable> {
     let plain = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let document = document(plain).map_err(|error| {
-        let what = format!("is no whole JSON document: {}", excerpt(&error.to_string(), 120));
+        let what = format!("is not a complete JSON document: {}", excerpt(&error.to_string(), 120));
         Error::input(path, (error.line() > 0).then_some(error.line()), what, "the file may be cut off; fetch it again")
     })?;
     let mut head = Head::empty(path);

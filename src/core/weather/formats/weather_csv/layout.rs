@@ -76,7 +76,7 @@ impl Head {
             Kind::Solargis => self.solargis(&all),
             // Radiation in universal time, or in true solar time, which no clock shows.
             Kind::Cams if all.contains("true solar time") || all.contains("(tst)") => {
-                let what = "its times are true solar time, which no time zone shows";
+                let what = "its times are in true solar time, which has no time zone";
                 return Err(Error::input(path, None, what, "fetch it again in universal time (UT)"));
             }
             Kind::Cams => self.say_zone(0.0),
@@ -96,8 +96,8 @@ impl Head {
         }) {
             self.kind = Kind::OpenMeteo;
             self.warnings.push(format!(
-                "{}: has Open-Meteo's names, whose radiation is the mean before each stamp: stamps are taken as the end of intervals; \
-                 {{weather_stamp}} says otherwise",
+                "{}: has the column names of Open-Meteo, whose radiation is a mean over the time before each stamp: \
+                 stamps are read as the end of intervals; {{weather_stamp}} states another place",
                 path.display()
             ));
         }
@@ -330,7 +330,7 @@ impl Head {
     /// says that it has a column of minutes.
     pub fn usual_stamp(&self, path: &Path, has_minutes: bool, instants: bool) -> Result<StampedAt> {
         let unclear = |what: &str| {
-            let hint = "say it with {weather_stamp} start, middle or end";
+            let hint = "state the place of time stamps in their intervals with {weather_stamp} start, middle or end";
             Err(Error::input(path, None, what, hint))
         };
         Ok(match (self.stamped_at, self.kind) {
@@ -341,12 +341,13 @@ impl Head {
             (None, Kind::OpenMeteo | Kind::Datalogger) => StampedAt::End,
             (None, Kind::SolarAnywhere) => {
                 return unclear(
-                    "is of SolarAnywhere, and its first line states no averaging method: stamps may be middle or end",
+                    "is a SolarAnywhere file whose first line states no averaging method: stamps may be the middle \
+                     or the end of intervals",
                 );
             }
             (None, Kind::Meteonorm) => {
                 return unclear(
-                    "is of Meteonorm, whose stamps are by default the end of an hour, and may be set otherwise",
+                    "is a Meteonorm file, whose stamps are the end of hours by default and may be set otherwise",
                 );
             }
             (None, Kind::Plain | Kind::NasaPower | Kind::Pvsyst | Kind::Cams) => StampedAt::Start,

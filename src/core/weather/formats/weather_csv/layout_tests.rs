@@ -72,11 +72,11 @@ fn sixteen_refusals_name_the_cause() {
         (in_unit("time,ghi,dni,dhi\n,furlongs,W/m2,W/m2", 1.0), AT_PLACE, "the unit `furlongs` of column `ghi`"),
         (in_unit("time,ghi (W/m2),ghi (kW/m2),dhi", 1.0), AT_PLACE, "are both GHI"),
         (one_day, AT_PLACE, "{date_order} dmy or mdy"),
-        (nsrdb("", -7, true), SILENT, "does not say what time zone"),
-        (no_statement, SILENT, "does not say what time zone"),
+        (nsrdb("", -7, true), SILENT, "does not state the time zone"),
+        (no_statement, SILENT, "does not state the time zone"),
         (cams("True solar time (TST)"), SILENT, "true solar time"),
         (solar_anywhere("", 60), SILENT, "states no averaging method"),
-        ("Meteonorm\n".to_owned() + &in_unit("time,ghi,dni,dhi", 1.0), AT_PLACE, "is of Meteonorm"),
+        ("Meteonorm\n".to_owned() + &in_unit("time,ghi,dni,dhi", 1.0), AT_PLACE, "is a Meteonorm file"),
         (
             format!("[{0},{0}]", open_meteo_json(|hour| json!(hour.iso(0, 60)), "iso8601")),
             SILENT,
@@ -87,8 +87,8 @@ fn sixteen_refusals_name_the_cause() {
             AT_PLACE,
             "is JSON without a table of hours: an object of 2 members, `a`, `b`",
         ),
-        (format!("{{\"a\": \"{long}"), AT_PLACE, "is no whole JSON document"),
-        ("PK\u{3}\u{4}abc".into(), AT_PLACE, "is a zip archive, not a text of weather"),
+        (format!("{{\"a\": \"{long}"), AT_PLACE, "is not a complete JSON document"),
+        ("PK\u{3}\u{4}abc".into(), AT_PLACE, "is a zip archive, not a text file of weather"),
         (format!("{long},{long}\n1,2\n"), AT_PLACE, "no column of time among `xxx"),
         (format!("time,ghi\n2021-06-01T00:00,{long}\n"), AT_PLACE, "line 2: column `ghi` holds `xxx"),
     ] {
@@ -106,7 +106,7 @@ fn stated_lengths_are_checked() {
     let period = table("time,period,dni,dhi", |hour| format!("{},PT15M,1,1", hour.iso(-7, 0)));
     for (text, minutes) in [(pair, 30), (period, 15)] {
         let message = read("w.csv", text.as_bytes(), &AT_PLACE).map(drop).expect_err("a length");
-        let said = format!("the interval is stated as {minutes} min, and rows are 60 min apart");
+        let said = format!("the interval is stated as {minutes} min, but rows are 60 min apart");
         assert!(message.contains(&said), "{message}");
     }
 }
@@ -134,7 +134,7 @@ fn units_of_ground_and_air() {
     }
     let said = made("albedo,temp_air", "20,288.15").report.warnings.join("\n");
     for part in
-        ["`albedo` of 48 rows, the first `20`, lies outside 0 to 1", "`temp_air` of 48 rows, the first `288.15`"]
+        ["48 values of `albedo`, the first `20`, lie outside 0 to 1", "48 values of `temp_air`, the first `288.15`"]
     {
         assert!(said.contains(part), "{said}");
     }
@@ -148,7 +148,7 @@ fn stamps_to_midnight_are_told() {
         let text = table("time,ghi", |hour| format!("{},{:.1}", hour.iso(-7, minutes), hour.ghi));
         let warnings = read("w.csv", text.as_bytes(), &AT_PLACE).expect("valid").report.warnings;
         let found =
-            warnings.iter().filter(|warning| warning.contains("{weather_stamp} end takes them as ends")).count();
+            warnings.iter().filter(|warning| warning.contains("{weather_stamp} end reads them as ends")).count();
         assert_eq!(found, told, "{warnings:?}");
     }
 }
@@ -166,7 +166,7 @@ fn unknown_units_beside_light() {
         .report
         .warnings
         .iter()
-        .filter(|warning| warning.contains("`albedo (x)` is not known, and it is left out"));
+        .filter(|warning| warning.contains("`albedo (x)` is not known, and the column is left out"));
     assert_eq!(told.count(), 1, "{:?}", weather.report.warnings);
     let with_air = WeatherOptions { with_air: true, ..AT_PLACE };
     let message = read("w.csv", text.as_bytes(), &with_air).map(drop).expect_err("air");

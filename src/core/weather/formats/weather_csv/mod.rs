@@ -201,8 +201,8 @@ impl<'a> Rows<'a> {
         if let Some(minutes) = moment.minutes {
             let (stated, _) = *self.stated_min.get_or_insert((minutes, cells.line));
             if (stated - minutes).abs() > 0.02 {
-                let what = format!("the interval is stated as {minutes} min, that of the rows before as {stated}");
-                return Err(Error::input(self.path, cells.line, what, "give rows of one step"));
+                let what = format!("the interval is stated as {minutes} min, in the rows before as {stated} min");
+                return Err(Error::input(self.path, cells.line, what, "give rows at one step"));
             }
         }
         let Some(said) = said else { return Ok(seconds) };
@@ -230,7 +230,7 @@ impl<'a> Rows<'a> {
 
     fn finish(self) -> Result<RawWeather> {
         if self.rows.is_empty() {
-            let hint = "it needs a line of names and a line for each interval below it";
+            let hint = "write a line of names and below it a line for each interval";
             return Err(Error::input(self.path, None, "the file has no weather rows", hint));
         }
         let stamped_at = self.stamped_at()?;
@@ -250,7 +250,7 @@ impl<'a> Rows<'a> {
         if let Some((stated, line)) = self.stated_min
             && (stated - step_min).abs() > 0.02
         {
-            let what = format!("the interval is stated as {stated} min, and rows are {step_min} min apart");
+            let what = format!("the interval is stated as {stated} min, but rows are {step_min} min apart");
             return Err(Error::input(path, line, what, "give rows whose intervals follow each other"));
         }
         if columns.has_energies() {
@@ -264,7 +264,7 @@ impl<'a> Rows<'a> {
         warnings.extend(columns.odd_numbers(path, &odd));
         if self.no_year > 0 {
             warnings.push(format!(
-                "{}: {} rows name no year and are taken as of {}; {{year}} puts results into another",
+                "{}: {} rows state no year and are read as rows of {}; {{year}} puts results into another year",
                 path.display(),
                 self.no_year,
                 Date::NO_YEAR
@@ -274,8 +274,9 @@ impl<'a> Rows<'a> {
         let named = self.are_starts || self.moments.columns.at.is_some();
         if is_default && !named && !columns.has_all_light() && runs_to_midnight(first_s, last_s, step_min) {
             warnings.push(format!(
-                "{}: stamps run from the end of the first interval of a day to midnight, as ends of intervals do, and are taken as \
-                 starts; {{weather_stamp}} end takes them as ends, {{weather_stamp}} start says that they are starts",
+                "{}: stamps run from the end of the first interval of a day to midnight, as ends of intervals do, \
+                 but are read as starts; {{weather_stamp}} end reads them as ends, {{weather_stamp}} start confirms \
+                 that they are starts",
                 path.display()
             ));
         }

@@ -71,7 +71,7 @@ impl MomentReader<'_> {
         if minutes > 0.0 {
             return Ok(minutes);
         }
-        Err(cells.bad(place, self.names.name(place), "write the end of an interval behind its start"))
+        Err(cells.bad(place, self.names.name(place), "write an end of the interval that is later than its start"))
     }
 
     fn of_text(&self, cells: &Cells, date: usize, clock: Option<usize>) -> Result<Moment> {
@@ -148,7 +148,7 @@ impl MomentReader<'_> {
             }
         };
         let (Some(date), Some(seconds)) = (date, seconds) else {
-            let what = "year, month, day, hour and minute are no time that exists";
+            let what = "year, month, day, hour and minute do not form an existing time";
             return Err(Error::input(cells.path, cells.line, what, "correct the row"));
         };
         Ok(Moment {
@@ -168,11 +168,11 @@ impl MomentReader<'_> {
             return Error::input(cells.path, cells.line, "the date can be read in two ways", STAMPS);
         };
         let what = format!(
-            "column `{}` holds `{}`, whose day and month can be told in no row",
+            "column `{}` holds `{}`, and no row shows which number is the day and which is the month",
             excerpt(self.names.name(date), SHOWN),
             excerpt(&cells.text(date), SHOWN)
         );
-        let hint = "say their order with {date_order} dmy or mdy, or write 2021-06-01";
+        let hint = "state their order with {date_order} dmy or mdy, or write 2021-06-01";
         Error::input(cells.path, cells.line, what, hint)
     }
 }

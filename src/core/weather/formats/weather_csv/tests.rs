@@ -174,7 +174,7 @@ fn found_shift() {
     assert_eq!(auto.moved_min, 20.0);
     let auto = auto.report;
     assert!(auto.closure.expect("rows").rmse_w_m2 < 0.2, "{:?}", auto.closure);
-    assert!(auto.warnings[0].contains("moved by 20 min"), "{:?}", auto.warnings);
+    assert!(auto.warnings[0].contains("moves time stamps by 20 min"), "{:?}", auto.warnings);
     let end = read(&sky(-7.5), &WeatherOptions { stamped_at: Some(StampedAt::End), ..AT_NICE }).expect("valid").report;
     assert!(end.closure.expect("rows").rmse_w_m2 < 0.01 && end.warnings.len() == 1, "{:?}", end.warnings);
 }
@@ -337,7 +337,7 @@ fn refusals() {
     for (text, said) in [
         (String::new(), "the file is empty"),
         ("time,ghi\n".into(), "no weather rows"),
-        ("time,ghi\n2021-06-01T10:00,1\n".into(), "no two rows in order"),
+        ("time,ghi\n2021-06-01T10:00,1\n".into(), "no two rows in order of time"),
         ("a,b\n1,2\n".into(), "no column of time among `a,b`"),
         ("time,power\n2021-06-01T10:00,1\n".into(), "no column of light among `time,power`"),
         ("time,GHI,G(h)\n".into(), "columns `GHI` and `G(h)` are both GHI"),
@@ -359,7 +359,7 @@ fn refusals() {
         ("time;ghi\n2021-06-01T10:00;1.000,5\n2021-06-01T11:00;1,5\n".into(), "line 2: column `ghi` holds `1.000,5`"),
         ("time,ghi\n2021-06-01,1\n2021-06-02,1\n".into(), "rows are 1440 min apart"),
         ("time,ghi\n2021-06-01T10:00:00,1\n2021-06-01T10:00:10,1\n".into(), "rows are 0.16666666666666666 min apart"),
-        ("year,month,day,hour,ghi\n2021,2,30,1,1\n".into(), "line 2: year, month, day, hour and minute are no time"),
+        ("year,month,day,hour,ghi\n2021,2,30,1,1\n".into(), "line 2: year, month, day, hour and minute do not form"),
         ("year,month,day,hour,minute,ghi\n2021,2,3,24,30,1\n".into(), "line 2: year, month, day, hour and minute"),
         ("year,month,day,hour,minute,ghi\n2021,2,3,24,60,1\n".into(), "line 2: year, month, day, hour and minute"),
         ("year,month,day,hour,minute,ghi\n2021,2,3,9999,60,1\n".into(), "line 2: year, month, day, hour and minute"),
@@ -400,7 +400,7 @@ fn places_and_zones() {
     let nowhere = WeatherOptions { latitude_deg: None, longitude_deg: None, ..AT_NICE };
     for (options, said) in [
         (nowhere, "give {latitude} and {longitude}"),
-        (WeatherOptions { latitude_deg: Some(43.7), ..nowhere }, "longitude unknown"),
+        (WeatherOptions { latitude_deg: Some(43.7), ..nowhere }, "does not state its longitude"),
         (WeatherOptions { zone_hours: None, ..AT_NICE }, "such as {time_zone} +00:00"),
         (WeatherOptions { zone_hours: None, longitude_deg: Some(-105.0), ..AT_NICE }, "such as {time_zone} -07:00"),
         (WeatherOptions { latitude_deg: Some(95.0), ..AT_NICE }, "latitude is 95"),
@@ -413,7 +413,7 @@ fn places_and_zones() {
     let weather = parse_weather_as(Path::new("w.csv"), text.as_bytes(), &nowhere, &mut place).expect("valid");
     assert_eq!((weather.site.latitude_deg, weather.site.longitude_deg), (52.0, 4.3));
     assert!(
-        weather.report.warnings[0].contains("the place of the scene is taken, latitude 52.0000"),
+        weather.report.warnings[0].contains("the place of the scene is used: latitude 52.0000"),
         "{:?}",
         weather.report.warnings
     );
