@@ -274,7 +274,7 @@ mod tests {
     /// field, an argument its request field. The 3 names in braces become the words of the
     /// interface.
     #[test]
-    fn messages() {
+    fn a_message_says_what_is_wrong_and_what_to_do() {
         let text = Error::defect(Path::new("a.helio"), "probes/3", "seen", "names no cell").to_string();
         assert!(text.starts_with("a.helio: block probes/3, seen: names no cell: a fault of the program"), "{text}");
         assert_eq!((text.lines().count(), text.contains("{command:verify_deep} a.helio")), (2, true));

@@ -231,7 +231,7 @@ mod tests {
     /// Square to hemisphere and back is the identity to 1e-7, over the whole square with its
     /// diagonals and axes.
     #[test]
-    fn round_trip() {
+    fn square_to_hemisphere_and_back_is_the_identity() {
         let mut worst = 0.0_f64;
         for i in 0..=64 {
             for j in 0..=64 {
@@ -247,7 +247,7 @@ mod tests {
     /// Texels have equal solid angle: the cosine-weighted mean over the texels of a horizontal
     /// surface is pi within 2e-4.
     #[test]
-    fn equal_solid_angle() {
+    fn texels_have_equal_solid_angle() {
         let n = 128;
         let sum: f64 = texel_centres(n).iter().map(|d| d.z).sum();
         let integral = sum * HEMISPHERE_SR / (n * n) as f64;
@@ -256,7 +256,7 @@ mod tests {
 
     /// Bilinear weights sum to 1 and reproduce the texel's own value at its centre.
     #[test]
-    fn bilinear_weights() {
+    fn bilinear_weights_sum_to_1() {
         for (t, d) in texel_centres(16).into_iter().enumerate() {
             let corners = bilinear(d, 16);
             let sum: f64 = corners.iter().map(|c| c.1).sum();
@@ -269,7 +269,7 @@ mod tests {
     /// Frames are right-handed and orthonormal to 1e-12, also for vertical normals. A direction
     /// that goes to the world frame and back is unchanged.
     #[test]
-    fn frames() {
+    fn frames_are_orthonormal_and_right_handed() {
         for n in [DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::new(1e-9, 0.0, 1.0), DVec3::new(0.3, -0.5, 0.81)] {
             let f = Frame::of(n.normalize());
             assert!((f.u.cross(f.v) - f.n).length() < 1e-12);

@@ -113,7 +113,7 @@ mod tests {
 
     /// Uses that are alive together take at most the whole budget: 9 of 9 times.
     #[test]
-    fn the_parts_add_up() {
+    fn uses_alive_together_fit_the_budget() {
         let budget = MemoryBudget::new(1 << 30);
         for (when, uses) in TOGETHER {
             assert!(uses.iter().map(|of| budget.share(*of)).sum::<u64>() <= budget.total(), "{when}");

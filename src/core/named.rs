@@ -61,7 +61,7 @@ mod tests {
     /// The three places of a time stamp come back from their names. The error for `noon` lists all
     /// three.
     #[test]
-    fn names_and_values() {
+    fn values_come_back_from_their_names() {
         for at in [StampedAt::Start, StampedAt::Middle, StampedAt::End] {
             assert_eq!(by_name::<StampedAt>("weather_stamp", name_of(&at)).ok(), Some(at));
         }

@@ -108,13 +108,13 @@ mod tests {
 
     /// A text of 5 characters is shown whole at 5 and cut at 4; a line break becomes a blank.
     #[test]
-    fn excerpts() {
+    fn long_texts_are_cut_and_lines_joined() {
         assert_eq!((excerpt("ab\u{e9}\nd", 5), excerpt("abcde", 4)), ("ab\u{e9} d".into(), "abcd...".into()));
     }
 
     /// Five addresses and 4 paths are told apart. Nine places lose user, password and signature.
     #[test]
-    fn addresses() {
+    fn addresses_lose_their_secrets() {
         for address in ["s3://b/a.helio", "gs://b/a", "az://c@account/a", "https://h/a", "abfs+x://c/a"] {
             assert!(is_address(address), "{address}");
         }
@@ -138,7 +138,7 @@ mod tests {
 
     /// Two of 5 header lines, those with other separators, get a hint, the 3 others none.
     #[test]
-    fn separators() {
+    fn headers_with_other_separators_get_a_hint() {
         assert!(separator_hint("receiver;x;y;z").is_some_and(|hint| hint.contains("semicolons")));
         assert!(separator_hint("receiver\tx\ty").is_some_and(|hint| hint.contains("tabs")));
         for header in ["receiver,x,y", "receiver", "a;b,c"] {
@@ -149,7 +149,7 @@ mod tests {
     /// Three of 3 fields and commands get the user's names. Braces around other text and around
     /// unknown names stay.
     #[test]
-    fn fields_in_texts() {
+    fn names_in_braces_become_those_of_the_user() {
         let words = |named: Named| match named {
             Named::Field("nothing") => None,
             Named::Field(field) => Some(format!("--{}", field.replace('_', "-"))),

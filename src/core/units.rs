@@ -67,7 +67,7 @@ mod tests {
 
     /// Six normals have the tilt and azimuth of the compass, within 1e-12 degrees.
     #[test]
-    fn compass() {
+    fn normals_have_the_tilt_and_azimuth_of_the_compass() {
         let half = 0.5_f64.sqrt();
         for (normal, tilt, azimuth) in [
             (DVec3::Z, 0.0, 0.0),

@@ -222,7 +222,7 @@ mod tests {
     /// hours without direct sun alone, in which 150 W/m2 are reflected and there is no sky, 3 W/m2
     /// are expected, 2 % as stated. An archive without kinds of hours expects 1 % of any mean.
     #[test]
-    fn what_is_stated_holds_for_other_hours() {
+    fn a_stated_error_scales_to_other_hours() {
         let stated = Accuracy {
             rmse_percent: 1.0,
             mean_w_m2: 200.0,

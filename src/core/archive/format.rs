@@ -393,7 +393,7 @@ mod tests {
 
     /// A slot and an entry come back unchanged from their 512 and 80 bytes.
     #[test]
-    fn records_round_trip() {
+    fn slots_and_entries_come_back_from_their_bytes() {
         let slot = Slot { generation: 7, root: [9; 32], ..Slot::building() };
         assert_eq!(slot.encode().len(), 512);
         assert_eq!(Slot::decode(&slot.encode()), Some(slot));
@@ -421,7 +421,7 @@ mod tests {
     /// Known kinds have names, and an unknown one has its number. Aligning near 2^64 does not
     /// overflow.
     #[test]
-    fn names_and_alignment() {
+    fn unknown_kinds_have_numbers_and_alignment_is_safe() {
         assert_eq!(block_name(SKY, TileNumber(3)), "sky/3");
         assert_eq!(block_name(BlockKind(77), TileNumber(0)), "kind-77/0");
         assert_eq!((align(8193), align(u64::MAX)), (Some(8256), None));

@@ -247,7 +247,7 @@ mod tests {
     /// A manifest with unknown keys on 4 levels and a float of 17 digits comes back equal, and its
     /// JSON has the same bytes again.
     #[test]
-    fn json_round_trips() {
+    fn a_manifest_and_its_unknown_keys_come_back() {
         let mut manifest = Manifest::new();
         manifest.scene.origin_m = [85_000.123_456_789, -0.1 - 0.2, 5e-324];
         for other in [
@@ -268,7 +268,7 @@ mod tests {
     /// The hash of settings is the known one and stays through JSON. Each of 3 changes, one of them
     /// under a key of a later release, gives another hash.
     #[test]
-    fn settings_have_a_name() {
+    fn each_change_of_settings_gives_another_hash() {
         let mut manifest = Manifest::new();
         manifest.settings.closed_m = 0.1 + 0.2;
         let settings = manifest.settings.clone();

@@ -29,7 +29,7 @@ impl MappedFile {
         // does that. If another one does, the copies below are the only places that hold a
         // reference, for the time of a copy: changed bytes are then a wrong checksum of that copy;
         // a file that is shortened ends the process by SIGBUS, which `Access::Read` avoids. Test
-        // that would break it: `access_agrees`.
+        // that would break it: `every_access_reads_equal_bytes`.
         unsafe { Mmap::map(file) }.map(|map| MappedFile { map: Some(map) })
     }
 

@@ -74,7 +74,7 @@ mod tests {
     /// A pointer comes back from its 201 bytes. Nine other texts are no pointer: with another
     /// layout, cut, longer than 4096 bytes, with a bad root, or with a name in another folder.
     #[test]
-    fn round_trip() {
+    fn pointers_come_back_and_other_texts_are_none() {
         let pointer = Pointer::new("site.helio", &[7; 32], 145_284_198);
         let bytes = pointer.to_bytes();
         assert_eq!((pointer.name.len(), bytes.len()), (75, 201));

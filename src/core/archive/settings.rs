@@ -236,7 +236,7 @@ mod tests {
 
     /// The 12 descriptions and types of the JSON Schema are those that are declared here.
     #[test]
-    fn the_schema_says_the_same() {
+    fn the_schema_holds_the_declared_settings() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../schema/manifest.schema.json");
         let schema: Value = serde_json::from_slice(&std::fs::read(path).expect("a file")).expect("JSON");
         let properties = &schema["properties"]["settings"]["properties"];

@@ -116,7 +116,7 @@ mod tests {
     /// A mapping, plain reads, a vector and shared memory give the same bytes for all 10 011 ranges
     /// of 140 bytes, copied out and read into a buffer, and the same error outside them.
     #[test]
-    fn access_agrees() {
+    fn every_access_reads_equal_bytes() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
         let content: Vec<u8> = (0..140).collect();

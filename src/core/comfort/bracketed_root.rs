@@ -80,7 +80,7 @@ mod tests {
     /// The roots of a cubic, of an exponential and at either end, and a jump from 1 to -1 are found
     /// within 1e-10.
     #[test]
-    fn roots_and_jumps() {
+    fn roots_and_jumps_are_found() {
         let jump = |x: f64| if x < 4.5 { 1.0 } else { -1.0 };
         for (got, expected) in [
             (root(|x| x * x * x - 8.0), 2.0),
@@ -96,7 +96,7 @@ mod tests {
 
     /// Without a change of sign there is no root, and a function that gives NaN has none.
     #[test]
-    fn no_root() {
+    fn without_a_change_of_sign_there_is_no_root() {
         assert_eq!(root(|x| x * x + 1.0), None);
         assert_eq!(root(|_| f64::NAN), None);
         assert_eq!(root(|x| if x.abs() < 9.0 { f64::NAN } else { x }), None);
@@ -104,7 +104,7 @@ mod tests {
 
     /// A smooth function takes at most 15 evaluations to 1e-10, where bisection takes 38.
     #[test]
-    fn few_evaluations() {
+    fn a_smooth_root_takes_at_most_15_evaluations() {
         let count = std::cell::Cell::new(0);
         let got = root(|x| {
             count.set(count.get() + 1);

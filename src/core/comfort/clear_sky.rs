@@ -81,7 +81,7 @@ mod tests {
     /// has 0.5194 of the deficit (the two numbers by the trapezoid rule with 2 million points in
     /// numpy).
     #[test]
-    fn zenith_and_horizon() {
+    fn the_deficit_is_largest_at_the_zenith() {
         let clear = ClearSky::of(128);
         let open = sky(128, |_| true);
         assert!((clear.missed(DVec3::Z, &open) - 1.0).abs() < 1e-12);

@@ -68,7 +68,7 @@ mod tests {
     /// Saturation pressure over water is 6.11657 hPa at the triple point, 0.01 degrees Celsius,
     /// 23.392 at 20, 123.52 at 50 and 1014.18 at 100 (IAPWS-95), within 0.01 %.
     #[test]
-    fn known_pressures() {
+    fn saturation_pressures_agree_with_iapws() {
         for (temperature_c, expected) in [(0.01, 6.116_57), (20.0, 23.392), (50.0, 123.52), (100.0, 1014.18)] {
             let got = saturation_pressure_hpa(temperature_c).expect("within the range");
             assert!((got / expected - 1.0).abs() < 1e-4, "{temperature_c}: {got}");
@@ -78,7 +78,7 @@ mod tests {
     /// The pressure of the PET agrees with ITS-90 within 0.1 % above 0 degrees Celsius. At -20 it
     /// is the pressure over ice, 1.0326 hPa (IAPWS), within 0.1 %.
     #[test]
-    fn two_formulas_agree() {
+    fn the_pressure_of_the_pet_agrees_with_its_90() {
         for temperature_c in 0..=99 {
             let temperature_c = f64::from(temperature_c);
             let its = saturation_pressure_hpa(temperature_c).expect("within the range");
@@ -91,7 +91,7 @@ mod tests {
     /// Half saturated air has half the pressure. Humidity from a dew point gives back the dew
     /// point's pressure within 1e-12 of it. A dew point above the temperature is 100 %.
     #[test]
-    fn humidity_and_dew_point() {
+    fn a_dew_point_gives_back_its_pressure() {
         let full = saturation_pressure_hpa(25.0).expect("within the range");
         assert_eq!(vapour_pressure_hpa(25.0, 50.0), Some(0.5 * full));
         for (air_c, dew_c) in [(25.0, 13.0), (-5.0, -20.0), (30.0, 30.0)] {
@@ -105,7 +105,7 @@ mod tests {
 
     /// NaN, infinity and values outside the ranges give `None`: 5 of 5.
     #[test]
-    fn outside_the_range() {
+    fn values_outside_the_ranges_have_no_pressure() {
         assert_eq!(saturation_pressure_hpa(f64::NAN), None);
         assert_eq!(saturation_pressure_hpa(100.1), None);
         assert_eq!(vapour_pressure_hpa(20.0, 100.1), None);

@@ -59,7 +59,7 @@ mod tests {
     /// Between nodes UTCI and PET of four climates are off by less than 0.01 K. Outside of their
     /// ranges there is no value.
     #[test]
-    fn between_nodes() {
+    fn curves_stay_within_a_hundredth_of_a_kelvin() {
         for (air_c, wind_m_s, humidity) in [(-12.0, 6.0, 80.0), (5.0, 0.5, 95.0), (22.0, 2.0, 50.0), (36.0, 1.0, 30.0)]
         {
             let utci = |radiant_c: f64| {

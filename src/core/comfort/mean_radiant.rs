@@ -166,7 +166,7 @@ mod tests {
     /// The six angular factors of each body make 1. The factors of standing and sitting agree with
     /// ISO 7726 within 0.002 (above and below) and 0.001 (sides).
     #[test]
-    fn factors_make_one() {
+    fn angular_factors_add_up_to_1() {
         for body in BODIES {
             assert!((4.0 * body.side_factor + 2.0 * body.vertical_factor - 1.0).abs() < 1e-12, "{body:?}");
         }
@@ -182,7 +182,7 @@ mod tests {
     /// In black surroundings of one temperature, without sun, the mean radiant temperature is that
     /// temperature within 1e-9 K.
     #[test]
-    fn uniform_field() {
+    fn black_surroundings_give_their_own_temperature() {
         for celsius in [-60.0, -10.0, 0.0, 21.5, 75.0] {
             for body in BODIES {
                 let got = mean_radiant_temperature_c(&dark(black(celsius)), &body).expect("a field");
@@ -194,7 +194,7 @@ mod tests {
     /// One warmer side of a standing person counts 0.22 of its fourth power: (0.22 313.15^4 + 0.78
     /// 293.15^4)^(1/4) is 297.943 K, by hand.
     #[test]
-    fn one_side() {
+    fn one_warm_side_counts_by_its_angular_factor() {
         let DirectionalIrradiance { from_south_w_m2, .. } = black(40.0);
         let field = dark(DirectionalIrradiance { from_south_w_m2, ..black(20.0) });
         let got = mean_radiant_temperature_c(&field, &RadiantBody::STANDING).expect("a field");
@@ -205,7 +205,7 @@ mod tests {
     /// Uniform shortwave irradiance K adds 0.7 / 0.97 K to the longwave irradiance: the sum of
     /// 418.77 and 144.33 W/m2 belongs to 42.534 degrees, within 0.01.
     #[test]
-    fn uniform_sunshine() {
+    fn sunshine_adds_to_the_absorbed_longwave_irradiance() {
         let field = RadiationField { shortwave: DirectionalIrradiance::uniform(200.0), longwave: black(20.0) };
         let expected = ((418.77 + 0.7 / 0.97 * 200.0) / STEFAN_BOLTZMANN).powf(0.25) - 273.15;
         for body in BODIES {
@@ -218,7 +218,7 @@ mod tests {
     /// 0.06 sin 30 at 30 and nothing at -1 degrees. The absorbed shortwave irradiance is that
     /// within 1e-9 W/m2.
     #[test]
-    fn beam_on_cylinder() {
+    fn a_cylinder_absorbs_a_beam_by_its_altitude() {
         let field = dark(black(20.0));
         let longwave = STEFAN_BOLTZMANN * 293.15_f64.powi(4);
         let of_30 = 0.28 * 30.0_f64.to_radians().cos() + 0.06 * 0.5;
@@ -253,7 +253,7 @@ mod tests {
     /// NaN in a field or in the sun, negative absorption and an infinite beam give `None`. A field
     /// of 0 W/m2 is at absolute zero, -273.15.
     #[test]
-    fn no_temperature() {
+    fn impossible_fields_have_no_temperature() {
         let body = RadiantBody::STANDING;
         assert_eq!(mean_radiant_temperature_c(&dark(DirectionalIrradiance::uniform(f64::NAN)), &body), None);
         assert_eq!(mean_radiant_temperature_c(&dark(DirectionalIrradiance::uniform(-1.0)), &body), None);

@@ -105,7 +105,7 @@ mod tests {
 
     /// In the reference room the PET is the air temperature within 1e-6 K, for the two postures.
     #[test]
-    fn reference_room() {
+    fn the_reference_room_has_its_air_temperature() {
         for room_c in [12.0, 18.0, 21.0, 25.0, 35.0, 45.0] {
             let humidity = 100.0 * ROOM_VAPOUR_HPA / ashrae_saturation_pressure_hpa(room_c);
             for posture in [PetPosture::Sitting, PetPosture::Standing] {
@@ -120,7 +120,7 @@ mod tests {
     /// to 50 and -30 to 90 degrees, 0.05 to 15 m/s, 5 to 100 %) each of the 10800 cases has a PET,
     /// and each PET rises with the mean radiant temperature.
     #[test]
-    fn converges_and_rises_with_radiation() {
+    fn pet_converges_and_rises_with_radiation() {
         let mut cases = 0;
         for air_c in (-30..=50).step_by(10).map(f64::from) {
             for wind_m_s in [0.05, 0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 15.0] {
@@ -142,7 +142,7 @@ mod tests {
     /// For 10 climates and persons the PET is that of pythermalcomfort 4.8.1, without its rounding,
     /// within 1e-4 K.
     #[test]
-    fn as_pythermalcomfort() {
+    fn pet_agrees_with_pythermalcomfort() {
         let default = PetPerson::default();
         for (values, pressure_hpa, person, expected) in [
             ([-30.0, -30.0, 15.00, 50.0], 1013.25, default, -41.8570),
@@ -213,7 +213,7 @@ mod tests {
 
     /// NaN, infinity and -1000 in any input give `None`: 30 of 30.
     #[test]
-    fn outside_the_range() {
+    fn impossible_inputs_have_no_pet() {
         let inside = climate([20.0, 30.0, 1.0, 50.0]);
         let person = PetPerson::default();
         assert!(pet_c(&inside, &person).is_some());
@@ -241,7 +241,7 @@ mod tests {
 
     /// There is a finite PET at the corners of the ranges, 2048 climates and persons.
     #[test]
-    fn corners_of_the_ranges() {
+    fn corners_of_the_ranges_have_a_finite_pet() {
         let corner = |bits: u32, place: u32, low: f64, high: f64| if bits >> place & 1 == 0 { low } else { high };
         for bits in 0..2048 {
             let at = |place, low, high| corner(bits, place, low, high);

@@ -184,7 +184,7 @@ mod tests {
     /// A man of 75 kg, 1.80 m and 23 years has 1.94 m2 and 89.8 W of basal metabolism, a woman 84.4
     /// W, by hand within 0.1.
     #[test]
-    fn bodies() {
+    fn bodies_have_the_area_and_metabolism_by_hand() {
         let man = Body::of(&PetPerson::default());
         let woman = Body::of(&PetPerson { sex: Sex::Female, ..PetPerson::default() });
         assert!((man.surface_m2 - 1.94).abs() < 0.01, "{man:?}");
@@ -194,7 +194,7 @@ mod tests {
     /// Convection of a sitting person is 3 W/m2 K in still air and 2.67 + 6.5 = 9.17 at 1 m/s at
     /// sea level, and less in thin air.
     #[test]
-    fn convection() {
+    fn convection_grows_with_wind_and_air_density() {
         let body = Body::of(&PetPerson::default());
         assert_eq!(body.convection_w_m2_k(0.0, 1.0), 3.0);
         assert!((body.convection_w_m2_k(1.0, 1.0) - 9.17).abs() < 1e-12);
@@ -204,7 +204,7 @@ mod tests {
     /// Clothing of 0.9 clo covers 86.24 % of the body, and its conductance is within 30 % of the
     /// inverse of its resistance, 0.9 / 6.45. At 2.5 clo nothing is bare.
     #[test]
-    fn clothing() {
+    fn clothing_covers_and_insulates_as_stated() {
         let body = Body::of(&PetPerson::default());
         let clothing = Clothing::of(0.9, &body);
         assert!((clothing.bare_share - 0.1376).abs() < 1e-4, "{clothing:?}");

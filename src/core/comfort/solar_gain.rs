@@ -229,7 +229,7 @@ mod tests {
     /// At the entries of the tables the factors are the entries, 182 of 182, and half way between
     /// four entries their mean, to 1e-12.
     #[test]
-    fn bilinear() {
+    fn factors_equal_the_tables_and_means_between() {
         for (table, posture) in [(&STANDING_FACTORS, SunPosture::Standing), (&SITTING_FACTORS, SunPosture::Sitting)] {
             for (row, values) in table.iter().enumerate() {
                 for (column, value) in values.iter().enumerate() {
@@ -246,7 +246,7 @@ mod tests {
     /// 0.35. A sun at the feet or the head does as the zenith, 0.082, and one at the side as a
     /// horizontal sun at the side, 0.230.
     #[test]
-    fn supine() {
+    fn a_supine_person_is_a_standing_one_turned() {
         for (altitude, front, expected) in
             [(90.0, 40.0, 0.350), (0.0, 0.0, 0.082), (0.0, 180.0, 0.082), (0.0, 90.0, 0.230)]
         {
@@ -258,7 +258,7 @@ mod tests {
     /// By hand, outdoors: 0.725 (0.214 800 + 0.5 100 + 0.5 (800 sin 30 + 100) 0.2) 0.7 / 0.95 is
     /// 144.878 W/m2 and 33.305 K, within 1e-3.
     #[test]
-    fn by_hand() {
+    fn the_outdoor_gain_agrees_with_hand_computation() {
         let got = solar_gain(&OUTDOORS).expect("within the ranges");
         assert!((got.effective_radiant_field_w_m2 - 144.877_9).abs() < 1e-3, "{got:?}");
         assert!((got.mean_radiant_increase_k - 33.305_3).abs() < 1e-3, "{got:?}");
@@ -266,7 +266,7 @@ mod tests {
 
     /// Without a measured value diffuse irradiance is 0.2 of the beam.
     #[test]
-    fn assumed_diffuse_irradiance() {
+    fn unmeasured_diffuse_is_a_fifth_of_the_beam() {
         let of = |diffuse_horizontal_w_m2| solar_gain(&SolarGainInput { diffuse_horizontal_w_m2, ..OUTDOORS });
         assert_eq!(of(None), of(Some(160.0)));
         assert_ne!(of(None), of(Some(100.0)));
@@ -274,7 +274,7 @@ mod tests {
 
     /// NaN and values outside the ranges give `None`: 8 of 8.
     #[test]
-    fn outside_the_range() {
+    fn values_outside_the_ranges_have_no_gain() {
         let at = |altitude_deg, from_front_deg| SunAngles { altitude_deg, from_front_deg };
         for input in [
             SolarGainInput { sun: at(-0.1, 0.0), ..OUTDOORS },

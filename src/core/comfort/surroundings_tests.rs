@@ -31,7 +31,7 @@ fn around(ground: ClassSurfaces, obstruction: ClassSurfaces) -> HeatAround {
 /// from above, 0.95 sigma 313.15^4 + 0.05 x 300 = 533.0 from below, and the mean of the two on the
 /// sides, within 1e-9.
 #[test]
-fn open_plain() {
+fn planes_on_an_open_plain_agree_with_hand_computation() {
     let found = around(given(40.0, 0.95), given(0.0, 0.9)).longwave(&OPEN, &SixPlanes::default());
     let below = 0.95 * black_body_w_m2(40.0) + 0.05 * 300.0;
     assert!((found.up - 300.0).abs() < 1e-9 && (found.down - below).abs() < 1e-9, "{found:?}");
@@ -42,7 +42,7 @@ fn open_plain() {
 /// = e1 B1 + (1 - e1) J2 and so on, within 5 W/m2 from above and 0.5 from below. Where the two are
 /// equally warm the exitance is sigma T^4 within 1e-9.
 #[test]
-fn below_a_roof() {
+fn a_roof_and_ground_exchange_heat_as_two_plates() {
     let (ground, roof) = (given(30.0, 0.95), given(12.0, 0.9));
     let found = around(ground, roof).longwave(&UNDER_ROOF, &SixPlanes::default());
     let (warm, cold) = (black_body_w_m2(30.0), black_body_w_m2(12.0));
@@ -59,7 +59,7 @@ fn below_a_roof() {
 /// than the air: 11.57 x 37.5 = 434 W/m2 go to the air, 0.95 sigma (330.65^4 - 293.15^4) = 246 are
 /// radiated, 680 in all. By the tangent it would be 40 K.
 #[test]
-fn sol_air() {
+fn sunlit_ground_is_as_warm_as_by_hand() {
     let ground = ClassSurfaces { heat: SurfaceHeat::SolAir(0.8), emissivity: 0.95 };
     let sky_w_m2 = black_body_w_m2(20.0);
     let sunny = SixPlanes { up: 850.0, down: 100.0, sides: [200.0; 4] };
@@ -73,7 +73,7 @@ fn sol_air() {
 /// the tangent): it gets more than 80 W/m2 more than the side that faces east. The side that faces
 /// south gets less than 60 W/m2 more, because the warm wall heats the wall across from it.
 #[test]
-fn opposite_walls() {
+fn a_plane_gets_more_from_a_sunlit_wall() {
     let wall = ClassSurfaces { heat: SurfaceHeat::SolAir(0.7), emissivity: 1.0 };
     let walls = ViewShares { sky: 0.0, obstruction: 1.0, missed: 0.0, ..VIEW };
     let views = SixPlanes {
@@ -93,7 +93,7 @@ fn opposite_walls() {
 /// Below a cold sky, the plane that faces north gets from the metal 0.2 of that and 0.8 of the
 /// irradiance of the plane that faces south, within 1e-9.
 #[test]
-fn materials_that_differ() {
+fn a_metal_wall_reflects_the_opposite_irradiance() {
     let mean =
         |emissivity| SeenSurfaces { ground: None, obstruction: Some(SurfaceMean { emissivity, absorptance: 0.5 }) };
     let wall = |emissivity| ViewShares { obstruction: 0.5, surfaces: mean(emissivity), ..VIEW };
@@ -116,7 +116,7 @@ fn materials_that_differ() {
 /// their irradiance, within 0.01 W/m2. With the least coefficient the plane that faces up gets
 /// more, and less than from a black body of 120 degrees.
 #[test]
-fn courts_are_in_balance() {
+fn exitances_of_a_court_agree_with_its_irradiance() {
     let views = SixPlanes {
         up: ViewShares { sky: 0.1, obstruction: 0.9, missed: 0.12, ..VIEW },
         down: ViewShares { sky: 0.0, obstruction: 0.05, missed: 0.0, ..VIEW },
@@ -155,7 +155,7 @@ fn courts_are_in_balance() {
 /// them with materials that differ, planes are within 0.1 W/m2 of the result of 400 passes from
 /// surface to surface.
 #[test]
-fn as_many_passes() {
+fn the_solution_equals_400_passes_between_surfaces() {
     let mut state = 7;
     let mut random = |low: f64, high: f64| {
         state = mix(state, 11);

@@ -157,7 +157,7 @@ mod tests {
     /// At 18 climates over the whole range the UTCI is that of pythermalcomfort 4.8.1 within 1e-6
     /// K.
     #[test]
-    fn as_pythermalcomfort() {
+    fn utci_agrees_with_pythermalcomfort() {
         for (values, expected) in [
             ([-50.0, -80.0, 0.5, 0.0], -52.790298),
             ([-50.0, 20.0, 17.0, 100.0], -88.957932),
@@ -186,7 +186,7 @@ mod tests {
     /// NaN in any input, and each input just outside its range, give `None`: 15 of 15. On the
     /// limits there is a value.
     #[test]
-    fn outside_the_range() {
+    fn inputs_outside_the_ranges_have_no_utci() {
         let inside = [25.0, 30.0, 2.0, 50.0];
         assert!(utci_c(&input(inside)).is_some());
         for (place, values) in [
@@ -212,7 +212,7 @@ mod tests {
     /// Calm air that is raised counts as 0.5 m/s. Other winds, 17.5, -1 and NaN m/s among them,
     /// stay.
     #[test]
-    fn calm_air() {
+    fn calm_air_counts_as_half_a_metre_per_second() {
         let of = |wind| input([25.0, 40.0, wind, 50.0]).with_calm_raised();
         assert_eq!(utci_c(&of(0.0)), utci_c(&input([25.0, 40.0, 0.5, 50.0])));
         assert_eq!((of(0.3).wind_10m_m_s, of(3.0).wind_10m_m_s), (0.5, 3.0));
@@ -224,7 +224,7 @@ mod tests {
     /// Categories are in order, each ends where the next begins, and a UTCI on a limit, such as
     /// -40, 9, 26 and 46, belongs to the colder one.
     #[test]
-    fn categories() {
+    fn a_utci_on_a_limit_has_the_colder_category() {
         for (colder, hotter) in StressCategory::ALL.into_iter().zip(StressCategory::ALL.into_iter().skip(1)) {
             assert!(colder < hotter && colder.upper_limit_c() < hotter.upper_limit_c());
             assert_eq!(StressCategory::of(colder.upper_limit_c()), Some(colder));

@@ -142,7 +142,7 @@ mod tests {
     /// There are 84 rows with 210 coefficients, and each row has one for each exponent of the air
     /// temperature up to order 6.
     #[test]
-    fn rows_are_complete() {
+    fn the_polynomial_has_all_210_coefficients() {
         let mut lengths = Vec::new();
         for vapour in 0..=ORDER {
             for excess in 0..=ORDER - vapour {
@@ -156,7 +156,7 @@ mod tests {
     /// Without wind, radiant excess and vapour only the first row counts: at 1 degree Celsius its
     /// sum, 0.585440 K, and at 0 its first number.
     #[test]
-    fn first_row() {
+    fn without_other_inputs_only_the_first_row_counts() {
         let still = |air_temperature_c| PolynomialInput {
             air_temperature_c,
             wind_10m_m_s: 0.0,

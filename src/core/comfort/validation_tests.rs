@@ -44,7 +44,7 @@ fn number(row: &Value, name: &str, place: usize) -> f64 {
 /// second, are met within 0.1 K. The four that are null are `None`, and the four categories are
 /// equal.
 #[test]
-fn utci_table() {
+fn all_utci_of_the_table_are_met() {
     let table =
         Table::read(include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/comfort/ts_utci.json")));
     let (mut values, mut nulls, mut categories) = (0, 0, 0);
@@ -77,7 +77,7 @@ fn utci_table() {
 
 /// All 9 PET are met within 0.1 K, and within 0.006 K, the rounding of the table.
 #[test]
-fn pet_table() {
+fn all_pet_of_the_table_are_met() {
     let table =
         Table::read(include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/comfort/ts_pet_steady.json")));
     for (inputs, outputs) in table.rows() {
@@ -103,7 +103,7 @@ fn pet_table() {
 /// All 27 effective radiant fields and increases of the mean radiant temperature are met within
 /// 0.1.
 #[test]
-fn solar_gain_table() {
+fn all_solar_gains_of_the_table_are_met() {
     let table =
         Table::read(include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/comfort/ts_solar_gain.json")));
     for (inputs, outputs) in table.rows() {

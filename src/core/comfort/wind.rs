@@ -50,7 +50,7 @@ mod tests {
     /// At 10 m the wind is that of the station. At 1.1 m over grass 0.5 m/s become 0.34 (ln 110 /
     /// ln 1000 = 0.68046), within 1e-4.
     #[test]
-    fn by_hand() {
+    fn the_wind_profile_agrees_with_hand_computation() {
         let at = |height_m| WindProfile { height_m, ..WindProfile::default() };
         assert_eq!(wind_at_height_m_s(3.0, &at(10.0)), Some(3.0));
         let calm = wind_at_height_m_s(0.5, &WindProfile::default()).expect("a profile");
@@ -61,7 +61,7 @@ mod tests {
     /// A height below the roughness length, no roughness, a roughness of 10 m, wind below 0 and NaN
     /// give `None`: 6 of 6.
     #[test]
-    fn no_profile() {
+    fn impossible_profiles_have_no_wind() {
         for (wind_m_s, height_m, roughness_m) in [
             (1.0, 0.4, 0.5),
             (1.0, 1.1, 0.0),

@@ -223,7 +223,7 @@ mod tests {
     /// 145, 577 and 2305 patches are known by their number, 146 and 1297 are not. The horizontal
     /// integral of radiance 1 is pi (1e-12).
     #[test]
-    fn known_counts() {
+    fn only_145_577_and_2305_patches_are_known() {
         for count in [145, 577, 2305] {
             let grid = PatchGrid::of_count(count).expect("known");
             assert_eq!(grid.len(), count);

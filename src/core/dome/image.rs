@@ -146,7 +146,7 @@ mod tests {
     /// A bright pixel left of the middle lies in the east, one at the top in the north. With a top
     /// of 90 degrees the top is the east. The patch of the pixel is bright, too.
     #[test]
-    fn east_is_left() {
+    fn east_lies_left_in_a_picture() {
         let side = 65;
         let picture = |column: usize, row: usize, top_deg: f64| {
             let mut numbers = vec![0.0; side * side];
@@ -169,7 +169,7 @@ mod tests {
     /// 37, 180 and 359 degrees, and so has a copy that is turned there. At 12.34 degrees, which is
     /// no border of sectors, no patch is off by more than 0.02.
     #[test]
-    fn turned_is_summed_anew() {
+    fn turned_pictures_have_the_sums_of_their_pixels() {
         let side = 1024;
         let numbers: Vec<f32> =
             (0..side * side).map(|i| if ((i % side) / 90 + i / side / 70) % 2 == 0 { 1.0 } else { 0.25 }).collect();
@@ -200,7 +200,7 @@ mod tests {
     /// and to the horizon, at 3, 65 and 1500 pixels a side. A picture of the cosine of the zenith
     /// angle gives 2 pi / 3 on the horizontal within 2e-4, the error of constant patches.
     #[test]
-    fn levels() {
+    fn a_picture_of_one_level_fills_all_patches() {
         for side in [3, 65, 1500] {
             let half = 0.5 * side as f64;
             let is_inside =

@@ -197,7 +197,7 @@ mod tests {
     /// For a 96-wide square with 64 random bits, doubling and the mixed bits within 8,000 random
     /// ones agree with their plain definitions.
     #[test]
-    fn bit_operations() {
+    fn bit_operations_agree_with_plain_loops() {
         let mut square = BitSquare::new(96);
         for i in 0..64 {
             let p = jitter(mix(1, 2), i) * 96.0;

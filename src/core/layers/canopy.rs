@@ -315,7 +315,7 @@ mod tests {
     /// material that is no canopy, a ninth plane, a ray behind the last one and 5 impossible
     /// leaves.
     #[test]
-    fn round_trip() {
+    fn crossings_come_back_and_bad_rows_are_refused() {
         let rays = [1000, 9];
         let count = |material: u16, ray: u32| match mix(u64::from(material), u64::from(ray)) {
             seed if seed % 3 == 0 => (seed >> 8) as u8 >> (ray / 200),
@@ -379,7 +379,7 @@ mod tests {
     /// Among 20,000 rows of random bytes after a plausible start, at least 50 are read. Each of
     /// these has shares from 0 to 1 along all of its 130 and 40 rays.
     #[test]
-    fn any_bytes() {
+    fn random_rows_that_are_read_hold_shares() {
         let rays = [130, 40];
         let powers = Powers::from([(1, std::array::from_fn(|k| 0.5_f32.powi(k as i32)))]);
         let mut taken = 0;

@@ -44,7 +44,7 @@ mod tests {
     /// Three rows, one of them empty, come back. Empty rows make no block. All 20 truncated blocks
     /// are refused.
     #[test]
-    fn round_trip() {
+    fn rows_come_back_and_cut_blocks_are_refused() {
         let rows = [vec![1, 2, 3], Vec::new(), vec![4; 5]];
         let raw = pack(rows.iter().map(Vec::as_slice)).unwrap_or_default();
         assert_eq!((raw.len(), unpack(&raw, 3)), (20, Some(rows.to_vec())));

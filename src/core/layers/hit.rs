@@ -90,7 +90,7 @@ mod tests {
     /// Hits of two receivers with shared and missing cells survive packing and splitting, and every
     /// truncated block is refused.
     #[test]
-    fn round_trip() {
+    fn hits_come_back_and_cut_blocks_are_refused() {
         let key = |x: f64| Some(CellKey::new(DVec3::new(x, -3.0, 7.5), DVec3::X, false, 2, 1));
         let receivers = [vec![key(0.0), None, key(50.0), key(0.0)], vec![key(50.0), None, None, key(-90.0)]];
         let tile = HitTile::new(&receivers);

@@ -287,7 +287,7 @@ mod tests {
     /// truncated rows only the 3 that end between paths are read. A window beyond the sky and a
     /// texel beyond the hits are refused.
     #[test]
-    fn receivers() {
+    fn mirrors_of_receivers_come_back() {
         let window = |numbers: &[u16], column| Window {
             chain: Chain::new(numbers),
             column,
@@ -314,7 +314,7 @@ mod tests {
     /// A window of 3 texels, one of 86 and two paths of a cell come back. Of all truncated rows
     /// only the 2 that end between paths are read.
     #[test]
-    fn cells() {
+    fn mirrors_of_cells_come_back() {
         let window = |texels| CellWindow { chain: Chain::new(&[4, 4]), texels };
         let path = |up| CellPath { up, cell: key(9), steps: vec![(7, 0)] };
         let mirrors = CellMirrors {

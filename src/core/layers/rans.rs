@@ -214,7 +214,7 @@ mod tests {
     /// Values of two contexts in eight states come back: small ones, and two of each number of bits
     /// up to 23. The bytes stay within 2 % and 140 bytes of the entropy of the small ones.
     #[test]
-    fn values_come_back() {
+    fn coded_values_come_back_near_their_entropy() {
         let small = |i: u64| (mix(7, i) % 10) as u32 % 7 % 4;
         let mut values: Vec<(usize, u32)> = (0..20_000).map(|i| (0, small(i))).collect();
         values.extend((0..24).flat_map(|bits| [(1, 1 << bits), (1, (2 << bits) - 1)]));
@@ -234,7 +234,7 @@ mod tests {
     /// None of 4,000 streams with changed or missing bytes makes the reader panic, and all values
     /// that are read lie below the limit. The reader reports a truncated stream.
     #[test]
-    fn any_bytes_are_read() {
+    fn damaged_streams_end_no_reader() {
         let mut encoder = Encoder::new(2);
         (0..2_000_u64).for_each(|i| encoder.put((i % 2) as usize, (i % 8) as usize, (mix(3, i) % 40) as u32));
         let bytes = encoder.finish();

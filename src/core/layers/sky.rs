@@ -228,7 +228,7 @@ mod tests {
     /// The answers of 3 textures hold every question that made them, 15,000 texels in all, with its
     /// answer, and nothing else.
     #[test]
-    fn answers_are_those_given() {
+    fn answers_hold_every_question_with_its_answer() {
         let mut given = 0;
         for normal in [DVec3::Z, DVec3::X, DVec3::new(0.6, 0.0, -0.8)] {
             let front = front_of(32, normal, &texel_centres(32));
@@ -271,7 +271,7 @@ mod tests {
     /// A smooth skyline refined from 128 to 1024 equals the flat 1024 texture in all but 0.02 % of
     /// its bits, for under 8 % of its rays.
     #[test]
-    fn refined_equals_flat() {
+    fn a_refined_skyline_equals_the_flat_texture() {
         let (_, dense, rays) = traced(128, 1024, DVec3::Z);
         let mut wrong = 0;
         for row in 0..1024 {
@@ -287,7 +287,7 @@ mod tests {
     /// 5 textures of different normals come back from packing, unpacking and splitting, and every
     /// truncated block is refused.
     #[test]
-    fn pack_round_trip() {
+    fn textures_come_back_and_cut_blocks_are_refused() {
         let normals = [DVec3::Z, DVec3::X, DVec3::NEG_Z, DVec3::new(0.6, 0.0, 0.8), DVec3::NEG_Y];
         let traces = normals.map(|n| traced(64, 256, n));
         let raw = SkyTexture::pack(&traces.clone().map(|t| t.0));

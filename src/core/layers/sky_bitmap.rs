@@ -220,7 +220,7 @@ mod tests {
     /// the direct decoder as by way of the whole square, for 6 pairs of sides. Every fine bit and
     /// every share of it equals the square's.
     #[test]
-    fn short_way() {
+    fn the_direct_decoder_gives_the_bitmap_of_the_square() {
         let skyline = |d: DVec3| {
             let azimuth = d.y.atan2(d.x);
             d.z > 0.3 + 0.2 * (3.0 * azimuth).sin() + 0.05 * (11.0 * azimuth).cos()
@@ -260,7 +260,7 @@ mod tests {
     /// Bits behind the last of 33 columns are no texels: an all-open texture whose bytes have them
     /// set shows 1,089 open texels.
     #[test]
-    fn padding() {
+    fn bits_behind_the_last_column_are_no_texels() {
         let raw = [0xff; 2 * 5 * 33];
         let bitmaps = SkyBitmap::unpack(&raw, 1, 33, 66).unwrap_or_default();
         let dense = SkyTexture::unpack(&raw, 1, 33, 66).unwrap_or_default();

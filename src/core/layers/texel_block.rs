@@ -173,7 +173,7 @@ mod tests {
     /// hold each bit once and nothing else, and the child blocks hold four for each. Answers put
     /// into a square and read as nibbles come back.
     #[test]
-    fn blocks_and_back() {
+    fn blocks_hold_each_bit_of_a_square_once() {
         for side in [3, 8, 70, 128, 200] {
             let mut square = BitSquare::new(side);
             for i in 0..600 {

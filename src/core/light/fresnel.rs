@@ -56,7 +56,7 @@ mod tests {
     /// single pane reflects 8.17 % and two 15.10 % at normal incidence, and one pane more than 98 %
     /// at 89.9 degrees.
     #[test]
-    fn angles() {
+    fn glass_reflects_as_fresnel_states_at_each_angle() {
         for degrees in [45.0_f64, 60.0, 75.0, 85.0, 89.9] {
             let i = degrees.to_radians();
             let t = (i.sin() / GLASS).asin();
@@ -75,7 +75,7 @@ mod tests {
     /// The mean over the hemisphere of one surface agrees with Walsh's closed formula (1926), to
     /// 1e-6, for n = 1.52 (9.47 %) and 1.33.
     #[test]
-    fn hemisphere() {
+    fn the_mean_over_the_hemisphere_agrees_with_walsh() {
         for n in [1.52_f64, 1.33] {
             let steps = 200_000;
             let mean = |i: i32| {
@@ -97,7 +97,7 @@ mod tests {
     /// One pane and two panes reflect 15.4 % and 23.5 % of uniform diffuse light, to 0.1 %, and no
     /// pane reflects nothing.
     #[test]
-    fn from_everywhere() {
+    fn panes_reflect_known_shares_of_diffuse_light() {
         let means = [panes_mean(0), panes_mean(1), panes_mean(2)];
         assert!((means[1] - 0.1536).abs() < 1e-3 && (means[2] - 0.2354).abs() < 1e-3 && means[0] == 0.0, "{means:?}");
     }
@@ -105,7 +105,7 @@ mod tests {
     /// Glass with a diffuse reflectance of 0.3 reflects at most 0.7 like a mirror: together all
     /// that arrives.
     #[test]
-    fn never_more_than_arrives() {
+    fn diffuse_glass_reflects_no_more_than_arrives() {
         let class = crate::site::material::Class::Obstruction;
         let glass = Reflector { diffuse: 0.3, class, specular: 0.0, panes: 2, transmittance: None };
         assert_eq!(specular(&glass, 0.0), 0.7);

@@ -84,7 +84,7 @@ mod tests {
     /// The three names together, in any order, are `all`. One name leaves the other two out. 4 of 4
     /// bad texts are refused.
     #[test]
-    fn names() {
+    fn path_names_come_back_and_bad_ones_are_refused() {
         let of = |text: &str| text.parse::<LightPaths>();
         assert_eq!(of("mirror-sky, bounces,mirror-diffuse"), Ok(LightPaths::ALL));
         assert_eq!((of("all"), of("none")), (Ok(LightPaths::ALL), Ok(LightPaths::FIRST)));
@@ -97,7 +97,7 @@ mod tests {
     /// A limit of 3 reflections is accepted among all paths, and refused where only the first
     /// counts. There, 1 and all give 1.
     #[test]
-    fn depths() {
+    fn several_reflections_need_all_paths() {
         let three = MaxBounces::Count(3);
         assert_eq!(LightPaths::ALL.with_depth(three), Ok(LightPaths { depth: three, ..LightPaths::ALL }));
         assert!(LightPaths::FIRST.with_depth(three).is_err());

@@ -89,7 +89,7 @@ mod tests {
     /// 200 pieces of 7 bytes that are written in reverse order come back, and skipped bytes are 0.
     /// It is an error to read one byte too far and to write at 2^64 - 4.
     #[test]
-    fn bytes_come_back() {
+    fn bytes_written_in_any_order_come_back() {
         let scratch = InMemory.scratch().expect("memory");
         for piece in (0..200_u8).rev() {
             scratch.write(u64::from(piece) * 10, &[piece; 7]).expect("written");

@@ -60,7 +60,7 @@ mod tests {
     /// alone, have 3 slots. Factor x fixed share is the reflectance of each in each state (15
     /// values).
     #[test]
-    fn histories() {
+    fn materials_that_change_alike_share_a_slot() {
         let states = vec![vec![0.2, 0.1, 0.3, 0.1, 0.5], vec![0.2, 0.4, 0.3, 0.4, 0.6], vec![0.2, 0.1, 0.3, 0.1, 0.7]];
         let slots = Slots::new(&states);
         assert_eq!(slots.len(), 3);

@@ -213,7 +213,7 @@ mod tests {
     /// Three values in five conditions are three states in order of first use. A later schedule
     /// overrides an earlier one. Without schedules there is one state.
     #[test]
-    fn few_values() {
+    fn few_values_become_states_in_order_of_first_use() {
         let stored = vec![0.1, 0.2, 0.3];
         let a = schedule(&[0, 1], &[0.5, 0.6, 0.5, 0.7, 0.6]);
         let states = States::new(&stored, &[], &[a.clone(), schedule(&[1], &[0.9; 5])], 5, false).expect("states");
@@ -231,7 +231,7 @@ mod tests {
     /// 1e-3 and 1e-6 for two. The checks lie between that and 10 times its square root. Three
     /// independent groups of 1,000 values are refused, of 20 values not.
     #[test]
-    fn many_values() {
+    fn many_values_are_interpolated_between_few_states() {
         let stored = vec![0.3; 3];
         let a: Vec<f64> = (0..1000).map(|i| 0.2 + 0.6 * (f64::from(i) * 0.37).sin().abs()).collect();
         let b: Vec<f64> = (0..1000).map(|i| 0.5 + 0.4 * (f64::from(i) * 0.11).cos()).collect();
@@ -269,7 +269,7 @@ mod tests {
     /// for k of 1 to 40. From 0.1 to 1, where powers bend too much, 1,000 are refused with advice,
     /// and 90 are 90 states. As reflectances 1,000 are 5 states.
     #[test]
-    fn transmittances() {
+    fn powers_of_many_transmittances_are_interpolated() {
         let value = |i: u32, high: f64| 0.1 + (high - 0.1) * (f64::from(i) * 0.37).sin().abs();
         let of = |count: u32, high| [schedule(&[1], &(0..count).map(|i| value(i, high)).collect::<Vec<_>>())];
         let states = |schedules: &[Schedule], canopies: &[bool]| {

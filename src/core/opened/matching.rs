@@ -323,7 +323,7 @@ mod tests {
     /// No receivers, repeated names, NaN and infinities do not panic. Of 3 places that are no
     /// numbers and have other names none is matched.
     #[test]
-    fn odd_places() {
+    fn odd_places_do_not_panic() {
         let odd = |id: &str| {
             [f64::NAN, f64::INFINITY, f64::NEG_INFINITY].map(|x| place(&format!("{id}{x}"), [x, 1e300, 0.0], DVec3::Z))
         };
@@ -337,7 +337,7 @@ mod tests {
     /// 70,000 receivers that are renamed and moved by 3 mm are matched with themselves, and 70,000
     /// at one place with one other each, in under 5 s.
     #[test]
-    fn many_receivers() {
+    fn many_receivers_are_matched_in_seconds() {
         let begun = std::time::Instant::now();
         let grid = |shift: f64, name: &str| -> Vec<ReceiverPlace> {
             let at = |i: usize| [(i % 264) as f64 * 0.5 + shift, (i / 264) as f64 * 0.5, 0.0];

@@ -106,7 +106,7 @@ mod tests {
     /// The settings of `standard` are taken as they are. Eleven bad numbers and sizes are refused
     /// by name.
     #[test]
-    fn range() {
+    fn settings_out_of_range_are_refused_by_name() {
         let good = Settings {
             sky_base: 128,
             sky_fine: 1024,

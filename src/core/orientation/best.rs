@@ -165,7 +165,7 @@ mod tests {
     /// from 61 orientations around another one 6 degrees off: steep, nearly flat and over north.
     /// Their scatter is below 0.005 %.
     #[test]
-    fn one_source() {
+    fn the_best_orientation_faces_a_single_source() {
         for (tilt, azimuth) in [(40.0, 180.0), (2.0, 90.0), (60.0, 359.0)] {
             let peak = Orientation { tilt_deg: tilt, azimuth_deg: azimuth };
             let middle = TangentPlane::at(peak).turn(4.0, 4.5);
@@ -179,7 +179,7 @@ mod tests {
     /// With limits the best orientation is on the limit: 35 of 40 degrees and azimuth 170 of 180,
     /// to 1e-6 degrees. Where nothing near is allowed there is none.
     #[test]
-    fn on_a_limit() {
+    fn with_limits_the_best_orientation_lies_on_them() {
         let surface = found(
             Orientation { tilt_deg: 38.0, azimuth_deg: 176.0 },
             Orientation { tilt_deg: 40.0, azimuth_deg: 180.0 },
@@ -192,7 +192,7 @@ mod tests {
 
     /// Five orientations, or many on one line, give no fit: 2 of 2.
     #[test]
-    fn too_few() {
+    fn too_few_orientations_give_no_fit() {
         let turns = |count: usize, step: f64| -> Vec<OrientationValue> {
             let turn = |i: usize| Orientation { tilt_deg: 30.0 + step * i as f64, azimuth_deg: 180.0 };
             (0..count).map(|i| OrientationValue { turn: turn(i), value: 1.0 }).collect()

@@ -172,7 +172,7 @@ mod tests {
     /// up, and none is nearer than 6 degrees to another or outside the limits. With one azimuth
     /// there are 10.
     #[test]
-    fn evenly() {
+    fn rings_cover_the_half_sphere_evenly() {
         let rings = ALL.rings(10.0);
         let turns: Vec<Orientation> = rings.iter().flat_map(Ring::turns).collect();
         assert_eq!((rings.len(), turns.len(), rings[0].azimuths_deg.len()), (10, 229, 1));
@@ -189,7 +189,7 @@ mod tests {
     /// Limits from 300 over north to 60 degrees allow 350 and 10, not 180, and flat. A ring has
     /// both ends.
     #[test]
-    fn over_north() {
+    fn limits_over_north_allow_their_azimuths() {
         let limits = OrientationLimits { tilts_deg: [0.0, 30.0], azimuths_deg: [300.0, 420.0] };
         let allowed = |azimuth_deg, tilt_deg| limits.allow(Orientation { tilt_deg, azimuth_deg });
         assert_eq!([350.0, 10.0, 60.0, 180.0].map(|a| allowed(a, 20.0)), [true, true, true, false]);
@@ -201,7 +201,7 @@ mod tests {
     /// None of 37 orientations within 12 degrees of three others, up among them, is farther than
     /// that, and each comes back from its place in the plane within 1e-7 radians.
     #[test]
-    fn near_a_turn() {
+    fn near_orientations_come_back_from_their_plane() {
         for middle in [
             Orientation::FLAT,
             Orientation { tilt_deg: 35.0, azimuth_deg: 180.0 },

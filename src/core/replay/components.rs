@@ -376,7 +376,7 @@ mod tests {
     /// Two names, one with the ending of sums, keep the order of the request. The set holds 2
     /// components; it needs all 7 for the total, and 1 without it.
     #[test]
-    fn lists_and_sets() {
+    fn lists_keep_the_order_of_the_request() {
         let list: ComponentList = "total_kwh_m2, sky_direct".parse().expect("names");
         assert_eq!(list.as_slice(), [Component::Total, Component::SkyDirect]);
         let count = |with: &dyn Fn(Component) -> bool| Component::ALL.into_iter().filter(|c| with(*c)).count();
@@ -389,7 +389,7 @@ mod tests {
     /// A part of `sun_diffuse` needs that component, 1 of 1, and is no part of the total. Its two
     /// parts take 2 places beside the 7.
     #[test]
-    fn parts() {
+    fn parts_of_a_component_are_no_part_of_the_total() {
         let list: ComponentList = "sun_diffuse_ground,sun_diffuse_obstruction_kwh_m2".parse().expect("names");
         assert_eq!(list.as_slice(), Component::SunDiffuse.parts().expect("two parts"));
         assert_eq!(list.set().places(), 9);
@@ -400,7 +400,7 @@ mod tests {
     /// Longwave irradiance is requested by name, 1 of 1, is no part of the total, and takes an
     /// eighth place.
     #[test]
-    fn longwave() {
+    fn longwave_is_no_part_of_the_total() {
         let list: ComponentList = "longwave_kwh_m2".parse().expect("a name");
         assert_eq!(list.as_slice(), [Component::Longwave]);
         assert_eq!((list.set().places(), ComponentSet::ALL.places()), (8, 7));
@@ -410,7 +410,7 @@ mod tests {
 
     /// An unknown name is refused with all 18 names, an empty one and a repeated one too: 3 of 3.
     #[test]
-    fn refusals() {
+    fn unknown_empty_and_repeated_names_are_refused() {
         let refused = |text: &str| text.parse::<ComponentList>().expect_err(text);
         let unknown = refused("sun");
         assert!(

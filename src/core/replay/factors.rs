@@ -155,7 +155,7 @@ mod tests {
     /// Steps of 10 and 5 degrees give 37 x 19 = 703 suns from 0.5 degrees up, altitudes first.
     /// Three steps that do not fit are refused.
     #[test]
-    fn grids() {
+    fn grids_of_suns_have_equal_steps() {
         let grid = SunGrid::new(10.0, 5.0).expect("a grid");
         let suns: Vec<(f64, f64)> = grid.suns().collect();
         assert_eq!(

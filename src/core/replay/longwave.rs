@@ -66,7 +66,7 @@ mod tests {
     /// meets nothing is ground. Two hours of 300 and 100 W/m2 from the sky alone sum to 0.4 kWh/m2.
     /// Shares that sum to a little more than 1 leave the ground at 0 or above.
     #[test]
-    fn shares_and_sums() {
+    fn the_share_that_meets_nothing_is_ground() {
         let (day, night) = (condition(Some([300.0, 400.0, 500.0])), condition(Some([100.0, 400.0, 500.0])));
         let file = Path::new("a.helio");
         let get = |bins: &Bins, views| {
@@ -85,7 +85,7 @@ mod tests {
 
     /// A condition without an emission is refused by its name, 1 of 2.
     #[test]
-    fn no_emission() {
+    fn a_condition_without_emission_is_refused_by_name() {
         let conditions = [condition(Some([1.0; 3])), condition(None)];
         let text = Longwave::new(&conditions, &Bins::each(2), Path::new("a.helio")).err().map(|e| e.to_string());
         assert!(text.is_some_and(|t| t.contains("a.helio: condition `midnight` has no infrared")));

@@ -360,7 +360,7 @@ mod tests {
     /// By depth, snow lies on both grounds in one of three rows, and by albedo in two, over the
     /// constant 0.3 of the street and the stored 0.2 of the lawn.
     #[test]
-    fn snow() {
+    fn snow_lies_on_ground_by_depth_or_albedo() {
         for (snow, lawn, street) in
             [(Snow::Depth, [0.6, 0.2, 0.2], [0.6, 0.3, 0.3]), (Snow::Albedo, [0.7, 0.2, 0.25], [0.7, 0.3, 0.25])]
         {
@@ -383,7 +383,7 @@ mod tests {
     /// constant 0.25 wins over it, and snow of 0.6 over both where it is 1 cm deep. A monthly
     /// ground without a material is refused by its name.
     #[test]
-    fn ground_by_month() {
+    fn monthly_ground_follows_the_weather() {
         let materials = materials();
         let reflectance = std::array::from_fn(|month| 0.1 * (month + 1) as f64).map(|value: f64| value.min(1.0));
         let ground = MonthlyGround { material: "lawn".into(), reflectance, snow_modifier: 0.5 };
@@ -410,7 +410,7 @@ mod tests {
     /// material. The error for an unknown name lists the 2 groups and 4 materials. A reflectance of
     /// 0.6 on a facade with half of its light mirrored is refused with the 0.5 that is left.
     #[test]
-    fn names() {
+    fn a_name_stands_for_a_group_class_or_material() {
         let change = |name: &str, value| Changes { constant: vec![(name.into(), value)], ..Changes::default() };
         let schedules = change("facade", 0.5).undated(&changeable(&materials()), 2, &no_files).expect("schedules");
         assert_eq!(schedules, [Schedule { materials: vec![2, 3], values: vec![0.5, 0.5] }]);

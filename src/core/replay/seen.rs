@@ -89,7 +89,7 @@ mod tests {
     /// The zenith is in the middle, north up, east right, and 45 degrees of altitude half way. The
     /// places of 500 directions lead back to them.
     #[test]
-    fn equidistant() {
+    fn the_view_is_equidistant_with_north_up() {
         assert_eq!(SkyDisc::place_of(DVec3::Z), (0.0, 0.0));
         for (azimuth, x, y) in [(0.0, 0.0, 1.0), (90.0, 1.0, 0.0), (180.0, 0.0, -1.0), (270.0, -1.0, 0.0)] {
             for (altitude, r) in [(0.0, 1.0), (45.0, 0.5)] {

@@ -127,7 +127,7 @@ mod tests {
     /// 3 tiles that reuse memory of which 2 columns were written are zero wherever they are read,
     /// as a fresh tile is. A tile of another size has its own memory.
     #[test]
-    fn spares_are_zero() {
+    fn reused_memory_reads_as_zero() {
         let home = Arc::new(Spares::default());
         for receivers in [3, 3, 3, 2] {
             let mut tile = TileValues::from_spares(&home, receivers, 5);

@@ -226,7 +226,7 @@ mod tests {
     /// Ultraviolet, visible and near infrared shares add up to 1, for the sun and for the sky, to
     /// 1e-12. The 4 bands and 3 properties come back from their codes and names.
     #[test]
-    fn shares_and_codes() {
+    fn shares_of_bands_add_up_to_1() {
         let of = |part: fn(SourceScale) -> f64| [Band::Uv, Band::Visible, Band::Nir].map(|band| part(band.shares()));
         for shares in [of(|scale| scale.sun), of(|scale| scale.sky)] {
             assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{shares:?}");
@@ -244,7 +244,7 @@ mod tests {
     /// `diffuse_par_spitters`, zenith angle 50 degrees) within 0.03 for diffuse shares of all light
     /// of 0.1 to 1: 7 of 7.
     #[test]
-    fn par_beside_spitters() {
+    fn the_diffuse_share_of_par_agrees_with_spitters() {
         let SourceScale { sun, sky } = Band::Par.shares();
         for (diffuse, expected) in
             [(0.1, 0.110), (0.2, 0.219), (0.3, 0.327), (0.5, 0.538), (0.7, 0.737), (0.9, 0.919), (1.0, 1.0)]
@@ -259,7 +259,7 @@ mod tests {
     /// PAR stands for visible and the other way. A stated near infrared stays 0.45. A visible value
     /// of 0.9 makes the near infrared negative.
     #[test]
-    fn what_is_not_stated_follows() {
+    fn unstated_bands_follow_from_stated_ones() {
         let leaf = BandValues::of(Band::Visible, 0.08);
         let [uv, visible, par, nir] = Band::ALL.map(|band| leaf.value(band, 0.25));
         assert_eq!((uv, visible, par), (0.08, 0.08, 0.08));

@@ -406,7 +406,7 @@ mod tests {
 
     /// All 54 facing bins are reached, and opposite normals never share one.
     #[test]
-    fn facings() {
+    fn all_54_facings_are_reached() {
         let mut seen = std::collections::BTreeSet::new();
         for i in 0..4000_u64 {
             let d = crate::hemisphere::direction_of(crate::hemisphere::jitter(5, i));
@@ -420,7 +420,7 @@ mod tests {
     /// The back of a triangle that faces up is a cell that faces down, and no front belongs to it:
     /// 2 of 4 pairs match.
     #[test]
-    fn sides() {
+    fn the_two_sides_of_a_triangle_are_different_cells() {
         let cells = [false, true].map(|back| CellKey::new(DVec3::ONE, DVec3::Z, back, 0, 1));
         assert_eq!(cells.map(|c| c.side_of(DVec3::Z)), [Some(DVec3::Z), Some(DVec3::NEG_Z)]);
         assert_eq!(cells.map(|c| c.side_of(DVec3::NEG_Z)), [None, None]);
@@ -431,7 +431,7 @@ mod tests {
     /// also when the cell is coarser: 2 of 2. The facing is that of an opaque cell plus 128, and a
     /// triangle that faces elsewhere does not belong.
     #[test]
-    fn leaves() {
+    fn leaves_of_opposite_normals_share_a_cell() {
         for (normal, side) in [(DVec3::new(0.6, 0.0, -0.8), -1.0), (DVec3::new(0.8, 0.0, -0.6), 1.0)] {
             let [one, other] = [normal, -normal].map(|n| CellKey::leaf(DVec3::ONE, n, 3, 0));
             assert_eq!((one, one.is_leaf(), one.is_back()), (other, true, false));
@@ -446,7 +446,7 @@ mod tests {
     /// Levels round to the nearest power of two: 0.5 m is -1, 1.4 m is 0, 1.5 m is 1, 30 m is 5;
     /// all 256 have the size 2^level.
     #[test]
-    fn levels() {
+    fn levels_round_to_the_nearest_power_of_two() {
         assert_eq!([0.5, 1.4, 1.5, 4.0, 30.0].map(level_of), [-1, 0, 1, 2, 5]);
         for level in i8::MIN..=i8::MAX {
             assert_eq!(size_of(level), f64::powi(2.0, i32::from(level)));
@@ -457,7 +457,7 @@ mod tests {
     /// made of, to 4e-9 m, if their corner is looked for around a point up to 1,000 km away. Grids
     /// nest there, and seeds do not depend on the material.
     #[test]
-    fn far_places() {
+    fn far_voxels_hold_the_point_they_were_made_of() {
         for i in 0..12_u64 {
             let part = |k: u64| (unit(mix(i, k)) - 0.5) * 18e6;
             let (p, near) = (DVec3::new(part(1), part(2), part(3)), DVec3::new(9e5, -1e6, 1e6));
@@ -475,7 +475,7 @@ mod tests {
     /// Twelve numbers, also beyond i32 and i64 and NaN, have the floor that the standard library
     /// gives them.
     #[test]
-    fn floors() {
+    fn floors_equal_those_of_the_standard_library() {
         let far = 2147483648.0;
         for x in [0.0, -0.0, 0.5, -0.5, 7.0, -7.0, -7.1, far, -far, -far - 0.5, 1e300, f64::NAN] {
             assert_eq!(floor(x), x.floor() as i64, "{x}");

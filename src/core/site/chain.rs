@@ -88,7 +88,7 @@ mod tests {
     /// The chain's map takes the direction in which a ray leaves two mirrors to the direction in
     /// which it started, to 1e-15. Chains hold 3 mirrors and no fourth.
     #[test]
-    fn chains() {
+    fn a_chain_maps_the_last_direction_to_the_first() {
         let orientation = |normal: DVec3| MirrorPlane { normal: normal.normalize(), material: 0 };
         let both = [orientation(DVec3::new(1.0, 2.0, 0.0)), orientation(DVec3::new(0.0, 1.0, -3.0))];
         let chain = Chain::new(&[0, 1]);

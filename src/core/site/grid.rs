@@ -129,7 +129,7 @@ mod tests {
     /// 128 m from the middle. Smaller scenes, down to a micrometre, are at least 65,536 steps wide
     /// and at most 32 times as far from the origin as they are wide.
     #[test]
-    fn frames() {
+    fn the_origin_and_step_fit_the_size_of_the_scene() {
         let middle = DVec3::new(78_005.125, -457_005.5, 131.0);
         for extent in [4.0, 100.0, 1e5] {
             let grid = Grid::of(middle, extent);
@@ -147,7 +147,7 @@ mod tests {
     /// the two frames, at most 0.87 steps from their stated place. The starts of their rays do,
     /// too, 3 to 5 steps off the surface.
     #[test]
-    fn equal_in_two_frames() {
+    fn points_lie_at_equal_places_in_two_frames() {
         let [a, b] = [85_100.0, 85_612.0].map(|x| Grid::of(DVec3::new(x, 446_333.0, 10.0), 900.0));
         assert_eq!(b.origin - a.origin, DVec3::new(512.0, 0.0, 0.0));
         for i in 0..10_000_u64 {
@@ -167,7 +167,7 @@ mod tests {
     /// Eleven numbers, among them halves and numbers beyond 2^51, have the nearest integer that the
     /// standard library gives them.
     #[test]
-    fn nearest_integers() {
+    fn rounding_equals_that_of_the_standard_library() {
         let far = 2_251_799_813_685_248.0;
         for x in [0.0, -0.0, 0.49, 0.5, 1.5, -2.5, -7.51, far - 0.5, far + 0.25, -far, 1e300] {
             assert_eq!(nearest(x), x.round_ties_even(), "{x}");
@@ -178,7 +178,7 @@ mod tests {
     /// 20 mm at 10 km, the slack 4 mm at 2 km. A voxel of 2048 m that reaches to 100 m from the
     /// origin has the slack of a near one.
     #[test]
-    fn gaps() {
+    fn offsets_grow_with_the_distance_from_the_origin() {
         let grid = Grid::default();
         assert_eq!(grid.offset_m(DVec3::new(0.0, -1024.0, 3.0)), 4.0 * STEP_M);
         assert_eq!(grid.slack_m(DVec3::splat(1000.0), 8.0), 16.0 * STEP_M);

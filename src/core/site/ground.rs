@@ -66,7 +66,7 @@ mod tests {
     /// The third month's 0.3 becomes 0.45 under 0.2 cm of snow, the twelfth's 0.8 no more than 1.
     /// Without a depth they stay. The mean of the year is 0.25.
     #[test]
-    fn months_and_snow() {
+    fn monthly_reflectances_grow_under_snow() {
         let mut reflectance = [0.19; 12];
         (reflectance[2], reflectance[11]) = (0.3, 0.8);
         let ground = MonthlyGround { material: "endless_ground".into(), reflectance, snow_modifier: 1.5 };
@@ -79,7 +79,7 @@ mod tests {
     /// A reflectance of 1.2, a modifier of -1 and eleven months are refused, 3 of 3. Twelve good
     /// months come back unchanged.
     #[test]
-    fn checked_on_reading() {
+    fn impossible_monthly_grounds_are_refused() {
         let json = |first: &str, modifier: &str, months: usize| {
             let list = vec![first; months].join(",");
             format!("{{\"material\":\"g\",\"reflectance\":[{list}],\"snow_modifier\":{modifier}}}")

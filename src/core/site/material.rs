@@ -263,7 +263,7 @@ mod tests {
 
     /// 0.2, 0.0625 and 0.12345678 are shown as 0.2, 0.0625 and 0.1235.
     #[test]
-    fn shown() {
+    fn properties_are_shown_with_four_decimals() {
         let shown = [0.2, 0.0625, 0.123_456_78].map(|diffuse| Material::matt("m", diffuse, Class::Ground).optics());
         assert_eq!(shown, ["diffuse 0.2", "diffuse 0.0625", "diffuse 0.1235"]);
     }
@@ -272,7 +272,7 @@ mod tests {
     /// infrared, more than arrives: `misfit` reports 1.0555, and `in_band` scales it down to 1. The
     /// other 3 bands fit. 6 of 6 statements that no material can have are refused.
     #[test]
-    fn bands() {
+    fn a_band_that_reflects_too_much_is_scaled_down() {
         let mut mirror = Material { specular: 0.5, ..Material::matt("m", 0.2, Class::Obstruction) };
         mirror.bands.diffuse = BandValues::of(Band::Visible, 0.1);
         mirror.bands.specular = BandValues::of(Band::Visible, 0.3);
@@ -310,7 +310,7 @@ mod tests {
     /// The two classes come back from their codes 0 and 1, which are their indices in arrays. The
     /// other 254 numbers are no class.
     #[test]
-    fn codes() {
+    fn classes_come_back_from_their_codes() {
         assert_eq!([Class::Ground, Class::Obstruction].map(Class::code), [0, 1]);
         for (i, class) in Class::ALL.into_iter().enumerate() {
             assert_eq!((Class::of_code(class.code()), class.index()), (Some(class), i));

@@ -107,7 +107,7 @@ mod tests {
     /// The code's bits are x, y, z of the cell in turn; its middle is 0, and it repeats after 2^19
     /// m.
     #[test]
-    fn code() {
+    fn the_code_interleaves_bits_of_the_cell() {
         assert_eq!(spread(0x1f_ffff), 0x1249_2492_4924_9249);
         let middle = 7 << 60;
         assert_eq!(morton_code(DVec3::ZERO), middle);
@@ -121,7 +121,7 @@ mod tests {
 
     /// Receivers have one order whatever that of the file, equal cells and equal places included.
     #[test]
-    fn independent_of_file_order() {
+    fn the_order_of_receivers_ignores_the_file() {
         let mut receivers: Vec<Receiver> = (0..300_u32)
             .map(|i| {
                 let scatter = |k: u32| f64::from(i / 2 * k % 37) * 0.11;

@@ -69,7 +69,7 @@ mod tests {
     /// (180) stands at 150 from y, and back. A normal along x has azimuth 120. Height and length
     /// stay, to 1e-15.
     #[test]
-    fn turns() {
+    fn turned_axes_move_the_sun_and_normals() {
         let sun = direction_from_degrees(180.0, 40.0);
         let seen = north(30.0).to_axes(sun);
         assert!((seen - direction_from_degrees(150.0, 40.0)).length() < 1e-15, "{seen}");

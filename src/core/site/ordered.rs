@@ -21,7 +21,7 @@ mod tests {
     /// Ten numbers from -infinity to infinity, both zeros among them, keep their order and their
     /// bits.
     #[test]
-    fn order() {
+    fn numbers_keep_their_order_and_bits() {
         let numbers = [f64::NEG_INFINITY, -1e9, -1.5, -1e-310, -0.0, 0.0, 1e-310, 1.5, 1e9, f64::INFINITY];
         assert!(numbers.map(ordered_f64).is_sorted_by(|a, b| a < b));
         assert_eq!(numbers.map(|x| from_ordered_f64(ordered_f64(x)).to_bits()), numbers.map(f64::to_bits));

@@ -189,7 +189,7 @@ mod tests {
     /// become two halves of a square of 4 m2. Two triangles at an angle stay two polygons. A ring
     /// around a hole of 1 m2 keeps its area of 3 m2.
     #[test]
-    fn triangles_are_joined() {
+    fn triangles_of_a_plane_become_one_polygon() {
         let at = DVec3::new(78_000.0, 457_000.0, 3.0);
         let round: Vec<DVec3> = [(-1, -1), (0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0)]
             .map(|(x, y): (i32, i32)| at + DVec3::new(x.into(), y.into(), 0.0))
@@ -226,7 +226,7 @@ mod tests {
 
     /// Three of 3 texts come back. Seven texts that are no patches are refused.
     #[test]
-    fn texts_come_back() {
+    fn patches_come_back_from_their_texts() {
         for text in ["", "-500 -500 0;500 -500 0;500 500 -12", "0 0 0;1 0 0;0 1 0|5 5 5;6 5 5;5 6 5;4 5 5"] {
             assert_eq!(text.parse::<Patch>().map(|patch| patch.to_string()).as_deref(), Ok(text));
         }

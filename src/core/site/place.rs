@@ -103,7 +103,7 @@ mod tests {
     /// Convergences of -0.73, -0.004 and 30 degrees are put in words with their side. An angle of
     /// 0.1 degrees is not noted. Of 3 changed places, 1 is the same.
     #[test]
-    fn words() {
+    fn convergences_are_put_in_words() {
         let place = |convergence_deg, epsg| Place { latitude_deg: 52.0, longitude_deg: 4.0, convergence_deg, epsg };
         let grid = place(-0.73, Some(28992));
         assert_eq!(
@@ -129,7 +129,7 @@ mod tests {
     /// another north, no number or no place does not: 1 of 6 belongs. Two scenes without a place
     /// may belong together.
     #[test]
-    fn sites() {
+    fn only_scenes_of_one_place_belong_to_a_site() {
         let here = Place { latitude_deg: 52.07, longitude_deg: 4.3, convergence_deg: 0.4, epsg: Some(28992) };
         let grown = Place { latitude_deg: 52.08, convergence_deg: 0.41, ..here };
         let others = [

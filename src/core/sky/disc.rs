@@ -121,7 +121,7 @@ mod tests {
     /// The disc's shares sum to 1 and it covers 8 to 24 texels of a 1024 texture at 2 to 90 degrees
     /// of altitude, none at 0.
     #[test]
-    fn disc() {
+    fn the_disc_covers_8_to_24_texels() {
         for altitude in [2.0, 20.0, 45.0, 89.0, 90.0] {
             let disc = disc_texels(direction_from_degrees(200.0, altitude), 1024);
             let sum: f32 = disc.iter().map(|t| t.2).sum();

@@ -96,7 +96,7 @@ mod tests {
     /// 18.375 = 126.035, sun 101.18 + 3.16 - 1.10 exp(-5) - 0.829 = 103.504, both to 0.001 lm/W. A
     /// dew point of 10.97 degrees Celsius is 2 cm of water to 0.001.
     #[test]
-    fn by_hand() {
+    fn efficacies_agree_with_hand_computation() {
         let found = efficacies(7.0, 0.1, 0.0, 2.0);
         assert!((found.sky - 126.035).abs() < 1e-3 && (found.sun - 103.504).abs() < 1e-3, "{found:?}");
         assert!((water_cm(10.973_53) - 2.0).abs() < 1e-3);
@@ -106,7 +106,7 @@ mod tests {
     /// 0.44.62 (`tools/peers/bands.py`) to 0.8 %. ladybug-core takes the air mass of Kasten and
     /// Young, and 0.08 a degree of the dew point for the water.
     #[test]
-    fn against_ladybug() {
+    fn illuminance_agrees_with_ladybug() {
         for (altitude, dni, dhi, dew_point, direct_lx, diffuse_lx) in [
             (10.0, 300.0, 98.0, 5.0, 18_128.0, 11_795.0),
             (30.0, 700.0, 150.0, 10.0, 66_236.0, 20_987.0),
@@ -128,7 +128,7 @@ mod tests {
     /// altitudes x 5 DNI x 4 DHI x 3 dew points they differ by less than 3.5 % in the mean and 15 %
     /// at most: three fits of separate data leave that much.
     #[test]
-    fn both_make_the_whole() {
+    fn direct_and_diffuse_light_make_the_global_light() {
         let (mut sum, mut largest, mut count) = (0.0, 0.0_f64, 0);
         for altitude in [10.0, 20.0, 30.0, 45.0, 60.0, 75.0] {
             let sun = direction_from_degrees(180.0, altitude);
@@ -157,7 +157,7 @@ mod tests {
     /// Efficacies are finite and not below 0 over 5 altitudes x 5 DNI x 5 DHI: 125 conditions,
     /// including nights and a sun without a sky.
     #[test]
-    fn never_negative() {
+    fn efficacies_are_never_negative() {
         for altitude in [-5.0, 0.1, 2.0, 40.0, 90.0] {
             let sun = direction_from_degrees(90.0, altitude);
             for dni in [0.0, 1e-9, 50.0, 900.0, 1e6] {

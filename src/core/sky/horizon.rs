@@ -111,7 +111,7 @@ mod tests {
     /// (1e-12) on textures of 16, 128 and 512 texels a side. A response that is a wall's normal
     /// where the wall sees the sky gives 1 within 2 %, 0.2 % and 0.01 %.
     #[test]
-    fn open() {
+    fn open_receivers_get_the_sine_of_the_tilt() {
         for (n, most) in [(16, 2e-2), (128, 2e-3), (512, 1e-4)] {
             let band = HorizonBand::new(n);
             for azimuth in (0..12).map(|i| f64::from(i) * 31.0) {
@@ -133,7 +133,7 @@ mod tests {
     /// The band is sin 6.5 deg of the hemisphere: its share of 512 x 512 texels is that within 3 %.
     /// Behind a skyline of that height none of it is visible.
     #[test]
-    fn height() {
+    fn the_horizon_band_has_its_share_of_texels() {
         assert!((TOP - 6.5_f64.to_radians().sin()).abs() < 1e-14);
         let n = 512;
         let band = HorizonBand::new(n);

@@ -225,7 +225,7 @@ mod tests {
     /// CIE 1 at the zenith is 1 + 4 exp(-0.7) = 2.986 times the horizon, the 3:1 of Moon and
     /// Spencer (1942) within 0.5 %.
     #[test]
-    fn overcast_ratio() {
+    fn cie_1_is_3_to_1_from_zenith_to_horizon() {
         let sky = cie(1);
         let sun = direction_from_degrees(180.0, 40.0);
         let ratio = sky.relative_radiance(DVec3::Z, sun) / sky.relative_radiance(DVec3::X, sun);
@@ -236,7 +236,7 @@ mod tests {
     /// CIE 16 is (1 + 2 sin a) / 3 of its zenith at 7 altitudes, beside a sun at 40 degrees, to
     /// 1e-12.
     #[test]
-    fn traditional_overcast() {
+    fn cie_16_follows_the_sine_of_the_altitude() {
         let (sky, sun) = (CieType::TRADITIONAL_OVERCAST.distribution(), direction_from_degrees(180.0, 40.0));
         let zenith = sky.relative_radiance(DVec3::Z, sun);
         for altitude in [0.0, 10.0, 25.0, 42.0, 60.0, 75.0, 90.0_f64] {
@@ -248,7 +248,7 @@ mod tests {
     /// CIE 5 is 1 everywhere; CIE 12 (clear) at 90 deg from the sun is its gradation, as the offset
     /// cancels, to 1e-12.
     #[test]
-    fn uniform_and_clear() {
+    fn cie_5_is_uniform_and_cie_12_its_gradation() {
         let sun = direction_from_degrees(180.0, 30.0);
         for altitude in [0.0, 20.0, 90.0] {
             let d = direction_from_degrees(70.0, altitude);
@@ -262,7 +262,7 @@ mod tests {
     /// All 16 types are finite and not negative over 10,000 pairs of directions, including the sun
     /// on the horizon and at the zenith.
     #[test]
-    fn general_skies_are_sane() {
+    fn general_skies_are_finite_and_not_negative() {
         for number in 1..=16 {
             let sky = cie(number);
             for i in 0..10_000_u32 {
@@ -276,7 +276,7 @@ mod tests {
 
     /// All 19 names read as their models; the error for other names lists the choices.
     #[test]
-    fn names() {
+    fn unknown_sky_models_are_refused_with_the_choices() {
         let mut all = vec![SkyModel::Perez, SkyModel::Perez1990, SkyModel::Uniform];
         all.extend((1..=16).filter_map(CieType::new).map(SkyModel::Cie));
         assert_eq!(all.len(), 19);

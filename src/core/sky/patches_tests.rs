@@ -15,7 +15,7 @@ fn condition(altitude_deg: f64, dni: f64, dhi: f64) -> Condition {
 /// The subdivisions have 145, 577 and 2305 patches whose exact solid angles sum to 2 pi (1e-12);
 /// the error for other counts lists the three.
 #[test]
-fn counts_and_solid_angles() {
+fn patches_cover_the_hemisphere() {
     for count in [145, 577, 2305] {
         let patches = Patches::new(count).expect("known count");
         assert_eq!(patches.len(), count);
@@ -48,7 +48,7 @@ fn lookup_agrees_with_samples() {
 /// With 577 patches, patch 0 is centred on north at the horizon, patch 15 of 60 on east, and the
 /// zenith is patch 576. A direction below the horizon counts as on it; NaN gives a patch in range.
 #[test]
-fn numbering() {
+fn patches_are_numbered_from_north_at_the_horizon() {
     let patches = Patches::new(577).expect("known count");
     assert_eq!(patches.patch_of(DVec3::Y), 0);
     assert_eq!(patches.patch_of(direction_from_degrees(-2.9, 1.0)), 0);
@@ -92,7 +92,7 @@ fn horizontal_integral_is_dhi() {
 
 /// A uniform sky has radiance DHI / pi in every patch, within the 1e-4 of the projection.
 #[test]
-fn uniform_radiance() {
+fn a_uniform_sky_has_equal_radiance() {
     let patches = Patches::new(145).expect("known count");
     let open = Projection::new(&patches, 128, 8).open_horizontal_sr;
     for l in patches.radiances(SkyModel::Uniform, &condition(30.0, 0.0, 100.0), &open) {
@@ -104,7 +104,7 @@ fn uniform_radiance() {
 /// the radiance of each of 577 patches is within 1.5 %, far from the sun within 0.3 % of the sky's
 /// mean, and on average within 0.015 % of that mean, for the steepest clear skies.
 #[test]
-fn patch_means() {
+fn patch_means_agree_with_exact_evaluation() {
     let patches = Patches::new(577).expect("known count");
     for (altitude, dni, dhi) in [(50.0, 900.0, 60.0), (20.0, 600.0, 40.0), (60.0, 300.0, 250.0)] {
         let c = condition(altitude, dni, dhi);
@@ -149,7 +149,7 @@ fn fine_means(patches: &Patches, sky: &Distribution, sun: DVec3) -> Vec<f64> {
 /// A year of 4,400 skies on 577 patches stays below 60 s unoptimised (measured in release: 0.7 s on
 /// one core).
 #[test]
-fn year_of_skies() {
+fn a_year_of_skies_takes_under_a_minute() {
     let patches = Patches::new(577).expect("known count");
     let open = Projection::new(&patches, 32, 4).open_horizontal_sr;
     let start = std::time::Instant::now();

@@ -135,7 +135,7 @@ mod tests {
     /// Kasten's air mass is 0.9995 at the zenith, 1.993 at 60 deg (2 less 0.4 %) and 36.5 at the
     /// horizon.
     #[test]
-    fn air_masses() {
+    fn air_masses_agree_with_kasten() {
         for (degrees, expected, tolerance) in [(0.0_f64, 0.9995, 1e-4), (60.0, 1.993, 1e-3), (90.0, 36.5, 0.1)] {
             let m = air_mass(degrees.to_radians());
             assert!((m - expected).abs() < tolerance, "{degrees}: {m}");
@@ -145,7 +145,7 @@ mod tests {
     /// Worked by hand for epsilon 7, delta 0.1, zenith 0: a = -1.05 + 0.0426, b = -0.325 + 0.07781,
     /// c = 31.0625 - 4.61148, d = -7.2312 + 1.335, e = 1.5 + 0.18564, to 1e-12.
     #[test]
-    fn clear_sky_by_hand() {
+    fn a_clear_sky_agrees_with_hand_computation() {
         let p = parameters(7.0, 0.1, 0.0);
         let expected = [-1.0074, -0.247_19, 26.451_02, -5.8962, 1.685_64];
         for (value, hand) in [p.a, p.b, p.c, p.d, p.e].into_iter().zip(expected) {
@@ -157,7 +157,7 @@ mod tests {
     /// 3.4004)^1.2375) - 1 = 1.787 and d = -exp(0.3 x 2.5031) + 0.9738 + 0.08427 = -1.061, both to
     /// 1e-3.
     #[test]
-    fn overcast_by_hand() {
+    fn the_overcast_bin_uses_its_own_c_and_d() {
         let p = parameters(1.0, 0.3, 1.0);
         assert!((p.c - 1.787).abs() < 1e-3, "{}", p.c);
         assert!((p.d + 1.061).abs() < 1e-3, "{}", p.d);
@@ -165,7 +165,7 @@ mod tests {
 
     /// Clearness is 1 without sun and grows with it: DNI = DHI at the zenith gives exactly 2.
     #[test]
-    fn clearness_limits() {
+    fn clearness_is_1_without_sun_and_grows_with_it() {
         for zenith in [0.0, 0.7, FRAC_PI_2] {
             assert!((clearness(0.0, 50.0, zenith) - 1.0).abs() < 1e-15);
         }
@@ -176,7 +176,7 @@ mod tests {
     /// DHI from 5e-324 to 1e6 and DNI to 1e6 W/m2, including the sun on the horizon and at the
     /// zenith.
     #[test]
-    fn never_negative() {
+    fn radiance_is_never_negative() {
         let mut checked = 0;
         for altitude in [0.0, 1e-6, 0.1, 1.0, 5.0, 10.0, 20.0, 35.0, 50.0, 65.0, 80.0, 89.9, 90.0] {
             let sun = direction_from_degrees(123.0, altitude);

@@ -94,7 +94,7 @@ mod tests {
     /// and with an air mass of 1 / 1.000288 = 0.999712 delta 0.0731318, so F1 = 0.873 - 0.392 delta
     /// and F2 = 0.226 - 0.462 delta, to 1e-6.
     #[test]
-    fn by_hand() {
+    fn brightness_factors_agree_with_hand_computation() {
         let of = brightening(100.0, 100.0, 1367.0, 1.0);
         let delta = 0.073_131_8;
         assert!((of.f1 - (0.873 - 0.392 * delta)).abs() < 1e-6, "{of:?}");
@@ -105,7 +105,7 @@ mod tests {
     /// at 2 degrees has cos 85 deg. No sun makes an isotropic sky, and so do 0 and 5e-324 W/m2 of
     /// diffuse light.
     #[test]
-    fn several_suns_and_none() {
+    fn without_suns_the_sky_is_isotropic() {
         let suns = [30.0, 50.0].map(|altitude| direction_from_degrees(100.0, altitude));
         let of = |suns: &[DVec3], dhi| coefficients(&Condition::new("c".into(), suns, DVec3::NEG_Z, 300.0, dhi));
         assert!((of(&suns, 100.0).b - (suns[0].z + suns[1].z) / 2.0).abs() < 1e-12);

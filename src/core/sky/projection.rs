@@ -199,7 +199,7 @@ mod tests {
     /// Shares of each texel sum to 1 (1e-6), patch solid angles to 2 pi (1e-9) and open
     /// coefficients to pi (1e-5 at n = 128), for three texture sides and the three subdivisions.
     #[test]
-    fn sums() {
+    fn shares_of_texels_sum_to_1() {
         for count in [145, 577, 2305] {
             let patches = Patches::new(count).expect("known count");
             for (n, samples, tolerance) in [(1, 64, 5e-3), (32, 8, 1e-4), (128, 8, 1e-5)] {
@@ -220,7 +220,7 @@ mod tests {
     /// A texel with all corners in one patch has all of 16 x 16 points in it: for n = 16 and 128
     /// and the three subdivisions.
     #[test]
-    fn whole_texels() {
+    fn whole_texels_lie_in_one_patch() {
         let mut found = 0;
         for (count, n) in [(145, 16), (577, 16), (145, 128), (577, 128), (2305, 128)] {
             let patches = Patches::new(count).expect("known count");
@@ -242,7 +242,7 @@ mod tests {
     /// At n = 128 and 8 x 8 points the texels count each of the 577 patches within 1 % of its exact
     /// solid angle.
     #[test]
-    fn patch_areas() {
+    fn texels_count_patches_by_their_solid_angle() {
         let patches = Patches::new(577).expect("known count");
         let p = Projection::new(&patches, 128, 8);
         for (counted, exact) in p.solid_angle_sr.iter().zip(patches.solid_angles_sr()) {

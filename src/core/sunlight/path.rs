@@ -286,7 +286,7 @@ mod tests {
     /// Interpolated suns lie within 1e-7 rad of computed ones: 51 moments of each of 6 days, from
     /// midnight to midnight.
     #[test]
-    fn suns_between_knots() {
+    fn interpolated_suns_equal_computed_ones() {
         for (latitude_deg, month) in [(52.0, 6), (52.0, 12), (0.0, 3), (-34.0, 9), (78.0, 6), (89.0, 4)] {
             let (site, day) = day(latitude_deg, month);
             for i in 0..=50 {
@@ -301,7 +301,7 @@ mod tests {
     /// changes). Its middle is solar noon: 47 minutes after that of the clock, 40 for the longitude
     /// and 7 for the equation of time. At 78 N it stays up in June and down in December.
     #[test]
-    fn days() {
+    fn days_have_known_lengths_and_solar_noon() {
         let (_, march) = day(52.0, 3);
         assert!((march.up.minutes() - 720.0).abs() < 6.0, "{}", march.up.minutes());
         let middle = march.up.first_min().zip(march.up.last_min()).map(|(a, b)| 0.5 * (a + b)).unwrap_or_default();

@@ -363,7 +363,7 @@ mod tests {
     /// are those of a plain look at each passed texel and its eight neighbours, for the whole day
     /// and for its afternoon.
     #[test]
-    fn as_a_plain_look_finds() {
+    fn spells_equal_those_of_a_plain_look() {
         let skyline = |d: DVec3| {
             let azimuth = d.y.atan2(d.x);
             d.z > 0.25 + 0.2 * (3.0 * azimuth).sin() + 0.1 * (23.0 * azimuth).cos() && (9.0 * azimuth).sin() * d.z < 0.6
@@ -416,7 +416,7 @@ mod tests {
     /// below three minutes for 80 of 100: an edge takes about one minute, and more where the sun
     /// runs along it.
     #[test]
-    fn moments_of_edges() {
+    fn stated_bounds_hold_at_edges() {
         let plane = |azimuth_deg: f64| direction_from_degrees(azimuth_deg, 0.0);
         let profile = |altitude_deg: f64| direction_from_degrees(0.0, 90.0 - altitude_deg);
         // The receiver sees what lies in front of all planes.

@@ -175,7 +175,7 @@ mod tests {
     /// 10:30 to 13:10 there are 40 minutes of it; the spells of at least half an hour last 120. A
     /// spell whose end is before its start, or NaN, is none.
     #[test]
-    fn lengths() {
+    fn spells_that_touch_are_one() {
         let day = spells(&[(540.0, 600.0), (600.0, 660.0), (780.0, 800.0), (900.0, 890.0), (950.0, f64::NAN)]);
         assert_eq!((day.iter().count(), day.minutes(), day.longest_min()), (2, 140.0, 120.0));
         assert_eq!((day.first_min(), day.last_min()), (Some(540.0), Some(800.0)));
@@ -187,7 +187,7 @@ mod tests {
     /// 0 to 100 and 200 to 300 without 10 to 20, 90 to 210 and 280 to 400 leaves three spells of
     /// 150 minutes; the reverse leaves two of 200. The union is one spell of 400 minutes.
     #[test]
-    fn differences() {
+    fn differences_of_spells_leave_the_rest() {
         let (a, b) = (spells(&[(0.0, 100.0), (200.0, 300.0)]), spells(&[(10.0, 20.0), (90.0, 210.0), (280.0, 400.0)]));
         assert_eq!(a.without(&b), spells(&[(0.0, 10.0), (20.0, 90.0), (210.0, 280.0)]));
         assert_eq!(b.without(&a), spells(&[(100.0, 200.0), (300.0, 400.0)]));
@@ -199,7 +199,7 @@ mod tests {
     /// them, or a fifth of the area, is lit from 0 to 40, half from 0 to 20, 80 % from 5 to 10, and
     /// all of it never.
     #[test]
-    fn shares_of_an_area() {
+    fn parts_of_an_area_add_up_to_its_lit_share() {
         let parts = [spells(&[(0.0, 10.0)]), spells(&[(5.0, 20.0)]), spells(&[(10.0, 40.0)])];
         let covered = |least| Spells::covered(parts.iter().zip([0.5, 0.3, 0.2]), least);
         assert_eq!(covered(0.0), spells(&[(0.0, 40.0)]));

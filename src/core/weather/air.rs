@@ -87,7 +87,7 @@ mod tests {
     /// 0.93990, 393.6 W/m2; half cover times 1.0595, 361.4 W/m2. The example of the engineering
     /// reference, 293 and 283 K, is 340.6 there and 340.2 here.
     #[test]
-    fn by_hand() {
+    fn sky_radiation_agrees_with_hand_computation() {
         for (air, expected) in [
             (air(20.0, 10.0, 0.0), 341.07),
             (air(20.0, 10.0, 10.0), 393.60),
@@ -107,7 +107,7 @@ mod tests {
     /// Saturated air is at its dew point. At 25 degrees Celsius and 50 % the dew point is 13.86 (by
     /// hand: ln 0.5 + 17.625 x 25 / 268.04 = 0.95072, x 243.04 / 16.67428), to 0.01.
     #[test]
-    fn dew_points() {
+    fn saturated_air_is_at_its_dew_point() {
         for (dry_bulb_c, humidity, expected) in [(25.0, 50.0, 13.857), (-5.0, 100.0, -5.0), (30.0, 100.0, 30.0)] {
             assert!((dew_point_c(dry_bulb_c, humidity) - expected).abs() < 0.01, "{dry_bulb_c}");
         }
@@ -116,7 +116,7 @@ mod tests {
     /// A given value, 237 W/m2, is taken. Without one of the three inputs nothing is computed, and
     /// its name is reported: 3 of 3.
     #[test]
-    fn given_and_missing() {
+    fn given_radiation_counts_and_missing_inputs_are_named() {
         let whole = air(20.0, 10.0, 5.0);
         assert_eq!(Air { infrared_w_m2: Some(237.0), dry_bulb_c: None, ..whole }.sky_w_m2(), Some(237.0));
         for (air, name) in [

@@ -79,7 +79,7 @@ mod tests {
     /// 2,188 at 35 degrees south. The pole has 4,300 to 4,460 lit hours, and every DNI is below
     /// 1,000 W/m2.
     #[test]
-    fn sums_of_clear_years() {
+    fn clear_years_agree_with_haurwitz() {
         for (latitude_deg, expected) in [(52.0, 1722.0), (0.0, 2680.0), (-35.0, 2188.0)] {
             let (conditions, bins) =
                 clear_year(&Place { latitude_deg, longitude_deg: 4.3, convergence_deg: 0.0, epsg: None });

@@ -248,7 +248,7 @@ mod tests {
     /// Columns in another order, a byte order mark, CRLF and an extra column give one and the same
     /// condition: sun in the south at 30 deg, weight 1, E0 1367 W/m2.
     #[test]
-    fn any_layout() {
+    fn conditions_of_any_layout_read_alike() {
         let file = read(
             "\u{feff}dhi_w_m2, dni_w_m2,condition,sun_altitude_deg,sun_azimuth_deg,note\r\n100, 800,a,30,180,x\r\n\r\n",
         )
@@ -297,7 +297,7 @@ mod tests {
     /// DNI with the sun at or below the horizon is accepted with one warning a row. There are no
     /// suns, and the sky's sun has that azimuth at altitude 0 (exactly z = 0), also at the nadir.
     #[test]
-    fn sun_below_horizon() {
+    fn a_sun_below_the_horizon_gives_no_suns() {
         let rows = "a,90,-5,300,20\nb,90,0,300,20\nc,0,-90,0,20\n";
         let file = read(&format!("{}\n{rows}", COLUMNS.join(","))).expect("valid");
         assert_eq!(file.warnings.len(), 2);
@@ -314,7 +314,7 @@ mod tests {
     /// the grid where NREL's SPA (pvlib 0.16.1) and that convergence put them, to 0.001 degrees.
     /// Without a place they stay, to the bit.
     #[test]
-    fn against_pvlib_and_proj() {
+    fn suns_in_a_grid_agree_with_pvlib_and_proj() {
         let place = Place { latitude_deg: 54.0, longitude_deg: 6.2, convergence_deg: -2.26587, epsg: Some(25832) };
         let site = Location::new(54.0, 6.2, 0.0, 0.0).expect("a site");
         let date = Date::new(2024, 6, 21).expect("a date");
@@ -335,7 +335,7 @@ mod tests {
 
     /// Weights of several suns sum to 1 and suns that are down are dropped.
     #[test]
-    fn weights() {
+    fn weights_of_suns_sum_to_1() {
         let suns = [DVec3::Z, DVec3::new(0.6, 0.0, 0.8), DVec3::NEG_Z];
         let c = Condition::new("h".into(), &suns, DVec3::Z, 1.0, 1.0);
         assert_eq!(c.suns.len(), 2);

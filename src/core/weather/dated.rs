@@ -105,7 +105,7 @@ mod tests {
     /// A typical year of 1999 and 1996 keeps these years, or gets 2019 with all of its 6 rows.
     /// Dates of 2019 then choose 2 of them.
     #[test]
-    fn typical_year() {
+    fn a_typical_year_can_get_one_year() {
         let days = [(1999, 1, 31), (1996, 2, 1), (1996, 2, 28)];
         let kept = DatedRows::of_file(&halves(&days), Path::new("w.epw"), &span("", "")).expect("rows");
         assert_eq!((kept.years, kept.dates[0].year, kept.dates[5].year, count(&kept)), (Years::Typical, 1999, 1996, 6));
@@ -123,7 +123,7 @@ mod tests {
     /// 29 February of 2020 is left out of 2019, 2 of 6 rows, and stays in 2024. Alone it is
     /// refused. A file without it leaves 2020 without it, with one warning.
     #[test]
-    fn leap_days() {
+    fn leap_days_exist_in_leap_years_only() {
         let leap = [(2020, 2, 28), (2020, 2, 29), (2020, 3, 1)];
         let put = in_year(&leap, "", "", 2019).expect("rows");
         assert_eq!(put.chosen, [true, true, false, false, true, true]);
@@ -141,7 +141,7 @@ mod tests {
     /// Two Januaries do not go into one year. One of them, chosen by its own year, does: 2 of 4
     /// rows.
     #[test]
-    fn several_years() {
+    fn two_januaries_do_not_go_into_one_year() {
         let days = [(2007, 1, 1), (2008, 1, 1)];
         let text = in_year(&days, "", "", 2019).expect_err("two").to_string();
         assert!(text.contains("several years cannot all be put into 2019"), "{text}");

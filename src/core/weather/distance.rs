@@ -34,7 +34,7 @@ mod tests {
     /// The weather of Golden is 7,750 km from The Hague, which gives a warning with both places,
     /// and 16 km from Denver, which gives none.
     #[test]
-    fn golden() {
+    fn distant_weather_gives_a_warning() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_tmy3.epw");
         let weather = parse_weather(&path, &std::fs::read(&path).expect("data")).expect("weather");
         let place =

@@ -36,7 +36,7 @@ mod tests {
     /// A black surface emits 315.66 W/m2 at 0 degrees Celsius, 418.77 at 20 and nothing at absolute
     /// zero (sigma 273.15^4 and 293.15^4 by hand, to 0.01).
     #[test]
-    fn black_bodies() {
+    fn black_bodies_emit_by_the_fourth_power() {
         for (celsius, expected) in [(0.0, 315.66), (20.0, 418.77), (-273.15, 0.0)] {
             assert!((black_body_w_m2(celsius) - expected).abs() < 0.01, "{celsius}: {}", black_body_w_m2(celsius));
             assert!(black_body_c(black_body_w_m2(celsius)).is_some_and(|back| (back - celsius).abs() < 1e-9));

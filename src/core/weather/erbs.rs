@@ -21,7 +21,7 @@ mod tests {
     /// The three pieces meet within 0.002 at kt 0.22 and 0.80. By hand the share is 0.659 at kt
     /// 0.5, 1 at 0 and 0.165 above.
     #[test]
-    fn pieces_meet() {
+    fn the_pieces_of_erbs_meet() {
         for k in [0.22, 0.80] {
             let step = diffuse_fraction(k + 1e-9) - diffuse_fraction(k - 1e-9);
             assert!(step.abs() < 0.002, "{k}: {step}");

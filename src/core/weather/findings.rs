@@ -126,7 +126,7 @@ mod tests {
     /// Kinds stand in the list in the order of their numbers, 9 of 9, so that each is counted in
     /// its own place. The first line is kept, hours and energy add up to 1.5 h and 1.6 kWh/m2.
     #[test]
-    fn tallies() {
+    fn findings_are_counted_by_kind() {
         assert!(KINDS.iter().enumerate().all(|(i, kind)| *kind as usize == i));
         let mut findings = Findings::default();
         findings.add(Finding::BelowHorizon, 12, 1.0, 800.0);

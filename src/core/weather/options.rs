@@ -222,7 +222,7 @@ mod tests {
 
     /// Fourteen spellings of a zone give its hours; ten texts that are no zone are refused.
     #[test]
-    fn zones() {
+    fn spellings_of_zones_give_their_hours() {
         for (text, hours) in [
             ("+01:00", 1.0),
             ("-07:00", -7.0),
@@ -249,7 +249,7 @@ mod tests {
     /// Options come back from their JSON, with a zone that is a number, a text or none, 3 of 3. A
     /// text that is no zone is refused.
     #[test]
-    fn options_are_kept() {
+    fn options_come_back_from_json() {
         let read = |zone: &str| serde_json::from_str::<WeatherOptions>(&format!("{{\"zone_hours\": {zone}}}"));
         for (text, hours) in [("5.5", Some(5.5)), ("\"-03:30\"", Some(-3.5)), ("null", None)] {
             let options = read(text).expect(text);
@@ -263,7 +263,7 @@ mod tests {
     /// 41min, -30min, 0.5h, 1h and 90s are 41, -30, 30, 60 and 1.5 minutes. Seven other texts are
     /// refused with advice.
     #[test]
-    fn shifts() {
+    fn shifts_are_read_with_their_units() {
         for (text, minutes) in [("41min", 41.0), ("-30min", -30.0), ("0.5h", 30.0), ("1h", 60.0), ("90s", 1.5)] {
             assert_eq!(text.parse(), Ok(TimeShift::Minutes(minutes)));
         }

@@ -135,7 +135,7 @@ mod tests {
     /// to 1. Labels are the start of the interval. E0 is the day's value (1378 W/m2 on 21 March,
     /// within 2).
     #[test]
-    fn sunrise_hour() {
+    fn light_of_a_sunrise_hour_goes_to_its_sunlit_part() {
         let site = Location::new(51.5, 0.0, 0.0, 10.0).expect("a site");
         let all = weather(site, &[(6.0, 50.0, 10.0), (12.0, 500.0, 100.0)]).conditions(6);
         for c in &all {
@@ -157,7 +157,7 @@ mod tests {
     /// of those of the hour alone. Without the row after it, or with a gap before it, they are
     /// those of the hour alone.
     #[test]
-    fn suns_of_rows_beside() {
+    fn suns_between_others_follow_from_them() {
         let site = Location::new(51.5, 0.0, 0.0, 10.0).expect("a site");
         let off = |hours: &[f64]| {
             let rows: Vec<(f64, f64, f64)> = hours.iter().map(|hour| (*hour, 500.0, 100.0)).collect();
@@ -172,7 +172,7 @@ mod tests {
 
     /// DNI and DHI at night give no suns and a finite sky sun on the horizon (z = 0, length 1).
     #[test]
-    fn light_at_night() {
+    fn light_at_night_gives_no_suns() {
         let site = Location::new(51.5, 0.0, 0.0, 10.0).expect("a site");
         let night = &weather(site, &[(1.0, 5.0, 3.0)]).conditions(4)[0];
         assert!(night.suns.is_empty());

@@ -215,7 +215,7 @@ mod tests {
     /// Spans take the expected hours of six days of 2019: whole days, parts of days, over the new
     /// year, one side open.
     #[test]
-    fn hours_taken() {
+    fn spans_take_the_expected_hours() {
         let file = hours_of(&[(2019, 1, 1), (2019, 2, 28), (2019, 3, 1), (2019, 3, 31), (2019, 11, 1), (2019, 12, 31)]);
         for (from, to, hours) in [
             ("", "", 144),
@@ -249,7 +249,7 @@ mod tests {
     /// midnight. Times take the hours that lie within them whole, days the 24 that count to them,
     /// also at the new year. The message names the true begin and end of the file.
     #[test]
-    fn shifted_hours() {
+    fn shifted_hours_count_to_their_days() {
         let moved = |days: &[(i32, u32, u32)], minutes: f64| {
             let shifted =
                 |i: Interval| Interval { start_min: i.start_min + minutes, end_min: i.end_min + minutes, ..i };
@@ -291,7 +291,7 @@ mod tests {
     /// A year is refused for a file whose months come from two years, and accepted for a file of
     /// two whole years: 24 of 48 hours.
     #[test]
-    fn years_of_files() {
+    fn a_year_is_refused_for_months_of_two_years() {
         let file = Path::new("w.epw");
         let of_2007 = span("2007-01-01", "2007-12-31").expect("a span");
         let text = of_2007.rows_of(&hours_of(&[(2007, 1, 1), (2004, 2, 1)]), file).expect_err("typical").to_string();
@@ -305,7 +305,7 @@ mod tests {
     /// Days that do not exist and times of no clock are refused, 12 of 12, and so are a year on one
     /// side only and a wrong order.
     #[test]
-    fn refusals() {
+    fn days_and_times_that_do_not_exist_are_refused() {
         for text in [
             "",
             "2019",

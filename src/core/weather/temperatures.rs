@@ -118,7 +118,7 @@ mod tests {
     /// 12.5 is a constant, a name a file. Six wrong texts, one of them a number in kelvin, are
     /// refused with the values allowed.
     #[test]
-    fn command_line() {
+    fn wrong_temperatures_are_refused_with_the_range() {
         let read = |text: &str| text.parse::<Temperature>();
         assert_eq!(read("ground=-5.5"), Ok(Temperature { class: Class::Ground, of: Given::Constant(-5.5) }));
         let file = read("obstruction=a=b.csv").expect("a file");
@@ -140,7 +140,7 @@ mod tests {
     /// obstructions at its -5.7 degrees Celsius send 290.1. With 12.5 and then 0 given for the
     /// ground it sends 315.7, and a schedule of 20 in March makes obstructions send 418.8.
     #[test]
-    fn golden() {
+    fn surfaces_emit_at_the_temperature_of_the_air() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_3_days.epw");
         let weather = parse_epw_with_air(&path, &std::fs::read(&path).expect("data")).expect("weather");
         let chosen: Vec<bool> = (0..72).map(|i| i < 24).collect();

@@ -206,7 +206,7 @@ mod tests {
     /// errors, each with a right checksum: 4 of 4 are refused by the two decoders, and none
     /// allocates more than the 1000 bytes that the entry states.
     #[test]
-    fn bombs_are_refused() {
+    fn decompression_bombs_are_refused() {
         let good = encode(format::SKY, format::TileNumber::FIRST, 1, 1, &[0; 1000], 9).unwrap();
         let gibibyte = zstd::stream::encode_all(std::io::Read::take(std::io::repeat(0), 1 << 30), 1).unwrap();
         let bomb = {

@@ -80,7 +80,7 @@ mod tests {
     /// For 56 frames of three levels and 16,800 changed ones, content size and stored size are
     /// those that the reference library finds. More than 4000 of them have an end.
     #[test]
-    fn sizes_are_those_of_the_reference() {
+    fn frame_sizes_equal_those_of_the_reference_library() {
         let frames = frames();
         let (mut count, mut whole) = (0, 0);
         for frame in frames.iter().flat_map(|(_, frame)| std::iter::once(frame.clone()).chain(mutations(frame, 300))) {

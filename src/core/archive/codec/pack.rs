@@ -77,7 +77,7 @@ mod tests {
 
     /// Lengths 0 and 8 MiB + 1 are refused, 8 MiB is not.
     #[test]
-    fn raw_lengths_are_limited() {
+    fn raw_lengths_beyond_the_limits_are_refused() {
         let raw = vec![0; MAX_RAW + 1];
         for (length, good) in [(0, false), (MAX_RAW, true), (MAX_RAW + 1, false)] {
             assert_eq!(
@@ -91,7 +91,7 @@ mod tests {
 
     /// Eight threads compress one block to the same bytes as a first run.
     #[test]
-    fn threads_agree() {
+    fn threads_compress_a_block_to_equal_bytes() {
         let raw: Vec<u8> = (0..200_000_u32).map(|i| (i.wrapping_mul(i) >> 9) as u8).collect();
         let first = encode(format::HIT, format::TileNumber(1), 1, 64, &raw, 9).unwrap().stored;
         std::thread::scope(|scope| {

@@ -137,7 +137,7 @@ pub mod tests {
 
     /// The two decoders give back the raw bytes of 56 frames.
     #[test]
-    fn decoders_agree() {
+    fn both_decoders_give_back_the_raw_bytes() {
         let frames = frames();
         for (raw, frame) in &frames {
             for unpack in [by_zstd, by_ruzstd] {
@@ -152,7 +152,7 @@ pub mod tests {
     /// None of 28,000 changed frames ends the program or writes past its room, with either decoder.
     /// Where both decode one, more than 1000 times, they give the same bytes.
     #[test]
-    fn damage_is_survived_alike() {
+    fn damaged_frames_end_neither_decoder() {
         let (mut both, mut count) = (0, 0);
         for (raw, frame) in frames() {
             for changed in mutations(&frame, 500) {
@@ -172,7 +172,7 @@ pub mod tests {
     /// A window of 16 MiB that no block needs is refused by the decoder that would allocate it; one
     /// of 8 MiB is not.
     #[test]
-    fn windows_are_limited() {
+    fn a_window_larger_than_blocks_need_is_refused() {
         // Magic, content size of 2 bytes, window, 744 + 256 bytes; one last block that repeats a
         // byte 1000 times.
         let frame =

@@ -147,7 +147,7 @@ mod tests {
     /// Air without a temperature, sky, wind or humidity is refused by the name of that value where
     /// a column depends on it. The mean radiant temperature needs neither wind nor humidity.
     #[test]
-    fn missing_air() {
+    fn missing_air_is_refused_by_its_name() {
         let air = Air {
             dry_bulb_c: Some(25.0),
             dew_point_c: Some(13.0),
@@ -172,7 +172,7 @@ mod tests {
     /// A climate for one index holds the curve of that index only, and the curve gives the index of
     /// its air at a mean radiant temperature within 0.01 K.
     #[test]
-    fn indices_that_are_asked_for() {
+    fn a_climate_holds_curves_of_requested_indices_only() {
         let air = Air {
             dry_bulb_c: Some(25.0),
             dew_point_c: Some(13.0),

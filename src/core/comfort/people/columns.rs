@@ -87,7 +87,7 @@ mod tests {
 
     /// Each of the seven columns has as many names as numbers, 17 different ones together.
     #[test]
-    fn names_and_numbers() {
+    fn each_column_has_as_many_names_as_numbers() {
         let mut names = Vec::new();
         for (_, _, column) in ComfortColumn::VALUES {
             assert_eq!(column.names().len(), column.width(), "{column:?}");

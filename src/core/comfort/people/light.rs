@@ -102,7 +102,7 @@ mod tests {
     /// A beam of 800 W/m2 from azimuth 120 at 35 degrees is found from the irradiance of the six
     /// planes.
     #[test]
-    fn suns() {
+    fn a_beam_is_found_from_six_planes() {
         let (azimuth, altitude) = (120.0_f64.to_radians(), 35.0_f64.to_radians());
         let (east, north) = (azimuth.sin() * altitude.cos(), azimuth.cos() * altitude.cos());
         let on = |cos: f64| 800.0 * cos.max(0.0);

@@ -82,7 +82,7 @@ mod tests {
     /// Means, the highest and hours above 26 of four hours in two periods, one hour without a
     /// value, are those computed by hand.
     #[test]
-    fn periods() {
+    fn periods_have_means_maxima_and_hours_by_hand() {
         let sums = PeriodSum::of_column(ComfortColumn::Utci, &[26.0]);
         let names: Vec<String> = sums.iter().map(|sum| sum.name("utci_c")).collect();
         assert_eq!(names, ["utci_mean_c", "utci_max_c", "utci_above_26_h"]);
@@ -95,7 +95,7 @@ mod tests {
     /// Heat stress begins at 26, 32, 38 and 46 degrees. Irradiances have means only, and their
     /// names keep no unit.
     #[test]
-    fn columns_and_thresholds() {
+    fn heat_stress_begins_at_its_four_limits() {
         assert_eq!(PeriodSum::usual_thresholds_c(), [26.0, 32.0, 38.0, 46.0]);
         let sums = PeriodSum::of_column(ComfortColumn::Longwave, &[26.0]);
         assert_eq!(

@@ -162,7 +162,7 @@ mod tests {
     /// Names of planes come back from their points and numbers. A receiver with a slash of its own
     /// is a point.
     #[test]
-    fn names() {
+    fn names_of_planes_come_back() {
         for plane in 0..6 {
             assert_eq!(point_of(&receiver_name("a/b", plane)), ("a/b", plane));
         }
@@ -172,7 +172,7 @@ mod tests {
     /// Twelve receivers in any order are two points with their six planes. An error names a missing
     /// plane, and planes without a point.
     #[test]
-    fn whole_points() {
+    fn points_need_all_six_planes() {
         let mut people = people();
         people.reverse();
         let points = PersonPoints::of(people.clone()).expect("points");
@@ -186,7 +186,7 @@ mod tests {
     /// Planes that face elsewhere than their names say, or stand elsewhere than their point, are no
     /// person: 4 of 4.
     #[test]
-    fn names_alone_make_no_person() {
+    fn planes_that_face_elsewhere_make_no_person() {
         let refused = |change: fn(&mut [Receiver])| {
             let mut people = people();
             change(&mut people);

@@ -204,7 +204,7 @@ mod tests {
     /// and as doubles give the same numbers: patch p at time t is p + 1000 t. A bare column of 577
     /// patches is read, too, with the weights of red, green and blue. The ground is left out.
     #[test]
-    fn layouts() {
+    fn matrices_of_all_layouts_read_alike() {
         let number = |patch: usize, time: usize| (patch + 1000 * time) as f64;
         let cells: Vec<(usize, usize)> = (0..146).flat_map(|patch| [(patch, 0), (patch, 1)]).collect();
         let text: String = cells.iter().map(|(p, t)| format!("{0} {0} {0}\n", number(*p, *t))).collect();
@@ -238,7 +238,7 @@ mod tests {
     /// numbers, too many, no number, one below 0, NaN, an unknown format, 20 components, a header
     /// without end, and a part of a float.
     #[test]
-    fn broken() {
+    fn broken_matrices_are_refused_by_what_was_found() {
         let ones = |count: usize| "1\n".repeat(count);
         for (text, expected) in [
             (head(1298, 1, 1, "FORMAT=ascii") + &ones(1298), "1298 rows, not the 146"),

@@ -76,7 +76,7 @@ mod tests {
     /// A table with times and the ground, and one without either, are read row by row, with 145 and
     /// 577 patches. Six broken ones are errors that say what is wrong and where.
     #[test]
-    fn tables() {
+    fn tables_are_read_and_broken_ones_refused() {
         let row = |first: &str, count: usize| format!("{first}{}\n", ",2.5".repeat(count));
         let timed = read(&format!("time{}\n{}{}", names(146), row("01-01T00:00", 146), row("01-01T01:00", 146)));
         let timed = timed.expect("a table");

@@ -45,7 +45,7 @@ fn difference(a: &[Response], b: &[Response], n: usize) -> [f64; 2] {
 /// directions and 4 steps at most. Responses of 0 come back as exactly 0. Unpacked responses pack
 /// to the same bytes, and come back also in another order and among fewer receivers.
 #[test]
-fn round_trip() {
+fn responses_come_back_within_their_steps() {
     for n in [8, 16, 32] {
         let tile = tile(20, n, 0.02);
         let raw = pack(&tile).expect("bytes");
@@ -63,7 +63,7 @@ fn round_trip() {
 /// Values of 100 and of 1e-7 come back within 1e-3 of the largest and within a step. Infinities and
 /// NaN become finite numbers.
 #[test]
-fn extremes() {
+fn extreme_values_come_back_finite() {
     for scale in [100.0, 1e-7] {
         let tile = tile(3, 16, scale);
         let back = unpack(&pack(&tile).expect("bytes"), 3, 16).expect("responses");
@@ -80,7 +80,7 @@ fn extremes() {
 /// is read holds finite values. Other counts and sides, a larger exponent and more than 2^23 values
 /// are refused. 12 texels a side are refused in reading and in writing.
 #[test]
-fn any_bytes_are_read() {
+fn damaged_blocks_hold_finite_values() {
     let tile = tile(6, 16, 0.02);
     let raw = pack(&tile).expect("bytes");
     let mut read = 0;

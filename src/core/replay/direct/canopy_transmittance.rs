@@ -64,7 +64,7 @@ mod tests {
     /// base texel equals that of its fine texels (1e-9), and a fine texel has the share of the
     /// square's texel at the same place.
     #[test]
-    fn places() {
+    fn base_texels_equal_the_sum_of_their_fine_texels() {
         for (base, fine, side) in [(8, 64, 16), (4, 4, 4), (512, 1024, 256), (33, 66, 66), (300, 600, 150)] {
             let sides = TextureSides { sky_base: base, sky_fine: fine, response: 1 };
             assert_eq!(sky_side(base, fine), side);

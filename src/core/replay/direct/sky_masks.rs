@@ -155,7 +155,7 @@ mod tests {
     /// After the transposition of 64 random words, bit j of word i is the former bit i of word j:
     /// 4,096 of 4,096.
     #[test]
-    fn turned() {
+    fn transposed_words_swap_rows_and_columns() {
         let words: [u64; LANES] = std::array::from_fn(|i| crate::hemisphere::mix(7, i as u64));
         let mut turned = words;
         transpose(&mut turned);
@@ -167,7 +167,7 @@ mod tests {
     /// texel is open and 16 of its 16 sampled points lie in front of the surface. A texel that is
     /// neither whole nor partial is closed or has none of them in front.
     #[test]
-    fn masks() {
+    fn whole_texels_are_open_and_in_front() {
         for side in [32_usize, 64, 128] {
             let projection = Projection::new(&Patches::new(145).expect("patches"), side, 1);
             let planes = TexelPlanes::new(&projection);

@@ -322,7 +322,7 @@ mod tests {
     /// All numbers of steps along and across, 65,531 and 4,087 of them, come back from a word and a
     /// byte. Sums over bytes and over fields equal those of plain loops, for 0 to 40 numbers.
     #[test]
-    fn as_packed() {
+    fn packed_numbers_come_back_and_sum_alike() {
         let [along, across] = [0, 1].map(|part| most(part) as i32);
         assert_eq!((along, across), (32_765, 2_043));
         let back = |steps: [i32; 3]| {

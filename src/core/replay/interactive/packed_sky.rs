@@ -201,7 +201,7 @@ mod tests {
     /// size. At 16 fine texels a side, skies cut by a line take at most 0.38 of the words that
     /// their bits take.
     #[test]
-    fn as_packed() {
+    fn packed_skies_come_back_bit_by_bit() {
         for (base, block, most) in [(16, 4, 1.01), (64, 8, 1.01), (64, 16, 0.38), (8, 32, 0.25), (3, 64, 0.15)] {
             let fine = base * block;
             for seed in 0..40_usize {

@@ -167,7 +167,7 @@ mod tests {
     /// largest value, under 6 suns and 4 skies, with the stored reflectances and with others: 4
     /// comparisons of more than 500 values each.
     #[test]
-    fn as_replayed() {
+    fn interactive_replays_equal_replays() {
         for name in ["v1.6-experimental.helio", "v1.6-mirrors.helio"] {
             for schedules in [Vec::new(), vec![Schedule { materials: vec![0], values: vec![0.55] }]] {
                 let (compared, worst) = off(name, &schedules);

@@ -210,7 +210,7 @@ mod tests {
     /// A day above 12, dots and days that follow each other decide six of eight columns of dates.
     /// One date alone is unknown, and ISO dates need no order.
     #[test]
-    fn orders_of_columns() {
+    fn a_column_of_dates_decides_their_order() {
         let order = |cells: &[&str]| {
             let mut finder = OrderFinder::new();
             cells.iter().for_each(|cell| finder.add(cell));

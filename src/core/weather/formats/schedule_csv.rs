@@ -103,7 +103,7 @@ mod tests {
     /// Twelve values follow the months of 3 rows, and as many values as rows are taken in order.
     /// Seven broken files are errors that name the line or the two numbers.
     #[test]
-    fn values() {
+    fn twelve_values_follow_the_months() {
         let dates = [(1, 31), (2, 1), (12, 5)].map(|(month, day)| Date::new(2021, month, day).expect("a date"));
         let column = Column { name: "reflectance", low: 0.0, high: 1.0 };
         let read = |text: &str| parse_schedule(Path::new("s.csv"), text.as_bytes(), column, Rows::Dated(&dates));

@@ -205,7 +205,7 @@ mod tests {
     /// Twenty-five ways to write 12:30 of 1 June 2021 give 1,622,550,600 seconds after 1970, ten of
     /// them with a zone. Midnight is 24:00 of the day before.
     #[test]
-    fn twenty_five_ways() {
+    fn one_moment_reads_from_25_spellings() {
         for (text, zone) in [
             ("2021-06-01T12:30", None),
             ("2021-06-01 12:30", None),
@@ -249,7 +249,7 @@ mod tests {
     /// A date of two numbers and a year is the day that the order decides. Without an order it is
     /// none, unless one number is above 12.
     #[test]
-    fn orders() {
+    fn a_stated_order_decides_the_day() {
         let of = |text, order| parse_stamp(text, order).map(|stamp| stamp.seconds);
         assert_eq!(of("01/06/2021 12:30", Some(DateOrder::Dmy)), Some(NOON));
         assert_eq!(of("06/01/2021 12:30", Some(DateOrder::Mdy)), Some(NOON));
@@ -263,7 +263,7 @@ mod tests {
     /// Dates and times that do not exist, and dates that could mean two days, are refused: 20 of
     /// 20.
     #[test]
-    fn refusals() {
+    fn dates_that_do_not_exist_are_refused() {
         for text in [
             "",
             "x",
@@ -296,7 +296,7 @@ mod tests {
     /// Seven clocks give their seconds after midnight, 24:00 among them, and six lengths of time
     /// their minutes. Six texts of neither kind are refused.
     #[test]
-    fn clocks_and_lengths() {
+    fn clocks_and_lengths_of_time_are_read() {
         let clocks =
             [("12:30", 45_000), ("1230", 45_000), ("12.5", 45_000), ("1", 3600), ("12:15 AM", 900), ("1 PM", 46_800)];
         for (text, seconds) in clocks {

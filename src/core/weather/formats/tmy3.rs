@@ -209,7 +209,7 @@ mod tests {
     /// The hours of Golden's EPW written as TMY3 give equal light, suns and air, 8760 of 8760. The
     /// missing infrared radiation is computed.
     #[test]
-    fn golden() {
+    fn tmy3_gives_the_light_of_the_epw() {
         let epw = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_tmy3.epw");
         let bytes = std::fs::read(&epw).expect("data");
         let text = String::from_utf8_lossy(&bytes).into_owned();
@@ -245,7 +245,7 @@ mod tests {
     /// -9900 and an empty cell are missing: DHI is computed for two hours. 24:00 ends its own day,
     /// so that 3 hours follow each other.
     #[test]
-    fn missing() {
+    fn missing_tmy3_values_are_computed() {
         let rows = "06/16/2021,14:00,-9900,500,700\n06/16/2021,15:00,,500,600\n";
         let weather = parse(&format!("{HEAD}{rows}")).expect("valid");
         assert!(
@@ -259,7 +259,7 @@ mod tests {
     /// Cells behind the elevation, and commas in the name, leave the site at 45 N, 8 E and 250 m: 3
     /// of 3. Light in kW/m2 is refused.
     #[test]
-    fn sites() {
+    fn the_site_is_found_among_other_cells() {
         let rows = "06/16/2021,14:00,1,1,1\n06/16/2021,15:00,1,1,1\n";
         for site in [
             "1,Town,X,1,45,8,250,\"made by hand, 60 minutes\",,",
@@ -277,7 +277,7 @@ mod tests {
 
     /// Eleven wrong files are refused with the line and the text found.
     #[test]
-    fn refusals() {
+    fn wrong_tmy3_files_are_refused_with_the_line() {
         let row = |text: &str| format!("{HEAD}{text}\n");
         for (text, said) in [
             (HEAD.to_owned(), "no weather rows"),

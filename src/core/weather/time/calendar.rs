@@ -129,7 +129,7 @@ mod tests {
     /// Julian dates agree with Reda and Andreas (2003), table A4.1: 2000-01-01 12:00 UT is
     /// 2451545.0, 1987-01-27 00:00 is 2446822.5, 1600-12-31 00:00 is 2305812.5.
     #[test]
-    fn julian_dates() {
+    fn julian_dates_agree_with_reda_and_andreas() {
         for (year, month, day, minutes, expected) in
             [(2000, 1, 1, 720.0, 2_451_545.0), (1987, 1, 27, 0.0, 2_446_822.5), (1600, 12, 31, 0.0, 2_305_812.5)]
         {
@@ -142,7 +142,7 @@ mod tests {
     /// their numbers, which count up by 1 from day to day. 1970-01-01 is 0, and numbers outside of
     /// the years 1 to 2999 have no date.
     #[test]
-    fn day_numbers() {
+    fn days_come_back_from_their_numbers() {
         let first = Date::new(1, 1, 1).expect("a date").day_number();
         let mut before = Date::of_day_number(first).expect("a date");
         for number in first + 1..first + 730_000 {
@@ -162,7 +162,7 @@ mod tests {
 
     /// 29 February exists in 2000 and 2016, not in 1900 and 2007; 31 December 2016 is day 366.
     #[test]
-    fn leap_years() {
+    fn centuries_are_leap_years_every_400_years() {
         for (year, exists) in [(2000, true), (2016, true), (1900, false), (2007, false)] {
             assert_eq!(Date::new(year, 2, 29).is_some(), exists, "{year}");
         }
@@ -174,7 +174,7 @@ mod tests {
     /// 2000-01-01 is 10957). From 1600 to 2400 the number of each next day is larger by 1: 292,194
     /// days.
     #[test]
-    fn days_go_on() {
+    fn each_next_day_has_the_next_number() {
         let date = |y, m, d| Date::new(y, m, d).expect("a date");
         for ((y, m, d), days) in
             [((1970, 1, 1), 0), ((1969, 12, 31), -1), ((2000, 3, 1), 11_017), ((1, 1, 1), -719_162)]
@@ -193,7 +193,7 @@ mod tests {
     /// Minutes before and after a day give the right date, over the ends of months, leap days and
     /// years, also into the years 0 and 3000, and to the second: 11 of 11.
     #[test]
-    fn moments() {
+    fn minutes_before_and_after_a_day_give_its_date() {
         for ((y, m, d), minutes, expected) in [
             ((2019, 1, 1), -41.0, ((2018, 12, 31), 1399.0)),
             ((2019, 1, 1), 0.0, ((2019, 1, 1), 0.0)),
@@ -220,7 +220,7 @@ mod tests {
     /// The day after 28 February may be 29 February or 1 March in any year; two days on is not the
     /// day after.
     #[test]
-    fn next_days() {
+    fn february_is_followed_by_leap_day_or_march() {
         let date = |y, m, d| Date::new(y, m, d).expect("a date");
         assert!(date(2008, 2, 28).is_followed_by(date(2008, 2, 29)));
         assert!(date(2008, 2, 28).is_followed_by(date(2013, 3, 1)));

@@ -308,7 +308,7 @@ mod tests {
     /// delta T 67 s) has azimuth 194.34024 deg and zenith 50.11162 deg with 0.01632 deg of
     /// refraction, so 50.12794 deg without: found to 1e-3 deg, also with the estimated delta T.
     #[test]
-    fn published_example() {
+    fn the_sun_agrees_with_the_published_example() {
         let site = Location::new(39.742476, -105.1786, -7.0, 1830.14).expect("a site");
         let day = date(2003, 10, 17);
         let minutes = 12.0 * 60.0 + 30.5;
@@ -324,7 +324,7 @@ mod tests {
     /// An hour with the sunrise in it is cut at the moment of altitude 0 (to 1e-3 deg), all suns in
     /// it are up, and the hour after is used whole.
     #[test]
-    fn sunrise_is_cut() {
+    fn an_hour_is_cut_at_sunrise() {
         let site = Location::new(51.5, 0.0, 0.0, 10.0).expect("a site");
         let day = date(2021, 3, 21);
         let interval = |hour: f64| Interval { date: day, start_min: 60.0 * hour, end_min: 60.0 * hour + 60.0 };
@@ -349,7 +349,7 @@ mod tests {
     /// within 1e-6 degrees of the algorithm. Those interpolated from the middles of the
     /// neighbouring intervals are within 1e-5.
     #[test]
-    fn arcs_are_suns() {
+    fn interpolated_arcs_agree_with_the_algorithm() {
         let (mut most, mut most_beside) = (0.0_f64, 0.0_f64);
         for (latitude, longitude) in
             [(-89.9, 0.0), (-52.0, -70.0), (0.0, 100.0), (39.7, -105.2), (52.0, 4.3), (90.0, 0.0)]
@@ -378,7 +378,7 @@ mod tests {
     /// At 70 N the polar night has no sunlit minute and the polar day no dark one, over all 24
     /// hours.
     #[test]
-    fn polar_night_and_day() {
+    fn the_polar_night_has_no_sunlit_minute() {
         let site = Location::new(70.0, 25.0, 1.0, 0.0).expect("a site");
         for (month, expected) in [(12, 0), (6, 24)] {
             let lit = (0..24)
@@ -398,7 +398,7 @@ mod tests {
 
     /// Turning the sun about the pole by two hours agrees with the algorithm to 0.1 deg.
     #[test]
-    fn turned_sun() {
+    fn turning_the_sun_agrees_with_the_algorithm() {
         let site = Location::new(45.0, 8.0, 1.0, 250.0).expect("a site");
         let day = date(2018, 4, 4);
         let turned = site.turned(site.sun(day, 700.0), 120.0);
@@ -408,7 +408,7 @@ mod tests {
     /// Extraterrestrial irradiance is 3.4 % above the constant at perihelion and 3.3 % below in
     /// early July.
     #[test]
-    fn extraterrestrial() {
+    fn extraterrestrial_irradiance_peaks_at_perihelion() {
         let ratio = |m, d| extraterrestrial_w_m2(date(2019, m, d)) / SOLAR_CONSTANT_W_M2;
         assert!((ratio(1, 3) - 1.0350).abs() < 5e-4, "{}", ratio(1, 3));
         assert!((ratio(7, 5) - 0.9666).abs() < 5e-4, "{}", ratio(7, 5));
@@ -418,7 +418,7 @@ mod tests {
     /// 0.45 h ahead of the sun, and those of Kashgar, on Beijing time, 2.93 h. A lost sign puts
     /// Golden 14 h off, which is 10 h the other way round.
     #[test]
-    fn clocks() {
+    fn clocks_and_the_sun_agree_within_3_hours() {
         for (longitude, zone, expected) in
             [(-105.18, -7.0, -0.012), (-171.8, 13.0, -0.453), (76.0, 8.0, -2.933), (105.18, -7.0, -9.988)]
         {
@@ -429,7 +429,7 @@ mod tests {
 
     /// A latitude of 91 and a NaN longitude are refused by name.
     #[test]
-    fn bad_sites() {
+    fn impossible_sites_are_refused_by_name() {
         let text = Location::new(91.0, 0.0, 0.0, 0.0).expect_err("latitude");
         assert!(text.starts_with("latitude is 91"), "{text}");
         let text = Location::new(0.0, f64::NAN, 0.0, 0.0).expect_err("longitude");

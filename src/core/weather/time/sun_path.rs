@@ -68,7 +68,7 @@ mod tests {
     /// The noon loop stays within 9 deg of azimuth from the meridian, and its altitudes span 46.9
     /// deg within 0.6. At 52 S the midday sun is in the north.
     #[test]
-    fn known_heights() {
+    fn the_noon_sun_has_known_heights() {
         let path = SunPath::of(&Location::new(52.0, 0.0, 0.0, 0.0).expect("a site"));
         for (day, declination) in path.days.iter().zip([23.44, 0.0, -23.44]) {
             let highest = day.iter().map(|d| d.z.asin().to_degrees()).fold(-90.0, f64::max);
@@ -87,7 +87,7 @@ mod tests {
     /// The paths of months are in order: at 52 N the midday sun falls by 3 to 13 deg from each of
     /// the 7 paths to the next, and the other month in a path's name stands within 1.5 deg of it.
     #[test]
-    fn months_in_order() {
+    fn the_paths_of_months_are_in_order() {
         let site = Location::new(52.0, 0.0, 0.0, 0.0).expect("a site");
         let highest = |day: &Vec<DVec3>| day.iter().map(|d| d.z.asin().to_degrees()).fold(-90.0, f64::max);
         let months: Vec<f64> = SunPath::on(&MONTHS, &site).days.iter().map(highest).collect();

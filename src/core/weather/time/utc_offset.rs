@@ -38,7 +38,7 @@ mod tests {
     /// Nine zones, of whole and other hours, west and east, have their ISO 8601 offsets and
     /// minutes.
     #[test]
-    fn offsets() {
+    fn zones_have_their_iso_8601_offsets() {
         for (hours, text, minutes) in [
             (1.0, "+01:00", 60),
             (0.0, "+00:00", 0),

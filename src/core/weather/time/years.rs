@@ -54,7 +54,7 @@ mod tests {
     /// A winter from 31 December to 1 January is of two years, and so is December to January; 2007
     /// after 2008 is not.
     #[test]
-    fn over_the_new_year() {
+    fn a_winter_over_the_new_year_has_two_years() {
         let of = |dates: &[(i32, u32, u32)]| Years::of(dates.iter().filter_map(|&(y, m, d)| Date::new(y, m, d)));
         assert_eq!(of(&[(2018, 12, 30), (2018, 12, 31), (2019, 1, 1), (2019, 2, 1)]), Years::Several);
         assert_eq!(of(&[(2018, 12, 1), (2019, 1, 1)]), Years::Several);
@@ -64,7 +64,7 @@ mod tests {
     /// One year, a typical year of two years, and a month in two years are told apart: 3 of 3. Only
     /// the years of the typical year do not matter.
     #[test]
-    fn three_kinds() {
+    fn one_year_typical_and_mixed_years_are_told_apart() {
         let of = |months: &[(i32, u32)]| {
             Years::of(months.iter().map(|&(year, month)| Date::new(year, month, 1).expect("a date")))
         };

@@ -61,7 +61,7 @@ mod tests {
     /// Numbers are taken. The cells 99.9, 99, 9999, 0 and empty mean missing, 12 of 12. A negative
     /// infrared radiation, a word and NaN are refused with line and column.
     #[test]
-    fn cells() {
+    fn codes_for_missing_air_are_missing() {
         let given = air(["-5.7", "-8.0", "237", "6"]).expect("numbers");
         assert_eq!(given.dry_bulb_c.zip(given.dew_point_c), Some((-5.7, -8.0)));
         assert_eq!(given.infrared_w_m2.zip(given.opaque_sky_tenths), Some((237.0, 6.0)));
@@ -79,7 +79,7 @@ mod tests {
     /// was computed from a thermometer and the clouds, and rounded to whole W/m2) within 0.6 W/m2,
     /// and in the mean within 0.05. All hours are counted in one warning.
     #[test]
-    fn golden_computed() {
+    fn computed_infrared_agrees_with_the_file() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_tmy3.epw");
         let bytes = std::fs::read(&path).expect("data");
         let whole = parse_epw_with_air(&path, &bytes).expect("weather");

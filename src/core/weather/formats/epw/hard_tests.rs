@@ -36,7 +36,7 @@ fn sum(weather: &Weather, value: impl Fn(&crate::weather::row::WeatherRow) -> f6
 /// value, 9999 or an empty cell, is 0. Hours are counted by kind, 2, 1, 1, 1 and 0 at night, and
 /// the first line of each is named.
 #[test]
-fn missing_values() {
+fn missing_light_is_computed_from_the_rest() {
     let rows = [
         row([2018, 6, 1, 12, 0], "9999,700,100"),
         row([2018, 6, 1, 13, 0], "700,9999,100"),
@@ -77,7 +77,7 @@ fn missing_values() {
 /// computed from the two others, to 3 % and 0.3 % from GHI alone, with single hours of DNI off by
 /// 65 W/m2 in the mean. A year without any of the three is refused.
 #[test]
-fn missing_columns() {
+fn missing_columns_keep_the_sums_of_a_year() {
     let [ghi, dni, dhi] = LIGHT.map(|column| (column, "9999"));
     let whole = golden("", "", &[]).expect("valid");
     assert!(whole.report.warnings.is_empty(), "{:?}", whole.report.warnings);
@@ -107,7 +107,7 @@ fn missing_columns() {
 /// Pyranometers that read -2 W/m2 in five hours of the night count as 0 there, and a warning gives
 /// the hours. -31 and -999 are refused, not guessed.
 #[test]
-fn negative_values() {
+fn small_negative_values_count_as_0() {
     let rows: String =
         (1..=24).map(|h| row([2019, 5, 1, h, 0], if h < 6 { "-2,-0.00,-1" } else { "50,10,45" })).collect();
     let w = read(&rows).expect("valid");
@@ -122,7 +122,7 @@ fn negative_values() {
 /// unchanged and counted, 2 hours of 1.7 kWh/m2. DHI of 60 under a GHI of 50 is counted once, and
 /// of 54 not.
 #[test]
-fn impossible_values() {
+fn impossible_values_are_used_and_counted() {
     // At 45 N, 8 E the sun sets at 17:02 of zone 1 (without refraction).
     let day: String = (1..=24)
         .map(|h| match h {
@@ -147,7 +147,7 @@ fn impossible_values() {
 /// Albedo 0.15 is kept; 0 and 999 mean missing, and 20 (percent) is not guessed. Snow of 0 and 12
 /// cm is kept, 999 is missing.
 #[test]
-fn albedo_and_snow() {
+fn codes_for_missing_albedo_and_snow_are_missing() {
     for (cells, albedo, snow) in [
         (",0,999,0.15,", Some(0.15), Some(0.0)),
         (",12,1,1,", Some(1.0), Some(12.0)),
@@ -164,7 +164,7 @@ fn albedo_and_snow() {
 /// In the polar night (70 N, 21 December) 24 hours of DNI 10 have no suns: they are counted as 24
 /// hours and 0.24 kWh/m2.
 #[test]
-fn polar_night() {
+fn dni_in_the_polar_night_is_counted() {
     let text = HEADER.replace("45.0,8.0,1.0", "70.0,25.0,1.0");
     let rows = hours(&[(2019, 12, 21)], "5,10,5");
     let w = file(&format!("{text}DATA PERIODS,1,1\n{rows}")).expect("valid");
@@ -179,7 +179,7 @@ fn polar_night() {
 /// that longitude and the equation of time (-7.4 min) give, stands in the meridian to 0.3 deg, in
 /// the south; at Marion Island, 46.9 S, in the north.
 #[test]
-fn zones_of_half_hours() {
+fn zones_of_half_hours_are_not_rounded() {
     for (place, longitude, zone, north) in [
         ("28.6,77.2,5.5", 77.2, 5.5, false),
         ("27.7,85.3,5.75", 85.3, 5.75, false),
@@ -199,7 +199,7 @@ fn zones_of_half_hours() {
 /// of declination south of that of 1 March 2000, which leap days alone explain (0.75 days of 0.38
 /// deg). A file with the two years keeps them apart.
 #[test]
-fn years_of_typical_months() {
+fn typical_months_use_the_sun_of_their_own_year() {
     let rows = hours(&[(2000, 2, 29), (2003, 3, 1)], "0,0,0");
     let noon = |rows: &str| read(rows).expect("valid").rows[36].sun.z.asin().to_degrees();
     let change = noon(&rows.replace("2003,", "2000,")) - noon(&rows);
@@ -228,7 +228,7 @@ fn steps_conserve_energy() {
 /// shift to 2 min, and so are rows of a sun an hour before. Rows with the right sun give no warning
 /// and an RMSE below 0.1 W/m2.
 #[test]
-fn wrong_time_stamps() {
+fn wrong_time_stamps_are_found_with_their_shift() {
     let site = Location::new(45.0, 8.0, 1.0, 250.0).expect("a site");
     for (late_min, flagged) in [(0.0, false), (96.0, true), (-60.0, true)] {
         let mut rows = String::new();
@@ -257,7 +257,7 @@ fn wrong_time_stamps() {
 /// The zone or longitude in the warning closes to 1 W/m2. With the latitude's sign lost, or DHI of
 /// 450, nothing fits. The unchanged file has 0.7 W/m2 and no warning.
 #[test]
-fn wrong_places() {
+fn wrong_places_are_found_with_a_remedy() {
     let place = "39.74,-105.18,-7.0";
     let good = golden("", "", &[]).expect("valid").report;
     let closure = good.closure.expect("enough rows");

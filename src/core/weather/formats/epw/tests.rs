@@ -33,7 +33,7 @@ pub(super) fn hours(days: &[(u32, u32, u32)], light: &str) -> String {
 /// numbers. All albedos are above 0.1, and there is one warning. Closure is below 3 W/m2 RMSE at
 /// mid-interval and best there.
 #[test]
-fn typical_year_cut() {
+fn a_cut_of_a_typical_year_reads_as_stated() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather/golden_3_days.epw");
     let w = parse_epw(&path, &std::fs::read(&path).expect("data")).expect("valid");
     assert_eq!((w.rows.len(), w.interval_hours), (72, 1.0));
@@ -58,7 +58,7 @@ fn typical_year_cut() {
 /// A file of the year 0, with words behind its elevation and GHI of -99, is read: 24 hours of 2017
 /// at 250 m with DNI of 10 W/m2, and one sentence about the year.
 #[test]
-fn what_energyplus_runs() {
+fn files_that_energyplus_accepts_are_read() {
     let header = HEADER.replace("1.0,250", "1.0,250.0  Morphed:TAS|DWPT");
     let rows: String = (1..=24).map(|hour| row([0, 6, 1, hour, 0], "-99,10,5")).collect();
     let weather = file(&format!("{header}DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n{rows}")).expect("valid");
@@ -71,7 +71,7 @@ fn what_energyplus_runs() {
 
 /// Hour 24 ends its own day: it starts at 23:00, and minute 60 means the same as minute 0.
 #[test]
-fn hour_24() {
+fn hour_24_ends_its_own_day() {
     for minute in [0, 60] {
         let day: String = (1..=24).map(|h| row([2017, 12, 31, h, minute], "0,0,0")).collect();
         let w = read(&day).expect("valid");
@@ -83,7 +83,7 @@ fn hour_24() {
 /// 29 February is read in a leap year and may be absent; 2007-02-29 does not exist. Months of
 /// different years follow on.
 #[test]
-fn leap_day_and_typical_years() {
+fn leap_days_are_read_in_leap_years_only() {
     for days in [
         [(2016, 2, 28), (2016, 2, 29), (2016, 3, 1)],
         [(2016, 2, 27), (2016, 2, 28), (2016, 3, 1)],
@@ -99,7 +99,7 @@ fn leap_day_and_typical_years() {
 /// A quarter-hourly file gives 96 intervals of 0.25 h a day, the first from 00:00, the last from
 /// 23:45. A missing quarter, labels of the start and 7 records an hour are refused.
 #[test]
-fn sub_hourly() {
+fn quarter_hourly_files_have_96_intervals_a_day() {
     let quarters: Vec<String> =
         (1..=24).flat_map(|h| [15, 30, 45, 60].map(|m| row([2019, 5, 1, h, m], "0,0,0"))).collect();
     let header = format!("{HEADER}DATA PERIODS,1,4,Data\n");
@@ -122,7 +122,7 @@ fn sub_hourly() {
 /// A gap between January and June is one more period: 48 rows if the header states two, refused if
 /// it states one. A year of its second half and then its first half is in order.
 #[test]
-fn periods() {
+fn each_stated_period_may_follow_a_gap() {
     let rows = hours(&[(2018, 1, 31), (2018, 6, 1)], "0,0,0");
     let two = file(&format!("{HEADER}DATA PERIODS,2,1,a,Monday,1/31,1/31,b,Friday,6/1,6/1\n{rows}")).expect("valid");
     assert_eq!((two.rows.len(), two.conditions(1)[24].label.as_str()), (48, "2018-06-01T00:00"));

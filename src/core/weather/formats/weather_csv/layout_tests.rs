@@ -115,7 +115,7 @@ fn stated_lengths_are_checked() {
 /// and temperatures of 288.15 K, 59 F and 15 C. Numbers outside their range are counted in one
 /// sentence a column.
 #[test]
-fn units_of_ground_and_air() {
+fn units_of_ground_and_air_are_converted() {
     let with_air = WeatherOptions { with_air: true, ..AT_PLACE };
     let made = |names: &str, cells: &str| {
         let text = table(&format!("time,dni,dhi,{names}"), |hour| format!("{}Z,0,1,{cells}", hour.iso(0, 0)));
@@ -143,7 +143,7 @@ fn units_of_ground_and_air() {
 /// A table of GHI alone, stamped 01:00 to 24:00 in ISO 8601, is read as starts with one warning
 /// that names the option. Stamped 00:00 to 23:00 it gives no warning.
 #[test]
-fn stamps_to_midnight_are_told() {
+fn stamps_to_midnight_give_a_warning() {
     for (minutes, told) in [(60, 1), (0, 0)] {
         let text = table("time,ghi", |hour| format!("{},{:.1}", hour.iso(-7, minutes), hour.ghi));
         let warnings = read("w.csv", text.as_bytes(), &AT_PLACE).expect("valid").report.warnings;
@@ -156,7 +156,7 @@ fn stamps_to_midnight_are_told() {
 /// An unknown unit of albedo or snow leaves the column out with one warning; a unit of air is
 /// refused only where air is read. A column of row numbers named `period` states no length.
 #[test]
-fn unknown_units_beside_light() {
+fn unknown_units_beside_light_leave_columns_out() {
     let text = table("time,dni,dhi,albedo (x),temp_air (x),period", |hour| {
         format!("{}Z,0,1,0.2,15,{}", hour.iso(0, 0), hour.hour)
     });
@@ -176,7 +176,7 @@ fn unknown_units_beside_light() {
 /// Any cut of the 63 layouts, and changed bytes in them, are read or refused without a panic, and
 /// every number that is read is finite: over 4000 tries.
 #[test]
-fn cuts_and_noise_of_layouts() {
+fn damaged_layouts_are_read_or_refused() {
     let mut tries = 0;
     for (name, bytes, options) in [units(), stamps(), services()].into_iter().flatten() {
         let bytes = &bytes[..bytes.len().min(1500)];

@@ -312,7 +312,7 @@ mod tests {
     /// Thirty spellings of GHI are recognised, with the value of one of their units in W/m2 over an
     /// hour. The units of two other names are reported as unknown.
     #[test]
-    fn spellings_of_ghi() {
+    fn thirty_spellings_of_ghi_are_recognised() {
         for (name, expected) in [
             ("ghi", 1.0),
             ("GHI", 1.0),
@@ -363,7 +363,7 @@ mod tests {
     /// Twelve names that start with a quantity's name and go on otherwise do not match. Five names
     /// of air and ground state their units.
     #[test]
-    fn other_names() {
+    fn longer_names_of_other_things_do_not_match() {
         for (name, quantity) in [
             ("ghi_clear", Quantity::Ghi),
             ("GHI_C", Quantity::Ghi),

@@ -45,7 +45,7 @@ fn hours(names: &str, row: impl Fn(u32) -> String) -> String {
 /// One day in ten layouts, with names of pvlib, PVGIS and NSRDB, units, other separators, offsets
 /// and parts of time, gives equal light, suns and labels, 24 hours of 24.
 #[test]
-fn layouts() {
+fn ten_layouts_of_a_day_read_alike() {
     let plain =
         at_nice(&hours("time,ghi,dni,dhi", |h| format!("2021-03-01T{h:02}:00,{},{},50", 10 * h, h))).expect("valid");
     assert_eq!((plain.rows.len(), plain.interval_hours, plain.place.as_str()), (24, 1.0, "w.csv"));
@@ -105,7 +105,7 @@ fn layouts() {
 /// middle and end, and 41 minutes later with a shift. The label is the start, and each row counts
 /// to the day of its file: 5 of 5.
 #[test]
-fn stamps() {
+fn stamps_are_start_middle_or_end_as_stated() {
     let site = Location::new(43.7, 7.3, 1.0, 0.0).expect("a site");
     let date = Date::new(2021, 6, 1).expect("a date");
     let text = "time,dni,dhi\n2021-06-01T12:00,1,1\n2021-06-01T12:10,1,1\n2021-06-01T12:20,1,1\n";
@@ -136,7 +136,7 @@ fn stamps() {
 /// found to need a shift of 20 minutes. With --shift auto the closure falls from over 15 W/m2 to
 /// below 0.2. Stamps of the end that are declared as such need none.
 #[test]
-fn found_shift() {
+fn the_shift_of_time_stamps_is_found() {
     let site = Location::new(43.7, 7.3, 1.0, 0.0).expect("a site");
     let sky = |late_min: f64| {
         let mut text = "time,ghi,dni,dhi\n".to_owned();
@@ -183,7 +183,7 @@ fn found_shift() {
 /// minutes, have equal light and suns (to 1e-4), and the EPW's air within its rounding. The closure
 /// of each is below 1.3 W/m2 and gives no warning.
 #[test]
-fn pvgis_as_csv_and_epw() {
+fn pvgis_gives_equal_light_as_csv_and_epw() {
     let with_air = WeatherOptions { with_air: true, ..WeatherOptions::default() };
     let csv = file("pvgis_4_days.csv", &with_air);
     let epw = file("pvgis_4_days.epw", &WeatherOptions { shift: TimeShift::Minutes(30.0 + 60.0 * 0.1761), ..with_air });
@@ -209,7 +209,7 @@ fn pvgis_as_csv_and_epw() {
 /// 10 with stamps at the start. The zenith angles of the file below 75 degrees are those of the sun
 /// to 0.08, without refraction.
 #[test]
-fn nsrdb() {
+fn stamps_of_nsrdb_are_the_middle() {
     let place = WeatherOptions {
         latitude_deg: Some(40.5137),
         longitude_deg: Some(-108.5449),
@@ -242,7 +242,7 @@ fn nsrdb() {
 /// each row is at the file's zenith angle within 0.3 degrees. Three flagged or missing values are
 /// missing, and days one after the other in one file are one series.
 #[test]
-fn surfrad() {
+fn suns_agree_with_the_zenith_angles_of_surfrad() {
     let weather = file("surfrad_2_hours.dat", &WeatherOptions::default());
     assert_eq!((weather.rows.len(), weather.interval_hours, weather.place.as_str()), (120, 1.0 / 60.0, "Alamosa"));
     assert_eq!((weather.site.latitude_deg, weather.site.longitude_deg, weather.site.zone_hours), (37.7, -105.92, 0.0));
@@ -286,7 +286,7 @@ fn surfrad() {
 /// hours and DNI of 1, counted in two sentences. Snow in centimetres and albedo are taken, and
 /// humidity gives the dew point.
 #[test]
-fn gaps() {
+fn gaps_in_light_are_filled_and_counted() {
     let text = "time,ghi,dni,dhi,albedo,snow_depth,temp_air,relative_humidity,IR(h)\n\
                 2021-06-01T10:00,600,500,,0.2,0,25,50,300\n\
                 2021-06-01T11:00,700,500,NaN,0,12,25,50,\n\
@@ -310,7 +310,7 @@ fn gaps() {
 /// Missing rows give a warning, 3 hours in 2 gaps, and the other rows keep their times. Months of a
 /// typical year may jump in years, but only with their own clock.
 #[test]
-fn missing_rows() {
+fn missing_rows_give_a_warning() {
     let rows = |stamps: &[&str]| stamps.iter().fold("time,dni,dhi\n".to_owned(), |all, stamp| all + stamp + ",1,1\n");
     let text =
         rows(&["2021-06-01T10:00", "2021-06-01T11:00", "2021-06-01T13:00", "2021-06-01T14:00", "2021-06-01T17:00"]);
@@ -327,7 +327,7 @@ fn missing_rows() {
 
 /// Thirty-one wrong files are refused with the line, its content and what to do.
 #[test]
-fn refusals() {
+fn wrong_files_are_refused_with_the_line() {
     let rows = |rows: &str| format!("time,ghi,dni,dhi\n2021-06-01T10:00,1,1,1\n2021-06-01T11:00,1,1,1\n{rows}");
     let late_by = |hours: &str| {
         "Latitude (decimal degrees): 45\nLongitude (decimal degrees): 8\nIrradiance Time Offset (h): ".to_owned()
@@ -381,7 +381,7 @@ fn refusals() {
 /// PVGIS' hourly data of slope 0 are beam and diffuse on the horizontal: DNI is computed from their
 /// sum, and closes to 1e-9 W/m2.
 #[test]
-fn flat_pvgis() {
+fn dni_is_computed_from_flat_pvgis() {
     let text =
         std::fs::read_to_string(data("pvgis_tilted.csv")).expect("data").replace("Slope: 30 deg.", "Slope: 0 deg. ");
     let weather = parse_weather(Path::new("w.csv"), text.as_bytes()).expect("valid");
@@ -395,7 +395,7 @@ fn flat_pvgis() {
 /// A file without place or zone is refused with the option that gives it. The place of the scene is
 /// used where it is known, with a warning.
 #[test]
-fn places_and_zones() {
+fn a_file_without_place_or_zone_is_refused() {
     let text = "time,dni,dhi\n2021-06-01T12:00,1,1\n2021-06-01T13:00,1,1\n";
     let nowhere = WeatherOptions { latitude_deg: None, longitude_deg: None, ..AT_NICE };
     for (options, said) in [
@@ -422,7 +422,7 @@ fn places_and_zones() {
 /// Any cut of any of the four files, and changed bytes among their first 3000, are read or refused
 /// without a panic: over 3000 tries.
 #[test]
-fn cuts_and_noise() {
+fn damaged_files_are_read_or_refused() {
     let mut tries = 0;
     for name in ["pvgis_4_days.csv", "psm4_4_days.csv", "surfrad_2_hours.dat", "pvgis_tilted.csv"] {
         let bytes = std::fs::read(data(name)).expect("data");

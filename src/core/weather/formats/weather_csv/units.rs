@@ -280,7 +280,7 @@ mod tests {
     /// Thirty-eight spellings of units of light give the value of one of them in W/m2, energies
     /// over an hour. Nine texts that are no unit are refused.
     #[test]
-    fn light() {
+    fn units_of_light_become_watts() {
         let hour = |text: &str| {
             parse_unit(text, Measure::Irradiance)
                 .map(|unit| if unit.per_interval { unit.factor / 3600.0 } else { unit.factor })
@@ -336,7 +336,7 @@ mod tests {
     /// Twenty-one units of speed, temperature, depth and shares convert the number 10 to the
     /// expected value. Four texts are no unit of the measure.
     #[test]
-    fn other_measures() {
+    fn other_units_are_converted() {
         for (text, measure, expected) in [
             ("°C", Measure::Temperature, 10.0),
             ("deg C", Measure::Temperature, 10.0),
