@@ -114,7 +114,7 @@ fn stated_errors_hold_in_hours_without_direct_sun() {
 /// cells by 4 or more from 16 footprints to 1, beside a hemisphere for every hit. The page holds 3
 /// pictures and loads no other file.
 #[test]
-fn tradeoff() {
+fn finer_quality_has_smaller_errors() {
     let folder = site();
     let output = folder.run("tradeoff scene.obj -m materials.toml -r receivers.csv -o report --sample 10 --sources");
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
@@ -159,7 +159,7 @@ fn tradeoff() {
 /// Errors that are no percentages, a target beside a quality or settings, missing weather, a report
 /// in place of a file, missing receivers, and a clock without a weather file are refused: 10 of 10.
 #[test]
-fn wrong_inputs() {
+fn wrong_accuracy_requests_are_refused() {
     let folder = Folder::new();
     let build = "build scene.obj -m materials.toml -r receivers.csv -o x.helio";
     folder.refused(&format!("{build} --error 0%"), &["0.1 to 50 percent"]);

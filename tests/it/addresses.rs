@@ -4,7 +4,7 @@ use crate::cli::Folder;
 
 /// 3 commands refuse an address, or a path, that they cannot use, and name the command that can.
 #[test]
-fn refused_for_what_they_are() {
+fn unusable_addresses_name_a_command_that_fits() {
     let folder = Folder::new();
     folder.refused(
         "replay s3://b/site.helio --weather s3://b/x.epw",

@@ -77,7 +77,7 @@ fn cached_response_is_the_derived_one() {
 /// With more bounces there is more light on a receiver in a street: 1 < 2 < 3 < all, and the third
 /// bounce adds less than the second.
 #[test]
-fn bounces_add_up() {
+fn more_bounces_bring_more_light() {
     let site = site(
         &scene(&canyon(10.0, 14.0, 400.0), &[0.5, 0.5]),
         &[receiver("r", v(0.1, 0.2, 0.0), tilted(0.0, 0.0))],

@@ -52,7 +52,7 @@ fn block(cut: &str) -> Folder {
 /// digit: 425 receivers, the receivers of one building, and means of 19 buildings that parts share.
 /// No receiver is in two parts.
 #[test]
-fn parts_are_the_whole() {
+fn parts_give_the_rows_of_one_archive() {
     let folder = block("--part-size 45m --sample 8");
     for part in ["3", "x1749_y10176", "0", "all"] {
         done(&folder, &format!("build atlas --part {part}"));
@@ -87,7 +87,7 @@ fn parts_are_the_whole() {
 /// the part of its name in the earlier atlas, has the bytes of a part built from nothing, and some
 /// of its light comes from there. An earlier atlas without that part is reported.
 #[test]
-fn parts_are_built_from_those_before() {
+fn parts_built_from_earlier_ones_have_equal_bytes() {
     let folder = Folder::new();
     let corners = [(0, 0), (9, 0), (9, 9), (0, 9)].map(|(x, y)| format!("v {} {}", 78_700 + x, 457_930 + y));
     let vertices: String =
@@ -122,7 +122,7 @@ fn parts_are_built_from_those_before() {
 /// factors of the surfaces of all parts are those of the one archive. Receivers of several parts
 /// are refused, and so is an atlas where one archive is expected.
 #[test]
-fn parts_are_found() {
+fn requests_find_the_part_of_their_receivers() {
     let folder = block("--part-size 45m --sample 0");
     done(&folder, "build atlas --part all");
     let table = fs::read_to_string(folder.path("r.csv")).expect("receivers");
@@ -232,7 +232,7 @@ fn halos_state_their_error() {
 /// box in it is answered while seven parts are missing, with rows of that part's archive. A part
 /// that is there is not traced again: its bytes stay.
 #[test]
-fn parts_need_what_is_near() {
+fn parts_need_only_the_files_near_them() {
     let folder = Folder::new();
     let text = fs::read_to_string(model()).expect("a model");
     let mut far: Value = serde_json::from_str(&text).expect("JSON");
@@ -272,7 +272,7 @@ fn parts_need_what_is_near() {
 /// strips of 40 cm on both sides of a seam the atlas has the receivers of the one archive, at least
 /// one of them from the part across the seam, and no part is taken for another's.
 #[test]
-fn receivers_across_a_seam() {
+fn receivers_at_a_seam_are_in_one_part_only() {
     let folder = Folder::new();
     let cover = "--spacing 1m --offset 50cm";
     done(&folder, &format!("receivers MODEL {cover} -o r.csv"));
@@ -300,7 +300,7 @@ fn receivers_across_a_seam() {
 /// A part whose objects are gone is refused, and with `--fresh` becomes one without receivers: its
 /// archive does not stay.
 #[test]
-fn a_part_that_became_empty() {
+fn a_part_without_objects_is_refused() {
     let folder = Folder::new();
     let text = fs::read_to_string(model()).expect("a model");
     folder.write("block.city.json", &text);
@@ -322,7 +322,7 @@ fn a_part_that_became_empty() {
 /// A scene file or a materials file that changed since the region was cut is reported before a part
 /// is traced: 2 of 2, with the file. `--fresh` builds the part all the same.
 #[test]
-fn files_that_changed() {
+fn changed_files_are_reported_before_tracing() {
     let folder = Folder::new();
     let text = fs::read_to_string(model()).expect("a model");
     folder.write("block.city.json", &text);
@@ -344,7 +344,7 @@ fn files_that_changed() {
 /// Four processes that build one part at once all succeed: one of them traces, three find it up to
 /// date, and its archive is whole.
 #[test]
-fn builders_take_turns() {
+fn one_of_four_builders_traces_a_part() {
     let folder = block("--part-size 45m --sample 0");
     let start = |_| {
         let mut command = folder.command("build atlas --part 0");
@@ -364,7 +364,7 @@ fn builders_take_turns() {
 /// Fifteen wrong inputs are refused with a hint. An archive in another part's place is found by
 /// queries, checks and the catalogue: 3 of 3.
 #[test]
-fn refusals() {
+fn wrong_inputs_and_misplaced_archives_are_refused() {
     let folder = block("--part-size 45m --sample 0");
     let model = model().display().to_string();
     let weather = golden().display().to_string();
@@ -434,7 +434,7 @@ fn refusals() {
 /// picture of 400 pixels each, and the page beside them, which lists all. `find` lists the two
 /// parts that a strip touches.
 #[test]
-fn catalogues() {
+fn a_catalogue_states_digests_and_footprints() {
     let folder = block("--part-size 45m --sample 0 --crs EPSG:28992");
     done(&folder, "build atlas --part all");
     done(&folder, "catalogue atlas --title Block --license CC-BY-4.0");

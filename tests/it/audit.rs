@@ -23,7 +23,7 @@ use crate::scenes::{build, fine, many, mirror_town, plan, site, tiles};
 /// tracer, with a bias below 0.4 % and an interval narrower than 1 %. Each of the six components is
 /// above 0 in both, and none is off by more than 1 % RMSE.
 #[test]
-fn mirrors_and_glass() {
+fn mirrors_and_glass_agree_with_the_reference() {
     let scene = mirror_town();
     let (prepared, built) = (PreparedScene::new(&scene).expect("a tree"), site(&scene, &many(), &fine()));
     let conditions = ErrorConditions::Spread.some(64);
@@ -59,7 +59,7 @@ fn mirrors_and_glass() {
 /// With a table of 3 conditions each receiver is checked in all of them. Another scene, a sky that
 /// has no radiance and a word for a number are refused.
 #[test]
-fn claims() {
+fn an_audit_refutes_false_claims_only() {
     let folder = Folder::new();
     let files = [folder.path("scene.obj")];
     let scene = Site::of(&files, Some(&folder.path("materials.toml"))).and_then(|site| Scene::load_site(&site));

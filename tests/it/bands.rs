@@ -165,7 +165,7 @@ fn bands_add_up() {
 /// The two halves in all digits: 432 values of hours in NumPy's format differ from the total by at
 /// most 1e-5 of it.
 #[test]
-fn halves_in_all_digits() {
+fn two_halves_sum_to_the_total_in_all_digits() {
     let folder = Folder::new();
     folder.write(
         "own.toml",
@@ -187,7 +187,7 @@ fn halves_in_all_digits() {
 /// follow the two efficacies of Perez et al., and their sum over the hours is the sum over the
 /// file, within 1e-4.
 #[test]
-fn photons_and_lux() {
+fn photons_and_lux_follow_from_irradiance() {
     let folder = built(
         "v -4000 -4000 0\nv 4000 -4000 0\nv 4000 4000 0\nv -4000 4000 0\nusemtl roof\nf 1 2 3 4\n",
         "[roof]\ndiffuse = 0\n",
@@ -277,7 +277,7 @@ fn archives_hold_bands_only_where_they_are_stated() {
 
 /// Tables, maps, charts and comparisons name light by its unit.
 #[test]
-fn columns_go_everywhere() {
+fn all_outputs_name_light_by_its_unit() {
     let folder = built(
         "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nusemtl roof\nf 1 2 3 4\n",
         "[roof]\ndiffuse = { solar = 0.3, visible = 0.1 }\n",
@@ -304,7 +304,7 @@ fn columns_go_everywhere() {
 /// partition that does not add up end with exit code 2 and a message, 7 of 7. A Honeybee folder
 /// cannot hold bands.
 #[test]
-fn notes_and_refusals() {
+fn wrong_bands_are_refused_and_doubtful_ones_noted() {
     let roof = "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nusemtl roof\nf 1 2 3 4\n";
     let folder = built(roof, "[roof]\ndiffuse = { solar = 0.2, visible = 0.9 }\n", "up,0,0,1,0,0,1\n");
     let said = stderr(&folder.run(&format!("{QUERY} --bands nir")));

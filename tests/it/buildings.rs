@@ -102,7 +102,7 @@ fn sums_are_those_of_receivers() {
 /// reaches the threshold: regions of 8 and 12 m2 remain, and a least area of 10 m2 leaves one. The
 /// best face is the one with that region, and a table in Parquet has the same 2 rows.
 #[test]
-fn regions_of_a_roof() {
+fn roof_regions_below_the_least_area_do_not_count() {
     let folder = Folder::new();
     let mut text = String::from("receiver,x,y,z,nx,ny,nz,area,surface,object,building,kind,object_type,face,patch\n");
     let patch = "-500 -500 0;500 -500 0;500 500 0;-500 500 0";
@@ -143,7 +143,7 @@ fn regions_of_a_roof() {
 /// Thresholds below 0, NaN and in words, least areas below 0, an unknown extension, one name for
 /// two tables, and archives without roofs, without names or without areas are refused: 9 of 9.
 #[test]
-fn refusals() {
+fn wrong_thresholds_and_archives_are_refused() {
     let folder = Folder::new();
     let header = "receiver,x,y,z,nx,ny,nz,area,surface,object,building,kind\n";
     let buildings = |rest: &str| format!("buildings site.helio --weather {} {rest}", golden().display());

@@ -88,7 +88,7 @@ fn largest(a: &BTreeMap<String, Vec<Vec<f64>>>, b: &BTreeMap<String, Vec<Vec<f64
 /// within 1e-5, for tau of 0.3 and 0.85 and 4 suns. Nothing opaque is in the scene, and nothing is
 /// reflected.
 #[test]
-fn beer_lambert() {
+fn leaves_dim_light_by_beer_and_lambert() {
     let up = receiver("r", DVec3::ZERO, DVec3::Z);
     let suns = [
         sun(10.0, 25.0, 800.0, 100.0),
@@ -196,7 +196,7 @@ fn seasons_equal_builds() {
 /// Twenty transmittances from 0.1 to 0.6 are interpolated between 9 states: each column of 4 of the
 /// 20 conditions is that of its own transmittance alone, within 2e-5 of the largest.
 #[test]
-fn many_transmittances() {
+fn interpolated_transmittances_equal_single_ones() {
     let site = site(&grove(0.2, 0.5), &many()[..25], &coarse());
     let conditions = conditions();
     let tau = |i: usize| 0.1 + 0.5 * (i * 7 % 20) as f64 / 19.0;
@@ -262,7 +262,7 @@ fn maps_add_up() {
 /// stored response, reflected light is within three times the RMS that its coding may add to a sun
 /// of 700 or 800 W/m2.
 #[test]
-fn both_legs() {
+fn reflected_light_is_dimmed_on_both_legs() {
     let mut triangles = quad(v(-50.0, 5.0, 0.0), v(100.0, 0.0, 0.0), v(0.0, 0.0, 60.0), 0);
     triangles.extend(block(v(-0.2, -0.2, 0.8), v(0.2, 0.2, 1.2), 1));
     triangles.extend(block(v(-500.0, -500.0, -500.0), v(500.0, 500.0, 500.0), 2));
@@ -306,7 +306,7 @@ fn kinds(path: &Path) -> Vec<format::BlockKind> {
 /// canopies. With leaves that no ray meets it has the materials' optics only. With trees it has all
 /// four kinds, and more rays, by those through canopies.
 #[test]
-fn only_where_leaves_are() {
+fn only_leaves_that_are_met_cost_blocks_and_rays() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     let receivers = &many()[..20];
@@ -333,7 +333,7 @@ fn only_where_leaves_are() {
 /// builds, and 1 and 2 threads give one archive: 4 of 4 with leaves that absorb, and 4 of 4 with
 /// some that scatter light.
 #[test]
-fn parts_and_threads() {
+fn parts_and_threads_give_the_bytes_of_the_whole() {
     let scattering = Material { diffuse: 0.4, ..screen("leaf", 0.2) };
     [screen("leaf", 0.2), scattering].into_iter().for_each(parts_of_a_grove);
 }
@@ -371,7 +371,7 @@ fn parts_of_a_grove(leaf: Material) {
 /// schedule end with an error or with finite light, none in a panic. With leaves that scatter light
 /// another 120 changes are made, of which at least 60 are found.
 #[test]
-fn hostile_bytes() {
+fn changed_canopy_blocks_never_panic() {
     for (scattered, least) in [(0.0, 80), (0.3, 60)] {
         let leaf = Material { diffuse: scattered, ..screen("leaf", 0.4) };
         let [found, refused] = hostile_bytes_of(leaf);
@@ -460,7 +460,7 @@ fn hostile_bytes_of(leaf_material: Material) -> [usize; 2] {
 /// a query, a file with a value of 2, one without the column and a missing one each end with exit
 /// code 2 and a message. A constant and a file of 12 months work and dim the light.
 #[test]
-fn names_and_values() {
+fn wrong_canopy_names_and_values_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     built(&grove(0.2, 0.5), &many()[..6], &path("site.helio"));

@@ -47,7 +47,7 @@ fn sums(folder: &Folder, place: &str) -> Vec<String> {
 /// Each kind of source, cut into parts that see the whole of it, gives the rows of the one archive
 /// to the digit.
 #[test]
-fn parts_are_the_whole() {
+fn parts_give_the_rows_of_one_archive() {
     let folder = Folder::new();
     for (kind, scene) in sources(&folder) {
         done(&folder, &format!("receivers {scene} --spacing 8m -o {kind}.csv"));
@@ -64,7 +64,7 @@ fn parts_are_the_whole() {
 
 /// A folder of two tiles has the surfaces of the file that they were cut from.
 #[test]
-fn tiles_are_the_file() {
+fn tiles_have_the_surfaces_of_the_whole_file() {
     let folder = Folder::new();
     let file = Path::new(crate::ROOT).join("tests/data/citygml/small.gml");
     let surfaces = |scene: &str| {
@@ -81,7 +81,7 @@ fn tiles_are_the_file() {
 /// Each kind of source, moved to the box of an EnergyPlus model, becomes more than 8 shading
 /// surfaces around it.
 #[test]
-fn surroundings_of_a_model() {
+fn every_source_becomes_shading_around_a_model() {
     let folder = Folder::new();
     folder.write("box.idf", include_str!("../data/energyplus/box.idf"));
     let rasters = Path::new(crate::ROOT).join("tests/data/rasters");

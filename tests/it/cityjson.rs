@@ -29,7 +29,7 @@ fn share(scene: &Scene, material: &str) -> (usize, f64) {
 /// A tile of The Hague keeps its 490 faces and, within 0.1 %, the areas of their outlines by
 /// Newell's formula, by semantic type.
 #[test]
-fn hague() {
+fn the_hague_keeps_its_faces_and_areas() {
     let scene = load("hague.city.json");
     assert_eq!(scene.report.faces_read, 490);
     for (material, area, class) in [
@@ -50,7 +50,7 @@ fn hague() {
 /// Three buildings of 3DBAG are read in LoD 2.2 without the 3 footprints, or in LoD 1.2 on request,
 /// where each is a prism with one flat roof.
 #[test]
-fn sequence() {
+fn a_sequence_is_read_in_the_requested_lod() {
     let fine = load("small.city.jsonl");
     assert_eq!(fine.report.faces_read, 6 + 6 + 21);
     let left_out: Vec<_> = fine.report.warnings.iter().filter(|warning| warning.contains("left out")).collect();
@@ -68,7 +68,7 @@ fn sequence() {
 /// Fifteen trees of 3 templates have, within 0.1 %, the areas of their templates in all, beside a
 /// bridge.
 #[test]
-fn trees() {
+fn trees_have_the_areas_of_their_templates() {
     let scene = load("vegetation_templates.city.jsonl");
     let (_, trees) = share(&scene, "SolitaryVegetationObject");
     assert!((trees - TREES_M2).abs() < 1e-3 * TREES_M2, "{trees}");

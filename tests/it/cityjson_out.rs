@@ -204,7 +204,7 @@ fn a_sequence_comes_back() {
 /// A file that is no model of this archive is refused, and so is an output that does not fit: 10
 /// of 10. For a model that holds some of the objects, a warning says so.
 #[test]
-fn wrong_models() {
+fn models_of_other_archives_are_refused() {
     let folder = site("hague.city.json", "");
     let hague = model("hague.city.json").display().to_string();
     let replay = format!("replay site.helio --weather {} --every total", golden().display());

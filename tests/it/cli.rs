@@ -80,7 +80,7 @@ pub fn golden() -> PathBuf {
 /// Build, query and replay give the stable columns: 9 columns, 6 rows of a query, 216 of three
 /// days.
 #[test]
-fn contract() {
+fn build_query_and_replay_keep_their_columns() {
     let folder = Folder::new();
     let built = folder.build();
     assert_eq!(built.status.code(), Some(0), "{}", String::from_utf8_lossy(&built.stderr));
@@ -135,7 +135,7 @@ fn both_ways_of_reading_agree() {
 /// nothing in a good archive and the damaged block in a bad one, and warns of 99 bytes behind the
 /// end of one.
 #[test]
-fn info_and_verify() {
+fn info_lists_layers_and_verify_finds_damage() {
     let folder = Folder::new();
     folder.build();
     let info = stdout(&folder.run("info site.helio"));
@@ -167,7 +167,7 @@ fn info_and_verify() {
 
 /// 7 wrong options of a build, and a folder that is no store, are refused with the allowed values.
 #[test]
-fn wrong_options() {
+fn wrong_build_options_name_the_allowed_values() {
     let folder = Folder::new();
     let build = "build scene.obj -m materials.toml -r receivers.csv -o site.helio";
     for seconds in ["0.5", "-1", "soon"] {
@@ -187,7 +187,7 @@ fn wrong_options() {
 /// 17 wrong inputs each end with exit code 2 and a message that names the file, the place and what
 /// was found.
 #[test]
-fn wrong_inputs() {
+fn wrong_inputs_name_file_place_and_finding() {
     let folder = Folder::new();
     let build = "build scene.obj --materials materials.toml --materials-only --receivers receivers.csv -o site.helio";
     folder.refused(&build.replace("scene.obj", "none.obj"), &["none.obj", "No such file"]);
@@ -261,7 +261,7 @@ fn misplaced_receivers_are_named() {
 /// `extract` by list, box and surface, `merge` and `diff` work from the command line: the merged
 /// file has the bytes of the original, `diff` ends with 0 and 1, and 9 wrong calls end with 2.
 #[test]
-fn parts_of_a_site() {
+fn merged_parts_have_the_bytes_of_the_original() {
     let folder = Folder::new();
     let rows = RECEIVERS.replace("nz\n", "nz,surface\n").replace(",0,1\n", ",0,1,top\n");
     folder.write("receivers.csv", &rows.replace("-1,0\n", "-1,0,front\n").replace("0,2\n", "0,2,garden\n"));

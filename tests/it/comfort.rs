@@ -73,7 +73,7 @@ fn six(row: &[f64], first: usize) -> [f64; 6] {
 /// from below is 0.2 of that from above. The mean radiant temperature follows from the twelve
 /// columns within 0.02 K. By night it is that of the sky and the air alone within 0.2 K.
 #[test]
-fn open_plain() {
+fn an_open_plain_has_the_longwave_of_sky_and_ground() {
     let folder = Folder::new();
     plain(&folder, false);
     let options = "--points p.csv --surfaces air --sun-on box --columns air,mrt,shortwave,longwave";
@@ -118,7 +118,7 @@ fn open_plain() {
 /// hours. With `--emissivity ground=0.95` all three are alike. The metadata of the table state the
 /// range.
 #[test]
-fn emissivities_of_what_is_seen() {
+fn emissivity_is_the_mean_over_the_seen_ground() {
     let folder = Folder::new();
     let half = |name: &str, low: f64, high: f64, first: usize| {
         let corners = [(-2000.0, low), (2000.0, low), (2000.0, high), (-2000.0, high)];
@@ -162,7 +162,7 @@ fn emissivities_of_what_is_seen() {
 /// endless plates, and the mean radiant temperature follows from it within 0.2 K. Where ground and
 /// roof have 20 degrees it is 20 degrees within 0.02 K.
 #[test]
-fn below_a_roof() {
+fn below_a_roof_longwave_is_that_of_two_plates() {
     let folder = Folder::new();
     plain(&folder, true);
     // `comfort` puts no people where there is no light, but receivers may stand there.
@@ -188,7 +188,7 @@ fn below_a_roof() {
 /// Days of an archive count the hours above a threshold and have the means of its hours. A cylinder
 /// and a box differ by day alone. People on a grid of the ground are 1.1 m above it.
 #[test]
-fn periods_and_archives() {
+fn days_have_the_means_of_their_hours() {
     let folder = Folder::new();
     plain(&folder, false);
     let by_hour = hours(&folder, "--points p.csv --columns utci");
@@ -227,7 +227,7 @@ fn periods_and_archives() {
 /// Below leaves that let a tenth of the light through, longwave from above is that of a black body
 /// at air temperature less 0.1 of what the sky lacks on the open plain, within 2 %.
 #[test]
-fn below_leaves() {
+fn leaves_radiate_like_a_black_body() {
     let folder = Folder::new();
     plain(&folder, false);
     let leaves = slab("leaves", 400.0, 4.0, 5, false);
@@ -258,7 +258,7 @@ fn below_leaves() {
 /// requested hours are refused before the scene is traced: neither a folder nor a table is left, 8
 /// of 8. Without humidity the mean radiant temperature is still computed.
 #[test]
-fn weather_is_refused_before_the_scene() {
+fn wrong_weather_is_refused_before_the_trace() {
     let folder = Folder::new();
     plain(&folder, false);
     let hour = |hour: usize| format!("2019-07-01T{hour:02}:00,800,700,100,25,2,350\n");

@@ -295,7 +295,7 @@ fn every_format_holds_the_change() {
 /// holds one variant. Another place, no common receiver, and wrong names and tables are refused: 7
 /// of 7.
 #[test]
-fn several_variants_and_refusals() {
+fn rows_of_variants_equal_single_comparisons() {
     let folder = towers();
     let weather = golden().display().to_string();
     fs::copy(folder.path("before.helio"), folder.path("same.helio")).expect("copied");

@@ -134,7 +134,7 @@ fn tables_hold_what_a_query_gives() {
 /// 8 models that cannot get injected light are refused with exit code 2, each with a reason and a
 /// hint; no model is written.
 #[test]
-fn refusals() {
+fn models_that_cannot_get_light_are_refused() {
     let outdoors = |folder: &Folder| {
         let none: String = BOX
             .lines()
@@ -182,7 +182,7 @@ fn refusals() {
 /// Models of 24.1, 24.2 and 25.1 are accepted with one warning, and models of 9.6 and 26.1 if 25.2
 /// is assumed: 5 models. An epJSON model of 23.1 is refused with the tool that converts it.
 #[test]
-fn models_of_other_versions() {
+fn other_versions_get_a_warning_or_are_refused() {
     for (version, more, said) in [
         ("24.1", "", "the model is of EnergyPlus 24.1: EnergyPlus 25.2 runs it with a warning"),
         ("24.2.0", "", "the model is of EnergyPlus 24.2.0"),
@@ -207,7 +207,7 @@ fn models_of_other_versions() {
 /// A schedule's file beside a model in another folder gets its absolute name in the new model, and
 /// a missing file is warned of: 1 and 1.
 #[test]
-fn files_that_the_model_names() {
+fn files_of_the_model_get_absolute_names() {
     let schedules = "Schedule:File, Half, , half.csv, 1, 0;\nSchedule:File, Lost, , lost.csv, 1, 0;\nZone, Hall";
     let folder = Folder::new();
     fs::create_dir(folder.path("models")).expect("made");
@@ -228,7 +228,7 @@ fn files_that_the_model_names() {
 /// A neighbour against the lower half of a wall hides part of its area: the report says how much of
 /// 1 wall gets light, less than 90 %, and a warning counts the surfaces.
 #[test]
-fn walls_that_are_hidden_in_part() {
+fn the_report_states_the_lit_share_of_a_wall() {
     let folder = boxed(&[]);
     let at = |z: f64| {
         [(-1.0, -5.0), (9.0, -5.0), (9.0, 0.02), (-1.0, 0.02)].map(|(x, y)| format!("v {x} {y} {z}\n")).concat()
@@ -246,7 +246,7 @@ fn walls_that_are_hidden_in_part() {
 /// A model that heliotile has written is refused. So is other spacing in a folder with results,
 /// which `--replace` replaces. Equal inputs trace nothing again: 2 refusals.
 #[test]
-fn what_is_there_is_kept() {
+fn existing_results_are_kept() {
     let folder = boxed(&[]);
     injected(&folder, DRAFT);
     folder.refused("energyplus out/model.idf -o other", &["injected twice", "as it was before"]);
@@ -262,7 +262,7 @@ fn what_is_there_is_kept() {
 /// If the ground reflects nothing in January, 0.01 is written and the program subtracts its light
 /// in month 1; other months keep their 0.3. A distribution with interior light keeps that.
 #[test]
-fn black_ground_in_a_month() {
+fn black_ground_in_january_is_written_as_0_01() {
     let months = "Site:GroundReflectance, 0, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3;\nZone, Hall";
     let folder = boxed(&[("Zone, Hall", months), ("FullExteriorWith", "FullInteriorAndExteriorWith")]);
     let said = injected(&folder, DRAFT);
@@ -278,7 +278,7 @@ fn black_ground_in_a_month() {
 /// Names with commas and quotes work in epJSON: the actuator of 1 window bears such a name, and the
 /// report shows it.
 #[test]
-fn names_with_commas() {
+fn names_with_commas_work_in_epjson() {
     let folder = Folder::new();
     let before = fs::read_to_string(model("box.epJSON")).expect("a model");
     folder.write("box.epJSON", &before.replace("\"South window\"", "\"South, \\\"big\\\" | window\""));
@@ -294,7 +294,7 @@ fn names_with_commas() {
 /// 4 uses of the model that ignore injected light are warned of, and a window over the edge of its
 /// wall gets the wall's tables.
 #[test]
-fn warnings() {
+fn uses_that_ignore_injected_light_are_warned_of() {
     let more = "WindowShadingControl, c, Hall, 1, ExteriorBlind, , OnIfHighSolarOnWindow, , 20, No, No, , , , , , South window;\n\
                 Daylighting:Controls, d, Hall;\nGenerator:Photovoltaic, p, Roof, PhotovoltaicPerformance:Simple;\nZone, Hall";
     let folder = boxed(&[("Zone, Hall", more), ("South, , 1, 1, 1, 3, 1.2", "South, , 1, 6, 1, 3, 1.2")]);
@@ -320,7 +320,7 @@ fn warnings() {
 /// model alone lacks, and makes the wall that faces it brighter by reflection. Surroundings in
 /// national coordinates are refused without `--at`.
 #[test]
-fn surroundings() {
+fn surroundings_become_shades_and_brighten_a_wall() {
     let folder = boxed(&[]);
     let corners = [(-30, -30, 0), (10, -30, 0), (10, -20, 0), (-30, -20, 0)];
     let at = |z: i32, e: i32| corners.map(|(x, y, _)| format!("v {} {} {z}\n", x + e, y + e)).concat();
@@ -354,7 +354,7 @@ fn surroundings() {
 /// June, where a step has the hour's light and the sun of its middle, the light of 5 surfaces is
 /// that of `replay` with the surroundings less that without, within 0.02 W/m2.
 #[test]
-fn surroundings_leave() {
+fn removed_surroundings_leave_their_light_in_tables() {
     let folder = boxed(&[]);
     let weather = golden().with_file_name("golden_tmy3.epw");
     let weather = weather.to_str().expect("a path");
@@ -415,7 +415,7 @@ fn surroundings_leave() {
 /// with the surroundings in the model and without. The test prints that it is skipped if
 /// HELIOTILE_ENERGYPLUS names no EnergyPlus.
 #[test]
-fn energyplus_runs_it() {
+fn energyplus_absorbs_the_sun_of_its_own_reflections() {
     let Some(engine) = std::env::var_os("HELIOTILE_ENERGYPLUS") else {
         eprintln!("not run: HELIOTILE_ENERGYPLUS names no folder of EnergyPlus 25.2");
         return;

@@ -205,7 +205,7 @@ fn between_walls() -> Site {
 /// view, 1/4 of a vertical one's upper half; shares within 0.003. The classes of the hits hold the
 /// same shares, and all weights together are pi within 1e-4 of it.
 #[test]
-fn walls_in_maps() {
+fn a_45_degree_wall_hides_a_quarter_of_the_sky() {
     let site = between_walls();
     let maps = maps_of(&site.path, "up", None);
     let north = (10.0_f64 / 20.0).atan();
@@ -236,7 +236,7 @@ fn walls_in_maps() {
 /// of its radiance, and is dark among sunlit surfaces and in mirrors. A direction in which the sun
 /// is seen in the mirror leads back to the sun, 1 of 1.
 #[test]
-fn panel_of_mirrors() {
+fn a_panel_shows_the_sun_in_a_mirror() {
     let wall = |y: f64, material| quad(v(-5000.0, y, 0.0), v(10_000.0, 0.0, 0.0), v(0.0, 0.0, 10.0), material);
     let triangles = [ground(5000.0, 0.0, 0), wall(-20.0, 1), wall(10.0, 2)].concat();
     let scene = Scene::from_triangles(&triangles, mirror_materials()).expect("a valid scene");
@@ -360,7 +360,7 @@ fn parts(image: &FlatImage) -> Vec<(String, usize, Vec<String>)> {
 /// sums are the columns of `query` within 1e-3, the top of `sky` is north, and without a sun there
 /// are no maps of light.
 #[test]
-fn exr_files() {
+fn exr_files_sum_to_the_columns_of_a_query() {
     let folder = Folder::new();
     let built = folder.run("build scene.obj -m materials.toml -r receivers.csv -o site.helio --quality fine");
     assert_eq!(built.status.code(), Some(0));
@@ -410,7 +410,7 @@ fn exr_files() {
 /// sees the sky alone. A PNG is made with the path of the sun over the place of a weather file and
 /// over a latitude.
 #[test]
-fn view_factors_and_pictures() {
+fn view_factors_sum_to_one() {
     let folder = Folder::new();
     folder.build();
     let table = stdout(&folder.run("export site.helio --view-factors -o -"));
@@ -439,7 +439,7 @@ fn view_factors_and_pictures() {
 
 /// 18 wrong requests end with exit code 2 and a hint; nothing is written.
 #[test]
-fn wrong_requests() {
+fn wrong_exports_are_refused_and_write_nothing() {
     let folder = Folder::new();
     folder.build();
     fs::write(folder.path("nowhere.csv"), "time,dni,dhi\n2021-06-21T11:00,1,1\n2021-06-21T12:00,1,1\n")

@@ -148,7 +148,7 @@ fn again(archive: &Archive, path: &Path, change: &dyn Fn(&Block) -> Option<Encod
 /// each by name: a name in another tile, a name too few, chunk 0 with another first name, another
 /// box. Boxes of too few tiles are found by any check.
 #[test]
-fn what_is_told_of_receivers_is_compared_with_them() {
+fn wrong_names_and_boxes_of_receivers_are_found() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let [path, bad] = ["street.helio", "bad.helio"].map(|name| folder.path().join(name));
     street(&path);

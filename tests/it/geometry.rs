@@ -114,7 +114,7 @@ fn triangles_are_those_that_were_traced() {
 /// In the program, `build --no-scene` writes an archive without triangles, and `repair` keeps both
 /// kinds to the byte after a bit of the triangles or of the materials was flipped.
 #[test]
-fn with_and_without() {
+fn repair_keeps_archives_with_and_without_triangles() {
     let folder = Folder::new();
     for (name, option, kind) in [("a.helio", "", format::SCENE), ("b.helio", "--no-scene", format::MATERIALS)] {
         folder.run(&format!("build scene.obj -m materials.toml -r receivers.csv -o {name} --quality draft {option}"));
@@ -136,7 +136,7 @@ fn with_and_without() {
 /// 0.02 % of the hours one by one plus half a step. It stands in one range, and without a place
 /// there are no sums.
 #[test]
-fn overviews_tell_of_receivers() {
+fn overviews_hold_places_and_sums_of_receivers() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut town = mirror_town();
     let nowhere = built(&town, &folder.path().join("nowhere.helio"), true);

@@ -101,7 +101,7 @@ fn spells_of(table: &str) -> BTreeMap<(String, String), Vec<FoundSpell>> {
 /// the right pane; 95 of 100 starts and ends are within 0.6 minutes, all within one or the stated
 /// uncertainty. With rays of the scene they are within ten seconds.
 #[test]
-fn moments_by_the_image_method() {
+fn spells_are_those_of_the_image_method() {
     let days = [("03-21", 79), ("06-21", 171), ("11-05", 308), ("12-21", 354)];
     let (mut off, mut off_exact, mut count) = (Vec::new(), Vec::new(), 0);
     for latitude_deg in [0.0, 31.0, 52.0, 64.0, -34.0] {
@@ -228,7 +228,7 @@ fn moments_by_the_image_method() {
 /// eye that looks 14.6 degrees up sees the image of 21 December pass within 1.5 degrees for 3 / (15
 /// cos 23.4) hours, 13.1 minutes. `sunlight` judges by the same rule alike.
 #[test]
-fn verdicts_by_hand() {
+fn verdicts_are_those_worked_out_by_hand() {
     let folder = Folder::new();
     let strip = |x: f64, half_deg: f64| {
         let half = 20.0 * half_deg.to_radians().tan();
@@ -277,7 +277,7 @@ fn verdicts_by_hand() {
 /// receivers have one row. Compared with a scene without the lake, all minutes are added, or
 /// removed.
 #[test]
-fn lake_before_a_wall() {
+fn a_lake_reflects_the_sun_whenever_the_wall_sees_it() {
     let folder = Folder::new();
     let lake =
         Rectangle(DVec3::new(-9000.0, -9000.0, 0.1), DVec3::new(18_000.0, 0.0, 0.0), DVec3::new(0.0, 18_000.0, 0.0));
@@ -323,7 +323,7 @@ fn lake_before_a_wall() {
 /// Tables, maps and the calendar of panes are written by the extensions of their names. Fourteen
 /// wrong requests are refused with a hint, and leave no file behind.
 #[test]
-fn files_and_wrong_input() {
+fn extensions_choose_formats_and_wrong_ones_fail() {
     let folder = Folder::new();
     let pane = Rectangle(DVec3::new(-3.0, 8.0, 0.0), DVec3::new(6.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 5.0));
     folder.write("s.obj", &Panes { panes: &[("pane", pane)], walls: &[] }.obj("mirror"));
@@ -376,7 +376,7 @@ fn files_and_wrong_input() {
 /// that look ahead: the first to the east, the last north-north-east. There and back are eighteen,
 /// which a build takes. Four wrong requests are refused.
 #[test]
-fn receivers_along_a_road() {
+fn drivers_stand_5_m_apart_and_look_ahead() {
     let folder = Folder::new();
     folder.write("s.obj", GROUND);
     folder.write("road.csv", "x,y\n-35,-8\n-5,-8\n2,5\n");

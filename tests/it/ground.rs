@@ -13,7 +13,7 @@ use crate::scenes::*;
 /// the sun's horizontal irradiance, that of the sky (1 + cos)/2, all within 0.3 % of the open sky's
 /// and of the sun's.
 #[test]
-fn tilted_over_endless_ground() {
+fn endless_ground_lights_tilts_by_the_closed_form() {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| {
         let path = folder.path().join(name);
@@ -51,7 +51,7 @@ fn tilted_over_endless_ground() {
 /// `merge` carry it, and `repair` keeps it even if a model now states April. Without ground a build
 /// says that the wall sees nothing in 50 % of its hemisphere, and `repair` recognises that scene.
 #[test]
-fn months_and_snow() {
+fn ground_reflectance_follows_months_and_snow() {
     let folder = Folder::new();
     folder.write(
         "m.idf",

@@ -92,7 +92,7 @@ fn hours_are_those_of_the_table() {
 /// Grids by kind are 2 or more. A folder that is not empty, sums, other columns and an output
 /// besides are refused, and no file is left: 4 of 4.
 #[test]
-fn other_grids_and_refusals() {
+fn wrong_honeybee_requests_leave_no_file() {
     let folder = rooms();
     let replay = format!("replay site.helio --weather {}", golden().display());
     let written = folder.run(&format!("{replay} --honeybee kinds --by kind --columns total"));

@@ -34,7 +34,7 @@ fn of(triangles: &Triangles, materials: Vec<Material>) -> Scene {
 /// and a receiver that looks down from above the leaves gets R + T^2 rho / (1 - R rho): within 1 %
 /// for 3 kinds of leaves, 2 albedos and 3 suns, 36 values.
 #[test]
-fn layers_of_leaves() {
+fn leaves_scatter_like_two_layers() {
     let suns = [sun(10.0, 25.0, 800.0, 100.0), sun(200.0, 60.0, 900.0, 80.0), sky_only()];
     let receivers = [receiver("below", v(0.2, 0.1, 0.0), DVec3::Z), receiver("above", v(0.2, 0.1, 3.0), DVec3::NEG_Z)];
     let mut largest = 0.0_f64;
@@ -64,7 +64,7 @@ fn layers_of_leaves() {
 /// absorb, within 2 % of the light that enters, and the balance is that of the box without a lid,
 /// within 0.5 %. Receivers lie at the middles of cells of a grid.
 #[test]
-fn a_box_with_a_lid_of_leaves() {
+fn a_box_below_leaves_absorbs_the_light_let_in() {
     let (side, rho, n) = (4.0, 0.8, 12);
     let half = side / 2.0;
     let mut walls = block(v(-half, -half, 0.0), v(half, half, side), 0);
@@ -136,7 +136,7 @@ fn around_the_tree() -> Vec<Receiver> {
 /// lawn is that of the reference path tracer: in the mean within 0.5 % of all light, with an RMSE
 /// of at most 1.5 %. Leaves that scatter add at least 20 % to the diffuse light of some place.
 #[test]
-fn a_tree_beside_a_wall() {
+fn a_tree_scatters_like_the_reference_path_tracer() {
     let conditions = [sun(180.0, 40.0, 800.0, 100.0), sun(250.0, 25.0, 600.0, 80.0), sky_only()];
     let on_wall =
         (0..7).flat_map(|i| (0..5).map(move |k| (v(f64::from(i) - 3.0, 3.99, 1.0 + 2.0 * f64::from(k)), DVec3::NEG_Y)));

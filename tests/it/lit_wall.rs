@@ -104,7 +104,7 @@ fn built(target_percent: f64) -> (SettingsChoice, f64) {
 /// against the closed form within a factor of 1.5, under suns that light the wall and no sky. In
 /// hours without direct sun it is no more W/m2 than the target of the total.
 #[test]
-fn what_is_stated_holds_before_a_wall_in_the_sun() {
+fn stated_errors_hold_before_a_sunlit_wall() {
     for target in [1.0, 2.0] {
         let (choice, found) = built(target);
         let hours = choice.accuracy.hours.iter().find(|hours| hours.hours == "mostly reflected");

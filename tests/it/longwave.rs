@@ -46,7 +46,7 @@ fn longwave(site: &Site, condition: Condition) -> BTreeMap<String, f64> {
 /// and (1 - cos) / 2 (to 3e-4). A receiver that looks down where the ground ends 3 m away gets the
 /// emission of the ground, since rays that meet nothing count as ground.
 #[test]
-fn open_receivers() {
+fn open_receivers_see_sky_and_ground_by_tilt() {
     let tilts = [0.0, 20.0, 37.0, 60.0, 90.0, 135.0, 180.0];
     let receivers: Vec<_> =
         tilts.iter().map(|&t| receiver(&format!("{t}"), v(3.3, 1.7, 2.0), tilted(t, 140.0))).collect();
@@ -73,7 +73,7 @@ fn open_receivers() {
 /// Inside a closed box at 20 degrees Celsius every receiver gets sigma T^4 = 418.77 W/m2, to 1e-6
 /// of it; in a box whose material is ground, 377.53.
 #[test]
-fn enclosed() {
+fn a_closed_box_radiates_sigma_t4() {
     for (material, expected) in [(1, AT_20), (0, AT_12_5)] {
         let scene = scene(&block(v(-4.0, -3.0, 0.0), v(5.0, 6.0, 7.0), material), &[0.9, 0.9]);
         let receivers = [
@@ -92,7 +92,7 @@ fn enclosed() {
 /// crossed strings, and so is the floor's share of a wall's view; walls make up the rest: all
 /// within 0.3 W/m2 of 300 to 419.
 #[test]
-fn canyon_walls() {
+fn canyon_shares_are_those_of_crossed_strings() {
     let (width, height) = (20.0_f64, 15.0_f64);
     let heights = [1.0, 5.0, 10.0, 14.0];
     let mut receivers = vec![receiver("floor", v(0.0, 0.3, 0.0), DVec3::Z)];
@@ -145,7 +145,7 @@ fn key(time: &str, place: &str) -> (String, String) {
 /// for the ground. The total beside the column is that without it, to the last digit, and brighter
 /// ground changes the total alone.
 #[test]
-fn hours() {
+fn hours_hold_the_infrared_of_the_weather_file() {
     let folder = town();
     let text = fs::read_to_string(golden()).expect("weather");
     let infrared: Vec<f64> =
@@ -179,7 +179,7 @@ fn hours() {
 /// surfaces are weighted by areas of 1 and 3. A schedule of twelve months and one of 72 equal rows
 /// give the results of a constant, and receivers can be chosen: 2 of 3.
 #[test]
-fn sums_and_choices() {
+fn sums_of_longwave_are_those_of_its_hours() {
     let folder = town();
     let hours = table(&stdout(&replay(&folder, "--columns longwave --temperature ground=12.5")));
     let text = stdout(&replay(&folder, "--columns longwave --temperature ground=12.5 --every day"));
@@ -213,7 +213,7 @@ fn sums_and_choices() {
 /// All 6 formats hold the column; arrays of NumPy hold the 216 values of the CSV to 3 decimals, by
 /// receiver and hour.
 #[test]
-fn formats() {
+fn all_formats_hold_the_longwave_column() {
     let folder = town();
     for ending in ["csv", "parquet", "arrow", "feather", "npy", "npz"] {
         replay(&folder, &format!("--columns sky_direct,longwave -o t.{ending}"));
@@ -257,7 +257,7 @@ fn weather(folder: &Folder, name: &str, cells: &[(usize, &str)], rows: std::ops:
 /// value. A part of the file that has them is replayed, and without the column the whole file is,
 /// without a message about it.
 #[test]
-fn missing_infrared() {
+fn missing_infrared_is_computed_with_a_warning() {
     let folder = town();
     weather(&folder, "gone.epw", &[(12, "9999")], 24..48);
     let run =
@@ -291,7 +291,7 @@ fn missing_infrared() {
 /// without it, and refused with it. 9 wrong requests end with exit code 2 and name the allowed
 /// values.
 #[test]
-fn refusals() {
+fn infrared_is_checked_only_if_requested() {
     let folder = town();
     weather(&folder, "word.epw", &[(12, "x")], 5..6);
     assert_eq!(folder.run("replay site.helio --weather word.epw --every day").status.code(), Some(0));

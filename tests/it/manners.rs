@@ -41,7 +41,7 @@ fn bytes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 /// into a folder with other results are refused with the difference and a hint, and no byte of its
 /// 9 files changes. `--replace` puts the new results there.
 #[test]
-fn other_inputs_are_kept() {
+fn results_of_other_inputs_are_kept() {
     let folder = town();
     good(&folder, RUN);
     let made = folder.path("a.sun");
@@ -171,7 +171,7 @@ fn are_near(ours: &[u8], theirs: &[u8]) -> bool {
 /// an archive keeps its bytes if errors are estimated under another file, and changes if they are
 /// estimated under the same one. Both files are protected from being replaced.
 #[test]
-fn clocks_of_two_files() {
+fn clock_options_leave_the_error_weather_alone() {
     let folder = town();
     fs::copy(golden().with_file_name("pvgis_4_days.epw"), folder.path("pvgis.epw")).expect("copied");
     let archive = |more: &str| {
@@ -197,7 +197,7 @@ fn clocks_of_two_files() {
 /// year again, and hours are labelled with their end. The commands that it prints at the end quote
 /// a path with a blank, and leave out what was done.
 #[test]
-fn tables_in_one_year() {
+fn run_gives_its_tables_the_stated_year() {
     let folder = town();
     fs::rename(folder.path("golden.epw"), folder.path("my golden.epw")).expect("renamed");
     let run = |more: &str| {
@@ -256,7 +256,7 @@ fn endings_are_checked_first() {
 /// 13 files that are given in place of another kind are named with their kind, and with the command
 /// that takes them.
 #[test]
-fn files_are_known() {
+fn files_of_another_kind_are_named_with_their_kind() {
     let folder = town();
     folder.build();
     ["hills.tif.gz", "m.hbjson", "hills.asc"].iter().for_each(|name| folder.write(name, "{}"));
@@ -282,7 +282,7 @@ fn files_are_known() {
 /// For a missing file the message names a similar file, 6 of 6, or the missing folder; if no name
 /// is similar, none is proposed. A command that does not come first gets a hint on the order.
 #[test]
-fn misspelt_names() {
+fn missing_files_are_answered_with_a_similar_name() {
     let folder = town();
     folder.refused("run a.obj -w golden.csv", &["golden.csv: No such file", "did you mean golden.epw?"]);
     folder.refused("run a.obj -w Goldn.epw", &["did you mean golden.epw?"]);
@@ -307,7 +307,7 @@ fn misspelt_names() {
 /// `--quiet` leaves the table of sums and the warnings; `-v` shows the 5 materials that one warning
 /// counts; `--threads` changes no byte.
 #[test]
-fn how_much_is_said() {
+fn quiet_and_verbose_change_messages_only() {
     let folder = town();
     let (said, warned) = good(&folder, &format!("{RUN} --quiet"));
     assert!(said.trim_start().starts_with("Irradiation through golden.epw"), "{said}");
@@ -339,7 +339,7 @@ fn how_much_is_said() {
 /// is accepted. So are too many receivers on each surface. If no surface is large enough the
 /// message says so.
 #[test]
-fn densities_that_fit() {
+fn a_refused_spacing_comes_with_one_that_fits() {
     let folder = town();
     let output = folder.run("receivers a.obj --on all --spacing 1mm -o x.csv");
     let said = stderr(&output);
@@ -363,7 +363,7 @@ fn densities_that_fit() {
 /// For semicolons, tabs and decimal commas in tables of receivers and conditions, 4 of 4, the
 /// message says what to write instead.
 #[test]
-fn tables_of_other_countries() {
+fn semicolons_and_decimal_commas_are_explained() {
     let folder = Folder::new();
     folder.build();
     let table = |separator: &str| "receiver,x,y,z,nx,ny,nz\nroof,5,5,10.02,0,0,1\n".replace(',', separator);
@@ -382,7 +382,7 @@ fn tables_of_other_countries() {
 /// 5 shells get a script that names all commands, bash parses its own, and 40 pages of the manual
 /// begin as man pages do.
 #[test]
-fn completions_and_manual() {
+fn completions_and_manual_cover_all_commands() {
     let folder = Folder::new();
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let (script, _) = good(&folder, &format!("completions {shell}"));

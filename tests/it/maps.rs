@@ -177,7 +177,7 @@ fn off(map: &BTreeMap<String, Place>, table: &BTreeMap<String, BTreeMap<String, 
 /// sums of the CSV to its six digits and the 6.25 m2 around it. Binary glTF has the same totals at
 /// its corners, 85 km from the origin within a millimetre. `run` wrote the same maps.
 #[test]
-fn receivers_on_maps() {
+fn maps_hold_each_receiver_with_the_sums_of_the_csv() {
     let folder = site();
     let table = csv(&replay(&folder, "--every total"));
     assert_eq!(table.len(), 80);
@@ -277,7 +277,7 @@ fn surfaces_are_outlines() {
 /// the total of its hour in the CSV, the greatest by day. GeoJSON lies where RD New does, at 52.08
 /// degrees north, and its polygons are closed.
 #[test]
-fn hours_and_degrees() {
+fn paraview_has_24_hours_and_geojson_degrees() {
     let folder = site();
     let day = "--every hour --from 03-20 --to 03-20 --by surface --columns total";
     replay(&folder, &format!("{day} -o day.pvd"));
@@ -335,7 +335,7 @@ fn hours_and_degrees() {
 /// hours on a map, 1,000 columns, `--geo` of a CSV, an unknown extension, which lists all 11 known
 /// ones, factors on a map, a series of too many files. No file is left behind.
 #[test]
-fn refusals() {
+fn wrong_maps_are_refused_and_leave_no_file() {
     let folder = Folder::new();
     assert_eq!(folder.build().status.code(), Some(0));
     let replay = format!("replay site.helio --weather {}", golden().display());

@@ -114,7 +114,7 @@ const EDGE: f64 = 1.8e-3 + 4.7e-3;
 /// an edge (and between nothing and that near it), and so does one that only sees it far to the
 /// side. Receivers behind it, and those that look away, get nothing.
 #[test]
-fn one_mirror() {
+fn one_mirror_reflects_its_share_of_the_sun() {
     let (at, a, b) = (v(-6.0, 10.0, -1.0), v(12.0, 0.0, 0.0), v(0.0, 0.0, 9.0));
     let mut triangles = quad(at, a, b, 0);
     // A black back wall hides the mirror from behind.
@@ -160,7 +160,7 @@ fn one_mirror() {
 /// reflections the light of the image method, for 2,000 suns, to 1e-4 away from edges. Paths by
 /// more mirrors are left out, and are less than the reported loss.
 #[test]
-fn facing_mirrors() {
+fn facing_mirrors_give_the_light_of_the_image_method() {
     let (length, height) = (4000.0, 8.0);
     let wall = |x: f64| quad(v(x, -length / 2.0, -1.0), v(0.0, length, 0.0), v(0.0, 0.0, height + 1.0), 0);
     let triangles = [wall(0.0), wall(6.0)].concat();
@@ -217,7 +217,7 @@ fn facing_mirrors() {
 /// sun_specular on the facade is DNI n . s times Fresnel's reflectance at that angle, to 1e-3 of it
 /// (0.85 of DNI n . s at 3 degrees and 0.11 at 40). A receiver that looks up gets none.
 #[test]
-fn lake_at_low_sun() {
+fn a_lake_reflects_by_fresnel_at_low_sun() {
     let lake = quad(v(-3000.0, -6000.0, 0.0), v(6000.0, 0.0, 0.0), v(0.0, 5990.0, 0.0), 0);
     let water = Material { glass: Some(Glass::Single), ..Material::matt("water", 0.03, Class::Ground) };
     let receivers = [receiver("facade", v(0.0, 0.0, 12.0), -DVec3::Y), receiver("up", v(0.0, 0.0, 12.0), DVec3::Z)];
@@ -244,7 +244,7 @@ fn lake_at_low_sun() {
 /// / 2 x (the share seen directly + 0.8 x the share seen in the mirror), all within 1.5 %. One and
 /// all bounces are alike.
 #[test]
-fn ground_before_a_mirror() {
+fn ground_before_a_mirror_is_lit_twice() {
     let wall = quad(v(-4000.0, 0.0, 0.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 4000.0), 0);
     let floor = quad(v(-4000.0, -8000.0, 0.0), v(8000.0, 0.0, 0.0), v(0.0, 8000.0, 0.0), 1);
     let triangles = [wall, floor].concat();
@@ -280,7 +280,7 @@ fn ground_before_a_mirror() {
 /// of the open sky by the mirror and 0.15 diffusely, within 1 %; a `--reflectance` would change the
 /// diffuse part alone.
 #[test]
-fn both_parts() {
+fn a_wall_reflects_diffusely_and_like_a_mirror() {
     let wall = quad(v(-4000.0, 0.0, -4000.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 8000.0), 0);
     let site = built(&wall, vec![mirror("wall", 0.3, 0.5)], &[receiver("r", v(0.0, -3.0, 0.0), DVec3::Y)]);
     let (specular, diffuse) = (site.sky_share("r", SkySpecular), site.sky_share("r", Component::SkyDiffuse));
@@ -292,7 +292,7 @@ fn both_parts() {
 /// light that enters, within 2 % and the loss that the build reports (at most 12 %), and never more
 /// than 1 % above, wherever cells cut the room: at three places.
 #[test]
-fn room_of_mirrors() {
+fn a_room_of_mirrors_conserves_energy() {
     for corner in [v(-3.0, -3.0, -1.5), DVec3::ZERO, v(64.3, 33.7, 20.4)] {
         room_at(corner);
     }
@@ -345,7 +345,7 @@ fn room_at(corner: DVec3) {
 /// If no surface is a mirror, or no receiver and no cell can see one, no ray is cast for mirrors
 /// beyond looking for them, and no block of mirrors is written: 0 of 3 kinds.
 #[test]
-fn nothing_for_nothing() {
+fn unseen_mirrors_cost_no_rays_and_no_blocks() {
     let receivers = [receiver("up", v(0.0, 0.0, 0.1), DVec3::Z)];
     let kinds = [format::MIRROR, format::PROBE_MIRROR, format::BOUNCE_MIRROR];
     let blocks = |site: &Built| kinds.iter().filter(|&&kind| !site.archive.entries_of(kind).is_empty()).count();

@@ -365,7 +365,7 @@ fn subdivision_changes_nothing() {
 /// border, and for a receiver that faces straight down, direct sun is DNI x cosine to 1e-6 where it
 /// is up, 0 elsewhere, and every component is finite.
 #[test]
-fn exact_angles() {
+fn exact_angles_give_exact_direct_sun() {
     let scene = scene(&ground(500.0, -3.0, 0), &[0.2]);
     let receivers = [
         receiver("up", DVec3::ZERO, DVec3::Z),
@@ -397,7 +397,7 @@ fn exact_angles() {
 /// a ground of 10 km, a receiver under them gets the sky that the plates leave, within 0.3 % of the
 /// open sky.
 #[test]
-fn awkward_geometry() {
+fn awkward_geometry_hides_no_more_sky_than_plates() {
     let mut triangles = ground(10_000.0, -2.0, 0);
     // A plate of 1 m at 0.5 m, twice in its plane (of another material) and once 1 mm above.
     for (z, material) in [(0.5, 1), (0.5, 0), (0.501, 1)] {
@@ -421,7 +421,7 @@ fn awkward_geometry() {
 /// A million coincident triangles are built and replayed in time: 1 of 1 receivers sees half the
 /// sky.
 #[test]
-fn coincident_triangles() {
+fn a_million_coincident_triangles_are_traced_in_time() {
     // The numbers differ, but not for the f32 rays: these triangles count as duplicates.
     let triangles: Triangles = (0..1_000_000)
         .map(|i| {

@@ -58,7 +58,7 @@ fn value(rows: &Rows, condition: &str, receiver: &str, column: &str) -> f64 {
 /// the hour's diffuse light, 0.05 % on flat ground. Scaled to DHI, flat ground gets the weather's
 /// DHI, within 1e-5.
 #[test]
-fn matrices_of_radiance() {
+fn gendaymtx_skies_give_the_sums_of_numpy() {
     let folder = open_surfaces();
     let skies = data("../skies");
     let expected = fs::read_to_string(skies.join("sums.csv")).expect("sums");
@@ -98,7 +98,7 @@ fn matrices_of_radiance() {
 /// ground gets the same light on 145, 577 and 2305 patches (1e-5), and the total is the sum of the
 /// hours (1e-5). A sky three times as bright as DHI gives a warning that it seems to hold the sun.
 #[test]
-fn matrices_on_other_patches() {
+fn a_matrix_gives_the_same_light_on_other_patches() {
     let folder = open_surfaces();
     let (weather, sky) = (data("../skies/hours.wea"), data("../skies/m1.mtx"));
     let command = |more: &str| format!("replay open.helio --weather {} --columns sky_direct {more}", weather.display());
@@ -136,7 +136,7 @@ fn is_bright(column: usize, row: usize) -> bool {
 /// 2305 patches. Scaled to DHI flat ground gets 100 W/m2 (1e-5). Turned by a quarter, walls get the
 /// light of their neighbours.
 #[test]
-fn a_bright_square() {
+fn a_picture_gives_the_integral_of_its_radiance() {
     let folder = open_surfaces();
     let pixel = |i: usize| if is_bright(i % 512, i / 512) { [127, 127, 127, 137] } else { [0; 4] };
     let head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 512 +X 512\n".to_vec();
@@ -190,7 +190,7 @@ fn mask(side: usize, is_clear: impl Fn(usize, usize) -> bool) -> Vec<u8> {
 /// ground gets half of DHI, the wall to the north the light without clouds, the wall to the west
 /// half of that, all within 0.1 W/m2 of 100.
 #[test]
-fn half_the_dome_in_clouds() {
+fn clouds_in_the_south_hide_the_sun_there() {
     let folder = open_surfaces();
     fs::write(folder.path("south.png"), mask(800, |_, row| row < 400)).expect("a mask");
     let found = rows(&folder, "query open.helio --conditions one.csv --sky uniform --clouds south.png");
@@ -245,7 +245,7 @@ fn clouds_dim_every_path() {
 /// With a table of radiances, 100 W/m2/sr in each of 577 patches, flat ground gets 100 pi W/m2,
 /// walls half of it (1e-4). A table without a row for a condition is refused.
 #[test]
-fn a_table_of_radiances() {
+fn equal_radiances_give_pi_times_the_radiance() {
     let folder = open_surfaces();
     let names: String = (0..577).map(|i| format!(",p{i}")).collect();
     folder.write("sky.csv", &format!("condition{names}\nnoon{}\n", ",100".repeat(577)));
@@ -266,7 +266,7 @@ fn a_table_of_radiances() {
 /// a PNG whose levels would be radiances, a cloud of 1.5, clouds with `perez1990`, a scale without
 /// a file, a word that is no model.
 #[test]
-fn bad_files() {
+fn bad_sky_files_are_refused() {
     let folder = open_surfaces();
     let weather = format!("replay open.helio --weather {}", data("../skies/hours.wea").display());
     let head =

@@ -91,7 +91,7 @@ fn mean(of: &BTreeMap<String, Vec<Vec<f64>>>, component: Component) -> f64 {
 /// all bounces and for one. With one bounce the part of obstructions is the light that is left when
 /// the ground is black, and the part of the ground doubles with its reflectance, to 1e-3 W/m2.
 #[test]
-fn split_by_first_hit() {
+fn reflected_light_splits_into_ground_and_obstructions() {
     let site = site(&mirror_town(), &many()[..64], &coarse());
     let archive = Archive::open(&site.path).expect("an archive");
     let of_ground = |value: f64| [ground_of(&OpenSite::of(&archive).expect("a site"), value, 24)];
@@ -117,7 +117,7 @@ fn split_by_first_hit() {
 /// to 2e-3 W/m2, sees no sky in mirrors and as much sun in them as before. Each path that is left
 /// out takes light away.
 #[test]
-fn paths_left_out() {
+fn paths_left_out_take_their_light_away() {
     let matt = mirror_materials().into_iter().map(|m| heliotile_core::site::material::Material {
         specular: 0.0,
         glass: None,
@@ -181,7 +181,7 @@ fn factors_add_up() {
 /// same. A step of 7 degrees and .xlsx are refused with exit code 2. `query --schedule` with a
 /// value for each of 2 conditions gives the results of --reflectance for each alone.
 #[test]
-fn on_the_command_line() {
+fn factors_have_a_row_for_each_surface_and_direction() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     let rows: Vec<String> =

@@ -26,7 +26,7 @@ fn assert_near(what: &str, got: f64, expected: f64, tolerance: f64) {
 /// Open receivers at seven tilts over a large ground of albedo 0.2 get sky (1 + cos)/2 within 0.3
 /// %, ground 0.2 (1 - cos)/2 within 1 %.
 #[test]
-fn tilted_over_ground() {
+fn tilts_see_sky_and_ground_by_the_closed_form() {
     let scene = scene(&ground(20_000.0, 0.0, 0), &[0.2]);
     let tilts = [0.0, 20.0, 37.0, 60.0, 90.0, 135.0, 180.0];
     let receivers: Vec<_> =
@@ -43,7 +43,7 @@ fn tilted_over_ground() {
 /// The 10 m x 10 m wall of the paper's Fig. 5 at 1 to 50 m hides its share of the sky within 0.3 %,
 /// and reflects its light within 1 %.
 #[test]
-fn wall_form_factor() {
+fn a_wall_hides_its_form_factor_of_the_sky() {
     for d in [1.0, 2.0, 5.0, 10.0, 20.0, 50.0] {
         let view_factor = Wall { width_m: 10.0, height_m: 10.0, distance_m: d }.form_factor(DVec2::ZERO);
         // Above a horizontal receiver, a black roof hides its view factor.
@@ -64,7 +64,7 @@ fn wall_form_factor() {
 
 /// Floor and walls of a long black canyon see the sky of Hottel's crossed strings, within 0.3 %.
 #[test]
-fn canyon_sky() {
+fn a_canyon_sees_the_sky_of_crossed_strings() {
     let (width, height) = (20.0_f64, 15.0_f64);
     let scene = scene(&canyon(width, height, 6000.0), &[0.0, 0.0]);
     let mut receivers = vec![receiver("floor", v(0.0, 0.3, 0.0), DVec3::Z)];
@@ -82,7 +82,7 @@ fn canyon_sky() {
 
 /// Inside a closed white box every component is exactly 0.
 #[test]
-fn closed_box() {
+fn a_closed_box_gets_no_light() {
     let scene = scene(&block(v(-4.0, -3.0, 0.0), v(5.0, 6.0, 7.0), 0), &[0.9]);
     let receivers = [
         receiver("up", v(0.1, 0.2, 1.0), DVec3::Z),
@@ -98,7 +98,7 @@ fn closed_box() {
 /// A receiver 0.5 m in front of a huge wall of albedo 0.5 gets no sky and the wall's light: within
 /// 0.3 % and 1 %.
 #[test]
-fn huge_wall() {
+fn a_huge_wall_gives_its_light_and_no_sky() {
     let wall = quad(v(-4000.0, 0.5, -4000.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 8000.0), 0);
     let rows =
         site(&scene(&wall, &[0.5]), &[receiver("r", DVec3::ZERO, DVec3::Y)], &BuildSettings::default()).uniform();
@@ -109,7 +109,7 @@ fn huge_wall() {
 /// White furnace: with every albedo 1 under a uniform sky each receiver gets pi L = DHI, within 1
 /// %.
 #[test]
-fn white_furnace() {
+fn a_white_furnace_gives_dhi_everywhere() {
     let mut triangles = ground(20_000.0, 0.0, 0);
     triangles.extend(block(v(-30.0, -10.0, 0.0), v(-10.0, 25.0, 18.0), 1));
     triangles.extend(block(v(4.0, -12.0, 0.0), v(17.0, 9.0, 11.0), 1));
@@ -167,7 +167,7 @@ fn canyon_radiosity(width: f64, height: f64, rho: f64, n: usize) -> impl Fn(usiz
 /// All bounces in a canyon of albedo 0.5 equal a dense radiosity solution within 1 %, on the floor
 /// and four heights of a wall.
 #[test]
-fn canyon_bounces() {
+fn canyon_bounces_equal_radiosity() {
     let (width, height) = (12.0, 16.0);
     let scene = scene(&canyon(width, height, 4000.0), &[0.5, 0.5]);
     let exact = canyon_radiosity(width, height, 0.5, 200);
@@ -262,7 +262,7 @@ fn geometric_series(shift: DVec3, [of_sky, of_sun]: [f64; 2]) {
 /// In the shadow of a box at 500 sun positions, sun_direct is exact except where the sun's disc,
 /// widened by half a texel, meets the box's edge.
 #[test]
-fn box_shadow() {
+fn a_box_shadow_is_exact_but_at_its_edges() {
     let (low, high) = (v(-4.0, 6.0, 0.0), v(7.0, 13.0, 12.0));
     let scene = scene(&block(low, high, 0), &[0.0]);
     let place = v(1.0, 0.0, 0.5);
@@ -338,7 +338,7 @@ fn well_by_paths(size: DVec3, at: DVec3, normal: DVec3, rho: f64) -> f64 {
 /// a wall of five wells of albedo 0.5 are within 1 % of the open sky of a path tracer (standard
 /// error 0.07 %).
 #[test]
-fn light_wells() {
+fn light_wells_agree_with_a_path_tracer() {
     for (width, depth) in [(16.0, 20.0), (8.0, 20.0), (4.0, 20.0), (4.0, 6.0), (1.5, 6.0)] {
         let (x, y, z) = (v(width, 0.0, 0.0), v(0.0, width, 0.0), v(0.0, 0.0, depth));
         let o = DVec3::ZERO;

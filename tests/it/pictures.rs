@@ -196,7 +196,7 @@ fn carpets_are_the_means_of_hours() {
 /// surface add up to them, at 3 of 3 receivers. Rows with direct sun are those whose `sun_direct`
 /// is not 0 in `replay`, exactly.
 #[test]
-fn hours_of_sun() {
+fn hours_seen_and_hidden_add_up_to_the_hours_of_sun() {
     let folder = Folder::new();
     folder.build();
     let weather = year();
@@ -224,7 +224,7 @@ fn hours_of_sun() {
 /// Receivers without areas are marks, 3 of 3 on the map; names with `<script>` are text in charts,
 /// and the bars of a query are conditions.
 #[test]
-fn points_and_names() {
+fn points_are_marks_and_names_stay_text() {
     let folder = Folder::new();
     folder.build();
     let table = stdout(&folder.run("query site.helio -c conditions.csv"));
@@ -252,7 +252,7 @@ fn points_and_names() {
 /// 9 results that cannot be drawn, or outputs that would replace a file, are refused with a hint,
 /// and no file is written.
 #[test]
-fn what_cannot_be_drawn() {
+fn what_cannot_be_drawn_is_refused() {
     let folder = Folder::new();
     folder.build();
     folder.write("w.epw", &fs::read_to_string(golden()).expect("weather"));

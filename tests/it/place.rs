@@ -74,7 +74,7 @@ fn south_is_symmetric_about_solar_noon() {
 /// `info` states the place of a scene and of its archive in the same words, with 2.27 degrees, and
 /// for a scene without one the options to give. An archive accepts no other place.
 #[test]
-fn info_tells_the_place() {
+fn info_states_the_place() {
     let folder = Folder::new();
     southern(&folder);
     let unknown = stdout(&folder.run("info meadow.obj"));
@@ -128,7 +128,7 @@ fn repaired(folder: &Folder, scene: &str, place: &str) {
 
 /// Seven wrong options are refused with a hint.
 #[test]
-fn wrong_options() {
+fn wrong_place_options_are_refused() {
     let folder = Folder::new();
     for (options, part) in [
         ("--crs 4326", "coordinates in degrees"),
@@ -147,7 +147,7 @@ fn wrong_options() {
 /// the same turn does not. Sides of its table go by true north: a model that is turned by 90
 /// degrees has its wall towards -y in the west.
 #[test]
-fn run_again_when_turned() {
+fn a_run_with_another_turn_is_refused() {
     let folder = Folder::new();
     let weather = Path::new(crate::ROOT).join("tests/data/weather/golden_3_days.epw");
     let command = |turn: u32| {
@@ -171,7 +171,7 @@ fn run_again_when_turned() {
 /// For receivers 90 km from the scene `plan` gives a warning with the distance and a guess; for a
 /// house in millimetres `info` does, and `receivers` refuses its area, with a spacing and the unit.
 #[test]
-fn told_before_work() {
+fn wrong_places_and_units_are_reported_before_work() {
     let folder = Folder::new();
     folder.write("far.csv", "receiver,x,y,z,nx,ny,nz\na,90000,5,1,0,0,1\nb,90001,5,1,0,0,1\n");
     let plan = stderr(&folder.run("plan scene.obj -m materials.toml -r far.csv"));
@@ -188,7 +188,7 @@ fn told_before_work() {
 
 /// No scene of the tests, 7 files of 5 kinds, gets a warning about its unit or place.
 #[test]
-fn no_false_alarms() {
+fn good_scenes_get_no_warning_about_their_place() {
     let data = Path::new(crate::ROOT).join("tests/data");
     let files = [
         "cityjson/hague.city.json",

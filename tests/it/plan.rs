@@ -291,7 +291,7 @@ fn nothing_is_traced_for_what_is_left_out() {
 /// refuses `--reflectance`. An unknown effect is refused (exit 2). Under three days of weather 5 %
 /// leave out bounces; the archive states it, and replay under another file warns (1 of 2).
 #[test]
-fn the_commands() {
+fn plan_prints_the_effects_that_build_leaves_out() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     fs::write(path("s.obj"), "v -20 -20 0\nv 20 -20 0\nv 20 20 0\nv -20 20 0\nv -20 5 0\nv 20 5 0\nv 20 5 9\nv -20 5 9\nusemtl ground\nf 1 2 3 4\nusemtl wall\nf 5 6 7 8\n").expect("written");

@@ -95,7 +95,7 @@ fn sums_fit_together() {
 /// and 0 in the south, in PVGIS's format: 360 lines of one number. The table has pvlib's columns.
 /// If y points 30 degrees east of north the wall is at 30 degrees.
 #[test]
-fn horizon_lists() {
+fn horizon_lists_show_a_wall_at_45_degrees() {
     let folder = Folder::new();
     folder.write("points.csv", "point,x,y,z,tilt,azimuth\np,5,-10,0.001,0,0\n");
     for (turn, north) in [("", 0), (" --latitude 40 --longitude -105 --rotate-deg 30", 30)] {
@@ -128,7 +128,7 @@ fn horizon_lists() {
 /// Under a uniform sky a level point at the foot of an endless black wall loses 50 % against an
 /// open plain, within 0.2 %; a white wall of 0.8 gives 20 % of the open sky back, within 0.5.
 #[test]
-fn half_the_sky() {
+fn a_black_wall_hides_half_of_the_sky() {
     for (material, expected, most) in [("diffuse = 0", 50.0, 0.2), ("diffuse = 0.8", 30.0, 0.5)] {
         let folder = wall(material);
         folder.write("points.csv", "point,x,y,z,tilt,azimuth\np,0,0,1,0,0\n");
@@ -148,7 +148,7 @@ fn half_the_sky() {
 /// a black one, 31.0 before one that reflects 0.8 diffusely, 11.3 before a mirror of 0.8, found
 /// within 0.5 degrees. With limits the result lies on them, and a point without angles takes it.
 #[test]
-fn turns_beside_a_wall() {
+fn the_best_turn_depends_on_the_light_of_the_wall() {
     for (material, bright) in [("diffuse = 0", 0.0_f64), ("diffuse = 0.8", 0.4), ("diffuse = 0\nspecular = 0.8", 0.8)] {
         let folder = wall(material);
         folder.write("points.csv", "point,x,y,z,tilt,azimuth\np,0,0,1,,\ngiven,0,0,1,60,180\n");
@@ -192,7 +192,7 @@ fn turns_beside_a_wall() {
 /// much of the uniform sky as Hottel's crossed strings give a front of endless rows, within 1 %,
 /// and so does its rear; hours have pvlib's columns of both sides.
 #[test]
-fn rows_by_crossed_strings() {
+fn rows_see_the_sky_of_crossed_strings() {
     let folder = wall("diffuse = 0");
     folder.write("field.obj", "v -100 -100 0\nv 100 -100 0\nv 100 100 0\nv -100 100 0\nusemtl grass\nf 1 2 3 4\n");
     folder.write("field.toml", "[grass]\ndiffuse = 0\nclass = \"ground\"\n");
@@ -229,7 +229,7 @@ fn rows_by_crossed_strings() {
 
 /// Wrong input is refused with file, line and a hint, 13 of 13, and leaves no folder of results.
 #[test]
-fn wrong_input() {
+fn wrong_input_is_refused_with_file_and_line() {
     let folder = Folder::new();
     let weather = golden();
     let pv = |rest: &str| format!("pv scene.obj -m materials.toml -w {} -o out {rest}", weather.display());
@@ -291,7 +291,7 @@ fn lists_of_earlier_points_go() {
 
 /// Results of other points or other weather are kept, and replaced on request: 2 refusals.
 #[test]
-fn other_inputs_are_kept() {
+fn results_of_other_inputs_are_kept() {
     let folder = wall("diffuse = 0");
     folder.write("points.csv", "point,x,y,z,tilt,azimuth\np,0,0,1,0,0\n");
     let pv = |rest: &str| format!("pv wall.obj -m wall.toml {PLACE} --points points.csv --no-hourly -o out {rest}");

@@ -74,7 +74,7 @@ fn open_sky(y: f64) -> f64 {
 /// places, 52 lines of 2, the modules keep their names, and 0.6 kWh/m2 in 6 hours of a day are
 /// 0.5296 of them in PAR and 4.57 umol per joule of that.
 #[test]
-fn sky_by_crossed_strings() {
+fn ground_sees_the_sky_of_crossed_strings() {
     let folder = meadow();
     let done =
         good(&folder, &format!("pv field.obj -m field.toml {PLACE} -w even.csv --rows rows.toml --sky uniform -o out"));
@@ -109,7 +109,7 @@ fn sky_by_crossed_strings() {
 /// lie more than 5 cm from the shadow's ends the sun is there or not, and the width of the shade by
 /// the 6 positions is that of the closed form within their distance.
 #[test]
-fn shade_under_a_sun() {
+fn shadows_of_rows_lie_where_their_edges_throw_them() {
     let folder = meadow();
     good(&folder, &format!("pv field.obj -m field.toml {PLACE} -w even.csv --rows rows.toml --no-hourly -o out"));
     let places = table(&folder, "out/ground.csv");
@@ -152,7 +152,7 @@ fn shade_under_a_sun() {
 /// months add up. On a slope with grass that is dark to plants PAR is that of `replay`, which takes
 /// `ground.csv` for its list of receivers, and the months' sum is the year's.
 #[test]
-fn light_of_plants() {
+fn par_is_its_share_of_sun_and_sky() {
     let folder = meadow();
     let weather = golden();
     let weather = weather.display();
@@ -202,7 +202,7 @@ fn light_of_plants() {
 /// there. Without `ground` there is no table of it, and the table of an earlier `ground` is removed
 /// when the folder is replaced.
 #[test]
-fn places_inside_of_modules() {
+fn places_inside_of_modules_are_left_out() {
     let folder = meadow();
     let rows = |more: &str| {
         format!(
@@ -229,7 +229,7 @@ fn places_inside_of_modules() {
 /// number, or so small that there would be more than a million places; no place in the area; rows
 /// on a wall; an unknown word for `ground`, in a list.
 #[test]
-fn wrong_ground() {
+fn wrong_ground_inputs_are_refused() {
     let folder = Folder::new();
     let weather = golden();
     let pv = format!("pv scene.obj -m materials.toml -w {} -o out --rows rows.toml", weather.display());

@@ -94,7 +94,7 @@ fn changed_equals_rebuilt() {
 /// bright hall all totals are within 1e-4 of the mean of those with each albedo on its own (6 of
 /// them).
 #[test]
-fn many_albedos() {
+fn interpolated_albedos_equal_single_ones() {
     let coarse = BuildSettings { sky_base: 64, sky_fine: 256, ..BuildSettings::default() };
     let albedo = |i: usize| 0.05 + 0.85 * (i * 7 % 24) as f64 / 23.0;
     let (room, inside) = hall(0.3);

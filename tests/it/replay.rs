@@ -84,7 +84,7 @@ fn points() -> Vec<Vec<DVec3>> {
 /// light, where there is less). Sums of the year are within 1e-5 of the largest, of its twelfths
 /// within 4e-5 and of its days within 1e-4, of the sums of the hours.
 #[test]
-fn plain_path() {
+fn replay_equals_the_plain_computation() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("hague.helio");
     let built = hague(&path, &data("receivers.csv")).output().expect("runs");

@@ -52,7 +52,7 @@ fn key(label: &str, place: &str) -> (String, String) {
 /// `--columns` writes two chosen columns, in that order, with the values of the whole table, also
 /// with the suffix of sums; 3 wrong lists end with exit code 2.
 #[test]
-fn columns() {
+fn chosen_columns_are_written_in_their_order() {
     let folder = site();
     let (_, whole) = table(&replay(&folder, "--every day"));
     let (header, two) = table(&replay(&folder, "--every day --columns total_kwh_m2,sky_direct"));
@@ -72,7 +72,7 @@ fn columns() {
 /// Spans of the three days give their hours, one day or two, and `total` is the sum of the days. 5
 /// wrong spans end with exit code 2, and a typical year accepts no years.
 #[test]
-fn spans() {
+fn spans_give_their_hours_and_days() {
     let folder = site();
     let (_, days) = table(&replay(&folder, "--every day"));
     for (span, hours) in [
@@ -114,7 +114,7 @@ fn spans() {
 /// missing column and an output that would replace the list, also beside an array, are refused, 4
 /// of 4.
 #[test]
-fn receivers() {
+fn listed_receivers_keep_the_rows_of_the_table() {
     let folder = site();
     folder.write("few.csv", "note,receiver\nx,high\n,roof\n");
     let (_, whole) = table(&replay(&folder, ""));
@@ -133,7 +133,7 @@ fn receivers() {
 /// In two tiles any selection gives the rows of the whole table: one receiver of either tile, one
 /// of each, all 90; Arrow files name those alone.
 #[test]
-fn receivers_of_tiles() {
+fn selections_keep_the_rows_of_two_tiles() {
     let folder = roof();
     let query = "query site.helio -c conditions.csv";
     let (_, whole) = table(&folder.run(query));
@@ -155,7 +155,7 @@ fn receivers_of_tiles() {
 /// selection is weighted by its own receivers. Receivers without a surface and a surface with some
 /// areas only are refused.
 #[test]
-fn surfaces() {
+fn surfaces_are_means_weighted_by_area() {
     let folder = site();
     let (_, single) = table(&replay(&folder, "--every month"));
     let (header, surfaces) = table(&replay(&folder, "--every month --by surface"));
@@ -194,7 +194,7 @@ fn surfaces() {
 /// equal months, and snow by albedo. Golden's three days have an albedo and no snow (a warning). 9
 /// wrong requests end with exit code 2 and name the allowed values.
 #[test]
-fn reflectances() {
+fn brighter_ground_adds_reflected_light_only() {
     let folder = site();
     let year = |rest: &str| table(&replay(&folder, &format!("--every total -o - {rest}"))).1;
     let months = |value: f64| format!("reflectance\n{}", format!("{value}\n").repeat(12));

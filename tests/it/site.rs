@@ -45,7 +45,7 @@ fn read(path: &Path) -> String {
 /// them, 60 more below the meadow. The areas of those that are written are 740 m2, and the order of
 /// the file changes only the line numbers of faces.
 #[test]
-fn buried_are_left_out() {
+fn buried_receivers_are_left_out() {
     let folder = Folder::new();
     fs::write(folder.path("a.obj"), houses(false)).expect("written");
     fs::write(folder.path("b.obj"), houses(true)).expect("written");
@@ -77,7 +77,7 @@ fn buried_are_left_out() {
 /// 3 receivers a surface on 2 roofs are 6 rows 5 mm off the roof; by the name of a material 8 of 10
 /// surfaces get receivers, as two are hidden.
 #[test]
-fn by_kind_and_material() {
+fn receivers_are_chosen_by_kind_and_material() {
     let folder = Folder::new();
     fs::write(folder.path("a.obj"), houses(false)).expect("written");
     let roofs = folder.run("receivers a.obj --on roof --per-surface 3 --offset 5mm");
@@ -92,7 +92,7 @@ fn by_kind_and_material() {
 
 /// Five wrong requests are refused with exit code 2 and the possible values; no file is written.
 #[test]
-fn refusals() {
+fn wrong_requests_are_refused_with_possible_values() {
     let folder = Folder::new();
     fs::write(folder.path("a.obj"), houses(false)).expect("written");
     folder.write("b.abc", "0 0 0\n");
@@ -126,7 +126,7 @@ pub fn names(folder: &Path) -> Vec<String> {
 /// One command writes 9 files. Its sums are those of `replay`, and rows of `south` get more sun
 /// than `north`. A second run traces nothing and leaves the archive's bytes.
 #[test]
-fn run_and_run_again() {
+fn a_second_run_traces_nothing() {
     let folder = Folder::new();
     fs::write(folder.path("a.obj"), houses(false)).expect("written");
     let weather = format!("{}/tests/data/weather/golden_3_days.epw", crate::ROOT);
@@ -172,7 +172,7 @@ fn run_and_run_again() {
 /// archive, `run` and `replay` warn that Golden's weather is more than 7,000 km away, and
 /// convergence is named once.
 #[test]
-fn place_travels() {
+fn the_place_of_a_scene_reaches_its_results() {
     let folder = Folder::new();
     let root = crate::ROOT;
     let (city, weather) = (

@@ -14,7 +14,7 @@ use crate::scenes::{quad, receiver, site, v};
 /// degrees, and of an open wall, are those of the integral of (1 + 2 sin a)/3 within 0.1 points at
 /// the default settings. A receiver that looks down sees no sky.
 #[test]
-fn vertical_sky_components() {
+fn sky_components_are_those_of_the_integral() {
     let (height, distance) = (20.0_f64, 10.0);
     let wall = quad(v(-6000.0, distance, 0.0), v(12_000.0, 0.0, 0.0), v(0.0, 0.0, height), 0);
     let scene = Scene::from_triangles(&wall, vec![Material::matt("wall", 0.3, Class::Obstruction)]).expect("a scene");

@@ -22,7 +22,7 @@ fn mean_errors(table: &str) -> BTreeMap<(String, u32), f64> {
 /// rays. In each map the mean error falls from 256 to 1024 to 4096 rays, then to below 2.5 % by
 /// longitude and latitude, 5 % by solid angle and 3 % by cosine.
 #[test]
-fn wall() {
+fn map_errors_of_a_wall_fall_with_more_rays() {
     let folder = Folder::new();
     let output = folder.run("study wall -o made/wall");
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
@@ -47,7 +47,7 @@ fn wall() {
 /// 25 points over the receiver bring the mean error of every map of 4096 rays below half of that of
 /// one point; 3 distances of one map and number of rays are 3 rows, and two runs write equal bytes.
 #[test]
-fn points() {
+fn more_points_more_than_halve_the_error() {
     let folder = Folder::new();
     let table = |rest: &str| {
         let output = folder.run(&format!("study wall -o made {rest}"));
@@ -66,7 +66,7 @@ fn points() {
 
 /// Wrong numbers are refused with a hint, 7 of 7, and no file is written.
 #[test]
-fn wrong_numbers() {
+fn wrong_numbers_are_refused() {
     let folder = Folder::new();
     for (arguments, parts) in [
         ("--mapping fisheye", ["fisheye", "longitude-latitude, solid-angle, cosine"]),

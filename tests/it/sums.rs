@@ -56,7 +56,7 @@ fn off(site: &Site, component: Component, sky: SkyModel) -> (f64, f64) {
 /// sum: direct, in mirrors and in double glass, on receivers of four tilts that suns graze, and
 /// through leaves. Light of the sky with its circumsolar part is within 2e-3.
 #[test]
-fn suns_added_up() {
+fn sums_of_suns_are_sums_of_their_hours() {
     let settings = BuildSettings { sky_base: 64, sky_fine: 512, hit: 8, probe: 8, ..BuildSettings::default() };
     let town = site(&mirror_town(), &many()[..64], &settings);
     for (component, sky, bound) in [

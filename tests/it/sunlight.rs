@@ -41,7 +41,7 @@ fn minutes(day: u32, latitude_deg: f64, origin: DVec3, normal: DVec3, walls: &[R
 /// seconds and all within ten: the other algorithm is right to 0.01 degrees, which is seconds where
 /// the sun rises flatly, and rays start a millimetre off their surface.
 #[test]
-fn moments_of_edges() {
+fn sun_between_edges_is_timed_to_half_a_minute() {
     let days = [("03-21", 79), ("06-21", 171), ("11-05", 308), ("12-21", 354)];
     let (mut off, mut off_exact) = (Vec::new(), Vec::new());
     for latitude_deg in [0.0, 31.0, 52.0, 64.0, -34.0] {
@@ -102,7 +102,7 @@ fn moments_of_edges() {
 /// The area of that part, by receivers 1 m apart, is that of a grid of 50 cm with another sun
 /// algorithm within 1 %, and a rule of half of the area agrees with the table.
 #[test]
-fn shadow_of_a_box_on_a_lawn() {
+fn a_shaded_lawn_has_the_area_of_a_finer_grid() {
     let v = DVec3::new;
     let corner = v(-20.0, -5.0, 0.0);
     let (width, depth, height) = (40.0, 10.0, 20.0);
@@ -155,7 +155,7 @@ fn shadow_of_a_box_on_a_lawn() {
 ///   are not.
 /// - `behind`: VSC of 24.4 %, below 27; `south` has 39.6.
 #[test]
-fn verdicts_by_hand() {
+fn verdicts_are_those_worked_out_by_hand() {
     let folder = Folder::new();
     let v = DVec3::new;
     // Walls 100 m high, half a metre away, leave 165 to 195 degrees.
@@ -219,7 +219,7 @@ fn verdicts_by_hand() {
 /// it in turn is at least the minutes of its largest part. A spell of at least 3 hours, an angle of
 /// 45 degrees to the facade and hours of summer time each count as stated.
 #[test]
-fn rules_of_ones_own() {
+fn rules_from_a_file_weigh_the_parts_of_a_window() {
     let folder = Folder::new();
     folder.write("s.obj", GROUND);
     let mut lines = String::from("receiver,x,y,z,nx,ny,nz,area,surface,kind\n");
@@ -268,7 +268,7 @@ fn rules_of_ones_own() {
 /// the mornings. South gets nearly all of them, east all, west none; the rule does not apply to
 /// north. A file without these days is refused.
 #[test]
-fn probable_hours() {
+fn probable_hours_are_shares_of_sunny_hours() {
     let folder = Folder::new();
     folder.write("s.obj", GROUND);
     folder.write(
@@ -314,7 +314,7 @@ fn probable_hours() {
 /// value, so the rule is met beside the archive before and broken without it; 18.3 % is newly
 /// broken. Lost minutes are the difference of two tables, and a new receiver has none.
 #[test]
-fn before_and_after() {
+fn an_earlier_archive_decides_whether_a_rule_is_met() {
     let folder = Folder::new();
     for (name, angle_deg) in [("a", 25.0_f64), ("b", 30.0), ("c", 40.0)] {
         let height = 1.5 + 10.0 * angle_deg.to_radians().tan();
@@ -357,7 +357,7 @@ fn before_and_after() {
 /// `run --rule` writes a table of rules beside the others, with the rows of `sunlight` on its
 /// archive; an unknown rule is refused before anything is built.
 #[test]
-fn beside_a_run() {
+fn run_writes_the_rows_of_sunlight() {
     let folder = Folder::new();
     let weather = crate::cli::golden();
     let ask = format!(
@@ -379,7 +379,7 @@ fn beside_a_run() {
 /// Days are written as tables of all extensions, maps and a picture; months hold the sums of their
 /// days. First and last minutes are times of the legal clock, which is an hour later in June.
 #[test]
-fn files_and_periods() {
+fn months_hold_the_sums_of_their_days() {
     let folder = Folder::new();
     folder.write(
         "s.obj",
@@ -423,7 +423,7 @@ fn files_and_periods() {
 /// Fourteen wrong requests are refused with exit code 2, each with the word that says what is
 /// wrong, and no file is written; an archive of a draft gives results with a warning.
 #[test]
-fn wrong_questions() {
+fn wrong_sunlight_requests_are_refused() {
     let folder = Folder::new();
     folder.write("s.obj", GROUND);
     folder.write("r.csv", "receiver,x,y,z,nx,ny,nz\na,0,0,5,0,-1,0\n");

@@ -25,7 +25,7 @@ fn reference() -> Vec<f32> {
 /// (Dozier and Frew 1990) by 2,048 rays a pixel is in the mean within 0.005 of the independent
 /// raster, and 95 % of pixels are within 0.02.
 #[test]
-fn sky_view_of_a_basin() {
+fn a_basin_has_the_sky_view_of_its_raster() {
     let scene = Scene::load(&Path::new(crate::ROOT).join("tests/data/terrain/lakes_basin.tif"), None).expect("a scene");
     assert_eq!(scene.mesh.triangles.len(), 2 * 155 * 167);
     let tracer = Tracer::new(&scene.mesh).expect("a tracer");

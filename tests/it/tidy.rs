@@ -440,7 +440,7 @@ fn docs_name_their_subject() {
 /// `unsafe` stands in two files, the mapping and the calls of the page's engine to its host: 0
 /// others hold it.
 #[test]
-fn unsafe_in_two_files() {
+fn unsafe_stands_in_two_files() {
     let word = concat!("un", "safe ");
     let holders: Vec<_> = sources()
         .into_iter()
@@ -511,7 +511,7 @@ fn the_engine_is_small() {
 /// files that read files, 0 of its files name one, the system's temporary folder, the environment,
 /// a clock or a thread, and none prints.
 #[test]
-fn the_engine_asks_nobody() {
+fn the_engine_opens_nothing_by_itself() {
     let core = Path::new(crate::ROOT).join("src/core");
     let of_files = ["archive/read_at.rs", "archive/source.rs", "archive/mapping.rs"];
     let barred = ["std::fs", "std::env", "std::thread", "std::time", "tempfile", "println!", "print!(", "dbg!("];

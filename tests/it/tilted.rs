@@ -81,7 +81,7 @@ fn open_site() -> Site {
 /// of clearness among them, seven open surfaces get pvlib's light of the sky within 1e-4 of it (or
 /// of a hundredth of DHI), an overhang too; the horizon takes light away in more than 10 of them.
 #[test]
-fn open_beside_pvlib() {
+fn open_surfaces_get_the_light_of_pvlib() {
     let path = data("../weather/perez1990.csv");
     let bytes = fs::read(&path).expect("pvlib's hours");
     let conditions = parse_conditions(&path, &bytes).expect("conditions").conditions;
@@ -110,7 +110,7 @@ fn open_beside_pvlib() {
 /// sky is isotropic, and a flat surface gets DHI within 1e-6 wherever the sun is above 5 degrees.
 /// Sums over all hours are the sums of the means within 1e-6.
 #[test]
-fn open_by_the_formula() {
+fn open_surfaces_get_the_light_of_the_formula() {
     let suns =
         |azimuths: [f64; 3], altitudes: [f64; 3]| [0, 1, 2].map(|i| direction_from_degrees(azimuths[i], altitudes[i]));
     let of = |name: &str, suns: &[_], dni, dhi| {
@@ -162,7 +162,7 @@ fn lights() -> [Condition; 4] {
 /// for one, and with reflectances of 0.2 and 0.6 by turns of hours. The column of the ground alone
 /// has it all (1e-4), and sums over the hours are those of the means within 1e-5.
 #[test]
-fn by_way_of_surfaces() {
+fn reflected_light_follows_the_formula() {
     let wall = quad(v(-4000.0, 0.5, -4000.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 8000.0), 0);
     let wall = site(&scene(&wall, &[0.5]), &[receiver("r", v(0.0, 0.0, 0.0), v(0.0, 1.0, 0.0))], &fine());
     let floor =
@@ -195,7 +195,7 @@ fn by_way_of_surfaces() {
 /// A receiver before a boundless mirror of 0.8 gets 0.8 of the formula's light on an open wall,
 /// within 0.1 %, and no other light.
 #[test]
-fn by_mirrors() {
+fn mirrored_light_follows_the_formula() {
     let wall = quad(v(-4000.0, 0.5, -4000.0), v(8000.0, 0.0, 0.0), v(0.0, 0.0, 8000.0), 0);
     let mirror = Material { specular: 0.8, ..Material::matt("mirror", 0.0, Class::Obstruction) };
     let scene = Scene::from_triangles(&wall, vec![mirror]).expect("a scene");
@@ -212,7 +212,7 @@ fn by_mirrors() {
 /// In two boxes of leaves, one in the other, that transmit 0.6 each, receivers of three tilts get
 /// 0.36 of the formula's light within 1e-3.
 #[test]
-fn through_leaves() {
+fn light_through_leaves_follows_the_formula() {
     let boxes: Triangles =
         [1.0, 2.0].iter().flat_map(|&half| block(v(-half, -half, -half), v(half, half, half), 0)).collect();
     let leaf = Material { transmittance: Some(0.6), ..Material::matt("leaf", 0.0, Class::Obstruction) };

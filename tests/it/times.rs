@@ -49,7 +49,7 @@ fn noon_is_in_the_right_hour() {
 /// February with one warning. The values are the same bytes. Days and months of a typical year get
 /// dates, and `--from` accepts them.
 #[test]
-fn one_year() {
+fn a_typical_year_is_put_into_one_year_on_request() {
     let folder = Folder::new();
     folder.build();
     let year = data("golden_tmy3.epw");
@@ -86,7 +86,7 @@ fn one_year() {
 /// 29 February of 2020 is left out of 2019, 24 of 8784 hours, with one warning; wrong years are
 /// refused, 3 of 3.
 #[test]
-fn leap_days() {
+fn leap_days_are_left_out_of_other_years() {
     let leap = epw("40,-105,-7", &days(2020, 0), |_, _| [9999.0, 0.0, 10.0]);
     let (rows, said) = replay(&leap, "--year 2019");
     assert_eq!(rows.keys().filter(|(_, id)| id == "up").count(), 8760);
@@ -116,7 +116,7 @@ fn leap_days() {
 /// The last of 72 hours is labelled 23:00, 23:30 or 00:00 of the next day; sums of days are
 /// labelled alike by all three.
 #[test]
-fn stamps() {
+fn stamps_label_the_start_middle_or_end() {
     let folder = Folder::new();
     folder.build();
     let run = |rest: &str| stdout(&folder.run(&format!("replay site.helio --weather {} {rest}", golden().display())));
@@ -137,7 +137,7 @@ fn text_of(path: &Path) -> String {
 /// Each of 10 files, or the one beside it, names the archive's root, the program's version and the
 /// command; 8 name the weather too. Neither the output's name nor the memory changes a byte.
 #[test]
-fn every_file_says_what_it_is_made_of() {
+fn every_file_states_its_sources() {
     let folder = Folder::new();
     folder.build();
     let info = stdout(&folder.run("info site.helio"));
@@ -191,7 +191,7 @@ fn every_file_says_what_it_is_made_of() {
 /// The file beside a CSV file replaces no input: of a query and of an export, 2 of 2 are refused,
 /// and no file lies beside the standard output.
 #[test]
-fn what_stands_beside_is_guarded() {
+fn a_file_beside_a_table_replaces_no_input() {
     let folder = Folder::new();
     folder.build();
     folder.write("t.csv-metadata.json", "receiver\nroof\n");

@@ -371,7 +371,7 @@ fn conflicts_are_named() {
 /// Two blocks of unknown kinds and keys of the manifest on 4 levels pass through extract and merge.
 /// An equal block is kept once; a different one is a conflict, and so is a different key.
 #[test]
-fn what_is_unknown_is_kept() {
+fn unknown_blocks_and_keys_are_kept() {
     let folder = Folder::new();
     let all = many();
     folder.build("whole.helio", &all, &coarse(), 0.4);

@@ -224,7 +224,7 @@ fn a_tower_takes_sun_from_what_is_behind_it() {
 /// and those on its own faces move with it. Edits that change nothing are reported, and give the
 /// archive before.
 #[test]
-fn what_is_buried_is_said() {
+fn swallowed_receivers_are_left_out_and_counted() {
     let town = Town::new();
     let said = town.done("update before.helio --move shed=15,0.5,0 -v -o inside.helio");
     assert!(said.contains("receivers would be inside something or covered now: left out"), "{said}");

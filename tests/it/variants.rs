@@ -274,7 +274,7 @@ pub fn run(folder: &Path, line: &str) -> (Option<i32>, String) {
 /// not used. An archive without its scene, and the archive that is to be written, are refused. A
 /// folder of `run --from` holds the archive of `run`.
 #[test]
-fn from_the_command_line() {
+fn build_from_an_archive_has_the_bytes_of_a_build() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let at = folder.path();
     let house = |x: f64| {

@@ -148,7 +148,7 @@ const ELSEWHERE: &str = "receiver,x,y,z,nx,ny,nz\nx,12,9,0.02,0,0,1\n";
 /// `export --with` writes one file that holds both, each under its name. For equal archives there
 /// is a warning and a page.
 #[test]
-fn two_archives() {
+fn view_shows_two_archives_on_one_page() {
     let folder = Folder::new();
     folder.build();
     another(&folder, "changed.helio", CHANGED, "");
@@ -179,7 +179,7 @@ fn two_archives() {
 /// reason and a hint: no receiver in common, another coordinate system, places 100 km apart, an
 /// atlas, a missing archive, no page: 6 of 6 by `view` or `export`.
 #[test]
-fn two_archives_that_do_not_fit() {
+fn archives_that_cannot_be_compared_are_refused() {
     let folder = Folder::new();
     folder.build();
     another(&folder, "elsewhere.helio", ELSEWHERE, "");
@@ -214,7 +214,7 @@ fn two_archives_that_do_not_fit() {
 /// Files that cannot be shown are refused before anything is served, 5 of 5, with the name of the
 /// file.
 #[test]
-fn what_cannot_be_shown() {
+fn files_that_cannot_be_shown_are_refused() {
     let folder = Folder::new();
     folder.build();
     fs::write(folder.path("cut.helio"), &fs::read(folder.path("site.helio")).expect("an archive")[..3000])
@@ -229,7 +229,7 @@ fn what_cannot_be_shown() {
 /// `export --html` writes one file that holds the archive's bytes and those of the weather, and no
 /// foreign address; names with tags stay text.
 #[test]
-fn a_page_as_a_file() {
+fn an_exported_page_holds_archive_and_weather() {
     let folder = Folder::new();
     folder.build();
     let name = "a<script>b.helio";

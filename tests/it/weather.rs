@@ -81,7 +81,7 @@ fn at(rows: &BTreeMap<(String, String), [f64; 2]>, label: &str, id: &str) -> [f6
 /// 40 min (the file's own comment, an offset of -0.8239 h in UTC, means 40.6) and RMSE 51 and 1
 /// W/m2. With the zone that it names there is no warning, and the east wall gets 18 % less sun.
 #[test]
-fn pvgis_trap() {
+fn pvgis_rows_in_utc_get_a_warning() {
     let text = fs::read_to_string(data("pvgis_4_days.epw")).expect("data");
     let (rows, warnings) = replay(&text, "--every month");
     for part in [
@@ -100,7 +100,7 @@ fn pvgis_trap() {
 /// In December at 78.2 N no row has sun, the sky's 3 W/m2 arrive whole on the horizontal at all 744
 /// hours (to 1e-5) under each of three skies, and every value is finite.
 #[test]
-fn polar_night() {
+fn polar_night_has_light_of_the_sky_alone() {
     let text = epw("78.2,15.6,1", &days(2019, 12), |_, _| [3.0, 0.0, 3.0]);
     for sky in ["perez", "uniform", "cie:12"] {
         let (rows, warnings) = replay(&text, &format!("--sky {sky}"));
@@ -115,7 +115,7 @@ fn polar_night() {
 /// and the day's sums there and on four walls are those of the sun's path in steps of 1 min, to 0.3
 /// %: the north wall, low sun in front, gets a third more than the south wall.
 #[test]
-fn midnight_sun() {
+fn the_midnight_sun_shines_24_hours() {
     let date = Date::new(2019, 6, 21).expect("a date");
     let place = Place::new(78.2, 15.6, 1.0, 0.0).expect("a site");
     let path: Vec<DVec3> = (0..1440).map(|i| place.sun(date, f64::from(i) + 0.5)).collect();
@@ -133,7 +133,7 @@ fn midnight_sun() {
 /// In Sydney at noon of 21 June the sun is in the north: the north wall gets 500 W/m2 x cos 32.7
 /// deg, 421, within 1 %, the south wall none, and in the morning the east wall more than the west.
 #[test]
-fn southern_hemisphere() {
+fn in_sydney_the_noon_sun_is_in_the_north() {
     let date = Date::new(2019, 6, 21).expect("a date");
     let text = epw(
         "-33.87,151.21,10",
@@ -150,7 +150,7 @@ fn southern_hemisphere() {
 /// A leap year of 8784 rows gives 366 days, 29 February among them, and no warning about its
 /// length; the same year without that day is read as well, with 365.
 #[test]
-fn leap_year() {
+fn a_leap_year_has_366_days_without_a_warning() {
     let all = days(2020, 0);
     let without: Vec<Date> = all.iter().copied().filter(|d| (d.month, d.day) != (2, 29)).collect();
     for (days, count) in [(all, 366), (without, 365)] {
@@ -165,7 +165,7 @@ fn leap_year() {
 /// the walls that face where the sun will rise get more of it than those behind, and DNI of that
 /// hour is left out, with a warning that counts 1 hour.
 #[test]
-fn twilight() {
+fn twilight_keeps_dhi_and_leaves_dni_out() {
     let date = Date::new(2019, 3, 21).expect("a date");
     let text = epw("50,0,0", &[date], |_, hour| if hour == 5 { [7.0, 80.0, 7.0] } else { [0.0; 3] });
     let (rows, warnings) = replay(&text, "");
@@ -182,7 +182,7 @@ fn twilight() {
 /// A DNI of 1,000,000 W/m2 at an altitude of 0.1 deg is DNI sin(0.1 deg), 1745 W/m2, on the
 /// horizontal and DNI cos on the wall, each to 0.1 %, and nothing is infinite.
 #[test]
-fn huge_dni_at_the_horizon() {
+fn a_huge_dni_at_the_horizon_stays_finite() {
     let text = "condition,sun_azimuth_deg,sun_altitude_deg,dni_w_m2,dhi_w_m2\na,90,0.1,1000000,10\n";
     let output = run("query", "--conditions", text, "");
     let table = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -211,7 +211,7 @@ fn daylight_saving_is_ignored() {
 /// with a warning that counts the hours with sun, 13 of 24, and the sum of sun and sky on the
 /// horizontal is GHI to 1 W/m2.
 #[test]
-fn missing_light() {
+fn missing_light_is_refused_or_split_from_ghi() {
     let date = Date::new(2019, 3, 21).expect("a date");
     let output = run("replay", "--weather", &epw("50,0,0", &[date], |_, _| [9999.0; 3]), "");
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -228,7 +228,7 @@ fn missing_light() {
 /// or with the zone of it, give the east wall the same sun within 1 %, 18 % less than without.
 /// Stamps of the start in place of the end are an hour later.
 #[test]
-fn shifts_and_zones() {
+fn a_shift_or_a_zone_gives_the_same_sun() {
     let epw = fs::read_to_string(data("pvgis_4_days.epw")).expect("data");
     let csv = fs::read_to_string(data("pvgis_4_days.csv")).expect("data");
     let east = |text: &str, rest: &str| at(&replay(text, &format!("--every total {rest}")).0, "total", "e")[0];
@@ -246,7 +246,7 @@ fn shifts_and_zones() {
 /// unpacks to 300 MiB, 800 times its size, and one that is cut off, are refused in one sentence
 /// with exit code 2.
 #[test]
-fn packed_files() {
+fn packed_weather_is_read_and_bombs_are_refused() {
     let pack = |bytes: &[u8]| {
         let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
         std::io::Write::write_all(&mut packed, bytes).expect("packed");
@@ -285,7 +285,7 @@ fn packed_files() {
 /// zone; with both, noon of 21 June at 52 N has 800 W/m2 x sin 61.4 deg on the horizontal, within
 /// 0.5 %.
 #[test]
-fn place_of_the_archive() {
+fn a_csv_takes_the_place_of_the_archive() {
     let mut lawn = scene(&ground(50.0, 0.0, 0), &[0.2]);
     lawn.place = Some(heliotile_core::site::place::Place {
         latitude_deg: 52.0,
@@ -319,7 +319,7 @@ fn place_of_the_archive() {
 /// and a zip archive, give the five sums of the plain table to 0.2 %. Dates of one day that can be
 /// read in two ways end with exit code 2, and with `--date-order` they do not.
 #[test]
-fn seven_layouts_through_the_program() {
+fn seven_layouts_give_the_same_sums() {
     let place = ["--latitude", "40", "--longitude=-105", "--every", "total"];
     let replayed = |file: &Path, rest: &[&str]| {
         let mut program = Command::new(env!("CARGO_BIN_EXE_heliotile"));

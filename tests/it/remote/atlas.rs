@@ -59,7 +59,7 @@ const BOX: &str = "78706,457921,78749,457964";
 /// any scene file. `find` of a box takes at most 5 requests, `replay` of a box in one part less
 /// than half of the bytes of all.
 #[test]
-fn as_from_a_folder() {
+fn an_atlas_reads_alike_from_a_store_and_a_folder() {
     let (folder, store) = placed();
     let mut bytes = Vec::new();
     for line in [
@@ -102,7 +102,7 @@ fn as_from_a_folder() {
 /// is not traced again, which a missing scene file shows, and stays even if its object was
 /// replaced. A web server, a missing part and atlas, and failing requests are refused: 4 of 4.
 #[test]
-fn built_in_a_store() {
+fn parts_are_built_in_the_store_of_their_plan() {
     let (folder, store) = (Folder::new(), Store::new());
     fs::copy(golden(), folder.path("w.epw")).expect("copied");
     let model = folder.path("block.city.json");
@@ -155,7 +155,7 @@ fn built_in_a_store() {
 /// catalogue that was made anew. A part that was left out of an interrupted copy is added. Another
 /// part in a place stops the copy, and another atlas does even with `--replace`.
 #[test]
-fn there_and_back() {
+fn an_atlas_is_copied_to_a_store_and_back() {
     let (folder, store) = placed();
     let ran = |line: &str| {
         let ran = run(&folder, &store, line);
@@ -229,7 +229,7 @@ fn there_and_back() {
 /// 14 wrong places and parts are refused with a finding and a hint, and no secret is printed. A
 /// plan that is replaced while it is read is never mixed.
 #[test]
-fn what_cannot_be_asked() {
+fn wrong_places_and_parts_are_refused() {
     let (folder, store) = placed();
     let refused = |line: &str, parts: &[&str]| {
         let ran = run(&folder, &store, line);

@@ -20,7 +20,7 @@ fn large() -> Vec<u8> {
 /// unless `--replace` is given. A wrong clock of this machine is reported: 1 of 1. A damaged
 /// archive is mended at either end: 2 of 2.
 #[test]
-fn there_and_back() {
+fn files_are_copied_to_a_store_and_back() {
     let (folder, store) = hague();
     let ran = |line: &str| {
         let ran = run(&folder, &store, line);
@@ -70,7 +70,7 @@ fn there_and_back() {
 /// remote archive is that of the file. An existing object stays unless `--replace` is given, 2 of
 /// 2, and an object that another program wrote meanwhile stays: 1 of 1.
 #[test]
-fn of_google() {
+fn google_stores_copy_and_keep_objects() {
     let (folder, store) = hague();
     fs::write(folder.path("large.helio"), large()).expect("written");
     let ran = |line: &str| {
@@ -106,7 +106,7 @@ fn of_google() {
 /// under its name. Commands follow the pointer, in the store and where both are files. A pointer
 /// that leads to another archive is refused.
 #[test]
-fn a_pointer() {
+fn commands_follow_a_pointer() {
     let (folder, store) = hague();
     fs::write(folder.path("large.helio"), large()).expect("written");
     let sent = run(&folder, &store, "copy large.helio s3://bucket/large.helio");
@@ -141,7 +141,7 @@ fn a_pointer() {
 /// other says so, 5 times of 5, and the object is whole. Two programs that publish the same archive
 /// both succeed.
 #[test]
-fn two_writers() {
+fn one_of_two_writers_wins() {
     let (folder, store) = hague();
     let mut other = large();
     let extracted = folder.run("extract site.helio -r some.csv -o other.helio");
@@ -178,7 +178,7 @@ fn two_writers() {
 /// With a store that fails while an archive is sent or fetched, 40 copies end well or with an
 /// error, and the object or file under the name is afterwards the whole archive, or absent.
 #[test]
-fn faults_while_copying() {
+fn faults_leave_a_whole_object_or_none() {
     let (folder, store) = hague();
     fs::write(folder.path("large.helio"), large()).expect("written");
     let mut done = [0, 0];

@@ -25,7 +25,7 @@ const COMMANDS: [&str; 9] = [
 /// 9 commands print and write the same bytes from a store as from a file, but for the archive's
 /// name, with fewer than 40 requests each.
 #[test]
-fn as_from_a_file() {
+fn a_store_reads_like_a_file() {
     let (folder, store) = hague();
     for line in COMMANDS {
         let line = line.replace("0,0,1e9,1e9", "-1e9,-1e9,1e9,1e9");
@@ -49,7 +49,7 @@ fn as_from_a_file() {
 /// more. A damaged file of the cache is fetched again. `verify` fetches everything all the same. An
 /// object that was replaced is read again, with its own values.
 #[test]
-fn a_cache() {
+fn a_cache_saves_requests() {
     let (folder, store) = hague();
     let query = "query s3://bucket/site.helio --conditions conditions.csv";
     let asked = |line: &str| {
@@ -94,7 +94,7 @@ fn mixed(seed: u64) -> u64 {
 /// or an error that names the address and a hint, within 30 s, and most give the table. Over 100
 /// faults are met, and no secret is printed.
 #[test]
-fn faults() {
+fn faults_end_in_the_table_or_an_error() {
     let (folder, store) = hague();
     let near = stdout(&folder.run("query site.helio --conditions conditions.csv"));
     let (mut right, mut refused, mut met) = (0, 0, 0);
@@ -140,7 +140,7 @@ fn faults() {
 /// An object that is replaced after it was opened is an error that says so, not a mixture: 2 of 2,
 /// by the server's answer to If-Match.
 #[test]
-fn an_object_that_changes() {
+fn an_object_that_changes_is_an_error() {
     let (folder, store) = hague();
     for nth in [2, 3] {
         store.put("bucket/site.helio", HAGUE.1.clone());
@@ -156,7 +156,7 @@ fn an_object_that_changes() {
 /// Variables that clients of stores accept and cannot use are refused by their names, without their
 /// values; those of other stores are ignored.
 #[test]
-fn passwords_and_variables() {
+fn passwords_are_sent_and_never_printed() {
     let (folder, store) = hague();
     let near = stdout(&folder.run("query site.helio --conditions conditions.csv"));
     // Python's base64 of `me and:s3cret:100%`.
@@ -198,7 +198,7 @@ fn passwords_and_variables() {
 /// 10 wrong places are refused with a finding and a hint, within 10 s. A web server without ranges
 /// serves a small archive whole; one beyond 50 MB is refused before it is read.
 #[test]
-fn what_cannot_be_read() {
+fn wrong_places_are_refused() {
     let (folder, store) = hague();
     let refused = |place: &str, parts: &[&str]| {
         let begun = Instant::now();
