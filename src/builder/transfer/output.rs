@@ -142,8 +142,8 @@ impl<'a> ArchiveAssembly<'a> {
         Ok(())
     }
 
-    /// Writes the overview of the receivers, in the order of the tiles, if all archives hold
-    /// theirs.
+    /// Writes the overview of the receivers, in the order of the tiles, if every archive has an
+    /// overview.
     pub fn overview(
         &mut self,
         archives: &[&Archive],

@@ -265,7 +265,7 @@ impl Nibbles<'_> {
 }
 
 /// Returns the two rows of two words that 64 texels become. Refined texels take their bits from
-/// `nibbles`, the others keep theirs.
+/// `nibbles`; each other texel is doubled.
 #[inline(always)]
 fn doubled(bits: u64, mut refined: u64, nibbles: &mut Nibbles) -> [[u64; 2]; 2] {
     let twice = match bits {

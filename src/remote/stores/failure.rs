@@ -137,8 +137,8 @@ impl Failure {
     }
 }
 
-/// Phrases with which S3, Azure and Google's token servers say that a signature's time is too far
-/// from theirs.
+/// Phrases with which S3, Azure and Google's token servers report that a signature's time is too
+/// far from the server's clock.
 const OF_CLOCKS: [&str; 3] = ["RequestTimeTooSkewed", "Request date header too old", "in a reasonable timeframe"];
 
 /// Details in the chain of causes of an error.
