@@ -114,9 +114,9 @@ test("A picture that is not square and a file that is none are refused with word
   await go(page, `${inlined("clouds-refused", HAGUE)}${HASH}`);
   const told = () => page.$$eval(".message.bad", (all) => all.map((one) => one.textContent));
   await openClouds(page, "wide.png", png(30, 20, () => [9]));
-  assert.match((await told()).join(), /Reading wide\.png: 30 x 20 pixels are not a square.*Crop it to the square/);
+  assert.match((await told()).join(), /Reading wide\.png: the picture of 30 x 20 pixels is not square.*Crop it to the square/);
   await openClouds(page, "broken.png", Buffer.from("no picture"));
-  assert.match((await told()).join(), /Reading broken\.png: this browser does not read it as a picture/);
+  assert.match((await told()).join(), /Reading broken\.png: this browser cannot read the file as a picture/);
   assert.ok(!(await page.isVisible("#row-turn")));
   await openClouds(page, "south.png", MASK);
   assert.ok(await page.$eval('#sky-model option[value="perez1990"]', (option) => option.disabled));

@@ -122,8 +122,8 @@ test("An item's link leads to its part on any server with ranges; a list that is
   };
   const part = { name: "<b>x</b>", state: "built", low: [0, 0], high: [1, 1] };
   for (const archive of ["javascript:alert(1)", "data:,x", "file:///etc/passwd", "blob:x"]) {
-    assert.match(await told(JSON.stringify({ parts: [{ ...part, archive }] })), /no list of parts/);
+    assert.match(await told(JSON.stringify({ parts: [{ ...part, archive }] })), /not a list of the parts/);
   }
-  assert.match(await told("{}"), /no list of parts/);
+  assert.match(await told("{}"), /not a list of the parts/);
   assert.match(await told(JSON.stringify({ parts: [{ ...part, archive: "no.helio" }] })), /<b>x<\/b>.*is not there/);
 });

@@ -65,7 +65,7 @@ export function changeOf(before: Quantity, after: Quantity, partners: Partners, 
   const differ = (one: number, other: number): number => (isShare ? percentOf(one, other) : other - one);
   const unit = isShare ? "% of before" : after.unit === "%" ? "% points" : after.unit === CELSIUS ? "K" : after.unit;
   // Comfort before and light after cannot be compared.
-  if (before.unit !== after.unit || before.shown !== after.shown) return { ...after, shownTitle: "No change: two kinds of values", column: null, of: () => null };
+  if (before.unit !== after.unit || before.shown !== after.shown) return { ...after, shownTitle: "No change to show: two different quantities", column: null, of: () => null };
   const [from, to] = [before.column, after.column];
   const column = from && to && to.map((value, row) => (partners.ofAfter[row]! < 0 ? NaN : differ(from[partners.ofAfter[row]!]!, value)));
   return {

@@ -48,12 +48,12 @@ export async function readPicture(file: File): Promise<CloudPicture> {
     // them.
     bitmap = await createImageBitmap(file, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
   } catch {
-    throw refused("this browser does not read it as a picture", "Save the picture as PNG.");
+    throw refused("this browser cannot read the file as a picture", "Save the picture as PNG.");
   }
   const { width, height } = bitmap;
   try {
-    if (width !== height) throw refused(`${width} x ${height} pixels are not a square`, "Crop it to the square around the circle of the horizon, whose middle is the zenith.");
-    if (width > MOST) throw refused(`${width} x ${height} pixels, and ${MOST} a side are read`, "Scale the picture down.");
+    if (width !== height) throw refused(`the picture of ${width} x ${height} pixels is not square`, "Crop it to the square around the circle of the horizon, whose middle is the zenith.");
+    if (width > MOST) throw refused(`the picture has ${width} x ${height} pixels, and the limit is ${MOST} x ${MOST}`, "Scale the picture down.");
     return { name: file.name, side: width, levels: levelsOf(bitmap) };
   } finally {
     bitmap.close();
@@ -67,9 +67,9 @@ export async function readPicture(file: File): Promise<CloudPicture> {
 function levelsOf(bitmap: ImageBitmap): Uint8Array {
   const { width, height } = bitmap;
   const gl = new OffscreenCanvas(1, 1).getContext("webgl2");
-  if (!gl) throw refused("the browser gives no WebGL 2 to read it by", "");
+  if (!gl) throw refused("this browser has no WebGL 2, which reading a picture needs", "Allow graphics acceleration, or use a newer browser.");
   try {
-    if (width > (gl.getParameter(gl.MAX_TEXTURE_SIZE) as number)) throw refused(`${width} pixels a side are more than the graphics card takes`, "Scale the picture down.");
+    if (width > (gl.getParameter(gl.MAX_TEXTURE_SIZE) as number)) throw refused(`the picture has ${width} x ${height} pixels, more than the graphics card accepts`, "Scale the picture down.");
     gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
     gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());

@@ -109,7 +109,7 @@ class Main {
     const options = readOptions();
     this.startEngine = async () => {
       const engine = await Engine.start(address, module, options.workers);
-      engine.onLost = (error) => this.messages.error("working with several workers, of which the others go on", error);
+      engine.onLost = (error) => this.messages.error("running one of several workers (the others continue)", error);
       return engine;
     };
     this.engine = await this.startEngine();
@@ -148,7 +148,7 @@ class Main {
     const { part: wished } = this.given;
     const first = parts.find(({ name, archive }) => archive !== null && name === wished) ?? parts.find(({ archive }) => archive !== null);
     if (!first) throw new Error("no part of this atlas is built");
-    if (wished !== undefined && wished !== first.name) this.messages.tell([`There is no part ${wished} here that is built; this is ${first.name}.`], false);
+    if (wished !== undefined && wished !== first.name) this.messages.tell([`Part ${wished} of this atlas does not exist or is not built. The page shows part ${first.name}.`], false);
     this.given.part = first.name;
     this.store.subscribe((changed) => {
       if (changed.has("part")) this.opening = this.openPart();
@@ -163,7 +163,7 @@ class Main {
     const url = this.parts?.parts.find(({ name }) => name === part)?.archive;
     if (part === null || !url) {
       this.parts?.mark(null);
-      if (part !== null) this.messages.tell([`There is no part ${part} here that is built.`], false);
+      if (part !== null) this.messages.tell([`Part ${part} of this atlas does not exist or is not built.`], false);
       return;
     }
     this.parts?.mark(part);
@@ -441,7 +441,7 @@ class Main {
 
 async function fetchWeather(engine: Engine, url: string, clock: Clock, name?: string): Promise<WeatherInfo> {
   const answer = await fetch(url);
-  if (!answer.ok) throw new Error(`${url}: the server says ${answer.status}`);
+  if (!answer.ok) throw new Error(`${url}: the server answers ${answer.status}`);
   return engine.loadWeather(name ?? new URL(answer.url).pathname.split("/").pop() ?? url, await answer.arrayBuffer(), clock);
 }
 
@@ -453,7 +453,7 @@ function begin(): Main {
   try {
     return new Main();
   } catch (error) {
-    new Messages().tell([`This page needs WebGL 2, which this browser does not give: ${error instanceof Error ? error.message : String(error)}`, "Allow graphics acceleration, or use a newer browser."], true, "webgl");
+    new Messages().tell([`This page needs WebGL 2, which this browser does not provide: ${error instanceof Error ? error.message : String(error)}`, "Allow graphics acceleration, or use a newer browser."], true, "webgl");
     throw error;
   }
 }

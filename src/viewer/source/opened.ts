@@ -209,7 +209,7 @@ export class OpenedSite {
     if (place) {
       store.set({ selected: place });
       openTab("receiver");
-    } else say("There is no receiver.");
+    } else say("There is no receiver at this point.");
   }
 
   /** Shows the people, once it is known if receivers are people. */
@@ -234,7 +234,7 @@ export class OpenedSite {
     // If the processor draws in place of a card, the core is faster. A second archive gets half as
     // much memory.
     const cardMb = (readOptions().card ?? (stage.software ? 0 : BUDGET_MB)) / (before ? 2 : 1);
-    const layer = new Layer({ store, stage, messages, cardMb, name: before ? "the archive after" : "" }, session, {
+    const layer = new Layer({ store, stage, messages, cardMb, name: before ? "the archive “After”" : "" }, session, {
       onShine: (shine) => {
         if (before) return;
         page.light.showShine(shine);

@@ -33,10 +33,10 @@ function partOf(value: unknown, list: string): Part | null {
 export async function readParts(address: string): Promise<Part[]> {
   const list = new URL(address, document.baseURI).href;
   const answer = await fetch(list);
-  if (!answer.ok) throw new Error(`${list}: the server says ${answer.status}`);
+  if (!answer.ok) throw new Error(`${list}: the server answers ${answer.status}`);
   const read: unknown = await answer.json();
   const listed: unknown = typeof read === "object" && read !== null && "parts" in read ? read.parts : null;
   const parts = Array.isArray(listed) ? listed.map((part) => partOf(part, list)) : [];
-  if (parts.length === 0 || parts.includes(null)) throw new Error(`${list} is no list of parts`);
+  if (parts.length === 0 || parts.includes(null)) throw new Error(`${list} is not a list of the parts of an atlas`);
   return parts as Part[];
 }

@@ -13,7 +13,7 @@ export async function picture(view: HTMLCanvasElement, scale: number, key: Key, 
   canvas.width = view.width;
   canvas.height = view.height + Math.round(FOOT * scale);
   const draw = canvas.getContext("2d");
-  if (!draw) throw new Error("this browser draws no pictures");
+  if (!draw) throw new Error("this browser cannot draw pictures");
   draw.fillStyle = "#fff";
   draw.fillRect(0, 0, canvas.width, canvas.height);
   draw.drawImage(view, 0, 0);

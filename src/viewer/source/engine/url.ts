@@ -31,7 +31,7 @@ export class UrlBytes implements Bytes {
     check(first.status, first.statusText, refuse);
     const total = totalOf(first.headers.get("Content-Range"));
     const ranges = first.status === 206;
-    if (ranges && total === undefined) refuse("network", "does not say how long it is", "let the server expose Content-Range");
+    if (ranges && total === undefined) refuse("network", "is sent without its length", "let the server expose the header Content-Range (CORS)");
     const parts: Uint8Array[] = [];
     let length = 0;
     const reader = first.body?.getReader();
@@ -41,7 +41,7 @@ export class UrlBytes implements Bytes {
         await reader!.cancel();
         refuse("too-large", "is larger than 50 MB, and its server sends no ranges", "use a server with byte ranges, or open the file from disk");
       }
-      const { done, value } = await reader!.read().catch(() => refuse("network", "was cut off on its way", "load the page again"));
+      const { done, value } = await reader!.read().catch(() => refuse("network", "was cut off during the transfer", "load the page again"));
       all = done;
       if (value) [length] = [length + value.length, parts.push(value)];
     }
@@ -135,7 +135,7 @@ function refusing(url: string): Refuse {
 
 function check(status: number, text: string, refuse: Refuse): void {
   if (status === 404 || status === 410) refuse("not-found", "is not there (404)", "is the address right?");
-  if (status !== 200 && status !== 206) refuse("network", `cannot be had: the server answers ${status} ${text}`.trimEnd(), "");
+  if (status !== 200 && status !== 206) refuse("network", `cannot be loaded: the server answers ${status} ${text}`.trimEnd(), "");
 }
 
 function bytesOf(request: XMLHttpRequest): Uint8Array {

@@ -124,7 +124,7 @@ export class LightPanel {
     const { state } = this.store;
     const placed = session.site.place !== null || session.weather !== null;
     options(this.from, [
-      { value: "weather", label: session.weather ? "Hour of the weather file" : "Hour of weather – needs weather", disabled: !session.weather },
+      { value: "weather", label: session.weather ? "Hour of the weather file" : "Hour of a weather file – open one first", disabled: !session.weather },
       ...(knowsClearSkies(session.engine) ? [{ value: "clear", label: placed ? "Clear sky" : "Clear sky – needs a place", disabled: !placed }] : []),
       { value: "overcast", label: "Overcast: no sun" },
       { value: "own", label: "Own DNI and DHI" },

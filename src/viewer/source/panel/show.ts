@@ -29,7 +29,7 @@ export class ShowPanel {
     const byHand = (): void => {
       const [low, high] = [this.low.valueAsNumber, this.high.valueAsNumber];
       const senseless = !(low < high);
-      this.low.setCustomValidity(senseless ? "The range must grow from left to right." : "");
+      this.low.setCustomValidity(senseless ? "The first value of the range must be below the second." : "");
       if (!senseless) store.set({ range: [low, high] });
     };
     this.low.addEventListener("change", byHand);
@@ -63,7 +63,7 @@ export class ShowPanel {
     const dry = session.weather === null;
     const placed = session.site.place !== null || !dry;
     const mirrors = session.site.materials.some(({ mirror }) => mirror);
-    const hint = dry ? " – needs weather" : "";
+    const hint = dry ? " – needs a weather file" : "";
     // Units of people belong to the numbers chosen below.
     const of = (unit: string): string => (session.people ? "" : `, ${unit}`);
     options(this.what, [
@@ -84,16 +84,16 @@ export class ShowPanel {
     this.auto.checked = state.range === null;
     const felt = comfortOf(state, session.people);
     const notes: Partial<Record<Show, string>> = {
-      reference: "A year of cloudless days at this site, made with the archive: for a first look.",
+      reference: "A year of cloudless days at this site, computed when the archive was built: for a first look.",
       sky: "How much of an open sky each receiver sees.",
       sunlight: `Hours in which each receiver can see the sun on ${dayName(state.dayOfYear)}, without clouds; the day is chosen below.`,
-      glare: `Minutes in which mirrors and glass throw the sun at each receiver on ${dayName(state.dayOfYear)}, without clouds; the day is chosen below.`,
+      glare: `Minutes in which mirrors and glass reflect the sun at each receiver on ${dayName(state.dayOfYear)}, without clouds; the day is chosen below.`,
       day: `The weather file's ${dayName(state.dayOfYear)}; the day is chosen below.`,
     };
     const isChange = this.partners !== null && state.variant === "change";
     byId("row-percent", HTMLElement).hidden = !isChange;
     this.percent.checked = state.percent;
-    const note = this.partners && isChange ? compared(this.partners) : dry && state.show === "reference" && this.session ? `${notes.reference} Drop an EPW file for the year of a weather.` : notes[state.show];
+    const note = this.partners && isChange ? compared(this.partners) : dry && state.show === "reference" && this.session ? `${notes.reference} Drop a weather file, such as EPW, to see the sum of its year.` : notes[state.show];
     const told = [note, felt === null || isChange ? undefined : ofPeople(felt)].filter((text) => text !== undefined);
     this.note.textContent = told.join(" ");
     this.note.hidden = told.length === 0;
@@ -120,7 +120,7 @@ function compared({ count, moved, ofAfter, ofBefore }: Partners): string {
   const [added, gone] = [ofAfter.length - count, ofBefore.length - count];
   const told = [
     `${number(count)} receivers are in both archives`,
-    ...(moved > 0 ? [`${number(moved)} of them by name only, at another place`] : []),
+    ...(moved > 0 ? [`${number(moved)} of them at another place, matched by name`] : []),
     ...(added > 0 ? [`${number(added)} only after, grey`] : []),
     ...(gone > 0 ? [`${number(gone)} only before, not shown`] : []),
   ];
@@ -130,5 +130,5 @@ function compared({ count, moved, ofAfter, ofBefore }: Partners): string {
 /** Returns the assumptions about people in words: the program's default ones. */
 function ofPeople(name: string): string {
   const index = name.startsWith("utci_above") ? "Hours in which the Universal Thermal Climate Index is higher. " : name.startsWith("utci") ? "Universal Thermal Climate Index: colours are its categories of stress. " : name.startsWith("pet") ? "Physiological Equivalent Temperature. " : "";
-  return `${index}Standing people; ground and walls have their sol-air temperature, without storage; the wind is the same everywhere.`;
+  return `${index}Standing people; ground and walls have their sol-air temperature and store no heat; the wind is the same everywhere.`;
 }

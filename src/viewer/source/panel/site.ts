@@ -34,5 +34,5 @@ export function describeWeather({ name, place }: WeatherInfo): void {
 /** Reports what cannot be compared. */
 export function tellOf({ count }: Partners, before: Site, after: Site, messages: Messages): void {
   if (before.root === after.root) messages.tell(["The two archives are equal: nothing changes.", "Choose the archive of another variant."], false, "equal");
-  else if (count === 0) messages.tell(["The two archives have no receiver in common: no change can be shown.", "Before and after can be looked at. To compare them, build both with receivers at the same places."], false, "no-common");
+  else if (count === 0) messages.tell(["The two archives have no receiver in common: no change can be shown.", "Before and After can be viewed one at a time. To compare them, build both with receivers at the same places."], false, "no-common");
 }

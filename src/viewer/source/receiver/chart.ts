@@ -66,7 +66,7 @@ export function drawChart(chart: Chart): HTMLElement {
   const total = chart.components.indexOf("total");
   const sums = chart.values[total] ?? base;
   const best = sums.indexOf(Math.max(...sums));
-  const summary = `${chart.title}, ${chart.unit}: most in ${chart.labels[best] ?? "–"}, ${number(sums[best] ?? NaN)}; all values stand in the table.`;
+  const summary = `${chart.title}, ${chart.unit}: most in ${chart.labels[best] ?? "–"}, ${number(sums[best] ?? NaN)}; all values are in the table.`;
   return el(
     "figure",
     {},

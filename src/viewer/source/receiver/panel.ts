@@ -246,8 +246,8 @@ export class ReceiverPanel {
       this.sights = sights;
       this.showClouds();
       const pictures = sights.map(({ sight }) => sight.figure);
-      const note = el("p", { class: "note", text: "The upper hemisphere as on a map, zenith in the middle; lines: ways of the sun." });
-      this.parts.sight.replaceChildren(el("h3", { text: "What it sees" }), el("div", { class: pictures.length > 1 ? "fishes" : "fishes single" }, ...pictures), note);
+      const note = el("p", { class: "note", text: "The upper hemisphere as on a map, zenith in the middle; lines: paths of the sun." });
+      this.parts.sight.replaceChildren(el("h3", { text: "What the receiver sees" }), el("div", { class: pictures.length > 1 ? "fishes" : "fishes single" }, ...pictures), note);
     } catch (error) {
       if (turn === this.turn) this.site.onError("reading the receiver", error);
     }
@@ -268,7 +268,7 @@ export class ReceiverPanel {
       el("h3", { text: "Months" }),
       ...draw(months, "Sums", KWH_M2, (one) => one.labels.map((label, at) => (one.labels.length === 12 ? MONTHS[at]! : label)), (bar) => MONTHS[bar]?.slice(0, 1) ?? null),
       el("h3", { text: dayName(dayOfYear) }),
-      ...draw(days, "Irradiance by the clock", W_M2, (one) => one.labels, hour),
+      ...draw(days, "Irradiance by clock time", W_M2, (one) => one.labels, hour),
       key(months[0]?.components ?? [], [...months, ...days].map((one) => one.values)),
     );
     [...this.parts.charts.querySelectorAll("details")].forEach((details, at) => (details.open = open[at] ?? false));

@@ -144,7 +144,7 @@ function titleOf(kind: string): string {
 }
 
 function soFar(part: number): HTMLElement[] {
-  return part < 1 ? [el("p", { class: "note", text: `Names of ${Math.floor(100 * part)} % of the receivers read so far.` })] : [];
+  return part < 1 ? [el("p", { class: "note", text: `Sums of the ${Math.floor(100 * part)} % of the receivers that are read so far.` })] : [];
 }
 
 /** Makes the table of surface and building, and shows how many of the names were read so far. */
