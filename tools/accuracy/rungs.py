@@ -5,10 +5,10 @@
     rungs.py HELIOTILE FOLDER --settings "standard hit=16" ...  the same at other settings, each a quality and what is set beside it
     rungs.py HELIOTILE FOLDER --before EARLIER                  each by an earlier program, too
 
-FOLDER holds sites as `sites.py` writes them, and maybe others: scene.obj or scene.city.json, receivers.csv, maybe materials.toml. The judge
-follows paths once for up to 400 receivers of a site under 60 suns and skies (kept in FOLDER/SITE/truth); every archive is asked for the same.
+FOLDER holds sites as `sites.py` writes them, and maybe others: scene.obj or scene.city.json, receivers.csv, maybe materials.toml. The
+reference path tracer follows paths once for up to 400 receivers of a site under 60 suns and skies (kept in FOLDER/SITE/truth); every archive is asked for the same.
 RMSE and bias of the total, of the sun and the sky seen directly and of light of either that is reflected, in percent of the mean total; the
-judge's own noise is taken off. CPU milliseconds and bytes are those of a receiver.
+path tracer's own noise is taken off. CPU milliseconds and bytes are those of a receiver.
 """
 import argparse
 import csv
@@ -40,7 +40,7 @@ def build(program, at, archive, settings):
 
 
 def truth_of(program, at, suns, paths):
-    """The judge's values and their variances, by receiver and condition."""
+    """The reference path tracer's values and their variances, by receiver and condition."""
     if not os.path.exists(f"{at}/truth/audit.csv"):
         with tempfile.TemporaryDirectory() as scratch:
             build(program, at, f"{scratch}/site.helio", "standard")
@@ -97,5 +97,5 @@ if __name__ == "__main__":
     parser.add_argument("sites", nargs="*")
     parser.add_argument("--settings", nargs="+", default=["standard", "fine", "reference"])
     parser.add_argument("--before", metavar="EARLIER")
-    parser.add_argument("--paths", type=int, default=16384, help="of the judge, from each receiver")
+    parser.add_argument("--paths", type=int, default=16384, help="paths of the reference path tracer, from each receiver")
     main(parser.parse_args())

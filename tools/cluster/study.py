@@ -158,7 +158,7 @@ class Study:
             program("verify", atlas.path)
         check(not wrong, f"{looks} archives seen right after kills, {len(wrong)} of them not whole")
         kills = self.args.kills
-        print(f"{kills} kills, {with_build} of them with what was built: {parts} parts in {begun} builds, {begun - parts} begun again", flush=True)
+        print(f"{kills} kills, {with_build} of them together with their builds: {parts} parts in {begun} builds, {begun - parts} of them restarts", flush=True)
 
     def cost(self, cluster, client):
         """Seconds of the same work in three ways, one after the other, the order turned each time."""
@@ -210,14 +210,14 @@ def main():
     ask.add_argument("--quality")
     ask.add_argument("--part-size")
     ask.add_argument("--halo", default="300m")
-    ask.add_argument("--most", type=float, help="RMSE of sums that is allowed, %% of the mean total")
+    ask.add_argument("--most", type=float, help="largest allowed RMSE of sums, %% of the mean total")
     ask.add_argument("--kills", type=int, default=10)
-    ask.add_argument("--every", type=float, help="seconds between kills; else so that they fall into one build")
+    ask.add_argument("--every", type=float, help="seconds between kills; by default they spread over one build")
     ask.add_argument("--seed", type=int, default=7)
     ask.add_argument("--repeat", type=int, default=3)
-    ask.add_argument("--only", nargs="+", choices=["kills", "cost"], default=["kills", "cost"], help="after values")
+    ask.add_argument("--only", nargs="+", choices=["kills", "cost"], default=["kills", "cost"], help="parts to run after the comparison of values")
     ask.add_argument("--short", action="store_true", help="a block at draft quality in place of a tile")
-    ask.add_argument("--folder", type=pathlib.Path, help="where archives are made")
+    ask.add_argument("--folder", type=pathlib.Path, help="folder for the archives")
     args = ask.parse_args()
     if args.scene is None and not args.short:
         ask.error("name a model, or give --short")

@@ -68,7 +68,7 @@ def compared(case, folder, table, frequency):
         run, seconds = injected(case, folder, build)
         found = compare.deviation(series, run.series(), areas)
         table.add(case.name, build, found, sum(seconds.values()), {"cooling": case.bound})
-    print(f"{'':<26}EnergyPlus {none.user_s:.1f} s without, {own.user_s:.1f} s with its own")
+    print(f"{'':<26}EnergyPlus {none.user_s:.1f} s without reflections, {own.user_s:.1f} s with its own")
     return series
 
 

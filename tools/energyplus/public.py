@@ -145,5 +145,5 @@ def public(names, keep):
     for name in asked:
         broken += study_of(name, data, keep / "public" / name, name in SIX)
     for line in broken:
-        print("beyond its bound:", line)
+        print("error above its limit:", line)
     return 1 if broken else 0

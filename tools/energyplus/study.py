@@ -73,7 +73,7 @@ class Table:
         write(folder / "table.csv", head, self.rows)
         write(folder / "by-surface.csv", ["model", "run", "surface", "light", "deviation_pct"], self.surfaces)
         for line in self.broken:
-            print("beyond its bound:", line)
+            print("error above its limit:", line)
         return 1 if self.broken else 0
 
 
@@ -164,20 +164,20 @@ def main():
     parser = argparse.ArgumentParser(prog="tools/energyplus/run", description=__doc__.splitlines()[0])
     known = ["channel", *models.YEARS, "variants", *variants.VARIANTS, "dense"]
     parser.add_argument("--models", default="channel,box,l,office,variants", help=f"some of {', '.join(known)}")
-    parser.add_argument("--days", type=int, help="so many days from 7 March in place of a year")
+    parser.add_argument("--days", type=int, help="run this number of days from 7 March instead of a year")
     parser.add_argument("--physics", choices=("energyplus", "full"), default="energyplus")
     parser.add_argument("--delete-surroundings", action="store_true", help="light by series, without surroundings")
     parser.add_argument(
-        "--keep", type=pathlib.Path, default=runs.ROOT / "target" / "energyplus", help="folder of runs, used again"
+        "--keep", type=pathlib.Path, default=runs.ROOT / "target" / "energyplus", help="folder of runs, reused if it exists"
     )
     parser.add_argument(
         "--paper", action="store_true", help="the dense block: seconds of each part, hours of a day at five surfaces"
     )
     parser.add_argument(
-        "--light", choices=[*models.YEARS, *variants.VARIANTS], help="each part of the light by surface, ours beside EnergyPlus's"
+        "--light", choices=[*models.YEARS, *variants.VARIANTS], help="each part of the light by surface, heliotile's and EnergyPlus's"
     )
     parser.add_argument(
-        "--public", metavar="MODELS", help="whole public models beside EnergyPlus's own reflections: six, all, or names"
+        "--public", metavar="MODELS", help="whole public models compared with EnergyPlus's own reflections: six, all, or names"
     )
     asked = parser.parse_args()
     if asked.public:

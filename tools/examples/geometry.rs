@@ -22,7 +22,7 @@ use heliotile_scene::Scene;
 fn main() -> heliotile::Result<()> {
     let folder = tempfile::tempdir().map_err(heliotile::Error::io(&std::env::temp_dir(), "make a folder in"))?;
     wall_in_the_sun(folder.path(), |id, direct, reflected| {
-        println!("{id}: {direct:.0} W/m2 from the sun, {reflected:.0} by way of ground and wall");
+        println!("{id}: {direct:.0} W/m2 from the sun, {reflected:.0} reflected by ground and wall");
     })
 }
 

@@ -68,7 +68,7 @@ def components(table, ids):
 
 
 def judge(scene, conditions, paths, folder):
-    """What the judge of `audit` says of all receivers: total [condition][receiver] and its standard error, W/m2."""
+    """What the reference path tracer of `audit` gives for all receivers: total [condition][receiver] and its standard error, W/m2."""
     names = [row["condition"] for row in csv.DictReader(conditions.read_text().splitlines())]
     given = repr(("judge", paths, scene.digest())).encode() + conditions.read_bytes() + programs.HELIOTILE.read_bytes()
     kept = folder / f"judge-{hashlib.sha256(given).hexdigest()[:16]}.npz"

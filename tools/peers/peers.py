@@ -20,7 +20,7 @@ WEATHER = programs.ROOT / "tests/data/weather/golden_tmy3.epw"
 SITE = programs.ROOT / "tests/data/hague"
 WORK = programs.ROOT / "target/peers"
 DIVISIONS, BATCHES = 2048, 6
-PATHS = 32768  # of the judge
+PATHS = 32768  # of the reference path tracer
 AT_MOST, LEAST_VIEW = 40, 0.01  # receivers of a reference, and the share of the sky that each of them must see
 SETTINGS = [("MF:4 -ad 10000", 4, 10000), ("MF:1 -ad 10000", 1, 10000), ("MF:1 -ad 50000", 1, 50000)]
 
@@ -65,8 +65,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--site", type=Path, default=SITE, help="folder with scene.obj, materials.toml, receivers.csv")
     parser.add_argument("--only", help="one scene: canyon, mirror or site")
-    parser.add_argument("--truth-only", action="store_true", help="stop when the reference is there")
-    parser.add_argument("--judge-only", action="store_true", help="stop when the judge of `audit` was compared with the reference")
+    parser.add_argument("--truth-only", action="store_true", help="stop when the `rtrace` reference is computed")
+    parser.add_argument("--judge-only", action="store_true", help="stop when the reference path tracer of `audit` was compared with `rtrace`")
     arguments = parser.parse_args()
     cases = {"canyon": (scenes.canyon, (3, 3, 2)), "mirror": (scenes.mirror, (3, 3, 2)),
              "site": (lambda work: scenes.site(arguments.site, work), (3, 2, 1))}

@@ -63,10 +63,10 @@ def write(rows, path):
 
 
 def judged(scene, total, error, truth):
-    """One line: the judge [condition][receiver] beside the reference, and what the noise of both explains."""
+    """One line: the reference path tracer [condition][receiver] beside the reference, and what the noise of both explains."""
     mean, off = truth.total.mean() / 100, total - truth.total
     noise = np.sqrt(np.mean(error**2 + truth.error**2))
     clear = ~truth.near_edge
     within = np.mean(np.abs(off[clear]) <= 3 * np.hypot(error, truth.error)[clear])
-    return (f"{scene:<10}{'judge of heliotile audit':<28}RMSE {rms(off) / mean:.2f} %, {rms(off[clear]) / mean:.2f} clear of edges, where noise "
+    return (f"{scene:<10}{'path tracer of audit':<28}RMSE {rms(off) / mean:.2f} %, {rms(off[clear]) / mean:.2f} clear of edges, where noise "
             f"explains {noise / mean:.2f}; bias {off.mean() / mean:+.3f} %; {100 * within:.1f} % clear of edges within 3 standard errors of both")

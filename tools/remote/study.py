@@ -317,11 +317,11 @@ class Study:
         code, out, said, _ = self.run(f"info http://127.0.0.1:{port}/site.helio")
         large = self.file.stat().st_size > 50_000_000
         check(code == (2 if large else 0), f"http.server: {said}")
-        print(f"python -m http.server: the small one whole; the large one: {said.strip() or 'whole'}")
+        print(f"python -m http.server: the small archive is read whole; the large one: {said.strip() or 'whole'}")
         server.terminate()
         nginx = shutil.which("nginx")
         if not nginx:
-            print("nginx is not here: apt-get install nginx-light")
+            print("nginx is not installed: apt-get install nginx-light")
             return
         port = free_port()
         (self.folder / "nginx.conf").write_text(
@@ -350,7 +350,7 @@ def main():
     parser.add_argument("--faults", type=int, default=1000)
     parser.add_argument("--races", type=int, default=5)
     parser.add_argument("--short", action="store_true")
-    parser.add_argument("--commands", default="", help="only those with these words")
+    parser.add_argument("--commands", default="", help="run only the commands that contain these words")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         study = Study(args, Path(folder))

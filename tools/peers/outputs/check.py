@@ -248,7 +248,7 @@ def main():
     words.add_argument("--archive", type=Path)
     words.add_argument("--receivers", type=Path)
     words.add_argument("--model", type=Path)
-    words.add_argument("--folder", type=Path, default=WORK / "files", help="where maps go; those that are there are not written again")
+    words.add_argument("--folder", type=Path, default=WORK / "files", help="folder for the maps; existing maps are kept")
     args = words.parse_args()
     folder = args.folder
     folder.mkdir(parents=True, exist_ok=True)
