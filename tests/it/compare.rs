@@ -202,7 +202,7 @@ fn changes_are_differences_of_two_replays() {
 /// sides, 1 of them moved, and 1 is left on either side. A choice of receivers before takes its
 /// partner after, whatever its name.
 #[test]
-fn receivers_find_themselves() {
+fn receivers_are_matched_by_place_or_name() {
     let rows = |list: &[(&str, f64)]| list.iter().map(|(id, x)| format!("{id},{x},0,1,0,0,1\n")).collect::<String>();
     let folder = built(GROUND, GROUND, &rows(&[("a", 0.0), ("b", 5.0), ("c", 10.0), ("d", 15.0)]));
     let after = rows(&[("1", 0.004), ("c", 12.0), ("d", 15.0), ("e", 20.0)]);

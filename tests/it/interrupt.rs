@@ -34,7 +34,7 @@ fn signal(child: &Child, name: &str) {
 /// undisturbed one, and no archive has its name before it is finished. (`tools/kill-loop` does it
 /// 200 times.)
 #[test]
-fn killed_builds_go_on() {
+fn killed_builds_resume_to_the_same_bytes() {
     let folder = tempfile::tempdir().expect("a folder");
     let (whole, site) = (folder.path().join("whole.helio"), folder.path().join("site.helio"));
     let start = Instant::now();
@@ -61,7 +61,7 @@ fn killed_builds_go_on() {
 /// resumes it. Other settings are refused by name and nothing is lost. The same command resumes the
 /// build, 2 of 2, and --fresh starts anew.
 #[test]
-fn stopped_builds_say_how_to_go_on() {
+fn stopped_builds_name_the_command_to_resume() {
     for (name, code) in [("-INT", 130), ("-TERM", 143)] {
         stopped_by(name, code);
     }

@@ -197,7 +197,7 @@ fn fewer_leaves_scatter_less() {
 /// With the effect `leaves` left out, or without a `diffuse`, the archive holds the results of
 /// leaves that absorb: equal rows, and no cell of leaves.
 #[test]
-fn leaves_may_be_left_out() {
+fn leaves_left_out_only_absorb() {
     let conditions = [sun(180.0, 40.0, 800.0, 100.0)];
     let folder = tempfile::tempdir().expect("a folder");
     let built = |name: &str, scattered: f64, left_out: &[&str]| {

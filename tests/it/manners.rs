@@ -229,7 +229,7 @@ fn run_gives_its_tables_the_stated_year() {
 /// 14 impossible names of outputs are refused before anything is read, with the name to use; no
 /// file is written.
 #[test]
-fn endings_are_checked_first() {
+fn output_extensions_are_checked_first() {
     let folder = Folder::new();
     folder.build();
     let before = names(&folder.path(""));

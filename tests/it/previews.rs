@@ -98,7 +98,7 @@ fn errors_stay_below_the_bound() {
 /// it; the command without `--preview` completes it, to the byte. Wrong bounds, and a bound without
 /// an archive before, are refused.
 #[test]
-fn previews_say_what_they_are() {
+fn previews_are_reported_and_completed() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let at = folder.path();
     for file in ["scene.obj", "materials.toml", "receivers.csv"] {

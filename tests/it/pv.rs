@@ -48,7 +48,7 @@ fn wall(material: &str) -> Folder {
 /// loses at most 1.5 %, the lawn, which ends, less than 4 %, the cube's foot more than 20 %. A
 /// second run traces nothing, and the hours in Parquet have 3 x 72 rows.
 #[test]
-fn sums_fit_together() {
+fn hours_add_up_to_months_and_months_to_the_year() {
     let folder = Folder::new();
     folder.write(
         "points.csv",
@@ -273,7 +273,7 @@ fn wrong_input_is_refused_with_file_and_line() {
 /// Lists and pictures of points that no longer exist are removed with replaced results, and files
 /// of others stay: 2 and 1 of 3 files.
 #[test]
-fn lists_of_earlier_points_go() {
+fn lists_of_earlier_points_are_removed() {
     let folder = wall("diffuse = 0");
     let pv = |rest: &str| {
         format!("pv wall.obj -m wall.toml {PLACE} -w even.csv --points points.csv --no-hourly -o out {rest}")

@@ -384,7 +384,7 @@ fn coding_adds_little() {
 /// Radiosities that do not fit into 8 kB are read back from temporary files and from memory to the
 /// bit: the responses of 20 receivers in two states are those of a solution that fits.
 #[test]
-fn storage_changes_nothing() {
+fn stored_radiosities_keep_every_bit() {
     let site = site(&blocks(), &twenty(), &BuildSettings::default());
     let archive = Archive::open(&site.path).expect("an archive");
     let opened = OpenSite::of(&archive).expect("a site");

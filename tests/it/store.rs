@@ -238,7 +238,7 @@ fn repair_gives_the_same_bytes() {
 /// original bytes, 3 blocks of them from the interrupted one. `extract` and `merge`, which have no
 /// `--fresh`, do not name it if another build lies there: 2 of 2.
 #[test]
-fn repairs_go_on() {
+fn interrupted_repairs_are_resumed() {
     let site = Halves::new();
     let (whole, _) = site.build("a.csv", "a.helio", None);
     let path = site.path("a.helio");
