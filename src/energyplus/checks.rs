@@ -57,7 +57,7 @@ pub fn check(document: &Document, assumed: Option<ModelVersion>) -> Result<()> {
         let surface = actuator.text(2, "actuated_component_unique_name");
         let what =
             format!("{} sets `{ACTUATED}` of `{surface}` already: light would be injected twice", actuator.title());
-        let hint = "give the model as it was before, without what heliotile or you added";
+        let hint = "give the original model, without the objects that heliotile added";
         return Err(Error::input(&document.file, line(actuator), what, hint));
     }
     Ok(())
@@ -77,19 +77,19 @@ fn version_note(document: &Document, assumed: Option<ModelVersion>) -> Result<Op
         let other = stated != Some(VERSION);
         return Ok(other.then(|| {
             format!(
-                "the model states EnergyPlus {text} and is taken for one of {VERSION}: EnergyPlus {VERSION} warns of that, and stops at objects \
-                 that changed since"
+                "the model states EnergyPlus {text} but is read as {VERSION}: EnergyPlus {VERSION} warns of that, and stops at objects \
+                 that differ between these versions"
             )
         }));
     }
     if assumed.is_none() && version.is_some_and(|version| (OLDEST_RUN..VERSION).contains(&version)) {
         return Ok(Some(format!(
-            "the model is of EnergyPlus {text}: EnergyPlus {VERSION} runs it with a warning, but stops at objects that changed since; the \
-             Transition tool brings it to {VERSION}"
+            "the model was written for EnergyPlus {text}: EnergyPlus {VERSION} runs it with a warning, but stops at objects that changed \
+             since; the Transition tool converts it to {VERSION}"
         )));
     }
     let version = version.map_or_else(|| text.to_owned(), |version| version.to_string());
-    let what = format!("is a model of EnergyPlus {version}, and {VERSION} is to run it");
+    let what = format!("is a model for EnergyPlus {version}, but the result is to run in {VERSION}");
     Err(Error::input(&document.file, line(object), what, how_to_bring(document.form, &version)))
 }
 
@@ -97,13 +97,15 @@ fn version_note(document: &Document, assumed: Option<ModelVersion>) -> Result<Op
 fn how_to_bring(form: Form, version: &str) -> String {
     let newer = ModelVersion::parse(version).is_some_and(|version| version > VERSION);
     let way = match form {
-        _ if newer => format!("no tool brings models back: have the program that made it write one for {VERSION}"),
+        _ if newer => format!(
+            "no tool converts models to an older version: export it for {VERSION} from the program that made it"
+        ),
         Form::Idf => {
-            format!("bring it to {VERSION} with the Transition tool (IDFVersionUpdater) that comes with EnergyPlus")
+            format!("convert it to {VERSION} with the Transition tool (IDFVersionUpdater) that comes with EnergyPlus")
         }
         Form::EpJson => format!(
-            "write it as IDF with the ConvertInputFormat of its own EnergyPlus and bring that to {VERSION} with the Transition tool, which \
-             takes IDF only"
+            "convert it to IDF with the ConvertInputFormat of EnergyPlus {version}, then to {VERSION} with the Transition tool, which \
+             reads IDF only"
         ),
     };
     format!("{way}; if EnergyPlus {VERSION} runs it as it is, give {{assume_version}} {VERSION}")
@@ -119,7 +121,7 @@ fn check_names(document: &Document) -> Result<()> {
         if let Some(other) = seen.insert(object.name().to_uppercase(), object) {
             let at = line(other).map_or(String::new(), |line| format!(" (line {line})"));
             let what = format!(
-                "{} bears the name of {}{at}: EnergyPlus takes no two surfaces of one name",
+                "{} has the same name as {}{at}: EnergyPlus accepts each name of a surface once",
                 object.title(),
                 other.title()
             );
@@ -160,26 +162,25 @@ pub fn warnings(document: &Document, assumed: Option<ModelVersion>, injected: &B
         document.of("WindowShadingControl").filter(has).map(|object| object.name().to_owned()).collect()
     };
     say(
-        "exterior blinds and screens get light of walls as if it came from the ground (one case: cooling 6 % too high, where leaving \
-         reflections out was 28 %)",
+        "exterior blinds and screens: EnergyPlus treats light reflected by walls as if it came from the ground (in one case cooling was 6 \
+         % too high; without reflections it was off by 28 %)",
         controls(4, "shading_type", &["exteriorblind", "exteriorscreen"]),
     );
     say(
-        "blinds inside or between panes get light of walls as if it came from the ground",
+        "blinds inside or between panes: EnergyPlus treats light reflected by walls as if it came from the ground",
         controls(4, "shading_type", &["interiorblind", "betweenglassblind"]),
     );
     say(
-        "shading controls follow the incident sun that EnergyPlus reports, which holds our light in the wrong place: they switch at \
-         other times",
+        "shading controls follow the incident sun that EnergyPlus reports, which is wrong on injected surfaces: they switch at other times",
         controls(6, "shading_control_type", &["solaronwindow"]),
     );
     let named = |class: &str| document.of(class).map(|object| object.name().to_owned()).collect::<Vec<_>>();
     say(
-        "complex fenestration (BSDF) gets light of walls as if it came from the ground",
+        "complex fenestration (BSDF): EnergyPlus treats light reflected by walls as if it came from the ground",
         named("Construction:ComplexFenestrationState"),
     );
     say(
-        "daylighting controls do not see our light: EnergyPlus's daylighting has reflections of its own",
+        "daylighting controls ignore the injected light: EnergyPlus computes reflections of daylight by itself",
         [named("Daylighting:Controls"), named("Daylighting:DELight:Controls")].concat(),
     );
     let on_injected =
@@ -191,8 +192,8 @@ pub fn warnings(document: &Document, assumed: Option<ModelVersion>, injected: &B
         "SolarCollector:FlatPlate:PhotovoltaicThermal",
     ];
     say(
-        "modules and collectors read the incident sun that EnergyPlus reports, which is wrong on injected surfaces: take their sun from \
-         heliotile",
+        "PV modules and solar collectors read the incident sun that EnergyPlus reports, which is wrong on injected surfaces: use \
+         irradiance computed by heliotile for them",
         gains.iter().flat_map(|class| document.of(class)).filter(on_injected).map(ModelObject::title).collect(),
     );
     found.push(

@@ -33,10 +33,11 @@ pub fn compare(runs: &[HourlySeries; 3]) -> Vec<(String, Vec<Block>)> {
         if rows.is_empty() {
             continue;
         }
-        let head = ["name", "without", "own", "ours", "without, %", "ours, %", "RMS without", "RMS ours"];
+        let head = ["name", "without", "own", "injected", "without, %", "injected, %", "RMS without", "RMS injected"];
         let text = format!(
-            "Means in {unit}; percents of EnergyPlus's own reflections; RMS of hourly differences from them, {unit}. The last row is of \
-             the sums of all."
+            "Means in {unit} of the runs without reflections, with EnergyPlus's own reflections and with injected light. Percentages and \
+             RMS of hourly differences ({unit}) are relative to the run with EnergyPlus's own reflections. The last row holds the sums of \
+             all rows."
         );
         sections.push((
             title.to_owned(),
@@ -125,7 +126,7 @@ fn day(runs: &[HourlySeries; 3]) -> Block {
         title: format!("{title}: mean day"),
         x: Axis { label: "hour of the day".into(), log: false },
         y: Axis { label: "kW".into(), log: false },
-        series: runs.iter().zip(["without reflections", "EnergyPlus's own", "ours"]).map(series).collect(),
+        series: runs.iter().zip(["without reflections", "EnergyPlus's own", "injected"]).map(series).collect(),
     };
     Block::Picture("day.svg".into(), plot.svg(SIZE.0, SIZE.1))
 }
@@ -140,7 +141,7 @@ fn surfaces(runs: &[HourlySeries; 3]) -> Block {
         title: "Sun absorbed by each opaque surface".into(),
         x: Axis { label: "with EnergyPlus's own reflections, W/m2".into(), log: false },
         y: Axis { label: "W/m2".into(), log: false },
-        series: vec![marks("without reflections", 0), marks("ours", 2)],
+        series: vec![marks("without reflections", 0), marks("injected", 2)],
     };
     Block::Picture("surfaces.svg".into(), plot.svg(SIZE.0, SIZE.1))
 }
@@ -153,7 +154,7 @@ mod tests {
     /// without, the row states +13.33 % and an RMS of 2; for injected light that is equal it states
     /// 0 and 0.
     #[test]
-    fn a_row() {
+    fn a_row_states_means_percent_and_rms() {
         let row = Row::of("wall", [&[12.0, 22.0], &[10.0, 20.0], &[10.0, 20.0]]);
         assert_eq!(row.cells(), ["wall", "17.00", "15.00", "15.00", "+13.33", "+0.00", "2.000", "0.000"]);
     }

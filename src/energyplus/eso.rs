@@ -46,7 +46,7 @@ pub fn read_eso(file: &Path, bytes: &[u8], wanted: &[&str]) -> Result<HourlySeri
             _ => {
                 let Some(name) = names.get(&number) else { continue };
                 let value: f64 = rest.trim().parse().map_err(|_| {
-                    let what = format!("`{}` is no value of {} of {}", rest.trim(), name.0, name.1);
+                    let what = format!("`{}` is not a number for {} of {}", rest.trim(), name.0, name.1);
                     Error::input(file, None, what, "run it again: the file was cut off")
                 })?;
                 found.0.entry(name.clone()).or_default().push(value);
@@ -68,7 +68,7 @@ mod tests {
     /// With two environments and two variables, the design day and the other variable are left out:
     /// 2 hours remain, 1.5 and 25. A value that is cut off is an error.
     #[test]
-    fn hours_of_the_run() {
+    fn only_hours_of_the_run_period_are_read() {
         let series = read_eso(Path::new("a.eso"), TEXT.as_bytes(), &["Surface X"]).expect("read");
         let expected = [(("Surface X".to_owned(), "WALL".to_owned()), vec![1.5, 25.0])];
         assert_eq!(series.0, BTreeMap::from(expected));

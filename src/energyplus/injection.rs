@@ -220,7 +220,7 @@ pub fn switch_distribution(document: &mut Document) -> Result<Option<String>> {
     let (place, key) = DISTRIBUTION;
     let stated = document.first_text("Building", place, key).to_owned();
     if stated.eq_ignore_ascii_case("MinimalShadowing") {
-        let note = "solar distribution stays MinimalShadowing: EnergyPlus lets no neighbour shade direct light";
+        let note = "solar distribution stays MinimalShadowing: in EnergyPlus, neighbours do not shade direct light";
         return Ok(Some(note.into()));
     }
     let Some((_, now)) = WITH_OWN.into_iter().find(|(with, _)| stated.eq_ignore_ascii_case(with)) else {
@@ -242,8 +242,8 @@ pub fn brighten_ground(document: &mut Document, notes: &mut Vec<String>) -> Resu
     }
     if !bare.is_empty() {
         notes.push(format!(
-            "the ground reflects nothing in {} of 12 months: there it is set to {LEAST_GROUND} so that there is something to multiply, and \
-             its light is left out by the programs",
+            "the ground reflects nothing in {} of 12 months: its reflectance is set to {LEAST_GROUND} there, because injected light is a \
+             multiple of the ground's light; the programs subtract the ground's own light",
             bare.len()
         ));
     }

@@ -65,10 +65,10 @@ pub fn make_absolute(document: &mut Document) -> Result<NamedFiles> {
     if !whole.is_empty() {
         whole.sort();
         whole.dedup();
-        done.notes.push(with_list("files of the model are named with their folder now", whole));
+        done.notes.push(with_list("file names in the model now include the folder", whole));
     }
     if !lost.is_empty() {
-        let what = format!("files are looked for beside the new model ({}): copy them there", lost.len());
+        let what = format!("EnergyPlus looks for these files beside the new model: copy them there ({})", lost.len());
         done.warnings.push(with_list(&what, lost));
     }
     Ok(done)

@@ -160,7 +160,7 @@ mod tests {
     /// Where y points 30 degrees east of true north, 1 m along the grid's y is half a metre east
     /// and 0.87 m north in the model.
     #[test]
-    fn into_the_model() {
+    fn points_turn_from_grid_to_true_north() {
         let spot = Spot::at(DVec3::new(10.0, 20.0, 3.0), 30.0);
         let p = spot.to_model(DVec3::new(10.0, 21.0, 4.0));
         assert!((p - DVec3::new(0.5, 0.75_f64.sqrt(), 1.0)).length() < 1e-12, "{p}");
@@ -169,7 +169,7 @@ mod tests {
     /// Two triangles of a square are one ring of 4 corners; two that meet in a corner are none; an
     /// L is not convex.
     #[test]
-    fn rings() {
+    fn two_triangles_of_a_square_are_one_ring() {
         let ring = outline(&[[0, 1, 2], [0, 2, 3]]).expect("a ring");
         assert_eq!(ring, [0, 1, 2, 3]);
         assert_eq!(outline(&[[0, 1, 2], [2, 3, 4]]), None);

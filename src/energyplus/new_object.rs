@@ -66,7 +66,7 @@ mod tests {
 
     /// Four numbers keep the digits that count: 12.5, 0, 1 and 100.
     #[test]
-    fn numbers() {
+    fn numbers_keep_their_significant_digits() {
         let text = |value| FieldValue::number(value, 3);
         let of = |text: &str| FieldValue::Number(text.into());
         assert_eq!([12.5, -0.0001, 0.9999, 100.0].map(text), ["12.5", "0", "1", "100"].map(of));

@@ -287,7 +287,7 @@ mod tests {
     /// is in each azimuth axis twice. An overcast sky of Perez 1990 with the sun at 5 degrees has
     /// F1 = 0 and F2 = -0.060 - 0.022 x 1.4835 = -0.0926.
     #[test]
-    fn the_usual_grid() {
+    fn the_usual_grid_has_703_suns() {
         let (azimuths, altitudes) = (SunGrid::USUAL.azimuths_deg(), SunGrid::USUAL.altitudes_deg());
         assert_eq!((azimuths.len(), altitudes.len()), (37, 19));
         assert_eq!(

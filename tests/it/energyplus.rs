@@ -149,12 +149,22 @@ fn models_that_cannot_get_light_are_refused() {
     };
     type Changes = &'static [(&'static str, &'static str)];
     let cases: [(Changes, &[&str]); 5] = [
-        (&[("Version, 25.2;", "Version, 9.6;")], &["EnergyPlus 9.6, and 25.2 is to run it", "Transition tool"]),
+        (
+            &[("Version, 25.2;", "Version, 9.6;")],
+            &["EnergyPlus 9.6, but the result is to run in 25.2", "Transition tool"],
+        ),
         (
             &[("Version, 25.2;", "Version, 26.1;")],
-            &["EnergyPlus 26.1, and 25.2 is to run it", "no tool brings models back", "--assume-version 25.2"],
+            &[
+                "EnergyPlus 26.1, but the result is to run in 25.2",
+                "no tool converts models to an older version",
+                "--assume-version 25.2",
+            ],
         ),
-        (&[("Window, Skylight,", "Window, SOUTH window,")], &["`SOUTH window` bears the name of", "a name of its own"]),
+        (
+            &[("Window, Skylight,", "Window, SOUTH window,")],
+            &["`SOUTH window` has the same name as", "a name of its own"],
+        ),
         (
             &[(
                 "Output:Surfaces:List, D",
@@ -175,7 +185,7 @@ fn models_that_cannot_get_light_are_refused() {
         &format!("energyplus box.idf {DRAFT}"),
         &["box.idf: ", "no wall, roof or window that the sun may reach", "`SunExposed`"],
     );
-    folder.refused(&format!("energyplus scene.obj {DRAFT}"), &["is no model of EnergyPlus by its name", "--scene"]);
+    folder.refused(&format!("energyplus scene.obj {DRAFT}"), &["is not named like a model of EnergyPlus", "--scene"]);
     folder.refused(&format!("energyplus box.idf {DRAFT} --run"), &["--weather"]);
 }
 
@@ -184,11 +194,11 @@ fn models_that_cannot_get_light_are_refused() {
 #[test]
 fn other_versions_get_a_warning_or_are_refused() {
     for (version, more, said) in [
-        ("24.1", "", "the model is of EnergyPlus 24.1: EnergyPlus 25.2 runs it with a warning"),
-        ("24.2.0", "", "the model is of EnergyPlus 24.2.0"),
-        ("25.1", "", "the model is of EnergyPlus 25.1"),
-        ("9.6", "--assume-version 25.2", "states EnergyPlus 9.6 and is taken for one of 25.2"),
-        ("26.1", "--assume-version 25.2", "states EnergyPlus 26.1 and is taken for one of 25.2"),
+        ("24.1", "", "the model was written for EnergyPlus 24.1: EnergyPlus 25.2 runs it with a warning"),
+        ("24.2.0", "", "the model was written for EnergyPlus 24.2.0"),
+        ("25.1", "", "the model was written for EnergyPlus 25.1"),
+        ("9.6", "--assume-version 25.2", "states EnergyPlus 9.6 but is read as 25.2"),
+        ("26.1", "--assume-version 25.2", "states EnergyPlus 26.1 but is read as 25.2"),
     ] {
         let folder = boxed(&[("Version, 25.2;", &format!("Version, {version};"))]);
         let printed = injected(&folder, &format!("{DRAFT} {more}"));
@@ -200,7 +210,7 @@ fn other_versions_get_a_warning_or_are_refused() {
     folder.write("box.epJSON", &json.replace("\"25.2\"", "\"24.2\"").replace("\"24.2\"", "\"23.1\""));
     folder.refused(
         &format!("energyplus box.epJSON {DRAFT}"),
-        &["EnergyPlus 23.1", "ConvertInputFormat", "takes IDF only"],
+        &["EnergyPlus 23.1", "ConvertInputFormat", "reads IDF only"],
     );
 }
 
@@ -216,7 +226,7 @@ fn files_of_the_model_get_absolute_names() {
     let output = folder.run(&format!("energyplus models/box.idf {DRAFT}"));
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let said = stdout(&output) + &stderr(&output);
-    assert!(said.contains("files are looked for beside the new model (1): copy them there"), "{said}");
+    assert!(said.contains("EnergyPlus looks for these files beside the new model: copy them there (1)"), "{said}");
     let objects = objects(&text(&folder, "out/model.idf"));
     let names: Vec<&str> = of(&objects, "Schedule:File").iter().map(|object| object[3].as_str()).collect();
     assert_eq!(names[1], "lost.csv");
@@ -249,7 +259,8 @@ fn the_report_states_the_lit_share_of_a_wall() {
 fn existing_results_are_kept() {
     let folder = boxed(&[]);
     injected(&folder, DRAFT);
-    folder.refused("energyplus out/model.idf -o other", &["injected twice", "as it was before"]);
+    folder
+        .refused("energyplus out/model.idf -o other", &["injected twice", "without the objects that heliotile added"]);
     let first = text(&folder, "out/model.idf");
     let said = injected(&folder, DRAFT);
     assert!(said.contains("nothing is traced again") && text(&folder, "out/model.idf") == first, "{said}");
@@ -299,9 +310,12 @@ fn uses_that_ignore_injected_light_are_warned_of() {
                 Daylighting:Controls, d, Hall;\nGenerator:Photovoltaic, p, Roof, PhotovoltaicPerformance:Simple;\nZone, Hall";
     let folder = boxed(&[("Zone, Hall", more), ("South, , 1, 1, 1, 3, 1.2", "South, , 1, 6, 1, 3, 1.2")]);
     let said = injected(&folder, DRAFT);
-    for part in
-        ["exterior blinds and screens", "shading controls follow", "daylighting controls", "modules and collectors"]
-    {
+    for part in [
+        "exterior blinds and screens",
+        "shading controls follow",
+        "daylighting controls",
+        "PV modules and solar collectors",
+    ] {
         assert!(said.contains(part), "{part}: {said}");
     }
     let report = text(&folder, "out/report.md");
@@ -359,7 +373,10 @@ fn removed_surroundings_leave_their_light_in_tables() {
     let weather = golden().with_file_name("golden_tmy3.epw");
     let weather = weather.to_str().expect("a path");
     let said = injected(&folder, &format!("{DRAFT} --spacing 1m --delete-surroundings --weather {weather}"));
-    assert!(said.contains("3 shading surfaces left the model, 17 surfaces get their light by series.csv"), "{said}");
+    assert!(
+        said.contains("3 shading surfaces removed from the model, 17 surfaces get light from series.csv"),
+        "{said}"
+    );
     let model = objects(&text(&folder, "out/model.idf"));
     let count = |class: &str| of(&model, class).len();
     let gone = ["Shading:Building", "Shading:Site", "Shading:Building:Detailed", "ShadingProperty:Reflectance"];

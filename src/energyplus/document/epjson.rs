@@ -54,7 +54,8 @@ pub fn objects(bytes: &[u8], file: &Path) -> Result<Vec<ModelObject>> {
     let mut objects = Vec::new();
     let classes = members(text).map_err(|e| refuse(format!("not a model in epJSON: {e}"), Some(e.line())))?;
     for (class, span) in classes {
-        let listed = members(of(&span)).map_err(|e| refuse(format!("`{class}` is no list of objects: {e}"), None))?;
+        let listed =
+            members(of(&span)).map_err(|e| refuse(format!("`{class}` does not hold objects by name: {e}"), None))?;
         for (name, span) in listed {
             let fields =
                 members(of(&span)).map_err(|e| refuse(format!("{class} `{name}` has no fields: {e}"), None))?;

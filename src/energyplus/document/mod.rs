@@ -105,13 +105,8 @@ impl Document {
             "idf" | "imf" => Form::Idf,
             "epjson" | "json" => Form::EpJson,
             _ => {
-                let what = "is no model of EnergyPlus by its name: it ends with .idf or .epJSON";
-                return Err(Error::input(
-                    file,
-                    None,
-                    what,
-                    "give the model first, and what stands around it with {scene}",
-                ));
+                let what = "is not named like a model of EnergyPlus: the name must end with .idf or .epJSON";
+                return Err(Error::input(file, None, what, "give the model first, and its surroundings with {scene}"));
             }
         };
         let objects = match form {
@@ -174,7 +169,7 @@ impl Document {
     /// Returns the error of a field that cannot be changed, as its text goes over several lines.
     fn in_lines(&self, object: &ModelObject, field: &ModelField) -> Error {
         let what = format!("{}: the field `{}` goes over several lines", object.title(), field.text.trim());
-        Error::input(&self.file, field.line, what, "write it on one line: it has to be changed")
+        Error::input(&self.file, field.line, what, "write it on one line, because heliotile has to change it")
     }
 
     /// Returns the insertion of a field that an object lacks: at its end in IDF, at its beginning

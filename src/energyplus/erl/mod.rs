@@ -139,7 +139,7 @@ mod tests {
 
     /// With two prefixes taken by the model, in any case of letters, the third is used.
     #[test]
-    fn free_names() {
+    fn names_avoid_prefixes_of_the_model() {
         let names = Names::free(["ht1_sun", "HT2_A", "wall", "HT3"].into_iter());
         assert_eq!(names.of("A1"), "HT3_A1");
     }
@@ -147,13 +147,13 @@ mod tests {
     /// One of 3 numbers is below 0 after rounding: it is written as a difference, since EnergyPlus
     /// takes no minus behind another sign.
     #[test]
-    fn signs() {
+    fn numbers_below_zero_become_differences() {
         assert_eq!([0.5, -0.25, -1e-9].map(signed), ["0.5", "(0 - 0.25)", "0"]);
     }
 
     /// A surface with all tables reads 3, a surface without tables none; IF blocks are closed.
     #[test]
-    fn lines() {
+    fn a_surface_reads_only_the_tables_it_has() {
         let names = Names::free(std::iter::empty());
         let of = |has| {
             surface_lines(&names, &SurfaceTerms { actuator: 4, tables: 2, has, sky: [0.25, 0.5], horizon: [0.0; 2] })

@@ -56,7 +56,7 @@ mod tests {
     /// Each of the 8 bins has its two lines, and each block its end: 2 IF blocks, one of them a
     /// chain of 8.
     #[test]
-    fn all_bins() {
+    fn each_bin_of_perez_has_its_two_lines() {
         let lines = brightening_lines(&Names::free(std::iter::empty()));
         let count = |word: &str| lines.iter().filter(|line| line.starts_with(word)).count();
         assert_eq!((count("SET F1 = ") - 2, count("SET F2 = ") - 1), (8, 8));

@@ -79,12 +79,12 @@ impl Around {
 /// Refuses surroundings far from the origin: they are in coordinates that the model does not share.
 fn refuse_far(task: &Task, scene: &Scene) -> Result<()> {
     let first = task.request.scene.first().cloned().unwrap_or_default();
-    let hint = "say where the model's origin lies in these coordinates, metres: {at} E,N or {at} E,N,Z";
+    let hint = "give the place of the model's origin in these coordinates, metres: {at} E,N or {at} E,N,Z";
     let middle = scene.mesh.origin;
     if let Some(place) = scene.place.filter(|place| place.epsg.is_some()) {
         let epsg = place.epsg.unwrap_or_default();
         let what = format!(
-            "is in EPSG:{epsg}, about {:.0} {:.0}, and the model in coordinates of its own",
+            "has coordinates of EPSG:{epsg}, about {:.0} {:.0}, but the model has local coordinates",
             middle.x, middle.y
         );
         return Err(Error::input(&first, None, what, hint));
@@ -103,8 +103,7 @@ const OFF_THE_GROUND_M: f64 = 1.0;
 /// ground.
 fn how_it_stands(origin: DVec3, soup: &Soup, materials: &[Material]) -> Option<String> {
     let (low, high) = soup.bounds();
-    let (at, hint) =
-        (format!("the model's origin, {:.1} {:.1}", origin.x, origin.y), "{at} E,N,Z says where it stands");
+    let (at, hint) = (format!("the model's origin, {:.1} {:.1}", origin.x, origin.y), "set its place with {at} E,N,Z");
     let place = origin.truncate();
     if place.cmplt(low.truncate()).any() || place.cmpgt(high.truncate()).any() {
         return Some(format!(
@@ -142,7 +141,10 @@ fn height_of([a, b, c]: [DVec3; 3], at: DVec2) -> Option<f64> {
 fn tell(neighbours: &Neighbours, task: &Task) {
     let count = neighbours.polygons.len();
     if task.request.delete_surroundings {
-        return task.report(&format!("surroundings: {} are traced, and not added\n", counted(count as u64, "polygon")));
+        return task.report(&format!(
+            "surroundings: {} traced, but not added to the model\n",
+            counted(count as u64, "polygon")
+        ));
     }
     task.report(&format!(
         "surroundings: {} as Shading:Site:Detailed, so that EnergyPlus shades direct light\n",
@@ -150,13 +152,14 @@ fn tell(neighbours: &Neighbours, task: &Task) {
     ));
     if neighbours.ground > 0 {
         task.report(&format!(
-            "surroundings: {} of ground reflect, and shade nothing in EnergyPlus\n",
+            "surroundings: {} of ground, traced but not added: ground shades nothing in EnergyPlus\n",
             counted(neighbours.ground as u64, "triangle")
         ));
     }
     if count > MANY {
         task.warn(&format!(
-            "EnergyPlus's own shadows of {count} polygons take long: 500 cost a model of 86 surfaces 80 s a year, 2000 some 470 s"
+            "EnergyPlus computes shadows of {count} polygons slowly: in a model of 86 surfaces, 500 polygons cost 80 s for a year and \
+             2000 about 470 s"
         ));
     }
 }
@@ -168,7 +171,7 @@ mod tests {
     /// A slope of 10 m over 100 m is 2.5 m high a quarter up; beside it and on an upright triangle
     /// there is no height: 3 of 3.
     #[test]
-    fn heights() {
+    fn a_slope_has_a_height_only_over_itself() {
         let slope = [DVec3::ZERO, DVec3::new(100.0, 0.0, 10.0), DVec3::new(0.0, 100.0, 0.0)];
         assert_eq!(height_of(slope, DVec2::new(25.0, 10.0)), Some(2.5));
         assert_eq!(height_of(slope, DVec2::new(80.0, 30.0)), None);

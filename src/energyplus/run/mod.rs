@@ -95,10 +95,10 @@ pub enum Physics {
 
 impl NamedValues for Physics {
     const VALUES: &'static [(&'static str, &'static str, Self)] = &[
-        ("full", "All reflections, what mirrors light and show, the sky of Perez 1990", Physics::Full),
+        ("full", "All reflections, mirrors included, and the sky of Perez 1990", Physics::Full),
         (
             "energyplus",
-            "One diffuse reflection and the mirrored sun, as EnergyPlus has them: to compare",
+            "One diffuse reflection and the mirrored sun, as EnergyPlus computes them, for comparison",
             Physics::EnergyPlus,
         ),
     ];
@@ -373,7 +373,7 @@ impl Files {
         // A model without the archive that it was made from may be the user's own file.
         let there = std::iter::once(&self.model).chain(&more).find(|path| path.exists());
         if let Some(path) = there.filter(|_| !self.archive.exists() && !task.request.replace) {
-            let what = "is there, and no site.helio that it was made from";
+            let what = "is there already, without the site.helio that heliotile writes beside it";
             return Err(Error::input(path, None, what, KEEP_OR_REPLACE));
         }
         Ok(())
@@ -458,7 +458,7 @@ fn write_document(path: &Path, document: &Document) -> Result<()> {
 
 fn summary(files: &Files, targets: &Targets, changed: &Changed) -> String {
     format!(
-        "{}: {} get reflected light by {}; {} says which and how\nenergyplus -w WEATHER.epw -d results {}\n",
+        "{}: {} get reflected light from {}; {} lists them\nenergyplus -w WEATHER.epw -d results {}\n",
         files.model.display(),
         counted(targets.list.len() as u64, "surface"),
         counted(changed.tables as u64, "table"),

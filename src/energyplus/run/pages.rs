@@ -37,7 +37,9 @@ pub fn report(told: &Told) -> Report {
 pub fn physics_lines(physics: Physics) -> Vec<String> {
     let light = match physics {
         Physics::Full => "all diffuse reflections, mirrors, the sky of Perez 1990",
-        Physics::EnergyPlus => "one diffuse reflection and the mirrored sun of a uniform sky, as EnergyPlus has them",
+        Physics::EnergyPlus => {
+            "one diffuse reflection, the mirrored sun and a uniform sky, as EnergyPlus computes them"
+        }
     };
     vec![format!("light: `{{physics}} {}`: {light}", physics_name(physics))]
 }
@@ -58,15 +60,15 @@ fn done(told: &Told) -> Vec<String> {
         let bend = told.lights.iter().map(|light| light.bend_w_m2).fold(0.0, f64::max);
         let ground = told.ground;
         list.push(format!(
-            "light of several reflections bends over the ground's reflectance: tables are exact at {:.3} and {:.3} and off by {bend:.2} \
-             W/m2 of 1000 at most between them",
+            "light of several reflections is not linear in the ground's reflectance: tables are exact at {:.3} and {:.3}, and off by at \
+             most {bend:.2} W/m2 of 1000 between them",
             ground.low, ground.high
         ));
     }
     if told.lights.iter().any(|light| light.mirrored.iter().any(|value| *value > 0.0)) {
         let fine = SunGrid::FINE;
         list.push(format!(
-            "the sun in mirrors has tables in steps of {} and {} degrees",
+            "tables of the mirrored sun have steps of {} and {} degrees",
             fine.azimuth_step_deg, fine.altitude_step_deg
         ));
     }
@@ -99,8 +101,8 @@ fn surfaces(told: &Told) -> Vec<Block> {
         cells.extend([sun, sun_ground, mirrored, sky, sky_ground].map(number));
         cells
     };
-    let note = "Means over all suns of the table under 1000 W/m2 of DNI, and under a sky of 1000 W/m2: W/m2 that the surface gets \
-                whatever the ground reflects, and what a ground of reflectance 1 would add.";
+    let note = "W/m2: means over all suns of the table for a DNI of 1000 W/m2 (sun), and for a sky of 1000 W/m2 (sky). Fixed: light that \
+                does not depend on the ground's reflectance. By ground: light that a ground of reflectance 1 adds.";
     vec![
         Block::Text(note.into()),
         Block::Table(head.map(str::to_owned).to_vec(), told.lights.iter().map(row).collect()),
@@ -121,11 +123,11 @@ pub fn left_out(targets: &Targets) -> Block {
         )
     }));
     let beyond = |(name, wall): &(String, String)| {
-        format!("{name}: reaches over an edge of `{wall}` or over another window, and gets what that wall gets")
+        format!("{name}: reaches over an edge of `{wall}` or over another window; it gets the light of that wall")
     };
     list.extend(by_wall.iter().map(beyond));
     if list.is_empty() {
-        list.push("nothing that the sun may reach".into());
+        list.push("no surface that the sun may reach".into());
     }
     Block::List(list)
 }

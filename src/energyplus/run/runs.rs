@@ -81,7 +81,8 @@ impl Engine {
             let said = fs::read(&errors).unwrap_or_default();
             let said = String::from_utf8_lossy(&said);
             let severe = said.lines().find(|line| line.contains("** Severe") || line.contains("**  Fatal"));
-            let what = format!("EnergyPlus did not finish: {}", severe.unwrap_or("it gave no reason").trim());
+            let what =
+                format!("EnergyPlus did not finish: {}", severe.unwrap_or("its error file names no reason").trim());
             return Err(Error::input(&file, None, what, format!("see {}", errors.display())));
         }
         let bytes = fs::read(&eso).map_err(Error::io(&eso, "read"))?;
@@ -123,7 +124,7 @@ pub fn run_all(
         results.push((seconds, series));
     }
     let seconds: Vec<String> = results.iter().map(|(seconds, _)| format!("{seconds:.1}")).collect();
-    let head = ["", "without reflections", "EnergyPlus's own", "ours"].map(str::to_owned).to_vec();
+    let head = ["", "without reflections", "EnergyPlus's own", "injected"].map(str::to_owned).to_vec();
     let row = std::iter::once("seconds".to_owned()).chain(seconds).collect();
     let mut sections = vec![(
         "Runs".to_owned(),

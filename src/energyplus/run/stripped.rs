@@ -128,7 +128,7 @@ pub fn run(task: &Task, mut document: Document, steps: &Steps, full: Full) -> Re
     write_series(task, steps, &columns)?;
     write_document(&full.files.model, &document)?;
     task.report(&format!(
-        "{}: {} left the model, {} get their light by {}; {} says which and how\n",
+        "{}: {} removed from the model, {} get light from {}; {} lists them\n",
         full.files.model.display(),
         counted(deleted.shades as u64, "shading surface"),
         counted(targets.list.len() as u64, "surface"),
@@ -174,8 +174,16 @@ fn refuse_taken(document: &Document) -> Result<()> {
     for class in ["SurfaceProperty:IncidentSolarMultiplier", "SurfaceProperty:LocalEnvironment"] {
         if let Some(object) = document.of(class).next() {
             let line = (object.line > 0).then_some(object.line);
-            let what = format!("{} stands where this way of the light needs one of its own", object.title());
-            return Err(Error::input(&document.file, line, what, "take it out, or leave {delete_surroundings} out"));
+            let what = format!(
+                "{} is in the model already, and heliotile has to add its own object of this class",
+                object.title()
+            );
+            return Err(Error::input(
+                &document.file,
+                line,
+                what,
+                "remove it from the model, or leave {delete_surroundings} out",
+            ));
         }
     }
     Ok(())
@@ -281,19 +289,20 @@ fn windows(document: &Document) -> BTreeSet<String> {
 /// Returns further warnings that hold for a model with a series.
 fn of_this_way(document: &Document, windows: &BTreeSet<String>, shaded: &BTreeSet<String>) -> Vec<String> {
     let mut found = vec![
-        "the model holds for this weather file and time step only: with others it gets the light of the wrong hours"
+        "the model is valid for this weather file and time step only: with others it gets the light of the wrong hours"
             .into(),
     ];
     let both: Vec<String> = windows.intersection(shaded).cloned().collect();
     if !both.is_empty() {
         found.push(with_list(
-            "windows with shading controls cannot be multiplied: their sun passes for light of the ground, without direction",
+            "windows with shading controls cannot have an incident solar multiplier: EnergyPlus treats their sun as light of the ground, \
+             without direction",
             both,
         ));
     }
     if document.objects.iter().any(|object| object.class.to_lowercase().starts_with("sizingperiod:")) {
         found.push(
-            "design days get the surroundings' light of the weather file at their date: size the model before".into(),
+            "design days use the surroundings' light of the weather file at their date: run the sizing with the original model".into(),
         );
     }
     found
@@ -328,24 +337,24 @@ fn told(task: &Task, deleted: &Deleted, steps: &Steps, archive: &Archive, alone:
         task.request.weather.as_deref().and_then(|path| path.file_name()).unwrap_or_default().to_string_lossy();
     let mut list = vec![
         format!(
-            "{} of the surroundings left the model, and what {{scene}} names was traced and not added",
+            "{} of the surroundings removed from the model; the files of {{scene}} were traced, but not added",
             counted(deleted.shades as u64, "shading surface")
         ),
         format!(
-            "{SERIES}: reflected light, and what the surroundings take of direct sun and sky, for {weather}, {} steps an hour: the model holds \
-             for this weather file only",
+            "{SERIES}: reflected light, and the direct sun and sky that the surroundings block, for {weather}, {} steps an hour: the \
+             model is valid for this weather file only",
             steps.an_hour
         ),
-        "windows multiply all of their light by the share of the sun that the surroundings leave, schedule by schedule"
+        "all light of a window is multiplied by the share of the sun that the surroundings leave; each window has its own schedule"
             .into(),
         "shadows of the model itself are EnergyPlus's own, at each time step".into(),
-        "surfaces see as much sky with their heat as the surroundings leave; the rest is at the temperature of the air"
+        "longwave radiation: surfaces see the share of the sky that the surroundings leave; the rest is at air temperature"
             .into(),
         format!("archive root {}, of the model alone {}", format::hex(&archive.root()), format::hex(&alone.root())),
         format!("heliotile {}, for EnergyPlus 25.2", env!("CARGO_PKG_VERSION")),
     ];
     if !deleted.kept.is_empty() {
-        list.push(with_list("shades that other objects stand on stay", deleted.kept.clone()));
+        list.push(with_list("shades kept because other objects refer to them", deleted.kept.clone()));
     }
     list
 }
@@ -370,7 +379,7 @@ fn surfaces(lit: &[Lit]) -> Vec<Block> {
             mean(&lit.alone, 1),
         ]
     };
-    let note = "Means over all steps by day, W/m2: what the surface gets with all that stood around it, and of the model alone, which \
-                EnergyPlus gives it itself.";
+    let note = "Means over all steps by day, W/m2, with all surroundings. Alone: direct light of the model without its surroundings, \
+                which EnergyPlus computes itself.";
     vec![Block::Text(note.into()), Block::Table(head.map(str::to_owned).to_vec(), lit.iter().map(row).collect())]
 }

@@ -49,7 +49,7 @@ mod tests {
     /// Two of 3 shades around a model leave it, with the reflectance of 1. The shade that a module
     /// stands on stays, and the fin of a zone; in both forms.
     #[test]
-    fn what_leaves() {
+    fn free_shades_leave_and_used_ones_stay() {
         let idf = "Version, 25.2;\nShading:Site:Detailed, A, , 0;\nShading:Building, B;\nShading:Site, C;\n\
                    Generator:Photovoltaic, p, C;\nShading:Zone:Detailed, F, wall;\nShadingProperty:Reflectance, a, 0.5;\n";
         let json = r#"{"Shading:Site:Detailed": {"A": {}}, "Shading:Building": {"B": {}}, "Shading:Site": {"C": {}},

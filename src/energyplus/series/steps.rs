@@ -40,7 +40,7 @@ impl Steps {
             && weather.interval_hours == 1.0
             && (at(rows.first()), at(rows.last())) == (Some((1, 1)), Some((12, 31)));
         if !is_year {
-            let what = format!("has {} rows, and no year of hours from 1 January on", rows.len());
+            let what = format!("has {} rows that are not the hours of one year from 1 January", rows.len());
             return Err(Error::input(file, None, what, "give the EPW file of a year, as EnergyPlus runs it"));
         }
         let an_hour = an_hour.max(1);
@@ -85,7 +85,7 @@ mod tests {
     /// 51 and 37 W/m2 before 465 and 86: at a quarter to 6, 154.5 and 49.25 with the sun at 11.76
     /// degrees; with one step an hour, 51 and 37 at 9.07. Three days are no year.
     #[test]
-    fn as_energyplus_has_them() {
+    fn steps_have_the_dni_and_dhi_of_energyplus() {
         let file = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/weather").join(name);
         let path = file("golden_tmy3.epw");
         let weather = read_weather(&path).expect("a weather file");

@@ -46,7 +46,7 @@ mod tests {
     /// added. A window there multiplies by 0.5 and has 60 added before, so that 0.5
     /// (400 + 100 + 60) = 280 = 30 + 50 + 200. Without sun nothing is multiplied.
     #[test]
-    fn half_in_shade() {
+    fn half_a_sun_is_subtracted_or_multiplied() {
         let light = StepLight { reflected: 30.0, sky: 50.0, sun: 200.0, alone_sky: 100.0, alone_sun: 400.0 };
         assert_eq!((light.added_before(1.0), light.multiplier(), light.added_before(0.5)), (-220.0, 0.5, 60.0));
         let dull = StepLight { sun: 0.0, alone_sun: 0.0, ..light };
