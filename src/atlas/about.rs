@@ -20,9 +20,7 @@ pub fn built(atlas: &Atlas) -> Result<Vec<(&PlannedPart, PathBuf)>> {
     let paths: Vec<_> =
         atlas.plan.parts.iter().zip(archives).filter_map(|(part, path)| Some((part, path?.clone()))).collect();
     match paths.is_empty() {
-        true => {
-            Err(Error::input(&atlas.shown(), None, "has no part that is built", "{command:build} ATLAS {part} all"))
-        }
+        true => Err(Error::input(&atlas.shown(), None, "has no built part", "{command:build} ATLAS {part} all")),
         false => Ok(paths),
     }
 }
@@ -50,7 +48,7 @@ pub fn info(atlas: &Atlas) -> Result<String> {
     line(
         "parts",
         format!(
-            "{} of {} m; {} m around them count, and what rises by {} degrees",
+            "{} of {} m, with surroundings within {} m and farther ones that rise by {} degrees",
             plan.parts.len(),
             plan.cut.part_size_m,
             plan.cut.halo_m,

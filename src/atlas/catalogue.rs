@@ -49,13 +49,14 @@ pub fn catalogue(atlas: &Path, request: &CatalogueRequest, about: Provenance, ob
     let Some((_, first)) = done.first() else { return built(&opened).map(drop) };
     let crs = crs_of(&open_archive(first, Access::Read)?);
     if !crs.has_degrees() {
-        observer.warn("nobody says where the atlas lies on Earth: items have no footprint (partition it with {crs})");
+        observer
+            .warn("the atlas has no place on Earth, so items have no footprint: partition the region again with {crs}");
     }
     let pictures = Thumbnails::of(&done.iter().map(|(_, path)| path.as_path()).collect::<Vec<_>>(), about)?;
     if pictures.without() > 0 {
         let parts = counted(pictures.without() as u64, "part");
         observer.warn(&format!(
-            "{parts} without a thumbnail: a clear year is stored where the place is known ({{crs}}) and scenes are (no {{no_scene}})"
+            "{parts} without a thumbnail: it needs a known place ({{crs}}) and a stored scene (no {{no_scene}})"
         ));
     }
     let item = |(number, (part, path)): (usize, &(&ListedPart, &PathBuf))| {
@@ -83,7 +84,7 @@ pub fn catalogue(atlas: &Path, request: &CatalogueRequest, about: Provenance, ob
     write_texts(atlas, &[(COLLECTION, text(&json))])?;
     let missing = listed.iter().filter(|part| part.state == PartState::Missing).count();
     if missing > 0 {
-        observer.warn(&format!("{} not built yet, and not in the catalogue", counted(missing as u64, "part")));
+        observer.warn(&format!("{} not built yet and left out of the catalogue", counted(missing as u64, "part")));
     }
     observer.report(&format!("{}: {}\n", atlas.join(COLLECTION).display(), counted(items.len() as u64, "item")));
     Ok(())

@@ -59,7 +59,7 @@ pub fn copy(atlas: &Atlas, to: &Path, replace: bool, observer: &dyn Observer) ->
         observer.stop_if_cancelled("before all of the atlas was copied")?;
     }
     if Atlas::open(atlas.folder.place())?.plan != atlas.plan {
-        let what = "its atlas.json is another one than at the beginning".to_owned();
+        let what = "its atlas.json changed during the copy".to_owned();
         return Err(Error::SourceChanged { path: atlas.shown(), what });
     }
     let (count, _) = one(&FILE.to_owned())?;
@@ -77,12 +77,12 @@ pub fn copy(atlas: &Atlas, to: &Path, replace: bool, observer: &dyn Observer) ->
 /// Returns true if the same atlas is already at `to`. An error: another atlas is there, as parts of
 /// two must not lie under one plan.
 fn check_place(to: &Directory, plan: &str) -> Result<bool> {
-    let refuse = |what: &str| Err(Error::input(&shown(to.place()), None, what, "give it a place of its own"));
+    let refuse = |what: &str| Err(Error::input(&shown(to.place()), None, what, "copy the atlas to another place"));
     if !to.is_remote() && to.place().exists() && !to.place().is_dir() {
         return refuse("is a file, and an atlas is a folder");
     }
     match Atlas::find(to.place())? {
-        Some(there) if there.plan.to_json()? != plan => refuse("holds another atlas, of which nothing is replaced"),
+        Some(there) if there.plan.to_json()? != plan => refuse("holds another atlas, which is not replaced"),
         there => Ok(there.is_some()),
     }
 }

@@ -48,8 +48,10 @@ pub fn check_square(archive: &Archive, part: &str, low: DVec2, high: DVec2, reac
     if tiles_within(&OpenSite::of(archive)?, within)?.len() == archive.tiles() as usize {
         return Ok(());
     }
-    let what = format!("holds receivers that do not stand in the square of {part}");
-    let hint = format!("it is another part's: {{command:build}} ATLAS {{part}} {part} {{fresh}}");
+    let what = format!("holds receivers outside the square of part {part}");
+    let hint = format!(
+        "it belongs to another part: build {part} again with {{command:build}} ATLAS {{part}} {part} {{fresh}}"
+    );
     Err(Error::input(archive.path(), None, what, hint))
 }
 
@@ -153,7 +155,10 @@ impl Atlas {
             let archive = |(_, state)| if let PartState::Built(archive) = state { Some(archive) } else { None };
             return Ok(parts.into_iter().filter_map(archive).collect());
         };
-        let hint = format!("{{command:build}} {} {{part}} {first}, or others with {{bbox}}", self.shown().display());
+        let hint = format!(
+            "build it with {{command:build}} {} {{part}} {first}, or choose other parts with {{bbox}}",
+            self.shown().display()
+        );
         let named = missing.iter().take(NAMED).copied().collect::<Vec<_>>().join(", ");
         let verb = if missing.len() == 1 { "is" } else { "are" };
         let what = format!("{} of its parts {verb} not built yet: {named}", missing.len());

@@ -30,8 +30,7 @@ const LOCK: &str = ".lock";
 const LOOK_EVERY: Duration = Duration::from_millis(200);
 
 /// Hint for a part that was built from other inputs.
-const FRESH: &str =
-    "{fresh} to build the part again from the present inputs; parts that are built keep the earlier ones";
+const FRESH: &str = "{fresh} builds the part again from the present inputs; other built parts keep the old inputs";
 
 /// Parts to build.
 #[derive(Clone, Copy, Debug)]
@@ -90,15 +89,16 @@ impl PartBuild<'_> {
         heliotile_remote::check_writable(atlas.folder.place())?;
         let there = atlas.folder.has(&[part.archive(), part.empty_marker()], atlas.plan.parts.len())?;
         if !request.fresh && there.contains(&true) {
-            observer.report(&format!("{}: is there, nothing is traced again ({{fresh}} replaces it)\n", part.name));
+            observer
+                .report(&format!("{}: built already, nothing is traced again ({{fresh}} replaces it)\n", part.name));
             return Ok(());
         }
         // The part is built here first, so that readers never find one that is incomplete.
         let folder = tempfile::tempdir().map_err(Error::io(&std::env::temp_dir(), "make a folder in"))?;
         self.trace(folder.path()).map_err(|error| match error {
-            Error::Stopped { what } => {
-                Error::Stopped { what: format!("{what}, of which nothing is kept: the part begins anew") }
-            }
+            Error::Stopped { what } => Error::Stopped {
+                what: format!("{what}; nothing of it is kept, and the next build starts the part again"),
+            },
             error => error,
         })?;
         for file in [ARCHIVE, NOTHING] {
@@ -106,13 +106,13 @@ impl PartBuild<'_> {
             if built.is_file() {
                 if file == NOTHING && there.first() == Some(&true) {
                     let place = shown(&atlas.folder.join(&part.archive()));
-                    let what = "is of a part that has no receiver now";
+                    let what = "belongs to a part that has no receivers now";
                     return Err(Error::input(&place, None, what, "remove that object, and build the part again"));
                 }
                 let place = atlas.folder.join(&part.beside(file));
                 let copied = heliotile_remote::copy(&built, &place, request.fresh, observer)?;
                 let megabytes = copied.bytes as f64 / 1e6;
-                let was_there = if copied.was_there { ", sent by another meanwhile" } else { "" };
+                let was_there = if copied.was_there { ", uploaded by another process already" } else { "" };
                 observer.report(&format!("{}: {megabytes:.2} MB{was_there}\n", shown(&place).display()));
             }
         }
@@ -130,7 +130,7 @@ impl PartBuild<'_> {
         };
         if found.is_none() {
             self.observer
-                .note(&format!("{} holds no part {name} that is built: all of it is traced", atlas.shown().display()));
+                .note(&format!("{} has no built part {name}: the whole part is traced", atlas.shown().display()));
         }
         Ok(found)
     }
@@ -142,7 +142,7 @@ impl PartBuild<'_> {
         let site = plan.site(plan.region_part(part), &atlas.shown())?;
         let files = site.parts.len();
         if let Some(file) = plan.changed(&site)? {
-            let what = "is another file than when the region was cut: other parts are of that one, or will be";
+            let what = "changed since the region was cut: other parts use the earlier file";
             if !request.fresh {
                 let hint = "make another atlas with `{command:partition}`, restore the earlier file, or build this part from the present file with {fresh}";
                 return Err(Error::input(&file, None, what, hint));
@@ -154,12 +154,12 @@ impl PartBuild<'_> {
             let archive = folder.join(ARCHIVE);
             if archive.exists() {
                 if !request.fresh {
-                    let what = "is of a part that has no receiver now";
-                    return Err(Error::input(&archive, None, what, "{fresh} to remove it"));
+                    let what = "belongs to a part that has no receivers now";
+                    return Err(Error::input(&archive, None, what, "remove it with {fresh}"));
                 }
                 fs::remove_file(&archive).map_err(Error::io(&archive, "remove"))?;
             }
-            write_texts(folder, &[(NOTHING, "No surface that is asked for gets light here.\n".to_owned())])?;
+            write_texts(folder, &[(NOTHING, "No requested surface gets light here.\n".to_owned())])?;
             observer.report(&format!("{}: no receiver, nothing to build\n", part.name));
             return Ok(());
         }

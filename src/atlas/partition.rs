@@ -42,8 +42,8 @@ pub fn partition(request: &PartitionRequest, observer: &dyn Observer) -> Result<
     cut.accuracy.settings()?;
     let mut plan = AtlasPlan::new(CutRequest { scene, ..cut.clone() }, &surveyed)?;
     if plan.parts.is_empty() {
-        let hint = "cover what there is with {on} ground, or {types} all";
-        return Err(Error::argument("on", "no file has an object that receivers go on", hint));
+        let hint = "put receivers on the ground with {on} ground, or on all objects with {types} all";
+        return Err(Error::argument("on", "no scene file has objects for receivers", hint));
     }
     if cut.halo_m < NARROW_M {
         observer.warn(&format!("a halo of {} m leaves out neighbours that matter: 300 m is usual", cut.halo_m));
@@ -65,14 +65,19 @@ fn check_folder(request: &PartitionRequest) -> Result<()> {
         return Ok(());
     }
     if !request.replace {
-        let hint = "{output} FOLDER to keep both, or {replace} if nothing of it is built";
+        let hint = "keep both with {output} FOLDER, or replace it with {replace} if none of its parts is built";
         return Err(Error::input(atlas, None, "holds an atlas already", hint));
     }
     match parts(atlas, None)?.iter().find(|part| part.state != PartState::Missing) {
         None => Ok(()),
         Some(part) => {
-            let what = format!("holds parts that are built, such as {}", part.name);
-            Err(Error::input(atlas, None, what, "{output} FOLDER, or remove its folder `parts`"))
+            let what = format!("holds built parts, such as {}", part.name);
+            Err(Error::input(
+                atlas,
+                None,
+                what,
+                "name another folder with {output} FOLDER, or remove its folder `parts`",
+            ))
         }
     }
 }

@@ -160,8 +160,8 @@ impl AtlasPlan {
         let folder = Directory::at(atlas);
         let found = if folder.is_remote() { folder.read(FILE, true)? } else { Some(input::read(&folder.join(FILE))?) };
         let nothing = || {
-            let hint = "give the folder that atlas.json lies in; `{command:copy} ATLAS ADDRESS` puts an atlas there";
-            Error::input(&shown(atlas), None, "holds no atlas.json: no atlas is there", hint)
+            let hint = "give the folder of an atlas.json; `{command:copy} ATLAS ADDRESS` copies an atlas to an address";
+            Error::input(&shown(atlas), None, "holds no atlas.json, so it is not an atlas", hint)
         };
         AtlasPlan::of_file(&shown(&folder.join(FILE)), &found.ok_or_else(nothing)?)
     }
@@ -191,16 +191,19 @@ impl AtlasPlan {
     fn check(&self) -> std::result::Result<(), String> {
         let numbers = [self.cut.part_size_m, self.cut.halo_m, self.cut.skyline_deg];
         if !numbers.iter().all(|number| number.is_finite() && *number > 0.0) {
-            return Err(format!("a part of {} m, a halo of {} m, {} degrees", numbers[0], numbers[1], numbers[2]));
+            return Err(format!(
+                "the part size is {} m, the halo {} m and the skyline {} degrees; each must be above 0",
+                numbers[0], numbers[1], numbers[2]
+            ));
         }
         let boxes = self.files.iter().flat_map(|file| file.low.iter().chain(&file.high));
         if !boxes.chain(self.parts.iter().flat_map(|part| &part.low)).all(|number| number.is_finite()) {
-            return Err("a place is no number".to_owned());
+            return Err("a coordinate of a file or part is not a finite number".to_owned());
         }
         let is_name =
             |name: &str| !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b"_-".contains(&b));
         match self.parts.iter().find(|part| !is_name(&part.name)) {
-            Some(part) => Err(format!("`{}` is no name of a part", part.name)),
+            Some(part) => Err(format!("`{}` is not a valid name of a part: letters, digits, - and _ only", part.name)),
             None => Ok(()),
         }
     }
@@ -232,7 +235,7 @@ impl AtlasPlan {
     pub fn site(&self, within: RegionPart, atlas: &Path) -> Result<Site> {
         let mut site = self.cut.scene.site()?;
         if !site.parts.iter().map(|part| &part.file).eq(self.files.iter().map(|planned| &planned.file)) {
-            let what = "the site lists other files than when it was cut";
+            let what = "the scene lists other files than when the region was cut";
             return Err(Error::input(&atlas.join(FILE), None, what, AGAIN));
         }
         let bounds = |file: &PlannedFile| (file.low.into(), file.high.into());
@@ -374,7 +377,7 @@ mod tests {
     /// again. An unknown key is refused, beside the keys of a plan and in place of one, and so is a
     /// plan without a key.
     #[test]
-    fn plans_are_kept() {
+    fn a_plan_is_read_again_as_it_was_written() {
         let text = full().to_json().expect("JSON");
         let read = |text: &str| AtlasPlan::of_file(Path::new("atlas.json"), text.as_bytes());
         assert_eq!(read(&text).ok(), Some(full()));
@@ -390,7 +393,7 @@ mod tests {
     /// `schema/atlas.md` names every key that a plan has, and every key in its tables is a key of a
     /// plan.
     #[test]
-    fn the_text_names_every_key() {
+    fn the_schema_names_every_key_of_a_plan() {
         fn keys(value: &serde_json::Value, found: &mut std::collections::BTreeSet<String>) {
             match value {
                 serde_json::Value::Object(map) => map.iter().for_each(|(key, value)| {

@@ -31,7 +31,7 @@ impl Seams {
     /// Describes the errors in the words of `partition` and `info`.
     pub fn words(&self) -> String {
         format!(
-            "three times the halo changes the light of {} in {} by {} % RMSE of the mean total (95 %: at most {} %), {:+} % on average",
+            "a halo three times as wide changes the light of {} in {} by {} % RMSE of the mean total (95 %: at most {} %), {:+} % on average",
             counted(self.receivers as u64, "receiver"),
             counted(self.parts as u64, "part"),
             self.rmse_percent,

@@ -37,9 +37,14 @@ pub fn holding(place: &Path, chosen: &Selection, access: Access, workspace: &Wor
     match (holding.pop(), holding.len()) {
         (Some(only), 0) => Ok(only),
         (last, others) => {
-            let what = format!("{} parts of it hold receivers that are chosen, and one is taken", others + 1);
+            let what = format!("{} parts hold chosen receivers, but only one part can be used", others + 1);
             let named = last.map(|archive| archive.path().display().to_string()).unwrap_or_default();
-            Err(Error::input(&atlas.shown(), None, what, format!("name the archives one by one, such as {named}")))
+            Err(Error::input(
+                &atlas.shown(),
+                None,
+                what,
+                format!("give the archive of each part by itself, such as {named}"),
+            ))
         }
     }
 }
@@ -55,7 +60,7 @@ pub fn open(place: &Path, access: Access) -> Result<Sources> {
 /// Opens the archives of the parts that a box touches, for an open atlas.
 pub fn sources_of(atlas: &Atlas, within: Option<Bounds>, access: Access) -> Result<Sources> {
     Sources::of(atlas.archives(within, access)?, || {
-        let what = "no part of it holds a receiver of what is asked for";
-        Error::input(&atlas.shown(), None, what, "a box is in the coordinates of the scene files")
+        let what = "no part of the atlas holds a requested receiver";
+        Error::input(&atlas.shown(), None, what, "give a box in coordinates of the scene files")
     })
 }

@@ -82,7 +82,7 @@ impl CheckedArchive {
         let (archive, trailing) = (self.archive.display(), self.report.trailing_bytes);
         let bytes = counted(trailing, "byte");
         (trailing > 0).then(|| {
-            format!("{archive}: ignored {bytes} behind the archive's end; harmless, `truncate -s -{trailing}` cuts off what is too much")
+            format!("{archive}: ignored {bytes} after the archive's end; harmless, `truncate -s -{trailing}` removes the excess")
         })
     }
 }

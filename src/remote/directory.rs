@@ -129,7 +129,7 @@ mod tests {
     /// For 4 addresses and a path, a file in the folder gets the right place, with the name before
     /// the signature and behind one slash; two of three names exist.
     #[test]
-    fn places() {
+    fn a_name_is_joined_before_the_signature() {
         for (place, joined) in [
             ("s3://bucket/atlas", "s3://bucket/atlas/parts/a/site.helio"),
             ("s3://bucket/", "s3://bucket/parts/a/site.helio"),

@@ -23,9 +23,9 @@ pub fn open_archive(place: &Path, access: Access) -> Result<Archive> {
         return Archive::of(shown(place), stored::hold(place, true)?);
     }
     if place.join(ATLAS).is_file() {
-        let hint = "name the site.helio of a part; a query, a replay, factors, buildings, places and a check are had of all of it, opened as an \
-                    atlas, and a page by `{command:catalogue}`";
-        return Err(Error::input(place, None, "is an atlas, and one archive is taken here", hint));
+        let hint = "give the site.helio of one part; queries, replays, factors, buildings, places and checks accept a whole atlas, and \
+                    `{command:catalogue}` writes its page";
+        return Err(Error::input(place, None, "is an atlas, but a single archive is needed here", hint));
     }
     let Some(pointer) = pointer_at(place) else { return Archive::open_with(place, access) };
     let archive = Archive::open_with(&place.with_file_name(&pointer.name), access)?;

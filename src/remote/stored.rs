@@ -67,8 +67,9 @@ pub fn traffic() -> Option<String> {
 pub(crate) fn connection() -> Result<Connection> {
     let Some(text) = variable(TIMEOUT) else { return Ok(Connection::default()) };
     let seconds = text.parse().ok().filter(|seconds| TIMES_S.contains(seconds));
-    let refuse =
-        || Error::argument(TIMEOUT, format!("`{text}` is no time"), "give seconds from 0.1 to 3600, such as 60");
+    let refuse = || {
+        Error::argument(TIMEOUT, format!("`{text}` is not a time limit"), "give seconds from 0.1 to 3600, such as 60")
+    };
     Ok(Connection { timeout: Duration::from_secs_f64(seconds.ok_or_else(refuse)?) })
 }
 
@@ -77,9 +78,9 @@ pub(crate) fn connection() -> Result<Connection> {
 fn cache() -> Result<Option<Cache>> {
     let asked = variable(CACHE);
     let size = match variable(CACHE_SIZE) {
-        Some(text) => {
-            text.parse().map_err(|what: String| Error::argument(CACHE_SIZE, what, "such as 2GB; 0MB for none"))?
-        }
+        Some(text) => text.parse().map_err(|what: String| {
+            Error::argument(CACHE_SIZE, what, "give a size such as 2GB, or 0MB for no cache")
+        })?,
         None => USUAL_SIZE,
     };
     if size.0 == 0 || asked.as_deref() == Some("off") {

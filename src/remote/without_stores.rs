@@ -8,8 +8,13 @@ use heliotile_core::error::{Error, Result};
 use heliotile_core::observer::Observer;
 
 fn refuse<T>(place: &Path) -> Result<T> {
-    let what = "is an address, and this heliotile was built without them";
-    Err(Error::input(&shown(place), None, what, "build it with them: cargo build --locked --release --features remote"))
+    let what = "is an address, but this heliotile was built without support for addresses";
+    Err(Error::input(
+        &shown(place),
+        None,
+        what,
+        "build heliotile with support for them: cargo build --locked --release --features remote",
+    ))
 }
 
 /// Refuses to open an object.
@@ -57,7 +62,7 @@ mod tests {
     /// to, 7 ways. Each message says how to build a program that takes it and leaves the signature
     /// out. 0 requests are counted.
     #[test]
-    fn refused_with_what_to_do() {
+    fn a_build_without_stores_refuses_addresses() {
         let (address, file) = (Path::new("https://me:secret@host/site.helio?sig=secret"), Path::new("a.helio"));
         let copied = [(address, file), (file, address)].map(|(from, to)| copy(from, to, false, &Silent).err());
         let looked = [

@@ -114,7 +114,7 @@ fn parts_built_from_earlier_ones_have_equal_bytes() {
     }
     fs::remove_dir_all(folder.path("before/parts")).expect("parts");
     let said = stderr(&done(&folder, "build from --part 0 --from before --fresh -v"));
-    assert!(said.contains("before holds no part"), "{said}");
+    assert!(said.contains("before has no built part"), "{said}");
 }
 
 /// Requests for single archives find the part that holds their receivers: a picture of a receiver
@@ -168,7 +168,10 @@ fn requests_find_the_part_of_their_receivers() {
         off = numbers(a).iter().zip(numbers(b)).map(|(a, b)| (a - b).abs()).fold(off, f64::max);
     }
     assert!(off < 1e-5, "{off}");
-    folder.refused("extract atlas --bbox 78700,457900,78790,458000 -o c.helio", &["4 parts of it", "site.helio"]);
+    folder.refused(
+        "extract atlas --bbox 78700,457900,78790,458000 -o c.helio",
+        &["4 parts hold chosen receivers", "site.helio"],
+    );
     folder.refused("diff atlas atlas", &["is an atlas", "site.helio"]);
     folder.refused("export atlas --html page.html", &["is an atlas", "catalogue"]);
 }
@@ -312,7 +315,7 @@ fn a_part_without_objects_is_refused() {
     objects.retain(|_, object| object["type"] == "TINRelief");
     folder.write("block.city.json", &empty.to_string());
     let site = folder.path("atlas/parts/x1749_y10176/site.helio");
-    folder.refused("build atlas --part x1749_y10176", &["block.city.json: is another file"]);
+    folder.refused("build atlas --part x1749_y10176", &["block.city.json: changed since the region was cut"]);
     assert!(site.is_file());
     done(&folder, "build atlas --part x1749_y10176 --fresh");
     assert!(!site.exists());
@@ -332,13 +335,13 @@ fn changed_files_are_reported_before_tracing() {
         "partition block.city.json -m m.toml --part-size 45m --spacing 8m --quality draft --sample 0 -o atlas",
     );
     folder.write("m.toml", "[RoofSurface]\ndiffuse = 0.4\n");
-    folder.refused("build atlas --part 0", &["m.toml: is another file than when the region was cut", "--fresh"]);
+    folder.refused("build atlas --part 0", &["m.toml: changed since the region was cut", "--fresh"]);
     folder.write("m.toml", "[RoofSurface]\ndiffuse = 0.3\n");
     done(&folder, "build atlas --part 0");
     folder.write("block.city.json", &format!("{text} "));
-    folder.refused("build atlas --part all", &["block.city.json: is another file", "partition"]);
+    folder.refused("build atlas --part all", &["block.city.json: changed since the region was cut", "partition"]);
     let ran = done(&folder, "build atlas --part 1 --fresh");
-    assert!(stderr(&ran).contains("block.city.json: is another file"), "{}", stderr(&ran));
+    assert!(stderr(&ran).contains("block.city.json: changed since the region was cut"), "{}", stderr(&ran));
 }
 
 /// Four processes that build one part at once all succeed: one of them traces, three find it up to
@@ -385,14 +388,14 @@ fn wrong_inputs_and_misplaced_archives_are_refused() {
         (format!("replay atlas --weather {weather}"), ["4 of its parts are not built", "heliotile build atlas --part"]),
         (
             format!("replay atlas --weather {weather} --bbox 1,2,3,4"),
-            ["no part of it", "coordinates of the scene files"],
+            ["no part of the atlas holds", "coordinates of the scene files"],
         ),
-        ("verify atlas".into(), ["no part that is built", "--part all"]),
+        ("verify atlas".into(), ["has no built part", "--part all"]),
     ] {
         folder.refused(&command, &parts);
     }
     done(&folder, "build atlas --part 0");
-    folder.refused(&format!("{partition} -o atlas --replace"), &["holds parts that are built", "parts"]);
+    folder.refused(&format!("{partition} -o atlas --replace"), &["holds built parts", "parts"]);
     // A part with other settings is no part of this atlas.
     done(&folder, "build atlas --part all");
     fs::copy(folder.path("whole.helio"), folder.path("other.helio")).expect("copied");
@@ -405,7 +408,7 @@ fn wrong_inputs_and_misplaced_archives_are_refused() {
     // The archive of the part beside it is none either.
     fs::copy(folder.path("atlas/parts/x1749_y10177/site.helio"), folder.path("atlas/parts/x1749_y10176/site.helio"))
         .expect("copied");
-    let beside = "do not stand in the square of x1749_y10176";
+    let beside = "holds receivers outside the square of part x1749_y10176";
     folder.refused(&format!("replay atlas --weather {weather}"), &[beside, "--part x1749_y10176 --fresh"]);
     folder.refused("catalogue atlas", &[beside]);
     let verified = folder.run("verify atlas");
@@ -418,9 +421,9 @@ fn wrong_inputs_and_misplaced_archives_are_refused() {
             "\"heliotile_atlas\": 3",
             "found 3, this release supports 4 only: cut the region again",
         ),
-        ("\"part_size_m\": 45.0", "\"part_size_m\": -1", "a part of -1 m"),
+        ("\"part_size_m\": 45.0", "\"part_size_m\": -1", "the part size is -1 m"),
         ("\"quality\": \"draft\"", "\"quality\": \"best\"", "unknown variant `best`"),
-        ("\"name\": \"x1749_y10176\"", "\"name\": \"../x\"", "`../x` is no name"),
+        ("\"name\": \"x1749_y10176\"", "\"name\": \"../x\"", "`../x` is not a valid name"),
         ("\"parts\": [", "\"parts\": 5, \"x\": [", "atlas.json"),
     ] {
         assert!(plan.contains(from), "{from}");

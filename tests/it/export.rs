@@ -462,7 +462,10 @@ fn wrong_exports_are_refused_and_write_nothing() {
         ("-r roof --latitude 91 -o r.png", ["--latitude", "-90 to 90"]),
         ("-r roof --latitude 51 -o r.exr", ["--latitude", ".png"]),
         ("-r roof --latitude -o r.png", ["--latitude", "DEGREES"]),
-        ("-r roof --weather nowhere.csv --time-zone UTC -o r.png", ["nor does the archive", "--latitude 52"]),
+        (
+            "-r roof --weather nowhere.csv --time-zone UTC -o r.png",
+            ["states no place, and neither does the archive", "--latitude 52"],
+        ),
     ] {
         folder.refused(&format!("export site.helio {arguments}"), &parts);
     }

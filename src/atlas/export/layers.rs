@@ -122,7 +122,7 @@ impl ReceiverLayers<'_> {
             Some(sun) => {
                 let (dni, dhi) = (request.dni_w_m2, request.dhi_w_m2);
                 if dni == 0.0 && dhi == 0.0 {
-                    self.resources.observer.warn("neither {dni} nor {dhi}: the maps of light are dark");
+                    self.resources.observer.warn("neither {dni} nor {dhi} is given: the maps of light are dark");
                 }
                 let direction = sun.direction();
                 let condition = Condition::new("export".into(), &[direction], direction, dni, dhi);
@@ -186,9 +186,8 @@ fn overlay(
         (Some(file), _) => {
             let mut place = || match holding_receiver(request, receiver, resources)?.manifest().place {
                 None => {
-                    let what = "does not say where it is from, nor does the archive say where it lies";
-                    let hint = "draw the paths over a latitude in place of the file, such as {latitude} 52, or build the archive of a \
-                                scene with a place";
+                    let what = "states no place, and neither does the archive";
+                    let hint = "give a latitude in place of the file, such as {latitude} 52, or build the archive from a scene with a place";
                     Err(Error::input(file, None, what, hint))
                 }
                 place => Ok(place),

@@ -111,7 +111,7 @@ impl ExportRequest {
                 && (self.sun.is_some() || self.weather.is_some() || self.latitude_deg.is_some()) =>
             {
                 let hint = "leave {sun}, {weather} and {latitude} out, or give a {receiver}";
-                Err(Error::argument("view_factors", "depend on no light", hint))
+                Err(Error::argument("view_factors", "do not depend on light", hint))
             }
             _ => Ok(()),
         }

@@ -81,7 +81,7 @@ mod tests {
     /// A sun in the south at 45 degrees is the same as text and as JSON; 5 texts that are no sun
     /// are refused.
     #[test]
-    fn suns_above_the_horizon() {
+    fn only_suns_above_the_horizon_are_accepted() {
         let sun: SunPosition = "180, 45".parse().expect("a sun");
         assert_eq!(serde_json::from_str::<SunPosition>("[180, 45]").expect("a sun"), sun);
         assert_eq!(serde_json::to_string(&sun).expect("JSON"), "[180.0,45.0]");

@@ -125,7 +125,7 @@ def test_some_of_an_atlas(tmp_path: Path) -> None:
         np.testing.assert_array_equal(factors.values["ReflFacBmToDiffSolObs"], of_all.values["ReflFacBmToDiffSolObs"][rows])
     with pytest.raises(heliotile.InputError, match="nobody"):
         atlas.replay(DAYS, receivers=["nobody"])
-    with pytest.raises(heliotile.InputError, match="no part of it holds"):
+    with pytest.raises(heliotile.InputError, match="no part of the atlas holds"):
         atlas.replay(DAYS, receivers={"bbox": (0.0, 0.0, 1.0, 1.0)})
     with pytest.raises(heliotile.ArgumentError, match="3 numbers"):
         atlas.parts((1.0, 2.0, 3.0))
@@ -155,7 +155,7 @@ def test_names_that_parts_share(tmp_path: Path) -> None:
     first, *_, last = (Path(part.archive) for part in atlas.parts() if part.archive)
     last.write_bytes(first.read_bytes())
     for ask in (lambda: atlas.replay(DAYS), lambda: atlas.to_xarray(DAYS), lambda: heliotile.dask.replay(atlas, str(DAYS)), lambda: list(atlas.archives())):
-        with pytest.raises(heliotile.InputError, match="do not stand in the square"):
+        with pytest.raises(heliotile.InputError, match="outside the square"):
             ask()
 
 

@@ -34,8 +34,8 @@ impl Address {
     pub fn parse(place: &Path) -> Result<Self> {
         let address = Address::parse_folder(place)?;
         if address.url.path().ends_with('/') || address.url.path().is_empty() {
-            let hint = "put the name of an archive behind it, such as /site.helio";
-            return Err(Error::input(&address.shown, None, "names no object in it", hint));
+            let hint = "add the name of an archive, such as /site.helio";
+            return Err(Error::input(&address.shown, None, "names no object in the bucket or on the host", hint));
         }
         Ok(address)
     }
@@ -57,7 +57,7 @@ impl Address {
             "gs" => Scheme::Google,
             "az" => Scheme::Azure,
             "http" | "https" => Scheme::Web,
-            other => return refuse(format!("`{other}://` is not read"), usual),
+            other => return refuse(format!("`{other}://` is not supported"), usual),
         };
         if url.host_str().is_none_or(str::is_empty) {
             return refuse("names no bucket and no host".into(), usual);
@@ -106,7 +106,7 @@ mod tests {
     /// 5 addresses are parsed with their kinds and names and shown without a signature; 7 others
     /// are refused with a hint what to write, of which 3 are folders.
     #[test]
-    fn parsing() {
+    fn five_addresses_parse_and_seven_are_refused() {
         for (text, scheme, name) in [
             ("s3://bucket/a/site.helio", Scheme::S3, "site.helio"),
             ("gs://bucket/site.helio", Scheme::Google, "site.helio"),

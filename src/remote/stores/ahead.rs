@@ -267,7 +267,7 @@ mod tests {
     /// With 10 open files, each keeps 8 to 14 MiB of blocks that were read (its share is 12.8)
     /// instead of 128; when 9 are closed, the tenth keeps 100 MiB or more again.
     #[test]
-    fn memory_is_shared() {
+    fn ten_open_files_share_the_memory() {
         let open: &'static OpenFiles = Box::leak(Box::default());
         let mut files: Vec<Ahead> = (0..10).map(|_| Ahead::among(open)).collect();
         let mut last = files.pop().expect("a file");
@@ -288,7 +288,7 @@ mod tests {
     /// read, all 100 blocks arrive, each once and with its own bytes. Announced again, they are not
     /// requested again while they are in memory.
     #[test]
-    fn all_come_once() {
+    fn each_announced_block_is_requested_once() {
         let blocks: Vec<Entry> = (0..100).map(|i| block(i << 20, 1 << 20)).collect();
         let mut ahead = alone();
         ahead.tell(blocks.iter().copied(), 100 << 20);
@@ -316,7 +316,7 @@ mod tests {
     /// At most 64 MiB that are unread are requested ahead (32 spans of 2 MiB), but a block that is
     /// read now is requested; memory stays below 128 MiB and one span.
     #[test]
-    fn memory_is_bounded() {
+    fn at_most_64_mib_are_requested_ahead() {
         let mut ahead = alone();
         ahead.tell((0..400).map(|i| block(i << 20, 1 << 20)), 400 << 20);
         let mut spans = 0;
@@ -343,7 +343,7 @@ mod tests {
     /// The 28 bytes of padding between two blocks are known once both have arrived, and the 36
     /// behind the last one; no other padding is.
     #[test]
-    fn padding_comes_along() {
+    fn padding_is_known_once_its_blocks_arrived() {
         let mut ahead = alone();
         ahead.tell([block(64, 100), block(192, 92)].into_iter(), 1000);
         let span = ahead.next().expect("a span");

@@ -223,7 +223,7 @@ mod tests {
     /// not, and its file is gone. Another block of the same content, packed otherwise, is another
     /// file.
     #[test]
-    fn damage_is_not_served() {
+    fn a_damaged_block_is_never_served() {
         let folder = tempfile::tempdir().expect("a folder");
         let cache = Cache::open(folder.path(), 1 << 20).expect("a cache");
         let (bytes, entry) = (vec![7; 500], block(&[7; 500]));
@@ -243,7 +243,7 @@ mod tests {
     /// that is read between all others is among them. A file that a process left unfinished long
     /// ago is removed, a new one stays, and so do files of other programs.
     #[test]
-    fn the_least_used_goes() {
+    fn the_least_recently_used_blocks_are_removed() {
         let folder = tempfile::tempdir().expect("a folder");
         let cache = Cache::open(folder.path(), 20_000).expect("a cache");
         let bytes = |i: u8| [vec![i], vec![0; 999]].concat();
@@ -267,7 +267,7 @@ mod tests {
     /// 4 threads that write and read the same 50 blocks in a cache that holds 20 of them get right
     /// bytes or none: they get bytes in 100 to 4,000 of 4,000 reads.
     #[test]
-    fn many_at_once() {
+    fn four_threads_get_right_bytes_or_none() {
         let folder = tempfile::tempdir().expect("a folder");
         let bytes = |i: u8| vec![i; 1000];
         let read: usize = std::thread::scope(|scope| {

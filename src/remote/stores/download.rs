@@ -36,14 +36,14 @@ pub fn download(file: &RemoteFile, to: &Path, replace: bool, came: impl Fn(u64))
         let report = verify_bytes(file.name(), copy, false)?;
         if let Some(problem) = report.problems.first() {
             let what = format!(
-                "is damaged, or was on its way: {} at byte {}: {}",
+                "is damaged in the store, or was damaged during the copy: {} at byte {}: {}",
                 problem.part, problem.offset, problem.reason
             );
             return Err(Error::input(
                 file.name(),
                 None,
                 what,
-                "copy it again; if that finds the same, `{command:verify}` lists all",
+                "copy it again; if the damage is the same, `{command:verify}` lists all of it",
             ));
         }
     }

@@ -61,7 +61,7 @@ impl Failure {
         match error {
             // A wrong clock is answered like denied access, so it is checked first.
             _ if found.clock_is_off => {
-                let theirs = found.server_time.map_or(String::new(), |time| format!(", the store's says {time}"));
+                let theirs = found.server_time.map_or(String::new(), |time| format!(", the store's clock says {time}"));
                 let status = found.status.unwrap_or(403);
                 Failure::new(Cause::Clock, format!("this machine's clock is off{theirs} ({status}{code})"))
             }
@@ -74,10 +74,10 @@ impl Failure {
                 Failure::new(Cause::Changed, "the store holds another version (412)")
             }
             Answer::PermissionDenied { .. } => Failure::new(Cause::Denied, format!("access is denied (403{code})")),
-            Answer::Unauthenticated { .. } => Failure::new(Cause::Denied, format!("asks who you are (401{code})")),
-            Answer::NotSupported { .. } => Failure::new(Cause::NoRanges, "its server sends no ranges"),
+            Answer::Unauthenticated { .. } => Failure::new(Cause::Denied, format!("requires credentials (401{code})")),
+            Answer::NotSupported { .. } => Failure::new(Cause::NoRanges, "its server does not support byte ranges"),
             Answer::NotImplemented { .. } => {
-                Failure::new(Cause::Refused, "its store cannot write on the condition that nothing is there")
+                Failure::new(Cause::Refused, "its store does not support conditional writes")
             }
             _ => found.failure(),
         }
@@ -85,7 +85,7 @@ impl Failure {
 
     /// Returns the failure of a client that cannot be built from its settings.
     pub fn of_settings(error: &object_store::Error) -> Self {
-        Failure::new(Cause::Settings, format!("is in a store that cannot be asked: {}", Found::of(error).text))
+        Failure::new(Cause::Settings, format!("its store has invalid settings: {}", Found::of(error).text))
     }
 
     /// Returns true if the only problem is that no object has this name.
@@ -115,16 +115,16 @@ impl Failure {
             Cause::Changed => return Error::SourceChanged { path: path.to_path_buf(), what: self.what },
             Cause::Missing if address.name().contains('.') => "is the address right? capitals count".into(),
             Cause::Missing => {
-                "is the address right? capitals count; that of an atlas is the folder that atlas.json lies in".into()
+                "is the address right? capitals count; the address of an atlas is the folder of its atlas.json".into()
             }
             Cause::Exists => "give it another name, or replace it with {replace}".into(),
-            Cause::Denied | Cause::Settings => format!("give the right to it: {variables}"),
+            Cause::Denied | Cause::Settings => format!("check the settings and credentials: {variables}"),
             Cause::Elsewhere if address.scheme() == Scheme::S3 => "is AWS_REGION the region of the bucket?".into(),
-            Cause::Elsewhere => "open the address in a browser: it may have moved, or want you to log in".into(),
-            Cause::Clock => "set the clock of this machine: stores take signatures of the last 15 minutes only".into(),
+            Cause::Elsewhere => "open the address in a browser: it may have moved, or require a login".into(),
+            Cause::Clock => "set the clock of this machine: stores accept signatures of the last 15 minutes only".into(),
             Cause::Untrusted => {
-                "is the host's name right, and this machine's date? SSL_CERT_FILE names a file with the certificates of an \
-                 authority of your own"
+                "is the host's name right, and this machine's date? for a certificate authority of your own, set SSL_CERT_FILE to the \
+                 file of its certificates"
                     .into()
             }
             Cause::NoRanges => "use a server with byte ranges, or fetch the file and open it from disk".into(),
@@ -191,14 +191,18 @@ impl Found {
         let Found { status, code, text, of_credentials, .. } = self;
         let code = code.map_or(String::new(), |code| format!(" ({code})"));
         match status {
-            _ if of_credentials => Failure::new(Cause::Denied, "no credentials were found, and the store wants some"),
-            Some(416) => Failure::new(Cause::Refused, "is empty, or shorter than it said (416)"),
+            _ if of_credentials => {
+                Failure::new(Cause::Denied, "no credentials were found, but the store requires them")
+            }
+            Some(416) => Failure::new(Cause::Refused, "is empty, or shorter than its stated length (416)"),
             Some(status @ (408 | 429 | 500..)) => {
-                Failure::new(Cause::Unreached, format!("the server answers {status}{code}, also when asked again"))
+                Failure::new(Cause::Unreached, format!("the server answers {status}{code}, also after retries"))
             }
             Some(status) => Failure::new(Cause::Refused, format!("the server answers {status}{code}")),
-            None if text.contains("redirect") => Failure::new(Cause::Elsewhere, "the server sends to another address"),
-            None if text.contains("timed out") => Failure::new(Cause::Passing, "gave no whole answer in time"),
+            None if text.contains("redirect") => {
+                Failure::new(Cause::Elsewhere, "the server redirects to another address")
+            }
+            None if text.contains("timed out") => Failure::new(Cause::Passing, "gave no complete answer in time"),
             None => {
                 let lower = text.to_lowercase();
                 let gone = ["refused", "dns", "resolve", "unreachable"].iter().any(|word| lower.contains(word));
@@ -213,7 +217,7 @@ impl Found {
                     true => Cause::Unreached,
                     false => Cause::Passing,
                 };
-                Failure::new(cause, format!("cannot be had: {text}"))
+                Failure::new(cause, format!("request failed: {text}"))
             }
         }
     }
@@ -235,7 +239,7 @@ mod tests {
     /// 10 answers become messages that name the address, what was found and what to do, and none of
     /// the 3 secrets in them.
     #[test]
-    fn messages() {
+    fn messages_hold_a_remedy_and_no_secret() {
         let generic = |text: &str| object_store::Error::Generic { store: "S3", source: text.to_string().into() };
         let source = || {
             "GET https://h/a?X-Amz-Signature=5ecret status code: 403: <Code>AccessDenied</Code> <Key>k3y</Key>".into()
@@ -248,12 +252,12 @@ mod tests {
             ),
             (object_store::Error::NotFound { path: path.clone(), source: source() }, "is not there (404)"),
             (object_store::Error::Precondition { path, source: source() }, "has changed while it was read"),
-            (generic("status code: 503 Slow: <Code>SlowDown</Code>"), "answers 503 (SlowDown), also when asked again"),
+            (generic("status code: 503 Slow: <Code>SlowDown</Code>"), "answers 503 (SlowDown), also after retries"),
             (
                 generic(
                     "status code: 403 Forbidden: <Error>\n<Code>RequestTimeTooSkewed</Code><ServerTime>2026-11-23T22:40:11Z</ServerTime>",
                 ),
-                "this machine's clock is off, the store's says 2026-11-23T22:40:11Z (403, RequestTimeTooSkewed)",
+                "this machine's clock is off, the store's clock says 2026-11-23T22:40:11Z (403, RequestTimeTooSkewed)",
             ),
             (
                 generic(
@@ -268,8 +272,8 @@ mod tests {
                 "this machine's clock is off (400)",
             ),
             (generic("invalid peer certificate: UnknownIssuer"), "SSL_CERT_FILE"),
-            (generic("operation timed out"), "gave no whole answer in time"),
-            (generic("tcp connect to https://h/?sig=5ecret: refused"), "cannot be had: tcp connect to ... refused"),
+            (generic("operation timed out"), "gave no complete answer in time"),
+            (generic("tcp connect to https://h/?sig=5ecret: refused"), "request failed: tcp connect to ... refused"),
         ];
         let address =
             Address::parse(Path::new("https://me:pa55@h/a.helio?X-Amz-Signature=5ecret")).expect("an address");

@@ -47,10 +47,10 @@ impl Version {
     /// Returns why `now` is another version, or `None` if it is the same.
     fn differs(&self, now: &Version) -> Option<String> {
         match (&self.etag, &now.etag) {
-            _ if self.length != now.length => Some(format!("it had {} bytes and has {}", self.length, now.length)),
+            _ if self.length != now.length => Some(format!("it had {} bytes and now has {}", self.length, now.length)),
             (Some(a), Some(b)) if a == b => None,
             (None, None) if self.modified_ms == now.modified_ms => None,
-            _ => Some("its ETag is another one".into()),
+            _ => Some("its ETag changed".into()),
         }
     }
 }
@@ -91,7 +91,7 @@ impl Object {
         let answer = get(place, GetOptions::default()).await?;
         if answer.meta.size > WHOLE_LIMIT {
             let what = format!(
-                "has {} bytes, more than the {WHOLE_LIMIT} that are read at once, and its server sends no ranges",
+                "has {} bytes, but its server does not support byte ranges, and at most {WHOLE_LIMIT} bytes are read without",
                 answer.meta.size
             );
             return Err(Failure::new(Cause::NoRanges, what));
@@ -146,7 +146,7 @@ impl Object {
                 tokio::spawn(async move { object.range(part).await })
             };
             for task in group.iter().map(part).collect::<Vec<_>>() {
-                let ended = |error| Failure::new(Cause::Passing, format!("cannot be had: {error}"));
+                let ended = |error| Failure::new(Cause::Passing, format!("request failed: {error}"));
                 bytes.extend_from_slice(&task.await.map_err(ended)??);
             }
         }

@@ -105,8 +105,7 @@ impl Opened {
         if !Pointer::begins(&self.head) {
             return Ok(None);
         }
-        let wrong =
-            || Failure::new(Cause::Refused, "is a pointer to an archive, and not one that this release understands");
+        let wrong = || Failure::new(Cause::Refused, "is a pointer to an archive that this release cannot read");
         let whole = self.object.is_none().then_some(&self.head);
         whole.and_then(|bytes| Pointer::from_bytes(bytes)).map(Some).ok_or_else(wrong)
     }

@@ -53,7 +53,12 @@ pub struct Published {
 pub fn check_target(to: &Address) -> Result<()> {
     if to.scheme() == Scheme::Web {
         let hint = "give s3://BUCKET/NAME, gs://BUCKET/NAME or az://CONTAINER/NAME";
-        return Err(Error::input(to.shown(), None, "is a web server's, to which nothing is written", hint));
+        return Err(Error::input(
+            to.shown(),
+            None,
+            "is on a web server, but heliotile writes to object stores only",
+            hint,
+        ));
     }
     Ok(())
 }
@@ -130,7 +135,7 @@ fn put(place: &Locator, bytes: Vec<u8>, mode: PutMode) -> std::result::Result<()
 fn meanwhile(failure: Failure) -> Failure {
     match failure.cause {
         Cause::Exists | Cause::Changed => {
-            Failure::new(Cause::Exists, "was written by somebody else meanwhile; that stays")
+            Failure::new(Cause::Exists, "was written by another program meanwhile, and is kept")
         }
         _ => failure,
     }
@@ -141,7 +146,10 @@ fn lost(failure: Failure, beside: &Address) -> Failure {
     let Failure { cause, what } = meanwhile(failure);
     Failure::new(
         cause,
-        format!("{what}; nothing points to what was sent, {}: remove it if nobody wants it", beside.shown().display()),
+        format!(
+            "{what}; nothing points to the uploaded archive {}: remove it if it is not needed",
+            beside.shown().display()
+        ),
     )
 }
 
@@ -184,7 +192,7 @@ fn check(source: &Upload, to: &Address, connection: Connection) -> Result<()> {
     if found == expected && (source.root.is_none() || there.root() == source.root) {
         return Ok(());
     }
-    let what = format!("holds something else than was written just now: {found} bytes of {expected}, or another root");
+    let what = format!("does not hold what was just written: {found} bytes instead of {expected}, or another root");
     Err(Failure::new(Cause::Refused, what).at(to))
 }
 
@@ -205,7 +213,7 @@ fn upload(
             sent(length);
             return Ok(());
         }
-        return Err(failed(Failure::new(Cause::Exists, "has the name of an archive that it is not")));
+        return Err(failed(Failure::new(Cause::Exists, "holds another archive than its name states")));
     }
     let begun = runtime.block_on(place.store.put_multipart(&place.path));
     let upload: Box<dyn MultipartUpload> = begun.map_err(|error| failed(Failure::of(&error)))?;

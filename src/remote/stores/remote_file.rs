@@ -210,7 +210,7 @@ impl Shared {
                 Lookup::OnItsWay => {
                     let left = patience.saturating_sub(begun.elapsed());
                     if left.is_zero() {
-                        return Err(Failure::new(Cause::Passing, "gave no whole answer in time"));
+                        return Err(Failure::new(Cause::Passing, "gave no complete answer in time"));
                     }
                     ahead = self.news.wait_timeout(ahead, left).unwrap_or_else(PoisonError::into_inner).0;
                 }

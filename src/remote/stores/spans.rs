@@ -65,7 +65,7 @@ mod tests {
     /// blocks 50 kB apart stay 3 requests, three large ones are 1. No span is longer than 2 MiB
     /// unless a block is. The last one ends with the file.
     #[test]
-    fn joining() {
+    fn near_blocks_join_into_spans_up_to_2_mib() {
         assert_eq!(ranges(&[(8256, 100), (8192, 60), (8256, 100)]), [(8192, 8384)]);
         assert_eq!(ranges(&[(0, 4000), (51_200, 4000), (102_400, 4000)]).len(), 3);
         assert_eq!(ranges(&[(0, 64_000), (102_400, 64_000), (204_800, 64_000)]), [(0, 268_800)]);

@@ -68,7 +68,7 @@ fn variables(prefix: &str) -> Result<Vec<(String, String)>> {
         let is_odd = |letter: char| letter.is_control() || letter.is_whitespace() || !letter.is_ascii();
         if IN_HEADERS.contains(&name.as_str()) && value.contains(is_odd) {
             let what = "holds a space, a line break or a letter that is not ASCII";
-            return Err(Error::argument(name, what, "set it again, without what stands behind it"));
+            return Err(Error::argument(name, what, "set it again, without that character"));
         }
     }
     Ok(said)
@@ -142,8 +142,8 @@ impl Locator {
         let retry = RetryConfig { backoff, max_retries: RETRIES, retry_timeout: timeout };
         let url = address.url();
         let path = || {
-            let hint = "name an object without empty parts, `//`, and without parts that are only dots";
-            let wrong = |_| Error::input(address.shown(), None, "has a name that is not taken", hint);
+            let hint = "give a name without empty parts (`//`) and without parts that are only dots";
+            let wrong = |_| Error::input(address.shown(), None, "has a name that stores do not accept", hint);
             ObjectPath::from_url_path(url.path()).map_err(wrong)
         };
         let (store, path): (Arc<dyn ObjectStore>, _) = match address.scheme() {

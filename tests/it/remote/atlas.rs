@@ -124,7 +124,7 @@ fn parts_are_built_in_the_store_of_their_plan() {
     said(replay, 2, &["4 of its parts are not built yet", "heliotile build s3://bucket/atlas --part x1749_y10176"]);
     said("build s3://bucket/atlas --part 9", 2, &["s3://bucket/atlas has no part `9`"]);
     said("build s3://bucket/atlas --part x1749_y10176", 0, &["atlas/parts/x1749_y10176/site.helio: 0."]);
-    said("build s3://bucket/atlas --part all", 0, &["x1749_y10176: is there, nothing is traced again (--fresh"]);
+    said("build s3://bucket/atlas --part all", 0, &["x1749_y10176: built already, nothing is traced again (--fresh"]);
     let built = |name: &str| fs::read(BLOCK.path("atlas").join(name)).expect("an archive");
     let archives: Vec<String> = there()
         .iter()
@@ -140,11 +140,11 @@ fn parts_are_built_in_the_store_of_their_plan() {
     // An object that another program wrote meanwhile stays, and no scene file is needed to see it.
     fs::remove_file(&model).expect("removed");
     store.put("bucket/atlas/parts/x1749_y10176/site.helio", b"theirs".to_vec());
-    said("build s3://bucket/atlas --part all", 0, &["x1749_y10176: is there, nothing is traced again"]);
+    said("build s3://bucket/atlas --part all", 0, &["x1749_y10176: built already, nothing is traced again"]);
     assert_eq!(store.get("bucket/atlas/parts/x1749_y10176/site.helio"), Some(b"theirs".to_vec()));
     said("build s3://bucket/atlas --part 0 --fresh", 2, &["block.city.json"]);
     let web = format!("build http://{}/bucket/atlas --part 0", store.address);
-    said(&web, 2, &["is a web server's, to which nothing is written", "s3://BUCKET/NAME"]);
+    said(&web, 2, &["is on a web server, but heliotile writes to object stores only", "s3://BUCKET/NAME"]);
     said("build s3://bucket/nothing --part 0", 2, &["holds no atlas.json"]);
     store.set_faults(|_| Fault::Status(403));
     said("build s3://bucket/atlas --part 0", 2, &["access is denied"]);
@@ -240,7 +240,7 @@ fn wrong_places_and_parts_are_refused() {
     let replay = |place: &str| format!("replay {place} --weather w.epw --every total");
     refused(&replay("s3://bucket/nowhere"), &["s3://bucket/nowhere: is not there (404)", "atlas.json"]);
     refused("find s3://bucket/nowhere", &["s3://bucket/nowhere: holds no atlas.json", "heliotile copy"]);
-    refused("find http://127.0.0.1:1/atlas?sig=s3cret", &["127.0.0.1:1/atlas/atlas.json: cannot be had"]);
+    refused("find http://127.0.0.1:1/atlas?sig=s3cret", &["127.0.0.1:1/atlas/atlas.json: request failed"]);
     refused("find s3://bucket/atlas --bbox 0,0,1,1", &["no part of it lies in the box"]);
     refused("build s3://bucket/nowhere --part 0", &["s3://bucket/nowhere: holds no atlas.json"]);
     refused("catalogue s3://bucket/atlas", &["is an address"]);

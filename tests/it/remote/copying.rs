@@ -55,11 +55,14 @@ fn files_are_copied_to_a_store_and_back() {
         assert_eq!(ran(&format!("verify {mended}")).0, Some(0), "{mended}");
     }
     assert!(ran("copy site.helio other.helio").1.contains("copy files with `cp`"));
-    assert!(ran("copy site.helio https://host/site.helio").1.contains("to which nothing is written"));
+    assert!(ran("copy site.helio https://host/site.helio").1.contains("heliotile writes to object stores only"));
     // The first request is a HEAD, whose answer has no body.
     store.set_faults(|_| Fault::Skewed);
     let (code, said) = ran("copy site.helio s3://bucket/new/d.helio");
-    assert!(code == Some(2) && said.contains("this machine's clock is off, the store's says 2026-11-23"), "{said}");
+    assert!(
+        code == Some(2) && said.contains("this machine's clock is off, the store's clock says 2026-11-23"),
+        "{said}"
+    );
     let left = fs::read_dir(folder.path(""))
         .expect("a folder")
         .filter(|entry| entry.as_ref().is_ok_and(|entry| entry.file_name().to_string_lossy().starts_with(".copy")));
@@ -99,7 +102,7 @@ fn google_stores_copy_and_keep_objects() {
     // Another program writes between the first look and the upload.
     store.set_faults(|number| if number == 1 { Fault::Replace } else { Fault::None });
     let (code, said) = ran("copy conditions.csv gs://bucket/large.helio --replace");
-    assert!(code == Some(2) && said.contains("was written by somebody else"), "{said}");
+    assert!(code == Some(2) && said.contains("was written by another program"), "{said}");
 }
 
 /// An archive of 20 MB goes in parts to a name with its root, and a pointer of 201 bytes stands
@@ -165,7 +168,7 @@ fn one_of_two_writers_wins() {
             _ => {
                 assert!(codes == [0, 2] || codes == [2, 0], "{codes:?} {said}");
                 assert!(
-                    said.contains("was written by somebody else meanwhile") || said.contains("is there already"),
+                    said.contains("was written by another program meanwhile") || said.contains("is there already"),
                     "{said}"
                 );
             }

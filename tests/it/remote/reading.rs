@@ -168,7 +168,11 @@ fn passwords_are_sent_and_never_printed() {
     let right = query("me%20and:s3cret%3A100%25");
     assert!(stdout(&right) == near, "{}", stderr(&right));
     let wrong = query("me:s3cret");
-    assert!(wrong.status.code() == Some(2) && stderr(&wrong).contains("asks who you are (401)"), "{}", stderr(&wrong));
+    assert!(
+        wrong.status.code() == Some(2) && stderr(&wrong).contains("requires credentials (401)"),
+        "{}",
+        stderr(&wrong)
+    );
     assert!(!stderr(&wrong).contains("s3cret"), "{}", stderr(&wrong));
     for (name, value) in [
         ("AWS_ENDPOINT_URL", "127.0.0.1:9000"),
@@ -216,20 +220,20 @@ fn wrong_places_are_refused() {
     refused("s3://bucket/text.helio", &["is not a heliotile archive"]);
     refused("s3://bucket/long.helio", &["is not a heliotile archive"]);
     refused("s3://bucket", &["names no object"]);
-    refused("ftp://host/site.helio", &["`ftp://` is not read"]);
-    refused("http://127.0.0.1:1/site.helio?sig=s3cret", &["http://127.0.0.1:1/site.helio: cannot be had"]);
+    refused("ftp://host/site.helio", &["`ftp://` is not supported"]);
+    refused("http://127.0.0.1:1/site.helio?sig=s3cret", &["http://127.0.0.1:1/site.helio: request failed"]);
     store.set_faults(|_| Fault::Status(403));
     refused("s3://bucket/site.helio", &["access is denied (403, Injected)", "AWS_ACCESS_KEY_ID"]);
     store.set_faults(|_| Fault::Skewed);
     refused(
         "s3://bucket/site.helio",
         &[
-            "s3://bucket/site.helio: this machine's clock is off, the store's says 2026-11-23T22:40:11Z",
+            "s3://bucket/site.helio: this machine's clock is off, the store's clock says 2026-11-23T22:40:11Z",
             "set the clock",
         ],
     );
     store.set_faults(|_| Fault::Status(500));
-    refused("s3://bucket/site.helio", &["answers 500 (Injected), also when asked again"]);
+    refused("s3://bucket/site.helio", &["answers 500 (Injected), also after retries"]);
 
     store.set_faults(|_| Fault::None);
     store.set_ranges(false);
@@ -237,5 +241,8 @@ fn wrong_places_are_refused() {
     let whole = run(&folder, &store, &format!("query {web}site.helio --conditions conditions.csv"));
     assert_eq!(stdout(&whole), stdout(&folder.run("query site.helio --conditions conditions.csv")));
     store.put("bucket/large.helio", vec![0; 50_000_001]);
-    refused(&format!("{web}large.helio"), &["50000001 bytes", "sends no ranges", "use a server with byte ranges"]);
+    refused(
+        &format!("{web}large.helio"),
+        &["50000001 bytes", "does not support byte ranges", "use a server with byte ranges"],
+    );
 }
