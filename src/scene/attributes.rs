@@ -80,7 +80,7 @@ mod tests {
     /// An object of 8 attributes keeps 5, one of them from a nested object and one from a list; of
     /// 400 texts of 100 bytes, 100 are kept within 16 KiB.
     #[test]
-    fn attributes_become_flat() {
+    fn nested_attributes_become_flat() {
         let value = json!({
             "id": 7, "name": "Hall", "listed": true, "names": {"primary": "H"}, "none": null, "empty": "", "list": [1, "b"], "lists": [[1]]
         });

@@ -156,7 +156,7 @@ mod tests {
     /// of less than 4 m has another grid step, and one of 3 km does not have equal coordinates:
     /// neither is compared.
     #[test]
-    fn what_went_and_what_came() {
+    fn a_change_lists_removed_and_added_triangles() {
         let at = |i: i32| DVec3::new(f64::from(i % 20) * 9.0, f64::from(i / 20) * 7.0, f64::from(i % 7));
         let triangle = |i: i32| [at(i), at(i) + DVec3::new(3.0, 0.3, 0.1), at(i) + DVec3::new(0.2, 2.0, 1.0)];
         let old: Vec<([DVec3; 3], u16)> = (0..300).map(|i| (triangle(i), u16::from(i % 3 == 0))).collect();

@@ -265,7 +265,7 @@ mod tests {
 
     /// Fourteen numbers are known as degrees (8), geocentric (4) or plane (2); one is not known.
     #[test]
-    fn kinds_of_systems() {
+    fn epsg_numbers_state_degrees_or_metres() {
         for (axes, numbers) in [
             (Some(Axes::Degrees), &[4326, 4979, 4258, 6697, 6668, 9518, 9707, 10158][..]),
             (Some(Axes::Geocentric), &[4978, 4936, 7789, 20044]),
@@ -279,7 +279,7 @@ mod tests {
     /// Heights of NAVD88 are metres (5703), US feet (6360) or feet (8228); a surface of GeoTIFF 1.0
     /// has no unit.
     #[test]
-    fn units_of_heights() {
+    fn epsg_numbers_state_the_unit_of_heights() {
         assert_eq!([5703, 6360, 8228].map(height_unit_m), [Some(1.0), Some(1200.0 / 3937.0), Some(0.3048)]);
         assert_eq!((height_unit_m(5103), height_unit_m(32_767)), (None, None));
         assert_eq!((horizontal_part(10_162), horizontal_part(28_992)), (6669, 28_992));

@@ -132,7 +132,7 @@ mod tests {
     /// Three texts are metres, three are columns, one of them in feet, and two are refused; each
     /// source is read back from its own text.
     #[test]
-    fn sources() {
+    fn a_source_of_heights_is_read_from_its_text() {
         let of = |text: &str| text.parse::<HeightSource>();
         for (text, expected) in [
             ("9.5m", HeightSource::Metres(9.5)),

@@ -99,7 +99,7 @@ mod tests {
     /// 301066.7485, 5002838.8060) is 45 m above the origin of its frame within 0.1 mm, at 52.0 N
     /// and 4.388 E within 1e-8 degrees. A shift of 100 m towards the pole points north and up.
     #[test]
-    fn a_place_of_geocentric_coordinates() {
+    fn geocentric_coordinates_have_their_place() {
         let point = DVec3::new(POINT[0], POINT[1], POINT[2]);
         let frame = LocalFrame::at(point);
         let local = frame.local(point);
@@ -131,7 +131,7 @@ mod tests {
     /// two files, span 110 x 10 x 8 m in one frame of 52 N. A city model in such coordinates is
     /// refused.
     #[test]
-    fn two_files_have_one_frame() {
+    fn two_geocentric_files_share_one_frame() {
         let frame = LocalFrame::at(DVec3::from(POINT));
         let folder = tempfile::tempdir().expect("a folder");
         let house = |east: f64| {

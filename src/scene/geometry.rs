@@ -370,7 +370,7 @@ mod tests {
     /// Taking back one face with a hole and an unfinished one leaves the face before them with its
     /// three corners.
     #[test]
-    fn faces_are_taken_back() {
+    fn a_face_taken_back_leaves_those_before_it() {
         let mut geometry = Geometry::default();
         geometry.push_face([&[0_u32, 1, 2][..]], 0, 0, 0);
         let mark = geometry.mark();
@@ -385,7 +385,7 @@ mod tests {
 
     /// Three faces with 0, 2 and 1 holes come back with 1, 3 and 2 rings, corner by corner.
     #[test]
-    fn holes() {
+    fn holes_come_back_corner_by_corner() {
         let mut geometry = Geometry::default();
         let faces: [&[&[u32]]; 3] =
             [&[&[0, 1, 2]], &[&[3, 4, 5, 6], &[7, 8, 9], &[1, 2, 3]], &[&[0, 1, 2], &[5, 6, 7]]];

@@ -332,6 +332,8 @@ fn count_uses(mesh: &Mesh, used: &[u32], names: &[String]) -> Vec<MaterialUse> {
 
 fn contested_warning(count: usize) -> Option<String> {
     (count > 0).then(|| {
-        format!("{count} triangles lie exactly on one of another material; which of the two is hit is not defined")
+        format!(
+            "{count} triangles coincide with a triangle of another material; it is undefined which of the two is hit"
+        )
     })
 }

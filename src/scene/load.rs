@@ -357,7 +357,7 @@ impl Pile {
             .find(|other| (ModelGround { elevation_m: ground.elevation_m, ..other.ground.clone() }) != *ground)
         {
             report.warnings.push(format!(
-                "the ground of {} {} and that of {} {}; the first one counts",
+                "the ground of {} {}, but that of {} {}; the first one is used",
                 file.display(),
                 ground.words(),
                 other.file.display(),
@@ -365,7 +365,7 @@ impl Pile {
             ));
         }
         if found {
-            report.notes.push(format!("ground: that of the scene, not the plane of {}", file.display()));
+            report.notes.push(format!("ground: the scene's own, not the plane of {}", file.display()));
             return None;
         }
         let lowest = models.iter().map(|model| model.ground.elevation_m);
@@ -378,7 +378,7 @@ impl Pile {
         report.notes.push(format!(
             "ground: a plane at {lowest:.2} m that {}, {} ({{no_ground}}: none)",
             ground.words(),
-            if ground.stated { format!("as {} says", file.display()) } else { "as EnergyPlus assumes".to_owned() }
+            if ground.stated { format!("as {} states", file.display()) } else { "as EnergyPlus assumes".to_owned() }
         ));
         let (material, name) = palette.add_ground(file, by_month.mean());
         self.by_month = ground.changes().then_some(MonthlyGround { material: name, ..by_month });
@@ -487,15 +487,15 @@ impl Pile {
                 line => format!("line {line}: the outline of the face"),
             };
             let between = if place.line == 0 { ": " } else { ", " };
-            report.warnings.push(format!(
-                "{file}{between}{first} crosses itself; of {count} such faces the area may not be right"
-            ));
+            report
+                .warnings
+                .push(format!("{file}{between}{first} crosses itself; the areas of {count} such faces may be wrong"));
         }
         if cut.off_plane.0 > 0 {
             let (count, most) = cut.off_plane;
             report.warnings.push(format!(
-                "{file}: {count} faces are not flat, corners lie up to {most:.2} m off (more than {OFF_PLANE_M} m counts); \
-                 they are folded along their diagonals"
+                "{file}: {count} faces are not flat, with corners up to {most:.2} m off their plane (limit {OFF_PLANE_M} m); they are \
+                 folded along their diagonals"
             ));
         }
     }

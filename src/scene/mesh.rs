@@ -279,7 +279,7 @@ mod tests {
     /// National grid coordinates with millimetres come back within 0.87 steps of the grid (53 um),
     /// relative to a multiple of 256 m.
     #[test]
-    fn national_grid() {
+    fn national_grid_coordinates_stay_within_53_um() {
         let input = [[78_000.125, 457_000.001, 7.717], [78_010.125, 457_000.002, 7.3], [78_003.5, 457_008.033, -1.0]];
         let Canonical { mesh, .. } = build(&input, &[([0, 1, 2], 0)]);
         assert_eq!(mesh.origin, DVec3::new(78_080.0, 456_960.0, 0.0));
@@ -294,7 +294,7 @@ mod tests {
     /// Vertices are shared by value, sorted and all used; triangles start at their least corner and
     /// keep their winding.
     #[test]
-    fn canonical_form() {
+    fn vertices_are_shared_and_sorted() {
         let positions = [[2., 0., 0.], [0., 2., 0.], [0., 0., 0.], [9., 9., 9.], [2., 0., -0.0], [2., 2., 0.]];
         let Canonical { mesh, used, .. } = build(&positions, &[([0, 5, 1], 7), ([4, 1, 2], 3)]);
         let found: Vec<[f64; 3]> = mesh.vertices.iter().map(DVec3::to_array).collect();
@@ -306,7 +306,7 @@ mod tests {
 
     /// The normal has unit length and follows the right-hand rule, also in a scene of a micrometre.
     #[test]
-    fn normals() {
+    fn normals_follow_the_right_hand_rule() {
         for size in [1e-6, 1.0, 1e6] {
             let ring = [[0., 0., 0.], [size, 0., size], [0., size, 0.]];
             let normal = build(&ring, &[([0, 1, 2], 0)]).mesh.normal(0);
@@ -317,7 +317,7 @@ mod tests {
     /// Four slivers are dropped, two that vanish on the grid and two without area, of which one
     /// repeats a corner; a needle of aspect 1e6 stays.
     #[test]
-    fn degenerate_and_needles() {
+    fn slivers_are_dropped_and_needles_stay() {
         let positions = [
             [0., 0., 0.],
             [1000., 0., 0.],
@@ -351,7 +351,7 @@ mod tests {
     /// normal in both, to the bit, at coordinates that f32 relative to either middle would not
     /// share. A scene 3,000 km wide is refused with its reach.
     #[test]
-    fn equal_in_two_scenes() {
+    fn a_triangle_is_equal_in_two_scenes() {
         let house = [[85_333.333, 446_111.111, 1.7], [85_341.37, 446_118.02, 4.123], [85_336.1, 446_120.9, 9.081]];
         let with = |x: f64| {
             let far = [[x, 446_000., 0.], [x + 3., 446_000., 0.], [x, 446_300., 0.]];
@@ -372,7 +372,7 @@ mod tests {
     /// A repeated triangle of the same material is dropped, whichever corner it starts at; a
     /// flipped one is another triangle.
     #[test]
-    fn duplicates() {
+    fn a_repeated_triangle_is_dropped() {
         let positions = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 0.]];
         let triangles = [([0, 1, 2], 1), ([1, 2, 3], 1), ([2, 3, 1], 1), ([0, 1, 2], 2), ([2, 1, 0], 1)];
         let Canonical { mesh, dropped, .. } = build(&positions, &triangles);
@@ -381,7 +381,7 @@ mod tests {
 
     /// 65,535 materials are accepted; one more is refused with both numbers.
     #[test]
-    fn material_limit() {
+    fn at_most_65535_materials_are_accepted() {
         let fan = |count: u32| {
             let positions: Vec<DVec3> =
                 (0..count + 2).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0)).collect();

@@ -151,7 +151,7 @@ mod tests {
     /// orientation of a material. A pane turned by 2 mrad and one of another material have 2 more,
     /// and a matt wall has none. The order of triangles does not matter.
     #[test]
-    fn orientations() {
+    fn parallel_panes_share_one_orientation() {
         let pane = |x: f64, y: f64, lean: f64| {
             [DVec3::new(x, y, 0.0), DVec3::new(x + 1.0, y, 0.0), DVec3::new(x, y + lean, 1.0)]
         };

@@ -66,12 +66,13 @@ impl From<ModelVersion> for String {
 pub(crate) fn doubt(stated: Option<ModelVersion>, file: &Path) -> Option<String> {
     let file = file.display();
     match stated {
-        None => Some(format!("{file}: states no version of EnergyPlus, the newest is assumed")),
+        None => Some(format!("{file}: states no version of EnergyPlus; the newest one is assumed")),
         Some(version) if version < OLDEST => Some(format!(
-            "{file}: is of EnergyPlus {version}; fields of versions before {OLDEST} may be misread, upgrade it with the Transition tool"
+            "{file}: was written for EnergyPlus {version}; fields of versions before {OLDEST} may be misread: upgrade it with the \
+             Transition tool"
         )),
         Some(version) if version > ModelVersion::KNOWN => Some(format!(
-            "{file}: is of EnergyPlus {version}, and fields are read as {} has them, the newest that is known: compare its areas with \
+            "{file}: was written for EnergyPlus {version}, but fields are read as in {}, the newest known version: compare its areas with \
              those of EnergyPlus",
             ModelVersion::KNOWN
         )),
@@ -88,9 +89,11 @@ mod tests {
     /// Versions 7.2, 26.1 and a missing one, 3 of 6, get a warning; 4 of 7 texts are a version that
     /// may be assumed.
     #[test]
-    fn versions_that_are_doubted() {
+    fn unknown_versions_get_a_warning() {
         let doubted = |text: &str| doubt(ModelVersion::parse(text), Path::new("m.idf"));
-        for (text, word) in [("7.2", "before 8.0"), ("26.1", "is of EnergyPlus 26.1"), ("", "states no version")] {
+        for (text, word) in
+            [("7.2", "before 8.0"), ("26.1", "was written for EnergyPlus 26.1"), ("", "states no version")]
+        {
             assert!(doubted(text).is_some_and(|said| said.contains(word)), "{text}: {:?}", doubted(text));
         }
         for text in ["8.0", "24.2.0", "25.2"] {

@@ -45,7 +45,7 @@ mod tests {
 
     /// The 2 of 4 objects that fill one box are a pair; a flat one and one beside them are not.
     #[test]
-    fn pairs() {
+    fn two_objects_that_fill_one_box_are_a_pair() {
         let mut soup = Soup::default();
         for (name, at, size) in [("a", 0.0, 5.0), ("b", 0.1, 5.0), ("c", 9.0, 5.0), ("flat", 0.0, 0.0)] {
             let first = soup.positions.len() as u32;

@@ -189,7 +189,8 @@ impl Palette {
             let unused = table.keys().filter(|name| !is_used(name)).enumerate();
             let unused = unused.map(|(i, name)| {
                 let near = if i < MOST_UNUSED { nearest(name, &others) } else { None };
-                let near = near.map_or(String::new(), |near| format!(", but `{}`", excerpt(near.as_bytes())));
+                let near =
+                    near.map_or(String::new(), |near| format!(" (did you mean `{}`?)", excerpt(near.as_bytes())));
                 format!("`{}`{near}", excerpt(name.as_bytes()))
             });
             warnings.extend(unused_warning(path, unused.collect()));
@@ -202,12 +203,12 @@ impl Palette {
 const MOST_NAMED: usize = 4;
 
 fn assumed_warning(assumed: Vec<String>) -> Option<String> {
-    let (start, end) = ("no file says how much light", "a materials.toml ({materials}) says it");
+    let (start, end) = ("no file states how much light", "state it in a materials.toml ({materials})");
     match assumed.len() {
         0 => None,
-        1..=MOST_NAMED => Some(format!("{start} these materials reflect, assumed is: {}; {end}", assumed.join(", "))),
+        1..=MOST_NAMED => Some(format!("{start} these materials reflect; assumed: {}; {end}", assumed.join(", "))),
         count => {
-            let sentence = format!("{start} {count} materials reflect, assumed is what is usual; {end}");
+            let sentence = format!("{start} {count} materials reflect; usual values are assumed; {end}");
             Some(with_list(&sentence, assumed))
         }
     }

@@ -30,7 +30,7 @@ mod tests {
     /// A square of 4 m has 16 m2 far from the origin, and -16 m2 the other way round; its middle
     /// lies within, a place beside it does not.
     #[test]
-    fn areas_and_places() {
+    fn areas_have_a_sign_and_places_are_within() {
         let at = |x: f64, y: f64| DVec2::new(500_000.0 + x, 5_000_000.0 + y);
         let mut ring = vec![at(0., 0.), at(4., 0.), at(4., 4.), at(0., 4.)];
         assert!((signed_area_m2(&ring) - 16.0).abs() < 1e-9);

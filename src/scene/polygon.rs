@@ -351,7 +351,7 @@ mod tests {
 
     /// A square is two triangles of its area and winding, in every plane and both windings.
     #[test]
-    fn square() {
+    fn a_square_is_two_triangles_of_its_area() {
         for turn in 0..3 {
             let place = |u: f64, v: f64| {
                 let mut p = [u, v, 5.0];
@@ -372,7 +372,7 @@ mod tests {
     /// A concave L keeps its area of 3 m2 and its winding wherever its ring starts, also on a slope
     /// and on a wall.
     #[test]
-    fn concave() {
+    fn a_concave_face_keeps_its_area() {
         let ell = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
         for start in 0..6 {
             for slope in [0.0, 1.0, 50.0] {
@@ -390,7 +390,7 @@ mod tests {
 
     /// Points in line on the edges survive as corners, whichever of them the ring starts at.
     #[test]
-    fn points_in_line() {
+    fn points_in_line_survive_as_corners() {
         let mut ring = vec![];
         for side in 0..4 {
             for step in 0..5 {
@@ -413,7 +413,7 @@ mod tests {
     /// A courtyard cut in through a slit is triangulated to outline minus courtyard, 16 - 4 = 12
     /// m2.
     #[test]
-    fn slit_hole() {
+    fn a_slit_hole_is_left_out_of_the_area() {
         let (done, area) = face(&[
             [0., 0., 0.],
             [4., 0., 0.],
@@ -431,7 +431,7 @@ mod tests {
 
     /// Faces that repeat corners, have two of them or no area are counted and leave no triangle.
     #[test]
-    fn degenerate() {
+    fn degenerate_faces_leave_no_triangle() {
         for ring in [
             &[[0., 0., 0.], [1., 0., 0.]][..],
             &[[0., 0., 0.]],
@@ -449,7 +449,7 @@ mod tests {
     /// A square with two holes has 16 - 1 - 1 = 14 m2 in two planes, whichever way the holes turn
     /// and wherever rings start.
     #[test]
-    fn true_holes() {
+    fn holes_are_left_out_of_the_area() {
         let square = |low: f64, high: f64, across: f64| {
             vec![[low, across, 0.], [high, across, 0.], [high, across + high - low, 0.], [low, across + high - low, 0.]]
         };
@@ -476,7 +476,7 @@ mod tests {
     /// A hole that reaches out of its outline is reported, and so is a face with a corner 0.4 m off
     /// its mean plane.
     #[test]
-    fn odd_faces() {
+    fn holes_beyond_outlines_are_reported() {
         let outline = [[0., 0., 0.], [4., 0., 0.], [4., 4., 0.], [0., 4., 0.]];
         let (done, _) = with_holes(&[&outline, &[[3., 3., 0.], [6., 3., 0.], [6., 3.5, 0.]]]);
         assert_eq!(done.crossing_faces, Some((1, Place { line: 6, object: 0 })));
@@ -488,7 +488,7 @@ mod tests {
     /// An outline that crosses itself is reported with its line, and one beyond the limit is
     /// refused with its size.
     #[test]
-    fn hostile_rings() {
+    fn crossed_outlines_are_reported_by_line() {
         let (done, _) = face(&[[0., 0., 0.], [3., 0., 0.], [3., 3., 0.], [1., -1., 0.], [0., 3., 0.]]);
         assert_eq!(done.crossing_faces, Some((1, Place { line: 6, object: 0 })));
 

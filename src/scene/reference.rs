@@ -193,7 +193,7 @@ mod tests {
     /// 0.0002 degrees, because no grid shifts are used; convergence agrees to 0.004 degrees,
     /// because north of old datums is not quite that of WGS 84.
     #[test]
-    fn against_proj() {
+    fn places_and_convergence_agree_with_proj() {
         for (epsg, x, y, latitude, longitude, convergence) in [
             (25832, 316483.8, 5987150.6, 54.0, 6.2, -2.26587),
             (32611, 323446.6, 4163316.3, 37.6, -119.0, -1.22061),
@@ -230,7 +230,7 @@ mod tests {
     /// shifts (pyproj 3.7.2, its best operation) within 5 mm. Only the point of Krovak is 9.9 m
     /// off, where PROJ takes other parameters of an accuracy of 6 m.
     #[test]
-    fn degrees_against_proj() {
+    fn degrees_agree_with_proj_within_5_mm() {
         let metres_off = |(epsg, x, y, latitude, longitude): (u32, f64, f64, f64, f64)| {
             let (lat, lon) = PlaneSystem::of(epsg).expect("known").degrees(x, y).expect("a place");
             let metre = 111_320.0;
@@ -264,7 +264,7 @@ mod tests {
 
     /// A metre of web maps is 0.61 m on the ground in The Hague.
     #[test]
-    fn web_mercator() {
+    fn a_metre_of_web_maps_is_shorter_on_the_ground() {
         let (place, length) = Reference::Epsg(3857).locate(478_600.0, 6_814_000.0).expect("known");
         assert!((length - place.latitude_deg.to_radians().cos()).abs() < 0.003 && length < 0.62, "{length} {place:?}");
     }
@@ -272,7 +272,7 @@ mod tests {
     /// Unknown numbers, geographic and geocentric systems and absurd coordinates have no place, 7
     /// of 7; a stated place is returned as it is, with a convergence of 0.
     #[test]
-    fn nowhere() {
+    fn unknown_systems_have_no_place() {
         use Unplaced::{Degrees, Geocentric, Outside, Unknown};
         for (epsg, x, why) in [
             (0, 0.0, Unknown),

@@ -106,7 +106,7 @@ mod tests {
     /// Two parts side by side share none of their 3 points, and every point has one owner; 3 points
     /// outside have none.
     #[test]
-    fn edges() {
+    fn every_point_has_one_part_at_most() {
         let east = RegionPart { low: DVec2::new(100.0, 0.0), high: DVec2::new(200.0, 100.0), ..PART };
         let owners = |x: f64| [PART, east].iter().filter(|part| part.owns(DVec3::new(x, 0.0, 5.0))).count();
         assert_eq!([0.0, 100.0, 199.999].map(owners), [1, 1, 1]);
@@ -117,7 +117,7 @@ mod tests {
     /// degrees). A tower of 20 m there (7.6 degrees) and a box of 3 m that ends 151 m west of the
     /// part do not.
     #[test]
-    fn neighbours() {
+    fn near_or_tall_boxes_count_as_neighbours() {
         let counts =
             |x: f64, height: f64| PART.counts(DVec3::new(x, 0.0, 0.0), DVec3::new(x + 10.0, 10.0, height), 0.0);
         assert_eq!([counts(50.0, 3.0), counts(149.0, 3.0), counts(250.0, 30.0)], [true; 3]);
@@ -128,7 +128,7 @@ mod tests {
     /// only the triangle that touches the part is seen; of terrain as wide both are. A house 480 m
     /// away is not seen, neither its wall nor its floor, whose material is the ground's.
     #[test]
-    fn wholes_wide_ones_and_ground() {
+    fn small_objects_count_whole_and_wide_ones_cut() {
         const GROUND: u32 = 7;
         let at = |x: f64| [DVec3::new(x, 0.0, 0.0), DVec3::new(x + 20.0, 0.0, 0.0), DVec3::new(x, 20.0, 1.0)];
         let of = [

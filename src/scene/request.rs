@@ -85,7 +85,7 @@ mod tests {
     /// A request with 3 of its 8 fields set is read back as it was written; an unknown field is
     /// refused.
     #[test]
-    fn requests_are_kept() {
+    fn a_request_is_read_as_it_was_written() {
         let request = SceneRequest {
             files: vec!["town.city.json".into()],
             assume_version: ModelVersion::parse("9.6"),

@@ -112,7 +112,7 @@ mod tests {
 
     /// A face is named after its object, its place in a solid, its line or its number: 4 of 4.
     #[test]
-    fn names() {
+    fn a_face_is_named_after_its_source() {
         let named = |source, line, number| {
             SourceFace { note: FaceNote { source, ..FaceNote::default() }, line, number }.name("Wall 1")
         };

@@ -238,7 +238,7 @@ impl Site {
                 let Site { parts, frame, .. } = read_site(&listed, materials)?;
                 site.parts.extend(parts);
                 site.frame = site.frame.joined(&frame).map_err(|key| {
-                    let what = format!("its [site] states another `{key}` than the one before");
+                    let what = format!("its [site] states another `{key}` than the site file before it");
                     Error::input(&listed, None, what, "a scene has one frame: state it once")
                 })?;
             } else {
@@ -258,7 +258,7 @@ impl Site {
     pub(crate) fn unused_up(&self) -> Option<String> {
         let used = self.frame.up.is_none() || self.parts.iter().any(|part| has_no_up(&part.file));
         (!used).then(|| {
-            "the axis that points up is stated for OBJ, PLY and STL, and no file is one of these: their formats say it themselves".to_owned()
+            "the stated up axis has no effect: it applies to OBJ, PLY and STL, and no file is one of these".to_owned()
         })
     }
 
@@ -323,14 +323,14 @@ fn part(entry: &Entry, folder: &Path, materials: Option<&Path>) -> std::result::
     let (latitude_deg, longitude_deg) = (entry.latitude_deg, entry.longitude_deg);
     let stated = SiteFrame { epsg: entry.epsg, latitude_deg, longitude_deg, ..SiteFrame::default() };
     let reference = match stated.checked()?.references() {
-        [Some(_), Some(_)] => return Err("both `epsg` and a latitude are stated, one of them says it".to_owned()),
+        [Some(_), Some(_)] => return Err("both `epsg` and a latitude are stated; give one of them".to_owned()),
         [epsg, place] => epsg.or(place),
     };
     let surface = surface(entry, folder)?;
     let file = match (&entry.file, &surface) {
         (Some(file), None) => folder.join(file),
         (None, Some(rasters)) => rasters.dsm.clone(),
-        _ => return Err("either `file` or `dsm` says what it is read from".to_owned()),
+        _ => return Err("either `file` or `dsm` must be given, and not both".to_owned()),
     };
     Ok(Part {
         file,
@@ -410,7 +410,7 @@ mod tests {
     /// Two files with one material name and two tables keep 0.5 and 0.1; offset, scale and axis put
     /// the second file where it belongs.
     #[test]
-    fn merges() {
+    fn two_files_keep_their_own_materials() {
         let (_folder, site) = site(
             "[[scene]]\nfile = \"a.obj\"\nmaterials = \"a.toml\"\n[[scene]]\nfile = \"b.obj\"\nmaterials = \"b.toml\"\n\
              offset = [10, 20, 30]\nscale = 0.5\nup = \"y\"\n",
@@ -430,7 +430,7 @@ mod tests {
     /// With y up for the whole site the square of OBJ stands upright, 2 m high; a file that states
     /// z for itself lies flat, and a site of glTF alone gets a warning.
     #[test]
-    fn y_up_for_all() {
+    fn y_up_of_the_site_turns_obj_upright() {
         let files = "[[scene]]\nfile = \"a.obj\"\n[[scene]]\nfile = \"b.obj\"\nup = \"z\"\noffset = [9, 0, 0]\n";
         let (_folder, site) = site(files);
         let site = site.expect("readable").framed(&SiteFrame { up: Some(UpAxis::Y), ..SiteFrame::default() });
@@ -446,7 +446,7 @@ mod tests {
     /// One material name in two files under one table is one material, and the order of the parts
     /// does not change the hash.
     #[test]
-    fn order_of_parts() {
+    fn the_order_of_parts_keeps_the_hash() {
         let parts = [
             "[[scene]]\nfile = \"a.obj\"\nmaterials = \"a.toml\"\n",
             "[[scene]]\nfile = \"b.obj\"\nmaterials = \"a.toml\"\noffset = [5, 0, 0]\n",
@@ -463,7 +463,7 @@ mod tests {
     /// A folder of two tiles, one of them packed, and a code list is a site of the two tiles,
     /// sorted by name; a `site.toml` in it takes precedence.
     #[test]
-    fn a_folder_of_tiles() {
+    fn a_folder_of_tiles_is_a_site_of_them() {
         let folder = tempfile::tempdir().expect("a folder");
         let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
         for name in ["2.gml.gz", "1.gml", "codes.xml", "readme.txt"] {
@@ -478,7 +478,7 @@ mod tests {
 
     /// Seventeen wrong site files are refused by name, with a line where there is one.
     #[test]
-    fn refusals() {
+    fn wrong_site_files_are_refused_by_name() {
         for (toml, quoted) in [
             ("", "missing field `scene`"),
             ("scene = []", "lists no scene"),

@@ -115,7 +115,7 @@ mod tests {
     /// A request of 2 fields is read back as it was written; 4 numbers out of range are refused
     /// with their field.
     #[test]
-    fn requests_are_kept() {
+    fn a_request_is_read_as_it_was_written() {
         let request = SurfaceRasters { trunk_share: Some(0.3), ..SurfaceRasters::of("a.tif") };
         let text = serde_json::to_string(&request).expect("JSON");
         assert_eq!(text, "{\"dsm\":\"a.tif\",\"trunk_share\":0.3}");

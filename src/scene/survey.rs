@@ -48,7 +48,10 @@ impl Site {
         let first = systems.next();
         let other = systems.find(|(_, system)| first.is_some_and(|(_, first)| !first.is_same(system)));
         if let (Some((first, system)), Some((file, other))) = (first, other) {
-            let what = format!("its coordinates become metres of {other}, those of {} of {system}", first.display());
+            let what = format!(
+                "its coordinates are converted to metres of {other}, but those of {} to {system}",
+                first.display()
+            );
             return Err(Error::input(file, None, what, "give one coordinate system for all files as {crs}"));
         }
         Ok(all.into_iter().map(|one| one.found).collect())
@@ -148,7 +151,7 @@ mod tests {
     /// Two triangles of 1 and 2 m in two objects of an OBJ file, moved by 10 m, have their boxes
     /// exactly, and the file's box holds both.
     #[test]
-    fn boxes() {
+    fn objects_have_their_exact_boxes() {
         let folder = tempfile::tempdir().expect("a folder");
         let square = |x: f64, size: f64, first: usize| {
             let f = first + 1;

@@ -188,7 +188,7 @@ mod tests {
     /// Four spellings of a text in UTF-16 become UTF-8; five texts that are not UTF-16 stay as they
     /// are.
     #[test]
-    fn utf_16() {
+    fn utf_16_becomes_utf_8() {
         let text = "v 1 \u{e9}\nf";
         for little in [true, false] {
             let pair = |unit: u16| if little { unit.to_le_bytes() } else { unit.to_be_bytes() };
@@ -204,7 +204,7 @@ mod tests {
 
     /// LF, CRLF and CR files give the same lines with the same numbers.
     #[test]
-    fn line_ends() {
+    fn all_line_ends_give_the_same_lines() {
         let lf = all(b"\xef\xbb\xbfv 1\n\n  f 2 \nusemtl a b");
         assert_eq!(lf, [(1, "v 1".into()), (3, "f 2".into()), (4, "usemtl a b".into())]);
         assert_eq!(all(b"v 1\r\n\r\n  f 2 \r\nusemtl a b\r\n"), lf);
@@ -213,21 +213,21 @@ mod tests {
 
     /// A backslash joins lines under the first one's number, but not out of a comment.
     #[test]
-    fn continuation() {
+    fn a_backslash_joins_lines() {
         let lines = all(b"# C:\\data\\\nf 1 2\\\r\n 3 \\\n4\nv 5\\");
         assert_eq!(lines, [(2, "f 1 2 3  4".into()), (5, "v 5".into())]);
     }
 
     /// Words end at a comment that stands after the data.
     #[test]
-    fn words() {
+    fn words_end_at_a_comment() {
         let found: Vec<&[u8]> = Words(b"v\t1  2 # 3").collect();
         assert_eq!(found, [&b"v"[..], b"1", b"2"]);
     }
 
     /// A quotation is at most 60 characters and free of control codes.
     #[test]
-    fn quotation() {
+    fn a_quotation_is_short_and_printable() {
         assert_eq!(excerpt(b"a\x1b[31m\xff"), "a\u{fffd}[31m\u{fffd}");
         assert_eq!(excerpt(&[b'x'; 100_000]).chars().count(), 63);
         assert_eq!(excerpt("\u{20ac}".repeat(60).as_bytes()).chars().count(), 60);

@@ -192,7 +192,7 @@ def test_update_is_the_programs(site: heliotile.Archive, tmp_path: Path) -> None
         site.update(tmp_path / "no.helio", remove=["tower"], preview=200)
     with pytest.raises(heliotile.ArgumentError, match="no object or building `towr`"):
         after.update(tmp_path / "no.helio", move={"towr": (1, 2, 3)})
-    with pytest.raises(heliotile.ArgumentError, match="is no height"):
+    with pytest.raises(heliotile.ArgumentError, match="is not a height"):
         after.update(tmp_path / "no.helio", height={"tower": "tall"})
 
 

@@ -323,7 +323,7 @@ mod tests {
     /// A wall of 10 x 3 m gets 8 receivers at 2 m: 4 by 2, each of 3.75 m2, 2.5 and 1.5 m apart,
     /// within 1e-6, also when turned by 17 and 133 degrees.
     #[test]
-    fn wall() {
+    fn a_wall_gets_a_regular_grid_of_receivers() {
         for degrees in [0.0_f64, 17.0, 133.0] {
             let (sin, cos) = degrees.to_radians().sin_cos();
             let along = DVec3::new(cos, sin, 0.0);
@@ -348,7 +348,7 @@ mod tests {
     /// A count of 1, 2, 3, 7 or 100 on an L with a hole gives as many receivers, of equal area
     /// within 1e-6, all on the surface; the areas add up to it.
     #[test]
-    fn exact_counts() {
+    fn a_stated_count_gives_equal_areas() {
         let mut triangles = Vec::new();
         for (x, y, w, h) in [(0., 0., 6., 2.), (0., 2., 2., 4.), (4., 2., 2., 2.), (2., 3., 2., 1.)] {
             triangles.extend(quad(DVec3::new(x, y, 5.0), DVec3::X * w, DVec3::Y * h));
@@ -372,7 +372,7 @@ mod tests {
     /// A strip of 0.2 x 20 m gets 10 receivers at 2 m, not the 1 of its area; receivers of a hill
     /// lie on it and look along its normals.
     #[test]
-    fn strips_and_hills() {
+    fn strips_and_hills_get_receivers_on_them() {
         let strip = surface(SurfaceKind::Wall, quad(DVec3::ZERO, DVec3::X * 20.0, DVec3::Z * 0.2));
         assert_eq!(cover(&strip, Density::Spacing(2.0)).len(), 10);
         let height = |x: f64, y: f64| 0.3 * x + 0.1 * y;
@@ -394,7 +394,7 @@ mod tests {
     /// narrower at both sides. At every spacing the strips above and below it have receivers of
     /// their own, of 2.44 and 9.146 m2, whose mean height is that of the wall within 1 mm.
     #[test]
-    fn strips_beside_a_window() {
+    fn strips_beside_a_window_get_receivers() {
         for sliver in [0.0, 1e-4] {
             let at = |x: f64, z: f64| DVec3::new(x, 8.0, z);
             let strip = |x: f64, z: f64, wide: f64, high: f64| quad(at(x, z), DVec3::X * wide, DVec3::Z * high);

@@ -36,7 +36,7 @@ pub struct TravelPoint {
 }
 
 /// Columns of a file of lines, as messages describe them.
-const HINT: &str = "give columns x and y, metres, and if you like z, the height of the road, and line, a name";
+const HINT: &str = "give columns x and y in metres; z (height of the road, metres) and line (a name) are optional";
 
 /// Reads lines from a CSV file with columns `x,y` and optional `z` and `line`, in any order. Each
 /// row is a corner, in the order of travel; consecutive rows of one name are a line. Fails if a
@@ -76,7 +76,7 @@ pub fn read_lines(file: &Path) -> Result<Vec<TravelLine>> {
             }
             Some(_) => {
                 let hint = "put the corners of a line one after the other";
-                return Err(rows.error(format!("line `{name}` comes twice"), hint));
+                return Err(rows.error(format!("the corners of line `{name}` do not follow each other"), hint));
             }
         }
     }
@@ -136,7 +136,7 @@ mod tests {
     /// Backwards the points are at the same distances from the road's end. A second line has its
     /// name, and a short one a point in its middle.
     #[test]
-    fn points_along() {
+    fn points_follow_a_line_at_equal_distances() {
         let lines = read("line,x,y,z\na,0,0,0\na,10,0,10\na,10,6,4\nb,0,1,\nb,1,1,\n").expect("lines");
         let [a, b] = lines.as_slice() else { panic!("{lines:?}") };
         let points = a.points(4.0);
@@ -153,13 +153,13 @@ mod tests {
 
     /// Five malformed files are refused, each with what is wrong.
     #[test]
-    fn wrong_lines() {
+    fn malformed_lines_are_refused() {
         for (text, says) in [
             ("", "empty"),
             ("x,z\n1,2\n", "no column"),
             ("x,y\n1,2\n1,two\n", "line 3"),
             ("x,y\n1,2\n1,2\n", "no length"),
-            ("line,x,y\na,0,0\na,1,0\nb,0,0\nb,1,1\na,2,2\n", "comes twice"),
+            ("line,x,y\na,0,0\na,1,0\nb,0,0\nb,1,1\na,2,2\n", "do not follow each other"),
         ] {
             assert!(read(text).is_err_and(|error| error.to_string().contains(says)), "{says}");
         }

@@ -92,7 +92,7 @@ mod tests {
     /// cut at 2, with the share (10 + w) / (15 + 2 w) of the area before; a strip of 1.2 m is no
     /// neck.
     #[test]
-    fn strips_that_hardly_hang_together() {
+    fn strips_on_a_narrow_neck_are_cut_apart() {
         for (wide, is_neck) in [(0.0, true), (0.001, true), (1.0, true), (1.2, false)] {
             let spans: Vec<Span> = [rectangle(0.0, 1.0, 10.0), rectangle(1.0, 3.0, wide), rectangle(3.0, 3.5, 10.0)]
                 .into_iter()

@@ -149,7 +149,7 @@ impl Columns {
                 || *name == PATCH;
             let shown = excerpt(name.as_bytes());
             if known && place(name) != Some(i) {
-                return Err(header.error(format!("column `{shown}` stands there twice"), "remove one of the two"));
+                return Err(header.error(format!("column `{shown}` appears twice"), "remove one of the two"));
             }
             if !known {
                 unused.push(format!("`{shown}`"));
@@ -332,7 +332,7 @@ mod tests {
     /// Columns in any order, CRLF, blanks, quotes and unknown columns are read; normals come out
     /// with length 1.
     #[test]
-    fn reads() {
+    fn columns_are_read_in_any_order() {
         let text = "nz,surface , receiver,x,y,z,nx,ny,area,note\r\n 4 ,\"a, b\", r1 ,78000.25,457000.5,-1e1,3,0,2.5,hm\r\n\
                     -1e-310,,r2,0,0,0,0,-0,,\r\n";
         let (receivers, warnings) = read(text).expect("readable");
@@ -349,7 +349,7 @@ mod tests {
     /// Tilt and azimuth give normals within 1e-15, 5 of 5; four angles that are out of range or no
     /// number are refused, and so is a tilt without an azimuth.
     #[test]
-    fn tilt_and_azimuth() {
+    fn tilt_and_azimuth_become_normals() {
         let file = |tilt: &str, azimuth: &str| {
             read(&format!("receiver,x,y,z,tilt_deg,azimuth_deg\nr,0,0,0,{tilt},{azimuth}")).map(|read| read.0[0].normal)
         };
@@ -373,7 +373,7 @@ mod tests {
 
     /// Every refusal names the file, the line, the column and the cell's text.
     #[test]
-    fn refusals() {
+    fn a_refused_row_names_its_line_and_column() {
         for (rows, line, quoted) in [
             ("a,0,1.2.3,0,0,0,1", 2, "column `y` is `1.2.3`, not a number"),
             ("a,0,,0,0,0,1", 2, "column `y` is ``, not a number"),
@@ -398,7 +398,7 @@ mod tests {
     /// Areas that are not above zero, headers without a column or with one twice, and files without
     /// rows are refused.
     #[test]
-    fn refused_files() {
+    fn wrong_headers_areas_and_texts_are_refused() {
         for (text, quoted) in [
             ("receiver,x,y,z,nx,ny,nz,area\na,0,0,0,0,0,1,0", "line 2: column `area` is `0`, not above zero"),
             ("receiver,x,y,z,nx,ny,nz,area\na,0,0,0,0,0,1,-5", "column `area` is `-5`"),
@@ -406,7 +406,7 @@ mod tests {
                 "receiver,x,y,nx,ny,nz\na,0,0,0,0,1",
                 "line 1: column `z` is missing; the header is `receiver,x,y,nx,ny,nz`",
             ),
-            ("receiver,x,y,z,nx,ny,nz,x\n", "line 1: column `x` stands there twice"),
+            ("receiver,x,y,z,nx,ny,nz,x\n", "line 1: column `x` appears twice"),
             (HEADER, "no receivers"),
             ("", "the file is empty"),
         ] {
@@ -421,7 +421,7 @@ mod tests {
     /// Names of 1024 bytes are read, longer ones of receivers and of surfaces refused in their
     /// line: 2 of 2.
     #[test]
-    fn long_names() {
+    fn names_beyond_1024_bytes_are_refused() {
         let file = |id: usize, surface: usize| {
             let (id, surface) = ("i".repeat(id), "s".repeat(surface));
             read(&format!("receiver,x,y,z,nx,ny,nz,surface\n{id},0,0,0,0,0,1,{surface}"))
@@ -437,7 +437,7 @@ mod tests {
     /// A row of more than 16 MiB, as after a quote that is never closed, is refused with the line
     /// that it begins in.
     #[test]
-    fn endless_row() {
+    fn a_row_beyond_16_mib_is_refused() {
         let text = [HEADER, "a,0,0,0,0,0,1\n\n\"b", &"x\n".repeat(9 << 20)].concat();
         let rows = CsvRows::new(Box::new(text.as_bytes()), Path::new("receivers.csv")).expect("readable");
         let message = collect(ReceiverRows::new(rows, &mut Vec::new()).expect("a header")).expect_err("endless");

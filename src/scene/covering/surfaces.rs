@@ -344,7 +344,7 @@ mod tests {
     /// A box of 9 faces has 6 surfaces: a roof of 24 m2, 4 walls of 60 m2 together and a floor of
     /// 24 m2, however its faces are ordered.
     #[test]
-    fn box_of_faces() {
+    fn a_box_of_9_faces_has_6_surfaces() {
         let one = find(&house(WALLS.into_iter().chain(ROOF)));
         let other = find(&house(ROOF.into_iter().rev().chain(WALLS.into_iter().rev())));
         let told = |surfaces: &Surfaces| -> Vec<(String, f64, [f64; 3])> {
@@ -384,7 +384,7 @@ mod tests {
     /// A wall with a sliver of 1e-7 m between its triangles that faces askew is 1 surface, named
     /// after its object.
     #[test]
-    fn slivers() {
+    fn a_wall_with_a_sliver_is_one_surface() {
         let wall = find(
             "v 0 0 0\nv 10 0 0\nv 10 0 3\nv 0 0 3\nv 5 0.0000001 0.0000001\no wall\nf 1 5 4\nf 5 2 4\nf 2 3 4\nf 1 2 5\n",
         );
@@ -394,7 +394,7 @@ mod tests {
 
     /// The kind that the file states decides, then glass, class and tilt, and never a name: 9 of 9.
     #[test]
-    fn kinds() {
+    fn the_stated_kind_decides_and_never_a_name() {
         let glass = Material { glass: Some(Glass::Double), ..Material::matt("front", 0.0, Class::Obstruction) };
         let called = |name: &str| crate::materials::assumed::assumed(name);
         let (roof, wall) = (Some(SurfaceKind::Roof), Some(SurfaceKind::Wall));

@@ -158,13 +158,16 @@ impl EditedScene {
         let from = roofs.fold(f64::INFINITY, f64::min);
         if !from.is_finite() {
             return refuse(
-                "has no roof: no face that looks up, more than 1 m over its foot".to_owned(),
+                "has no roof, which is a face that looks up and lies more than 1 m above the foot".to_owned(),
                 "remove it with {remove} and add another one with {add}",
             );
         }
         if from + by < low.z + LEAST_M {
-            let what =
-                format!("would go down by {:.2} m, and its lowest roof is {:.2} m over its foot", -by, from - low.z);
+            let what = format!(
+                "would be lowered by {:.2} m, but its lowest roof is only {:.2} m above its foot",
+                -by,
+                from - low.z
+            );
             return refuse(what, "lower it less, or remove it with {remove}");
         }
         if by == 0.0 {
@@ -196,7 +199,7 @@ impl EditedScene {
             (None, Some(material)) => self.push_material(material.clone()),
             (None, None) => {
                 let known = self.materials.iter().chain(described).map(|material| material.name.as_str());
-                let hint = format!("there are {}; {{materials}} may describe others", proposed(name, known));
+                let hint = format!("known materials: {}; {{materials}} may describe others", proposed(name, known));
                 Err(Error::argument("material", format!("there is no material `{name}`"), hint))
             }
         }

@@ -90,7 +90,7 @@ impl SceneEdits {
                 file,
                 None,
                 "the archive names no objects, so none can be edited",
-                "build it again from scene files: those of this release name them",
+                "build it again from scene files: archives of this release name their objects",
             ));
         }
         let names = ObjectNames::of(&scene.objects.list);
@@ -107,11 +107,11 @@ impl SceneEdits {
             let found = names.find(name, field, file)?;
             for object in &found {
                 if let Some(removed) = seen.get(object) {
-                    let what = format!("`{name}` is removed ({removed})");
-                    return Err(Error::argument(field, what, "remove it, or edit it"));
+                    let what = format!("`{name}` is to be removed, too ({removed})");
+                    return Err(Error::argument(field, what, "either remove it or edit it"));
                 }
                 if !once.insert((field, *object)) {
-                    return Err(Error::argument(field, format!("`{name}` is given twice"), "say it once"));
+                    return Err(Error::argument(field, format!("`{name}` is given twice"), "give it once"));
                 }
             }
             Ok(found)
@@ -140,7 +140,7 @@ impl SceneEdits {
 fn halves(text: &str) -> std::result::Result<(String, &str), String> {
     match text.rsplit_once('=') {
         Some((name, value)) if !name.trim().is_empty() => Ok((name.trim().to_owned(), value.trim())),
-        _ => Err(format!("`{text}` is no object, an equals sign and a value")),
+        _ => Err(format!("`{text}` is not an object, an equals sign and a value")),
     }
 }
 
@@ -177,7 +177,7 @@ impl FromStr for NewHeight {
         match number.parse::<f64>() {
             Ok(metres) if metres.is_finite() && is_change => Ok(NewHeight::By(metres)),
             Ok(metres) if metres.is_finite() && metres > 0.0 => Ok(NewHeight::To(metres)),
-            _ => Err(format!("`{text}` is no height, such as +3m, -3m or 12m")),
+            _ => Err(format!("`{text}` is not a height, such as +3m, -3m or 12m")),
         }
     }
 }

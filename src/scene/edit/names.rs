@@ -31,7 +31,7 @@ impl<'a> ObjectNames<'a> {
             Some(found) => Ok(found.iter().copied().collect()),
             None => {
                 let what = format!("{} has no object or building `{name}`", file.display());
-                Err(Error::argument(field, what, format!("there are {}", proposed(name, self.0.keys().copied()))))
+                Err(Error::argument(field, what, format!("known names: {}", proposed(name, self.0.keys().copied()))))
             }
         }
     }

@@ -67,7 +67,7 @@ fn objects_go_by_their_name_or_that_of_their_building() {
 /// Adding 3 m to a house lifts both roofs, 6 to 9 m and 3 to 6 m, and leaves the foot. A height of
 /// 2 m lowers the shed, whose foot is at z = 1 m, to z = 3 m. A moved object keeps its height.
 #[test]
-fn roofs_go_up_and_down() {
+fn a_new_height_moves_roofs_and_not_the_foot() {
     let heights_of = |text: &str| SceneEdits { heights: vec![text.parse().expect(text)], ..SceneEdits::default() };
     let up = edited(heights_of("house=+3m"));
     assert_eq!([heights(&up, "house-1"), heights(&up, "house-2")], [(0.0, 9.0), (0.0, 6.0)]);
@@ -80,7 +80,7 @@ fn roofs_go_up_and_down() {
 
 /// Four heights are written as the text that they are read from; 4 texts are refused.
 #[test]
-fn heights_are_text() {
+fn heights_are_written_as_they_are_read() {
     for text in ["+3m", "-2.5m", "12m", "0.5m"] {
         let height: NewHeight = text.parse().expect(text);
         assert_eq!(serde_json::to_string(&height).expect("JSON"), format!("\"{text}\""));
@@ -93,7 +93,7 @@ fn heights_are_text() {
 /// A removed shed may be added again under its name, with the notes of the file; a shed that stays
 /// may not.
 #[test]
-fn an_object_is_replaced() {
+fn only_a_removed_object_can_be_replaced() {
     let note = ObjectNote { object_type: "Building".to_owned(), ..ObjectNote::default() };
     let objects = MeshObjects {
         list: vec![SceneObject { name: "shed".to_owned(), note: note.clone() }],
@@ -113,7 +113,7 @@ fn an_object_is_replaced() {
 /// A file whose `wall` differs from the scene's adds it as `wall (tower)`; an equal one is the
 /// scene's own.
 #[test]
-fn materials_are_told_apart() {
+fn a_different_material_gets_a_new_name() {
     let objects = MeshObjects {
         list: vec![SceneObject { name: "tower".to_owned(), note: ObjectNote::default() }],
         of_triangle: vec![0; 10],

@@ -341,10 +341,10 @@ fn report(geometry: &mut Geometry, changes: &Changes) {
         }
     };
     let sentences: Vec<String> = [
-        said(&changes.uncrossed, "had an outline that crossed itself: two corners changed places"),
-        said(&changes.repeated, "stood twice: one of each is left out"),
-        said(&changes.turned, "looked into their object: turned"),
-        said(&changes.inner, "lie inside of their object: no receivers there"),
+        said(&changes.uncrossed, "had an outline that crossed itself: two swapped corners were put in order"),
+        said(&changes.repeated, "appeared twice: one copy of each is left out"),
+        said(&changes.turned, "pointed into their object: they were turned outwards"),
+        said(&changes.inner, "lie inside of their object: they get no receivers"),
         said(
             &changes.unclear,
             "have no clear outside: receivers may be on the wrong side, or missing; close the object or turn its faces outwards",

@@ -303,9 +303,9 @@ fn a_house_is_turned_outwards_and_a_street_is_not() {
     let inwards: Vec<&[usize]> = reversed.iter().map(Vec::as_slice).collect();
     let both: Vec<&[usize]> = OUTWARDS.iter().map(|face| face.as_slice()).chain(inwards.iter().copied()).collect();
     for (faces, expected, said) in [
-        (both, [100.0, 320.0, 100.0], "6 faces of `house` stood twice"),
-        (inwards.clone(), [100.0, 320.0, 100.0], "6 faces of `house` looked into their object"),
-        (inwards[1..].to_vec(), [100.0, 320.0, 0.0], "5 faces of `house` looked into their object"),
+        (both, [100.0, 320.0, 100.0], "6 faces of `house` appeared twice"),
+        (inwards.clone(), [100.0, 320.0, 100.0], "6 faces of `house` pointed into their object"),
+        (inwards[1..].to_vec(), [100.0, 320.0, 0.0], "5 faces of `house` pointed into their object"),
     ] {
         let (found, warnings) = of_obj(&BOX, &faces);
         assert_eq!(found, expected);

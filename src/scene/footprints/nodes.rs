@@ -171,7 +171,7 @@ mod tests {
     /// pairs of sides run both ways, and the deepest house has a fifth and a sixth corner where its
     /// neighbours end.
     #[test]
-    fn neighbours_share_sides() {
+    fn neighbours_share_the_sides_between_them() {
         let noded = Noded::of(&[&house(0.0, 5.0, 10.0), &house(5.01, 5.0, 12.0), &house(10.0, 5.0, 9.0)]);
         let lengths: Vec<usize> = noded.footprints.iter().map(|polygons| polygons[0][0].len()).collect();
         assert_eq!(lengths, [4, 6, 4]);

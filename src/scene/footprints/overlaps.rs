@@ -199,7 +199,7 @@ mod tests {
     /// tower that begins at 10 m leaves the podium whole, 75 m2 of its roof free and none of its
     /// own underside. Of two equal blocks one is left.
     #[test]
-    fn towers_on_podiums() {
+    fn a_tower_takes_its_area_from_the_podium() {
         let settled = |mut blocks: Vec<Block>| {
             let shapes: Vec<&[Vec<PlanRing>]> = blocks.iter().map(|block| block.polygons.as_slice()).collect();
             let pairs = overlapping(&shapes);

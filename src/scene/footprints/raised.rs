@@ -61,13 +61,13 @@ pub(crate) fn raise(files: &mut [FootprintFile], ground: &GroundBelow) -> Result
     let noded = town.noded();
     let free = free_walls(sides_of(&noded), &town.standing());
     let mut notes = vec![format!(
-        "{} and parts from their footprints, with flat roofs; {} of their sides stand against a neighbour",
+        "{} and building parts raised from footprints, with flat roofs; {} of their sides touch a neighbour",
         counted((all - consist_of_parts) as u64, "building"),
         free.shared_sides
     )];
     if filled > 0 {
         notes.push(format!(
-            "{} lay wholly or in part within another building, which takes that room",
+            "{} overlapped another building, which keeps the shared space",
             counted(filled as u64, "footprint")
         ));
     }
@@ -151,14 +151,14 @@ impl Town {
         let mut notes = Vec::new();
         if others > 0 {
             let base = match ground.is_empty() {
-                true => "stand at the height of their file (0 m, or {elevation}), as no file has terrain",
+                true => "stand at the height of their file (0 m, or {elevation}), because no file has terrain",
                 false => "stand on the lowest ground below their outline",
             };
             notes.push(format!("{} {base}", counted(others as u64, "footprint")));
         }
         if self.beside_ground > 0 {
             let beside = counted(self.beside_ground as u64, "footprint");
-            notes.push(format!("{beside} lie where there is no terrain: their base is the lowest one of all"));
+            notes.push(format!("{beside} outside of the terrain: the lowest base of all footprints is used"));
         }
         notes
     }

@@ -137,7 +137,7 @@ mod tests {
     /// A bow tie of two triangles of 25 m2 is recognised as crossed and becomes 50 m2. A square
     /// with a hole drawn in the same direction has 96 m2.
     #[test]
-    fn faults_are_repaired() {
+    fn a_bow_tie_and_a_turned_hole_are_repaired() {
         let tie = vec![ring(&[(0., 0.), (10., 10.), (10., 0.), (0., 10.)])];
         let tie = oriented(tie).expect("a ring");
         assert!(is_crossed(&tie));
@@ -153,7 +153,7 @@ mod tests {
     /// A square of 100 m2 without one that covers 30 m2 of it leaves 70 m2, and without one that is
     /// 1 mm smaller nothing.
     #[test]
-    fn areas_are_cut() {
+    fn a_covered_area_is_cut_away() {
         let square = |x: f64, side: f64| vec![vec![ring(&[(x, 0.), (x + side, 0.), (x + side, side), (x, side)])]];
         assert!((area_m2(&without(&square(0., 10.), &square(7., 10.))) - 70.0).abs() < 1e-6);
         assert!((shared_m2(&square(0., 10.), &square(7., 10.)) - 30.0).abs() < 1e-6);

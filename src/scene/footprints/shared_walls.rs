@@ -75,7 +75,7 @@ mod tests {
     /// A neighbour of 6 m leaves 4 m of a wall of 10 m free, one that stands from 3 to 6 m leaves 3
     /// and 4 m, and one of 12 m nothing; that neighbour's own wall is free above 10 m.
     #[test]
-    fn heights_are_cut() {
+    fn a_neighbour_leaves_the_wall_above_it_free() {
         let stands = |foot_m: f64, roof_m: f64| Standing { foot_m, roof_m, on_ground: foot_m <= 0.0 };
         let free = |other: Standing| {
             let sides = vec![Side { from: 1, to: 2, footprint: 0 }, Side { from: 2, to: 1, footprint: 1 }];

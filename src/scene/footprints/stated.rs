@@ -189,7 +189,7 @@ mod tests {
     /// Sixteen ways to state a height of 12 m, by column, storeys, unit and letters, give 12 m
     /// within 1 mm.
     #[test]
-    fn ways_to_say_twelve_metres() {
+    fn sixteen_ways_to_state_12_m_give_12_m() {
         let usual = FootprintOptions::default();
         for attributes in [
             json!({"height": 12}),
@@ -227,7 +227,7 @@ mod tests {
     /// One feature stands from 9 to 12 m, one has no height, and 4 have impossible heights; 3 are
     /// no buildings above the ground. A part of Overture and one of OpenStreetMap are parts.
     #[test]
-    fn what_is_no_building() {
+    fn impossible_heights_are_no_buildings() {
         let usual = FootprintOptions::default();
         let found = heights(json!({"height": 12, "building:min_level": 3}), &usual).expect("a part");
         assert_eq!((found.roof_m, found.foot_m), (12.0, 9.0));

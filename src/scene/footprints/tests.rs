@@ -87,7 +87,7 @@ fn a_row_of_houses_has_no_walls_between() {
 /// A block of 20 m with a court of 10 m, a house that fills half of the court, and a part from 6 to
 /// 12 m above a corner have the areas of a sum by hand; the order of features changes nothing.
 #[test]
-fn courts_and_parts() {
+fn courts_and_parts_have_their_areas() {
     let mut block = house("block", 0.0, 0.0, 20.0, 20.0, 6.0);
     let mut court = house("", 5.0, 5.0, 15.0, 15.0, 1.0).polygons.remove(0).remove(0);
     court.reverse();
@@ -119,7 +119,7 @@ fn overhangs_have_undersides() {
 /// On a slope each of two neighbours stands on the lowest ground below it, 10 m below its roof; of
 /// the wall between them only the step is left.
 #[test]
-fn neighbours_on_a_slope() {
+fn neighbours_stand_on_the_ground_below_them() {
     let at = |x: f64, y: f64| {
         let place = DVec2::new(690_000.0 + x, 5_330_000.0 + y);
         place.extend(0.1 * DVec2::from_angle(-FRAC_PI_6).rotate(DVec2::new(x, y)).x)

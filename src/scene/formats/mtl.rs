@@ -292,7 +292,7 @@ mod tests {
         assert!((table["mirror"].specular - 0.7).abs() < 1e-12 && table["mirror"].diffuse == 0.2);
         assert_eq!((nothing.without.len(), nothing.white.len()), (1, 3));
         let said = undescribed(Path::new("t.mtl"), &nothing.white, WHITE_WORDS).expect("white ones");
-        assert!(said.starts_with("t.mtl: 3 materials (`wall` is the first) of white"), "{said}");
+        assert!(said.starts_with("t.mtl: 3 materials (first: `wall`) of white"), "{said}");
     }
 
     /// Libraries are found beside the OBJ file, with blanks in the name or two on a line. A missing

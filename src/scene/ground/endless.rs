@@ -54,7 +54,7 @@ impl EndlessGround {
         }
         let hidden = z - low.z;
         (hidden > 0.01).then(|| {
-            format!("the scene reaches {hidden:.2} m below the endless ground at {z} m, which hides what lies there")
+            format!("the scene reaches {hidden:.2} m below the endless ground at {z} m, which hides that part")
         })
     }
 }
@@ -78,7 +78,7 @@ mod tests {
     /// stated height. A plane above the foot of the walls gets a warning with the 0.50 m that it
     /// hides; one below gets none.
     #[test]
-    fn same_as_triangles() {
+    fn the_plane_equals_two_large_triangles() {
         let ground = |z: f64| {
             format!(
                 "v -20001 -20000 {z}\nv 20005 -20000 {z}\nv 20005 20006 {z}\nv -20001 20006 {z}\nusemtl earth\nf -4 -3 -2 -1\n"

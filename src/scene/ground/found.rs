@@ -134,7 +134,7 @@ mod tests {
     /// A scene without ground, and one whose only triangle of class ground is standing, have none:
     /// 2 of 2.
     #[test]
-    fn nothing_and_standing() {
+    fn standing_triangles_are_no_ground() {
         let standing = [DVec3::ZERO, DVec3::X, DVec3::Z];
         assert!(!free(&[], &rectangle([0., 0., 1., 1.], 0.0)));
         assert!(!free(&[standing], &[]));

@@ -75,7 +75,7 @@ mod tests {
     /// at most 8.01 m above a plane 1 cm below the lowest, which the warning says. On a slope of
     /// half the rise it does not mention objects. A slab of 1 m at 50 m does not count.
     #[test]
-    fn slopes() {
+    fn a_slope_below_objects_is_warned_of() {
         let town = |rise: f64| {
             let (mut positions, mut triangles, mut objects) = (Vec::new(), Vec::new(), Vec::new());
             let feet = (0..10).map(|i| (f64::from(i) * rise, 9.0)).chain([(50.0, 1.0)]);

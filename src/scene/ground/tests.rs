@@ -43,7 +43,7 @@ fn plane(scene: &Scene) -> (f64, Option<f64>) {
 /// height and both alternatives. A lawn around it is ground, a table of 0.3 at 1 m takes
 /// precedence, and a scene for which no ground is requested gets none.
 #[test]
-fn scenes_without_ground() {
+fn a_scene_without_ground_gets_a_plane() {
     let folder = Folder::new();
     let bare = folder.write("bare.obj", BOX);
     let scene = load(&[&bare], None);
@@ -68,7 +68,7 @@ fn scenes_without_ground() {
 /// 54 buildings, 3.692 m: floors are no ground. Three buildings of another city model get a plane
 /// as well.
 #[test]
-fn city_models() {
+fn floors_of_a_city_model_are_no_ground() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/cityjson");
     let whole = data.join("hague.city.json");
     assert_eq!(plane(&load(&[&whole], None)).1, None);
@@ -85,7 +85,7 @@ fn city_models() {
 /// only surface; a note says so, and the months are kept. A table of 0.3 takes precedence over
 /// both, a lawn beside the model over the plane. A model of 0.2 in all months keeps no months.
 #[test]
-fn energyplus_models() {
+fn a_model_gets_its_monthly_ground() {
     let folder = Folder::new();
     let model = folder.write("m.idf", MODEL);
     let scene = load(&[&model], None);

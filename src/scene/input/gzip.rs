@@ -112,7 +112,7 @@ mod tests {
     /// Plain bytes stay; packed ones and two packed members in a row are unpacked, as a whole and
     /// piece by piece: 3 of 3 alike.
     #[test]
-    fn unpacks() {
+    fn packed_members_are_unpacked_in_a_row() {
         let text = b"v 0 0 0\n".repeat(1000);
         let folder = tempfile::tempdir().expect("a scratch folder");
         let path = folder.path().join("a");
@@ -128,7 +128,7 @@ mod tests {
     /// A bomb is refused at a limit of 1000 bytes and passes at its own size of 1001. Cut at any
     /// byte after the first two it is refused, too, and the message names the file.
     #[test]
-    fn hostile() {
+    fn bombs_and_cut_files_are_refused() {
         let file = Path::new("town.obj.gz");
         let packed = pack(&[b'7'; 1001]);
         let message = unpack_up_to(1000, packed.clone(), file).expect_err("too long").to_string();

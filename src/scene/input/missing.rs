@@ -71,7 +71,7 @@ mod tests {
     /// Six paths that lead nowhere are explained by the part that exists, with the 0 to 3 names
     /// similar to the missing one.
     #[test]
-    fn ends_of_paths() {
+    fn a_missing_path_names_similar_ones() {
         let folder = tempfile::tempdir().expect("a scratch folder");
         let at = |name: &str| folder.path().join(name);
         fs::create_dir(at("hague")).expect("created");

@@ -104,7 +104,7 @@ mod tests {
 
     /// Eight names end as their plain files do.
     #[test]
-    fn endings() {
+    fn packed_names_end_as_their_plain_files() {
         for (name, expected) in [
             ("town.city.json", "json"),
             ("Town.City.JSON.GZ", "json"),

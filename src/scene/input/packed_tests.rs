@@ -30,7 +30,7 @@ fn hash(path: &Path) -> [u8; 32] {
 /// Sixteen files with `.gz` added to their names give the scenes of the plain files, and so do
 /// packed files under plain names.
 #[test]
-fn every_format() {
+fn every_packed_format_gives_the_plain_scene() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let mut read = 0;
     for (seed, name) in [
@@ -67,7 +67,7 @@ fn every_format() {
 /// Four files that other files name are found packed: a buffer of glTF, a library of OBJ, a
 /// `materials.toml` and a `site.toml`.
 #[test]
-fn parts() {
+fn files_that_files_name_are_found_packed() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let at = |name: &str| folder.path().join(name);
     let write = |name: &str, bytes: &[u8]| fs::write(at(name), bytes).expect("written");
@@ -97,7 +97,7 @@ fn parts() {
 /// Receivers are read from a packed table as from a plain one, 2 of 2; messages name the packed
 /// file and the line of the plain one.
 #[test]
-fn receivers() {
+fn packed_receivers_are_read_as_plain_ones() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let path = folder.path().join("receivers.csv.gz");
     let text = "receiver,x,y,z,nx,ny,nz\na,0,0,1,0,0,1\nb,1,0,1,0,0,1\n";
@@ -115,7 +115,7 @@ fn receivers() {
 /// A zip of one file is read by the name of the file in it or by its own name: as OBJ in UTF-16, or
 /// as the features of a city model. A zip of two files and one of an unknown format are refused.
 #[test]
-fn zips() {
+fn a_zip_of_one_file_is_read_by_its_name() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     let at = |name: &str| folder.path().join(name);
     let zip = |name: &str, files: &[(&str, &[u8])]| {
@@ -141,7 +141,7 @@ fn zips() {
 /// Five paths are refused with a hint: a folder without a list, a missing folder, a missing file,
 /// an unknown ending and a name without one.
 #[test]
-fn refused_in_words() {
+fn paths_that_cannot_be_read_get_a_hint() {
     let folder = tempfile::tempdir().expect("a scratch folder");
     fs::write(folder.path().join("town.obj"), "").expect("written");
     fs::write(folder.path().join("town.abc.gz"), "").expect("written");

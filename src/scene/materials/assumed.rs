@@ -38,7 +38,7 @@ pub(crate) fn is_white(mean: f64) -> bool {
 pub(crate) fn undescribed(file: &Path, names: &[String], why: &str) -> Option<String> {
     let (first, file) = (excerpt(names.first()?.as_bytes()), file.display());
     Some(format!(
-        "{file}: {} (`{first}` is the first) {why}: the usual reflectance of the name counts; a materials.toml ({{materials}}) states another",
+        "{file}: {} (first: `{first}`) {why}: the usual reflectance for the name is used; state another in a materials.toml ({{materials}})",
         counted(names.len() as u64, "material")
     ))
 }
@@ -71,7 +71,7 @@ mod tests {
     /// The 22 names that CityJSON 2.0 gives to surfaces and objects: those on which one walks,
     /// drives or swims are ground, the others are not.
     #[test]
-    fn city_models() {
+    fn surfaces_of_cityjson_have_their_class() {
         const GROUND: &str = "GroundSurface WaterSurface WaterGroundSurface TrafficArea AuxiliaryTrafficArea TransportationMarking \
                               TINRelief WaterBody Waterway PlantCover LandUse Road Railway TransportSquare";
         const BUILT: &str =
@@ -88,7 +88,7 @@ mod tests {
 
     /// Ten names get the reflectance of their kind, and all of them give valid materials.
     #[test]
-    fn by_name() {
+    fn names_get_the_reflectance_of_their_kind() {
         for (name, diffuse, transmittance, class) in [
             ("RoofSurface", 0.2, None, Class::Obstruction),
             ("WallSurface", 0.3, None, Class::Obstruction),

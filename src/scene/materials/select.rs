@@ -120,7 +120,7 @@ mod tests {
     /// A used material without a table is an error with its triangle count and the lines to add;
     /// [default] does not stand in for it.
     #[test]
-    fn missing() {
+    fn a_used_material_without_table_is_an_error() {
         let table = parse("[default]\ndiffuse = 0.2\n[roof]\ndiffuse = 0.2").expect("readable");
         let wanted = used(&[("Roof", 12), ("wall \"b\"", 3)]);
         let message = select(table, &wanted, Path::new("materials.toml")).expect_err("missing").to_string();
@@ -138,7 +138,7 @@ mod tests {
 
     /// Four of five misspelt names find theirs; one that is similar to none finds none.
     #[test]
-    fn misspelt() {
+    fn misspelt_names_find_the_nearest_one() {
         let names = ["GroundSurface", "RoofSurface", "WallSurface", "roof"];
         for (name, near) in [
             ("wallsurface", Some("WallSurface")),
@@ -153,7 +153,7 @@ mod tests {
 
     /// Materials come in the order of use; the unused one is left in the table.
     #[test]
-    fn selection() {
+    fn materials_come_in_the_order_of_use() {
         let table = parse("[c]\ndiffuse = 0.3\n[a]\ndiffuse = 0.1\n[b]\ndiffuse = 0.2").expect("readable");
         let (materials, left) = select(table, &used(&[("a", 1), ("c", 1)]), Path::new("m")).expect("all there");
         assert_eq!(materials.iter().map(|material| material.diffuse).collect::<Vec<_>>(), [0.1, 0.3]);
@@ -163,7 +163,7 @@ mod tests {
     /// A name or a group of 1025 bytes is refused before anything is traced; one of 1024 bytes is
     /// accepted.
     #[test]
-    fn long_names() {
+    fn names_beyond_1024_bytes_are_refused() {
         for (name, group, fits) in [(1024, 1024, true), (1025, 1, false), (1, 1025, false)] {
             let (name, group) = ("n".repeat(name), "g".repeat(group));
             let table = parse(&format!("[{name}]\ndiffuse = 0.3\ngroup = \"{group}\"")).expect("readable");

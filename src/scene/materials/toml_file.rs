@@ -193,7 +193,7 @@ mod tests {
     /// Quoted names, optional keys and integers are read. A `specular` that is not given is 0, and
     /// a class that is not given follows the name.
     #[test]
-    fn reads() {
+    fn optional_keys_of_a_material_have_defaults() {
         let table = parse(
             "[\"flat roof.1\"]\ndiffuse = 1\n[Road]\ndiffuse = 0.1\nclass = \"obstruction\"\n[mirror]\ndiffuse = 0.05\n\
              specular = 0.9\ngroup = \"facade\"\n[TINRelief]\ndiffuse = 2e-1",
@@ -209,7 +209,7 @@ mod tests {
     /// Glass has one or two panes, and none if it is false, 4 of 4 ways to state it; a
     /// `transmittance` needs no `diffuse`.
     #[test]
-    fn glass_and_canopies() {
+    fn glass_is_read_in_four_ways() {
         for (value, glass) in [
             ("true", Some(Glass::Single)),
             ("\"single\"", Some(Glass::Single)),
@@ -228,7 +228,7 @@ mod tests {
     /// A leaf with values by band, in one line or in tables of their own, 2 of 2, has the 4 stated
     /// values by band and 2 for all light; a tree has one more for all light.
     #[test]
-    fn bands() {
+    fn values_by_band_are_read_in_two_ways() {
         let by_line = "[leaf]\ndiffuse = { solar = 0.25, visible = 0.08, nir = 0.45 }\nspecular = { solar = 0.02, par = 0.03, uv = 0 }";
         let by_table = "[leaf.diffuse]\nsolar = 0.25\nvisible = 0.08\nnir = 0.45\n[leaf.specular]\nsolar = 0.02\npar = 0.03\nuv = 0";
         for text in [by_line, by_table] {
@@ -243,14 +243,14 @@ mod tests {
 
     /// An emissivity is read; it is no band of the light.
     #[test]
-    fn emissivities() {
+    fn an_emissivity_is_no_band_of_the_light() {
         let zinc = &parse("[zinc]\ndiffuse = 0.4\nemissivity = 0.25").expect("readable")["zinc"];
         assert_eq!((zinc.bands.emissivity, zinc.bands.is_empty()), (Some(0.25), true));
     }
 
     /// Every refusal names the file, the line and the offending text.
     #[test]
-    fn refusals() {
+    fn a_refused_table_names_its_line() {
         for (text, line, quoted) in [
             ("[roof]\ndifuse = 0.2", 2, "unknown key `difuse` of material `roof`"),
             ("[roof]\nspecular = 0.2", 1, "`roof` has no `diffuse`"),

@@ -130,7 +130,7 @@ mod tests {
     /// Walls of 3 m (two triangles), a small one of 40 m and a large roof have a median height of 3
     /// m and a median width of 8 m, to 10 %; a roof alone has no median.
     #[test]
-    fn median_height() {
+    fn small_walls_do_not_change_the_median() {
         let p = DVec3::new;
         let mut walls = Walls::default();
         walls.add([p(0., 0., 0.), p(900., 0., 5.), p(0., 900., 9.)]);

@@ -76,11 +76,11 @@ pub fn check_epsg(epsg: u32) -> Result<u32, String> {
     match Reference::Epsg(epsg).check() {
         Ok(()) => Ok(epsg),
         Err(Unplaced::Geocentric) => Err(format!(
-            "EPSG:{epsg} is geocentric, and scenes have x to the east and z up: reproject the files, for instance to UTM, and give the \
+            "EPSG:{epsg} is geocentric, but scenes have x to the east and z up: reproject the files, for instance to UTM, and give the \
              number of that system"
         )),
         Err(Unplaced::Degrees) => Err(format!(
-            "EPSG:{epsg} has coordinates in degrees, and scenes are in metres: reproject the files, for instance to UTM, and give the \
+            "EPSG:{epsg} has coordinates in degrees, but scenes are in metres: reproject the files, for instance to UTM, and give the \
              number of that system"
         )),
         Err(_) => Err(format!(

@@ -76,7 +76,7 @@ mod tests {
     /// Six places in five systems and in UTM lie within 0.1 m of where PROJ puts them (pyproj
     /// 3.7.2); feet become metres.
     #[test]
-    fn metres_of_degrees() {
+    fn degrees_become_metres_as_in_proj() {
         for (geographic, asked, latitude, longitude, epsg, x, y) in [
             (None, None, 54.0, 6.2, 32632, 316_483.821, 5_987_150.638),
             (Some(4326), Some(25832), 53.9999996547, 6.1999996954, 25832, 316_483.8, 5_987_150.6),

@@ -86,7 +86,7 @@ fn unit(extents: &[Extent]) -> Option<String> {
     // Degrees come first, because no scale corrects them.
     if degrees(low, size) {
         return Some(format!(
-            "{file}: x and y look like degrees ({:.4} {:.4}, {wide:.4} wide and {high:.1} high), and scenes are in metres: reproject the \
+            "{file}: x and y look like degrees ({:.4} {:.4}, {wide:.4} wide and {high:.1} high), but scenes are in metres: reproject the \
              file, for instance to UTM",
             low.x, low.y
         ));
@@ -113,7 +113,7 @@ fn unit(extents: &[Extent]) -> Option<String> {
     if let Some(extent) = solid().find(wide_walls) {
         let tall = extent.walls.median_m().unwrap_or_default();
         return Some(format!(
-            "{}: walls are about {tall:.0} m high and wider than that{}: if it is centimetres, give {}{}{}",
+            "{}: walls are about {tall:.0} m high and even wider{}: if the file is in centimetres, give {}{}{}",
             extent.file.display(),
             told(extent),
             if several { "scale = " } else { "{scale} " },
@@ -230,8 +230,8 @@ fn above_or_below(extents: &[Extent]) -> Option<String> {
                 _ => return None,
             };
             Some(format!(
-                "{} ({:.0} to {:.0} m high) lies wholly {words} point of {} ({lifts:.0} m): if its heights are not above sea level say \
-                 where its z = 0 is with {{elevation}}, or elevation_m in site.toml",
+                "{} ({:.0} to {:.0} m high) lies wholly {words} point of {} ({lifts:.0} m): if its heights are not above sea level, give \
+                 the height of its z = 0 with {{elevation}}, or elevation_m in site.toml",
                 extent.file.display(),
                 low.z,
                 high.z,
@@ -267,9 +267,11 @@ pub fn far_receivers(scene: &Scene, [low, high]: [DVec3; 2], farthest: &Receiver
     let local = at.truncate().abs().max_element() < FAR_RECEIVER_M;
     let why = match at {
         p if near(DVec3::new(p.y, p.x, p.z)) => "x and y look swapped".to_owned(),
-        p if near(0.001 * p) => "they look like millimetres, and metres are read".to_owned(),
-        p if near(p / 0.3048) || near(0.3048 * p) => "one of the two looks like feet, and metres are read".to_owned(),
-        _ if local => "they look local: add what the scene's coordinates begin with".to_owned(),
+        p if near(0.001 * p) => "they look like millimetres, but are read as metres".to_owned(),
+        p if near(p / 0.3048) || near(0.3048 * p) => {
+            "the receivers or the scene look like feet, but are read as metres".to_owned()
+        }
+        _ if local => "they look local: add the origin of the scene's coordinates to them".to_owned(),
         _ => "are they in another coordinate system?".to_owned(),
     };
     let [from, to] = box_of;

@@ -57,7 +57,7 @@ fn one(found: &[String], words: &[&str]) {
 /// A house in millimetres, centimetres or kilometres gets one warning each, with what to do; in
 /// metres, or with the right scale, it gets none.
 #[test]
-fn units() {
+fn a_wrong_unit_gets_one_warning() {
     let mm = house(1000.0, [0.0; 3]);
     let files = [("m.obj", house(1.0, [78_000.0, 457_000.0, 3.0])), ("mm.obj", mm), ("cm.obj", house(100.0, [0.0; 3]))];
     let folder = Folder::with(&files);
@@ -87,7 +87,7 @@ fn units() {
 /// A house of one storey in centimetres, 1000 x 800 x 300, gets a warning; four towers of 60 x 60 x
 /// 300 m, a hall of 200 x 100 x 100 m and a leaning dam of 400 x 200 m get none.
 #[test]
-fn one_storey_in_centimetres() {
+fn centimetres_are_told_from_tall_buildings() {
     let block = |size: [f64; 3], at: [f64; 2], first: usize| {
         let mut text = String::new();
         for (x, y, z) in [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)] {
@@ -111,7 +111,7 @@ fn one_storey_in_centimetres() {
     ]);
     let plain = SiteFrame::default();
     for name in ["storey.obj", "low.obj"] {
-        one(&folder.said(&[name], &plain), &[name, "if it is centimetres, give {scale} 0.01"]);
+        one(&folder.said(&[name], &plain), &[name, "if the file is in centimetres, give {scale} 0.01"]);
     }
     for name in ["towers.obj", "hall.obj", "dam.obj"] {
         assert_eq!(folder.said(&[name], &plain), [""; 0], "{name}");
@@ -120,7 +120,7 @@ fn one_storey_in_centimetres() {
 
 /// A region of 0.01 degrees with houses of 17 m gets a warning; a mast of 0.3 m and 17 m gets none.
 #[test]
-fn degrees() {
+fn coordinates_in_degrees_get_a_warning() {
     let region = |x: f64, y: f64, wide: f64| {
         let mut text = String::new();
         for (dx, dy, z) in [(0., 0., 0.), (1., 0., 0.), (1., 1., 0.), (0., 0., 17.), (1., 0., 17.), (1., 1., 17.)] {
@@ -138,7 +138,7 @@ fn degrees() {
 /// error, and a house on its terrain gets neither. A house at 0 m below a plateau of 500 m gets a
 /// warning until an elevation lifts it.
 #[test]
-fn far_parts() {
+fn files_far_apart_are_warned_of_or_refused() {
     let files = [
         ("house.obj", house(1.0, [0.0; 3])),
         ("near.obj", house(1.0, [78_000.0, 457_000.0, 510.0])),
@@ -174,7 +174,7 @@ fn far_parts() {
 /// Receivers 90 km off get a warning with the distance. Swapped ones, ones in millimetres and local
 /// ones are recognised; receivers at the house and 9 km from it get no warning.
 #[test]
-fn receivers() {
+fn receivers_far_away_get_a_reason() {
     let folder = Folder::with(&[("near.obj", house(1.0, [78_000.0, 457_000.0, 0.0]))]);
     let scene = folder.load(&["near.obj"], &SiteFrame::default()).expect("a scene");
     let said = |x: f64, y: f64| {
@@ -199,7 +199,7 @@ fn receivers() {
 /// beside a system only confirm it, unless they contradict it. A rotation adds to the convergence,
 /// and needs a place. Feet get a warning until they are scaled by 0.3048006.
 #[test]
-fn frames() {
+fn the_requested_place_takes_precedence() {
     let rd = house(1.0, [78_000.0, 457_000.0, 0.0]);
     let toml = "[site]\nepsg = 28992\nrotate_deg = 30\n[[scene]]\nfile = \"a.obj\"\nepsg = 25832\n";
     let folder = Folder::with(&[("a.obj", rd), ("site.toml", toml.into())]);
@@ -210,10 +210,7 @@ fn frames() {
     let known = place(&["a.obj"], &system);
     // PROJ: 52.0957 N 4.2634 E, -0.8866 degrees.
     assert!((known.latitude_deg - 52.0957).abs() < 1e-3 && (known.convergence_deg + 0.887).abs() < 2e-3, "{known:?}");
-    one(
-        &folder.said(&["site.toml"], &plain),
-        &["a.obj says that it is in EPSG:25832, but EPSG:28992 is asked for and counts"],
-    );
+    one(&folder.said(&["site.toml"], &plain), &["a.obj states EPSG:25832, but the requested EPSG:28992 is used"]);
     let turned = place(&["site.toml"], &plain);
     assert!((turned.convergence_deg - known.convergence_deg - 30.0).abs() < 1e-9, "{turned:?}");
     let here = SiteFrame { latitude_deg: Some(52.1), longitude_deg: Some(4.3), ..system };
@@ -242,7 +239,7 @@ fn frames() {
 /// A file that is turned by 90 degrees clockwise has its y axis along x; the scene's own rotation
 /// leaves coordinates as they are.
 #[test]
-fn turned_file() {
+fn a_turned_file_has_its_y_axis_along_x() {
     let toml = "[site]\nlatitude_deg = 50\nlongitude_deg = 9\nrotate_deg = 45\n\
                 [[scene]]\nfile = \"a.obj\"\nrotate_deg = 90\noffset = [100, 0, 0]\n";
     let folder = Folder::with(&[("a.obj", house(1.0, [0.0; 3])), ("site.toml", toml.into())]);

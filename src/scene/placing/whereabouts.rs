@@ -32,8 +32,8 @@ pub(crate) fn place_of(extents: &[Extent], frame: &SiteFrame, report: &mut LoadR
         let apart_km = place.map(|place| place.distance_km(latitude_deg, longitude_deg));
         if let (Some(other), Some(apart_km)) = (place, apart_km.filter(|km| *km > APART_KM)) {
             report.warnings.push(format!(
-                "the stated latitude {latitude_deg:.4} and longitude {longitude_deg:.4} are {apart_km:.0} km from where the \
-                 coordinates lie ({other}); what is stated counts, with y to true north"
+                "the stated latitude {latitude_deg:.4} and longitude {longitude_deg:.4} are {apart_km:.0} km from the place of the \
+                 coordinates ({other}); the stated place is used, with y to true north"
             ));
         }
         // A system knows more than a stated point: the direction of north, and the place of the
@@ -43,8 +43,8 @@ pub(crate) fn place_of(extents: &[Extent], frame: &SiteFrame, report: &mut LoadR
     }
     if let Some(turn_deg) = frame.rotate_deg.filter(|turn| *turn != 0.0) {
         let Some(place) = &mut place else {
-            let what = format!("the model is turned by {turn_deg} degrees, and nothing says where it lies");
-            let hint = "give {latitude} and {longitude} as well (those of the weather file do), or {crs}";
+            let what = format!("the model is turned by {turn_deg} degrees, but its place is not stated");
+            let hint = "give {latitude} and {longitude} as well (for example of the weather file), or {crs}";
             return Err(Error::argument("rotate_deg", what, hint));
         };
         let y_deg = place.convergence_deg + turn_deg;
@@ -73,17 +73,17 @@ fn of_system(extents: &[Extent], system: Reference, report: &mut LoadReport) -> 
         let more = others.count();
         let files = if more == 0 { String::new() } else { format!(" (and {more} files more)") };
         let file = extent.file.display();
-        report.warnings.push(format!("{file} says that it is in {other}{files}, but {system} is asked for and counts"));
+        report.warnings.push(format!("{file} states {other}{files}, but the requested {system} is used"));
     }
     let Some(first) = of_system().find(|extent| !extent.raster).or_else(|| of_system().next()) else {
         if let Some(place) = of_files(extents, report) {
             report.warnings.push(format!(
-                "the coordinates are metres, and the unit of {system} is {:.7} m: the place is that of the files ({place})",
+                "the coordinates are metres, but the unit of {system} is {:.7} m: the place of the files is used ({place})",
                 system.unit_m()
             ));
             return Ok(place);
         }
-        let what = format!("the coordinates are metres, and the unit of {system} is {:.7} m", system.unit_m());
+        let what = format!("the coordinates are metres, but the unit of {system} is {:.7} m", system.unit_m());
         return Err(Error::argument("crs", what, "give the system that the coordinates of the scene are in"));
     };
     let unit = first.unit_of(system);
@@ -95,7 +95,7 @@ fn of_system(extents: &[Extent], system: Reference, report: &mut LoadReport) -> 
             Ok(place)
         }
         Err(_) => {
-            let what = format!("{system} has no point {:.1} {:.1}, the middle of the scene", at.x, at.y);
+            let what = format!("{system} does not cover {:.1} {:.1}, the middle of the scene", at.x, at.y);
             Err(Error::argument(
                 "crs",
                 what,
@@ -113,7 +113,7 @@ fn of_files(extents: &[Extent], report: &mut LoadReport) -> Option<Place> {
             && !own.is_same(&stated)
         {
             let file = extent.file.display();
-            report.warnings.push(format!("{file} says that it is in {own}, but {stated} is asked for and counts"));
+            report.warnings.push(format!("{file} states {own}, but the requested {stated} is used"));
         }
     }
     let known = || extents.iter().filter_map(|extent| Some((extent, extent.reference()?)));
@@ -121,8 +121,7 @@ fn of_files(extents: &[Extent], report: &mut LoadReport) -> Option<Place> {
     let first_file = first.file.display();
     if let Some((extent, other)) = known().find(|(_, other)| !other.is_same(&reference)) {
         report.warnings.push(format!(
-            "{first_file} is in {reference} and {} in {other}; coordinates are taken as they stand, those of the first file give \
-             the place",
+            "{first_file} is in {reference}, but {} is in {other}; coordinates are not converted, and those of the first file give the place",
             extent.file.display()
         ));
     }
@@ -135,8 +134,8 @@ fn of_files(extents: &[Extent], report: &mut LoadReport) -> Option<Place> {
         }
         Err(_) => {
             report.warnings.push(format!(
-                "{first_file}: where {reference} lies is not known here, so weather is not compared with the scene's place and y \
-                 is taken for north: give {{crs}} with a system in metres, or {{latitude}} and {{longitude}}"
+                "{first_file}: the place of {reference} is not known, so y is taken for north and the place of weather is not checked: \
+                 give {{crs}} with a system in metres, or {{latitude}} and {{longitude}}"
             ));
             None
         }
@@ -153,7 +152,7 @@ fn stretched(system: Reference, unit: f64, length: f64, place: &Place) -> Option
     let foot = system.unit_m();
     if foot != 1.0 && unit == 1.0 {
         return Some(format!(
-            "coordinates of {system} are in units of {foot:.7} m, and scenes are read in metres: give {{scale}} {foot:.7} (in site.toml \
+            "coordinates of {system} are in units of {foot:.7} m, but scenes are read in metres: give {{scale}} {foot:.7} (in site.toml \
              scale = {foot:.7})"
         ));
     }
@@ -161,7 +160,7 @@ fn stretched(system: Reference, unit: f64, length: f64, place: &Place) -> Option
     let zone = (((place.longitude_deg + 180.0) / 6.0).floor() as i64).clamp(0, 59) + 1;
     let utm = if place.latitude_deg < 0.0 { 32700 + zone } else { 32600 + zone };
     Some(format!(
-        "a metre of {system} is {metres:.3} m on the ground at {:.2} {:.2}, so areas and heights do not fit: reproject the files, for \
+        "a metre of {system} is {metres:.3} m on the ground at {:.2} {:.2}, so areas do not match heights: reproject the files, for \
          instance to EPSG:{utm}",
         place.latitude_deg, place.longitude_deg
     ))

@@ -172,7 +172,7 @@ mod tests {
     /// m from the edge, 2.625 m behind a row before the first one. Places 4 lines apart lie equally
     /// far behind their rows.
     #[test]
-    fn whole_numbers_a_pitch() {
+    fn a_pitch_holds_a_whole_number_of_places() {
         let found = among(&rows(60.0, 180.0, 0.5), &SQUARE, |p| Some(0.1 * p.y));
         assert_eq!((found.list.len(), found.without_ground, found.in_modules), (14 * 14, 0, 0));
         let first = &found.list[0];
@@ -189,7 +189,7 @@ mod tests {
     /// behind an edge. An L-shaped area has no places in its notch. Places without ground below and
     /// free places are all places of the area.
     #[test]
-    fn turned_and_notched() {
+    fn lines_of_places_follow_turned_rows() {
         let l = [(0.0, 0.0), (10.0, 0.0), (10.0, 5.0), (5.0, 5.0), (5.0, 10.0), (0.0, 10.0)];
         let rows = rows(20.0, 240.0, 0.5);
         let all = among(&rows, &l, |_| Some(0.0));
@@ -208,7 +208,7 @@ mod tests {
     /// Modules of 3 cm that lie on the ground hold 108 of 196 places, 3 of the 4 lines of each row,
     /// and no free place is left there; modules 0.2 m above the ground hold none.
     #[test]
-    fn inside_of_modules() {
+    fn places_inside_of_modules_are_left_out() {
         let lying = among(&rows(0.0, 180.0, 0.0), &SQUARE, |_| Some(0.0));
         assert_eq!((lying.list.len(), lying.in_modules), (88, 108));
         // Rows begin 0.5 m from the edges, and the last one ends at 8.5 m.

@@ -287,7 +287,7 @@ pub(super) mod tests {
     /// above the ground, its upper edge 1 m north of it and 1.732 m higher, and its front faces
     /// south.
     #[test]
-    fn on_a_square() {
+    fn a_square_holds_4_rows_of_10_modules() {
         let outline = Outline::of_polygon(&square(10.0));
         for (setback, count) in [(0.0, 40), (1.0, 24)] {
             let rows = rows(60.0, 180.0, setback);
@@ -306,7 +306,7 @@ pub(super) mod tests {
     /// With fronts turned west, rows begin in the west. An L-shaped area has no module over its
     /// missing quarter. Four points of a rear lie 0.25 of the slope apart and 5 mm below the rear.
     #[test]
-    fn turned_and_notched() {
+    fn turned_rows_leave_a_missing_quarter_free() {
         let west = rows(60.0, 270.0, 0.0);
         let laid = lay(&west, west.turn.normal(), &Outline::of_polygon(&square(10.0)), |_| Some(0.0));
         assert_eq!(laid.modules.len(), 40);
@@ -327,7 +327,7 @@ pub(super) mod tests {
     /// Flush on a roof of 30 degrees every corner of the rear is 0.1 m above the roof; where a
     /// chimney stands, one module is left out.
     #[test]
-    fn flush_on_a_roof() {
+    fn flush_modules_keep_their_distance_to_a_roof() {
         let mut rows = rows(30.0, 180.0, 0.0);
         (rows.clearance_m, rows.pitch_m) = (0.1, 2.0);
         let plane = |p: DVec2| p.y * 30.0_f64.to_radians().tan();

@@ -100,7 +100,7 @@ impl Columns {
         for (i, name) in names.iter().enumerate() {
             if place(name) != Some(i) {
                 let shown = excerpt(name.as_bytes());
-                return Err(header.error(format!("column `{shown}` stands there twice"), "remove one of the two"));
+                return Err(header.error(format!("column `{shown}` appears twice"), "remove one of the two"));
             }
         }
         let (name, [x, y]) = (needed(NAME)?, PLACE);
@@ -112,7 +112,7 @@ impl Columns {
         };
         let heights = HEIGHTS.map(place);
         if heights == [None, None] && defaults.height_m.is_none() {
-            return Err(missing("neither column `z` nor column `height` is there".into()));
+            return Err(missing("columns `z` and `height` are both missing".into()));
         }
         let known =
             |name: &&&str| ![NAME].iter().chain(&PLACE).chain(&HEIGHTS).chain(&ANGLES).any(|other| other == *name);
@@ -234,7 +234,7 @@ mod tests {
     /// Three points by z and by height, in any order of columns and with azimuths of both signs,
     /// are read as written.
     #[test]
-    fn points() {
+    fn points_are_read_by_z_and_by_height() {
         let text = "tilt,point,azimuth,y,x,z,height\n30,a,-90,2,1,5,\n\n180,b c,360,2,1,,0.5\n0,c,0,0,0,,0\n";
         let points = read(text, true).expect("points");
         let turns: Vec<_> = points.iter().map(|p| p.turn.map(|t| (t.tilt_deg, t.azimuth_deg))).collect();
@@ -247,7 +247,7 @@ mod tests {
     /// Two tables without angles give points without orientation if none is needed, and are refused
     /// if one is.
     #[test]
-    fn without_angles() {
+    fn points_need_angles_only_if_asked() {
         assert_eq!(read("point,x,y,z\na,0,0,1\n", false).expect("points")[0].turn, None);
         assert_eq!(read("point,x,y,z,tilt,azimuth\na,0,0,1,,\n", false).expect("points")[0].turn, None);
         assert!(read("point,x,y,z\na,0,0,1\n", true).is_err());
@@ -256,7 +256,7 @@ mod tests {
 
     /// Sixteen wrong files are refused, each with what is wrong and where.
     #[test]
-    fn refusals() {
+    fn wrong_points_are_refused_with_their_line() {
         let head = "point,x,y,height,tilt,azimuth\n";
         for (rows, expected) in [
             ("a,0,0,1,200,180", "line 2: column `tilt` is `200`, not from 0 to 180"),
@@ -278,7 +278,7 @@ mod tests {
         }
         for (text, expected) in [
             ("", "the file is empty"),
-            ("point,x,y,tilt,azimuth\na,0,0,0,0\n", "neither column `z` nor column `height`"),
+            ("point,x,y,tilt,azimuth\na,0,0,0,0\n", "columns `z` and `height` are both missing"),
             ("point;x;y\n", "column `point` is missing"),
         ] {
             let message = read(text, true).expect_err(text).to_string();

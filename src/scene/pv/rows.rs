@@ -160,7 +160,7 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
             RowsGround::Area(all)
         }
         (None, Some(surface)) => RowsGround::Surface(surface),
-        (Some(_), Some(_)) => return Err("both an `area` and a `surface` are stated, one of them says it".into()),
+        (Some(_), Some(_)) => return Err("both an `area` and a `surface` are stated; give one of them".into()),
         (None, None) => return Err("neither an `area` nor a `surface` is stated".into()),
     };
     let tilt_deg = within("tilt", entry.tilt, [0.0, 90.0])?;
@@ -170,9 +170,7 @@ fn checked(entry: Entry) -> std::result::Result<RowsOfModules, String> {
     let pitch_m = within("pitch", entry.pitch, [0.01, 1000.0])?;
     let depth_m = height_m * tilt_deg.to_radians().cos();
     if pitch_m < depth_m - 1e-9 {
-        return Err(format!(
-            "`pitch` is {pitch_m} m, and modules cover {depth_m:.3} m of it in plan: rows would overlap"
-        ));
+        return Err(format!("`pitch` is {pitch_m} m, but modules are {depth_m:.3} m deep in plan: rows would overlap"));
     }
     let metres = |name, value| within(name, value, [0.0, 1000.0]);
     let share = |name, value| within(name, value, [0.0, 1.0]);
@@ -212,7 +210,7 @@ mod tests {
     /// Rows with only the required fields have the defaults: 4 samples, 0.05, 3 cm; an azimuth of
     /// -90 is 270, west.
     #[test]
-    fn usual() {
+    fn required_fields_alone_give_the_defaults() {
         let rows = &read(GOOD).expect("rows")[0];
         assert_eq!(
             (rows.turn.azimuth_deg, rows.samples, rows.thickness_m, rows.reflectances),
@@ -226,10 +224,10 @@ mod tests {
 
     /// Fourteen wrong files are refused by name, with what is wrong.
     #[test]
-    fn refusals() {
+    fn wrong_rows_are_refused_by_name() {
         for (from, to, expected) in [
             ("tilt = 60", "tilt = 200", "`tilt` is 200, not from 0 to 90"),
-            ("pitch = 3", "pitch = 0.9", "modules cover 1.000 m of it in plan: rows would overlap"),
+            ("pitch = 3", "pitch = 0.9", "modules are 1.000 m deep in plan: rows would overlap"),
             ("[9, 9]]", "]", "three corners or more"),
             ("name = \"a\"", "name = \"a/b\"", "holds one of"),
             ("width = 1", "width = nan", "`width` is NaN"),

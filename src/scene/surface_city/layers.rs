@@ -124,7 +124,7 @@ pub(super) fn check_place(dsm: &Layer, other: &Layer) -> Result<()> {
     if let (Some(one), Some(another)) = (dsm.raster.reference, other.raster.reference)
         && one != another
     {
-        let what = format!("is in {another}, and {} in {one}", dsm.file.display());
+        let what = format!("is in {another}, but {} is in {one}", dsm.file.display());
         let hint = "reproject it: `gdalwarp -t_srs EPSG:number in.tif out.tif`";
         return Err(Error::input(other.file, None, what, hint));
     }

@@ -116,8 +116,11 @@ pub(crate) fn city(dsm: &Layer, with: &Companions, options: &SurfaceRasters) -> 
     buildings.write(&mut writer, &names)?;
     floor.write(&mut writer, &layers, &drawn.moved)?;
     let crowns = crowns::write(&mut writer, &layers, &pieces, &floor, &drawn.moved, options)?;
-    let plain =
-        if with.dem.is_some() { "" } else { "; the ground was told from roofs by steps, without a raster of it" };
+    let plain = if with.dem.is_some() {
+        ""
+    } else {
+        "; without a raster of the ground, steps in height separate ground and roofs"
+    };
     let note = format!(
         "{}: {} x {} cells became {} with {} (their heights are {:.2} m off, root mean square), {} of ground and {}{plain}",
         dsm.file.display(),

@@ -197,7 +197,7 @@ mod tests {
     /// Two roofs side by side on ground have 3 chains, of 1, 3 and 5 sides, and a ring each of two
     /// chains.
     #[test]
-    fn roofs_side_by_side() {
+    fn two_roofs_side_by_side_have_3_chains() {
         let found = chains(&pieces(&["11111", "12231", "11111"]));
         let mut sides: Vec<usize> = found.iter().map(|chain| chain.corners.len() - 1).collect();
         sides.sort_unstable();
@@ -210,7 +210,7 @@ mod tests {
     /// A roof around a court has 2 closed chains and 2 rings; cells that touch at a corner make 2
     /// rings of 6 chains.
     #[test]
-    fn courts_and_corners() {
+    fn a_court_has_a_chain_of_its_own() {
         let court = chains(&pieces(&["222", "212", "222"]));
         assert_eq!((court.len(), rings(&court)[&2].len()), (2, 2));
         assert!(court.iter().all(|chain| chain.corners.first() == chain.corners.last()));

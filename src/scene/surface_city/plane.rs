@@ -125,7 +125,7 @@ mod tests {
     /// plane comes back within 1e-9, with heights 0 m off. With every other height 0.1 m higher and
     /// the rest 0.1 m lower, the heights are 0.1 m off within 0.2 %.
     #[test]
-    fn planes_come_back() {
+    fn a_plane_is_found_from_its_heights() {
         for noise in [0.0, 0.1] {
             let mut sums = Sums::default();
             for i in 0..25 {
@@ -141,7 +141,7 @@ mod tests {
 
     /// Places on one line, and a rise of 9 m a metre, make a level plane at their mean of 5 m.
     #[test]
-    fn what_is_none_is_level() {
+    fn places_on_one_line_give_a_level_plane() {
         for steep in [false, true] {
             let mut sums = Sums::default();
             for i in 0..9 {

@@ -284,7 +284,7 @@ mod tests {
     /// A staircase of 40 sides along a line of 3 in 4 is 1 stretch whose slope is within 0.03 of
     /// it. An L of 8 and 6 sides is 2 stretches that meet in its corner within 0.01 of a cell.
     #[test]
-    fn lines_of_staircases() {
+    fn a_staircase_becomes_one_straight_line() {
         let (mut places, mut at) = (vec![DVec2::ZERO], DVec2::ZERO);
         for _ in 0..40 {
             at += if (at.y + 0.5) / (at.x + 1.0) < 0.75 { DVec2::Y } else { DVec2::X };

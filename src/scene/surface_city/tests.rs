@@ -145,7 +145,7 @@ fn noise_makes_no_wall() {
 /// through, and the hull is an object beside the buildings. The lawn keeps its 900 m2 and its
 /// reflectance of 0.16.
 #[test]
-fn a_crown_over_a_lawn() {
+fn a_crown_over_a_lawn_is_a_hull() {
     let crown = |place: DVec2| if (place - DVec2::new(14.75, -14.75)).abs().max_element() < 3.0 { 8.0 } else { 0.0 };
     let with = Companions {
         dem: Some(layer(raster(60, 60, 0.5, |_| 5.0))),
@@ -183,7 +183,7 @@ fn towers_stand_on_podiums() {
 /// below its ground, and one with a canopy of -5 m and land cover of another size become cities; a
 /// raster that does not cover the surface is refused.
 #[test]
-fn hostile_rasters() {
+fn rasters_without_heights_are_refused() {
     let flat = || raster(20, 20, 1.0, |_| 3.0);
     let of = |dsm: Raster, with: Companions| city(&layer(dsm), &with, &SurfaceRasters::default());
     let all_nodata = of(raster(20, 20, 1.0, |_| f64::NAN), Companions::default());

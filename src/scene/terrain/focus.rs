@@ -62,7 +62,7 @@ mod tests {
     /// The focus is 50 m wider than the geometry in it; 20 km away the ground is 27.3 m lower, and
     /// within the box 0 m.
     #[test]
-    fn distances() {
+    fn the_ground_is_lowered_only_beyond_the_focus() {
         let focus = Focus::around(DVec2::ZERO, DVec2::new(10.0, 20.0));
         assert_eq!(focus.distance_squared(DVec2::new(60.0, -50.0)), 0.0);
         assert_eq!(focus.distance_squared(DVec2::new(63.0, -54.0)), 25.0);

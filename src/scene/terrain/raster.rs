@@ -222,15 +222,15 @@ impl Raster {
     pub(crate) fn placed(mut self, part: &Part, frame: &SiteFrame, system: Option<Reference>) -> Result<Raster> {
         if part.up == Some(UpAxis::Y) {
             let hint = "leave up out: the values of a raster are heights, whatever axis points up elsewhere";
-            return Err(Error::input(&part.file, None, "y up is asked of a raster", hint));
+            return Err(Error::input(&part.file, None, "y up cannot be used for a raster", hint));
         }
         if part.rotate_deg != 0.0 {
             let hint = "leave rotate_deg out: rows of a raster run east, reproject it if they do not";
-            return Err(Error::input(&part.file, None, "rotate_deg is asked of a raster", hint));
+            return Err(Error::input(&part.file, None, "rotate_deg cannot be used for a raster", hint));
         }
         let (PlaneAndHeight { plane, height }, shift) = (self.factors(part, frame, system), part.shift());
         if !(plane > 0.0 && plane.is_finite() && height.is_finite() && shift.is_finite()) {
-            let what = format!("the scale {plane} or the offset {shift} is none");
+            let what = format!("the scale {plane} or the offset {shift} is not a valid number");
             return Err(Error::input(&part.file, None, what, "give metres a unit, above 0"));
         }
         if plane == 1.0 && height == 1.0 && shift == DVec3::ZERO {
@@ -274,15 +274,16 @@ impl Raster {
         if plane != 1.0 {
             self.plane_unit_m = Some(plane);
             self.warnings.push(format!(
-                "{file}: names no coordinate system; read in that of the scene, in units of {plane:.7} m"
+                "{file}: names no coordinate system; it is read in the scene's system, in units of {plane:.7} m"
             ));
         }
         let height = scale.filter(|_| self.height_unit_m.is_none()).unwrap_or(1.0);
         if self.height_unit_m.is_none() && (own || scale.is_some()) {
             self.warnings.push(match scale {
-                Some(scale) => format!("{file}: states no unit of its heights; read in units of {scale:.7} m, as the scale says"),
+                Some(scale) => format!("{file}: states no unit of its heights; they are read in units of {scale:.7} m, the stated scale"),
                 None => format!(
-                    "{file}: states no unit of its heights, read in metres: if they are feet as its coordinates, give {{scale}} {unit:.7}"
+                    "{file}: states no unit of its heights; they are read in metres: if they are feet like its coordinates, give \
+                     {{scale}} {unit:.7}"
                 ),
             });
         }
@@ -423,7 +424,7 @@ mod tests {
     /// A sample of -9999, -32768, 3.4e38, NaN or infinity is nodata, declared or not. A warning
     /// counts it unless it is NaN or declared.
     #[test]
-    fn nodata() {
+    fn invalid_samples_are_nodata_and_counted() {
         let bad = [-9999.0, -32768.0, 3.4e38, f32::NAN, f32::INFINITY];
         for (i, value) in bad.into_iter().enumerate() {
             for declared in [None, Some(f64::from(value))] {
@@ -442,7 +443,7 @@ mod tests {
     /// A window from 0.9 to 2.1 m eastwards on 3 x 2 samples 1 m apart holds the last two columns,
     /// whose heights are 7, 9 and 20, 30.
     #[test]
-    fn windows() {
+    fn a_window_holds_the_samples_it_touches() {
         let whole = raster(&[5.0, 7.0, 9.0, 10.0, 20.0, 30.0], &Meaning::default()).expect("heights");
         let [columns, rows] = whole.window(DVec2::new(0.9, -5.0), DVec2::new(2.1, 0.0));
         let part = whole.cut(columns, rows).expect("a part");
@@ -453,7 +454,7 @@ mod tests {
 
     /// Feet become metres: 1000 ft are 304.8 m.
     #[test]
-    fn feet() {
+    fn heights_in_feet_become_metres() {
         let found =
             raster(&[1000.0; 6], &Meaning { height_unit_m: Some(0.3048), ..Meaning::default() }).expect("heights");
         assert!((found.height(2, 1) - 304.8).abs() < 1e-3);

@@ -45,7 +45,7 @@ pub(crate) fn surface(mut raster: Raster, wanted: &Wanted) -> Result<(Geometry, 
     if let Some(angle) = wanted.horizon_deg
         && !(0.0..90.0).contains(&angle)
     {
-        let what = format!("a horizon error of {angle} degrees is asked for");
+        let what = format!("the horizon error is {angle} degrees");
         return Err(Error::input(wanted.file, None, what, "give 0 (full resolution) to 1 degree; 0.2 is usual"));
     }
     let (low, high) = raster.bounds();
@@ -84,11 +84,13 @@ pub(crate) fn surface(mut raster: Raster, wanted: &Wanted) -> Result<(Geometry, 
         let level = if curved { curvature_words() } else { "not lowered by the Earth's curvature".into() };
         let error = match limit_deg > 0.0 {
             true => {
-                format!("the horizon of {seen_from} is off by at most {largest_deg:.3} degrees (limit {limit_deg})")
+                format!(
+                    "the horizon seen from {seen_from} is off by at most {largest_deg:.3} degrees (limit {limit_deg})"
+                )
             }
-            false => format!("the horizon of {seen_from} is exact"),
+            false => format!("the horizon seen from {seen_from} is exact"),
         };
-        format!("{file}: far terrain of {found} triangles in place of {whole}; {error}; it reaches {km:.1} km, {level}")
+        format!("{file}: far terrain thinned to {found} triangles of {whole}; {error}; it reaches {km:.1} km, {level}")
     });
     Ok((geometry, note))
 }

@@ -55,7 +55,7 @@ fn load(parts: &[Part]) -> Scene {
 /// A raster alone is 2 x 79 x 59 triangles less the 8 at nodata, all facing up, under material
 /// `terrain`, without a note.
 #[test]
-fn alone() {
+fn a_raster_alone_is_not_thinned() {
     let (_folder, parts) = parts(&[("t.asc", grid(80, 60))]);
     let scene = load(&parts);
     assert_eq!(scene.mesh.triangles.len(), 2 * 79 * 59 - 8);
@@ -71,7 +71,7 @@ fn alone() {
 /// thinned with a note of an error below 0.2 degrees, and its far corner, 46.8 km away, is lowered
 /// by 149.4 m. The order of the files changes nothing.
 #[test]
-fn around_a_house() {
+fn terrain_keeps_the_corners_of_a_house() {
     let (text, corners) = house();
     let (_folder, mut parts) = parts(&[("t.asc", grid(80, 60)), ("h.obj", text)]);
     let scene = load(&parts);
@@ -100,7 +100,7 @@ fn around_a_house() {
 /// A limit of 0 degrees keeps all triangles beside a house; 0.2 degrees leave fewer than 0.02 do; y
 /// up is refused.
 #[test]
-fn asked() {
+fn a_horizon_of_0_degrees_keeps_all_triangles() {
     let (text, _) = house();
     let (_folder, parts) = parts(&[("t.asc", grid(80, 60)), ("h.obj", text)]);
     let [terrain, house] = parts.as_slice() else { panic!("two parts") };
@@ -113,5 +113,5 @@ fn asked() {
     assert!(found[0] > found[1] && found[1] > found[2], "{found:?}");
     let turned = Part { up: Some(UpAxis::Y), ..terrain.clone() };
     let message = Scene::load_site(&Site { parts: vec![turned], ..Site::default() }).expect_err("no y up").to_string();
-    assert!(message.contains("y up is asked of a raster"), "{message}");
+    assert!(message.contains("y up cannot be used for a raster"), "{message}");
 }

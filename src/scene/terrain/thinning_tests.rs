@@ -33,7 +33,7 @@ fn doubled([a, b, c]: &[Sample; 3]) -> i64 {
 /// every cell once and every inner side has two of them (no cracks). Nowhere is the angle to the
 /// samples above the limit, which brute force over all samples confirms.
 #[test]
-fn covers_without_cracks() {
+fn thinned_terrain_has_no_cracks() {
     for (columns, rows, limit) in [(97, 60, 0.5), (65, 65, 0.2), (2, 9, 0.1), (130, 34, 2.0)] {
         let raster = hills(columns, rows, None);
         let focus = focus(&raster, 40.min(columns as i64 / 2), 3);
@@ -98,7 +98,7 @@ fn inside(raster: &Raster, corners: &[Sample; 3]) -> Vec<(Sample, f64)> {
 /// A plain of 513 x 513 samples is 2 triangles, whatever the limit. A step of 100 m in it is kept,
 /// and fewer than a tenth of the 524,288 triangles remain.
 #[test]
-fn plains() {
+fn a_plain_is_two_triangles() {
     let grid = Grid { columns: 513, rows: 513, first: DVec2::ZERO, step: DVec2::splat(30.0) };
     let raster = |step: f32| {
         let heights = (0..513 * 513).map(|i| if i % 513 > 300 { step } else { 0.0 }).collect();
@@ -114,7 +114,7 @@ fn plains() {
 
 /// A sample without a height removes the triangles that touch it, 4 or 8, and no others.
 #[test]
-fn nodata() {
+fn nodata_removes_only_triangles_that_touch_it() {
     for (hole, touched) in [(31 * 65 + 31, 8), (32 * 65 + 31, 4)] {
         let raster = hills(65, 65, Some(hole));
         let thinned = thin(&raster, &focus(&raster, 5, 5), 1.0);

@@ -467,7 +467,7 @@ fn white_factors_state_no_reflectance() {
     let geometry = parse(&with(json, "/materials", json!([plain, stated, near]))).expect("readable");
     assert_eq!((geometry.stated.len(), geometry.warnings.len()), (0, 1));
     assert!(
-        geometry.warnings[0].starts_with("town.gltf: 3 materials (`wall` is the first) of white"),
+        geometry.warnings[0].starts_with("town.gltf: 3 materials (first: `wall`) of white"),
         "{:?}",
         geometry.warnings
     );
