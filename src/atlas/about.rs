@@ -20,7 +20,12 @@ pub fn built(atlas: &Atlas) -> Result<Vec<(&PlannedPart, PathBuf)>> {
     let paths: Vec<_> =
         atlas.plan.parts.iter().zip(archives).filter_map(|(part, path)| Some((part, path?.clone()))).collect();
     match paths.is_empty() {
-        true => Err(Error::input(&atlas.shown(), None, "has no built part", "{command:build} ATLAS {part} all")),
+        true => Err(Error::input(
+            &atlas.shown(),
+            None,
+            "has no built part",
+            "build the parts with {command:build} ATLAS {part} all",
+        )),
         false => Ok(paths),
     }
 }

@@ -186,13 +186,17 @@ impl Scene {
         let mut raw = Vec::with_capacity(triangles.len());
         let (ranks, known_objects) = ranked(&objects.list);
         if !objects.list.is_empty() && objects.of_triangle.len() != triangles.len() {
-            let what = format!("{} triangles have {} objects", triangles.len(), objects.of_triangle.len());
-            return refuse(what, "give each triangle its object, or none");
+            let what =
+                format!("{} triangles come with {} numbers of objects", triangles.len(), objects.of_triangle.len());
+            return refuse(what, "give one object number for each triangle, or none at all");
         }
         for (i, &(corners, material)) in triangles.iter().enumerate() {
             let object = objects.of_triangle.get(i).and_then(|object| ranks.get(*object as usize)).copied();
             if usize::from(material) >= materials.len() {
-                let what = format!("triangle {i} has material {material} of {}", materials.len());
+                let what = format!(
+                    "triangle {i} has material number {material}, but the number of materials is {}",
+                    materials.len()
+                );
                 return refuse(what, "add the material");
             }
             if let Some(bad) = corners.iter().find(|p| !p.is_finite() || p.abs().max_element() > MAX_COORDINATE_M) {

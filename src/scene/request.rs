@@ -52,7 +52,7 @@ impl SceneRequest {
 
     /// Returns the site of the files. Fails if a number is out of range or a list cannot be read.
     pub fn site(&self) -> Result<Site> {
-        let hint = "give what the scene's coordinates are in";
+        let hint = "state the coordinate system, place or unit of the scene's coordinates";
         self.frame.check().map_err(|(field, what)| Error::argument(field, what, hint))?;
         self.footprints.check().map_err(|(field, what)| Error::argument(field, what, "give metres above 0"))?;
         let mut site = Site::of(&self.files, self.materials.as_deref())?;

@@ -204,7 +204,7 @@ fn a_scene_from_memory_equals_the_file() {
 
     let dark = Material { diffuse: -0.1, ..roof.clone() };
     for (triangles, materials, quoted) in [
-        (vec![(base, 1)], vec![roof.clone()], "triangle 0 has material 1 of 1"),
+        (vec![(base, 1)], vec![roof.clone()], "triangle 0 has material number 1, but the number of materials is 1"),
         (vec![([base[0], base[1], DVec3::NAN], 0)], vec![roof.clone()], "triangle 0 has a corner at [NaN"),
         (vec![(base, 0)], vec![roof.clone(), roof.clone()], "two materials are called `roof`"),
         (vec![(base, 0)], vec![dark], "`diffuse` is -0.1"),

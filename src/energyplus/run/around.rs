@@ -107,7 +107,7 @@ fn how_it_stands(origin: DVec3, soup: &Soup, materials: &[Material]) -> Option<S
     let place = origin.truncate();
     if place.cmplt(low.truncate()).any() || place.cmpgt(high.truncate()).any() {
         return Some(format!(
-            "{at}, lies outside its surroundings, {:.1} {:.1} to {:.1} {:.1}: there is no ground below it; {hint}",
+            "{at}, lies outside its surroundings ({:.1} {:.1} to {:.1} {:.1}), with no ground below it; {hint}",
             low.x, low.y, high.x, high.y
         ));
     }

@@ -52,7 +52,7 @@ fn unpack_up_to(most: u64, bytes: Vec<u8>, file: &Path) -> Result<Vec<u8>> {
         Error::input(file, None, what, "the file is damaged or cut off: fetch or pack it again")
     })?;
     if plain.len() as u64 > most {
-        let hint = "if that is what it should hold, unpack it with gunzip and give the plain file";
+        let hint = "if the file is meant to be that large, unpack it with gunzip and give the plain file";
         return Err(Error::input(file, None, format!("unpacks to more than {most} bytes"), hint));
     }
     Ok(plain)

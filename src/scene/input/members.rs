@@ -19,7 +19,7 @@ const UTF_16: [[u8; 2]; 2] = [[0xff, 0xfe], [0xfe, 0xff]];
 /// Most bytes of a text in UTF-16, which is held as a whole.
 const MOST_UTF_16: u64 = 1 << 30;
 
-const UNPACK: &str = "unpack it and give the files that are meant, or their folder";
+const UNPACK: &str = "unpack it and give its files, or their folder";
 
 /// Passes the bytes of a file, or of each file of a zip with the wanted ending, to `take`.
 pub(crate) fn each(

@@ -14,7 +14,7 @@ pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
 /// Most files of a zip that a message names.
 const NAMED: usize = 5;
 
-const UNPACK: &str = "unpack it and give the file that is meant";
+const UNPACK: &str = "unpack it and give one of its files";
 
 /// The only file of a zip.
 pub(super) struct Single {
