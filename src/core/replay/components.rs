@@ -231,7 +231,7 @@ impl Component {
             | Component::TotalOwn5
             | Component::TotalOwn6
             | Component::TotalOwn7
-            | Component::TotalOwn8 => "solar irradiance on the receiver in a band of one's own",
+            | Component::TotalOwn8 => "solar irradiance on the receiver in a user-defined band",
         }
     }
 }

@@ -87,8 +87,8 @@ pub fn emissions(
             let what = format!("horizontal infrared radiation is missing and cannot be computed without {}", {
                 air.lacks().join(" and ")
             });
-            let hint = "fill in column 13, or columns 7, 8 and 24, from which it is computed; or leave such rows \
-                        out with {from} and {to}; or leave out the column `longwave`";
+            let hint = "fill in horizontal infrared radiation (EPW: column 13), or the values that are missing; or \
+                        leave such rows out with {from} and {to}; or leave out the column `longwave`";
             Error::input(file, row.line, what, hint)
         })?;
         let of_surface = |given: &Option<Vec<f64>>, name: &str| {
@@ -96,7 +96,7 @@ pub fn emissions(
             let celsius = given.or(air.dry_bulb_c).ok_or_else(|| {
                 let what =
                     format!("dry bulb temperature is missing; `longwave` uses it as the temperature of the {name}");
-                let hint = format!("fill in column 7, or give a temperature, as in {{temperature}} {name}=12.5");
+                let hint = format!("fill in dry bulb temperature (EPW: column 7), or give a temperature, as in {{temperature}} {name}=12.5");
                 Error::input(file, row.line, what, hint)
             })?;
             Ok(black_body_w_m2(celsius))

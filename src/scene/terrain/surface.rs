@@ -43,10 +43,11 @@ pub(crate) fn surface(mut raster: Raster, wanted: &Wanted) -> Result<(Geometry, 
     geometry.reference = raster.reference;
     geometry.in_metres = raster.plane_unit_m.is_some();
     if let Some(angle) = wanted.horizon_deg
-        && !(0.0..90.0).contains(&angle)
+        && !(0.0..=10.0).contains(&angle)
     {
         let what = format!("the horizon error is {angle} degrees");
-        return Err(Error::input(wanted.file, None, what, "give 0 (full resolution) to 1 degree; 0.2 is usual"));
+        let hint = "give 0 (full resolution) to 10 degrees; 0.2 is usual";
+        return Err(Error::input(wanted.file, None, what, hint));
     }
     let (low, high) = raster.bounds();
     let middle = 0.5 * (low + high);

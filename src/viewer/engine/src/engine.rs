@@ -186,7 +186,7 @@ impl Engine {
         let place = opened.archive.manifest().place;
         if beside.is_some_and(|beside| !beside.is_of(place.as_ref())) {
             let what = place
-                .map_or("nobody knows where the archive lies".into(), |place| format!("the archive lies at {place}"));
+                .map_or("the archive states no place".into(), |place| format!("the archive lies at {place}"));
             return Err(Failure::new(Kind::OtherPlace, what, ""));
         }
         let site = Site::of(&opened, bytes);
